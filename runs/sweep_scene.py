@@ -169,7 +169,7 @@ def _leave_to_tolerance(document: dict[str, Any]) -> None:
         document["observables"] = [
             name
             for name in observables
-            if not (name in OBSERVABLES and OBSERVABLES[name].seen == "refinement")
+            if not (name in OBSERVABLES and OBSERVABLES[name].measured_at == "refinement")
         ]
 
 

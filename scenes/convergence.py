@@ -1,7 +1,7 @@
-"""A scene at several eps: how fast its lattice comes near its wave, at fixed slow times.
+"""Convergence study of a scene: the rate at which its error falls with eps, at fixed slow times.
 
-In theory the error is that of the first thing that is left out: of the equation, its next order
-that does not vanish; of the data, the fields that follow the wave.
+In theory the error is that of the first neglected term: in the equation, the next order that does
+not vanish; in the initial data, the fields slaved to the wave.
 """
 
 from __future__ import annotations
@@ -27,21 +27,21 @@ from longwave.support.user_files import shown
 Array = NDArray[Any]
 
 FEWEST = 3
-"""Errors that a rate with its uncertainty needs."""
+"""Minimum number of errors from which a rate and its uncertainty can be fitted."""
 
 MOST = 20
-"""Values of eps."""
+"""Maximum number of values of eps."""
 
 SHARE = 0.05
-"""Of an error, what its run may add to it."""
+"""Largest discretisation error of a run, as a fraction of the error that it measures."""
 
-USUAL = (2.0, 1.4, 1.0, 0.7)
-"""Values of eps in units of the scene's, unless they are given."""
+DEFAULT_FACTORS = (2.0, 1.4, 1.0, 0.7)
+"""Default values of eps, in units of the scene's eps."""
 
 
 @dataclass(frozen=True)
 class FittedRate:
-    """The power of eps that fits errors, and an interval for its limit at small eps.
+    """Power of eps fitted to errors, with an interval for its limit at small eps.
 
     >>> print(FittedRate(5.82, 5.81, 6.04))
     5.8 (5.8 .. 6.1)
@@ -57,16 +57,16 @@ class FittedRate:
         )
 
     def holds(self, power: float) -> bool:
-        """Whether the interval, with its ends as they are printed, holds that power."""
+        """Return whether the interval, with its ends rounded as printed, contains ``power``."""
         return floor(10 * self.low) <= 10 * power <= ceil(10 * self.high)
 
 
 @dataclass(frozen=True)
 class ConvergencePoint:
-    """One eps: the sup error over the cells and the times after the first, of what is compared.
+    """Sup error at one eps, over the compared cells and quantities and the times after the start.
 
-    ``relative`` is the same in units of the wave's largest deviation from its background at these
-    times; ``discretisation`` is what the run itself is estimated to add to the error.
+    ``relative`` is the error in units of the wave's largest deviation from its background at these
+    times; ``discretisation`` is the estimated error of the run itself.
     """
 
     eps: float
@@ -79,10 +79,10 @@ class ConvergencePoint:
 
 @dataclass(frozen=True, repr=False)
 class SceneConvergence:
-    """The errors of a scene at several eps, and the power of eps that fits them.
+    """Errors of a scene at several eps, and the power of eps fitted to them.
 
-    Errors are of what is compared, as it stands; ``power`` is that of eps with which it is small.
-    ``theory`` is the power that the expansion has for the errors, None where it names none.
+    The compared quantity itself is of size eps^``power``; errors are absolute. ``theory`` is the
+    power predicted by the expansion, or None if it predicts none.
     """
 
     scene: Scene
@@ -106,11 +106,11 @@ class SceneConvergence:
 
     @property
     def reached(self) -> bool:
-        """Whether the interval of the measured rate holds the power of theory."""
+        """Whether the interval of the measured rate contains the theoretical power."""
         return self.theory is not None and self.rate.holds(self.theory)
 
     def data(self) -> dict[str, Any]:
-        """All of it as numbers, text and lists."""
+        """Return the study as a JSON-compatible dict."""
         return {
             "scene": self.scene.name,
             "lattice": self.scene.lattice,
@@ -130,21 +130,21 @@ def scene_convergence(
     progress: Callable[[float], None] = lambda _: None,
     announce: Announce = lambda _: None,
 ) -> SceneConvergence:
-    """Run the scene at each eps, from the largest on, and fit the rate.
+    """Run the scene at each eps, from the largest to the smallest, and fit the rate.
 
-    A run whose own error is not small beside what it measures is done again, to a smaller
-    tolerance. Raises ValueError for values that are too few or wrong, and as `record_scene`.
+    A run whose own error is not small compared with the measured one is repeated with a smaller
+    tolerance. Raises ValueError for too few or invalid values of eps, and as `record_scene`.
     """
-    values = _checked(scene, eps)
+    values = _eps_values(scene, eps)
     scene = scene.with_tolerance(scene.target.tolerance).changed(observables=("strain",))
     points: list[ConvergencePoint] = []
     power = 0
-    for place, value in enumerate(values):
+    for index, value in enumerate(values):
 
-        def share(done: float, place: int = place) -> None:
-            progress((place + done) / len(values))
+        def run_progress(done: float, index: int = index) -> None:
+            progress((index + done) / len(values))
 
-        run = _run(at_eps(scene, value), share, announce)
+        run = _run(at_eps(scene, value), run_progress, announce)
         power = run.attrs["power"]
         points.append(_point(run))
     errors, own = [p.error for p in points], [p.discretisation for p in points]
@@ -155,13 +155,13 @@ def scene_convergence(
 def fitted_rate(
     eps: Sequence[float], errors: Sequence[float], own: Sequence[float] = ()
 ) -> FittedRate:
-    """The least-squares slope of ``log error`` by ``log eps``, and where its limit may lie.
+    """Fit the slope of ``log error`` against ``log eps``, with an interval for its limit.
 
-    The slope drifts with eps. Between two neighbours it is told at their geometric mean, and what
-    is held is the slope at all eps, that of the two least, and what lines through the slopes by eps
-    and by its square have at eps = 0; beyond that, what slopes miss of these lines, and what the
-    errors ``own`` of the runs may change.  Raises ValueError for fewer than three errors, and for
-    what has no logarithm.
+    The slope drifts with eps.  Local slopes are taken between neighbouring eps, at their geometric
+    mean.  The interval contains the overall slope, the local slope at the two smallest eps, and the
+    values at eps = 0 of lines fitted to the local slopes against eps and eps^2.  It is enlarged by
+    the misfit of these lines and by the effect of the runs' ``own`` errors.  Raises ValueError for
+    fewer than three errors, and for eps or errors that are not positive and finite.
 
     >>> fitted_rate([0.1, 0.2, 0.4], [0.01, 0.04, 0.16]).value
     2.0
@@ -176,24 +176,28 @@ def fitted_rate(
             f"errors must be finite and > 0, got {min(errors):g} to {max(errors):g} (an error of 0 "
             "has no rate)"
         )
-    places = np.argsort(eps)
-    logs = np.log(np.array([eps, errors], dtype=np.float64)[:, places])
+    order = np.argsort(eps)
+    logs = np.log(np.array([eps, errors], dtype=np.float64)[:, order])
     value = round(float(np.polyfit(logs[0], logs[1], 1)[0]), 12)
     widths, heights = np.diff(logs, axis=1)
     slopes, middles = heights / widths, np.exp((logs[0, 1:] + logs[0, :-1]) / 2)
     lines = [np.polyfit(middles**power, slopes, 1) for power in (1, 2)]
-    missed = min(
+    misfit = min(
         float(np.max(np.abs(np.polyval(line, middles**power) - slopes)))
         for power, line in zip((1, 2), lines, strict=True)
     )
-    shares = np.array(own or np.zeros(len(errors)))[places] / np.exp(logs[1])
-    beyond = missed + float(np.max((shares[1:] + shares[:-1]) / widths))
-    held = [value, float(slopes[0]), *(float(line[1]) for line in lines)]
-    return FittedRate(value, min(held) - beyond, max(held) + beyond)
+    shares = np.array(own or np.zeros(len(errors)))[order] / np.exp(logs[1])
+    margin = misfit + float(np.max((shares[1:] + shares[:-1]) / widths))
+    candidates = [value, float(slopes[0]), *(float(line[1]) for line in lines)]
+    return FittedRate(value, min(candidates) - margin, max(candidates) + margin)
 
 
-def _checked(scene: Scene, given: Sequence[float]) -> list[float]:
-    values = [finite("eps", value) for value in given or [f * scene.eps for f in USUAL]]
+def _eps_values(scene: Scene, eps: Sequence[float]) -> list[float]:
+    """Return the values of eps, largest first, by default `DEFAULT_FACTORS` times the scene's.
+
+    Raises ValueError for too few, too many, repeated or invalid values.
+    """
+    values = [finite("eps", value) for value in eps or [f * scene.eps for f in DEFAULT_FACTORS]]
     for value in values:
         positive("eps", value)
     if not FEWEST <= len(set(values)) == len(values) <= MOST:
@@ -205,7 +209,7 @@ def _checked(scene: Scene, given: Sequence[float]) -> list[float]:
 
 
 def at_eps(scene: Scene, eps: float) -> Scene:
-    """The scene at another eps, its times and its region the same in the wave's own units."""
+    """Return the scene at another eps, with the same slow times and the same region in X."""
     slow = derivation(scene).slow
     times = tuple(t * scene.eps**slow for t in scene.lattice_times(slow))
     return scene.changed(
@@ -220,14 +224,14 @@ def _run(scene: Scene, progress: Callable[[float], None], announce: Announce) ->
     from longwave.scenes.engines.lattice_run import record_scene
 
     run = record_scene(scene, progress, announce)
-    wanted = SHARE * float(np.max(_sup_errors(run)))
-    if run.attrs["error_estimate"] <= wanted or wanted == 0.0:
+    allowed = SHARE * float(np.max(_sup_errors(run)))
+    if run.attrs["error_estimate"] <= allowed or allowed == 0.0:
         return run
-    return record_scene(scene.changed(tolerance=wanted), progress, announce)
+    return record_scene(scene.changed(tolerance=allowed), progress, announce)
 
 
 def _sup_errors(run: RunRecord) -> Array:
-    """The sup errors at the times after the start, in the unit of what is compared."""
+    """Return the sup errors at the times after the start, in units of the compared quantity."""
     pair = ("strains", "analytics") if "strains" in run.variables else ("strain", "analytic")
     numeric, analytic = (_later(run, name) for name in pair)
     axes = tuple(range(1, numeric.ndim))
@@ -236,46 +240,46 @@ def _sup_errors(run: RunRecord) -> Array:
 
 
 def _later(run: RunRecord, name: str) -> Array:
-    """The values of a variable at the times after the start."""
+    """Return the values of a variable at the times after the start."""
     return run.values(name)[np.array(run.reached) > run.scene.t0]
 
 
 def _point(run: RunRecord) -> ConvergencePoint:
-    scene, told = run.scene, run.attrs
+    scene, attributes = run.scene, run.attrs
     errors = _sup_errors(run)
-    apart = float(np.max(errors))
+    error = float(np.max(errors))
     with np.errstate(invalid="ignore"):
         sizes = errors / _later(run, "error")
     size = float(np.max(sizes, where=np.isfinite(sizes), initial=0.0))
     if size == 0.0:
         raise ValueError(
-            f"half_width must leave some of the wave in the region at the later times, got 0 there "
+            f"half_width must keep some of the wave in the region at the later times, got 0 there "
             f"with eps = {scene.eps:g} (take a wider region or earlier times)"
         )
-    scale = scene.eps ** told["power"]
+    scale = scene.eps ** attributes["power"]
     return ConvergencePoint(
         scene.eps,
-        apart * scale,
-        apart / size,
-        told["error_estimate"] * scale,
-        int(told["sites"]),
-        float(told["seconds"] + told["planning_seconds"]),
+        error * scale,
+        error / size,
+        attributes["error_estimate"] * scale,
+        int(attributes["sites"]),
+        float(attributes["seconds"] + attributes["planning_seconds"]),
     )
 
 
-SEEN = 4
-"""Orders behind the reduced equation in which the second that does not vanish is looked for: the
-even ones alone are there for cells that look alike from both sides."""
+SEARCHED_ORDERS = 4
+"""Orders beyond the reduced equation that are searched for its next two corrections; mirror
+symmetric cells have even orders only."""
 
 ZERO = 1e-12
-"""A coefficient that small, of numbers of order one with 60 digits, is 0."""
+"""Size below which a coefficient counts as 0; coefficients are of order one, from 60 digits."""
 
 
 def long_wave_rate(reduction: Reduction, lattice: Lattice, order: str) -> int | None:
-    """The power of the strain's error for data of that order; None where theory names none.
+    """Return the theoretical power of the strain's error for data of this order, or None.
 
-    That is so for leading data of several fields, whose free waves no expansion follows, and where
-    no order behind the equation is found.
+    There is none for leading data of several fields, which excite free waves that the expansion
+    does not describe, and if no correction of the equation is found.
 
     >>> from sympy import S
     >>> from longwave.derive import LATTICES
@@ -288,18 +292,18 @@ def long_wave_rate(reduction: Reduction, lattice: Lattice, order: str) -> int | 
     if order == "leading" and len(lattice.fields) > 1:
         return None
     least = scaling.leading_order
-    further = reduce(lattice, scaling, least + SEEN).orders
-    gaps = sorted(found - least for found in further if found > least)
-    place = order == "corrected"
-    if len(gaps) <= place:
+    further = reduce(lattice, scaling, least + SEARCHED_ORDERS).orders
+    gaps = sorted(power - least for power in further if power > least)
+    is_corrected = order == "corrected"
+    if len(gaps) <= is_corrected:
         return None
     strain = scaling.amplitude + scaling.space[0].exponent * reduction.is_displacement
-    left = min(gaps[1], 2 * gaps[0]) if place else gaps[0]
-    return strain + left
+    neglected = min(gaps[1], 2 * gaps[0]) if is_corrected else gaps[0]
+    return strain + neglected
 
 
 def envelope_rate(envelope: Envelope, numbers: Mapping[str, Number], order: str) -> int:
-    """The power of the error of a carrier wave with data of that order.
+    """Return the theoretical power of a carrier wave's error for data of this order.
 
     >>> from longwave.derive import LATTICES, envelope
     >>> found = envelope(LATTICES["fput_strain"], 1)
@@ -307,27 +311,28 @@ def envelope_rate(envelope: Envelope, numbers: Mapping[str, Number], order: str)
     2
     """
     fields = carrier_fields(envelope, None, None, **numbers)
-    is_further = _has(fields.flow[0], 1)
-    follows = any(_has(terms, 2) for terms in (*fields.parts, fields.mean))
-    return 2 if order != "corrected" and (is_further or (order == "leading" and follows)) else 3
+    has_correction = _has(fields.flow[0], 1)
+    has_slaved = any(_has(terms, 2) for terms in (*fields.parts, fields.mean))
+    is_second = has_correction or (order == "leading" and has_slaved)
+    return 2 if order != "corrected" and is_second else 3
 
 
 def _has(terms: CarrierTerms, power: int) -> bool:
-    """Whether there is a term in eps to that power."""
+    """Return whether there is a nonzero term with this power of eps."""
     return any(term.power == power and abs(term.value) > ZERO for term in terms)
 
 
 def scene_rate(scene: Scene) -> int | None:
-    """The power of eps for the error of a scene; None where theory names none.
+    """Return the theoretical power of eps of a scene's error; None if theory predicts none.
 
-    So it is, too, where masses or springs deviate: the waves that these scatter are no part of it;
-    and for a soliton that follows the law of its losses, which are not small with eps.
+    None also with disorder, whose scattered waves are not part of the theory, and for a soliton
+    with losses, which do not become small with eps.
     """
     if scene.disorder:
         return None
-    found = derivation(scene)
-    if found.law is not None:
+    derived = derivation(scene)
+    if derived.law is not None:
         return None
-    if isinstance(found.source, Reduction):
-        return long_wave_rate(found.source, found.lattice, scene.order)
-    return envelope_rate(found.source, found.numbers, scene.order)
+    if isinstance(derived.source, Reduction):
+        return long_wave_rate(derived.source, derived.lattice, scene.order)
+    return envelope_rate(derived.source, derived.numbers, scene.order)

@@ -1,6 +1,6 @@
-"""Scenes and the rates at which their errors must fall with eps, as data: `rates.toml`.
+"""Scenes for convergence studies, read from `rates.toml`.
 
-What they must fall with is in no table: it follows from the expansion (`convergence.scene_rate`).
+The file states no expected rates: these follow from the expansion (`convergence.scene_rate`).
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ if TYPE_CHECKING:
 FILE = "rates.toml"
 
 LATE = 61
-"""Times at which an envelope is compared, whose errors beat with its carrier."""
+"""Number of times at which an envelope is compared, because its errors beat with the carrier."""
 
 
 @dataclass(frozen=True)
 class RateCase:
-    """A scene, the ``orders`` of its data and the values of ``eps`` at which its errors are taken.
+    """Scene of a convergence study, with the ``orders`` of its data and the values of ``eps``.
 
-    ``is_long`` if the full report alone has it.
+    Cases with ``is_long`` are run for the full report only.
     """
 
     scene: Scene
@@ -39,26 +39,26 @@ class RateCase:
     is_long: bool
 
     def study(self, order: str) -> SceneConvergence:
-        """The errors with data of that order, and their rate."""
-        from longwave.scenes.convergence import scene_convergence  # with SymPy; a list needs none
+        """Run the convergence study for data of this order."""
+        from longwave.scenes.convergence import scene_convergence  # loads SymPy
 
         return scene_convergence(self.scene.changed(order=order), self.eps)
 
 
 @cache
 def rate_cases() -> Mapping[str, RateCase]:
-    """The cases by name: the row of the equation, as in the tests of the reductions."""
+    """Return the cases by name, in the order of `rates.toml`."""
     text = files("longwave.scenes").joinpath(FILE).read_bytes()
     tables = dict(parse_toml(text, FILE, "scene"))
-    usual = tables.pop("usual")
-    return {name: _case(name, usual | found) for name, found in tables.items()}
+    defaults = tables.pop("usual")
+    return {name: _case(name, defaults | table) for name, table in tables.items()}
 
 
-def _case(name: str, given: dict[str, Any]) -> RateCase:
-    orders, eps, is_long = given.pop("orders"), given.pop("at"), given.pop("long", False)
-    if "late" in given:
-        first, last = given.pop("late")
+def _case(name: str, table: dict[str, Any]) -> RateCase:
+    orders, eps, is_long = table.pop("orders"), table.pop("at"), table.pop("long", False)
+    if "late" in table:
+        first, last = table.pop("late")
         late = np.linspace(first, last, LATE).tolist()
-        given["slow_times"] = [*given["slow_times"], *late]
-    scene = Scene.of_document(given | {"name": name, "eps": eps[0]}, Path(FILE))
+        table["slow_times"] = [*table["slow_times"], *late]
+    scene = Scene.of_document(table | {"name": name, "eps": eps[0]}, Path(FILE))
     return RateCase(scene, tuple(orders), tuple(eps), is_long)

@@ -245,7 +245,7 @@ def main() -> int:
 
 
 def _is_doubted(fit: SceneFit) -> bool:
-    return any("misses" in doubt or "correlated" in doubt for doubt in fit.doubts)
+    return any("differs from" in doubt or "correlated" in doubt for doubt in fit.doubts)
 
 
 if __name__ == "__main__":

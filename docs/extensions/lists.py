@@ -110,7 +110,7 @@ def observables() -> str:
     rows = [
         [
             f"`{entry.name}`",
-            entry.what + (" (on a ring only)" if entry.needs_ring else ""),
+            entry.summary + (" (on a ring only)" if entry.needs_ring else ""),
             ", ".join(f"`{variable.name}`" for variable in entry.variables),
         ]
         for entry in OBSERVABLES.values()

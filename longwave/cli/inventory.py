@@ -194,7 +194,7 @@ def observables() -> list[Record]:
     return [
         {
             "name": entry.name,
-            "what": entry.what,
+            "what": entry.summary,
             "needs_ring": entry.needs_ring,
             "arrays": [variable.name for variable in entry.variables],
         }

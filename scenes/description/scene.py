@@ -355,7 +355,9 @@ class Scene(SceneFields):
 
     def with_tolerance(self, tolerance: float) -> Scene:
         """The scene with a tolerance in the place of its step, domain and measured refinements."""
-        kept = (name for name in self.observables if observable_named(name).seen != "refinement")
+        kept = (
+            name for name in self.observables if observable_named(name).measured_at != "refinement"
+        )
         stated = dict.fromkeys(NUMERICS) if isinstance(self.numerics, Discretisation) else {}
         return self.changed(**stated | {"tolerance": tolerance, "observables": tuple(kept)})
 

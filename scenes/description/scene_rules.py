@@ -111,7 +111,7 @@ def check_observables(scene: SceneFields) -> None:
     numerics = scene.numerics
     for name in scene.observables:
         asked = observable_named(name)
-        if isinstance(numerics, Tolerance) and asked.seen == "refinement":
+        if isinstance(numerics, Tolerance) and asked.measured_at == "refinement":
             raise ValueError(
                 f"observables must have no refinement with a tolerance, got {name} "
                 "(leave it out: the run reports an estimate of its own)"

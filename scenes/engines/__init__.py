@@ -1,1 +1,1 @@
-"""How a scene becomes a run: domains, engines, their costs and records, and which of them runs."""
+"""Domains, engines, cost models and run records, and the choice of engine for a scene."""

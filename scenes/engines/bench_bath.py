@@ -1,9 +1,10 @@
-"""A chain in a bath: means over runs, each with noise of its own, and how well these are known.
+"""Ensemble means of a chain in a heat bath, with confidence intervals and step-size errors.
 
-A step of the chain without losses lies between two halves of what the bath does to velocities,
-``v -> a v + sqrt(T (1 - a^2) / m) xi`` with ``a = exp(-g h / (2 m))``. Both leave a chain of the
-bath's temperature as it is. Each run is made twice, with steps h and h / 2 and the same noise: the
-means are of the finer, and a third of its difference from the coarser tells what its steps cost.
+Each step h of the lossless chain lies between two half-steps of an Ornstein-Uhlenbeck process,
+``v -> a v + sqrt(T (1 - a^2) / m) xi`` with ``a = exp(-g h / (2 m))``. These half-steps, like the
+chain's exact flow, preserve thermal equilibrium at temperature T. Each run is computed twice, with
+steps h and h / 2 and the same noise. The means are taken over the finer runs; a third of the
+difference between the two estimates the finer run's step-size error.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from scipy.stats import t as student
 
 from longwave.lattice.state import State
 from longwave.scenes.description.bench import OF_MEANS
-from longwave.scenes.engines.bench_readings import BenchReadings, chain_of
+from longwave.scenes.engines.bench_readings import BenchReadings, bench_and_chain
 from longwave.support.checkpoint import begin_loop
 from longwave.support.request_limits import ExpectedCost, check_request
 
@@ -33,38 +34,40 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 FIRST_RUNS, MOST_RUNS = 64, 100_000
-"""Few runs that are small by chance are spread little, too: of 95 % intervals at which runs stopped
-after 8 or more, 86 of 100 held for energies of modes, which are spread like exponentials."""
+"""Minimum and maximum number of runs. The minimum keeps the intervals honest: a small sample that
+is low by chance also has a small spread. With a minimum of 8 runs only 86 of 100 intervals of 95 %
+contained the true mean energy of a mode, which is distributed exponentially."""
 
 CONFIDENCE, NOMINAL = 0.95, 0.97
-"""Of the interval of each mean, and of Student's that is taken for it: after 64 runs or more those
-of 0.95 held in 92 to 94 of 100 for such energies, these in 93 to 97."""
+"""Stated confidence of each interval, and the larger one used for Student's quantile. After 64 runs
+or more, intervals of 0.95 contained the true mode energy in 92 to 94 of 100 cases, intervals of
+0.97 in 93 to 97."""
 
 LONGEST_STEP = 0.5
-"""In units of the inverse highest frequency, and of the inverse rate at which velocities shrink."""
+"""Longest step, in units of the inverse highest frequency or of the inverse damping rate."""
 
-MOST_TURNED = 2.0
-"""A step that is so many times longer than one about what runs have met is shortened."""
+MOST_EXCESS = 2.0
+"""Factor by which a step may exceed the longest one for the strains met; beyond it is shortened."""
 
 HOT = 4.0
-"""The energy of a bond, in units of the temperature, up to which the first step follows it."""
+"""Bond energy, in units of the temperature, up to which the first step resolves the bond."""
 
-MEETINGS = 8
-"""Steps between two looks at what a run meets: each takes a third of a step's time on 8 cells."""
+CHECK_INTERVAL = 8
+"""Steps between two checks of the strains; on 8 cells a check takes a third of a step's time."""
 
-CURE, MOST_CURED = 0.25, 4
-"""Factor on the step after a run that broke down, and how often in turn it is taken before the
-chain is said to fly apart."""
+STEP_REDUCTION, MOST_REDUCTIONS = 0.25, 4
+"""Factor on the step after a breakdown, and number of such reductions before the chain is reported
+to fly apart."""
 
-CERTAIN = 3.0
-"""Standard errors beyond which a difference is not by chance."""
+SIGNIFICANT = 3.0
+"""Number of standard errors beyond which a difference is significant."""
 
-SPARE = 1.1
-"""Runs beyond those that the spread of the first asks for."""
+SAFETY = 1.1
+"""Safety factor on the number of runs predicted from the spread so far."""
 
 
 class BrokenRunError(ArithmeticError):
-    """A run whose fields are no numbers at the time ``t``."""
+    """Run whose fields are no longer finite at time ``t``."""
 
     def __init__(self, t: float) -> None:
         super().__init__(t)
@@ -72,28 +75,28 @@ class BrokenRunError(ArithmeticError):
 
 
 class Bath:
-    """Runs of a chain in its bath, whose step follows what they meet."""
+    """Runs of a chain in a heat bath, with a step adapted to the strains met."""
 
     def __init__(self, scene: Scene, bench: Bench, chain: DrivenChain) -> None:
         assert bench.noise is not None
         self.noise, self.cells = bench.noise, bench.sites
-        self.readings = BenchReadings(scene, *chain_of(scene, lossless=True))
+        self.readings = BenchReadings(scene, *bench_and_chain(scene, lossless=True))
         self.engine, self.chain = self.readings.engine, self.readings.chain
         self.masses = self.chain.cell_masses[:, : self.cells]
         losses = np.array(chain.losses) * np.array(chain.masses)
         self.rates = losses[:, np.newaxis] / self.masses
         highest = max(self.engine.first_frequency, float(self.rates.max()))
         self.step = min(LONGEST_STEP / highest, self.engine.first().step)
-        self.steps = self.cured = 0
+        self.steps = self.reductions = 0
         self.ranges = self._warm_ranges()
         warm = LONGEST_STEP / self.engine.dynamics.highest_frequency(self.ranges)
-        self.step = warm if self.step > MOST_TURNED * warm else self.step
+        self.step = warm if self.step > MOST_EXCESS * warm else self.step
 
     def _warm_ranges(self) -> Array:
-        """The ranges at the start, widened to where bonds store as much as a bath gives them."""
-        found = self.engine.dynamics.ranges(self.engine.state)
+        """Return the initial strain ranges, widened to the bond energies expected in the bath."""
+        ranges = self.engine.dynamics.ranges(self.engine.state)
         sizes = np.geomspace(1e-12, 1e12, 481)
-        for row, bond in zip(found, self.chain.bonds, strict=False):
+        for row, bond in zip(ranges, self.chain.bonds, strict=False):
             for end, sign in enumerate((-1.0, 1.0)):
                 with np.errstate(all="ignore"):
                     stored = bond.force.potential(sign * sizes)
@@ -101,39 +104,44 @@ class Bath:
                 whole = int(np.argmin(few)) if not few.all() else 0
                 if whole and stored[whole] >= 0.0:
                     row[end] += sign * sizes[whole - 1]
-        return found
+        return ranges
 
-    def followed_pair(self, number: int) -> tuple[Array, Array] | None:
-        """That `pair`; None if the step had to be shortened, with which all runs begin anew."""
+    def pair_if_resolved(self, number: int) -> tuple[Array, Array] | None:
+        """Return `pair` of run ``number``; None if the step was shortened and all runs restart."""
         try:
-            made = self.pair(number)
+            values = self.pair(number)
         except BrokenRunError as error:
-            self.has_shortened_step(error)
+            self.shorten_step(error)
             return None
-        return None if self.has_shortened_step(None) else made
+        return None if self.shorten_step(None) else values
 
-    def has_shortened_step(self, broken: BrokenRunError | None) -> bool:
-        """Shorten the step where runs broke down, or met faster waves than it can follow.
+    def shorten_step(self, broken: BrokenRunError | None) -> bool:
+        """Shorten the step after a breakdown or if it is too long for the strains met.
 
-        Raises ValueError where shorter and shorter steps did not help.
+        Returns whether the step was shortened. Raises ValueError if repeated shortening fails.
         """
         longest = LONGEST_STEP / self.engine.dynamics.highest_frequency(self.ranges)
-        if broken is None and self.step <= MOST_TURNED * longest:
+        if broken is None and self.step <= MOST_EXCESS * longest:
             return False
-        if broken is not None or longest < CURE * self.step:
-            self.cured += 1
-        if self.cured > MOST_CURED:
+        if broken is not None or longest < STEP_REDUCTION * self.step:
+            self.reductions += 1
+        if self.reductions > MOST_REDUCTIONS:
             t = self.readings.times[-1] if broken is None else broken.t
             raise ValueError(
-                f"times must end before the chain flies apart, got {t:g} (as with longer steps, "
-                f"with those of {self.step:.2g}; end earlier, or a lower temperature)"
+                f"times must end before the chain flies apart, got {t:g} (it does so with steps "
+                f"down to {self.step:.2g}; end earlier or lower the temperature)"
             )
-        self.step *= CURE if broken is not None else max(CURE, longest / self.step)
+        self.step *= (
+            STEP_REDUCTION if broken is not None else max(STEP_REDUCTION, longest / self.step)
+        )
         self.ranges = self._warm_ranges()
         return True
 
-    def _meet(self, f: Array, v: Array, t: float) -> None:
-        """Note the strains of a state."""
+    def _widen_ranges(self, f: Array, v: Array, t: float) -> None:
+        """Widen the recorded strain ranges by those of a state.
+
+        Raises BrokenRunError if they are not finite.
+        """
         met = self.engine.dynamics.ranges(State(t, f, v))
         if not np.isfinite(met).all():
             raise BrokenRunError(t)
@@ -141,9 +149,9 @@ class Bath:
         self.ranges[:, 1] = np.maximum(self.ranges[:, 1], met[:, 1])
 
     def pair(self, number: int) -> tuple[Array, Array]:
-        """What is watched at all times, (times, values), in that run's coarse and fine version.
+        """Return the readings of run ``number`` with steps h and h / 2, each (times, values).
 
-        Raises BrokenRunError where fields are no numbers.
+        Raises BrokenRunError if a field is not finite.
         """
         random = np.random.default_rng([self.noise.seed, number])
         start, engine = self.engine.state, self.engine
@@ -153,17 +161,17 @@ class Bath:
         for end in engine.stops.tolist():
             count = math.ceil((end - t) / self.step - 1e-9)
             h = (end - t) / max(count, 1)
-            kept = np.exp(-0.25 * h * self.rates)
-            size = np.sqrt(self.noise.temperature * (1.0 - kept**2) / self.masses)
-            for place in range(count):
+            decay = np.exp(-0.25 * h * self.rates)
+            size = np.sqrt(self.noise.temperature * (1.0 - decay**2) / self.masses)
+            for index in range(count):
                 kicks = size * random.standard_normal((4, *size.shape))
-                self._advance(coarse, kept, kicks, ((0, 1), (2, 3)), t + place * h, h)
-                self._advance(fine, kept, kicks, ((0,), (1, 2), (3,)), t + place * h, 0.5 * h)
-                if place % MEETINGS == MEETINGS - 1:
-                    self._meet(*coarse, t + (place + 1) * h)
+                self._advance(coarse, decay, kicks, ((0, 1), (2, 3)), t + index * h, h)
+                self._advance(fine, decay, kicks, ((0,), (1, 2), (3,)), t + index * h, 0.5 * h)
+                if index % CHECK_INTERVAL == CHECK_INTERVAL - 1:
+                    self._widen_ranges(*coarse, t + (index + 1) * h)
             self.steps += count
             t = end
-            self._meet(*fine, t)
+            self._widen_ranges(*fine, t)
             if t in times:
                 pair = (self.readings.read(State(t, *ring)) for ring in (coarse, fine))
                 read.append(tuple(pair))  # type: ignore[arg-type]
@@ -172,26 +180,29 @@ class Bath:
     def _advance(
         self,
         ring: tuple[Array, Array],
-        kept: Array,
+        decay: Array,
         kicks: Array,
         parts: tuple[tuple[int, ...], ...],
         t: float,
         h: float,
     ) -> None:
-        """A step, or two, between the quarters of the noise of a coarse one."""
+        """Advance by one or two steps between the four noise kicks of one coarse step.
+
+        ``parts`` groups the kicks: each group is applied before, between or after the steps.
+        """
         f, v = ring
         moving = v[:, : self.cells]
-        for place, quarters in enumerate(parts):
-            if place:
-                begin = t + (place - 1) * h
+        for index, quarters in enumerate(parts):
+            if index:
+                begin = t + (index - 1) * h
                 self.engine.dynamics.advance(self.engine.scheme, f, v, h, 1, begin)
             for quarter in quarters:
-                moving *= kept
+                moving *= decay
                 moving += kicks[quarter]
 
 
 class Means:
-    """Means of values and of their differences over runs, and how far single runs lie from them."""
+    """Running means and variances of readings and of their coarse-fine differences over runs."""
 
     def __init__(self) -> None:
         self.runs = 0
@@ -199,7 +210,7 @@ class Means:
         self._squares: Array = np.zeros(())
 
     def add(self, coarse: Array, fine: Array) -> None:
-        """One run more."""
+        """Include one more run."""
         values = np.array([fine, coarse - fine])
         self.runs += 1
         before = values - self._mean
@@ -208,84 +219,90 @@ class Means:
 
     @property
     def mean(self) -> Array:
-        """Of the finer runs."""
+        """Mean over the finer runs."""
         return np.asarray(self._mean[0])
 
     @property
     def spread(self) -> Array:
-        """The standard deviation of a run."""
+        """Standard deviation of a single run."""
         return np.asarray(np.sqrt(self._squares[0] / (self.runs - 1)))
 
     @property
     def by_chance(self) -> Array:
-        """Half the interval of each mean."""
+        """Half-width of each mean's confidence interval."""
         quantile = student.ppf(0.5 * (1.0 + NOMINAL), self.runs - 1)
         return np.asarray(quantile * self.spread / math.sqrt(self.runs))
 
     @property
     def by_steps(self) -> Array:
-        """What steps cost the finer runs, of order 2."""
+        """Step-size error of the finer runs' means, for a scheme of order 2."""
         return np.asarray(np.abs(self._mean[1]) / 3.0)
 
     def asks_for_shorter_steps(self, allowed: float) -> bool:
-        """Whether steps cost more than half of what is allowed, and not by chance."""
+        """Return whether the step-size error is significant and exceeds half of ``allowed``."""
         chance = np.sqrt(self._squares[1] / (self.runs - 1) / self.runs)
-        told = np.abs(self._mean[1]) > CERTAIN * chance
-        return bool((told & (self.by_steps > 0.5 * allowed)).any())
+        significant = np.abs(self._mean[1]) > SIGNIFICANT * chance
+        return bool((significant & (self.by_steps > 0.5 * allowed)).any())
 
 
 def record_means(
     scene: Scene, bench: Bench, chain: DrivenChain, progress: Progress, announce: Announce
 ) -> RunRecord:
-    """Run until the interval of each mean is within the tolerance.
+    """Run the chain until each mean's confidence interval is within the tolerance.
 
-    Raises ValueError in one line for a chain that flies apart and OverBudgetError for what would
-    take too long.
+    Raises ValueError in one line for a chain that flies apart or a tolerance that needs too many
+    runs, and OverBudgetError for runs that would take too long.
     """
     loop, allowed = begin_loop("means of a bath"), scene.target.tolerance
-    bath, means, wanted = Bath(scene, bench, chain), Means(), FIRST_RUNS
+    bath, means, target = Bath(scene, bench, chain), Means(), FIRST_RUNS
     assert allowed is not None
     if loop.memory is not None:
-        bath.step, bath.steps, wanted = (loop.memory[name] for name in ("step", "steps", "wanted"))
+        bath.step, bath.steps, target = (loop.memory[name] for name in ("step", "steps", "wanted"))
         vars(means).update(loop.memory["means"])
     last = perf_counter()
     while True:
-        while means.runs < wanted:
+        while means.runs < target:
             last = perf_counter()
-            made = bath.followed_pair(means.runs)
-            if made is None:
-                means, wanted = Means(), FIRST_RUNS
+            pair = bath.pair_if_resolved(means.runs)
+            if pair is None:
+                means, target = Means(), FIRST_RUNS
                 continue
-            means.add(*made)
-            progress(means.runs / wanted)
-            kept = {"step": bath.step, "steps": bath.steps, "wanted": wanted, "means": vars(means)}
-            loop.offer(kept.copy)
+            means.add(*pair)
+            progress(means.runs / target)
+            state = {"step": bath.step, "steps": bath.steps, "wanted": target, "means": vars(means)}
+            loop.offer(state.copy)
         chance, steps = float(means.by_chance.max()), float(means.by_steps.max())
         if float((means.by_chance + means.by_steps).max()) <= allowed:
             break
         halved = means.asks_for_shorter_steps(allowed)
-        needed = SPARE * (chance / (allowed - min(steps, 0.5 * allowed))) ** 2 * means.runs
+        needed = SAFETY * (chance / (allowed - min(steps, 0.5 * allowed))) ** 2 * means.runs
         if needed > MOST_RUNS:
             raise ValueError(
                 f"tolerance must be one that {MOST_RUNS} runs reach, got {allowed:g} (after "
-                f"{means.runs} runs the means are known to {chance:.1g}; a larger one)"
+                f"{means.runs} runs the means are known to {chance:.1g}; raise the tolerance)"
             )
         each = (perf_counter() - last) * (2.0 if halved else 1.0)
         remaining = ExpectedCost(seconds=each * max(needed - means.runs * (not halved), FIRST_RUNS))
         check_request(scene.name, remaining, "a larger tolerance, or end earlier")
         announce(remaining.seconds)
         if halved:
-            bath.step, means, wanted = 0.5 * bath.step, Means(), FIRST_RUNS
+            bath.step, means, target = 0.5 * bath.step, Means(), FIRST_RUNS
         else:
-            wanted = max(means.runs + 1, math.ceil(min(needed, 4.0 * means.runs)))
+            target = max(means.runs + 1, math.ceil(min(needed, 4.0 * means.runs)))
+    return _means_record(bath, means, allowed, perf_counter() - loop.begun)
+
+
+def _means_record(bath: Bath, means: Means, tolerance: float, seconds: float) -> RunRecord:
+    """Return the record of the means, with their intervals and the spread of single runs."""
     error, spread = OF_MEANS
-    half, told = means.by_chance + means.by_steps, f"half of the {CONFIDENCE:.0%} interval of the "
+    half = means.by_chance + means.by_steps
+    prefix = f"half of the {CONFIDENCE:.0%} interval of the "
     variables = bath.readings.variables(means.mean, meaning="mean ")
-    variables |= bath.readings.variables(half, error, f"{told}mean ")
+    variables |= bath.readings.variables(half, error, f"{prefix}mean ")
     variables |= bath.readings.variables(means.spread, spread, "standard deviation, a run's, of ")
-    record = bath.readings.record(variables, bath.steps, perf_counter() - loop.begun)
+    record = bath.readings.record(variables, bath.steps, seconds)
     record.attrs |= {
-        "tolerance": allowed,
+        "tolerance": tolerance,
         "error_estimate": float(half.max()),
         "step_error": float(means.by_steps.max()),
         "runs": means.runs,

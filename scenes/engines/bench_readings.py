@@ -1,4 +1,4 @@
-"""What is watched of a chain on a bench, which runs are compared by and recorded in."""
+"""Readings of a chain on a bench: the values by which runs are compared and recorded."""
 
 from __future__ import annotations
 
@@ -35,8 +35,8 @@ Array = NDArray[np.float64]
 
 
 @lru_cache(maxsize=4)
-def chain_of(scene: Scene, lossless: bool = False) -> tuple[Bench, DrivenChain]:
-    """The scene's bench, and its chain with numbers; without the losses of cells if asked for."""
+def bench_and_chain(scene: Scene, lossless: bool = False) -> tuple[Bench, DrivenChain]:
+    """Return a scene's bench and numeric chain; ``lossless`` omits the cells' own losses."""
     bench = scene.own_bench
     values = {name: number_value(name, value) for name, value in scene.constants}
     lattice, losses = without_losses(scene.symbolic_lattice, values)
@@ -45,7 +45,10 @@ def chain_of(scene: Scene, lossless: bool = False) -> tuple[Bench, DrivenChain]:
 
 
 def reading_times(scene: Scene, bench: Bench) -> Array:
-    """The scene's times, and those at which sensors are read between them."""
+    """Return the times at which sensors are read: the snapshots and every ``every`` between them.
+
+    Raises ValueError for more than `MOST_READINGS` times.
+    """
     begin, end, every = scene.t0, scene.end, bench.every
     if not (end - begin) / every <= MOST_READINGS:
         raise ValueError(
@@ -53,12 +56,12 @@ def reading_times(scene: Scene, bench: Bench) -> Array:
             f"{every:g} (read less often)"
         )
     between = begin + every * np.arange(1, math.floor((end - begin) / every) + 1)
-    wanted = np.union1d(between if math.isfinite(every) else [], scene.snapshots)
-    return np.asarray(wanted[wanted <= end])
+    times = np.union1d(between if math.isfinite(every) else [], scene.snapshots)
+    return np.asarray(times[times <= end])
 
 
 class BenchReadings:
-    """What is watched on a bench, the engine that compares it between runs, and its records."""
+    """Readings of a bench scene, with the engine that compares runs by them and their records."""
 
     def __init__(self, scene: Scene, bench: Bench, chain: DrivenChain) -> None:
         self.bench, self.chain, self.scene = bench, chain, scene
@@ -84,43 +87,49 @@ class BenchReadings:
         return [np.asarray(one.read(now)) for one in self.watched]
 
     def read(self, state: State, balance: EnergyBalance | None = None) -> Array:
-        """All that is watched, one after the other."""
+        """Return all readings of a state, flattened into one array."""
         return np.concatenate([part.ravel() for part in self._parts(state, balance)])
 
-    def variables(self, found: Array, ending: str = "", meaning: str = "") -> Variables:
-        """What is watched, by name and that ending; ``meaning`` precedes what it is."""
+    def variables(self, readings: Array, ending: str = "", meaning: str = "") -> Variables:
+        """Return dataset variables from flattened readings, (times, values).
+
+        ``ending`` is appended to each name, ``meaning`` is put before each long name.
+        """
         variables: Variables = {}
         splits = np.cumsum([math.prod(size) for size in self.sizes])[:-1]
-        parts = np.split(found, splits, axis=1)
+        parts = np.split(readings, splits, axis=1)
         for one, size, part in zip(self.watched, self.sizes, parts, strict=True):
             values = part.reshape(len(part), *size)
             dimensions = one.dimensions
             if dimensions[1:] and size[-1] == 1:
                 values, dimensions = values[..., 0], dimensions[:-1]
-            told = {"units": one.units, "long_name": meaning + one.long_name}
-            variables[one.name + ending] = ("time", *dimensions), values, told
+            attributes = {"units": one.units, "long_name": meaning + one.long_name}
+            variables[one.name + ending] = ("time", *dimensions), values, attributes
         return variables
 
     def record_of(self, trial: Trial) -> RunRecord:
-        """The record of a run, without variables if it broke down."""
+        """Return the record of a run, without variables if it broke down."""
         blow_up, steps, _, _ = trial.payload
         variables = {} if trial.values is None else self.variables(trial.values)
-        told = "" if blow_up is None else str(blow_up)
-        return self.record(variables, steps, trial.seconds, told)
+        message = "" if blow_up is None else str(blow_up)
+        return self.record(variables, steps, trial.seconds, message)
 
     def record(
         self, variables: Variables, steps: int, seconds: float, blow_up: str = ""
     ) -> RunRecord:
-        """The record of these variables, with places of sensors and numbers of modes."""
-        for name, counted, long_name in (
+        """Return a record of ``variables``, with the coordinates of sensors, modes, drivers, cuts.
+
+        ``blow_up`` describes a breakdown; empty if there was none.
+        """
+        for name, numbers, long_name in (
             ("sensor", self.bench.sensors, "number of the cell"),
             ("mode", self.bench.modes, "number of the mode"),
             ("driver", self.chain.drivers, "wall that moves, or force in the scene's order"),
             ("cut", self.bench.flux, "number of the cell to the left"),
         ):
-            if any(name in found for found, _, _ in variables.values()):
-                told = {"units": "1", "long_name": long_name}
-                variables[name] = (name,), np.array(counted), told
+            if any(name in dimensions for dimensions, _, _ in variables.values()):
+                attributes = {"units": "1", "long_name": long_name}
+                variables[name] = (name,), np.array(numbers), attributes
         scheme = self.engine.scheme
         cost = {
             "engine": "stencil",

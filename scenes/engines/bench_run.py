@@ -1,4 +1,4 @@
-"""Running a chain on a bench to the tolerance of what is watched, and what that is to cost."""
+"""Runs of a chain on a bench, to a tolerance on its readings, and their expected cost."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from longwave.lattice.schemes import REDUCED_PHASE_6
 from longwave.lattice.trial import DRIVEN_SHARE
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import MOST_STEPS
-from longwave.scenes.engines.bench_readings import BenchReadings, chain_of, reading_times
+from longwave.scenes.engines.bench_readings import BenchReadings, bench_and_chain, reading_times
 from longwave.scenes.engines.ring_cost import USUAL_RUNS, search_cost
-from longwave.scenes.engines.run_record import RunRecord, judged, searched
+from longwave.scenes.engines.run_record import RunRecord, add_error_estimate, refine_scene
 from longwave.scenes.starts.bench_chain import watched_cuts
 from longwave.support.request_limits import OverBudgetError, check_request
 
@@ -26,18 +26,21 @@ if TYPE_CHECKING:
     from longwave.support.request_limits import ExpectedCost
 
 BALANCE_SECONDS = 4e-4
-"""To stop at a step and follow energy through it: measured on 24 cells."""
+"""Seconds to stop at a step and update the energy balance; measured on 24 cells."""
 
 READING_SECONDS = 3e-4
-"""To stop at a time and read what is watched: 3e-4 to 4.6e-4, on 31 and 60 cells."""
+"""Seconds to stop at a time and take all readings: 3e-4 to 4.6e-4 on 31 and 60 cells."""
 
 FIRST_STEP = 4.0
-"""A first step, in units of the inverse highest frequency at rest."""
+"""First step tried, in units of the inverse highest frequency at rest."""
 
 
 def scene_cost(scene: Scene) -> ExpectedCost:
-    """What the scene is expected to cost, by its chain's waves at rest."""
-    bench, chain = chain_of(scene)
+    """Return the expected cost of a bench scene, from the chain's linear frequencies at rest.
+
+    Raises ValueError if a run would need more than `MOST_STEPS` steps.
+    """
+    bench, chain = bench_and_chain(scene)
     times = reading_times(scene, bench)
     highest = Dynamics(chain).highest_frequency(np.zeros((len(chain.bonds) + len(chain.fields), 2)))
     duration = float(times[-1] - scene.t0)
@@ -49,19 +52,18 @@ def scene_cost(scene: Scene) -> ExpectedCost:
     if steps > MOST_STEPS and driven.step >= longest:
         raise ValueError(
             f"times must end within at most {MOST_STEPS:g} steps, got {scene.end:g} (about "
-            f"{steps:.2g}, for the fastest waves have the frequency {highest:.2g}; end earlier)"
+            f"{steps:.2g} steps: the highest frequency is {highest:.2g}; end earlier)"
         )
     if steps > MOST_STEPS:
         raise ValueError(
-            f"losses and what drives a chain must take at most {MOST_STEPS:g} steps, got about "
-            f"{steps:.2g} (they change within {driven.step / DRIVEN_SHARE:.2g}; slow them down or "
-            "end earlier)"
+            f"losses and drivers must need at most {MOST_STEPS:g} steps, got about {steps:.2g} "
+            f"(their time scale is {driven.step / DRIVEN_SHARE:.2g}; slow them down or end earlier)"
         )
-    kept = times.size * max(1, len(bench.sensed)) * max(1, len(bench.sensors))
-    found = search_cost(chain, bench.sites, steps, REDUCED_PHASE_6.stages, float(kept))
-    balanced = steps * BALANCE_SECONDS if watched_cuts(bench, chain) is not None else 0.0
-    read = times.size * READING_SECONDS
-    return replace(found, seconds=found.seconds + USUAL_RUNS * (read + balanced))
+    readings = times.size * max(1, len(bench.sensed)) * max(1, len(bench.sensors))
+    cost = search_cost(chain, bench.sites, steps, REDUCED_PHASE_6.stages, float(readings))
+    balance = steps * BALANCE_SECONDS if watched_cuts(bench, chain) is not None else 0.0
+    reading = times.size * READING_SECONDS
+    return replace(cost, seconds=cost.seconds + USUAL_RUNS * (reading + balance))
 
 
 def record_scene(
@@ -70,10 +72,10 @@ def record_scene(
     announce: Announce | None = None,
     restart: State | None = None,
 ) -> RunRecord:
-    """Run the chain so that nothing watched is off by more than the tolerance.
+    """Run the chain so that the error of each reading is within the tolerance.
 
-    Raises ValueError in one line for what the lattice does not admit, for what would take too long,
-    and for a chain that flies apart.
+    Raises ValueError in one line for a request the lattice does not admit, for one that would take
+    too long, and for a chain that flies apart.
     """
     begun = perf_counter()
     if restart is not None:
@@ -83,7 +85,7 @@ def record_scene(
     cost = scene_cost(scene)
     check_request(scene.name, cost, "watch it less often, end earlier or take fewer sites")
     announce, progress = announce or (lambda _: None), progress or (lambda _: None)
-    bench, chain = chain_of(scene)
+    bench, chain = bench_and_chain(scene)
     if bench.noise is not None:
         from longwave.scenes.engines.bench_bath import record_means
 
@@ -91,15 +93,15 @@ def record_scene(
     announce(cost.seconds)
     readings = BenchReadings(scene, bench, chain)
     try:
-        found = searched(readings.engine, scene, progress, announce, readings.record_of)
-    except OverBudgetError as dear:
-        raise ValueError(readings.engine.budget_message(dear.work, scene.tolerance)) from None
-    record = readings.record_of(found.trial)
-    if found.trial.values is None:
-        readings.engine.check_followed(found.trial)
+        result = refine_scene(readings.engine, scene, progress, announce, readings.record_of)
+    except OverBudgetError as error:
+        raise ValueError(readings.engine.budget_message(error.work, scene.tolerance)) from None
+    record = readings.record_of(result.trial)
+    if result.trial.values is None:
+        readings.engine.check_followed(result.trial)
         raise ValueError(
             f"times must end before {scene.lattice} flies apart, got {scene.end:g} "
-            f"({record.attrs['blow_up'] or 'no run comes to the end'}, with steps down to "
-            f"{found.trial.choices.step:.2g}; end earlier)"
+            f"({record.attrs['blow_up'] or 'no run reaches the end'}, with steps down to "
+            f"{result.trial.choices.step:.2g}; end earlier)"
         )
-    return judged(record, found, scene, begun)
+    return add_error_estimate(record, result, scene, begun)

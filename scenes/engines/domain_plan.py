@@ -1,8 +1,8 @@
-"""Rings of cells about a wave, and windows that hold it: how many cells, and what a run costs.
+"""Computational domains of a wave, causal rings and moving windows: their cells and their cost.
 
-A ring is causal: it holds every cell from which a signal reaches a compared one in time, so its
-seam is never felt there. A long wave on a constant background takes a window that moves with it
-where that has fewer cells.
+A causal ring contains every cell whose signals can reach a compared cell during the run, so its
+seam does not affect the comparison. A long wave on a constant background is run in a moving window
+instead if the window has fewer cells.
 """
 
 from __future__ import annotations
@@ -45,83 +45,89 @@ LIMIT_SHARE = 0.9
 """Longest step tried, in units of the stability limit at the stiffest bonds of the data."""
 
 LAWFUL_TURN = 3.3
-"""Longest step tried, in radians that a carrier turns in it: up to there what a linear wave is off
-follows the law of the order within a tenth, and at 4.7 its amplitude's error changes its sign."""
+"""Longest step tried, in radians of the carrier's phase. Up to this step the error of a linear wave
+follows the scheme's order to within a tenth; at 4.7 the amplitude error changes its sign."""
 
 WIDER = 64
-"""Cells, along each axis, by which the ring of a control run is wider."""
+"""Additional cells along each axis on the ring of a control run."""
 
 GROWN = 0.05
-"""Share by which a lattice's strains are taken to exceed those of the wave. Those that exceed it do
-so on few cells for a short time, and carry no signal far."""
+"""Fraction by which a lattice's strains may exceed those of the wave. Larger strains occur on few
+cells and for a short time, so their faster signals do not travel far."""
 
 AROUND = 32
-"""Cells beyond the compared ones on which is looked at what rounding has grown to."""
+"""Cells beyond the compared ones that are inspected for growth of rounding errors."""
 
 
 MARGIN = 64
-"""Sites beyond the distance of sound that a window leaves for a signal's dispersive front."""
+"""Sites that a window leaves for a signal's dispersive front, beyond the distance that sound
+travels."""
 
 FRONT = 12.0
-"""Airy lengths by which a signal's front runs ahead of the sound: Ai(12) is 1e-13."""
+"""Distance by which a signal's front leads the sound, in Airy lengths: Ai(12) is 1e-13."""
 
 SIZE_MULTIPLE = 64
-"""Sizes are multiples of this, which suits the kernels."""
+"""Divisor of all window sizes, chosen to suit the kernels."""
 
 STRIDE = 64
-"""Most cells by which a window moves at once."""
+"""Maximum number of cells by which a window moves at once."""
 
 
 WATCHED = 8
-"""Cells next to the fed ones on which feed and lattice are compared."""
+"""Number of cells next to the fed ones in which feed and lattice are compared."""
 
 
 def front(speed: float, duration: float) -> float:
-    """Sites by which the dispersive front of a signal of that speed is ahead of it."""
+    """Return the distance in sites by which a signal's dispersive front leads the signal."""
     return max(MARGIN, FRONT * (speed * duration / 8.0) ** (1.0 / 3.0))
 
 
 def fed_cells(moved: int, ratio: float) -> int:
-    """Cells that a window feeds when it has moved by so many.
+    """Return the number of front cells that a window fills after it has ``moved`` by some cells.
 
-    Signals from its seam, ``ratio`` times as fast as it, have reached them since the last move.
+    Signals from the seam, ``ratio`` times as fast as the window, can have reached these cells since
+    the last move.
     """
-    faster = math.ceil(ratio * moved) - MARGIN // 2  # the rest of the margin is their front
+    faster = math.ceil(ratio * moved) - MARGIN // 2  # the dispersive front takes the other half
     return moved + max(moved, faster) + MARGIN
 
 
 def least_window(reach: int, ratio: float = 1.0) -> int:
-    """Fewest cells of a window whose ends keep away from the cells within ``reach``."""
+    """Return the fewest cells of a window whose ends do not affect the cells within ``reach``.
+
+    ``ratio`` is the speed of the fastest signal over that of the window.
+    """
     return 2 * (reach + max(2 * (STRIDE + MARGIN), fed_cells(STRIDE + 1, ratio) + WATCHED))
 
 
 def round_up(sites: float) -> int:
-    """The next multiple of ``SIZE_MULTIPLE``."""
+    """Return the next larger multiple of ``SIZE_MULTIPLE``."""
     return SIZE_MULTIPLE * math.ceil(sites / SIZE_MULTIPLE)
 
 
 @dataclass(frozen=True)
 class ComparedCells:
-    """The cells that are compared: within ``reach`` (one an axis) of where the frame is."""
+    """Cells that are compared: those within ``reach`` (one number an axis) of the moving frame."""
 
     speed: float
     reach: tuple[int, ...]
 
     def middle(self, t: float) -> int:
-        """The cell nearest to the frame's origin along the first axis."""
+        """Return the cell nearest to the frame's origin along the first axis."""
         return nearest_cell(self.speed, t)
 
     def cells(self, t: float) -> Array:
-        """They themselves, (sites,) or (axes, *sites)."""
+        """Return the compared cells; shape (sites,) on a chain, (axes, *sites) on a plane."""
         ends = ((self.middle(t), self.reach[0]), *((0, reach) for reach in self.reach[1:]))
         return _grid([(middle - reach, middle + reach) for middle, reach in ends])
 
     def ring(self, times: Sequence[float], signals: Sequence[float], wider: int) -> list[Ends]:
-        """First and last cell, along each axis, of a ring that no compared cell sees the end of.
+        """Return the first and last cell, along each axis, of a causal ring.
 
-        ``signals`` are the speeds of the fastest waves along each axis.
+        No signal from the ring's seam reaches a compared cell at any of ``times``. ``signals`` are
+        the speeds of the fastest waves along each axis; ``wider`` is a number of additional cells.
         """
-        found = []
+        ends = []
         for axis, (reach, speed) in enumerate(zip(self.reach, signals, strict=True)):
             rooms = [
                 (
@@ -131,11 +137,15 @@ class ComparedCells:
                 for t in times
             ]
             low, high = (min(m - r for m, r in rooms), max(m + r for m, r in rooms))
-            found.append((low - wider // 2, high + wider - wider // 2))
-        return found
+            ends.append((low - wider // 2, high + wider - wider // 2))
+        return ends
 
     def places(self, ring: Sequence[Ends], t: float, beyond: int = 0) -> tuple[slice, ...]:
-        """Where they are on the ring, and so many cells beyond."""
+        """Return the slices of the compared cells on a ring, one an axis.
+
+        ``ring`` holds the ring's first and last cell along each axis; ``beyond`` cells are added
+        on every side.
+        """
         middles = (self.middle(t), *(0 for _ in self.reach[1:]))
         return tuple(
             slice(max(0, middle - reach - beyond - low), middle + reach + beyond - low + 1)
@@ -144,11 +154,11 @@ class ComparedCells:
 
 
 Ends = tuple[int, int]
-"""The first and the last cell of a ring along an axis."""
+"""First and last cell of a ring along an axis."""
 
 
 def _signal(speed: float, duration: float) -> float:
-    """Cells that a signal and its dispersive front travel."""
+    """Return the number of cells that a signal travels, its dispersive front included."""
     return speed * duration + front(speed, duration)
 
 
@@ -158,7 +168,7 @@ def _grid(ends: Sequence[Ends]) -> Array:
 
 
 def sites_of(ends: Sequence[Ends]) -> int:
-    """The number of cells of a ring."""
+    """Return the number of cells of a ring with these ends."""
     return math.prod(high - low + 1 for low, high in ends)
 
 
@@ -172,25 +182,28 @@ def expected_rings(
     times: Sequence[float],
     tolerance: float | None = None,
 ) -> ExpectedCost:
-    """What a search is expected to take, by the lattice's waves about its rest.
+    """Return the expected cost of a search for step and domain, from the lattice's linear waves.
 
-    With a ``tolerance`` a window may be taken.
+    A window is considered only if a ``tolerance`` is given.
     """
     lattice = wave.lattice
     rest = lattice.rest_slopes()
     frequency, signals = lattice.highest_frequency(rest), _signal_speeds(lattice, rest)
     extent = _fed_extent(wave, times, tolerance)
     window = _window_size(wave, compared, times, signals, extent)
-    room = wave.seam_room(times[0]) if wave.watches_strains else 0  # others' are short
+    room = wave.seam_room(times[0]) if wave.watches_strains else 0  # negligible for other waves
     return _cost(wave, compared, times, frequency, signals, window, room)[1]
 
 
 def _fed_extent(
     wave: LatticeWave, times: Sequence[float], tolerance: float | None
 ) -> tuple[float, float] | None:
-    """The extent of a wave that a window can be fed with; None for another, or no tolerance."""
-    lost = wave.disorder is not None or wave.losses is not None
-    if tolerance is None or lost or wave.far_speed is None:
+    """Return the extent (low, high) of a wave that can be run in a window; None for any other.
+
+    None also without a tolerance.
+    """
+    is_perturbed = wave.disorder is not None or wave.losses is not None
+    if tolerance is None or is_perturbed or wave.far_speed is None:
         return None
     return wave.extent(times, tolerance)
 
@@ -202,10 +215,10 @@ def _window_size(
     signals: Sequence[float],
     extent: tuple[float, float] | None,
 ) -> int | None:
-    """Fewest cells of a window that holds the wave's extent, None where a ring has fewer.
+    """Return the size of the smallest window that holds the wave; None if a ring is smaller.
 
-    Signals from its rear, which run through the far field, must not reach the compared cells. A
-    wave that runs ahead of its frame makes a window so wide that a ring has fewer cells.
+    Signals from the window's rear, which travel through the far field, must not reach the compared
+    cells. A wave that runs ahead of its frame needs so wide a window that a ring is smaller.
     """
     if extent is None:
         return None
@@ -225,7 +238,7 @@ def _cost(
     window: int | None,
     room: int,
 ) -> tuple[float, ExpectedCost]:
-    """The cells of the widest ring, or of a window, and what the search takes."""
+    """Return the number of cells of the widest ring, or of the window, and the search's cost."""
     more = WIDER + 2 * (wave.lattice.spread_within(times[-1] - times[0]) + room)
     cells = float(window or sites_of(compared.ring(times, signals, more)))
     shortest = max(
@@ -233,35 +246,37 @@ def _cost(
         1.0 / (DRIVEN_SHARE * wave.lattice.driven_within(times[0], times[:2][-1])),
     )
     steps = (times[-1] - times[0]) * shortest
-    kept = math.prod(2.0 * reach + 1.0 for reach in compared.reach) * len(times)
+    values = math.prod(2.0 * reach + 1.0 for reach in compared.reach) * len(times)
     part = part_of(wave, compared, times, signals)
     share = 1.0
     if part is not None and window is None:
-        kept *= SHOWN
+        values *= SHOWN
         share = sites_of(part.ring(times, signals, WIDER)) / cells + 1.0 / USUAL_RUNS
-    found = search_cost(wave.lattice, cells, steps * share, SCHEME.stages, kept)
-    return cells, replace(found, steps=steps)
+    cost = search_cost(wave.lattice, cells, steps * share, SCHEME.stages, values)
+    return cells, replace(cost, steps=steps)
 
 
 FITTING = 64
-"""Cells by which a ring is made wider at most, or by a wavelength, for a wave to close on it."""
+"""Maximum number of cells added to a ring so that a periodic wave closes on it; a wavelength if
+that is more."""
 
 MOST_FITTING = 4096
-"""Most rings that are tried for that."""
+"""Maximum number of ring sizes tried for a periodic wave to close on the ring."""
 
 CLOSED, BESIDE = 1e-6, 4
-"""Share of itself by which a carrier may miss itself at a seam, in so many cells beside it."""
+"""Largest relative mismatch of a carrier at a closed seam, and the number of cells on either side
+of the seam in which it is measured."""
 
 REPEATED = 100.0
-"""X on either side of the frame, in which a wave that does not end has shown what it does."""
+"""Distance in X on either side of the frame after which an infinite wave repeats its behaviour."""
 
 
 def part_of(
     wave: LatticeWave, compared: ComparedCells, times: Sequence[float], signals: Sequence[float]
 ) -> ComparedCells | None:
-    """The compared cells of a large chain that stand for all, or None.
+    """Return compared cells that represent all those of a large chain; None if there are none.
 
-    Of a wave that ends they hold all that it may reach: elsewhere nothing happens.
+    For a wave of finite extent, they contain every cell that the wave can reach.
     """
     [reach, *others] = compared.reach
     if others or 2 * reach < LARGE or wave.disorder is not None:
@@ -284,22 +299,22 @@ def part_of(
 
 
 PART_TOLERANCE = 1e-6
-"""Deviation from a periodic background beyond which a part holds a wave at all times."""
+"""Deviation from a periodic background above which a cell belongs to the wave, in `part_of`."""
 
 PERIODS = 20
-"""The same of a periodic background, in wavelengths."""
+"""Wavelengths of a periodic background that a representative part contains at least."""
 
 
 class DomainPlan:
-    """The domains of one wave at ``times``, the first of which is the start: rings and windows.
+    """Computational domains, rings and windows, of one wave for a run over ``times``.
 
-    ``signals`` are the speeds of the fastest waves along each axis, ``fastest`` is the highest
-    frequency of any; ``room`` cells at either end of a ring make its ends meet. ``window`` is the
-    size of a window that has fewer cells, if there is one for a run to this ``tolerance``;
-    ``extent`` is that of a wave which windows hold. Where they are not ``closed``, their ends are
-    left as they are. A scene that ``is_stated`` says how many cells it takes. Raises ValueError,
-    before anything large is made, for what would take too long or too much memory, and for an
-    unstable lattice.
+    The run starts at the first of the times. ``signals`` are the speeds of the fastest waves along
+    each axis, ``fastest`` is the highest frequency of all waves. ``room`` is the number of cells at
+    either end of a ring that are blended to close it; 0 if the domains are not ``closed``.
+    ``window`` is the size of a window for a run to ``tolerance``, or None if a ring is smaller.
+    ``extent`` is the wave's extent in such a window. With ``is_stated`` the scene itself states the
+    number of cells, and no cost is checked. Raises ValueError for an unstable lattice and, before
+    any large array is made, for a run that would take too long or too much memory.
     """
 
     def __init__(
@@ -355,9 +370,10 @@ class DomainPlan:
             )
 
     def _beside(self) -> Iterator[InitialCells]:
-        """A chain's wave where it is at first, in pieces: it may run to the compared cells.
+        """Yield the initial data of the whole wave on a chain, piece by piece.
 
-        A soliton outside them may be faster than any signal among them, and be left out.
+        A soliton that starts outside the compared cells may be faster than any signal inside them
+        and reach them during the run.
         """
         low, high = self.wave.support(self.times[0])
         if self.wave.lattice.dimension > 1 or not math.isfinite(high - low):
@@ -373,7 +389,7 @@ class DomainPlan:
             yield self.wave.ring(np.arange(first, last, dtype=np.float64), self.times[0])
 
     def check_wider(self, window: int | None) -> None:
-        """Refuse a wider window, or a ring, that takes too long or too much memory."""
+        """Raise ValueError if a window of this size, or a ring for None, would cost too much."""
         cells, expected = _cost(
             *(self.wave, self.compared, self.times, self.fastest, self.signals),
             *(window, self.room),
@@ -385,9 +401,9 @@ class DomainPlan:
         )
 
     def ends(self, wider: int = 0) -> list[Ends]:
-        """The ends, along each axis, of a ring by so many cells wider than it must be.
+        """Return the ends, along each axis, of a causal ring with ``wider`` additional cells.
 
-        By a few more where a wave that does not end closes on that ring as it does not on less.
+        For an infinite periodic wave a few more cells are added, so that it closes on the ring.
         """
         if self._fills_line and wider not in self._fitting:
             most = max(FITTING, self.room)
@@ -399,15 +415,15 @@ class DomainPlan:
 
     @property
     def _fills_line(self) -> bool:
-        """Whether the wave is a periodic one that does not end, and a chain's ring has a seam."""
+        """Whether the wave is an infinite periodic wave on a chain."""
         wave = self.wave
         filled = math.isinf(max(map(abs, wave.support(self.times[0]))))
         is_periodic = wave.frequency or self.room
         return bool(filled and is_periodic and wave.lattice.dimension == 1)
 
     def gaps(self, domains: Sequence[Ends]) -> Array:
-        """By how much a carrier misses itself at the seam of each ring, in units of itself."""
-        beside = np.arange(-BESIDE, BESIDE + 1)
+        """Return the carrier's mismatch at the seam of each ring, relative to its amplitude."""
+        near = np.arange(-BESIDE, BESIDE + 1)
         sides = []
         for firsts in (
             np.array([low for low, _ in domains]),
@@ -415,17 +431,17 @@ class DomainPlan:
         ):
             cells = np.arange(firsts.min() - BESIDE, firsts.max() + BESIDE + 1)
             f, v = self.wave.state(cells.astype(np.float64), self.times[0])
-            places = firsts[:, np.newaxis] + beside - cells[0]
+            indices = firsts[:, np.newaxis] + near - cells[0]
             sides.append(
-                np.concatenate([np.diff(f[:, places]), v[:, places] / self.wave.turn], axis=2)
+                np.concatenate([np.diff(f[:, indices]), v[:, indices] / self.wave.turn], axis=2)
             )
         size = max(float(np.max(np.abs(sides[0]))), 1e-300)
         return np.asarray(np.abs(sides[0] - sides[1]).max(axis=(0, 2)) / size)
 
     def located(self, found: BlowUp, ends: Sequence[Ends]) -> BlowUp:
-        """A blow-up, with its distance from a seam at which the wave does not close.
+        """Return a blow-up with its distance from an open seam, if the seam can have caused it.
 
-        None is told where no signal from there can have come in time.
+        The distance is left out if no signal from the seam can have arrived in time.
         """
         if len(ends) > 1 or not self._is_open(ends):
             return found
@@ -441,47 +457,50 @@ class DomainPlan:
         return not self.room and self.wave.seam_room(self.times[0]) > 0
 
     def plain_ends(self, wider: int) -> list[Ends]:
-        """The same ends, whether or not a carrier closes there."""
+        """Return the ends of a causal ring with ``wider`` additional cells, whether or not closed.
+
+        Unlike `ends`, the size is not adjusted for a periodic wave to close on the ring.
+        """
         more = 2 * (self.room + self._spread) + wider
         return self.compared.ring(self.times, self.signals, more)
 
     def ring(self, ends: Sequence[Ends]) -> InitialCells:
-        """The wave at the first time on the ring with these ends."""
+        """Return the wave's initial data on the ring with these ends, blended at its seam."""
         return self.wave.closed(self.wave.ring(_grid(ends), self.times[0]), self.room)
 
     def fading(self) -> Fading | None:
-        """What fades cells of a closed ring from which no compared one can be reached any more."""
+        """Return the damping of cells that can no longer affect a compared one; None without it."""
         return self.wave.fading(self.times[0], self.signals[0])
 
     def limit(self, ring: InitialCells) -> float:
-        """The largest that may be seen of a run from this state, in units of the scale."""
+        """Return the largest compared value accepted in a run from ``ring``, in units of scale."""
         largest = max(float(np.max(sizes[0])) for sizes in (self.sizes, self._sizes(ring)))
         return GROWTH * largest / self.wave.scale
 
     def _sizes(self, ring: InitialCells) -> Array:
-        """The largest that is seen of each quantity and rate on a ring, and step to the next cell.
+        """Return the largest values and cell-to-cell differences of each quantity and its rate.
 
-        An array (2, 2, quantities).
+        Shape (2, 2, quantities): value or difference, then quantity or rate.
         """
         cells, reach = ring.f.shape[-1], self.wave.lattice.reach
         if ring.cells.ndim > 1 or cells <= PIECE:
             return _largest(self.wave.seen(ring.f, ring.v, ring.mean_strain))
         ends = [*range(reach, cells - reach, PIECE), cells - reach]
-        found = [
+        pieces = [
             _largest(self.wave.seen_at(ring.f, ring.v, ring.mean_strain, (slice(first, last),)))
             for first, last in itertools.pairwise(ends)
         ]
-        return np.asarray(np.max(found, axis=0))
+        return np.asarray(np.max(pieces, axis=0))
 
 
-def _largest(seen: Array) -> Array:
-    axes = tuple(range(2, seen.ndim))
-    steps = np.abs(np.diff(seen, axis=2)).max(axis=axes, initial=0.0)
-    return np.stack([np.abs(seen).max(axis=axes), steps])
+def _largest(values: Array) -> Array:
+    axes = tuple(range(2, values.ndim))
+    steps = np.abs(np.diff(values, axis=2)).max(axis=axes, initial=0.0)
+    return np.stack([np.abs(values).max(axis=axes), steps])
 
 
 def longest_step(fastest: float, carrier: float, scheme: Scheme = SCHEME) -> float:
-    """The longest step tried where these are the frequencies of the fastest wave and the carrier.
+    """Return the longest step tried, from the highest frequency and that of the carrier.
 
     >>> longest_step(2.0, 0.5) == LIMIT_SHARE * stability_limit(SCHEME) / 2.0
     True
@@ -493,7 +512,7 @@ def longest_step(fastest: float, carrier: float, scheme: Scheme = SCHEME) -> flo
 
 
 def check_rest(lattice: NumericLattice, slopes: Sequence[float]) -> None:
-    """Refuse a lattice that is unstable where its forces have these slopes, beside the wave."""
+    """Raise ValueError if the lattice is unstable at rest, where its forces have these slopes."""
     if not lattice.is_stable(slopes):
         raise ValueError(
             f"constants must make waves of {lattice.name} stable, got one that grows at "
@@ -502,19 +521,19 @@ def check_rest(lattice: NumericLattice, slopes: Sequence[float]) -> None:
 
 
 def stiffest_slopes(ring: InitialCells) -> list[float]:
-    """The largest slope of each bond's force about the stretches of a state.
+    """Return the largest slope of each bond's force over the stretches of a state.
 
-    Raises ValueError where a force is not defined, or a contact is open.
+    Raises ValueError where a force is undefined or a contact is open.
     """
     stretches = ring.lattice.stretches(ring.f)
-    found = [ring.lattice.steepest(place, x) for place, x in enumerate(stretches)]
+    slopes = [ring.lattice.steepest(place, x) for place, x in enumerate(stretches)]
     is_open = any(
         bond.force.opening is not None and not bond.force.slope(x).all()
         for bond, x in zip(ring.lattice.bonds, stretches, strict=True)
     )
-    if is_open or not all(map(math.isfinite, found)):
+    if is_open or not all(map(math.isfinite, slopes)):
         raise ValueError(
             f"eps must leave every bond of {ring.lattice.name} within its force, got a wave that "
             "stretches one beyond what its force is for (take a smaller eps)"
         )
-    return found
+    return slopes

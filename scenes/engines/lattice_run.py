@@ -1,4 +1,4 @@
-"""Running a scene on any lattice: derive, start from the wave, integrate, compare."""
+"""Run a scene on any lattice: derive its equation, start from the wave, integrate and compare."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ from longwave.scenes.engines.ring_cost import SHOWN, USUAL_RUNS, search_cost
 from longwave.scenes.engines.run_record import (
     RunRecord,
     UnfinishedRun,
+    add_error_estimate,
     error_unit,
-    judged,
-    searched,
-    searched_on_part,
+    refine_on_part,
+    refine_scene,
 )
 from longwave.scenes.engines.site_engine import SiteEngine
 from longwave.scenes.engines.spectral_run import run_spectral, spectral_cost
@@ -45,25 +45,25 @@ if TYPE_CHECKING:
     from longwave.scenes.engines.stepped_cells import SteppedCells
     from longwave.scenes.starts.lattice_wave import LatticeWave
 
-ACROSS = 2
-"""``Z = eps**2 m``."""
+TRANSVERSE_POWER = 2
+"""Power of eps in the transverse slow variable, ``Z = eps**2 m``."""
 
 
 def scene_wave(scene: Scene) -> LatticeWave:
-    """The wave of a scene: the paper's without a derivation, any other by its lattice's."""
+    """Return the wave of a scene; the paper's chain needs no derivation, other lattices do."""
     return moving_wave(scene) if scene.has_moving_wave else scene_lattice_wave(scene)
 
 
 def compared_cells(scene: Scene, wave: LatticeWave) -> ComparedCells:
-    """The cells of a scene's region; a half-width in X is one in Z, too."""
-    powers = (1, *(ACROSS,) * (wave.lattice.dimension - 1))
+    """Return the cells that a scene compares; the half-width in X also applies to Z."""
+    powers = (1, *(TRANSVERSE_POWER,) * (wave.lattice.dimension - 1))
     return ComparedCells(wave.speed, tuple(map(scene.cells_within, powers)))
 
 
 def scene_cost(scene: Scene) -> ExpectedCost:
-    """What the scene is expected to cost, by its lattice's waves about the rest.
+    """Return the expected cost of a scene, from its lattice's linear waves about rest.
 
-    Raises ValueError as `record_scene` does for what is wrong before anything is run.
+    Raises ValueError, as `record_scene` does, for a scene that is refused before it is run.
     """
     return cells_cost(scene) if scene.tolerance is None else _runs(scene).cost(scene)
 
@@ -73,38 +73,38 @@ def _runs(scene: Scene) -> WaveRuns:
 
 
 def rings_cost(scene: Scene) -> ExpectedCost:
-    """Return what the scene is expected to cost on spectral rings."""
+    """Return the expected cost of a scene on spectral rings."""
     if not scene.has_moving_wave:
         return _spectral_runs(scene).expected
     domains = spectral_cost(scene)
-    kept = (2.0 * scene.compared + 1.0) * len({scene.t0, *exact_times(scene)})
-    found = search_cost(moving_wave(scene).lattice, 0.0, 0.0, 1, kept)
-    found = _with(found, replace(domains, seconds=RINGS * domains.seconds))
-    return _with(found, _seen_cost(scene, compared_cells(scene, moving_wave(scene))))
+    values = (2.0 * scene.compared + 1.0) * len({scene.t0, *exact_times(scene)})
+    cost = search_cost(moving_wave(scene).lattice, 0.0, 0.0, 1, values)
+    cost = _with(cost, replace(domains, seconds=RING_SEARCH_COST * domains.seconds))
+    return _with(cost, _observation_cost(scene, compared_cells(scene, moving_wave(scene))))
 
 
-RINGS = 4.0
-"""Runs of a search on spectral rings, in units of the first."""
+RING_SEARCH_COST = 4.0
+"""Cost of a search on spectral rings, in units of its first run."""
 
 
 @lru_cache(maxsize=4)
 def cells_cost(scene: Scene) -> ExpectedCost:
-    """Return what the scene is expected to cost cell by cell."""
+    """Return the expected cost of a scene run cell by cell."""
     wave = scene_wave(scene)
     timed = in_lattice_times(scene, wave.slow)
     _check_axes(timed, wave)
     compared = compared_cells(scene, wave)
     if scene.tolerance is None:
-        found = _stated_cost(timed, wave, compared)
+        cost = _stated_cost(timed, wave, compared)
     else:
-        found = expected_rings(
+        cost = expected_rings(
             wave, compared, (timed.t0, *timed.snapshots), _window_tolerance(timed)
         )
-    return _with(found, _seen_cost(timed, compared))
+    return _with(cost, _observation_cost(timed, compared))
 
 
 def _with(cost: ExpectedCost, more: ExpectedCost) -> ExpectedCost:
-    """The cost, with the time and the memory that more takes."""
+    """Return ``cost`` with the seconds and the memory of ``more`` added."""
     return replace(
         cost,
         seconds=cost.seconds + more.seconds,
@@ -113,63 +113,67 @@ def _with(cost: ExpectedCost, more: ExpectedCost) -> ExpectedCost:
 
 
 def _stated_cost(timed: Scene, wave: LatticeWave, compared: ComparedCells) -> ExpectedCost:
-    """What is taken by a scene that states its step and its sites, with runs that refine it."""
+    """Return the expected cost of a scene with stated step and sites, refinement runs included."""
     stated, runs = timed.discretisation, stated_runs(timed)
     duration = timed.end - timed.t0
     enough_steps(stated.step, duration)
     sites = stated.sites * (2.0 if "domain_error" in timed.observables else 1.0)
-    kept = SHOWN * (2.0 * compared.reach[0] + 1.0) * len(timed.snapshots)
+    values = SHOWN * (2.0 * compared.reach[0] + 1.0) * len(timed.snapshots)
     steps = duration / stated.step
     share = runs / USUAL_RUNS * stated.sites / sites
-    found = search_cost(wave.lattice, sites, steps * share, stated.table.stages, kept)
+    cost = search_cost(wave.lattice, sites, steps * share, stated.table.stages, values)
     moves = duration * abs(wave.speed) / STRIDE if stated.rules.moves else 0.0
     return replace(
-        found,
-        seconds=found.seconds + MOVE_SECONDS * moves * runs,
-        memory_bytes=found.memory_bytes + MOVE_BYTES * moves,
+        cost,
+        seconds=cost.seconds + MOVE_SECONDS * moves * runs,
+        memory_bytes=cost.memory_bytes + MOVE_BYTES * moves,
         steps=steps * runs,
     )
 
 
 MOVE_SECONDS, MOVE_BYTES = 4e-5, 250.0
-"""For each move of a window."""
+"""Seconds and bytes for each move of a window."""
 
 
-def _seen_cost(timed: Scene, compared: ComparedCells) -> ExpectedCost:
-    """What it takes to look at a run as often as its observables ask, and to keep what they see."""
+def _observation_cost(timed: Scene, compared: ComparedCells) -> ExpectedCost:
+    """Return the expected cost of measuring and storing a scene's observables."""
     entries = [observable_named(name) for name in timed.observables]
     looks = timed.look_points or timed.curve_points
     counts = {"snapshots": len(timed.snapshots), "curve": timed.curve_points, "looks": looks}
-    times = {entry.seen: counts.get(entry.seen, 0) for entry in entries}
+    times = {entry.measured_at: counts.get(entry.measured_at, 0) for entry in entries}
     width = math.prod(2.0 * reach + 1.0 for reach in compared.reach)
     cells = timed.discretisation.sites if timed.tolerance is None else 0.0
     sizes = {"site": width, "wavenumber": width / 2.0, "map_site": MAP_CELLS, "cell": cells}
     values = sum(
-        times[entry.seen] * math.prod(sizes.get(name, 1.0) for name in variable.dimensions)
+        times[entry.measured_at] * math.prod(sizes.get(name, 1.0) for name in variable.dimensions)
         for entry in entries
         for variable in entry.variables
     )
     views = float(sum(times.values()))
     return ExpectedCost(
-        views * (VIEW_SECONDS + SEEN_SECONDS * width), MOMENT_BYTES * views + VALUE_BYTES * values
+        views * (VIEW_SECONDS + CELL_SECONDS * width), MOMENT_BYTES * views + VALUE_BYTES * values
     )
 
 
-VIEW_SECONDS, SEEN_SECONDS = 4e-4, 1e-6
-"""To see wave and lattice once, and for each compared cell: 5e-7 to 1.6e-6."""
+VIEW_SECONDS, CELL_SECONDS = 4e-4, 1e-6
+"""Seconds to evaluate wave and lattice at one time: fixed, and per compared cell (5e-7 to
+1.6e-6)."""
 
 VALUE_BYTES = 20.0
-"""For each number that is kept: in rows, in an array, and as a file's content."""
+"""Bytes for each stored number: in the recorder's rows, in an array and in the file."""
 
 
 def _spectral_runs(scene: Scene) -> SpectralRuns:
-    from longwave.scenes.engines.ring_spectral import SpectralRuns  # with a library of its own
+    from longwave.scenes.engines.ring_spectral import SpectralRuns  # imported only when needed
 
     return SpectralRuns(*domain_plan(scene))
 
 
 def wave_size(scene: Scene, t: float, far_field: bool) -> float:
-    """The wave's largest deviation from its background (`methods.wave_size`)."""
+    """Return the wave's largest deviation from its background or far field at time t.
+
+    NaN if the wave has no far field of its own (see `methods.wave_size`).
+    """
     wave = _started_wave(scene)
     cells = compared_cells(scene, wave).cells(t)
     far = wave.far_field(cells.astype(np.int64), t) if far_field else wave.background(cells, t)
@@ -184,12 +188,12 @@ def _started_wave(scene: Scene) -> LatticeWave:
 
 
 def in_lattice_times(scene: Scene, slow: int) -> Scene:
-    """The scene with t0 and snapshots in the place of slow times; ``T = eps**slow t``."""
+    """Return the scene with slow times converted to lattice times, ``T = eps**slow t``."""
     times = scene.lattice_times(slow)
     timed = scene.changed(t0=times[0], snapshots=times if scene.keeps_start else times[1:])
     if scene.tolerance is None or scene.target.steps_cells or scene.look_points is not None:
         return timed
-    return timed.changed(look_points=scene.curve_points)  # it stops nowhere by itself
+    return timed.changed(look_points=scene.curve_points)  # a spectral run has no stops of its own
 
 
 def _stops(timed: Scene) -> Sequence[float]:
@@ -197,13 +201,17 @@ def _stops(timed: Scene) -> Sequence[float]:
 
 
 def domain_plan(scene: Scene) -> tuple[Scene, DomainPlan]:
-    """The scene in the lattice's times, and the domains of its wave from then on."""
+    """Return the scene in lattice times and the domains of its wave.
+
+    Raises ValueError for observables the lattice does not have and for a scene that would take
+    too long or too much memory.
+    """
     wave = scene_wave(scene)
     timed = in_lattice_times(scene, wave.slow)
     _check_axes(timed, wave)
     compared = compared_cells(scene, wave)
-    seen = _seen_cost(timed, compared)
-    check_request(timed.name, seen, "take fewer curve_points, look_points or compared cells")
+    observation = _observation_cost(timed, compared)
+    check_request(timed.name, observation, "take fewer curve_points, look_points or compared cells")
     if scene.tolerance is None:
         stated = _stated_cost(timed, wave, compared)
         check_request(timed.name, stated, "take a larger step or fewer sites, or end earlier")
@@ -214,7 +222,7 @@ def domain_plan(scene: Scene) -> tuple[Scene, DomainPlan]:
 
 
 def _window_tolerance(timed: Scene) -> float | None:
-    """The tolerance of a scene that may be run in a window; None where it needs a ring."""
+    """Return the tolerance of a scene that may be run in a window; None if it needs a ring."""
     needs_ring = any(observable_named(name).needs_ring for name in timed.observables)
     if needs_ring or timed.tolerance is None or not timed.target.steps_cells:
         return None
@@ -222,23 +230,23 @@ def _window_tolerance(timed: Scene) -> float | None:
 
 
 def _check_axes(scene: Scene, wave: LatticeWave) -> None:
-    """Refuse what lattices of several axes, or without an energy, do not have."""
+    """Raise ValueError for requests that lattices of several axes or without energy cannot meet."""
     if wave.lattice.dimension > 1:
         if scene.tolerance is None:
             raise ValueError(
-                f"tolerance must be given on {scene.lattice}, got {scene.numerics} (a step may be "
-                "stated on chains alone)"
+                f"tolerance must be given on {scene.lattice}, got {scene.numerics} (only chains "
+                "accept a stated step)"
             )
         for name in scene.observables:
             if observable_named(name).one_axis:
                 raise ValueError(
-                    f"observables must have no {name} on {scene.lattice}, which has "
-                    f"{wave.lattice.dimension} axes (it is for chains)"
+                    f"observables must not include {name} on {scene.lattice}, which has "
+                    f"{wave.lattice.dimension} axes (it is for chains only)"
                 )
     if "energy" in scene.observables and not wave.has_energy:
         raise ValueError(
-            f"observables must have no energy on {scene.lattice}, whose equations conserve none "
-            "that is known (take a lattice of displacements)"
+            f"observables must not include energy on {scene.lattice}, which has no known energy "
+            "(take a lattice of displacements)"
         )
 
 
@@ -248,12 +256,12 @@ def record_scene(
     announce: Announce | None = None,
     restart: State | None = None,
 ) -> RunRecord:
-    """Derive the scene's equation, start its lattice from the wave, and compare at all times.
+    """Derive the scene's equation, run its lattice from the wave, and compare the two over time.
 
-    ``progress`` is called with the share of the work that is done, ``announce`` with the seconds
-    that are expected to pass; ``restart`` is a state of a run of the same scene to begin at. Raises
-    ValueError in one line for everything that lattice, wave and ansatz do not admit, for what would
-    take too long, and for a lattice that blows up.
+    ``progress`` is called with the completed fraction, ``announce`` with the expected seconds;
+    ``restart`` is a state of an earlier run of the same scene. Raises ValueError in one line for a
+    scene that lattice, wave or ansatz do not admit, for one that would take too long, and for a
+    lattice that blows up.
     """
     announce, progress = Announcer(announce or (lambda _: None)), progress or (lambda _: None)
     if scene.has_moving_wave:
@@ -266,40 +274,40 @@ def record_scene(
         else:
             record = _runs(scene).record(scene, progress, announce)
     except UnfinishedRun as stop:
-        _tell(stop.record, scene)
+        _add_attributes(stop.record, scene)
         raise
-    _tell(record, scene)
+    _add_attributes(record, scene)
     return record
 
 
 def stated_cells(timed: Scene, domains: DomainPlan) -> SteppedCells:
-    """Return the cells of the domain that a scene states."""
+    """Return the cells of the domain, window or ring, that a scene states."""
     return entries.table(CellDomain)[timed.discretisation.domain].cells(timed, domains)
 
 
-CHEAPER = "end earlier, compare fewer sites or see fewer times"
+REMEDY = "end earlier, compare fewer sites or take fewer times"
 
 
 def record_by_rings(scene: Scene, progress: Progress, announce: Announce) -> RunRecord:
-    """Run the scene on spectral rings, which for the paper's waves need not be causal.
+    """Run a scene on spectral rings, which need not be causal for the paper's waves.
 
-    A scene that does not ask for rings, and is refused by them, is run cell by cell.
+    If the spectral engine refuses a scene that does not name it, the scene is run cell by cell.
     """
     begun = perf_counter()
     if not scene.has_moving_wave:
         runs = _spectral_runs(scene)
         announce(runs.expected.seconds)
-        found = searched(runs.engine, scene, progress, announce, runs.record_of)
-        record = _judged(runs.record_of(found.trial), found, scene, runs.times[-1], begun)
-        record.scene = scene  # the ring has no sites that say it
+        result = refine_scene(runs.engine, scene, progress, announce, runs.record_of)
+        record = _checked_record(runs.record_of(result.trial), result, scene, runs.times[-1], begun)
+        record.scene = scene  # a scene file cannot state a spectral ring
         return record
     expected = rings_cost(scene)
-    check_request(scene.name, expected, CHEAPER)
+    check_request(scene.name, expected, REMEDY)
     announce(expected.seconds)
     cells = cells_cost(scene.changed(engine="stencil"))
     first = (cells.seconds - cells.once) / USUAL_RUNS
     try:
-        return judged(*run_spectral(scene, first, progress, announce), scene, begun)
+        return add_error_estimate(*run_spectral(scene, first, progress, announce), scene, begun)
     except ValueError:
         if scene.target.engine:
             raise
@@ -307,7 +315,7 @@ def record_by_rings(scene: Scene, progress: Progress, announce: Announce) -> Run
 
 
 def choose_engine(scene: Scene) -> str:
-    """The engine that a scene names, or the one that its observables need, or the cheaper one.
+    """Return the engine that a scene names or its observables need, otherwise the cheaper one.
 
     Raises ValueError if the named one cannot compute an observable.
     """
@@ -317,8 +325,8 @@ def choose_engine(scene: Scene) -> str:
     needing = [name for name in scene.observables if observable_named(name).all_sites]
     if named.engine and needing:
         raise ValueError(
-            f"engine must be 'stencil' for {needing[0]}, got {named.engine!r} (it has no ring of "
-            "sites)"
+            f"engine must be 'stencil' for {needing[0]}, got {named.engine!r} (it computes only "
+            "the compared sites)"
         )
     if named.engine:
         return named.engine
@@ -328,8 +336,8 @@ def choose_engine(scene: Scene) -> str:
     return "stencil" if is_cheap else "spectral"
 
 
-def _tell(record: RunRecord, scene: Scene) -> None:
-    """Tell the equation, the frame, and the unit of errors."""
+def _add_attributes(record: RunRecord, scene: Scene) -> None:
+    """Add the equation, the frame's speed, units and long names to a record."""
     wave = scene_wave(scene)
     record.attrs |= {"frame_speed": wave.speed, "power": wave.power}
     if scene.has_moving_wave:
@@ -337,25 +345,25 @@ def _tell(record: RunRecord, scene: Scene) -> None:
         return
     record.attrs["equation"], has_displacements = equation_of(scene)
     if "strains" in record.variables:
-        told = {"units": "name", "long_name": "what is compared"}
-        record.variables["quantity"] = ("quantity",), np.array(wave.quantities), told
-    is_moved = has_displacements and not any(" " in q for q in wave.quantities)
+        attributes = {"units": "name", "long_name": "what is compared"}
+        record.variables["quantity"] = ("quantity",), np.array(wave.quantities), attributes
+    compares_displacements = has_displacements and not any(" " in q for q in wave.quantities)
     changes = {name: {"long_name": text} for name, text in LONG_NAMES.items()}
     changes |= {name: {"units": error_unit(wave.power)} for name in ("sup_error", *MEASURED)}
     for name in changes.keys() & record.variables.keys():
-        dimensions, values, told = record.variables[name]
-        record.variables[name] = dimensions, values, told | changes[name]
-    if is_moved:
-        _tell_displacements(record)
+        dimensions, values, attributes = record.variables[name]
+        record.variables[name] = dimensions, values, attributes | changes[name]
+    if compares_displacements:
+        _name_displacements(record)
 
 
-def _tell_displacements(record: RunRecord) -> None:
-    """Name displacements in units and long names, where the fields themselves are compared."""
+def _name_displacements(record: RunRecord) -> None:
+    """Replace "strain" by "displacement" in all units and long names of a record."""
     record.attrs["field_kind"] = DISPLACEMENT
-    for name, (dimensions, values, told) in record.variables.items():
+    for name, (dimensions, values, attributes) in record.variables.items():
         words = {
             key: text.replace("strain", DISPLACEMENT).replace("what is compared", DISPLACEMENT)
-            for key, text in told.items()
+            for key, text in attributes.items()
         }
         record.variables[name] = dimensions, values, words
 
@@ -367,52 +375,52 @@ LONG_NAMES = {
     "analytic": "the same of the closed-form wave",
     "background": "the same of the wave's background",
 }
-"""On other lattices it need be no strain."""
+"""Long names on lattices other than the paper's; the compared quantity need not be a strain."""
 
 
 def record_by_cells(scene: Scene, progress: Progress, announce: Announce) -> RunRecord:
-    """Run the scene cell by cell to its tolerance."""
+    """Run a scene cell by cell to its tolerance."""
     begun, engine = perf_counter(), SiteEngine(*domain_plan(scene))
     announce(engine.expected.seconds)
     parts = engine.parts()
-    found = parts and searched_on_part(*parts, scene, progress, announce)
-    found = found or searched(engine, scene, progress, announce)
-    record = _judged(found.trial.payload, found, scene, engine.times[-1], begun)
-    _add_pulse(record, engine, found.trial.choices.step)
+    result = parts and refine_on_part(*parts, scene, progress, announce)
+    result = result or refine_scene(engine, scene, progress, announce)
+    record = _checked_record(result.trial.payload, result, scene, engine.times[-1], begun)
+    _add_pulse(record, engine, result.trial.choices.step)
     if engine.domains.wave.lattice.dimension > 1:
-        record.scene = scene  # the ring of a plane has no sites that say it
+        record.scene = scene  # a scene file cannot state the ring of a plane
     return record
 
 
-def _judged(
-    record: RunRecord | None, found: Refined, scene: Scene, end: float, begun: float
+def _checked_record(
+    record: RunRecord | None, result: Refined, scene: Scene, end: float, begun: float
 ) -> RunRecord:
-    """Return the record with what the judge says; ValueError where no step follows the lattice."""
-    if record is None or (math.isinf(found.error) and not record.attrs["blow_up"]):
+    """Return the record with its error estimate; ValueError if no step resolves the lattice."""
+    if record is None or (math.isinf(result.error) and not record.attrs["blow_up"]):
         raise ValueError(
             f"times must end before {scene.lattice} blows up, got {end:g} (steps "
-            f"down to {found.trial.choices.step:.2g} do not follow it; end earlier or take a "
+            f"down to {result.trial.choices.step:.2g} do not follow it; end earlier or take a "
             "smaller eps)"
         )
-    return judged(record, found, scene, begun)
+    return add_error_estimate(record, result, scene, begun)
 
 
 def _add_pulse(record: RunRecord, engine: SiteEngine, step: float) -> None:
-    """Add what disorder left of the wave, where it was metered."""
-    metered, wave = engine.metered.get(step), engine.domains.wave
-    if metered is None or not metered.size:
+    """Add the crest, position and energy of a wave in a disordered lattice, if measured."""
+    readings, wave = engine.metered.get(step), engine.domains.wave
+    if readings is None or not readings.size:
         return
     assert wave.disorder is not None
     theory = []
     for t in engine.times:
         cells = engine.domains.compared.cells(t)
         theory.append(crest(cells, wave.strain(cells, t)[0] - wave.background(cells, t)[0]))
-    columns, numbers = pulse_track(metered, engine.metered_before(step), theory)
-    kept = [engine.times.index(t) for t in record.reached]
+    columns, numbers = pulse_track(readings, engine.metered_before(step), theory)
+    rows = [engine.times.index(t) for t in record.reached]
     for name, values in columns.items():
         units, long_name = PULSE_VARIABLES[name]
-        told = {"units": units, "long_name": long_name}
-        record.variables[name] = ("time",), values[kept], told
+        attributes = {"units": units, "long_name": long_name}
+        record.variables[name] = ("time",), values[rows], attributes
     record.attrs |= numbers
     if not math.isnan(speed := wave.disorder.effective_speed):
         record.attrs["effective_speed"] = speed

@@ -1,4 +1,4 @@
-"""Table of how scenes of each kind are run; a kind's modules are imported when it is run."""
+"""Dispatch from the kind of a scene to its engine, whose modules are imported on first use."""
 
 from __future__ import annotations
 
@@ -19,9 +19,10 @@ if TYPE_CHECKING:
 
 
 class Method(NamedTuple):
-    """What runs a scene, what a run is expected to cost, and the size of the wave compared.
+    """Functions for one kind of scene: run it, predict its cost, return the size of its wave.
 
-    ``size`` takes the scene, a time, and whether the far field is meant; None without a wave.
+    ``size`` takes the scene, a time and whether to use the far field instead of the background. It
+    is None for scenes without a wave.
     """
 
     record: Record
@@ -53,7 +54,7 @@ METHODS: Mapping[str, Callable[[], Method]] = {
     "ring": _ring,
     "sidebands": _sidebands,
 }
-"""By `Scene.method`."""
+"""Function that imports and returns the `Method` for each value of `Scene.method`."""
 
 
 def record_scene(
@@ -62,7 +63,7 @@ def record_scene(
     announce: Announce | None = None,
     restart: State | None = None,
 ) -> RunRecord:
-    """Run the scene, or go on from the state ``restart`` of a run of the same scene."""
+    """Run a scene and return its record; ``restart`` is a state of an earlier run to resume."""
     return METHODS[scene.method]().record(scene, progress, announce, restart)
 
 
@@ -74,17 +75,17 @@ def run_scene(
 
 
 def expected_cost(scene: Scene) -> ExpectedCost:
-    """Return what a run is expected to cost, in a process that has just begun.
+    """Return the expected cost of a scene in a new process.
 
-    Raises ValueError as a run does for what is wrong before anything is run.
+    Raises ValueError, as a run does, for a scene that is refused before it is run.
     """
     return METHODS[scene.method]().cost(scene)
 
 
 def wave_size(scene: Scene, t: float, far_field: bool = False) -> float:
-    """Return the wave's largest deviation from its background, or its far field, at a time.
+    """Return the wave's largest deviation from its background, or from its far field, at time t.
 
-    Over the compared cells and all that is compared; NaN where there is no such field.
+    The maximum is over the compared cells and quantities. NaN if the wave has no such far field.
     """
     scene.check_compared()
     size = METHODS[scene.method]().size

@@ -1,4 +1,4 @@
-"""What sees a run at its moments, and records what the scene asks for."""
+"""Recorders: measure a scene's observables during a run and store the values."""
 
 from __future__ import annotations
 
@@ -27,19 +27,20 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 LOOK_EVALUATIONS = 1088
-"""Fewest force evaluations a site between two looks: a look then costs a hundredth of the run."""
+"""Minimum number of force evaluations per site between two looks; measuring then takes 1 % of the
+run."""
 
 
 MOMENT_BYTES = 1000.0
-"""For each time at which something is seen, beside what is kept of it."""
+"""Bytes of overhead for each time at which observables are measured."""
 
 
 @dataclass
 class Moments:
-    """Exact ``times``, or looks at the first stop after every ``interval`` if there are none.
+    """Times at which to measure: the exact ``times``, or the first stop after each ``interval``.
 
     >>> looks = Moments((), 2.0)
-    >>> [t for t in (0.0, 1.5, 2.5, 4.0, 4.5) if looks.due(t)]
+    >>> [t for t in (0.0, 1.5, 2.5, 4.0, 4.5) if looks.is_due(t)]
     [0.0, 2.5, 4.5]
     """
 
@@ -50,8 +51,8 @@ class Moments:
         self._exact = frozenset(self.times)
         self.next = -np.inf
 
-    def due(self, t: float) -> bool:
-        """Whether the run is to be seen at the stop ``t``; to be asked once for each stop."""
+    def is_due(self, t: float) -> bool:
+        """Return whether to measure at the stop ``t``. Call once for each stop, in order."""
         if self.times:
             return t in self._exact
         if t < self.next:
@@ -61,7 +62,7 @@ class Moments:
 
 
 def moments_of(scene: Scene, kind: Moment) -> Moments:
-    """The moments of one kind in a scene."""
+    """Return the times at which a scene measures observables of one kind."""
     if kind == "snapshots":
         return Moments(scene.snapshots)
     if kind == "curve":
@@ -74,29 +75,29 @@ def moments_of(scene: Scene, kind: Moment) -> Moments:
 
 
 def _equidistant(scene: Scene, points: int) -> tuple[float, ...]:
-    """Equidistant times of the run, and the snapshots."""
+    """Return ``points`` equidistant times from start to end of the run, and the snapshots."""
     equidistant = np.linspace(scene.t0, scene.end, points)
     return tuple(sorted({float(t) for t in equidistant} | set(scene.snapshots)))
 
 
 def exact_times(scene: Scene) -> tuple[float, ...]:
-    """The times that the scene's observables want exactly."""
-    kinds = {observable_named(name).seen for name in scene.observables}
+    """Return the times that the scene's observables require exactly, snapshots included."""
+    kinds = {observable_named(name).measured_at for name in scene.observables}
     times = {t for kind in kinds if _is_exact(scene, kind) for t in moments_of(scene, kind).times}
     return tuple(sorted(times.union(scene.snapshots)))
 
 
 def _is_exact(scene: Scene, kind: Moment) -> bool:
-    """Whether these are times, not the first stops after an interval."""
+    """Return whether this kind of observable is measured at exact times."""
     return kind in ("snapshots", "curve") or (kind == "looks" and scene.look_points is not None)
 
 
 Variables = dict[str, tuple[tuple[str, ...], Any, dict[str, str]]]
-"""Name -> (dimensions, values, attributes)."""
+"""Dataset variables by name, each as (dimensions, values, attributes)."""
 
 
 class Recorder:
-    """Records the entries that share one kind of moment, and one time dimension."""
+    """Recorder of the observables that are measured at the same times, on one time dimension."""
 
     def __init__(self, entries: Sequence[Observable], moments: Moments, dimension: str) -> None:
         self.entries = tuple(entries)
@@ -105,68 +106,71 @@ class Recorder:
         self.times: list[float] = []
         self._rows: dict[str, list[Any]] = {}
 
-    def see(self, view: View) -> None:
-        """Measure every entry once."""
-        self.add(view.t, self.measured(view))
+    def observe(self, view: View) -> None:
+        """Measure all observables of a view and store the values."""
+        self.add(view.t, self.measure(view))
 
-    def measured(self, view: View) -> dict[str, Any]:
-        """What every entry measures of a view."""
+    def measure(self, view: View) -> dict[str, Any]:
+        """Return the measured values of all observables, by variable name."""
         return {
             name: value for entry in self.entries for name, value in entry.measure(view).items()
         }
 
     def add(self, t: float, row: Mapping[str, Any]) -> None:
-        """Record what was measured at a time."""
+        """Store the values measured at time ``t``."""
         for name, value in row.items():
             self._rows.setdefault(name, []).append(value)
         self.times.append(t)
 
     def memory(self) -> Memory:
-        """What was recorded, and when it is to look next."""
+        """Return the checkpoint state: recorded values and the time of the next look."""
         return {"times": self.times, "rows": self._rows, "next": self.moments.next}
 
     def recall(self, memory: Memory) -> None:
-        """Have recorded that."""
+        """Restore the state from a checkpoint."""
         self.times, self._rows, self.moments.next = (memory[k] for k in ("times", "rows", "next"))
 
     def variables(self) -> Variables:
-        """What was measured at ``times``, and they unless they are the snapshots'.
+        """Return the recorded variables, and their times unless these are the snapshots.
 
-        It is handed over: of a large ring there is no room for it twice.
+        The recorder gives up its rows, because a large ring has no memory for a second copy.
         """
-        found: Variables = {}
+        recorded: Variables = {}
         for variable in (variable for entry in self.entries for variable in entry.variables):
             if variable.name in self._rows:
                 values = np.array(self._rows.pop(variable.name)[: len(self.times)])
                 dimensions = (self.dimension, *_dimensions(variable, values.ndim - 1))
-                found[variable.name] = (dimensions, values, variable.attributes)
+                recorded[variable.name] = (dimensions, values, variable.attributes)
         if self.dimension != "time":
             times = np.array(self.times)
-            found[self.dimension] = ((self.dimension,), times, TIME)
-        return found
+            recorded[self.dimension] = ((self.dimension,), times, TIME)
+        return recorded
 
 
 def _dimensions(variable: Variable, count: int) -> tuple[str, ...]:
-    """Those of its values at one time; on a plane cells have rows, and a state may have fields."""
-    given = variable.dimensions
-    if count == len(given):
-        return given
-    return (*given, "row") if given[-1] == "site" else ("field", *given)
+    """Return the dimensions of a variable's values at one time; ``count`` is their number.
+
+    Cells of a plane add the dimension "row"; a state with several fields adds "field".
+    """
+    declared = variable.dimensions
+    if count == len(declared):
+        return declared
+    return (*declared, "row") if declared[-1] == "site" else ("field", *declared)
 
 
 def build_recorders(scene: Scene) -> list[Recorder]:
-    """One recorder for each kind of moment at which the scene wants something seen."""
+    """Return one recorder for each kind of measurement times that the scene's observables need."""
     entries = [observable_named(name) for name in scene.observables]
     kinds: tuple[Moment, ...] = ("snapshots", "curve", "looks")
     return [
         Recorder(group, moments_of(scene, kind), TIME_DIMENSION[kind])
         for kind in kinds
-        if (group := [entry for entry in entries if entry.seen == kind])
+        if (group := [entry for entry in entries if entry.measured_at == kind])
     ]
 
 
 class Samples:
-    """What ``take`` takes of a view at some times, and nothing else: the strains unless given."""
+    """Values that ``take`` extracts from views at exact times; by default all compared values."""
 
     def __init__(
         self, times: Sequence[float], take: Callable[[Any], Array] = attrgetter("numerics")
@@ -175,18 +179,18 @@ class Samples:
         self.samples: list[Array] = []
         self._take = take
 
-    def see(self, view: View) -> None:
-        """Keep what is taken at one time."""
+    def observe(self, view: View) -> None:
+        """Store the sample of a view."""
         self.samples.append(self._take(view))
 
     def memory(self) -> Memory:
-        """The samples."""
+        """Return the checkpoint state: the samples so far."""
         return {"samples": self.samples}
 
     def recall(self, memory: Memory) -> None:
-        """Have kept those samples."""
+        """Restore the samples from a checkpoint."""
         self.samples = memory["samples"]
 
 
 Observer: TypeAlias = Recorder | Samples
-"""Sees the run at its moments, and remembers what it has seen."""
+"""Object that measures a run at given times and stores the values."""

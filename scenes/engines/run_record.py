@@ -1,6 +1,6 @@
-"""What a run leaves: a record of what was seen and told, of which a data set is made on request.
+"""Run records: the variables and attributes of a finished or interrupted run.
 
-So does what Ctrl-C leaves of a run.
+A record is converted to an xarray Dataset on request.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 
 def error_unit(power: int) -> str:
-    """The unit in which errors are told, that power of eps, in words.
+    """Return the unit of reported errors, a power of eps, as text.
 
     >>> error_unit(1), error_unit(2)
     ('eps', 'eps^2')
@@ -42,12 +42,12 @@ def error_unit(power: int) -> str:
 
 @dataclass(repr=False)
 class RunRecord:
-    """A run of ``scene`` as it was recorded: a `Dataset` before anyone needs one.
+    """Recorded run of ``scene``, from which `dataset` builds an xarray Dataset.
 
-    ``reach`` says how many cells are compared on either side along each axis; ``reached`` are the
-    snapshots that were got to; ``attrs`` is what was told of the run, its cost first, and may be
-    added to until the data set is made. ``asked`` is the scene that was asked for, if step and
-    domain of ``scene`` were chosen.
+    ``reach`` is the number of compared cells on either side along each axis; ``reached`` are the
+    snapshots that the run reached; ``attrs`` are its attributes, cost first, which may be extended
+    until the data set is built. ``requested`` is the scene as requested, if step and domain of
+    ``scene`` were chosen for it.
     """
 
     scene: Scene
@@ -55,7 +55,7 @@ class RunRecord:
     reached: Sequence[float]
     variables: Variables
     attrs: dict[str, Any]
-    asked: Scene | None = None
+    requested: Scene | None = None
 
     def __repr__(self) -> str:
         return f"<RunRecord of {self.scene.name}: {len(self.reached)} times, {self._error}>"
@@ -66,69 +66,71 @@ class RunRecord:
 
     @property
     def _error(self) -> str:
-        held = self.values("error") if "error" in self.variables else np.empty(0)
-        largest = np.max(held, initial=-1.0, where=np.isfinite(held))
+        errors = self.values("error") if "error" in self.variables else np.empty(0)
+        largest = np.max(errors, initial=-1.0, where=np.isfinite(errors))
         return f"error at most {largest:.3g}" if largest >= 0.0 else "no error against a wave"
 
     def values(self, name: str) -> NDArray[Any]:
-        """The values of a variable, in the order of its times."""
+        """Return the values of a variable, in the order of its times."""
         return np.asarray(self.variables[name][1])
 
     @cached_property
     def arrays(self) -> LabelledArrays:
-        """The run with its coordinates, the scene and what made it."""
+        """Run as labelled arrays, with coordinates, scene and provenance."""
         used = {name for dimensions, _, _ in self.variables.values() for name in dimensions}
         axes = {name: axis_values(name, self.reach) for name in used}
-        held: Variables = {"time": (("time",), list(self.reached), dict(TIME))}
-        held |= {name: ((name,), *axis) for name, axis in axes.items() if axis is not None}
-        held |= self.variables
-        asked = self.asked or self.scene
+        entries: Variables = {"time": (("time",), list(self.reached), dict(TIME))}
+        entries |= {name: ((name,), *axis) for name, axis in axes.items() if axis is not None}
+        entries |= self.variables
+        requested = self.requested or self.scene
         attributes = {
-            "title": asked.title or asked.name,
-            "scene": asked.toml(),
-            **({} if asked is self.scene else {"plan": self.scene.toml()}),
+            "title": requested.title or requested.name,
+            "scene": requested.toml(),
+            **({} if requested is self.scene else {"plan": self.scene.toml()}),
             **self.attrs,
             **provenance(),
         }
-        found = {
-            name: LabelledArray(dimensions, np.asarray(values), told)
-            for name, (dimensions, values, told) in held.items()
+        labelled = {
+            name: LabelledArray(dimensions, np.asarray(values), labels)
+            for name, (dimensions, values, labels) in entries.items()
         }
-        return LabelledArrays(found, attributes)
+        return LabelledArrays(labelled, attributes)
 
     @cached_property
     def dataset(self) -> xr.Dataset:
-        """The `arrays` as a data set."""
-        import xarray as xr  # 0.4 s, for those who want a data set
+        """Run as an xarray Dataset, with coordinates, scene and provenance."""
+        import xarray as xr  # takes 0.4 s, so only on request
 
-        held = {n: (v.dims, v.values, v.attrs) for n, v in self.arrays.variables.items()}
-        axes = {name: held.pop(name) for name in list(held) if held[name][0] == (name,)}
-        return xr.Dataset(held, axes, self.arrays.attrs)
+        data = {n: (v.dims, v.values, v.attrs) for n, v in self.arrays.variables.items()}
+        axes = {name: data.pop(name) for name in list(data) if data[name][0] == (name,)}
+        return xr.Dataset(data, axes, self.arrays.attrs)
 
 
-def judged(record: RunRecord, found: Refined, asked: Scene, begun: float) -> RunRecord:
-    """The record of a run to a tolerance, with what the judge says of it.
+def add_error_estimate(
+    record: RunRecord, result: Refined, requested: Scene, begun: float
+) -> RunRecord:
+    """Add the error estimate of a search to the record of its last run, and return the record.
 
-    ``error_estimate`` is of what is compared, in its unit, sup over the compared cells and all
-    exact times, against the infinite lattice; ``rounding_estimate`` is its part for rounding,
-    ``next_decade`` the factor by which ten times more accuracy costs more. ``begun`` is when the
-    search did, as `perf_counter` tells.
+    ``error_estimate`` is the sup over the compared cells and all exact times of the difference from
+    the infinite lattice, in the unit of the compared values. ``rounding_estimate`` is the part due
+    to rounding, ``next_decade`` the cost factor for ten times more accuracy. ``begun`` is the start
+    of the search in `perf_counter` seconds.
     """
-    record.asked = asked
+    record.requested = requested
     record.attrs |= {
-        "tolerance": asked.target.tolerance,
-        "error_estimate": found.error,
-        "rounding_estimate": found.rounding,
-        "next_decade": found.next_decade,
-        "planning_seconds": time.perf_counter() - begun + restored_seconds() - found.trial.seconds,
+        "tolerance": requested.target.tolerance,
+        "error_estimate": result.error,
+        "rounding_estimate": result.rounding,
+        "next_decade": result.next_decade,
+        "planning_seconds": time.perf_counter() - begun + restored_seconds() - result.trial.seconds,
     }
     return record
 
 
 class UnfinishedRun(KeyboardInterrupt):
-    """Ctrl-C during a run, which had recorded something: ``run``, and ``record`` before it.
+    """Ctrl-C during a run; carries what was recorded as ``record``, and as Dataset ``run``.
 
-    The run's attribute ``unfinished`` says why it is not what the scene asks for.
+    The run's attribute ``unfinished`` says when or why it was interrupted.
     """
 
     def __init__(self, record: RunRecord) -> None:
@@ -137,18 +139,22 @@ class UnfinishedRun(KeyboardInterrupt):
 
     @property
     def run(self) -> xr.Dataset:
-        """What was recorded."""
+        """Recorded part of the run, as a Dataset."""
         return self.record.dataset
 
 
-def unfinished(
-    run: RunRecord | None, asked: Scene, error: float | None, planning_seconds: float
+def search_interrupt(
+    run: RunRecord | None, requested: Scene, error: float | None, planning_seconds: float
 ) -> KeyboardInterrupt:
-    """The best run of a search that Ctrl-C ended; ``error`` is its estimated one, if measured."""
+    """Return the exception for a search ended by Ctrl-C: UnfinishedRun with its best run.
+
+    A plain KeyboardInterrupt if nothing was recorded. ``error`` is the run's estimated error, or
+    None if it was not estimated.
+    """
     if run is None:
         return KeyboardInterrupt("before anything was recorded")
-    run.asked = asked
-    run.attrs |= {"tolerance": asked.tolerance, "planning_seconds": planning_seconds}
+    run.requested = requested
+    run.attrs |= {"tolerance": requested.tolerance, "planning_seconds": planning_seconds}
     why = run.attrs.get("unfinished", "Ctrl-C before the tolerance was met")
     if error is None:
         run.attrs["unfinished"] = f"{why}, its error not estimated"
@@ -157,47 +163,47 @@ def unfinished(
     return UnfinishedRun(run)
 
 
-def searched(
+def refine_scene(
     engine: Engine,
     scene: Scene,
     progress: Progress,
     announce: Announce,
     record_of: Callable[[Trial], RunRecord | None] = lambda trial: trial.payload,
 ) -> Refined:
-    """What `refine` finds for the scene's tolerance; ``record_of`` gives the record of a run.
+    """Run `refine` to the scene's tolerance; ``record_of`` returns the record of a run.
 
-    Raises what that raises, and on Ctrl-C UnfinishedRun with the best of them.
+    Raises the errors of `refine`, and on Ctrl-C UnfinishedRun with the best run so far.
     """
     try:
         return refine(engine, scene.target.tolerance, progress, announce)
     except StoppedSearch as stop:
         run = None if stop.trial is None else record_of(stop.trial)
-        raise unfinished(run, scene, stop.error, stop.before) from None
+        raise search_interrupt(run, scene, stop.error, stop.before) from None
 
 
-def searched_on_part(
+def refine_on_part(
     within: Engine, whole: Engine, scene: Scene, progress: Progress, announce: Announce
 ) -> Refined | None:
-    """What a search on a part of the cells finds, and one run of the ``whole`` with that step.
+    """Search for the step on a part of the cells, then run the ``whole`` once with that step.
 
-    A search takes four or five runs, all but one of them to see what a shorter step changes. Where
-    some of the cells show all that the wave does, these are of them alone, ``within`` a domain of
-    its own. The whole is judged on them, too, and must give what the last of those gave: what it
-    differs by is in the error. None where that is more than the tolerance. Raises as `searched`.
+    A search takes four or five runs, all but one of them to measure the effect of a shorter step.
+    If a part of the cells represents the whole wave, these runs compute that part alone
+    (``within``). The final run is compared with the last run of the part; their difference is added
+    to the error. Returns None if the error then exceeds the tolerance. Raises as `refine_scene`.
     """
     sizes = within.first().size * USUAL_WORK, whole.first().size
     share = sizes[0] / sum(sizes)
     try:
-        found = refine(
+        result = refine(
             within, scene.target.tolerance, lambda done: progress(share * done), announce
         )
     except StoppedSearch:
-        raise unfinished(None, scene, None, 0.0) from None
-    choices = replace(whole.first(), step=found.trial.choices.step)
-    announce(found.trial.seconds * whole.work(choices) / within.work(found.trial.choices))
+        raise search_interrupt(None, scene, None, 0.0) from None
+    choices = replace(whole.first(), step=result.trial.choices.step)
+    announce(result.trial.seconds * whole.work(choices) / within.work(result.trial.choices))
     try:
         trial = whole.run(choices, True, lambda done: progress(share + (1.0 - share) * done))
     except StoppedTrial as stop:
-        raise unfinished(stop.trial.payload, scene, found.error, 0.0) from None
-    error = found.error + difference(trial, found.trial) + trial.common_error
-    return replace(found, trial=trial, error=error) if error <= scene.target.tolerance else None
+        raise search_interrupt(stop.trial.payload, scene, result.error, 0.0) from None
+    error = result.error + difference(trial, result.trial) + trial.common_error
+    return replace(result, trial=trial, error=error) if error <= scene.target.tolerance else None

@@ -1,6 +1,6 @@
-"""Running a scene of any lattice, given as such, by its name or by its file, and going on with it.
+"""Public entry points: run a scene, given as object, name or file, and resume a run.
 
-Which module runs it, and to what it is compared, the scene says (`Scene.method`).
+`Scene.method` decides which module runs the scene.
 """
 
 from __future__ import annotations
@@ -31,21 +31,20 @@ def run(
     progress: Progress | None = None,
     announce: Announce | None = None,
 ) -> xr.Dataset:
-    """Run a scene, given as such, by its name or by its file, and return what it asks for.
+    """Run a scene, given as object, name or file path, and return the Dataset of its observables.
 
     Dimensions: ``time`` (the snapshots), ``curve_time``, ``look_time``, ``site`` (offset from the
-    site nearest to c t) and what else the observables add. The table of observables
-    (`observables.py`) says which variables each of them adds; none other is there.
+    site nearest to c t) and others that observables add. The variables are those of the requested
+    observables (table in `observables.py`).
 
-    Attributes: the scene as TOML, what made the run (`provenance`), cost, ``blow_up`` (empty if
-    there was none), and what can be trusted of it. A run that blows up keeps the times before it.
-    With a tolerance also ``error_estimate`` and its parts (`judged`), and ``plan``, the scene with
-    step and domain filled in, if sites were computed one by one. ``progress`` is called with the
-    share of the work that is done, 0 .. 1; ``announce`` with the seconds that are expected to pass,
-    if they are many.
+    Attributes: the scene as TOML, provenance, cost, ``blow_up`` (empty if there was none), and for
+    how long the run can be trusted. A run that blows up keeps the times before it. With a tolerance
+    also ``error_estimate`` and its parts (`add_error_estimate`), and, for runs site by site,
+    ``plan``: the scene with step and domain filled in. ``progress`` is called with the completed
+    fraction, 0 .. 1; ``announce`` with the expected seconds, if they are many.
 
-    Raises ValueError in one line for what is no scene and for what the wave, the lattice or the
-    limits do not admit, and UnfinishedRun on Ctrl-C.
+    Raises ValueError in one line for an argument that is no scene and for a scene that the wave,
+    the lattice or the limits do not admit. Raises UnfinishedRun on Ctrl-C.
     """
     if isinstance(scene, str | Path):
         if str(scene).endswith(".nc"):
@@ -64,36 +63,36 @@ def run(
 
 
 INSTEAD = {
-    "Dataset": "load_run reads a run's file, resume goes on with a run and plot draws it",
+    "Dataset": "load_run reads a run's file, resume continues a run and plot draws it",
     "Sweep": "longwave.sweep runs it",
     "ClosedForm": "Scene.of(wave=..., lattice=...) puts a wave on a lattice",
     "Wave": "Scene.of(wave=..., lattice=...) puts a wave on a lattice",
     "Lattice": "Scene.of(lattice=..., wave=...) runs a wave on it, reduce derives its equation",
     "NumericLattice": "longwave.lattice.integrate takes it, a state and times",
-    "State": "longwave.lattice.integrate takes a lattice, it and times",
+    "State": "longwave.lattice.integrate takes a lattice, a state and times",
     "dict": "Scene.of(**...) makes a scene of keywords",
 }
-"""What to call for what is no scene, by its type."""
+"""Remedy for each type of argument that is not a scene."""
 
 EXAMPLE = "such as 'rogue_cn_k_0.5'"
 
 
 def state_at(run: xr.Dataset, t: float) -> State:
-    """A copy of the state at a snapshot of a run whose scene asks for the observable ``state``.
+    """Return a copy of the lattice state at snapshot ``t`` of a run with observable ``state``.
 
-    Raises ValueError if the run carries no states or has no snapshot at ``t``.
+    Raises ValueError if the run holds no states or has no snapshot at ``t``.
     """
     if "state_y" not in run:
         raise ValueError(
-            "run must carry its states to be resumed, got none (ask for the observable 'state')"
+            "run must hold its states to be resumed, got none (ask for the observable 'state')"
         )
-    found = np.flatnonzero(run["time"].values == t)
-    if found.size == 0:
-        kept = ", ".join(f"{kept:g}" for kept in run["time"].values)
-        raise ValueError(f"at must be a snapshot of the run, got {t:g} (it kept {kept or 'none'})")
-    row = run.isel(time=int(found[0]))
-    held = (np.array(row[name].values, dtype=np.float64) for name in ("state_y", "state_s"))
-    f, v = (values[np.newaxis] if values.ndim == 1 else values for values in held)
+    indices = np.flatnonzero(run["time"].values == t)
+    if indices.size == 0:
+        times = ", ".join(f"{time:g}" for time in run["time"].values)
+        raise ValueError(f"at must be a snapshot of the run, got {t:g} (it has {times or 'none'})")
+    row = run.isel(time=int(indices[0]))
+    arrays = (np.array(row[name].values, dtype=np.float64) for name in ("state_y", "state_s"))
+    f, v = (values[np.newaxis] if values.ndim == 1 else values for values in arrays)
     return State(t, f, v, int(row["state_left"]))
 
 
@@ -104,22 +103,23 @@ def resume(
     progress: Progress | None = None,
     wave: ClosedForm | None = None,
 ) -> xr.Dataset:
-    """Go on from a snapshot of a run, to the bit as if the run had not been interrupted.
+    """Continue a run from a snapshot, bit for bit as if it had not been interrupted.
 
-    ``at`` is the snapshot, by default the last one; ``snapshots`` are the times wanted after it, by
-    default those of the scene; a ``wave`` of your own, which no file holds, is to be given again.
-    The result holds what the scene asks for after ``at``. Same bits need the same stops:
-    ``curve_points`` and ``look_points`` times move with the end of the run. A wave with its next
-    order is solved for from one time to the next: it is the same to within that solution's error.
-    In a window, whose feed is interpolated up to the end, a run to another end is the same to
-    within that interpolation's error.
+    ``at`` is the snapshot, by default the last one. ``snapshots`` are the times after it, by
+    default those of the scene. A user-defined ``wave``, which no file stores, must be given again.
+    The result holds the scene's observables after ``at``.
 
-    Raises ValueError if the run carries no state at ``at`` or nothing is wanted after it.
+    Identical bits need identical stops: the times of ``curve_points`` and ``look_points`` depend on
+    the end of the run. A wave with its next order is solved step by step from time to time, so it
+    agrees to within that solver's error. A window's feed is interpolated up to the end, so a run to
+    another end agrees to within the interpolation error.
+
+    Raises ValueError if the run has no state at ``at`` or no snapshot after it.
     """
     start = state_at(run, float(run["time"].values[-1]) if at is None else at)
     scene = scene_of(run) if wave is None else replace(scene_of(run), wave=wave)
     later = tuple(t for t in (scene.snapshots if snapshots is None else snapshots) if t > start.t)
     if not later:
         raise ValueError(f"snapshots must lie after t = {start.t:g}, got none (name later ones)")
-    rest = scene.changed(t0=scene.t0, snapshots=later)
-    return record_scene(rest, progress, restart=start).dataset
+    remainder = scene.changed(t0=scene.t0, snapshots=later)
+    return record_scene(remainder, progress, restart=start).dataset

@@ -1,9 +1,10 @@
-"""How fast a perturbed plane wave grows on a lattice, against its envelope equation.
+"""Growth rate of a perturbed plane wave on a lattice, compared with its envelope equation.
 
-The lattice is run on a ring that holds the plane wave and its perturbation, from the perturbation
-that grows in theory, or moves where none grows. The two waves beside the carrier are measured at
-some moments, each over a period of the carrier, and a line through the logarithms of their size is
-the growth rate. So a plane wave that is stable has a rate, too, and an error to judge it by.
+The lattice is run on a ring that fits the plane wave and its perturbation. The run starts from the
+eigenmode of the envelope equation that grows, or oscillates if the plane wave is stable. The two
+sidebands of the carrier are measured at `MOMENTS` times, each averaged over a carrier period. The
+slope of a line through the logarithms of their size is the growth rate. A stable plane wave thus
+also has a measured rate, with an error.
 """
 
 from __future__ import annotations
@@ -59,34 +60,34 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 MOMENTS = 9
-"""At which the two waves are measured, evenly spaced."""
+"""Number of evenly spaced times at which the sidebands are measured."""
 
 SAMPLES = 8
-"""Of each moment: a mean over a carrier's period, to which its harmonics add nothing."""
+"""Samples averaged at each measurement, over one carrier period, so that harmonics cancel."""
 
-GROWING = (1.5, 5.0)
-"""First and last moment, in units of 1/sigma: what decays has gone, and the perturbation is still
-small."""
+GROWTH_SPAN = (1.5, 5.0)
+"""First and last measurement of a growing perturbation, in units of 1/sigma: the decaying mode has
+vanished and the perturbation is still small."""
 
-BEATS = 4
-"""Of a wave that does not grow: from the first moment to the last, beats of b and c with what else
-the data hold; and no less than one that grows fastest would take, or what the plane wave does
-meanwhile, more slowly, is a line."""
+STABLE_BEATS = 4
+"""Duration of the measurement of a stable wave, in beats of its sidebands with the other modes of
+the data. It lasts at least as long as that of the fastest growing perturbation; otherwise slow
+changes of the plane wave would look like growth."""
 
-LEVER = 2.5 / (15.0 / 16.0)
-"""By how much a line through the moments may be steeper for what each is off, times their span:
-``sum |x| / sum x^2`` over `MOMENTS` places x from -1/2 to 1/2."""
+SLOPE_FACTOR = 2.5 / (15.0 / 16.0)
+"""Largest error of the fitted slope, times the time span, per error of the measured values:
+``sum |x| / sum x^2`` over `MOMENTS` points x from -1/2 to 1/2."""
 
 GROWTH_EVALUATIONS = 32.0
-"""A wave that grows G-fold begins in 1/(2 ln G) of a run, a 32nd for G = 1e7: of so many roundings
-one counts."""
+"""One in so many rounding errors matters: a mode that grows G-fold amplifies those of the first
+1/(2 ln G) of a run, a 32nd for G = 1e7."""
 
-SEEN = 3.0
-"""A rate is told from 0 if it is larger than that many times its error."""
+SIGNIFICANT = 3.0
+"""A growth rate is significant if it exceeds this many times its error."""
 
 
 class GrowthPlan(NamedTuple):
-    """The ring, the wave on it, its data, and the moments of a scene that measures growth."""
+    """Ring, perturbed plane wave, initial data and measurement times of a growth scene."""
 
     ring: PlaneDomain
     wave: PerturbedPlane
@@ -96,11 +97,11 @@ class GrowthPlan(NamedTuple):
 
 @dataclass(frozen=True)
 class SidebandGrowth:
-    """A growth rate in T as it was measured, and in theory.
+    """Measured and theoretical growth rate of a perturbation, in the slow time T.
 
-    ``sizes``: of the two waves together at the ``moments``, in units of the carrier's. ``error``:
-    what the measured rate may be off, by the run's steps and rounding (``run_error``) and as the
-    sizes are on no line.
+    ``sizes`` are those of the two sidebands together, in units of the carrier, at the plan's
+    ``moments``. ``error`` bounds the error of the measured rate: that of the run's steps and
+    rounding (``run_error``) plus that of the line fit.
     """
 
     scene: Scene
@@ -111,30 +112,30 @@ class SidebandGrowth:
 
     @property
     def theory(self) -> float:
-        """The growth rate in T by the envelope equation, 0 where the plane wave is stable."""
+        """Growth rate in T from the envelope equation; 0 if the plane wave is stable."""
         return self.plan.wave.growth
 
     @cached_property
     def measured(self) -> float:
-        """The growth rate in T on the lattice."""
+        """Growth rate in T measured on the lattice."""
         return float(self._line[0])
 
     @cached_property
     def error(self) -> float:
-        """What the measured rate may be off, in T."""
-        steepest = LEVER / float(np.ptp(self.slow_times))
-        off = np.log(self.sizes) - np.polyval(self._line, self.slow_times)
-        return self.run_error + steepest * float(np.max(np.abs(off)))
+        """Error bound of the measured growth rate, in T."""
+        steepest = SLOPE_FACTOR / float(np.ptp(self.slow_times))
+        residuals = np.log(self.sizes) - np.polyval(self._line, self.slow_times)
+        return self.run_error + steepest * float(np.max(np.abs(residuals)))
 
     @property
     def difference(self) -> float:
-        """Measured less theory, in units of the largest growth rate ``|q| a^2``."""
+        """Measured minus theoretical rate, in units of the largest growth rate ``|q| a^2``."""
         return (self.measured - self.theory) / self.plan.wave.largest_growth
 
     @property
     def grows(self) -> bool:
-        """Whether the measured rate is told from 0."""
-        return self.measured > SEEN * self.error
+        """Whether the measured rate is significantly above 0."""
+        return self.measured > SIGNIFICANT * self.error
 
     @cached_property
     def _line(self) -> Array:
@@ -142,30 +143,30 @@ class SidebandGrowth:
 
     @property
     def slow_times(self) -> Array:
-        """T at the moments."""
+        """Slow times T of the measurements."""
         return self.plan.moments * self.scene.eps**2
 
     def verdict(self) -> str:
-        """Measurement and theory in one line."""
+        """Return measured and theoretical rate in one line of text."""
         ring, wave = self.plan.ring, self.plan.wave
-        found = (
+        measurement = (
             f"k = {float(ring.k):.6g}, kappa = {wave.kappa:.4g}: growth rate {self.measured:.4g} "
             f"+- {self.error:.1g} in T"
         )
         if self.theory == 0.0:
-            why = "p q < 0" if wave.p * wave.q < 0 else "kappa beyond its band"
-            seen = "grows all the same" if self.grows else "no growth is seen"
-            return f"{found}, theory 0: the plane wave is stable ({why}), and {seen}"
+            reason = "p q < 0" if wave.p * wave.q < 0 else "kappa outside the unstable band"
+            growth = "but it grows" if self.grows else "and no growth is measured"
+            return f"{measurement}, theory 0: the plane wave is stable ({reason}), {growth}"
         if not self.grows:
             return (
-                f"{found}, theory {self.theory:.4g}: no growth is told from its error (what is "
-                "measured is on no line: other waves may grow, too)"
+                f"{measurement}, theory {self.theory:.4g}: no significant growth (the sizes do not "
+                "follow an exponential; other waves may grow, too)"
             )
         percent = 100 * (self.measured / self.theory - 1)
-        return f"{found}, theory {self.theory:.4g}: off by {percent:.2g} %"
+        return f"{measurement}, theory {self.theory:.4g}: off by {percent:.2g} %"
 
     def numbers(self) -> Mapping[str, tuple[float, str, str]]:
-        """What there is one number of: value, unit and long name."""
+        """Return the scalar results by name, each as value, unit and long name."""
         ring, wave = self.plan.ring, self.plan.wave
         return {
             "growth_rate": (self.measured, RATE, "growth rate in T, on the lattice"),
@@ -179,20 +180,20 @@ class SidebandGrowth:
 
     @property
     def record(self) -> RunRecord:
-        """The run: the sizes over time, and the rates, without dimensions."""
+        """Run record with the sideband sizes over time and the rates as scalars."""
         T, wave = self.slow_times, self.plan.wave
         theory = self.sizes[0] * np.exp(wave.growth * (T - T[0]))
-        along = {
+        series = {
             "sideband_size": (self.sizes, "waves beside the carrier, over the carrier"),
             "sideband_theory": (theory, "the same, growing as in theory from the first"),
             "slow_time": (T, "T, the envelope's own time"),
         }
         data: Variables = {
-            name: (("time",), values, {"units": "1", "long_name": told})
-            for name, (values, told) in along.items()
+            name: (("time",), values, {"units": "1", "long_name": long_name})
+            for name, (values, long_name) in series.items()
         }
-        for name, (value, unit, told) in self.numbers().items():
-            data[name] = ((), np.float64(value), {"units": unit, "long_name": told})
+        for name, (value, unit, long_name) in self.numbers().items():
+            data[name] = ((), np.float64(value), {"units": unit, "long_name": long_name})
         attributes = {
             "equation": f"i A_T + p A_XX + q |A|^2 A = 0, p = {wave.p:.6g}, q = {wave.q:.6g}",
             "verdict": self.verdict(),
@@ -215,24 +216,27 @@ def record_scene(
     announce: Announce | None = None,
     restart: State | None = None,
 ) -> RunRecord:
-    """The record of `measure_growth`, which has no states to begin at."""
+    """Run a growth scene and return the record of `measure_growth`; it cannot be resumed."""
     assert restart is None
     return measure_growth(scene, progress, announce).record
 
 
 def scene_cost(scene: Scene) -> ExpectedCost:
-    """What a scene is expected to cost; ValueError as `measure_growth` raises it before a run."""
+    """Return the expected cost of a growth scene.
+
+    Raises ValueError, as `measure_growth` does, for a scene that is refused before it is run.
+    """
     return expected_growth_cost(growth_plan(scene))
 
 
 def measure_growth(
     scene: Scene, progress: Progress | None = None, announce: Announce | None = None
 ) -> SidebandGrowth:
-    """Derive the scene's envelope equation and measure how its perturbed plane wave grows.
+    """Derive the scene's envelope equation and measure the growth of its perturbed plane wave.
 
-    ``progress`` is called with the share of the work that is done, ``announce`` with the seconds
-    that are expected to pass. Raises ValueError in one line for what the envelope does not admit,
-    what would take too long, and a lattice that blows up.
+    ``progress`` is called with the completed fraction, ``announce`` with the expected seconds.
+    Raises ValueError in one line for a scene that the envelope does not admit, one that would take
+    too long, and a lattice that blows up.
     """
     begun = perf_counter()
     plan = growth_plan(scene)
@@ -240,16 +244,16 @@ def measure_growth(
     announce = announce or (lambda _: None)
     announce(runs.expected.seconds)
     try:
-        found = refine(runs.engine, scene.target.tolerance, progress or (lambda _: None), announce)
-    except OverBudgetError as dear:
-        raise ValueError(runs.engine.budget_message(dear.work, scene.tolerance)) from None
-    runs.engine.check_followed(found.trial)
-    if math.isinf(found.error) or found.trial.values is None:
+        result = refine(runs.engine, scene.target.tolerance, progress or (lambda _: None), announce)
+    except OverBudgetError as error:
+        raise ValueError(runs.engine.budget_message(error.work, scene.tolerance)) from None
+    runs.engine.check_followed(result.trial)
+    if math.isinf(result.error) or result.trial.values is None:
         raise ValueError(
-            f"amplitude must leave a plane wave that lasts, got one on {scene.lattice} that blows "
-            "up (take a smaller amplitude or eps)"
+            f"amplitude must be small enough for a bounded plane wave, got one on {scene.lattice} "
+            "that blows up (take a smaller amplitude or eps)"
         )
-    _, steps, _, _ = found.trial.payload
+    _, steps, _, _ = result.trial.payload
     whole = perf_counter() - begun + restored_seconds()
     cost = {
         "engine": "stencil",
@@ -257,22 +261,25 @@ def measure_growth(
         "steps": steps,
         "sites": plan.ring.cells,
         "force_evaluations": steps * SCHEME.stages,
-        "seconds": found.trial.seconds,
-        "planning_seconds": whole - found.trial.seconds,
+        "seconds": result.trial.seconds,
+        "planning_seconds": whole - result.trial.seconds,
         "blow_up": "",
     }
-    run_error = found.error * plan.wave.largest_growth
-    return SidebandGrowth(scene, plan, np.exp(found.trial.values / runs.scale), run_error, cost)
+    run_error = result.error * plan.wave.largest_growth
+    return SidebandGrowth(scene, plan, np.exp(result.trial.values / runs.scale), run_error, cost)
 
 
 @lru_cache(maxsize=4)
 def growth_plan(scene: Scene) -> GrowthPlan:
-    """What is run for a scene, all but its step; ValueError where there is no such plane wave."""
-    found, constants = scene_envelope(scene)
-    given = plane_wave_numbers(scene)
-    a, k = given["amplitude"], exact_value("k", scene.carrier)
-    p, q = _coefficients(found, k, constants)
-    kappa = float(chosen_kappa(p, q, given))
+    """Return ring, wave, data and measurement times of a growth scene.
+
+    Raises ValueError if the scene admits no such plane wave or its perturbation is too long.
+    """
+    envelope, constants = scene_envelope(scene)
+    parameters = plane_wave_numbers(scene)
+    a, k = parameters["amplitude"], exact_value("k", scene.carrier)
+    p, q = _coefficients(envelope, k, constants)
+    kappa = float(chosen_kappa(p, q, parameters))
     cells = 2 * math.pi / (kappa * scene.eps)
     if not cells * MOST_WAVES < MOST_CELLS:
         raise ValueError(
@@ -281,74 +288,86 @@ def growth_plan(scene: Scene) -> GrowthPlan:
         )
     ring = plane_domain(k, kappa * scene.eps)
     if ring.k != k:
-        p, q = _coefficients(found, ring.k, constants)
+        p, q = _coefficients(envelope, ring.k, constants)
     wave = PerturbedPlane(a, p, q, ring.perturbation / scene.eps)
-    data = EnvelopeData(found, constants, wave, scene.eps, scene.order, k=ring.k, mean_square=a**2)
+    data = EnvelopeData(
+        envelope, constants, wave, scene.eps, scene.order, k=ring.k, mean_square=a**2
+    )
     period = 2 * math.pi / data.carrier.omega
     if wave.growth:
-        first, last = (units / wave.growth / scene.eps**2 for units in GROWING)
+        first, last = (units / wave.growth / scene.eps**2 for units in GROWTH_SPAN)
     else:
-        beats, fastest = BEATS * math.pi / abs(wave.rate), np.ptp(GROWING) / wave.largest_growth
+        beats, fastest = (
+            STABLE_BEATS * math.pi / abs(wave.rate),
+            np.ptp(GROWTH_SPAN) / wave.largest_growth,
+        )
         first, last = 0.0, max(beats, float(fastest)) / scene.eps**2
     moments = np.linspace(first, last, MOMENTS)
     return GrowthPlan(ring, wave, data, moments + max(0.0, period - first))
 
 
 def plane_wave_numbers(scene: Scene) -> dict[str, float]:
-    """The parameters of a scene's perturbed plane wave; ValueError unless they are positive."""
-    found = {name: float(exact_value(name, value)) for name, value in scene.parameters}
-    for name, value in found.items():
+    """Return the parameters of a scene's perturbed plane wave as floats.
+
+    Raises ValueError unless all are positive.
+    """
+    numbers = {name: float(exact_value(name, value)) for name, value in scene.parameters}
+    for name, value in numbers.items():
         positive(name, value)
-    return found
+    return numbers
 
 
-def _coefficients(found: Envelope, k: Expr, constants: Mapping[str, Expr]) -> tuple[float, float]:
-    numbers = found.coefficients(k, None, **constants)
+def _coefficients(
+    envelope: Envelope, k: Expr, constants: Mapping[str, Expr]
+) -> tuple[float, float]:
+    numbers = envelope.coefficients(k, None, **constants)
     if numbers.q == 0:
         raise ValueError(
-            f"constants must leave a nonlinearity, q != 0, got q = 0 at k = {float(k):.6g} (there "
-            "the next order takes its place)"
+            f"constants must leave a nonlinearity, q != 0, got q = 0 at k = {float(k):.6g} (the "
+            "next order would dominate there; take another k)"
         )
     return numbers.p, numbers.q
 
 
 MOST_CELLS = 1e9
-"""Of one wavelength of a perturbation; more than any machine holds."""
+"""Maximum number of cells in one wavelength of a perturbation; more than any machine can store."""
 
 
 PLAN_SECONDS = 0.025
-"""For the envelope's coefficients at a wavenumber, to 60 digits, times the cube of the fields:
-0.02 s on a chain and 0.21 s on a dimer."""
+"""Seconds for the envelope's coefficients at a wavenumber to 60 digits, times the number of fields
+cubed: 0.02 s on a chain and 0.21 s on a dimer."""
 
 
 def expected_growth_cost(plan: GrowthPlan, fastest: float | None = None) -> ExpectedCost:
-    """What a scene is expected to cost whose ``fastest`` wave has that frequency, or that about
-    the rest.
+    """Return the expected cost of a growth scene.
+
+    ``fastest`` is the highest frequency of the lattice, by default that about rest.
     """
     lattice = plan.data.lattice
     fastest = fastest or lattice.highest_frequency(lattice.rest_slopes())
     steps = float(plan.moments[-1]) * fastest / (LIMIT_SHARE * stability_limit(SCHEME))
-    found = search_cost(lattice, float(plan.ring.cells), steps, SCHEME.stages, 0.0)
+    cost = search_cost(lattice, float(plan.ring.cells), steps, SCHEME.stages, 0.0)
     planning = PLAN_SECONDS * len(lattice.fields) ** 3
-    return replace(found, seconds=found.seconds + planning)
+    return replace(cost, seconds=cost.seconds + planning)
 
 
 class SidebandRuns:
-    """Runs of a plane wave's ring, and what is seen of its perturbation on them.
+    """Runs of a perturbed plane wave on its ring, with the measurement of its sidebands.
 
-    What is compared are the logarithms of the sizes at the moments, times a ``scale``: what these
-    are off, a growth rate is at most, in units of the largest in theory. Other waves on the ring
-    may grow faster than the perturbation, from rounding: data are nudged by as much as all
-    roundings add up to while these waves begin. Raises ValueError for what would take too long.
+    Runs are compared by the logarithms of the sideband sizes, times a ``scale`` such that their
+    error bounds that of the growth rate in units of the largest theoretical rate. Rounding errors
+    may excite other modes that grow faster than the perturbation; the nudge of a control run is as
+    large as the rounding errors that accumulate before these modes dominate. Raises ValueError for
+    a scene that would take too long.
     """
 
     def __init__(self, plan: GrowthPlan, scene: Scene) -> None:
         self.plan = plan
         span = float(np.ptp(plan.moments)) * scene.eps**2
-        self.scale = LEVER / span / plan.wave.largest_growth
+        self.scale = SLOPE_FACTOR / span / plan.wave.largest_growth
         omega = plan.data.carrier.omega
-        places = (np.arange(SAMPLES) - (SAMPLES - 1) / 2) / SAMPLES
-        samples = np.add.outer(plan.moments, places * 2 * np.pi / omega)
+        phases = (np.arange(SAMPLES) - (SAMPLES - 1) / 2) / SAMPLES
+        samples = np.add.outer(plan.moments, phases * 2 * np.pi / omega)
         times, rows = np.unique(samples, return_inverse=True)
         self._rows = rows.reshape(samples.shape)
         self._check_cost(times)
@@ -358,7 +377,7 @@ class SidebandRuns:
         check_rest(lattice, rest)
         fastest = max(lattice.highest_frequency(stiffest), lattice.highest_frequency(rest))
         self._check_cost(times, fastest)
-        self._least = self._largest(self.ring.f)
+        self._initial_size = self._largest(self.ring.f)
         longest = longest_step(fastest, abs(omega))
         evaluations = times[-1] / longest * SCHEME.stages
         self.engine = CellEngine(
@@ -378,30 +397,30 @@ class SidebandRuns:
         check_request(
             f"scene of {self.plan.ring.cells} cells until t = {times[-1]:.3g}",
             self.expected,
-            "take a larger eps or amplitude, or another k or kappa, where growth is faster",
+            "take a larger eps or amplitude, or another k or kappa with faster growth",
         )
 
     def _largest(self, f: Array) -> float:
         return float(np.max(np.abs(self.plan.data.measured(f, self.ring.mean_strain))))
 
     def _sidebands(self, state: State, _: EnergyBalance | None) -> Complex:
-        """The two waves beside the carrier and that itself, (3, fields), of those that move as it
-        does, in a frame that turns with it.
+        """Return the amplitudes of both sidebands and the carrier, shape (3, fields).
 
-        No numbers where the lattice has left the plane wave.
+        Only waves in the carrier's direction count; the carrier's phase rotation is removed. NaN
+        if the lattice has left the plane wave.
         """
         ring, omega = self.plan.ring, self.plan.data.carrier.omega
         spectrum = np.fft.fft(state.f + 1j * state.v / omega)
-        places = ring.turns + np.array([-ring.waves, ring.waves, 0])
-        turned: Complex = spectrum[:, places % ring.cells].T * np.exp(1j * omega * state.t)
-        is_left = not self._largest(state.f) <= GROWTH * self._least
-        if is_left:
-            turned[...] = np.nan
-        return turned
+        modes = ring.turns + np.array([-ring.waves, ring.waves, 0])
+        amplitudes: Complex = spectrum[:, modes % ring.cells].T * np.exp(1j * omega * state.t)
+        has_left_wave = not self._largest(state.f) <= GROWTH * self._initial_size
+        if has_left_wave:
+            amplitudes[...] = np.nan
+        return amplitudes
 
     def _logarithms(self, measured: Complex) -> Array:
         means = np.mean(measured[self._rows], axis=1)
         sizes = np.sqrt(np.sum(np.abs(means) ** 2, axis=2))
         with np.errstate(all="ignore"):
-            found: Array = np.log(np.hypot(sizes[:, 0], sizes[:, 1]) / sizes[:, 2])
-        return self.scale * found
+            logarithms: Array = np.log(np.hypot(sizes[:, 0], sizes[:, 1]) / sizes[:, 2])
+        return self.scale * logarithms

@@ -1,4 +1,4 @@
-"""Runs of a scene's wave cell by cell, for `lattice.refine` to judge by step and domain."""
+"""Engine that runs a scene's wave cell by cell; `lattice.refine` chooses its step and domain."""
 
 from __future__ import annotations
 
@@ -41,8 +41,8 @@ from longwave.scenes.engines.stated_run import run_from
 from longwave.scenes.engines.stepped_cells import (
     SteppedCells,
     WindowCells,
-    sees_all_cells,
-    tell_energies,
+    add_energy_drift,
+    measures_all_cells,
 )
 from longwave.scenes.engines.window import (
     LARGEST_MISFIT,
@@ -58,32 +58,32 @@ from longwave.scenes.engines.window import (
 Array = NDArray[np.float64]
 
 STEP_RATIO = 0.8
-"""Step of a control run, in units of the one before it."""
+"""Step of a control run, in units of the run before it."""
 
-ALIKE = 1e-3
-"""By what share data may be larger or steeper elsewhere than on a part that stands for all."""
+SIMILARITY = 1e-3
+"""Fraction by which the whole wave's data may exceed those of a representative part."""
 
 CLEARANCE = 128
-"""Cells beyond the wave on which runs of a scout are compared."""
+"""Cells beyond the wave's extent that the coarse engine compares."""
 
 FEED_SHARE = 0.3
-"""Most of the tolerance that is left to it."""
+"""Largest fraction of the tolerance allowed for the error of a window's feed."""
 
-MISFED_GROWTH = 1.4
-"""Factor on a window whose feed missed the lattice by too much: such a run ends early."""
+MISFIT_GROWTH = 1.4
+"""Factor on the size of a window whose feed did not match the lattice; such a run ends early."""
 
 FEED_SAFETY = 2.0
-"""Factor on what a feed misses the lattice by: half of it runs on to the rear, past the compared
-cells, at each move anew."""
+"""Factor on a feed's mismatch in the error estimate: at each move, half of the mismatch travels to
+the rear, past the compared cells."""
 
 
 class SiteEngine(StepSearch):
     """Runs of a scene's wave cell by cell, in windows or on causal rings.
 
-    The scene has times of the lattice. Values are what is compared, in units of the wave's scale,
-    and its rate: an error that passes through 0 at one of the times does not seem to be none. The
-    payload is a `RunRecord`; ``metered`` holds what the wave's meter gave, by step. Of the compared
-    cells only those ``judged`` are, if they are given.
+    The scene is in lattice times. A trial's values are the compared quantities and their rates, in
+    units of the wave's scale; the rates reveal an error that happens to vanish at one of the times.
+    A trial's payload is a `RunRecord`. ``metered`` holds the readings of the wave's meter by step.
+    Runs are compared on the cells ``judged``, by default all compared cells.
     """
 
     decay = WINDOW_DECAY
@@ -95,7 +95,7 @@ class SiteEngine(StepSearch):
         wave, self.times = domains.wave, domains.times
         self._scheme = scheme_named(scene.target.scheme) if scene.target.scheme else SCHEME
         self._fields = len(wave.lattice.fields)
-        self._fades = not sees_all_cells(scene)
+        self._fades = not measures_all_cells(scene)
         self.amplifies_rounding = wave.amplifies_rounding(self.times[0])
         self.unstable = 1 if wave.watches_strains else StepSearch.unstable
         self.judged = judged or domains.compared
@@ -105,7 +105,7 @@ class SiteEngine(StepSearch):
             longest, DRIVEN_SHARE * wave.lattice.driven_within(self.times[0], self.times[:2][-1])
         )
         self._ring = float(sites_of(domains.ends()))
-        self._misfed, self._widened = domains.window is None, 1.0
+        self._uses_rings, self._widened = domains.window is None, 1.0
         allowed = FEED_SHARE * scene.target.tolerance / FEED_SAFETY
         self._largest_misfit = min(LARGEST_MISFIT, allowed)
         stops = np.array(self.times)
@@ -118,71 +118,75 @@ class SiteEngine(StepSearch):
         self.expected = domains.expected
 
     def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
-        """A run in a window of that size, or on a ring as wide as it must be or a little wider.
+        """Run the wave in a window of the chosen size, or on a causal or slightly wider ring.
 
-        On a ring observables are always seen, but for nudged data: any run may become a control.
-        Where a window's feed misses the lattice by too much, all windows are wider from then on,
-        or rings. Raises ValueError for what would take too long.
+        On a ring the observables are always recorded, except for nudged data, because any run may
+        become the final one. If a window's feed does not match the lattice, this and all later
+        windows are made wider, or replaced by rings. Raises ValueError for a run that would take
+        too long.
         """
         while True:
             trial = self._run(choices, shown, progress)
             feed = trial.payload.attrs.get("feed_mismatch", 0.0)
             if not feed > self._largest_misfit:
                 return replace(trial, common_error=FEED_SAFETY * feed)
-            self._widened *= MISFED_GROWTH
-            self._misfed = self._widened * self._first.size >= self._ring
+            self._widened *= MISFIT_GROWTH
+            self._uses_rings = self._widened * self._first.size >= self._ring
             wider = round_up(self._widened * choices.size)
-            self.domains.check_wider(None if self._misfed else wider)
+            self.domains.check_wider(None if self._uses_rings else wider)
 
     def _run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
         wave, ends = self.domains.wave, (self.times[0], self.times[-1])
-        looked = (shown or self._is_ring(choices)) and not choices.nudged
-        cells = self._cells(choices, looked)
+        records = (shown or self._is_ring(choices)) and not choices.nudged
+        cells = self._cells(choices, records)
         judged = Samples(self.times, lambda view: view.judged(0, self.judged))
         around = Samples(ends[1:], lambda view: view.judged(AROUND, self.judged))
         energies = Samples(ends, lambda view: np.array(view.energy))
         witnesses = [judged, around, energies]
         limit, largest = self.domains.limit(cells.ring), float(np.max(np.abs(cells.ring.f)))
-        metered = Samples(self.times)
+        readings = Samples(self.times)
         meter = wave.disorder.meter(cells.ring) if wave.disorder is not None else None
         if meter is not None:
-            metered = Samples(self.times, lambda view: np.array(meter(*view.state.arrays)))
-            witnesses.append(metered)
+            readings = Samples(self.times, lambda view: np.array(meter(*view.state.arrays)))
+            witnesses.append(readings)
         try:
             run, stopped = run_from(cells, None, progress, witnesses), False
         except UnfinishedRun as stop:
             run, stopped = stop.record, True
         if not choices.nudged:
-            self.metered[choices.step] = np.array(metered.samples)
-        if metered.samples:
-            tell_energies(run, float(metered.samples[0][-1]), float(metered.samples[-1][-1]))
+            self.metered[choices.step] = np.array(readings.samples)
+        if readings.samples:
+            add_energy_drift(run, float(readings.samples[0][-1]), float(readings.samples[-1][-1]))
         elif wave.lattice.conserves_energy and wave.losses is None and self._is_ring(choices):
-            tell_energies(run, float(energies.samples[0]), float(energies.samples[-1]))
+            add_energy_drift(run, float(energies.samples[0]), float(energies.samples[-1]))
         values = np.array(judged.samples)
-        done = len(values) == len(self.times) or stopped
-        sound = done and bool(np.all(np.abs(values) <= limit))
+        is_complete = len(values) == len(self.times) or stopped
+        is_bounded = is_complete and bool(np.all(np.abs(values) <= limit))
         largest /= wave.scale
-        if sound:
+        if is_bounded:
             largest = max(largest, float(np.max(np.abs(values[:, 0]))))
         rounding = rounding_error(largest, run.attrs["force_evaluations"])
-        if sound:
+        if is_bounded:
             rounding += clock_error(values, wave.speed, (self.times[0], self.times[-1]))
         trial = Trial(
             choices,
-            values if sound else None,
+            values if is_bounded else None,
             self.work(choices),
             float(run.attrs["seconds"]),
             rounding,
             run,
-            looked,
-            around=around.samples[0] if sound and not stopped else None,
+            records,
+            around=around.samples[0] if is_bounded and not stopped else None,
         )
         if stopped:
             raise StoppedTrial(trial)
         return trial
 
     def coarse_engine(self) -> SiteEngine:
-        """The same about the wave alone in windows, seen less often, if that saves cells."""
+        """Return an engine of smaller windows about the wave alone, for a cheaper search.
+
+        It compares at fewer times. Returns this engine if no smaller window suffices.
+        """
         domains = self.domains
         if domains.window is None or domains.extent is None:
             return self
@@ -196,25 +200,25 @@ class SiteEngine(StepSearch):
         return SiteEngine(scene, DomainPlan(domains.wave, compared, times, domains.tolerance))
 
     def parts(self) -> tuple[SiteEngine, SiteEngine] | None:
-        """Engines of a part that stands for all cells, and of all of them, judged there.
+        """Return the engines of a representative part and of all cells, both compared on the part.
 
-        None where there is none: the data must be no larger, nor steeper, anywhere than there.
+        None if no part is representative: nowhere may the data be larger or steeper than there.
         """
         domains = self.domains
         part = part_of(domains.wave, domains.compared, domains.times, domains.signals)
         if part is None:
             return None
         inner = DomainPlan(domains.wave, part, domains.times, domains.tolerance)
-        if not np.all(domains.sizes <= (1.0 + ALIKE) * inner.sizes):
+        if not np.all(domains.sizes <= (1.0 + SIMILARITY) * inner.sizes):
             return None
         within = SiteEngine(replace(self.scene, observables=()), inner)
         return within, SiteEngine(self.scene, domains, part)
 
     def _is_ring(self, choices: Choices) -> bool:
-        return choices.causal or self._misfed
+        return choices.causal or self._uses_rings
 
-    def _cells(self, choices: Choices, looked: bool) -> SteppedCells:
-        observables = self.scene.observables if looked else ()
+    def _cells(self, choices: Choices, records: bool) -> SteppedCells:
+        observables = self.scene.observables if records else ()
         scheme = self._scheme.name
         if not self._is_ring(choices):
             size = round_up(self._widened * choices.size)
@@ -223,29 +227,29 @@ class SiteEngine(StepSearch):
             return WindowCells(plan, self.domains, choices.nudged)
         least = self._ring if choices.causal else self._first.size
         ends = self.domains.ends(WIDER if choices.size > least else 0)
-        closes = self.domains.wave.watches_strains and self.domains.room  # others always do
+        closes = self.domains.wave.watches_strains and self.domains.room  # others are always closed
         domain = "closed_ring" if closes else "ring"
         stated = Discretisation(choices.step, domain, sites_of(ends), scheme)
         plan = replace(self.scene, numerics=stated, observables=observables)
         return SteppedCells(plan, self.domains, ends, choices.nudged, self._fades)
 
     def _sized(self, choices: Choices, cells: float) -> Choices:
-        """With a window of that many cells, or a ring if that takes fewer."""
+        """Return the choices with a window of ``cells`` cells, or a ring if that has fewer."""
         if self._widened * cells >= self._ring:
             return replace(choices, size=self._ring, causal=True)
         return replace(choices, size=float(round_up(cells)))
 
     def metered_before(self, step: float) -> Array:
-        """What the meter gave in the run with the next longer step; nan where there is none."""
-        longer = [one for one in self.metered if one > step]
-        found = self.metered[min(longer)] if longer else np.empty(0)
-        wanted = self.metered[step]
-        return found if found.shape == wanted.shape else np.full_like(wanted, np.nan)
+        """Return the meter's readings in the run with the next longer step; NaN without one."""
+        longer = [other for other in self.metered if other > step]
+        previous = self.metered[min(longer)] if longer else np.empty(0)
+        current = self.metered[step]
+        return previous if previous.shape == current.shape else np.full_like(current, np.nan)
 
     def control(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
-        """A shorter step, a wider window; a ring varies with the step.
+        """Return the choices of a control run: a shorter step, a wider window.
 
-        It is wider than it must be, or as it must be if it was wider before.
+        A causal ring changes together with the step: from its least size to a wider one and back.
         """
         if "step" in kinds:
             step = shorter_step(self._stops, choices.step, self.order, STEP_RATIO)
@@ -258,15 +262,18 @@ class SiteEngine(StepSearch):
         return choices
 
     def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
-        """A shorter step, on the ring as it must be; a wider window."""
+        """Return choices that reduce one kind of error: a shorter step or a wider window.
+
+        With a shorter step a causal ring has its least size.
+        """
         if kind == "step":
-            found = super().improved(choices, kind, excess)
-            return replace(found, size=self._ring) if choices.causal else found
+            shorter = super().improved(choices, kind, excess)
+            return replace(shorter, size=self._ring) if choices.causal else shorter
         if choices.causal:
             return choices
         return self._sized(choices, widened(choices.size, excess, self.decay))
 
     def work(self, choices: Choices) -> float:
-        """Forces on fields of cells."""
+        """Return the work of a run, in force evaluations on single fields of cells."""
         cells = choices.size if self._is_ring(choices) else self._widened * choices.size
         return super().work(choices) * self._scheme.stages * cells * self._fields

@@ -1,4 +1,4 @@
-"""What the spectral engine begins with: a wave's data on rings, and its scales."""
+"""Initial data of the spectral engine: a moving wave on rings of any size, and its scales."""
 
 import math
 from dataclasses import dataclass
@@ -22,49 +22,48 @@ from longwave.scenes.starts.moving_wave import MovingWave, WaveBounds, find_boun
 Array = NDArray[np.float64]
 
 LEAST = 16
-"""Fewest wavelengths on a ring."""
+"""Minimum number of wavelengths of a periodic background on a ring."""
 
 ROOM = 1.5
-"""Least circumference, in units of what it must hold, beside the blended parts."""
+"""Least circumference without its blended parts, in units of the width it must contain."""
 
 BLEND = 32.0
 """On a constant background the data are blended within circumference/BLEND of the seam."""
 
 SCALES = 6.0
-"""They are blended within so many units of the wave's variable xi at least."""
+"""Least width of the blended part, in units of the wave's variable xi."""
 
-SEEN = 4096
-"""Points at which the largest strain is looked for."""
+SAMPLES = 4096
+"""Points at which the largest speed of sound is sought."""
 
 ABSORBED = 2.0
-"""Left-going waves of numbers below this are absorbed."""
+"""Wavenumber below which left-going waves are absorbed."""
 
 PASSED = 0.125
-"""Right-going waves that fall farther behind c t, in circumferences, are absorbed."""
+"""Distance behind c t, in circumferences, beyond which right-going waves are absorbed."""
 
 SMOOTH = 48.0
-"""Least number of a wave that is absorbed as a short one, times the circumference: where the
-absorber ends is then no step for it."""
+"""Least wavenumber of absorbed short waves, times the circumference. The edge of the absorber is
+smooth on the scale of such a wave."""
 
 
 @dataclass(frozen=True)
 class SpectralDomain:
-    """Where a ring lies: its middle is ``ahead`` of c t.
+    """Circumference and position of a ring, whose middle is ``lead`` sites ahead of c t.
 
-    On a ``causal`` one no signal from the seam reaches the compared sites in time.
+    On a ``causal`` ring no signal from the seam reaches the compared sites in time.
     """
 
     circumference: float
-    ahead: float = 0.0
+    lead: float = 0.0
     causal: bool = False
 
 
 @dataclass(frozen=True)
 class SpectralStart:
-    """A moving wave's data, ready to be put on rings of any size.
+    """Initial data of a moving wave for rings of any size up to the causal one.
 
-    ``bounds`` holds the wave and the compared sites at all times. No ring needs to be wider than
-    the causal one.
+    ``bounds`` encloses the wave and the compared sites at all times.
     """
 
     moving: MovingWave
@@ -77,18 +76,18 @@ class SpectralStart:
 
     @property
     def unit(self) -> float:
-        """The background's wavelength in sites; one site, if it is constant."""
+        """Wavelength of the background in sites; 1 if the background is constant."""
         wavelength = self.moving.wave.wavelength
         return 1.0 if wavelength is None else wavelength / self.moving.eps
 
     @property
     def steepness(self) -> float:
-        """The wave's variable xi per site."""
+        """Change of the wave's variable xi per site."""
         return self.moving.wave.numbers.a * self.moving.eps
 
     @property
     def smallest(self) -> float:
-        """The smallest circumference: it holds the wave at all times, and the compared sites."""
+        """Smallest circumference that contains the wave and the compared sites at all times."""
         least = ROOM * self.bounds.width
         if self.periodic:
             return max(LEAST * self.unit, least + 2.0 * self.unit)
@@ -96,77 +95,78 @@ class SpectralStart:
 
     @property
     def absorbed(self) -> float:
-        """Left-going waves of numbers below this may be absorbed at the seam; 0 if none may.
+        """Wavenumber below which left-going waves may be absorbed at the seam; 0 if none may.
 
-        A periodic background has such waves of its own, and so has the step in strain that closes
+        A periodic background contains such waves itself, and so does the step in strain that closes
         the ring of a kink.
         """
         return 0.0 if self.moving.wave.constant_background is None else ABSORBED
 
     def short(self, circumference: float) -> float:
-        """Right-going waves of numbers above this may be absorbed at the seam; 0 if none need be.
+        """Return the wavenumber above which right-going waves may be absorbed; 0 if none need be.
 
-        Of group velocity c cos(k/2), they fall 2 c sin^2(k/4) a unit of time behind.
+        Their group velocity is c cos(k/2), so they fall behind c t by 2 c sin^2(k/4) per unit of
+        time.
         """
-        way = 2.0 * self.moving.speed * self.moving.duration
-        behind = PASSED * circumference / way if way > 0.0 else math.inf
-        if not self.absorbed or behind >= math.sin(math.pi / 4.0) ** 2:
+        distance = 2.0 * self.moving.speed * self.moving.duration
+        lag = PASSED * circumference / distance if distance > 0.0 else math.inf
+        if not self.absorbed or lag >= math.sin(math.pi / 4.0) ** 2:
             return 0.0
-        return max(SMOOTH / circumference, 4.0 * math.asin(math.sqrt(behind)))
+        return max(SMOOTH / circumference, 4.0 * math.asin(math.sqrt(lag)))
 
     def ring(self, circumference: float, shift: float = 0.0) -> SpectralDomain:
-        """A ring of about that circumference, its middle off the usual place by ``shift`` of it.
+        """Return a ring of about this circumference, or the causal ring if that is not wider.
 
-        It is the causal ring if that is not wider.
+        The ring's middle is moved from its usual place by ``shift`` circumferences.
         """
         if circumference >= self.causal.circumference:
             return self.causal
-        ahead = self.bounds.middle + shift * circumference
-        return SpectralDomain(self._closed(circumference, ahead), ahead)
+        lead = self.bounds.middle + shift * circumference
+        return SpectralDomain(self._closed(circumference, lead), lead)
 
     @cached_property
     def causal(self) -> SpectralDomain:
-        """The ring whose seam cannot be felt in time.
+        """Causal ring: no signal from its seam reaches the compared sites during the run.
 
-        No signal is faster than sqrt(max V'') about the strains that it runs through, here those
-        of the wave, except that the front of a dispersive one is some Airy lengths wide. In the
-        frame that moves at c the compared sites rest, and the seam's signals cover the distances
-        (c_max - c) t from behind and (c_max + c) t from the front.
+        The fastest signals travel at sqrt(max V''), maximised over the strains of the wave; their
+        dispersive front adds some Airy lengths. In the frame that moves at c the compared sites
+        rest, and signals from the seam travel (c_max - c) t from behind and (c_max + c) t from the
+        front.
         """
         moving, fastest = self.moving, self.fastest
-        way = fastest * moving.duration
+        distance = fastest * moving.duration
         reach = self.seam(2.0 * fastest * moving.duration + 2 * moving.compared)
-        half = moving.compared + way + front(fastest, moving.duration) + reach
-        ahead = moving.speed * moving.duration
-        return SpectralDomain(self._closed(2.0 * half + 0.5 * self.unit, ahead), ahead, causal=True)
+        half = moving.compared + distance + front(fastest, moving.duration) + reach
+        lead = moving.speed * moving.duration
+        return SpectralDomain(self._closed(2.0 * half + 0.5 * self.unit, lead), lead, causal=True)
 
     @property
     def fastest(self) -> float:
-        """The largest speed of sound about the strains of the bounds and of the data."""
-        x = self.smallest * (np.arange(SEEN) / SEEN - 0.5) + self.bounds.middle
+        """Largest speed of sound over the strains of the bounds and of the data."""
+        x = self.smallest * (np.arange(SAMPLES) / SAMPLES - 0.5) + self.bounds.middle
         strain = np.concatenate([self._strain(x), self.bounds.strain])
         return self.moving.constants.highest_frequency(strain) / 2.0
 
     def state(self, ring: SpectralDomain, points: int) -> FieldRing:
-        """The ring at t0, blended at its seam, without mean velocity."""
+        """Return the initial state on a ring, blended at its seam and with zero mean velocity."""
         length = ring.circumference
         x = length * (np.arange(points) / points - 0.5)
-        left = self._middle + ring.ahead - 0.5 * length
+        left = self._middle + ring.lead - 0.5 * length
         if self.kink:
             crest = (
                 self.moving.wave.phase_zeros(self.moving.t0, self.moving.eps)[0]
                 - self._middle
-                - ring.ahead
+                - ring.lead
             )
-            y, s = negate_at_seam(lambda x: self._data(x + ring.ahead), length, round(crest), x)
+            y, s = negate_at_seam(lambda x: self._data(x + ring.lead), length, round(crest), x)
         else:
             width = self.seam(length) / BLEND_REACH
-            y, s = blend_seam(lambda x: self._data(x + ring.ahead), length, width, x)
+            y, s = blend_seam(lambda x: self._data(x + ring.lead), length, width, x)
             s = rest_at_seam(s, length, width, x)
         return FieldRing(self.moving.t0, (left,), (length,), y[None], s[None])
 
     def seam(self, circumference: float) -> float:
-        """The data within this distance of the seam are not the wave's."""
+        """Return the distance from the seam within which the data are blended."""
         if self.periodic:
             return self.unit
         if self.kink:
@@ -176,19 +176,20 @@ class SpectralStart:
 
     @property
     def kink(self) -> bool:
-        """Whether the far fields are constants that differ.
+        """Whether the wave is a kink, with two different constants as far fields.
 
-        What such a wave sends to the left changes the strain behind it for good: each time that
-        comes round a ring it turns its sign, and rings of many sizes show the same of it.
+        The waves that a kink radiates to the left change the strain behind it permanently. Each
+        time they go round the ring their sign changes, so rings of several sizes can agree on the
+        same wrong result.
         """
         return self.moving.wave.constant_background is None and not self.periodic
 
-    def _closed(self, circumference: float, ahead: float) -> float:
-        """On a periodic background the length about ``circumference`` that closes the ring."""
+    def _closed(self, circumference: float, lead: float) -> float:
+        """Return the length near ``circumference`` on which a periodic background closes."""
         if not self.periodic:
             return circumference
         count = round(circumference / self.unit)
-        return close_circumference(lambda x: self._strain(x + ahead), self.unit, count)
+        return close_circumference(lambda x: self._strain(x + lead), self.unit, count)
 
     @property
     def _middle(self) -> float:
@@ -203,7 +204,7 @@ class SpectralStart:
 
 
 def spectral_start(moving: MovingWave, tolerance: float) -> SpectralStart:
-    """The data of a wave with its bounds."""
+    """Return the initial data of a wave, with bounds found to ``tolerance``."""
     return SpectralStart(moving, find_bounds(moving, tolerance))
 
 
@@ -212,30 +213,30 @@ PER_RADIAN = 2.0
 
 
 def first_density(moving: MovingWave) -> float:
-    """Points per site to begin with."""
+    """Return the number of points per site of a search's first run."""
     return PER_RADIAN * moving.wave.numbers.a * moving.eps
 
 
 FEWEST = 16
-"""Steps of the first attempt, at least: differences between fewer say nothing about the order. Two
-solitons were 1.9e-5 off with 4 steps and 1.6e-5 with 7."""
+"""Minimum number of steps of the first run. With fewer, the differences between runs do not show
+the order of the scheme: the error of two solitons was 1.9e-5 with 4 steps and 1.6e-5 with 7."""
 
 
 def first_step(speed: float, duration: float, k: float, turning: float) -> float:
-    """The time in which the nonlinear part or dispersion turns a typical wave, or a run's share.
+    """Return the first step: the shortest time scale of nonlinearity, dispersion or the duration.
 
-    ``turning`` is the `turning_time` of waves of number ``k``, the `rms_wavenumber`. In the
-    long-wave limit both are fixed parts of the slow time T, so the number of steps does not depend
-    on eps. Dispersion is the faster one for small waves on short ones.
+    ``turning`` is the `turning_time` of waves of wavenumber ``k``, the `rms_wavenumber`. In the
+    long-wave limit both scales are fixed fractions of the slow time T, so the number of steps does
+    not depend on eps. Dispersion is the faster for weak, short waves.
     """
     longest = duration / FEWEST if duration > 0 else 1.0
     return min(longest, turning, 24.0 / (speed * k**3))
 
 
 def turning_time(constants: Model, state: FieldRing, k: float) -> float:
-    """The time in which the nonlinear part turns the phase of a wave of number ``k`` by one.
+    """Return the time in which nonlinearity shifts the phase of waves of wavenumber ``k`` by 1 rad.
 
-    About a strain y it runs ahead of the mean by (V''(y) - mean)/(2 c) k.
+    At strain y its frequency differs from the mean by k (V''(y) - mean(V'')) / (2 c).
     """
     stiffness = constants.stiffness(state.f)
     spread = float(np.max(np.abs(stiffness - np.mean(stiffness))))
@@ -245,10 +246,10 @@ def turning_time(constants: Model, state: FieldRing, k: float) -> float:
 
 
 def rms_wavenumber(state: FieldRing) -> float:
-    """The root mean square wave number of the strain's spectrum, its mean apart, or of its flank.
+    """Return the root mean square wavenumber of a strain, or of its steepest slope if larger.
 
-    The spectrum of a kink is that of its far fields, so the steepest slope counts as well, in units
-    of the largest strain.
+    The spectrum excludes the mean. The slope, in units of the largest strain, matters for a kink,
+    whose spectrum is dominated by its far fields.
     """
     modes = modes_of(state.f[0])
     k = 2.0 * math.pi / state.circumferences[0] * np.arange(modes.size)

@@ -1,8 +1,8 @@
-"""A scene with a tolerance on the spectral ring, seen through the ring's interpolation.
+"""Runs of a scene to a tolerance on spectral rings, measured by interpolation to the sites.
 
-What it will take is told before any run by a model: points times log2(points) times evaluations,
-with steps set by the slow time and the tolerance, on every ring that the search for the domain goes
-through.
+A model predicts the cost before any run: points times log2(points) times evaluations, on every ring
+that the search for the domain tries. The number of steps follows from the slow time and the
+tolerance.
 """
 
 import math
@@ -19,8 +19,8 @@ from longwave.lattice.state import State, empty_chain
 from longwave.lattice.trial import Progress, Trial
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines.domain_plan import ComparedCells
-from longwave.scenes.engines.recorders import Recorder, build_recorders
-from longwave.scenes.engines.run_record import RunRecord, unfinished
+from longwave.scenes.engines.recorders import Recorder, Variables, build_recorders
+from longwave.scenes.engines.run_record import RunRecord, search_interrupt
 from longwave.scenes.engines.spectral_data import (
     SpectralStart,
     first_density,
@@ -36,7 +36,7 @@ from longwave.scenes.starts.moving_wave import MovingWave, moving_wave
 from longwave.support.request_limits import ExpectedCost, OverBudgetError
 
 START_SECONDS = 0.08
-"""Before the first step, measured with the planning."""
+"""Seconds before the first step, measured with the planning."""
 
 SECONDS_PER_WORK = 2.2e-9
 """Seconds per point, log2(points) and evaluation, measured with the planning."""
@@ -48,48 +48,52 @@ POINTS = 1.7
 """Points per site in units of the first density times the peak (measured)."""
 
 TAIL = 20.0
-"""What doubling a ring to the circumference L changes, on a constant background, times
-(eps L/2)^3 and per unit of the peak: the absorbed ring's law (measured)."""
+"""Change of the result when a ring on a constant background is doubled to circumference L, times
+(eps L/2)^3 and per unit of the peak; law of a ring with absorber (measured)."""
 
 PHASE = 0.1
-"""On a periodic one, times (eps L/2)^2 and per unit of b eps^3 t times peak^3 (measured)."""
+"""Same change on a periodic background, times (eps L/2)^2 and per unit of b eps^3 t times peak^3
+(measured)."""
 
-APART = 400.0
-"""Spread of the energies of a ring's lattices, in units of exp(-pi^2/(a |y|)); 250 to 520 for
-solitons of a |y| from 0.35 to 0.6."""
+LATTICE_SPREAD = 400.0
+"""Energy spread of a wave over its positions between two sites, in units of exp(-pi^2/(a |y|)); 250
+to 520 for solitons of a |y| from 0.35 to 0.6."""
 
 STEPPING = 2.0
-"""Runs on the first ring with all longer steps, in units of the last of them."""
+"""Cost of the runs on the first ring with all steps tried, in units of the last of them."""
 
-FAR_DEARER = 300.0
-"""The spectral engine gives up at so many times what the stencil takes, and not before ``WORTH``.
+MOST_RELATIVE_COST = 300.0
+"""Cost at which the spectral engine gives up, in units of the stencil's; at least `LEAST_BUDGET`.
 
-A ring on which short waves come round for ever improves ever more slowly. Where that takes long and
-a window needs next to nothing, the ring is no help to anyone.
+On a ring that short waves circle forever, a larger ring improves the result ever more slowly. Then
+the stencil in a moving window is much cheaper.
 """
 
-WORTH = 10.0
-"""Seconds that a ring may always take."""
+LEAST_BUDGET = 10.0
+"""Seconds that the spectral engine may use in any case."""
 
 SHARE = 0.6
-"""Share of the tolerance that doubling the last ring may change."""
+"""Largest change from doubling the last ring, as a fraction of the tolerance."""
 
 
 POINT_BYTES = 530.0
-"""Of a ring's run, for each point."""
+"""Bytes per point of a run on a ring."""
 
 
 @lru_cache(maxsize=4)
 def spectral_cost(scene: Scene) -> ExpectedCost:
-    """What rings take; the wave's peak sets their points and steps, as in the mKdV limit."""
+    """Return the expected cost of a scene on spectral rings.
+
+    The wave's peak sets the number of points and steps, as in the mKdV limit.
+    """
     moving, tolerance = moving_wave(scene), scene.target.tolerance
     data, numbers = spectral_start(moving, tolerance), moving.wave.numbers
     peak = float(np.max(np.abs(data.bounds.strain))) / moving.eps
     turns = numbers.b * moving.eps**3 * moving.duration * peak**3
     evaluations = EVALUATIONS * (1.0 + turns) * tolerance ** (-1.0 / ORDER)
     steepness = numbers.a * moving.eps * peak
-    apart = APART * math.exp(-(math.pi**2) / steepness) * (1.0 + turns) * peak
-    if apart > ALIKE * tolerance:
+    lattice_spread = LATTICE_SPREAD * math.exp(-(math.pi**2) / steepness) * (1.0 + turns) * peak
+    if lattice_spread > ALIKE * tolerance:
         evaluations = max(evaluations, moving.duration / resolving_step(moving.speed))
     first, *wider = _circumferences(data, tolerance, peak, turns)
     density = POINTS * peak * first_density(moving)
@@ -102,10 +106,11 @@ def spectral_cost(scene: Scene) -> ExpectedCost:
 def _circumferences(
     data: SpectralStart, tolerance: float, peak: float, turns: float
 ) -> list[float]:
-    """Those that are tried: doubled until the law says that it is enough, or until the causal one.
+    """Return the circumferences that a search is expected to try, each twice the one before.
 
-    On a constant background a doubling changes by the tails, which are cut off at the seam; on a
-    periodic one by what the wave radiates. A kink's ring is causal.
+    The search ends when the predicted change is within the tolerance or the ring is causal. On a
+    constant background the change comes from the wave's tails, cut off at the seam; on a periodic
+    one from the radiation of the wave. A kink's ring is causal from the start.
     """
     if data.kink:
         return [data.causal.circumference]
@@ -122,19 +127,19 @@ def _circumferences(
 def run_spectral(
     scene: Scene, site_by_site: float, progress: Progress, announce: Announce
 ) -> tuple[RunRecord, Refined]:
-    """The run of a scene to its tolerance, and how its error was estimated.
+    """Run a scene to its tolerance on spectral rings; return its record and the search's result.
 
-    ``site_by_site`` are the seconds that the stencil would take. What it would look at where it
-    stops is looked at equidistant times here. Only the compared sites are formed, at the times
-    asked for. The run ends where their strains are no longer sound. Raises ValueError for a
-    tolerance that cannot be met and for a lattice that blows up, UnfinishedRun on Ctrl-C.
+    ``site_by_site`` is the time in seconds that the stencil would need. Looks are taken at
+    equidistant times, and only the compared sites are evaluated. The record ends where their
+    strains show a blow-up. Raises ValueError for a tolerance that cannot be met and for a lattice
+    that blows up, UnfinishedRun on Ctrl-C.
     """
     tolerance = scene.target.tolerance
     looks = scene.look_points or scene.curve_points
     recorders = build_recorders(replace(scene, look_points=looks))
     times = {t for recorder in recorders for t in recorder.moments.times} | {scene.end}
     moving = replace(moving_wave(scene), times=(scene.t0, *sorted(times)))
-    most_work = max(WORTH, FAR_DEARER * site_by_site) / SECONDS_PER_WORK
+    most_work = max(LEAST_BUDGET, MOST_RELATIVE_COST * site_by_site) / SECONDS_PER_WORK
     try:
         found = solve_on_rings(moving, tolerance, progress, announce, most_work)
     except StoppedSearch as stop:
@@ -156,21 +161,21 @@ def run_spectral(
 def _stopped(
     scene: Scene, moving: MovingWave, stop: StoppedSearch, recorders: list[Recorder]
 ) -> KeyboardInterrupt:
-    """What the best run that is left shows, as far as it got."""
+    """Return the exception for a search ended by Ctrl-C, with the record of its best run."""
     trial = stop.trial
     if trial is None or trial.values is None:
-        return unfinished(None, scene, None, stop.before)
-    seen = replace(moving, times=moving.times[: 1 + len(trial.values)])
-    run = _recorded(scene, seen, trial, recorders)
-    if seen != moving:
-        run.attrs["unfinished"] = f"Ctrl-C after t = {seen.end:g} of {scene.end:g}"
-    return unfinished(run, scene, stop.error, stop.before)
+        return search_interrupt(None, scene, None, stop.before)
+    completed = replace(moving, times=moving.times[: 1 + len(trial.values)])
+    run = _recorded(scene, completed, trial, recorders)
+    if completed != moving:
+        run.attrs["unfinished"] = f"Ctrl-C after t = {completed.end:g} of {scene.end:g}"
+    return search_interrupt(run, scene, stop.error, stop.before)
 
 
 def _recorded(
     scene: Scene, moving: MovingWave, trial: Trial, recorders: list[Recorder]
 ) -> RunRecord:
-    """What the recorders see of the compared sites at their moments, as far as they are sound."""
+    """Return the record of a run: observables of the compared sites, up to a blow-up."""
     assert trial.values is not None
     cost: SpectralCost = trial.payload
     amplitude, fault = max(map(abs, cost.strain)), None
@@ -181,22 +186,24 @@ def _recorded(
         state.store(sites, row * moving.eps, np.zeros(sites.size))
         fault = find_blow_up(scene.model.lattice, state, amplitude)
         if fault is not None:
-            reached = tuple(seen for seen in scene.snapshots if seen < t)
+            reached = tuple(snapshot for snapshot in scene.snapshots if snapshot < t)
             break
         view = view_of(moving, state)
-        for item in recorders:
-            if item.moments.due(t):
-                item.see(view)
-    told = run_facts(
+        for recorder in recorders:
+            if recorder.moments.is_due(t):
+                recorder.observe(view)
+    attributes = run_facts(
         trial, cost.steps, cost.evaluations, cost.points, "" if fault is None else str(fault)
     )
-    told["circumference"] = cost.circumference
-    variables = {name: value for item in recorders for name, value in item.variables().items()}
-    return RunRecord(scene, (scene.compared,), reached, variables, told)
+    attributes["circumference"] = cost.circumference
+    variables: Variables = {}
+    for recorder in recorders:
+        variables |= recorder.variables()
+    return RunRecord(scene, (scene.compared,), reached, variables, attributes)
 
 
 def view_of(moving: MovingWave, state: State) -> CellView:
-    """The compared sites of a state that holds them."""
+    """Return the view of a moving wave and a lattice state on the compared sites."""
     compared = ComparedCells(moving.speed, (moving.compared,))
     ends = [(state.left, state.left + state.size - 1)]
     return CellView(moving, compared, moving.lattice, (0.0,), state, ends, state.at(state.sites))

@@ -1,9 +1,9 @@
-"""A run by the spectral engine, with the step, the sampling and the ring that a tolerance needs.
+"""Spectral engine that finds the step, the sampling and the ring that a tolerance needs.
 
-The choices are judged by `refine.py`: a control run has a shorter step, more points, a wider ring
-with its seam elsewhere, and an absorber of half the strength. At all times the tail of the spectrum
-is watched; where it rises above its bound, the run is begun again with more points. A ring that is
-taken for causal is checked against the strains that were met on it.
+`refine.py` judges the choices with control runs: a shorter step, more points, a wider ring with its
+seam elsewhere, and an absorber of half the strength. The tail of the spectrum is monitored; if it
+exceeds its bound, the run restarts with more points. A ring assumed to be causal is checked against
+the strains met in the run.
 """
 
 import math
@@ -53,61 +53,62 @@ from longwave.support.checkpoint import Loop, Memory, begin_loop
 Array = NDArray[np.float64]
 
 SIZE_RATIO = 1.5
-"""Circumference of a control run, in units of that of the run before it. Where the control's ring
-would be causal, so is the first; a kink's always is."""
+"""Circumference of a control run, in units of the run before it. If the control's ring would be
+causal, the first one is made causal, too; a kink's ring always is."""
 
 SHIFT = 0.07
-"""By how much its middle moves, in circumferences."""
+"""Shift of a control run's ring, in circumferences."""
 
-WEAKER = 0.5
-"""Strength of its absorber, in units of that of the run before it."""
+ABSORBER_RATIO = 0.5
+"""Strength of a control run's absorber, in units of the run before it."""
 
 LARGEST_FACTOR = 3.0
 """Largest factor on a size, from one choice to the next."""
 
-DENSER = 1.5
-"""Points with which a run is begun again whose spectrum's tail rose."""
+POINTS_GROWTH = 1.5
+"""Factor on the points when a run restarts because the tail of its spectrum rose."""
 
-STARTED = 15.0
-"""A start ends when sound has gone so many times 1/k, k the data's typical wave number."""
+START_LENGTH = 15.0
+"""Length of the start phase, in units of the time in which sound travels 1/k, k being the typical
+wavenumber of the data."""
 
-START = 0.1
-"""Step of the start, in units of the time in which sound goes 1/k."""
+START_STEP = 0.1
+"""Step of the start phase, in units of the time in which sound travels 1/k."""
 
-STEEPEST = 0.65
-"""Largest a |y|: beyond, a wave is as short as the distance of sites, and no step is long enough to
-pay (a soliton's width in sites is 1/(a |y|))."""
+LARGEST_STEEPNESS = 0.65
+"""Largest a |y| accepted. A steeper wave is as short as the distance between sites (a soliton's
+width in sites is 1/(a |y|)), and no long step is possible."""
 
-SLENDER = 0.2
-"""Up to this a |y| the energies of the ring's lattices differ by less than rounding."""
+SMALL_STEEPNESS = 0.2
+"""Value of a |y| up to which the energies of the ring's interleaved lattices agree to rounding."""
 
 SPREAD = 2.2
-"""The spread of energies with which the bound was measured, in units of `crest_energy_spread`: at
-most, of solitons with a |y| from 0.35 to 0.6."""
+"""Largest measured energy spread, in units of `crest_energy_spread`, of solitons with a |y| from
+0.35 to 0.6."""
 
-RESOLVED = 2.5
-"""Points per site that a steep wave takes."""
+STEEP_DENSITY = 2.5
+"""Points per site that a steep wave needs."""
 
 MOST_WORK = 4e9
-"""Most work of a run with such steps, some ten seconds on the ring where no seam is felt: what a
-steep wave radiates without end does not let a smaller one do."""
+"""Largest work of a run with such short steps, about ten seconds on the causal ring. A steep wave
+radiates all the time, so no smaller ring suffices."""
 
 SHORTEST = 0.02
-"""Shortest step, in units of the time in which sound goes a site: below it a run site by site takes
-less."""
+"""Shortest step, in units of the time in which sound travels one site. Below it a run site by site
+is cheaper."""
 
 LEAST_POINTS = 256
-"""Points on the smallest ring: the numbers that transform fast then lie so close that a control run
-never has as many."""
+"""Minimum number of points on a ring. From here on the sizes that suit the FFT lie so close
+together that a control run always has more points."""
 
 MOST_POINTS = 2**20
-"""Points on the largest ring: a run takes 510 bytes a point (measured)."""
+"""Maximum number of points on a ring; a run needs 510 bytes a point (measured)."""
 
 
 class SpectralCost(NamedTuple):
-    """What a run took: ``points``, and ``evaluations`` of the force.
+    """Cost of a run: its steps, points and force ``evaluations``, and its ring's circumference.
 
-    ``strain`` is the smallest and the largest that was met.
+    ``strain`` holds the smallest and the largest strain of the run.
     """
 
     steps: int
@@ -118,14 +119,14 @@ class SpectralCost(NamedTuple):
 
 
 Stop: TypeAlias = tuple[float, float, bool]
-"""A time, the step up to it, and whether the wave is seen there."""
+"""Stop of a run: its time, the step up to it, and whether the wave is recorded there."""
 
 
 class SpectralIntegration:
-    """A wave's way from ``state`` on rings, with a new one wherever the step is another.
+    """Integration of a wave from ``state``, on a new ring whenever the step changes.
 
-    ``rows`` are its y/eps on the compared sites at the ``stops`` where it is seen. It can be gone
-    on with from any pause of a ring, by a march that was made alike.
+    ``rows`` holds y/eps on the compared sites at each stop where the wave is recorded. Another
+    instance with the same arguments can resume it from a checkpoint.
     """
 
     def __init__(
@@ -137,28 +138,28 @@ class SpectralIntegration:
     ) -> None:
         self.rows: list[Array] = []
         self._moving, self._stops, self._make = moving, stops, make
-        self._place, self._left = 0, [(math.inf, -math.inf, 0, 0)]
+        self._place, self._left = 0, [(math.inf, -math.inf, 0, 0)]  # stop, tallies of past rings
         self._begin(state, stops[0][1])
 
     def _begin(self, state: FieldRing, step: float) -> None:
         self._state, self._step, self._ring = state, step, self._make(state, step)
 
     def _tallies(self) -> list[tuple[float, float, int, int]]:
-        """The smallest and the largest strain, steps and evaluations of all rings so far."""
+        """Return smallest strain, largest strain, steps and evaluations of each ring so far."""
         integrator = self._ring.integrator
         return [*self._left, (*self._ring.strain, integrator.steps, integrator.evaluations)]
 
     @property
     def cost(self) -> SpectralCost:
-        """That of all rings so far."""
+        """Total cost of all rings so far."""
         least, most, steps, evaluations = zip(*self._tallies(), strict=True)
         points, length = self._state.f.size, self._state.circumferences[0]
         return SpectralCost(sum(steps), points, sum(evaluations), length, (min(least), max(most)))
 
     def run(self, progress: Progress, loop: Loop) -> None:
-        """Go to the end, from the beginning or from what the loop remembers.
+        """Integrate to the last stop, from the start or from the loop's checkpoint.
 
-        Raises what the rings raise.
+        Raises the errors of the rings, such as RunawayError.
         """
         if loop.memory is not None:
             self._recall(loop.memory)
@@ -175,8 +176,8 @@ class SpectralIntegration:
         loop.end(self._memory)
 
     def _memory(self) -> Memory:
-        kept = {name: getattr(self, name) for name in ("rows", "_place", "_left", "_step")}
-        return kept | {"state": vars(self._state), "ring": self._ring.memory()}
+        attributes = {name: getattr(self, name) for name in ("rows", "_place", "_left", "_step")}
+        return attributes | {"state": vars(self._state), "ring": self._ring.memory()}
 
     def _recall(self, memory: Memory) -> None:
         self.rows, self._place, self._left = (memory[k] for k in ("rows", "_place", "_left"))
@@ -191,35 +192,35 @@ def solve_on_rings(
     announce: Announce = lambda _: None,
     most_work: float = math.inf,
 ) -> Refined:
-    """Run the wave to a sup error of y/eps on the compared sites at its times after t0.
+    """Run a wave on spectral rings to a tolerance on the sup error of y/eps at the compared sites.
 
-    ``most_work`` is the most that the next runs may ever take, in points times their log2 times
-    evaluations. ``progress`` and ``announce`` are as in `refine`. Raises ValueError if the
-    tolerance needs too many points or too short steps, or is below what rounding leaves, and
-    FloatingPointError if the lattice blows up.
+    ``most_work`` limits the work of further runs, in points times log2(points) times evaluations.
+    ``progress`` and ``announce`` are as in `refine`. Raises ValueError if the tolerance needs too
+    many points or too short steps or is below the rounding error, OverBudgetError beyond
+    ``most_work``, and FloatingPointError if the lattice blows up.
     """
     if not tolerance > 0:
         raise ValueError(f"tolerance must satisfy tolerance > 0, got {tolerance:g} (1e-4 is usual)")
     engine = SpectralEngine(moving, tolerance, most_work)
-    found = refine(engine, tolerance, progress, announce)
-    if found.trial.values is None:
-        step = found.trial.choices.step
-        raise FloatingPointError(f"blow-up: steps down to {step:.3g} do not change it")
+    result = refine(engine, tolerance, progress, announce)
+    if result.trial.values is None:
+        step = result.trial.choices.step
+        raise FloatingPointError(f"blow-up with all steps down to {step:.3g}")
     progress(1.0)
-    return found
+    return result
 
 
 class SpectralEngine(SpectralRingSearch):
-    """Runs of a wave on rings, its initial data kept."""
+    """Engine that runs a wave on spectral rings; it caches rings and initial states."""
 
     kinds: tuple[Kind, ...] = ("step", "sampling", "domain")
     safety = 4.0
-    """What still comes round the ring was measured to fall as slowly as L^-1/2; what long steps
-    average away, as step^1/2."""
+    """Safety factor on differences between runs. The error from waves that circle the ring was
+    measured to fall as slowly as L^-1/2, that of long steps as step^1/2."""
     step_ratio = 0.6
     least_factor = 0.3
     amplifies_rounding = False
-    """Waves so steep that rounding grows soon are refused."""
+    """False, because waves steep enough to amplify rounding quickly are refused."""
 
     def __init__(self, moving: MovingWave, tolerance: float, most_work: float) -> None:
         super().__init__(moving.t0, moving.duration, moving.speed, tolerance)
@@ -227,54 +228,57 @@ class SpectralEngine(SpectralRingSearch):
         self._data = spectral_start(moving, tolerance)
         self.decay = 2.0 if self._data.periodic else 3.0
         steepness = self._steepness(self._data.bounds.strain)
-        if steepness > STEEPEST:
+        if steepness > LARGEST_STEEPNESS:
             raise self._too_short(f"a wave longer than {1.0 / steepness:.2g} sites")
         self._density = first_density(moving)
-        self._started = moving.t0
+        self._start_end = moving.t0
         self._rings: dict[tuple[float, float, bool], SpectralDomain] = {}
         self._states: dict[tuple[SpectralDomain, int], FieldRing] = {}
         self._soft: NotHyperbolicError | None = None
 
     def first(self) -> Choices:
-        """The smallest ring, sampled by the wave's own scale, with a step of that scale."""
+        """Return the first choices: the smallest ring, sampling and step of the wave's scale."""
         choices = self._sized(Choices(1.0, 0.0, density=self._density), self._data.smallest)
         state, c = self._state(choices), self._moving.speed
         k = rms_wavenumber(state)
         turning = turning_time(self._moving.constants, state, k)
         step = first_step(c, self._duration, k, turning)
-        self._lattice_spread = self._apart(self._duration / turning)
+        self._lattice_spread = self._spread_over(self._duration / turning)
         if self._must_resolve:
             step = min(step, self._resolving)
-            self._refuse_toil(step)
+            self._check_work(step)
         length = 1.0 / (c * k)
-        start = START * length if STARTED * length < self._duration else 0.0
+        start = START_STEP * length if START_LENGTH * length < self._duration else 0.0
         if not start:
-            step = min(step, START * length)
+            step = min(step, START_STEP * length)
         absorber = ABSORBER_STRENGTH if self._data.absorbed and not choices.causal else 0.0
-        self._started = self._moving.t0 + STARTED * length
+        self._start_end = self._moving.t0 + START_LENGTH * length
         return replace(choices, step=step, absorber=absorber, start=start)
 
-    def _refuse_toil(self, step: float) -> None:
-        """Refuse so short steps where a run site by site takes much less."""
+    def _check_work(self, step: float) -> None:
+        """Raise ValueError if steps are so short that a run site by site is much cheaper."""
         limit = self._data.causal
-        widest = replace(Choices(step, limit.circumference), density=RESOLVED)
+        widest = replace(Choices(step, limit.circumference), density=STEEP_DENSITY)
         if self.work(widest) > MOST_WORK:
             raise self._too_short(f"steps below {step:.2g} for so long")
 
     def _too_short(self, needed: str) -> ValueError:
-        """What is said of a tolerance, or a wave, that needs shorter steps than pay."""
+        """Return the error for a tolerance or wave that needs too short steps."""
         return ValueError(
             f"engine must be 'stencil' for tolerance {self._tolerance:g}, got 'spectral': it needs "
-            f"{needed} (the wave is hardly longer than the distance of sites)"
+            f"{needed} (the wave is hardly longer than the distance between sites)"
         )
 
     def _steepness(self, strain: Array) -> float:
         return self._moving.wave.numbers.a * float(np.max(np.abs(strain)))
 
-    def _apart(self, turns: float) -> float:
-        """Bound of y/eps by which the ring's lattices part in time (`crest_energy.py`)."""
+    def _spread_over(self, turns: float) -> float:
+        """Return a bound on how far the ring's interleaved lattices diverge, in y/eps.
+
+        See `crest_energy.py`.
+        """
         data, bounds = self._data, self._data.bounds
-        if self._steepness(bounds.strain) <= SLENDER:
+        if self._steepness(bounds.strain) <= SMALL_STEEPNESS:
             return 0.0
         ring = data.ring(data.smallest)
         state = data.state(ring, self._fast_points(DENSITY * ring.circumference))
@@ -283,30 +287,30 @@ class SpectralEngine(SpectralRingSearch):
         return (1.0 + turns) * spread * float(np.max(np.abs(bounds.strain))) / data.moving.eps
 
     def _add_points(self, choices: Choices) -> bool:
-        self._density = DENSER * self._dense(choices) / choices.finer
+        self._density = POINTS_GROWTH * self._dense(choices) / choices.finer
         return True
 
     def _handle_loss(self, error: RunawayError, step: float) -> None:
-        """Raise it if waves cease to exist by themselves."""
+        """Raise the error again if the lattice itself stops carrying waves, whatever the step."""
         self._soft = error if isinstance(error, NotHyperbolicError) else None
         if self._soft and self._lost_again(error, step):
             raise error
 
     def control(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
-        """A shorter step, more points, a wider ring with its seam elsewhere.
+        """Return the choices of a control run: shorter step, more points, wider and shifted ring.
 
-        More than the points that the run really has, where the fewest of a ring make them more.
+        The points are counted from those that the run really had, as `LEAST_POINTS` may raise them.
         """
         dense = replace(choices, density=self._dense(choices) / choices.finer)
         choices = super().control(dense, kinds)
         if "domain" in kinds and not choices.causal:
-            weaker = replace(choices, absorber=WEAKER * choices.absorber)
+            weaker = replace(choices, absorber=ABSORBER_RATIO * choices.absorber)
             wider = self._sized(weaker, SIZE_RATIO * choices.size)
             choices = replace(wider, shift=choices.shift + SHIFT)
         return choices
 
     def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
-        """By the laws of the method's order and of the ring's size."""
+        """Return choices that reduce one kind of error by ``excess``, from its scaling law."""
         if kind == "step":
             shorter = self._shorter(choices, excess)
             if shorter.step * self._moving.speed < SHORTEST < self._duration:
@@ -320,22 +324,25 @@ class SpectralEngine(SpectralRingSearch):
         return self._sized(choices, factor * choices.size)
 
     def points(self, choices: Choices) -> float:
-        """The number of points that the choices mean."""
+        """Return the number of points of a run with these choices."""
         return choices.size * self._dense(choices)
 
     def _dense(self, choices: Choices) -> float:
-        """Points per site that the choices mean, by what is known of the spectrum now."""
+        """Return the points per site of a run with these choices, given the spectra seen so far."""
         least = LEAST_POINTS / choices.size
         return choices.finer * max(choices.density, self._density, least)
 
-    def _fast_points(self, wanted: float) -> int:
-        """The next larger number of points that transforms fast."""
-        if wanted > MOST_POINTS:
+    def _fast_points(self, points: float) -> int:
+        """Return the next larger number of points that suits the FFT.
+
+        Raises ValueError beyond `MOST_POINTS`.
+        """
+        if points > MOST_POINTS:
             raise ValueError(
                 f"tolerance must be larger than {self._tolerance:g}: it needs a ring of more than "
                 f"{MOST_POINTS} points (raise it, end earlier or compare fewer sites)"
             )
-        return fast_count(wanted)
+        return fast_count(points)
 
     def _sized(self, choices: Choices, size: float) -> Choices:
         limit = self._data.causal
@@ -344,7 +351,10 @@ class SpectralEngine(SpectralRingSearch):
         return replace(choices, size=size)
 
     def _run(self, choices: Choices, progress: Progress) -> Trial:
-        """A run, once more if the strains met were too fast for a causal ring."""
+        """Run with these choices; again on a wider ring if a causal one was too narrow.
+
+        A causal ring is too narrow if the strains met carry faster signals than it was made for.
+        """
         trial = self._march(replace(choices, density=self._dense(choices), finer=1.0), progress)
         self._soft = None
         data = self._data
@@ -392,7 +402,7 @@ class SpectralEngine(SpectralRingSearch):
         return trial
 
     def _maker(self, choices: Choices, state: FieldRing) -> Callable[..., SpectralRing]:
-        """What makes the rings of a run that begins with that state."""
+        """Return the function that builds the rings of a run from this initial state."""
         cutoff = short = 0.0
         if choices.absorber:
             cutoff, short = self._data.absorbed, self._data.short(*state.circumferences)
@@ -406,12 +416,12 @@ class SpectralEngine(SpectralRingSearch):
         )
 
     def _stops(self, choices: Choices) -> list[Stop]:
-        """Where the wave is seen, and the end of the start, if that has a step of its own.
+        """Return the stops of a run: its times, and the end of a start phase with shorter steps.
 
-        The ansatz is not quite a right-going wave. Steps that do not resolve how the rest of it
-        leaves the wave would replace it by its mean, whatever their length.
+        The initial data are not exactly a right-going wave. Steps too long to resolve how the
+        left-going rest separates would replace that rest by its mean.
         """
-        times, began = self._moving.times[1:], self._started
+        times, began = self._moving.times[1:], self._start_end
         if not 0.0 < choices.start < choices.step:
             return [(t, choices.step, True) for t in times]
         early = [(t, choices.start, True) for t in times if t < began]

@@ -1,7 +1,7 @@
-"""Running a scene whose step and domain are stated, cell by cell, for observers at their moments.
+"""Run a scene cell by cell with given step and domain, and measure its observables.
 
-Recorders measure what the scene asks for. Discretisation errors are measured on request: the same
-scene with half the step, with twice the sites.
+Discretisation errors are measured on request, by a second run with half the step or twice the
+sites.
 """
 
 from __future__ import annotations
@@ -36,9 +36,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Recording:
-    """How far a run got, and what it cost (seconds without compilation).
+    """Outcome of a run: its stepper with the last state, and its seconds without compilation.
 
-    ``stopped`` if Ctrl-C ended it.
+    ``step_limit`` is the largest stable step; ``stopped`` is true if Ctrl-C ended the run.
     """
 
     stepper: Stepper
@@ -54,10 +54,10 @@ def record(
     restart: State | None = None,
     stops: Collection[float] = (),
 ) -> Recording:
-    """Run the scene to its end, a blow-up or Ctrl-C, showing it to each observer at its moments.
+    """Run the scene to its end, a blow-up or Ctrl-C; each observer measures it at its times.
 
-    A run from ``restart`` shows nothing before or at the time of that state. ``stops`` are times
-    that are hit exactly beside the observers'.
+    A run from the state ``restart`` is measured only after the time of that state. ``stops`` are
+    further times that the steps hit exactly.
     """
     scene = stepped.scene
     stepper, step_limit = stepped.stepper(restart)
@@ -72,22 +72,22 @@ def record(
             observer.recall(memory)
         times = [t for t in times if t > stepper.state.t]
 
-    def remember(arrays: bool = True) -> Memory:
+    def checkpoint(arrays: bool = True) -> Memory:
         return stepper.memory(arrays) | {"observers": [one.memory() for one in observers]}
 
     try:
         for state in stepper.stops(times) if times else ():
             view = stepped.view(state)
             for observer in observers:
-                if observer.moments.due(state.t):
-                    observer.see(view)
+                if observer.moments.is_due(state.t):
+                    observer.observe(view)
             progress(_share(begin, scene.end, state.t))
             if state.t < scene.end:
-                loop.offer(remember)
+                loop.offer(checkpoint)
     except KeyboardInterrupt:
         stopped = True
     if times and not stopped and stepper.blow_up is None:
-        loop.end(lambda: remember(arrays=False))
+        loop.end(lambda: checkpoint(arrays=False))
     return Recording(stepper, step_limit, time.perf_counter() - loop.begun, stopped)
 
 
@@ -100,17 +100,19 @@ REFINED_COST = 2.0
 
 
 def refinements(scene: Scene) -> list[str]:
-    """The observables that are measured by running the scene again."""
-    return [name for name in scene.observables if observable_named(name).seen == "refinement"]
+    """Return the observables of a scene that need a second, refined run."""
+    return [
+        name for name in scene.observables if observable_named(name).measured_at == "refinement"
+    ]
 
 
 def stated_runs(scene: Scene) -> float:
-    """The work of a stated scene with its refinements, in units of its run alone."""
+    """Return the work of a scene including its refined runs, in units of the run alone."""
     return 1.0 + REFINED_COST * len(refinements(scene))
 
 
-def refined(scene: Scene, measure: str) -> Scene:
-    """The scene with half the step (``time_step_error``) or twice the sites (``domain_error``)."""
+def refined_scene(scene: Scene, measure: str) -> Scene:
+    """Return the scene refined: half the step (``time_step_error``), twice the sites otherwise."""
     stated = scene.discretisation
     if measure == "time_step_error":
         finer = replace(stated, step=stated.step / 2.0)
@@ -122,14 +124,14 @@ def refined(scene: Scene, measure: str) -> Scene:
 def measured_error(
     stepped: SteppedCells, measure: str, samples: Sequence[Array], progress: Progress
 ) -> list[float]:
-    """Largest difference of what is compared between a run and its refinement, in its unit.
+    """Run the refined scene and return its largest difference from the run at each snapshot.
 
-    One number for each of the snapshots in ``samples``, the values of the run itself. Steps are
-    fitted to the same times in both. Raises KeyboardInterrupt on Ctrl-C.
+    ``samples`` are the compared values of the run at its snapshots. Differences are in units of the
+    wave's scale. Both runs fit their steps to the same times. Raises KeyboardInterrupt on Ctrl-C.
     """
     scene = stepped.scene
     finer = Samples(scene.snapshots[: len(samples)])
-    again = stepped.refined(refined(scene, measure))
+    again = stepped.refined(refined_scene(scene, measure))
     if record(again, [finer], progress, stops=exact_times(scene)).stopped:
         raise KeyboardInterrupt
     return [
@@ -144,43 +146,45 @@ def run_from(
     progress: Progress | None,
     witnesses: Sequence[Observer] = (),
 ) -> RunRecord:
-    """Run from the wave's initial data or from a state of an earlier run of the same scene.
+    """Run from the wave's initial data, or from a state of an earlier run of the same scene.
 
-    ``witnesses`` see the run as well; what they see is no part of it. Raises UnfinishedRun with
-    what was recorded on Ctrl-C.
+    ``witnesses`` are further observers whose values are not part of the record. Raises
+    UnfinishedRun with the values recorded so far on Ctrl-C.
     """
     scene = stepped.scene
     measures = refinements(scene)
-    whole, *parts = _parts(progress or (lambda _: None), [1.0, *[REFINED_COST] * len(measures)])
+    whole, *parts = _split_progress(
+        progress or (lambda _: None), [1.0, *[REFINED_COST] * len(measures)]
+    )
     recorders = build_recorders(scene)
     samples = Samples(scene.snapshots)
-    seen: list[Observer] = [*recorders, *witnesses]
+    observers: list[Observer] = [*recorders, *witnesses]
     if measures:
-        seen.append(samples)
-    recording = record(stepped, seen, whole, restart)
+        observers.append(samples)
+    recording = record(stepped, observers, whole, restart)
     variables: Variables = {}
     for recorder in recorders:
         variables |= recorder.variables()
-    cost = _cost(scene, recording) | stepped.told(recording.stepper)
-    made = RunRecord(scene, stepped.reach, _reached(scene, recorders, recording), variables, cost)
+    cost = _cost(scene, recording) | stepped.attributes(recording.stepper)
+    run = RunRecord(scene, stepped.reach, _reached(scene, recorders, recording), variables, cost)
     if recording.stopped:
         cost["unfinished"] = f"Ctrl-C after t = {recording.stepper.state.t:g} of {scene.end:g}"
-        raise UnfinishedRun(made)
+        raise UnfinishedRun(run)
     for measure, part in zip(measures, parts, strict=True):
         try:
             values = measured_error(stepped, measure, samples.samples, part)
         except KeyboardInterrupt:
             cost["unfinished"] = f"Ctrl-C before the {measure} was measured"
-            raise UnfinishedRun(made) from None
+            raise UnfinishedRun(run) from None
         attributes = observable_named(measure).variables[0].attributes
         variables[measure] = (("time",), values, attributes)
-    return made
+    return run
 
 
 def _reached(
     scene: Scene, recorders: Sequence[Recorder], recording: Recording
 ) -> tuple[float, ...]:
-    """The snapshots that were recorded; without a recorder for them, those that were passed."""
+    """Return the snapshots that a run recorded, or passed if it has no recorder for snapshots."""
     if recording.stopped:
         for recorder in recorders:
             if recorder.dimension == "time":
@@ -190,13 +194,13 @@ def _reached(
     return tuple(t for t in scene.snapshots if t < recording.stepper.state.t)
 
 
-def _parts(progress: Progress, costs: Sequence[float]) -> list[Progress]:
-    """The progress of each part of the work, as progress of the whole."""
+def _split_progress(progress: Progress, costs: Sequence[float]) -> list[Progress]:
+    """Return one progress callback for each part, which reports the progress of the whole."""
 
     def part(start: float, cost: float) -> Progress:
         return lambda share: progress(min(1.0, (start + share * cost) / sum(costs)))
 
-    return [part(sum(costs[:place]), cost) for place, cost in enumerate(costs)]
+    return [part(sum(costs[:index]), cost) for index, cost in enumerate(costs)]
 
 
 def _cost(scene: Scene, recording: Recording) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Cells about a wave as they are stepped and seen: on a ring, or in a window that moves with it."""
+"""Cells of a run, on a ring or in a moving window: their stepper and their view of the wave."""
 
 from __future__ import annotations
 
@@ -30,16 +30,17 @@ from longwave.support.checkpoint import Memory
 Array = NDArray[np.float64]
 
 LOOK_SECONDS = 0.02
-"""Seconds between two stops, at which it is looked whether the state is finite; Ctrl-C waits."""
+"""Seconds between two stops, at which the state is checked for NaN and Ctrl-C takes effect."""
 
 
 class SteppedCells:
-    """The cells of a ring as they are stepped.
+    """Cells of a run on a ring.
 
-    The scene has times of the lattice. Its ring has as many sites as it says, unless its ``ends``
-    are given. It ``fades`` far from the compared cells, unless all cells are seen. Errors are told
-    in units of ``scale``; ``reach`` cells are compared on either side of the frame along each axis.
-    Raises ValueError for a ring that is too small.
+    The scene is in lattice times. The ring has the scene's number of sites, or the given ``ends``.
+    With ``nudged`` the last digits of the initial data are changed. With ``fades`` the cells that
+    can no longer affect a compared cell are damped; by default they are, unless an observable
+    measures all cells. ``scale`` is the unit of errors; ``reach`` is the number of compared cells
+    on either side of the frame along each axis. Raises ValueError for a ring that is too small.
     """
 
     def __init__(
@@ -51,7 +52,7 @@ class SteppedCells:
         fades: bool | None = None,
     ) -> None:
         self.scene, self.domains, self._nudged = scene, domains, nudged
-        self._fades = not sees_all_cells(scene) if fades is None else fades
+        self._fades = not measures_all_cells(scene) if fades is None else fades
         self.scale, self.reach = domains.wave.scale, domains.compared.reach
         if ends is None:
             least, sites = sites_of(domains.plain_ends(0)), scene.discretisation.sites
@@ -65,17 +66,20 @@ class SteppedCells:
 
     @property
     def task(self) -> str:
-        """Everything that its states follow from: scene, ring, whether last digits are changed."""
+        """Text that identifies the run in a checkpoint: scene, ring, and whether it is nudged."""
         return f"{self.scene.json()} on {self.ends}{' nudged' if self._nudged else ''}"
 
     @cached_property
     def ring(self) -> InitialCells:
-        """The data, until they are stepped: there is one copy of a large ring."""
+        """Initial data on the ring. The stepper advances these arrays in place."""
         ring = self.domains.ring(self.ends)
         return ring.nudged() if self._nudged else ring
 
     def stepper(self, restart: State | None) -> tuple[Stepper, float]:
-        """What steps the cells, and the largest stable step."""
+        """Return the stepper of the cells and the largest stable step.
+
+        Raises ValueError if the scene's step exceeds that limit.
+        """
         stated = self.scene.discretisation
         limit = check_step(stated.step, stated.table, self.domains.fastest)
         if restart is not None:
@@ -95,11 +99,11 @@ class SteppedCells:
 
     @property
     def _fading(self) -> Fading | None:
-        """What fades the cells whose signals come too late."""
+        """Damping of the cells that can no longer affect a compared cell; None without it."""
         return self.domains.fading() if self._fades and self.domains.room else None
 
     def view(self, state: State) -> CellView:
-        """The compared cells."""
+        """Return the view of a state on the compared cells."""
         domains, ring = self.domains, self.ring
         ends, arrays = self.ends_at(state), self.arrays_at(state)
         return CellView(
@@ -107,66 +111,69 @@ class SteppedCells:
         )
 
     def ends_at(self, state: State) -> Sequence[Ends]:
-        """First and last cell along each axis that a state holds."""
+        """Return the first and last cell of a state along each axis."""
         return self.ends
 
     def arrays_at(self, state: State) -> tuple[Array, Array]:
-        """Fields and velocities of a state in the order of the cells."""
+        """Return fields and velocities of a state in the order of the cells."""
         return state.arrays
 
     def refined(self, scene: Scene) -> SteppedCells:
-        """The cells of a finer scene."""
+        """Return the cells for a refined scene about the same wave."""
         return SteppedCells(scene, self.domains)
 
-    def told(self, stepper: Stepper) -> dict[str, Any]:
-        """The sites of the ring, which on a plane the scene does not say, and strains."""
+    def attributes(self, stepper: Stepper) -> dict[str, Any]:
+        """Return run attributes: the number of sites, and the strain range if it is monitored."""
         return {"sites": sites_of(self.ends), **self._strains(stepper)}
 
     def _strains(self, stepper: Stepper) -> dict[str, float]:
-        """The strains that were met, of a wave that watches them."""
+        """Return the smallest and largest strain of the run; empty for a wave without strains."""
         if not self.domains.wave.watches_strains:
             return {}
         least, most = stepper.ranges[0]
         return {"least_strain": float(least), "most_strain": float(most)}
 
 
-def sees_all_cells(scene: Scene) -> bool:
-    """Whether an observable of the scene is of all cells."""
+def measures_all_cells(scene: Scene) -> bool:
+    """Return whether an observable of the scene measures all cells, not the compared ones only."""
     return any(observable_named(name).all_sites for name in scene.observables)
 
 
 def _ends_of(restart: State, needed: Sequence[Ends]) -> list[Ends]:
-    """The ends of the ring that a state of a chain was kept on."""
+    """Return the ends of the ring that a stored state of a chain covers.
+
+    ``needed`` are the ends of the causal ring. Raises ValueError if the state's ring is smaller.
+    """
     first, last = restart.left, restart.left + restart.f.shape[-1] - 1
     low, high = needed[0]
     if low < first or high > last:
         raise ValueError(
-            f"snapshots must leave the state's ring wide enough, got {first} .. {last} where "
-            f"signals come from {low} .. {high} (end earlier, or run the scene to the later time)"
+            f"snapshots must leave the state's ring wide enough, got cells {first} .. {last} but "
+            f"signals arrive from {low} .. {high} (end earlier, or run the scene to the later time)"
         )
     return [(first, last)]
 
 
 @dataclass
 class RingDomain(FixedDomain):
-    """A ring of cells with these ends, some of which may fade."""
+    """Ring of cells with fixed ends, optionally with damping of cells that no longer matter."""
 
     ends: Sequence[Ends]
     domains: DomainPlan
     fading: Fading | None
 
     def fade(self, state: State) -> None:
-        """Let fade what can no longer reach a compared cell."""
+        """Damp the cells that can no longer affect a compared cell."""
         if self.fading is not None:
             self.fading.at(state)
 
     def recall(self, memory: Memory, t: float) -> None:
-        """Have faded until ``t``."""
+        """Restore the damping, which a resumed run has applied until time ``t``."""
         if self.fading is not None:
             self.fading.faded_until = t
 
     def locate(self, found: BlowUp, state: State) -> BlowUp:
-        """``found``, with the cell in the place of where it is stored."""
+        """Return a blow-up with the cell's number instead of its storage index."""
         columns = state.f[0].size // state.f.shape[1]
         site = self.ends[0][0] + found.site // columns
         return self.domains.located(replace(found, site=site), self.ends)
@@ -180,10 +187,11 @@ def ring_stepper(
     step: float,
     amplitude: float | None = None,
 ) -> Stepper:
-    """What steps a ring, with a stop every ``LOOK_SECONDS``, of a chain or `LEAST_CHUNK` steps.
+    """Return a stepper of a ring that stops about every ``LOOK_SECONDS`` to check the state.
 
-    With the ``amplitude`` of a wave its strains are watched (`blow_up.find_blow_up`), as often as
-    what sends out too much at a ring's seam is to fade.
+    On a chain it takes at least `LEAST_CHUNK` steps between stops. With the ``amplitude`` of a wave
+    its strains are checked (`blow_up.find_blow_up`) at least every `CHUNK` steps, as often as the
+    seam needs damping.
     """
     seconds = cell_seconds(lattice) * state.f[0].size
     least = LEAST_CHUNK if lattice.dimension == 1 else 1
@@ -194,10 +202,10 @@ def ring_stepper(
 
 @dataclass(frozen=True)
 class CellView(View):
-    """A wave on any lattice, seen in the compared ones of the cells that a state holds.
+    """View of a wave on any lattice, in the compared cells of a state.
 
-    These have the given ``ends``, and fields and velocities in their order as ``arrays``; the
-    ``lattice`` has its bonds stretched by the ``mean_strain``.
+    The state's cells have the given ``ends``; ``arrays`` are its fields and velocities in the order
+    of the cells. The bonds of ``lattice`` are stretched by ``mean_strain``.
     """
 
     wave: LatticeWave
@@ -210,71 +218,74 @@ class CellView(View):
 
     @property
     def level(self) -> float:
-        """The uniform strain that the wave is added to."""
+        """Uniform value of the first compared quantity, on which the wave is superposed."""
         return float(self.wave.uniform()[0])
 
     @property
     def travelled(self) -> float:
-        """At the speed of the wave's frame."""
+        """Distance that the wave's frame has travelled, in cells."""
         return self.wave.speed * self.t
 
     @property
     def crest_law(self) -> float | None:
-        """That of the first quantity, by the wave's own law."""
+        """Crest of the first quantity by the wave's law of losses; None without one."""
         return self.wave.crest(self.t)
 
     @cached_property
     def sites(self) -> Sites:
-        """The compared cells along the first axis."""
+        """Compared cells along the first axis."""
         cells = self._cells if self._cells.ndim == 1 else self._cells[0, :, 0]
         return cells.astype(np.int64)
 
     @cached_property
     def numerics(self) -> Array:
-        """All quantities that are compared, of the run: a copy, for the state goes on."""
+        """Compared quantities of the run, (quantities, *sites); a copy, as the state changes."""
         wide, inner = self.wave.beside(self._places(self.compared))
-        found = self.wave.measured(self.arrays[0][:, *wide], self.mean_strain)
-        return np.array(found[:, *inner], subok=True)
+        values = self.wave.measured(self.arrays[0][:, *wide], self.mean_strain)
+        return np.array(values[:, *inner], subok=True)
 
     @cached_property
     def analytics(self) -> Array:
-        """The same of the wave."""
+        """Compared quantities of the wave, (quantities, *sites)."""
         return self.wave.strain(self._cells, self.t)
 
     @cached_property
     def backgrounds(self) -> Array:
-        """The same of what it deviates from."""
+        """Compared quantities of the wave's background, (quantities, *sites)."""
         return np.asarray(self.wave.background(self._cells, self.t), dtype=np.float64)
 
     @cached_property
     def far_field(self) -> Array | None:
-        """The first quantity of the wave's true far field, if it is told apart."""
-        found = self.wave.far_field(self.sites, self.t)
-        return None if found is None else np.asarray(found[0])
+        """First quantity of the wave's true far field; None if it equals the background."""
+        values = self.wave.far_field(self.sites, self.t)
+        return None if values is None else np.asarray(values[0])
 
     @property
-    def also(self) -> dict[str, Any]:
-        """The sup error in its unit, T, and all quantities if there are more than one."""
+    def extra_variables(self) -> dict[str, Any]:
+        """Sup error in units of the scale, slow time, and all quantities if there are several.
+
+        Empty for the paper's wave.
+        """
         if self.wave.watches_strains:
             return {}
-        apart = float(np.max(np.abs(self.numerics - self.analytics))) / self.wave.scale
-        found = {"sup_error": apart, "slow_time": self.t * self.wave.eps**self.wave.slow}
+        error = float(np.max(np.abs(self.numerics - self.analytics))) / self.wave.scale
+        variables = {"sup_error": error, "slow_time": self.t * self.wave.eps**self.wave.slow}
         if len(self.numerics) == 1:
-            return found
-        return found | {"strains": self.numerics, "analytics": self.analytics}
+            return variables
+        return variables | {"strains": self.numerics, "analytics": self.analytics}
 
     def displaced(self, shift: float) -> tuple[Array, Array, Array, Array]:
-        """Wave, background and their slopes."""
+        """Return wave, background and their slopes, shifted by ``shift`` cells."""
         return self.wave.displaced(self._cells - shift, self.t)
 
     @property
     def energy(self) -> float:
-        """That of the ring."""
+        """Energy of the ring."""
         return self.wave.energy(self.lattice, self.state.f, self.state.v)
 
     @property
     def means(self) -> tuple[float, float]:
-        """Of the first quantity over the ring, and of the velocities of all masses."""
+        """Mean of the first quantity over the ring, and mass-weighted mean velocity."""
         strain = self.wave.measured(self.arrays[0], self.mean_strain)[0]
         masses = np.array(self.lattice.masses)
         velocities = self.arrays[1].reshape(masses.size, -1).mean(axis=1)
@@ -282,12 +293,18 @@ class CellView(View):
 
     @property
     def stored(self) -> tuple[int, Array, Array]:
-        """The periodic parts of the fields; without an axis for a single one."""
+        """Leftmost cell, and copies of the fields' periodic parts and the velocities.
+
+        A single field has no axis for the fields.
+        """
         f, v = (values[0] if len(values) == 1 else values for values in self.arrays)
         return self.ends[0][0], f.copy(), v.copy()
 
     def judged(self, beyond: int = 0, compared: ComparedCells | None = None) -> Array:
-        """What is compared, in these cells and some beyond, and its rate, in units of the scale."""
+        """Return the compared quantities and their rates, in units of the scale.
+
+        The cells are ``compared``, by default those of the view, and ``beyond`` cells around them.
+        """
         places = self._places(compared or self.compared, beyond)
         return self.wave.seen_at(*self.arrays, self.mean_strain, places) / self.wave.scale
 
@@ -299,16 +316,16 @@ class CellView(View):
         return compared.places(self.ends, self.t, beyond)
 
 
-def tell_energies(run: RunRecord, begin: float, end: float) -> None:
-    """Tell by how much an energy changed; nothing where it is none."""
+def add_energy_drift(run: RunRecord, begin: float, end: float) -> None:
+    """Add the relative change of energy to a run's attributes, unless the energy is not finite."""
     if math.isfinite(begin):
         run.attrs["energy_drift"] = abs(end - begin) / abs(begin) if begin else 0.0
 
 
 class WindowCells(SteppedCells):
-    """The cells of a moving window as they are stepped; as many as the scene states.
+    """Cells of a run in a moving window, whose number the scene states.
 
-    Raises ValueError for a wave without a constant background, and for too few of them.
+    Raises ValueError for a wave without a constant background and for a window that is too small.
     """
 
     def __init__(self, scene: Scene, domains: DomainPlan, nudged: bool = False) -> None:
@@ -320,32 +337,35 @@ class WindowCells(SteppedCells):
 
     @cached_property
     def ring(self) -> InitialCells:
-        """The data."""
+        """Initial data on the window's cells."""
         return self._window.wave.ring
 
     def stepper(self, restart: State | None) -> tuple[Stepper, float]:
-        """What steps the cells, and the largest stable step."""
+        """Return the stepper of the cells and the largest stable step.
+
+        Raises ValueError if the scene's step exceeds that limit.
+        """
         stated = self.scene.discretisation
         limit = check_step(stated.step, stated.table, self.domains.fastest)
         state = self._window.start()
         if restart is not None:
             shape = state.f.shape
-            kept = (restart.f.reshape(shape), restart.v.reshape(shape))
-            state = stored_chain(restart.t, restart.left, *kept)
+            arrays = (restart.f.reshape(shape), restart.v.reshape(shape))
+            state = stored_chain(restart.t, restart.left, *arrays)
         return self._stepper_of(state, self._window), limit
 
     def ends_at(self, state: State) -> Sequence[Ends]:
-        """The first and the last cell that the window holds."""
+        """Return the window's first and last cell at a state's time."""
         return [(state.left, state.left + state.f.shape[1] - 1)]
 
     def arrays_at(self, state: State) -> tuple[Array, Array]:
-        """Fields and velocities in the order of the cells."""
+        """Return fields and velocities in the order of the cells."""
         return state.at(state.sites)
 
     def refined(self, scene: Scene) -> WindowCells:
-        """The cells of a finer scene."""
+        """Return the cells for a refined scene about the same wave."""
         return WindowCells(scene, self.domains)
 
-    def told(self, stepper: Stepper) -> dict[str, Any]:
-        """How well the feed fitted, and strains."""
+    def attributes(self, stepper: Stepper) -> dict[str, Any]:
+        """Return run attributes: the feed's mismatch, and the strain range if it is monitored."""
         return {"feed_mismatch": stepper.domain.mismatch, **self._strains(stepper)}

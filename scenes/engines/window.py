@@ -1,11 +1,11 @@
-"""A window of cells that moves with a wave on a constant background.
+"""Window of cells that moves with a wave on a constant background.
 
-Its cells are stored on a ring, so the kernels know one boundary only. What crosses the ring's seam
-is wrong; the window keeps it away from the compared cells.
+The cells are stored on a ring, so the kernels need only one kind of boundary. Signals that cross
+the ring's seam are wrong; the window keeps them away from the compared cells.
 
-What it is fed with in front is the wave's initial far field, moved rigidly. In the frame that moves
-with it this is one smooth function, wanted on few hundred cells over and over again. It is
-therefore evaluated once, on Chebyshev points, and interpolated from there.
+New cells in front are filled with the wave's initial far field, moved rigidly. In the co-moving
+frame this is one smooth function, needed on a few hundred cells at every move. It is therefore
+evaluated once on Chebyshev points and interpolated.
 """
 
 import math
@@ -33,11 +33,11 @@ Array = NDArray[np.float64]
 
 
 class FedWave:
-    """The wave of these domains as a window of ``size`` cells is fed with it.
+    """Wave that feeds a window of ``size`` cells.
 
     ``compared`` cells on either side of the frame's origin are compared for a ``duration`` from
-    ``t0``. The far field moves at ``background_speed``. With ``nudged`` the last digits of the data
-    are changed.
+    ``t0``. The far field moves at ``background_speed``, which is None without a constant
+    background. With ``nudged`` the last digits of the initial data are changed.
     """
 
     def __init__(self, domains: DomainPlan, size: int, nudged: bool = False) -> None:
@@ -49,88 +49,91 @@ class FedWave:
 
     @property
     def fastest(self) -> float:
-        """Largest group velocity of any wave far from the wave."""
+        """Largest group velocity in the far field."""
         return self.domains.wave.far_fastest
 
     def first(self, t: float) -> int:
-        """Return the first cell of a window whose middle is nearest to the frame's origin."""
+        """Return the window's first cell after its move at time t."""
         return self.domains.compared.middle(t) - self.size // 2
 
     @cached_property
     def ring(self) -> InitialCells:
-        """The data, with the mean strain that their displacements keep from end to end."""
+        """Initial data on the window's cells, with their mean strain from end to end."""
         first = self.first(self.t0)
         ring = self.domains.wave.ring(np.arange(first, first + self.size, dtype=float), self.t0)
         return ring.nudged() if self.nudged else ring
 
     def rigid_offsets(self, speed: float, sites: Sites, t: float) -> Array:
-        """Cells at time t, from where the frame began, in one that moves at ``speed``."""
+        """Return positions at time t, relative to the frame's start, in a frame at ``speed``."""
         begin = self.speed * self.t0
         return np.asarray((sites - begin) - speed * (t - self.t0), dtype=np.float64)
 
     def rigid_data(self, speed: float, offsets: Array) -> tuple[Array, Array]:
-        """What deviates from the uniform far field, moving as it is at ``speed``."""
+        """Return fields and velocities of the initial wave moving rigidly at ``speed``.
+
+        The uniform far field is subtracted (see `uniform`).
+        """
         wave = self.domains.wave
         f, slopes = wave.rigid(offsets, self.t0)
         return f, wave.far_rates[1][:, np.newaxis] - speed * slopes
 
     def uniform(self, sites: Sites, t: float) -> Array:
-        """The uniform far field, less the mean strain, which the lattice's bonds hold."""
+        """Return the fields of the uniform far field, without the mean strain held by the bonds."""
         wave, [mean] = self.domains.wave, self.ring.mean_strain
         growth, velocity = wave.far_rates
-        left = growth - mean * np.array(wave.growth_shares)
-        moved = np.multiply.outer(left, np.asarray(sites, dtype=np.float64))
-        return np.asarray(moved + velocity[:, np.newaxis] * (t - self.t0))
+        slopes = growth - mean * np.array(wave.growth_shares)
+        fields = np.multiply.outer(slopes, np.asarray(sites, dtype=np.float64))
+        return np.asarray(fields + velocity[:, np.newaxis] * (t - self.t0))
 
 
 SIZE_RATIO = 1.3
-"""Size of a control run's window, in units of that of the run before."""
+"""Size of a control run's window, in units of the run before it."""
 
 WINDOW_DECAY = 5.0
-"""A window's error falls like its size to this power at least; measured: between 5.8 and 7.4."""
+"""Assumed power law: a window's error falls at least like size^-5 (measured: -5.8 to -7.4)."""
 
 WINDOW_SAFETY = 3.0
-"""Factor on the difference of two windows, enough where the error falls like 1/size^1.1. That of a
-small one fell by a fifth only where it grew by 1.25: it had hardly left the wave, a rational one of
-order 5."""
+"""Safety factor on the difference of two windows; it suffices if the error falls like 1/size^1.1.
+The slowest decay met was by a fifth for a size factor of 1.25, in a window hardly larger than its
+wave (rational, order 5)."""
 
 LARGEST_GROWTH = 4.0
 """Largest factor on a size from one choice to the next."""
 
-SEEN = 16
-"""Moves of a window at which runs are compared, beside the times that are asked for."""
+COMPARED_MOVES = 16
+"""Number of window moves at which runs are compared, in addition to the requested times."""
 
 
 def widened(sites: float, excess: float, decay: float) -> float:
-    """The size of a window whose error, which falls like 1/size^decay, is smaller by ``excess``."""
+    """Return the window size that reduces the error by ``excess``, if it falls like size^-decay."""
     return sites * min(LARGEST_GROWTH, max(1.2, 1.05 * excess ** (1.0 / decay)))
 
 
 def judged_times(wave: FedWave, exact: Sequence[float]) -> tuple[float, ...]:
-    """The exact times and some of the stops that a window's moves make anyway."""
+    """Return the times at which runs are compared: exact times and some of the window's moves."""
     moves = [t for t in window_moves(wave) if t < wave.t0 + wave.duration]
-    return tuple(sorted({*moves[:: max(1, len(moves) // SEEN)], *exact}))
+    return tuple(sorted({*moves[:: max(1, len(moves) // COMPARED_MOVES)], *exact}))
 
 
 def window_moves(wave: FedWave) -> tuple[float, ...]:
-    """The times, counted from t0, after which sound has gone ``STRIDE`` sites again."""
+    """Return the times of the window's moves: each time the wave has travelled ``STRIDE`` sites."""
     stay = STRIDE / wave.speed
     count = math.ceil(wave.duration / stay)
     return tuple(wave.t0 + stay * move for move in range(1, count + 1))
 
 
 DEGREES = (16, 32, 64, 128)
-"""Degrees tried: Y2's far field takes the first of them."""
+"""Degrees tried for the interpolation; the far field of Y2 needs the first."""
 
 INTERPOLATION_ERROR = 1e-14
-"""Largest error of the interpolation, of y/eps or of what is largest."""
+"""Largest interpolation error, relative to the wave's scale or to the largest value."""
 
 
 def _chebyshev_sums(coefficients: Array, u: Array) -> Array:
-    """Sums of coefficients[:, k] T_k(u), of shape (rows of ``coefficients``, u.size)."""
-    found = np.empty((len(coefficients), u.size))
-    _clenshaw(coefficients, u, found, np.empty_like(u))
-    return found
+    """Return the Chebyshev sums of coefficients[:, k] T_k(u), shape (len(coefficients), u.size)."""
+    sums = np.empty((len(coefficients), u.size))
+    _clenshaw(coefficients, u, sums, np.empty_like(u))
+    return sums
 
 
 @njit(
@@ -139,7 +142,7 @@ def _chebyshev_sums(coefficients: Array, u: Array) -> Array:
     fastmath={"contract"},
 )
 def _clenshaw(coefficients: Array, u: Array, found: Array, work: Array) -> None:
-    """Clenshaw's sums, all places a term at a time: the processor then takes several at once."""
+    """Write Clenshaw's sums to ``found``, looping over points innermost so that SIMD applies."""
     rows, terms = coefficients.shape
     for row in range(rows):
         found[row] = work[:] = 0.0
@@ -156,9 +159,9 @@ def _clenshaw(coefficients: Array, u: Array, found: Array, work: Array) -> None:
 
 @dataclass(frozen=True)
 class Tail:
-    """The initial wave that moves rigidly at ``speed``, on a stretch of its frame.
+    """Initial wave moving rigidly at ``speed``, interpolated on an interval of its frame.
 
-    ``low`` and ``high`` are offsets in cells from where the wave began.
+    ``low`` and ``high`` are the interval's ends in cells relative to the wave's start.
     """
 
     wave: FedWave
@@ -167,7 +170,7 @@ class Tail:
     high: float
 
     def at(self, sites: Sites, t: float) -> tuple[Array, Array]:
-        """Fields and velocities (fields, cells) at time t in cells of the stretch."""
+        """Return fields and velocities (fields, cells) at time t, in cells of the interval."""
         offsets = self.wave.rigid_offsets(self.speed, sites, t)
         if self._coefficients is None:
             values = self._rows(offsets)
@@ -177,11 +180,11 @@ class Tail:
         return f + self.wave.uniform(sites, t), v
 
     def _rows(self, offsets: Array) -> Array:
-        """Fields, then velocities."""
+        """Return fields and velocities at the offsets, stacked along the first axis."""
         return np.concatenate(self.wave.rigid_data(self.speed, offsets))
 
     def _unit(self, offsets: Array) -> Array:
-        """The stretch as -1 .. 1."""
+        """Map offsets of the interval to -1 .. 1."""
         return (offsets - 0.5 * (self.low + self.high)) * (2.0 / (self.high - self.low))
 
     def _exact(self, u: Array) -> Array:
@@ -190,37 +193,39 @@ class Tail:
 
     @cached_property
     def _coefficients(self) -> Array | None:
-        """Those of fields and velocities; None if no degree gives what lies between its points."""
+        """Chebyshev coefficients of fields and velocities; None if no degree is accurate enough."""
         for degree in DEGREES:
             points = chebyshev.chebpts1(degree + 1)
             values = self._exact(points)
-            level = values[:, 0]  # small coefficients then have small roundings
-            found = (values.T - level).T @ chebyshev.chebvander(points, degree) * 2.0 / points.size
-            found[:, 0] = 0.5 * found[:, 0] + level
+            level = values[:, 0]  # subtracted so that small coefficients have small rounding errors
+            sums = (values.T - level).T @ chebyshev.chebvander(points, degree)
+            coefficients = sums * 2.0 / points.size
+            coefficients[:, 0] = 0.5 * coefficients[:, 0] + level
             between = np.concatenate([[-1.0], 0.5 * (points[1:] + points[:-1]), [1.0]])
             exact = self._exact(between)
-            error = np.abs(_chebyshev_sums(found, between) - exact).max()
+            error = np.abs(_chebyshev_sums(coefficients, between) - exact).max()
             if error <= INTERPOLATION_ERROR * max(self.wave.scale, np.abs(exact).max()):
-                return found
+                return coefficients
         return None
 
 
 LARGEST_MISFIT = 1e-5
-"""Largest difference of feed and lattice in units of the scale; a sound one stays far below."""
+"""Largest accepted difference of feed and lattice, in units of the scale; a correct feed is far
+below."""
 
 
 @dataclass
 class Window(Domain):
-    """Cells about a wave on a constant background: front cells are fed, rear cells are dropped.
+    """Moving window about a wave on a constant background: it fills front cells, drops rear cells.
 
-    It moves at fixed times, whatever the time step: two runs that differ in their step alone have
-    the same error from the window, which cancels in their difference.
+    The window moves at fixed times, whatever the time step. Two runs that differ only in their step
+    thus have the same window error, which cancels in their difference.
 
-    The front is fed with the initial wave's own far field, moved at the background's speed of
-    sound. Cells that the seam's signals can have reached since the last move are fed anew with it;
-    the window outruns those at its rear. Each feed is compared with the cells behind it;
+    New front cells are filled with the initial wave's far field, moved at the background's speed of
+    sound. So are the cells that signals from the seam can have reached since the last move; the
+    window outruns the signals at its rear. Each feed is compared with the cells behind it;
     ``mismatch`` is the largest difference so far, in units of the wave's scale. Raises ValueError
-    for a wave without a constant background, and for compared cells too near the window's ends.
+    for a wave without a constant background, and if compared cells are too near the window's ends.
     """
 
     wave: FedWave
@@ -245,20 +250,23 @@ class Window(Domain):
         self.moves = frozenset(window_moves(self.wave))
 
     def memory(self) -> Memory:
-        """The largest mismatch of a feed so far."""
+        """Return the checkpoint state: the largest feed mismatch so far."""
         return {"mismatch": self.mismatch}
 
     def recall(self, memory: Memory, t: float) -> None:
-        """Have seen that mismatch."""
+        """Restore the mismatch from a checkpoint."""
         self.mismatch = memory["mismatch"]
 
     def start(self) -> State:
-        """The initial state, centred on where the wave begins."""
+        """Return the initial state, centred on the wave's frame at t0."""
         t, ring = self.wave.t0, self.wave.ring
         return stored_chain(t, self.wave.first(t), ring.f, ring.v)
 
     def follow(self, state: State) -> BlowUp | None:
-        """Move with the wave, feeding the cells in front; a feed that does not fit is told."""
+        """Move the window to the state's time and fill its front cells.
+
+        Returns a fault if the feed does not match the lattice, otherwise None.
+        """
         left, cells = self.wave.first(state.t), state.f.shape[1]
         fed = fed_cells(left - state.left, self._ratio)
         state.left = left
@@ -270,22 +278,22 @@ class Window(Domain):
         return fault
 
     def _misfit(self, state: State, sites: Sites, feed: Array) -> BlowUp | None:
-        """The fault in the first cell where feed and lattice differ too much, None if none does."""
-        apart = np.abs(state.f.take(sites, axis=1, mode="wrap") - feed)
-        misses = apart.max(axis=0) / self.wave.scale
+        """Return a fault at the first cell where feed and lattice differ too much; None without."""
+        differences = np.abs(state.f.take(sites, axis=1, mode="wrap") - feed)
+        misses = differences.max(axis=0) / self.wave.scale
         most = float(misses.max())
         self.mismatch = max(self.mismatch, most)
         if not most > LARGEST_MISFIT:
             return None
         criterion = (
-            f"the window's feed misses the lattice by {most:.2g} eps, "
-            f"more than {LARGEST_MISFIT:g} eps (the wave's far field is not what is fed)"
+            f"the window's feed differs from the lattice by {most:.2g} eps, "
+            f"more than {LARGEST_MISFIT:g} eps (the wave's far field does not move rigidly)"
         )
         return BlowUp(criterion, state.t, int(sites[misses > LARGEST_MISFIT][0]))
 
     @cached_property
     def _tail(self) -> Tail:
-        """The far field on all offsets from the background's sound at which moves feed or watch."""
+        """Far field on all offsets at which the window's moves fill or check cells."""
         drift = (self.background_speed - self.wave.speed) * self.wave.duration
         end = (self.size + 1) // 2
         begin = end - (fed_cells(STRIDE + 1, self._ratio) + WATCHED)
@@ -294,5 +302,8 @@ class Window(Domain):
 
 
 def stored_chain(t: float, left: int, f: Array, v: Array) -> State:
-    """A state of the cells from ``left`` on, (fields, cells), stored as a window has them."""
+    """Return a state of the cells from ``left`` on, stored cyclically as a window stores them.
+
+    ``f`` and ``v`` are (fields, cells).
+    """
     return State(t, np.roll(f, left, axis=1), np.roll(v, left, axis=1), left)

@@ -1,1 +1,1 @@
-"""Lattices from measurements: a force law from measured points."""
+"""Fits to measurements: force laws from measured points, scenes from sensor records."""

@@ -4,8 +4,8 @@
     -0.10,-0.0952,0.002
     -0.05,-0.0488,0.002
 
-Commas, semicolons or tabs part the columns, whose order is that of the header; the deviation may
-be left out.  A spring that is pulled has a positive stretch and a positive force.
+Columns are separated by commas, semicolons or tabs, in the order of the header; the deviation is
+optional.  A spring under tension has a positive stretch and a positive force.
 """
 
 from __future__ import annotations
@@ -27,36 +27,40 @@ Points = NDArray[np.float64]
 COLUMNS = ("stretch", "force", "deviation")
 
 COMMENT, LENGTHS = "#", ("m", "in", "inch")
-"""Start of a comment above a table; ends of the names of units of length."""
+"""Prefix of comment lines; suffixes of unit names by which units of length are recognised."""
 
 LARGEST = 10_000_000
-"""Bytes of a file."""
+"""Largest file in bytes."""
 
 FEWEST = 4
-"""Points; a law has fewer constants, and something must be left to judge it by."""
+"""Minimum number of points, so that some remain to test a law by."""
 
 MOST = 100_000
+"""Maximum number of measured points."""
 
 SMALLEST = 1e-20
-"""Size of the largest stretch and force at the least, and of each deviation: their powers to the
-sixth, and the squares of those, are then doubles."""
+"""Least size of the largest stretch, of the largest force and of each deviation; 1/SMALLEST is the
+largest. The squares of their sixth powers are then within the range of doubles."""
 
 TURN = 0.1
-"""Share of the range of stretch by which it must go back to have turned: less is noise of it."""
+"""Least reversal of the stretch that counts as a turn, as a fraction of its range; smaller ones are
+noise."""
 
 FEWEST_OF_BRANCH = 4
-"""Points between two turns on the average, below which the points are in no order."""
+"""Minimum number of points between two turns on average; with fewer, the points count as
+unordered."""
 
 LOOP_SHARE, LOOP_DEVIATIONS = 0.005, 4.0
-"""A loop is wider than the noise of a point, than its mean width is uncertain by so many standard
-deviations, and than this share of the range of forces, which the chords between points may miss."""
+"""Width above which loading and unloading form a loop: a fraction of the range of forces, which
+allows for interpolation between points, and a number of standard deviations of the mean width. It
+must also exceed the noise of a point."""
 
 
 @dataclass(frozen=True)
 class ForceData:
-    """Points of a force law, by rising stretch; ``deviation`` is None where it is not known.
+    """Measured points of a force law, sorted by stretch; ``deviation`` is None if unknown.
 
-    ``rows`` are their places in the order of measurement.
+    ``rows`` are the row numbers of the points in the order of measurement, from 0.
     """
 
     stretch: Points
@@ -68,11 +72,11 @@ class ForceData:
     def of(
         cls, stretch: ArrayLike, force: ArrayLike, deviation: ArrayLike | None = None
     ) -> ForceData:
-        """Points in the order in which they were measured.
+        """Build the data from columns in the order of measurement.
 
-        Raises ValueError for what is no list of finite numbers, too few points, a point that is
-        there twice, sizes near the ends of the range of doubles, no order, and branches of loading
-        and unloading that lie apart.
+        Raises ValueError for columns that are not lists of finite numbers, too few points, a
+        repeated point, values near the ends of the range of doubles, unordered points, and loading
+        and unloading branches that differ (hysteresis).
         """
         given = (stretch, force) if deviation is None else (stretch, force, deviation)
         columns = [number_list(*entry) for entry in zip(COLUMNS, given, strict=False)]
@@ -91,7 +95,7 @@ class ForceData:
 
 
 def _check_sizes(name: str, column: Points) -> None:
-    """Refuse columns, and deviations, whose powers and squares leave the range of doubles."""
+    """Raise ValueError for a column whose powers and squares would leave the range of doubles."""
     sizes = np.abs(column)
     largest, least = float(np.max(sizes)), float(np.min(sizes) if name == COLUMNS[2] else 1.0)
     if not (SMALLEST <= largest <= 1 / SMALLEST and least >= SMALLEST):
@@ -113,14 +117,15 @@ def _check_points(rows: Points) -> None:
                 f"deviation must satisfy deviation > 0, got {rows[row, 2]:g} in row {row + 1} "
                 "(leave the column out if it is not known)"
             )
-    seen: dict[tuple[float, ...], int] = {}
+    first_rows: dict[tuple[float, ...], int] = {}
     for number, point in enumerate(map(tuple, rows.tolist()), 1):
-        if point in seen:
+        if point in first_rows:
             raise ValueError(
-                f"rows must be different, got row {number} the same as row {seen[point]} (leave "
-                "one out; equal readings are one row with the deviation of their mean)"
+                f"rows must be different, got row {number} the same as row {first_rows[point]} "
+                "(leave one out; combine equal readings into one row with the deviation of their "
+                "mean)"
             )
-        seen[point] = number
+        first_rows[point] = number
     for name, column in zip(COLUMNS[:2], rows.T, strict=False):
         if not np.ptp(column):
             raise ValueError(
@@ -131,15 +136,15 @@ def _check_points(rows: Points) -> None:
 
 
 def _check_order(rows: Points) -> None:
-    """Refuse points in no order, and a loop."""
+    """Raise ValueError for unordered points and for a hysteresis loop."""
     turns = _turns(rows[:, 0])
     ends = [0, *turns, len(rows) - 1]
     if turns and len(rows) < FEWEST_OF_BRANCH * (len(turns) + 1):
         raise ValueError(
             f"stretch must rise or fall from row to row, got {len(turns)} turns in {len(rows)} "
-            "rows (sort them by stretch, if the order says nothing)"
+            "rows (sort them by stretch, if their order has no meaning)"
         )
-    # a point at which it turns is the end of the branch before it
+    # a turning point belongs to the branch that ends there
     pieces = [
         rows[start + (index > 0) : end + 1] for index, (start, end) in enumerate(pairwise(ends))
     ]
@@ -151,75 +156,75 @@ def _check_order(rows: Points) -> None:
 
 
 def _turns(stretch: Points) -> list[int]:
-    """The rows at which the stretch turns back by more than noise."""
+    """Return the rows at which the stretch reverses by more than noise."""
     least = TURN * float(np.ptp(stretch))
-    found: list[int] = []
+    turns: list[int] = []
     lowest = highest = 0
     rising: bool | None = None
     for row, value in enumerate(stretch):
         lowest = row if value < stretch[lowest] else lowest
         highest = row if value > stretch[highest] else highest
         if rising is not True and value > stretch[lowest] + least:
-            found += [] if rising is None else [lowest]
+            turns += [] if rising is None else [lowest]
             rising, highest = True, row
         elif rising is not False and value < stretch[highest] - least:
-            found += [] if rising is None else [highest]
+            turns += [] if rising is None else [highest]
             rising, lowest = False, row
-    return found
+    return turns
 
 
 def _check_loop(rising: Points, falling: Points, turn: int) -> None:
-    """Refuse branches that are apart, where they are, by more than the noise."""
+    """Raise ValueError if loading and unloading differ by more than the noise where both exist."""
     rising = rising[np.argsort(rising[:, 0], kind="stable")]
     falling = falling[np.argsort(falling[:, 0], kind="stable")]
     common = falling[(falling[:, 0] >= rising[0, 0]) & (falling[:, 0] <= rising[-1, 0])]
     if len(common) < FEWEST:
         return
-    apart = np.interp(common[:, 0], rising[:, 0], rising[:, 1]) - common[:, 1]
+    gap = np.interp(common[:, 0], rising[:, 0], rising[:, 1]) - common[:, 1]
     if rising.shape[1] > 2:
         others = np.interp(common[:, 0], rising[:, 0], rising[:, 2])
         noise = float(np.sqrt(np.mean(common[:, 2] ** 2 + others**2)))
     else:
-        noise = float(np.std(np.diff(apart)) / np.sqrt(2))
+        noise = float(np.std(np.diff(gap)) / np.sqrt(2))
     force = np.concatenate([rising[:, 1], falling[:, 1]])
-    width = float(abs(np.mean(apart)))
+    width = float(abs(np.mean(gap)))
     allowed = noise * max(1.0, LOOP_DEVIATIONS / np.sqrt(len(common)))
     if width > max(allowed, LOOP_SHARE * float(np.ptp(force))):
         raise ValueError(
-            f"loading and unloading must agree within the noise, {noise:.2g}, got them {width:.2g} "
-            f"apart (a loop: fit one branch alone, such as rows 1 to {turn + 1})"
+            f"loading and unloading must agree within the noise, {noise:.2g}, got a difference of "
+            f"{width:.2g} (hysteresis: fit one branch alone, such as rows 1 to {turn + 1})"
         )
 
 
 def read_force(path: str | Path, units: str | None = None) -> ForceData:
-    """The points of a file, or of the standard input for ``-``.
+    """Read the points of a CSV file, or of the standard input for ``-``.
 
-    With ``units`` of stretch and force, such as ``"mm,N"``, they are brought to metres and newtons.
-    Raises ValueError, with the file and the line, for what is no such table; OSError where the
-    file cannot be read.
+    With ``units`` of stretch and force, such as ``"mm,N"``, they are converted to metres and
+    newtons. Raises ValueError, with file and line, for an invalid table, and OSError if the file
+    cannot be read.
     """
     length, force = (1.0, 1.0) if units is None else _factors(units)
     text = read_text(path, "force law", LARGEST)
     try:
         _check_header(text)
         columns = {name.lower(): column for name, column in table_columns(text).items()}
-        given = (np.array(columns[name]) for name in COLUMNS if name in columns)
-        return ForceData.of(*(c * f for c, f in zip(given, (length, force, force), strict=False)))
+        arrays = (np.array(columns[name]) for name in COLUMNS if name in columns)
+        return ForceData.of(*(c * f for c, f in zip(arrays, (length, force, force), strict=False)))
     except ValueError as error:
         raise ValueError(f"{shown_path(path)}: {error}") from None
 
 
 def _check_header(text: str) -> None:
-    """Refuse other lines in the place of the names of the columns, and say all that must change."""
+    """Raise ValueError unless the first line names the columns; the message lists all remedies."""
     lines = text.rstrip().splitlines() or [""]
-    place = next((p for p, line in enumerate(lines) if not line.startswith(COMMENT)), 0)
-    names = column_names(lines[place])
-    if place == 0 and {*COLUMNS[:2]} <= {name.lower() for name in names} <= {*COLUMNS}:
+    number = next((n for n, line in enumerate(lines) if not line.startswith(COMMENT)), 0)
+    names = column_names(lines[number])
+    if number == 0 and {*COLUMNS[:2]} <= {name.lower() for name in names} <= {*COLUMNS}:
         return
-    got = shown(",".join(names)) + (f" in line {place + 1}, below a comment" if place else "")
-    remedies = ["leave out what stands above"] if place else []
+    got = shown(",".join(names)) + (f" in line {number + 1}, below a comment" if number else "")
+    remedies = ["leave out the lines above"] if number else []
     remedies.append("write stretch,force,deviation")
-    if len(units := re.findall(rf"\(({_UNIT.pattern})\)", lines[place])) > 1:
+    if len(units := re.findall(rf"\(({_UNIT.pattern})\)", lines[number])) > 1:
         length, force = units[:2] if units[0].endswith(LENGTHS) else units[1::-1]
         remedies.append(f"state --units {length},{force}")
     raise ValueError(
@@ -232,7 +237,10 @@ _UNIT = re.compile(r"[A-Za-z\u00b5\u03bc]{1,30}")
 
 
 def _factors(units: str) -> tuple[float, float]:
-    """What a length and a force in these units are in metres and newtons."""
+    """Return the factors from units such as "mm,N" to metres and newtons.
+
+    Raises ValueError for other units, and without the package pint.
+    """
     parts = [part.strip() for part in units.split(",")]
     if len(parts) != 2 or not all(map(_UNIT.fullmatch, parts)):
         raise ValueError(f"--units must be a length and a force, got {shown(units)} (such as mm,N)")
@@ -253,7 +261,7 @@ def _factor(registry: Any, unit: str, base: str) -> float:
     try:
         return float(registry.Quantity(1.0, unit).to(base).magnitude)
     except pint.UndefinedUnitError:
-        got = f"{unit}, which is no unit"
+        got = f"{unit}, which is not a known unit"
     except pint.DimensionalityError:
-        got = f"{unit}, which cannot be brought to {base}"
+        got = f"{unit}, which cannot be converted to {base}"
     raise ValueError(f"--units must be a length and a force, got {got} (such as mm,N)")

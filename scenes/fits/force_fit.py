@@ -1,8 +1,8 @@
-"""A force law fitted to measured points: constants with covariance, and whether it describes them.
+"""Least-squares fits of force laws to measured points, with covariance and tests of the law.
 
-The sum of squared residuals, each over its standard deviation, is least.  Where deviations are not
-measured, one for all points is taken from the residuals; the covariance is then that of Student's
-distribution, so that 1.96 standard deviations are 95 % with few points, too.
+Residuals are weighted by their standard deviations.  If deviations were not measured, one for all
+points is estimated from the residuals; the covariance is then that of Student's distribution, so
+that 1.96 standard deviations are 95 % for few points, too.
 """
 
 from __future__ import annotations
@@ -31,10 +31,10 @@ from longwave.scenes.fits.force_law import TABLE, ForceLaw, stated_law
 from longwave.scenes.fits.least_squares import (
     SPARE,
     LeastSquares,
-    inverse_square,
+    estimate_noise,
     norms,
-    of_residuals,
     probability,
+    unit_covariance,
 )
 from longwave.scenes.fits.residual_tests import (
     SERIAL,
@@ -46,44 +46,47 @@ from longwave.scenes.fits.residual_tests import (
 )
 
 HIGHEST = 6
-"""Power of the stretch in the polynomials that are tried."""
+"""Highest power of the stretch in the polynomials tried."""
 
 KNOTS, NEAR = 12, 0.1
-"""The most of a spline; the share of the largest stretch within which there are none of 0."""
+"""Maximum number of knots of a spline, and the distance from stretch 0, as a fraction of the
+largest stretch, within which there are none."""
 
 AS_GOOD = 2.0
-"""Differences of AICc that do not tell two laws apart (Burnham and Anderson)."""
+"""Difference of AICc up to which two laws count as equally good (Burnham and Anderson)."""
 
 FEWEST_TO_CHOOSE = 12
-"""Points from which a law is chosen without a warning: the coverage by points is in the docs."""
+"""Minimum number of points to choose a law by without a warning; the docs list the coverage by
+points."""
 
 WIDENED = 1.3
-"""Factor of a deviation, by the choice of the law, above which the choice matters."""
+"""Factor on a deviation, due to the choice of the law, above which a warning is given."""
 
 CERTAIN = 5.0
-"""Standard deviations from 0 at which a constant is declared to be positive."""
+"""Number of standard deviations above 0 from which a constant is declared positive."""
 
 SCALES = (0.1, 1.0, 10.0)
-"""Of a constant that enters otherwise than linearly, in powers of the largest stretch."""
+"""Factors on powers of the largest stretch, as starting values of nonlinear constants."""
 
 MOST_STARTS, BEST_STARTS = 1000, 3
-"""Starts that are tried, and those from which a fit is made."""
+"""Maximum number of starting points evaluated, and the number of best ones from which to fit."""
 
-EVALUATIONS, AT_REST = 300, 0.01
-"""Most steps of a search, and the standard deviations by which one more may move the law."""
+EVALUATIONS, CONVERGED = 300, 0.01
+"""Maximum number of evaluations of a search, and the standard deviations by which another step may
+move the converged law."""
 
 ROUNDING = 1e-13
-"""Share of the largest force that is taken for noise where residuals are smaller."""
+"""Least noise, as a fraction of the largest force; smaller residuals are rounding errors."""
 
 
 @dataclass(frozen=True, repr=False)
 class ForceFit(LeastSquares):
-    """A law fitted to points.
+    """Force law fitted to points.
 
     ``values`` and ``covariance`` are those of ``law.free``, ``errors`` the standard deviations of
-    the points, one for all where they are not measured.  ``evidence`` has the constants of each law
-    that was tried and its AICc, if the order was chosen by it; ``alone`` is then the covariance
-    that the constants have if the law is known.
+    the points, equal for all if they were not measured.  If the law was chosen by AICc,
+    ``evidence`` lists the constants and the AICc of each law tried, and ``alone`` is the covariance
+    without the uncertainty of the choice.
     """
 
     data: ForceData
@@ -95,38 +98,38 @@ class ForceFit(LeastSquares):
     alone: Points | None = None
 
     def forces(self, stretch: Points) -> Points:
-        """The forces of the fitted law."""
+        """Return the forces of the fitted law at given stretches."""
         return self.law.values.forces(stretch, self.values)
 
     @property
     def names(self) -> list[str]:
-        """The names of the constants that were fitted."""
+        """Names of the fitted constants."""
         return [str(symbol) for symbol in self.law.free]
 
     @property
     def has_deviations(self) -> bool:
-        """Whether those of the points were measured."""
+        """Whether the standard deviations of the points were measured."""
         return self.data.deviation is not None
 
     @property
     def residuals(self) -> Points:
-        """Measured less fitted forces, over the standard deviations of the points."""
+        """Measured minus fitted forces, over the standard deviations of the points."""
         return (self.data.force - self.forces(self.data.stretch)) / self.errors
 
     @property
     def is_exact(self) -> bool:
-        """Whether the residuals are but rounding."""
+        """Whether the residuals are only rounding errors."""
         size = linalg.norm(self.residuals * self.errors) / math.sqrt(self.data.stretch.size)
         return float(size) <= _rounding(self.data)
 
     @cached_property
     def tests(self) -> tuple[ResidualTest, ...]:
-        """Tests of the residuals; none where they are but rounding."""
+        """Tests of the residuals; none if the residuals are only rounding errors."""
         if self.is_exact:
             return ()
         weight = 1 / self.errors
         slopes = self.law.values.slopes(self.data.stretch, self.values)
-        made = ResidualTests(
+        tests = ResidualTests(
             self.data.stretch,
             self.residuals,
             slopes * weight[:, np.newaxis],
@@ -134,39 +137,39 @@ class ForceFit(LeastSquares):
             self.data.rows,
             self.has_deviations,
         )
-        return made.all
+        return tests.all
 
     @property
     def smooth_p_value(self) -> float:
-        """How often smooth curves fit the residuals as well if the law is right."""
+        """p-value of a smooth trend in the residuals if the law is right; NaN if untested."""
         return next((test.p_value for test in self.tests if test.kind == SMOOTH), math.nan)
 
     @property
     def widening(self) -> Points:
-        """Deviations over those that the constants have if the law was not chosen but known."""
+        """Factors by which the choice of the law enlarges the constants' deviations."""
         alone = self.covariance if self.alone is None else self.alone
         return np.asarray(self.deviations / np.sqrt(np.diag(alone)))
 
     @property
     def doubts(self) -> list[str]:
-        """Reasons, in words, to think that the law does not describe the points."""
-        found = self.doubts_of_size("the law", "points", level(SIZE, self.has_deviations))
+        """Reasons, as sentences, to doubt that the law describes the points."""
+        doubts = self.doubts_of_size("the law", "points", level(SIZE, self.has_deviations))
         curves = [test for test in self.tests if test.is_alarm and test.kind != SERIAL]
         if curves:
-            found.append(
-                "the residuals follow a smooth curve along the stretch, as those of a wrong law "
-                f"do: {_p_values(curves)}"
+            doubts.append(
+                "the residuals follow a smooth curve along the stretch, as for a wrong law: "
+                f"{_p_values(curves)}"
             )
-        alike = [test for test in self.tests if test.is_alarm and test.kind == SERIAL]
-        if alike:
-            found.append(
-                "the residuals of neighbours are alike, as those of a wrong law or of disturbed "
-                f"readings are: {_p_values(alike)}"
+        serial = [test for test in self.tests if test.is_alarm and test.kind == SERIAL]
+        if serial:
+            doubts.append(
+                "the residuals of neighbours are correlated, as for a wrong law or disturbed "
+                f"readings: {_p_values(serial)}"
             )
-        return found + self._doubts_of_choice() + self._doubts_of_constants()
+        return doubts + self._doubts_of_choice() + self._doubts_of_constants()
 
     def _doubts_of_choice(self) -> list[str]:
-        """Return reasons to think that the intervals of a chosen law may not hold."""
+        """Return sentences that say why the intervals of a chosen law may be too narrow."""
         points = self.data.stretch.size
         if not self.evidence or self.is_exact:
             return []
@@ -179,23 +182,23 @@ class ForceFit(LeastSquares):
         if self.widening[worst] <= WIDENED:
             return []
         return [
-            "the points do not tell the law, and other laws that describe them as well make the "
-            f"interval of {self.names[worst]} {self.widening[worst]:.2g} times as wide: state the "
-            "law, or measure more"
+            "the points do not determine the law, and other laws that describe them as well make "
+            f"the interval of {self.names[worst]} {self.widening[worst]:.2g} times as wide: state "
+            "the law, or measure more"
         ]
 
     def _doubts_of_constants(self) -> list[str]:
-        """Return the constants whose intervals reach where the law is another one."""
-        curved = zip(self.names, self.law.values.linear, self.values, self.deviations, strict=True)
+        """Return a sentence for each nonlinear constant whose deviation exceeds its value."""
+        rows = zip(self.names, self.law.values.linear, self.values, self.deviations, strict=True)
         return [
-            f"{name} is not determined: its deviation is larger than itself"
-            for name, linear, value, deviation in curved
+            f"{name} is not determined: its deviation exceeds its value"
+            for name, linear, value, deviation in rows
             if not linear and deviation > abs(value)
         ]
 
     @property
     def measured(self) -> Measured:
-        """The constants with their covariance, and those that were fixed without."""
+        """Fitted constants with their covariance, and the fixed ones without."""
         names = self.names
         rows = [dict(zip(names, row, strict=True)) for row in self.covariance.tolist()]
         fixed = {str(symbol): value for symbol, value in self.law.fixed.items()}
@@ -203,7 +206,7 @@ class ForceFit(LeastSquares):
         return Measured.of(values, dict(zip(names, rows, strict=True)))
 
     def document(self) -> dict[str, object]:
-        """The tables of a lattice file: a chain of unit masses with this force."""
+        """Return the tables of a lattice file for a chain of unit masses with this force."""
         certain = self.values > CERTAIN * self.deviations
         free = zip(self.law.free, certain, strict=True)
         positive = [str(s) for s, sure in free if sure or s.is_positive]
@@ -220,7 +223,7 @@ class ForceFit(LeastSquares):
 
     @property
     def lattice(self) -> Lattice:
-        """The chain of unit masses with this force, its constants measured."""
+        """Chain of unit masses with this force and the measured constants."""
         return lattice_of(self.document())
 
 
@@ -231,13 +234,13 @@ def fit_force(
     law: str | None = None,
     fixed: Mapping[str, Number] | None = None,
 ) -> ForceFit:
-    """Fit a force law to points, in the order in which they were measured.
+    """Fit a force law to points, given in the order of measurement.
 
-    ``law`` is a formula in the stretch x and constants, of which those in ``fixed`` have values, or
-    "hertz", or "table", a cubic spline.  Without one it is a polynomial K2 x + K3 x^2 + ..., or an
-    odd one.  Of these, and of splines, it is that of the fewest constants among those whose AICc is
-    within `AS_GOOD` of the least.  Raises ValueError for points and laws that are none, and for
-    constants that the points do not tell apart.
+    ``law`` is a formula in the stretch x and constants, some of them ``fixed`` to values, or
+    "hertz", or "table" for a cubic spline.  By default it is a polynomial K2 x + K3 x^2 + ..., or
+    an odd one.  Among polynomials, or splines, the one with the fewest constants is chosen whose
+    AICc is within `AS_GOOD` of the least.  Raises ValueError for invalid points or laws, and for
+    constants that the points do not determine.
 
     >>> fitted = fit_force([-2, -1, 0, 1, 2], [-2.1, -0.9, 0.1, 1.0, 1.9], law="K2*x")
     >>> f"{fitted.values[0]:.2f} +- {fitted.deviations[0]:.2f}"
@@ -247,11 +250,11 @@ def fit_force(
 
 
 def fit_points(data: ForceData, law: ForceLaw | Literal["table"] | None = None) -> ForceFit:
-    """The same of points and a law that are checked."""
+    """Fit a force law to checked points; see `fit_force`."""
     if isinstance(law, ForceLaw):
-        return _fitted(data, law)
-    tried = _splines(data) if law == TABLE else _polynomials(data)
-    fits = list(_told_apart(data, tried))
+        return _fit_law(data, law)
+    candidates = _splines(data) if law == TABLE else _polynomials(data)
+    fits = list(_identifiable_fits(data, candidates))
     evidence = [_aicc(fit) for fit in fits]
     good = [f for f, value in zip(fits, evidence, strict=True) if value <= min(evidence) + AS_GOOD]
     names = (" ".join(map(str, fit.law.free)) for fit in fits)
@@ -265,33 +268,33 @@ def fit_points(data: ForceData, law: ForceLaw | Literal["table"] | None = None) 
     )
 
 
-def _told_apart(data: ForceData, laws: Iterable[ForceLaw]) -> Iterator[ForceFit]:
-    """Yield the fits of the laws whose constants the points tell apart; ValueError if none are."""
-    found, refused = False, ""
+def _identifiable_fits(data: ForceData, laws: Iterable[ForceLaw]) -> Iterator[ForceFit]:
+    """Yield the fits of the laws whose constants the points determine; ValueError if none."""
+    has_fit, reason = False, ""
     for law in laws:
         try:
-            fit = _fitted(data, law)
+            fit = _fit_law(data, law)
         except ValueError as error:
-            refused = str(error)
+            reason = str(error)
         else:
-            found = True
+            has_fit = True
             yield fit
-    if not found:
-        raise ValueError(refused)
+    if not has_fit:
+        raise ValueError(reason)
 
 
 def _averaged(chosen: ForceFit, fits: list[ForceFit], evidence: list[float]) -> Points:
-    """Return the covariance of the chosen law's constants over all laws, weighted by exp(-AICc/2).
+    """Return the covariance of the chosen law's constants, averaged over all laws by exp(-AICc/2).
 
-    A law adds its own covariance and the squares of how far its constants are from the chosen
-    ones; those that it lacks are 0 in it (Buckland, Burnham and Augustin 1997).
+    Each law contributes its own covariance and the squared differences of its constants from the
+    chosen ones; constants that it lacks count as 0 (Buckland, Burnham and Augustin 1997).
     """
     weights = np.exp((min(evidence) - np.array(evidence)) / 2)
     total = np.zeros_like(chosen.covariance)
     for weight, fit in zip(weights / weights.sum(), fits, strict=True):
-        places = [fit.names.index(name) if name in fit.names else -1 for name in chosen.names]
-        values = np.append(fit.values, 0.0)[places]
-        covariance = np.pad(fit.covariance, (0, 1))[np.ix_(places, places)]
+        indices = [fit.names.index(name) if name in fit.names else -1 for name in chosen.names]
+        values = np.append(fit.values, 0.0)[indices]
+        covariance = np.pad(fit.covariance, (0, 1))[np.ix_(indices, indices)]
         total += weight * (covariance + np.outer(d := values - chosen.values, d))
     return np.asarray((total + total.T) / 2)
 
@@ -302,24 +305,25 @@ def _p_values(tests: list[ResidualTest]) -> str:
 
 @cache
 def _polynomial(powers: range) -> ForceLaw:
-    """Return the law that is a sum of these powers of the stretch."""
+    """Return the polynomial law with these powers of the stretch."""
     return ForceLaw(sum(Symbol(f"K{power + 1}", real=True) * x**power for power in powers))
 
 
 def _polynomials(data: ForceData) -> Iterator[ForceLaw]:
-    """Polynomials that the points can tell, and odd ones where both signs were measured."""
-    both = data.stretch[0] < 0 < data.stretch[-1]
+    """Yield polynomials with few enough constants; odd ones too if both signs were measured."""
+    has_both_signs = data.stretch[0] < 0 < data.stretch[-1]
     for highest in range(1, HIGHEST + 1):
-        for step in (1, 2) if both and highest % 2 and highest > 1 else (1,):
+        for step in (1, 2) if has_both_signs and highest % 2 and highest > 1 else (1,):
             powers = range(1, highest + 1, step)
             if min(data.stretch.size - SPARE, len(np.unique(data.stretch)) - 1) >= len(powers):
                 yield _polynomial(powers)
 
 
 def _splines(data: ForceData) -> Iterator[ForceLaw]:
-    """Cubics, and cubics to which others are added beyond up to `KNOTS` knots among the points.
+    """Yield cubic splines with up to `KNOTS` knots at quantiles of the stretch.
 
-    About no stretch, within `NEAR` of the largest, the law is that of K2, K3 and K4 alone.
+    Within `NEAR` of stretch 0 there are no knots, so the law is given by K2, K3 and K4 alone.
+    Raises ValueError for too few points.
     """
     if data.stretch.size < 3 + SPARE:
         raise ValueError(
@@ -328,32 +332,35 @@ def _splines(data: ForceData) -> Iterator[ForceLaw]:
         )
     near = NEAR * float(np.max(np.abs(data.stretch)))
     cubic = _polynomial(range(1, 4)).force
-    tried = set()
+    candidates = set()
     for count in range(min(KNOTS, data.stretch.size - SPARE - 3) + 1):
-        places = np.quantile(data.stretch, np.arange(1, count + 1) / (count + 1))
-        far = places[abs(places) > near].tolist()
-        tried.add(tuple(sorted({Rational(f"{place:.3g}") for place in far})))
-    for knots in sorted(tried, key=len):
-        beyond = (contact(x - knot if knot > 0 else knot - x) ** 3 for knot in knots)
+        quantiles = np.quantile(data.stretch, np.arange(1, count + 1) / (count + 1))
+        far = quantiles[abs(quantiles) > near].tolist()
+        candidates.add(tuple(sorted({Rational(f"{knot:.3g}") for knot in far})))
+    for knots in sorted(candidates, key=len):
+        terms = (contact(x - knot if knot > 0 else knot - x) ** 3 for knot in knots)
         names = symbols(f"C1:{len(knots) + 1}", real=True)
-        yield ForceLaw(cubic + sum(name * part for name, part in zip(names, beyond, strict=True)))
+        yield ForceLaw(cubic + sum(name * term for name, term in zip(names, terms, strict=True)))
 
 
 def _aicc(fit: ForceFit) -> float:
-    """Akaike's information criterion with its correction for few points."""
-    points, count, lost = fit.data.stretch.size, fit.values.size, fit.chi_squared
+    """Return Akaike's information criterion with the correction for few points."""
+    points, count, misfit = fit.data.stretch.size, fit.values.size, fit.chi_squared
     if fit.data.deviation is None:  # the noise is one more constant
         count += 1
-        lost = points * math.log(fit.errors[0] ** 2 * fit.degrees / points)
-    return lost + 2 * count + 2 * count * (count + 1) / (points - count - 1)
+        misfit = points * math.log(fit.errors[0] ** 2 * fit.degrees / points)
+    return misfit + 2 * count + 2 * count * (count + 1) / (points - count - 1)
 
 
 def _rounding(data: ForceData) -> float:
     return ROUNDING * float(np.max(np.abs(data.force)))
 
 
-def _fitted(data: ForceData, law: ForceLaw) -> ForceFit:
-    """The law at the constants of least chi^2."""
+def _fit_law(data: ForceData, law: ForceLaw) -> ForceFit:
+    """Fit the constants of a law to points by least squares.
+
+    Raises ValueError for too few points and for constants that the points do not determine.
+    """
     count, points = len(law.free), data.stretch.size
     if points < count + SPARE:
         raise ValueError(
@@ -362,25 +369,25 @@ def _fitted(data: ForceData, law: ForceLaw) -> ForceFit:
         )
     problem = _Problem(data, law)
     values = problem.least()
-    inverse = inverse_square(
+    inverse = unit_covariance(
         problem.jacobian(values),
         law.free,
         "points",
         "fix one, such as {}=1, or state another law",
     )
-    problem.check_rest(values)
+    problem.check_converged(values)
     errors = data.deviation
     if errors is None:
-        inverse, noise = of_residuals(inverse, problem.residuals(values), _rounding(data))
+        inverse, noise = estimate_noise(inverse, problem.residuals(values), _rounding(data))
         errors = np.full(points, noise)
     return ForceFit(data, law, values, inverse, errors)
 
 
 class _Problem:
-    """Least squares of a law: its residuals, where they may start, and where they are least.
+    """Least-squares problem of a law, solved by variable projection.
 
-    The constants that enter the law linearly are those that fit best for the others, so that only
-    the others are searched for (variable projection; Golub and Pereyra 1973, Kaufman 1975).
+    Linear constants are eliminated: they are the best ones for given nonlinear constants, so only
+    the nonlinear ones are searched for (Golub and Pereyra 1973, Kaufman 1975).
     """
 
     def __init__(self, data: ForceData, law: ForceLaw) -> None:
@@ -389,7 +396,7 @@ class _Problem:
         self._linear = np.array(law.values.linear)
 
     def residuals(self, constants: Points) -> Points:
-        """Return fitted less measured forces, over the deviations."""
+        """Return fitted minus measured forces, over the deviations."""
         forces = self._law.values.forces(self._data.stretch, constants)
         return (forces - self._data.force) * self._weight
 
@@ -398,38 +405,44 @@ class _Problem:
         slopes = self._law.values.slopes(self._data.stretch, constants)
         return slopes * np.reshape(self._weight, (-1, 1))
 
-    def completed(self, chosen: Points) -> Points:
-        """Return all constants, given those that enter otherwise than linearly.
+    def completed(self, nonlinear: Points) -> Points:
+        """Return all constants: the given nonlinear ones and the best linear ones for them.
 
-        They are NaN where the law or a derivative has no value.
+        All are NaN if the law or a derivative is undefined.
         """
-        found = np.zeros(self._linear.size)
-        found[~self._linear] = chosen
+        constants = np.zeros(self._linear.size)
+        constants[~self._linear] = nonlinear
+        undefined = np.full(constants.size, math.nan)
         if self._linear.any():
-            offset, slopes = self.residuals(found), self.jacobian(found)[:, self._linear]
+            offset, slopes = self.residuals(constants), self.jacobian(constants)[:, self._linear]
             if not (np.isfinite(offset).all() and np.isfinite(slopes).all()):
-                return np.full(found.size, math.nan)
+                return undefined
             sizes = norms(slopes)
-            found[self._linear] = linalg.lstsq(slopes / sizes, -offset)[0] / sizes
-        good = np.isfinite(self.residuals(found)).all() and np.isfinite(self.jacobian(found)).all()
-        return found if good else np.full(found.size, math.nan)
+            constants[self._linear] = linalg.lstsq(slopes / sizes, -offset)[0] / sizes
+        if not np.isfinite(self.residuals(constants)).all():
+            return undefined
+        return constants if np.isfinite(self.jacobian(constants)).all() else undefined
 
     def least(self) -> Points:
-        """Return the constants of least chi^2 from all starts; ValueError for a law without any."""
+        """Return the constants of least chi^2 from the best starts.
+
+        Raises ValueError if the law is undefined at all starts.
+        """
         with np.errstate(all="ignore"):
             starts = sorted(self._starts(), key=lambda start: start[0])[:BEST_STARTS]
             if not starts:
                 raise ValueError(
-                    f"law must have a value at all stretches, got {self._law.text}, which has none "
-                    f"from {self._data.stretch[0]:g} to {self._data.stretch[-1]:g} (state another)"
+                    f"law must be defined from stretch {self._data.stretch[0]:g} to "
+                    f"{self._data.stretch[-1]:g}, got {self._law.text}, which is undefined for all "
+                    "starting values (state another law)"
                 )
             return min((self._descent(start) for _, start in starts), key=lambda one: one[1])[0]
 
     def _descent(self, start: Points) -> tuple[Points, float]:
-        """Return the constants to which the search from there leads, and their chi^2."""
+        """Return the constants that a search from ``start`` converges to, and their chi^2."""
         if start.size:
             start = optimize.least_squares(
-                lambda chosen: self.residuals(self.completed(chosen)),
+                lambda nonlinear: self.residuals(self.completed(nonlinear)),
                 start,
                 self._projected_jacobian,
                 x_scale="jac",
@@ -437,35 +450,39 @@ class _Problem:
                 xtol=1e-13,
                 ftol=1e-13,
             ).x
-        found = self.completed(start)
-        return found, float(np.sum(self.residuals(found) ** 2))
+        constants = self.completed(start)
+        return constants, float(np.sum(self.residuals(constants) ** 2))
 
-    def check_rest(self, constants: Points) -> None:
-        """Refuse constants that a further step of least squares moves by part of a deviation."""
-        left, slopes = self.residuals(constants), self.jacobian(constants)
-        known, _ = linalg.qr(slopes / norms(slopes), mode="economic")
+    def check_converged(self, constants: Points) -> None:
+        """Raise ValueError if another least-squares step would move the law noticeably."""
+        residuals, slopes = self.residuals(constants), self.jacobian(constants)
+        basis, _ = linalg.qr(slopes / norms(slopes), mode="economic")
         noise = 1.0
         if self._data.deviation is None:
-            noise = float(linalg.norm(left)) / math.sqrt(left.size - constants.size)
-        rounding = _rounding(self._data) * float(linalg.norm(np.ones(left.size) * self._weight))
-        if not float(linalg.norm(known.T @ left)) <= AT_REST * noise + rounding:
+            noise = float(linalg.norm(residuals)) / math.sqrt(residuals.size - constants.size)
+        weights = np.ones(residuals.size) * self._weight
+        rounding = _rounding(self._data) * float(linalg.norm(weights))
+        if not float(linalg.norm(basis.T @ residuals)) <= CONVERGED * noise + rounding:
             raise ValueError(
                 f"law must have constants of least chi^2, got {self._law.text}, whose constants "
-                "still move where the search ends (fix one, or state another law)"
+                "have not converged at the end of the search (fix one, or state another law)"
             )
 
-    def _projected_jacobian(self, chosen: Points) -> Points:
-        """Return the derivatives of the least residuals by the constants that are searched for."""
-        slopes = self.jacobian(self.completed(chosen))
+    def _projected_jacobian(self, nonlinear: Points) -> Points:
+        """Return the derivatives of the projected residuals by the nonlinear constants."""
+        slopes = self.jacobian(self.completed(nonlinear))
         others = slopes[:, ~self._linear]
         if not self._linear.any():
             return others
         linear = slopes[:, self._linear]
-        known, _ = linalg.qr(linear / norms(linear), mode="economic")
-        return np.asarray(others - known @ (known.T @ others))
+        basis, _ = linalg.qr(linear / norms(linear), mode="economic")
+        return np.asarray(others - basis @ (basis.T @ others))
 
     def _starts(self) -> Iterable[tuple[float, Points]]:
-        """Yield constants that enter the law otherwise than linearly, with the least chi^2."""
+        """Yield starting values of the nonlinear constants, each with its chi^2.
+
+        chi^2 is that with the best linear constants.
+        """
         reach = float(np.max(np.abs(self._data.stretch)))
         sizes = sorted({scale * reach**power for scale in SCALES for power in (-1, 0, 1)})
         choices = [
@@ -473,11 +490,11 @@ class _Problem:
             for positive, linear in zip(self._law.values.positive, self._linear, strict=True)
             if not linear
         ]
-        every: Iterable[tuple[float, ...]] = product(*choices)
+        starts: Iterable[tuple[float, ...]] = product(*choices)
         if math.prod(map(len, choices)) > MOST_STARTS:
             draw = random.Random(0).choice
-            every = [tuple(map(draw, choices)) for _ in range(MOST_STARTS)]
-        for chosen in map(np.array, every):
-            left = self.residuals(self.completed(chosen))
-            if np.isfinite(left).all():
-                yield float(left @ left), chosen
+            starts = [tuple(map(draw, choices)) for _ in range(MOST_STARTS)]
+        for start in map(np.array, starts):
+            residuals = self.residuals(self.completed(start))
+            if np.isfinite(residuals).all():
+                yield float(residuals @ residuals), start

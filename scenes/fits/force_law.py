@@ -1,4 +1,4 @@
-"""Force laws that are fitted: formulas in the stretch and in named constants."""
+"""Force laws to fit: formulas in the stretch and in named constants."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ from longwave.scenes.fits.force_data import Points
 from longwave.support.user_files import shown
 
 HERTZ = "hertz"
-"""The law of the catalogue's granular chain, by its word."""
+"""Keyword for the law of the catalogue's granular chain."""
 
 TABLE: Literal["table"] = "table"
-"""The word for a spline, as a law of no known formula."""
+"""Keyword for a spline, for data without a known formula."""
 
 
 @dataclass(frozen=True)
 class ForceLaw:
-    """A force in the stretch x and constants, those that are ``fixed`` with values."""
+    """Force law: a formula in the stretch x and constants, some of them ``fixed`` to values."""
 
     force: Expr
     fixed: Mapping[Symbol, Expr] = field(default_factory=dict)
@@ -47,32 +47,43 @@ class ForceLaw:
 
     @property
     def text(self) -> str:
-        """The force as text."""
+        """Formula of the force as text."""
         return formula_as_text(self.force)
 
     @property
     def parts(self) -> list[str]:
-        """The force as texts of forces with one contact each, for a spring opens at one stretch."""
+        """Formulas of forces with at most one contact each, whose sum is the force.
+
+        A spring of a lattice file may open at one stretch only.
+        """
         terms = self.force.as_ordered_terms()
-        apart = [term for term in terms if term.has(contact)]
-        whole = (
-            [sum(term for term in terms if term not in apart)] if len(apart) < len(terms) else []
+        contacts = [term for term in terms if term.has(contact)]
+        smooth = (
+            [sum(term for term in terms if term not in contacts)]
+            if len(contacts) < len(terms)
+            else []
         )
-        return [formula_as_text(part) for part in (*whole, *apart)] if apart[1:] else [self.text]
+        if len(contacts) < 2:
+            return [self.text]
+        return [formula_as_text(part) for part in (*smooth, *contacts)]
 
     @property
     def free(self) -> tuple[Symbol, ...]:
-        """The constants that are fitted, by name."""
+        """Constants to fit, sorted by name."""
         return tuple(sorted(self.force.free_symbols - {x, *self.fixed}, key=str))
 
     @cached_property
     def values(self) -> LawValues:
-        """The law and its derivatives as functions of numbers."""
+        """Law and its derivatives as numeric functions."""
         return LawValues(self.force.xreplace(dict(self.fixed)), self.free)
 
 
 class LawValues:
-    """A law at numbers: the forces at stretches, and their derivatives by each constant."""
+    """Numeric evaluation of a law and of its derivatives by each constant.
+
+    ``linear`` and ``positive`` say for each constant whether it enters the law linearly and
+    whether it must be positive.
+    """
 
     def __init__(self, force: Expr, free: Sequence[Symbol]) -> None:
         self._force, *self._slopes = (
@@ -87,27 +98,28 @@ class LawValues:
         self.positive = [bool(symbol.is_positive) for symbol in free]
 
     def forces(self, stretch: Points, constants: Points) -> Points:
-        """The forces; NaN where the law has none."""
+        """Return the forces at given stretches; NaN where the law is undefined."""
         return self._at(self._force, stretch, constants)
 
     def slopes(self, stretch: Points, constants: Points) -> Points:
-        """The derivatives, a column for each constant."""
+        """Return the derivatives of the forces, one column for each constant."""
         return np.column_stack([self._at(slope, stretch, constants) for slope in self._slopes])
 
     @staticmethod
     def _at(function: object, stretch: Points, constants: Points) -> Points:
         with np.errstate(all="ignore"):
-            found = function(stretch, *constants)  # type: ignore[operator]
-        return np.broadcast_to(np.asarray(found, dtype=float), stretch.shape)
+            values = function(stretch, *constants)  # type: ignore[operator]
+        return np.broadcast_to(np.asarray(values, dtype=float), stretch.shape)
 
 
 def stated_law(
     text: str | None, fixed: Mapping[str, Number] | None = None
 ) -> ForceLaw | Literal["table"] | None:
-    """The law of a formula, or ``hertz``, with the values of constants that are not to be fitted.
+    """Return the force law of a formula or of ``hertz``, with some constants ``fixed`` to values.
 
-    None for none, and ``table``, whose formula follows from the points.  Raises ValueError for a
-    formula that is no force of a lattice, and for a wrong name or value.
+    Returns None for None and "table" for ``table``, whose formula depends on the points.  Raises
+    ValueError for a formula that is no force of a lattice, and for a wrong name or value in
+    ``fixed``.
 
     >>> stated_law("K2*x + K4*x**3").free, stated_law("hertz").text, stated_law("table")
     ((K2, K4), '-A*contact(d - x)**(3/2)', 'table')

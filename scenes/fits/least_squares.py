@@ -1,4 +1,4 @@
-"""Fits of least squares: deviations, correlations, chi^2, and constants that are not told apart."""
+"""Results of least-squares fits: deviations, correlations, chi^2 and unidentifiable constants."""
 
 from __future__ import annotations
 
@@ -13,21 +13,22 @@ from longwave.scenes.fits.force_data import Points
 from longwave.support.html_tables import html_table
 
 DOUBTFUL = 0.01
-"""Probability below which residuals are no accident."""
+"""Significance level: p-values below it cast doubt on a fit."""
 
 SAME = 1e-8
-"""Share of the largest singular value of the scaled Jacobian below which constants are not told
-apart."""
+"""Smallest singular value of the scaled Jacobian, relative to the largest, below which constants
+are not identifiable."""
 
 LEAST_P_VALUE = 1e-300
-"""Probability below which doubles tell none."""
+"""Smallest probability that is reported as a number."""
 
 SPARE = 3
-"""Points more than constants: from 3 degrees of freedom Student's distribution has a variance."""
+"""Minimum number of degrees of freedom (points minus constants) for which Student's distribution
+has a variance."""
 
 
 class LeastSquares:
-    """Constants at which the sum of squared residuals is least, and their covariance."""
+    """Result of a least-squares fit: ``values`` of the constants and their ``covariance``."""
 
     values: Points
     covariance: Points
@@ -35,30 +36,30 @@ class LeastSquares:
     @property
     @abstractmethod
     def residuals(self) -> Points:
-        """Measured less fitted, over the standard deviations; in one dimension."""
+        """Measured minus fitted values, over the standard deviations, as a flat array."""
 
     @property
     @abstractmethod
     def has_deviations(self) -> bool:
-        """Whether the standard deviations were measured, and not taken from the residuals."""
+        """Whether the standard deviations were measured rather than estimated from residuals."""
 
     @property
     @abstractmethod
     def names(self) -> Sequence[str]:
-        """The names of the constants."""
+        """Names of the constants."""
 
     @property
     @abstractmethod
     def doubts(self) -> list[str]:
-        """Reasons, in words, to think that it does not describe what was measured."""
+        """Reasons, as sentences, to doubt that the fit describes the measurements."""
 
     def _constants(self) -> list[tuple[str, str]]:
-        found = zip(self.names, self.values, self.deviations, strict=True)
-        return [(name, f"{value:.6g} \u00b1 {error:.2g}") for name, value, error in found]
+        rows = zip(self.names, self.values, self.deviations, strict=True)
+        return [(name, f"{value:.6g} \u00b1 {error:.2g}") for name, value, error in rows]
 
     def __repr__(self) -> str:
-        told = ", ".join(f"{name} = {value}" for name, value in self._constants())
-        return f"<{type(self).__name__}: {told}>"
+        constants = ", ".join(f"{name} = {value}" for name, value in self._constants())
+        return f"<{type(self).__name__}: {constants}>"
 
     def _repr_html_(self) -> str:
         doubts = [("doubt", doubt) for doubt in self.doubts]
@@ -66,71 +67,82 @@ class LeastSquares:
 
     @property
     def deviations(self) -> Points:
-        """The standard deviations of the values."""
+        """Standard deviations of the constants."""
         return np.sqrt(np.diag(self.covariance))
 
     @property
     def correlations(self) -> Points:
-        """The correlations of the values."""
+        """Correlation matrix of the constants."""
         return self.covariance / np.outer(self.deviations, self.deviations)
 
     @property
     def degrees(self) -> int:
-        """The degrees of freedom: points less constants."""
+        """Degrees of freedom: number of points minus number of constants."""
         return self.residuals.size - self.values.size
 
     @property
     def chi_squared(self) -> float:
-        """The sum of squared residuals; the degrees of freedom where the noise is from them."""
+        """Sum of squared residuals; equals `degrees` if the deviations were estimated from them."""
         return float(self.residuals @ self.residuals)
 
     @property
     def p_value(self) -> float:
-        """How often chi^2 is as large if the law is right; NaN where it says nothing."""
+        """p-value of chi^2: probability of one as large if the law is right.
+
+        NaN if the deviations were not measured.
+        """
         if not self.has_deviations:
             return math.nan
         return float(stats.chi2.sf(self.chi_squared, self.degrees))
 
     def doubts_of_size(self, law: str, points: str, level: float = DOUBTFUL) -> list[str]:
-        """Reasons, in words, to think that residuals are too large, or too small."""
-        found, reduced = [], self.chi_squared / self.degrees
+        """Return sentences that say whether the residuals are too large or too small.
+
+        ``law`` and ``points`` are the words for the model and its data, ``level`` is the
+        significance level.
+        """
+        doubts, reduced = [], self.chi_squared / self.degrees
         if self.p_value < level:
-            found.append(
-                f"{law} misses the {points} by more than their deviations: chi^2 is "
-                f"{reduced:.3g} a degree of freedom, {probability(self.p_value, 1)}"
+            doubts.append(
+                f"{law} differs from the {points} by more than their deviations: chi^2 is "
+                f"{reduced:.3g} per degree of freedom, {probability(self.p_value, 1)}"
             )
         if self.p_value > 1 - level / 10:
-            found.append(
-                f"the {points} scatter less than their deviations say: chi^2 is {reduced:.2g} a "
+            doubts.append(
+                f"the {points} scatter less than their deviations: chi^2 is {reduced:.2g} per "
                 "degree of freedom"
             )
-        return found
+        return doubts
 
 
-def inverse_square(jacobian: Points, names: Sequence[object], told_by: str, remedy: str) -> Points:
-    """The covariance of constants with these derivatives of residuals whose deviations are 1.
+def unit_covariance(jacobian: Points, names: Sequence[object], data: str, remedy: str) -> Points:
+    """Return the covariance (J^T J)^-1 of constants whose residuals have deviation 1.
 
-    Raises ValueError with the names of those that are not told apart; a ``remedy`` takes the first.
+    Raises ValueError with the names of constants that cannot be determined separately. ``data`` is
+    the word for the measurements in the message; ``remedy`` is a format for the first such name.
     """
     scales = norms(jacobian)
     _, singular, rows = linalg.svd(jacobian / scales, full_matrices=False)
-    alike = [str(n) for n, part in zip(names, rows[-1], strict=True) if abs(part) > 0.1]
+    dependent = [str(n) for n, part in zip(names, rows[-1], strict=True) if abs(part) > 0.1]
     if singular[-1] > SAME * singular[0]:
         with np.errstate(all="ignore"):
             inverse = rows.T / singular**2 @ rows / np.outer(scales, scales)
-        beyond = ~np.isfinite(np.diag(inverse))
-        if not beyond.any():
+        overflows = ~np.isfinite(np.diag(inverse))
+        if not overflows.any():
             return np.asarray((inverse + inverse.T) / 2)
-        alike = [str(n) for n, lost in zip(names, beyond, strict=True) if lost]
+        dependent = [str(n) for n, lost in zip(names, overflows, strict=True) if lost]
     raise ValueError(
-        f"constants must be told apart by the {told_by}, got {', '.join(alike)}, other values "
-        f"of which fit as well ({remedy.format(alike[0])})"
+        f"constants must be determined by the {data}, got {', '.join(dependent)}, other values "
+        f"of which fit as well ({remedy.format(dependent[0])})"
     )
 
 
-def of_residuals(inverse: Points, residuals: Points, least: float) -> tuple[Points, float]:
-    """The covariance where one deviation for all points, ``least`` at the least, is taken from what
-    is left, and that deviation: the variance is that of Student's distribution."""
+def estimate_noise(inverse: Points, residuals: Points, least: float) -> tuple[Points, float]:
+    """Estimate one deviation for all points from the residuals; return covariance and deviation.
+
+    ``inverse`` is the covariance for deviation 1, ``least`` the smallest deviation returned. The
+    covariance has the variance of Student's distribution.
+    """
     degrees = residuals.size - len(inverse)
     noise = max(math.sqrt(float(residuals @ residuals) / degrees), least)
     return inverse * (noise**2 * degrees / (degrees - 2)), noise
@@ -146,6 +158,6 @@ def probability(p_value: float, digits: int = 2) -> str:
 
 
 def norms(columns: Points) -> Points:
-    """The lengths of columns; 1 for one of zeros."""
-    found = linalg.norm(columns, axis=0)
-    return np.where(found > 0, found, 1.0)
+    """Return the Euclidean norms of columns; 1 for a column of zeros."""
+    lengths = linalg.norm(columns, axis=0)
+    return np.where(lengths > 0, lengths, 1.0)

@@ -1,7 +1,7 @@
-"""Constants and losses of a chain on a bench, fitted to what its sensors recorded.
+"""Fits of a bench scene's constants and losses to the records of its sensors.
 
-Each run is the lattice's own, its derivatives by what is fitted are exact
-(`lattice.sensitivities`), and its step the one with which the chain meets the scene's tolerance.
+Each evaluation runs the lattice with exact derivatives by the fitted constants
+(`lattice.sensitivities`). The step is the one with which the chain meets the scene's tolerance.
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ from longwave.scenes.fits.least_squares import (
     DOUBTFUL,
     SPARE,
     LeastSquares,
-    inverse_square,
-    of_residuals,
+    estimate_noise,
+    unit_covariance,
 )
 from longwave.scenes.fits.sensor_records import SensorRecord, read_record
 from longwave.scenes.starts.bench_chain import chain_on_bench, start_on_bench
@@ -44,36 +44,41 @@ from longwave.support.user_files import shown
 Array = NDArray[np.float64]
 
 FITTED = ("chain", "start", *ACTING, "observables")
-"""Tables of a bench of which readings have derivatives."""
+"""Tables of a bench that are allowed in a fit; derivatives of readings exist for these."""
 
 LOSSES = {"siteloss": "losses.site", "bondloss": "losses.bond"}
-"""Names of losses that are numbers, by their symbols."""
+"""Names of numeric losses by the names of their symbols."""
 
 EVALUATIONS, CLOSE = 200, 1e-10
-"""Most runs, and the relative change of constants and chi^2 at which they have come to rest."""
+"""Maximum number of runs, and the relative change of constants and chi^2 at which a fit has
+converged."""
 
-AS_LONG = 0.9
-"""Of the step of a fit; a shorter one is judged to be needed where it has ended: it goes on."""
+STEP_SHARE = 0.9
+"""Fraction of a fit's step: if its result needs a step shorter than this, the fit is continued."""
 
 LAGS = 5
-"""Readings apart to which residuals are correlated."""
+"""Largest lag, in readings, at which the correlation of residuals is tested."""
 
 ROUNDED = 1e-300
-"""A sum of squares that is none."""
+"""Smallest sum of squares; avoids division by 0."""
 
 SMALL = 0.1
-"""Share of a reading's deviation that the scene's tolerance may be."""
+"""Largest tolerance of the scene, as a fraction of a reading's deviation, without a warning."""
 
 
 class SceneModel:
-    """The readings of a scene's sensors as a function of some of its constants and losses."""
+    """Model of a scene's sensor readings as a function of its free constants and losses.
+
+    Raises ValueError for a scene with other tables than `FITTED`, and for unknown names in
+    ``free``.
+    """
 
     def __init__(self, scene: Scene, free: Sequence[str]) -> None:
         bench = scene.own_bench
         for table in bench.stated.tables:
             if table not in FITTED:
                 raise ValueError(
-                    f"tables of a scene that is fitted must be {', '.join(FITTED)}, got [{table}] "
+                    f"tables of a scene to fit must be among {', '.join(FITTED)}, got [{table}] "
                     "(leave it out)"
                 )
         self.scene, self.free = scene, tuple(free)
@@ -94,26 +99,26 @@ class SceneModel:
                     f"({one_of(name, self.stated)})"
                 )
         if not self.free:
-            raise ValueError("free must name what is fitted, got nothing (such as K4)")
+            raise ValueError("free must name the constants to fit, got nothing (such as K4)")
         self.start = np.array([self.stated[name] for name in self.free])
-        lost = LOSSES.values()
-        positive = [name in lost or self._symbols[name].is_positive for name in self.free]
+        loss_names = LOSSES.values()
+        positive = [name in loss_names or self._symbols[name].is_positive for name in self.free]
         self.least = np.where(positive, 0.0, -math.inf)
 
     def at(self, values: ArrayLike) -> dict[str, float]:
-        """All constants, and the losses that are numbers, at these values."""
+        """Return all constants and numeric losses by name, with these values of the free ones."""
         return self.stated | dict(zip(self.free, np.asarray(values).tolist(), strict=True))
 
     def chain(self, values: ArrayLike) -> DrivenChain:
-        """The chain at these values."""
-        now = self.at(values)
-        exactly = {str(symbol): exact(name, now[name]) for name, symbol in self._symbols.items()}
-        lattice, losses = without_losses(self._lattice, exactly)
+        """Return the chain on its bench with these values of the free constants."""
+        numbers = self.at(values)
+        constants = {str(s): exact(name, numbers[name]) for name, s in self._symbols.items()}
+        lattice, losses = without_losses(self._lattice, constants)
         span = self.scene.t0, self.scene.end
         return chain_on_bench(self._bench, lattice, span, losses)
 
     def step(self, values: ArrayLike, times: Array) -> float:
-        """The step with which displacements and velocities meet the scene's tolerance."""
+        """Return the step with which displacements and velocities meet the scene's tolerance."""
         chain = self.chain(values)
         start = start_on_bench(self._bench, chain, self.scene.t0)
         tolerance = self.scene.target.tolerance
@@ -122,7 +127,7 @@ class SceneModel:
     def readings(
         self, values: ArrayLike, times: Array, sensors: Sequence[Sensor], step: float
     ) -> Array:
-        """What the sensors read, and its derivatives, (times, sensors, 1 + free)."""
+        """Return the sensor readings and their derivatives, shape (times, sensors, 1 + free)."""
         chain = self.chain(values)
         start = start_on_bench(self._bench, chain, self.scene.t0)
         with np.errstate(all="ignore"):
@@ -130,8 +135,8 @@ class SceneModel:
             return varied.readings(start, times, step, sensors)
 
     def _parameter(self, name: str, values: ArrayLike) -> FreeParameter:
-        lattice, now, symbol = self._lattice, self.at(values), self._symbols[name]
-        at = {other: now[key] for key, other in self._symbols.items()}
+        lattice, numbers, symbol = self._lattice, self.at(values), self._symbols[name]
+        at = {other: numbers[key] for key, other in self._symbols.items()}
 
         def slopes(expressions: Iterable[Expr]) -> tuple[float, ...]:
             return tuple(float(one.diff(symbol).subs(at)) for one in expressions)
@@ -147,10 +152,11 @@ class SceneModel:
 
 @dataclass(frozen=True, repr=False)
 class SceneFit(LeastSquares):
-    """Constants and losses of a scene at which its sensors read what was recorded.
+    """Result of fitting a scene's constants and losses to sensor records.
 
-    ``values`` and ``covariance`` are those of ``model.free``; ``left`` are the residuals of each
-    record over the deviations, (times, sensors), ``noise`` the deviation that was taken from them.
+    ``values`` and ``covariance`` are those of ``model.free``. ``left`` holds the weighted residuals
+    of each record, (times, sensors). ``noise`` is the deviation estimated from them; None if
+    deviations were recorded. ``at_bounds`` names the constants at their lower bound.
     """
 
     model: SceneModel
@@ -164,27 +170,27 @@ class SceneFit(LeastSquares):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The names of what was fitted."""
+        """Names of the fitted constants and losses."""
         return self.model.free
 
     @property
     def has_deviations(self) -> bool:
-        """Whether the records have them."""
+        """Whether the records contain standard deviations."""
         return self.noise is None
 
     @property
     def residuals(self) -> Array:
-        """Recorded less fitted readings, over their deviations."""
+        """Recorded minus fitted readings, over their deviations, as a flat array."""
         return np.concatenate([part.ravel() for part in self.left])
 
     @cached_property
     def serial_p_value(self) -> float:
-        """How often residuals are as correlated in time if the model is right.
+        """p-value of the residuals' correlation in time, by a test like Box and Pierce's.
 
-        The squares of the sums of products of each sensor's residuals with those 1 to `LAGS`
-        readings later, over their variances, are a chi^2 of as many degrees (Box and Pierce).
-        Variances are those of the products that there are: with the ones of theory 3 in 100 are
-        below 0.01 where sensors have 10 readings.
+        For each lag from 1 to `LAGS` readings, the products of residuals are summed over all
+        sensors; the squared sums over their variances add up to a chi^2 of `LAGS` degrees. The
+        variances are estimated from the products. The theoretical ones give p < 0.01 in 3 of 100
+        cases for sensors with 10 readings.
         """
         total = 0.0
         for lag in range(1, LAGS + 1):
@@ -194,39 +200,41 @@ class SceneFit(LeastSquares):
 
     @property
     def doubts(self) -> list[str]:
-        """Reasons, in words, to think that the model is wrong or says little."""
-        found = self.doubts_of_size("the scene", "readings")
+        """Reasons, as sentences, to think that the model is wrong or poorly determined."""
+        doubts = self.doubts_of_size("the scene", "readings")
         if self.serial_p_value < DOUBTFUL:
-            found.append(
-                "the residuals are correlated in time, as those of a wrong model are: "
+            doubts.append(
+                "the residuals are correlated in time, as for a wrong model: "
                 f"p = {self.serial_p_value:.1g}"
             )
-        found += [
-            f"{name} is not determined: its deviation is larger than itself"
+        doubts += [
+            f"{name} is not determined: its deviation exceeds its value"
             for name, value, deviation in zip(self.names, self.values, self.deviations, strict=True)
             if deviation > abs(value)
         ]
-        found += [f"{name} is at its bound, 0: its interval says little" for name in self.at_bounds]
+        doubts += [
+            f"{name} is at its bound, 0: its interval is unreliable" for name in self.at_bounds
+        ]
         smallest = self.noise or min(float(np.min(r.deviations)) for r in self.records)  # type: ignore[arg-type]
         if self.model.scene.target.tolerance > SMALL * smallest:
-            found.append(
+            doubts.append(
                 f"the scene's tolerance, {self.model.scene.target.tolerance:g}, is not small "
-                f"against the deviation of a reading, {smallest:.2g}: take a smaller one"
+                f"compared with the deviation of a reading, {smallest:.2g}: lower the tolerance"
             )
-        return found
+        return doubts
 
     def document(self) -> dict[str, Any]:
-        """The tables of a lattice file: the scene's lattice, with its constants and covariance."""
-        bare = self.model.scene.symbolic_lattice.with_losses()
-        now, held = self.model.at(self.values), [str(symbol) for symbol in bare.constants]
+        """Return the tables of a lattice file: lattice, fitted constants and covariance."""
+        lattice = self.model.scene.symbolic_lattice.with_losses()
+        numbers, names = self.model.at(self.values), [str(symbol) for symbol in lattice.constants]
         rows = (dict(zip(self.names, row, strict=True)) for row in self.covariance.tolist())
         covariance = {
-            one: {two: row[two] for two in self.names if two in held}
+            one: {two: row[two] for two in self.names if two in names}
             for one, row in zip(self.names, rows, strict=True)
-            if one in held
+            if one in names
         }
-        constants = {name: now[name] for name in held}
-        return {**document_of_lattice(bare), "constants": constants, "covariance": covariance}
+        constants = {name: numbers[name] for name in names}
+        return {**document_of_lattice(lattice), "constants": constants, "covariance": covariance}
 
 
 def fit_scene(
@@ -234,37 +242,41 @@ def fit_scene(
 ) -> SceneFit:
     """Fit constants, ``losses.site`` and ``losses.bond`` of a scene to records of its sensors.
 
-    The fit starts from the scene's values. Raises ValueError in one line for what is no such scene
-    or record, and names what the records do not tell apart.
+    The fit starts from the scene's values. Raises ValueError in one line for an unsuitable scene or
+    record, and for constants that the records do not determine, which it names.
     """
     model = SceneModel(scene if isinstance(scene, Scene) else load_scene(scene), free)
     chain, span = model.chain(model.start), (model.scene.t0, model.scene.end)
-    read = tuple(
+    loaded = tuple(
         one if isinstance(one, SensorRecord) else read_record(one, chain.ordered, chain.cells, span)
         for one in records
     )
-    known = _check_records(model, read)
-    problem = _Problem(model, read)
-    found = problem.least(model.start)
-    inverse = problem.inverse_square(found.jac)
+    known = _check_records(model, loaded)
+    problem = _Problem(model, loaded)
+    result = problem.least(model.start)
+    covariance = problem.unit_covariance(result.jac)
     noise = 1.0
     if not known:
-        inverse, noise = of_residuals(inverse, found.fun, math.ulp(1.0))
-    left = tuple(part / noise for part in problem.parts(-found.fun))
-    bounds = tuple(name for name, on in zip(model.free, found.active_mask, strict=True) if on)
-    given = None if known else noise
-    return SceneFit(model, read, found.x, inverse, left, problem.step, given, bounds)
+        covariance, noise = estimate_noise(covariance, result.fun, math.ulp(1.0))
+    left = tuple(part / noise for part in problem.parts(-result.fun))
+    bounds = tuple(name for name, on in zip(model.free, result.active_mask, strict=True) if on)
+    estimate = None if known else noise
+    return SceneFit(model, loaded, result.x, covariance, left, problem.step, estimate, bounds)
 
 
 def _check_records(model: SceneModel, records: Sequence[SensorRecord]) -> bool:
-    """Whether deviations are known; ValueError for records that say too little."""
+    """Return whether the records contain deviations.
+
+    Raises ValueError if only some do, if several quantities are recorded without deviations, and
+    for too few readings.
+    """
     known = {record.deviations is not None for record in records}
     quantities = {sensor.quantity for record in records for sensor in record.sensors}
     if len(known) != 1 or (known == {False} and len(quantities) > 1):
         got = " and ".join(sorted(quantities)) or "no record"
         raise ValueError(
-            "deviations must be there in all records or in none, and where several quantities are "
-            f"read, got {got} without (add columns such as displacement_0_deviation)"
+            "deviations must be given in all records or in none, and always for several "
+            f"quantities, got {got} without (add columns such as displacement_0_deviation)"
         )
     count, least = sum(record.values.size for record in records), len(model.free) + SPARE
     if count < least:
@@ -276,66 +288,70 @@ def _check_records(model: SceneModel, records: Sequence[SensorRecord]) -> bool:
 
 
 class _Problem:
-    """Least squares of records by one run for all of them."""
+    """Least-squares problem of all records, evaluated by one run of the model."""
 
     def __init__(self, model: SceneModel, records: Sequence[SensorRecord]) -> None:
         self._model, self._records = model, records
         self._times = np.unique(np.concatenate([record.times for record in records]))
         self._sensors = list(dict.fromkeys(s for record in records for s in record.sensors))
-        self._held: tuple[tuple[float, ...], Array] | None = None
+        self._cached: tuple[tuple[float, ...], Array] | None = None
         self.step = math.nan
 
     def least(self, start: Array) -> optimize.OptimizeResult:
-        """The fit from there, with a step that is judged where it ends.
+        """Fit the model from ``start``, and again if the result needs a shorter step.
 
-        Raises ValueError if it does not come to rest.
+        Raises ValueError if the fit does not converge.
         """
-        found, self.step = None, math.inf
-        while (step := self._model.step(start, self._times)) < AS_LONG * self.step:
-            self.step, self._held = step, None
-            self.inverse_square(self._of(start)[:, 1:])
-            found = optimize.least_squares(
-                lambda values: self._of(values)[:, 0],
+        result, self.step = None, math.inf
+        while (step := self._model.step(start, self._times)) < STEP_SHARE * self.step:
+            self.step, self._cached = step, None
+            self.unit_covariance(self._evaluate(start)[:, 1:])
+            result = optimize.least_squares(
+                lambda values: self._evaluate(values)[:, 0],
                 start,
-                lambda values: self._of(values)[:, 1:],
+                lambda values: self._evaluate(values)[:, 1:],
                 bounds=(self._model.least, np.inf),
                 x_scale="jac",
                 max_nfev=EVALUATIONS,
                 xtol=CLOSE,
                 ftol=CLOSE,
             )
-            start = found.x
-        if found is None or not found.success:
+            start = result.x
+        if result is None or not result.success:
             raise ValueError(
-                "scene must come to rest at constants of least chi^2, got some that still move "
+                "scene must converge to constants of least chi^2, got some that still change "
                 f"after {EVALUATIONS} runs (start nearer, or fit fewer)"
             )
-        return found
+        return result
 
-    def inverse_square(self, jacobian: Array) -> Array:
-        """The covariance; ValueError for what the records do not tell apart."""
+    def unit_covariance(self, jacobian: Array) -> Array:
+        """Return the covariance of the constants for residuals of deviation 1.
+
+        Raises ValueError for constants that the records do not determine.
+        """
         remedy = "leave {} out, or place more sensors"
-        return inverse_square(jacobian, self._model.free, "records", remedy)
+        return unit_covariance(jacobian, self._model.free, "records", remedy)
 
-    def _of(self, values: Array) -> Array:
-        """Residuals and their derivatives."""
+    def _evaluate(self, values: Array) -> Array:
+        """Return residuals and their derivatives, shape (readings, 1 + free); cached."""
         at = tuple(values.tolist())
-        if self._held is None or self._held[0] != at:
-            read = self._model.readings(values, self._times, self._sensors, self.step)
-            self._held = at, np.concatenate([self._apart(read, r) for r in self._records])
-        return self._held[1]
+        if self._cached is None or self._cached[0] != at:
+            readings = self._model.readings(values, self._times, self._sensors, self.step)
+            rows = np.concatenate([self._residuals(readings, r) for r in self._records])
+            self._cached = at, rows
+        return self._cached[1]
 
-    def _apart(self, read: Array, record: SensorRecord) -> Array:
+    def _residuals(self, readings: Array, record: SensorRecord) -> Array:
         rows = np.searchsorted(self._times, record.times)
         columns = np.array([self._sensors.index(sensor) for sensor in record.sensors])
-        found = read[np.ix_(rows, columns)]
-        found[..., 0] -= record.values
+        residuals = readings[np.ix_(rows, columns)]
+        residuals[..., 0] -= record.values
         if record.deviations is not None:
-            found /= record.deviations[..., np.newaxis]
-        return found.reshape(-1, found.shape[-1])
+            residuals /= record.deviations[..., np.newaxis]
+        return residuals.reshape(-1, residuals.shape[-1])
 
     def parts(self, residuals: Array) -> list[Array]:
-        """The residuals of each record, (times, sensors)."""
+        """Split flat residuals into one array (times, sensors) for each record."""
         sizes = np.cumsum([record.values.size for record in self._records])[:-1]
         pairs = zip(np.split(residuals, sizes), self._records, strict=True)
         return [part.reshape(record.values.shape) for part, record in pairs]

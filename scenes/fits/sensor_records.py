@@ -1,12 +1,12 @@
-"""What sensors on a chain recorded: times, and a column for each sensor and quantity.
+"""Sensor records of a chain: a CSV table of times, with a column for each sensor and quantity.
 
     time,displacement_0,velocity_7,displacement_0_deviation,velocity_7_deviation
     0.5,0.0312,-0.0021,0.001,0.002
     1.0,0.0588,0.0013,0.001,0.002
 
-A column is the quantity (displacement, velocity, strain, force) and the cell, of several fields or
-bonds also the field's name or the bond's number from 1: ``velocity_7_v``, ``strain_7_2``.  Standard
-deviations are there for all columns or for none.
+The name of a column is a quantity (displacement, velocity, strain, force) and a cell.  For several
+fields or bonds the field's name or the bond's number, from 1, follows: ``velocity_7_v``,
+``strain_7_2``.  Standard deviations are given for all columns or for none.
 """
 
 from __future__ import annotations
@@ -38,9 +38,9 @@ COLUMN = re.compile(rf"({'|'.join(SENSED)})_(\d{{1,7}})(?:_([A-Za-z]+|\d{{1,3}})
 
 @dataclass(frozen=True)
 class SensorRecord:
-    """Readings (times, sensors) of one run; ``deviations`` are None where they are not known.
+    """Readings (times, sensors) of one run; ``deviations`` is None if they are unknown.
 
-    Raises ValueError for what are no real numbers, and for other shapes.
+    Raises ValueError for values that are not real numbers, and for wrong shapes.
     """
 
     times: Array
@@ -50,25 +50,25 @@ class SensorRecord:
 
     def __post_init__(self) -> None:
         for name in ("times", "values", "deviations"):
-            if (given := getattr(self, name)) is None:
+            if (argument := getattr(self, name)) is None:
                 continue
-            found = real_array(f"every one of {name}", given)
+            array = real_array(f"every one of {name}", argument)
             shape = (np.size(self.times), len(self.sensors))[: 1 if name == "times" else 2]
-            if found.shape != shape:
+            if array.shape != shape:
                 raise ValueError(
-                    f"{name} must have the shape {shape}, got {found.shape} (rows are times, "
+                    f"{name} must have the shape {shape}, got {array.shape} (rows are times, "
                     "columns are sensors)"
                 )
-            object.__setattr__(self, name, found)
+            object.__setattr__(self, name, array)
 
 
 def read_record(
     path: str | Path, lattice: NumericLattice, cells: int, span: tuple[float, float]
 ) -> SensorRecord:
-    """The record in a file, of sensors on so many cells and times in the ``span``.
+    """Read a sensor record from a CSV file, for a chain of ``cells`` cells.
 
-    Raises ValueError, with the file and the line, for what is none; OSError where the file cannot
-    be read.
+    ``span`` is the interval in which the times must lie. Raises ValueError, with file and line, for
+    an invalid table, and OSError if the file cannot be read.
     """
     text = read_text(path, "record of sensors", LARGEST)
     try:
@@ -81,26 +81,26 @@ def read_record(
 def _record(
     columns: Mapping[str, Array], lattice: NumericLattice, cells: int, span: tuple[float, float]
 ) -> SensorRecord:
-    told = [name for name in columns if name.endswith(DEVIATION)]
-    names = [name for name in columns if name != "time" and name not in told]
+    given = [name for name in columns if name.endswith(DEVIATION)]
+    names = [name for name in columns if name != "time" and name not in given]
     if "time" not in columns or not names:
         raise ValueError(
-            "line 1 must name the columns time and what each sensor reads, got "
+            "line 1 must name the column time and one for each sensor, got "
             f"{shown(','.join(columns))} (such as time,displacement_0,velocity_7)"
         )
     sensors = tuple(_sensor(name, lattice, cells) for name in names)
-    if told and {*told} != {name + DEVIATION for name in names}:
+    if given and {*given} != {name + DEVIATION for name in names}:
         raise ValueError(
-            f"deviations must be there for all sensors or for none, got {', '.join(told)} of "
-            f"{', '.join(names)} (NAME{DEVIATION} is a column's)"
+            f"deviations must be given for all sensors or for none, got {', '.join(given)} for "
+            f"{', '.join(names)} (the deviations of a column NAME are in NAME{DEVIATION})"
         )
     _check_times(columns["time"], span)
     deviations = None
-    if told:
+    if given:
         deviations = np.stack([columns[name + DEVIATION] for name in names], axis=1)
-        for place in np.flatnonzero((deviations <= 0.0).any(axis=1)):
+        for row in np.flatnonzero((deviations <= 0.0).any(axis=1)):
             raise ValueError(
-                f"deviations must be above 0, got {deviations[place].min():g} in line {place + 2} "
+                f"deviations must be above 0, got {deviations[row].min():g} in line {row + 2} "
                 "(leave the columns out if they are not known)"
             )
     values = np.stack([columns[name] for name in names], axis=1)
@@ -124,20 +124,20 @@ def _sensor(name: str, lattice: NumericLattice, cells: int) -> Sensor:
         known = tuple(str(number) for number in range(1, len(lattice.bonds) + 1))
     if inner is not None and inner not in known:
         raise ValueError(
-            f"sensor {name} must be of what {lattice.name} has, got {shown(inner)} "
+            f"sensor {name} must be on a field or bond of {lattice.name}, got {shown(inner)} "
             f"({one_of(inner, known)})"
         )
     return Sensor(quantity, known.index(inner) if inner else 0, cell)
 
 
 def _check_times(times: Array, span: tuple[float, float]) -> None:
-    for place in np.flatnonzero((times < span[0]) | (times > span[1])):
+    for row in np.flatnonzero((times < span[0]) | (times > span[1])):
         raise ValueError(
-            f"time must lie in the scene, {span[0]:g} to {span[1]:g}, got {times[place]:g} in line "
-            f"{place + 2} (leave the line out, or let the scene end later)"
+            f"time must lie in the scene, {span[0]:g} to {span[1]:g}, got {times[row]:g} in line "
+            f"{row + 2} (leave the line out, or let the scene end later)"
         )
-    for place in np.flatnonzero(np.diff(times) <= 0.0):
+    for row in np.flatnonzero(np.diff(times) <= 0.0):
         raise ValueError(
-            f"time must rise from line to line, got {times[place + 1]:g} in line {place + 3} "
-            "(sort them; another run is another file)"
+            f"time must rise from line to line, got {times[row + 1]:g} in line {row + 3} "
+            "(sort them; put each run into its own file)"
         )

@@ -1,1 +1,1 @@
-"""What can be seen of a run: a view of it, and the observables that a scene may ask for."""
+"""Observables of a run, and the view of lattice and wave that they are computed from."""

@@ -1,13 +1,14 @@
-"""The observables that a scene may ask for; each is computed only if it is asked for.
+"""Observables that a scene may request; each is computed only on request.
 
-Adding one is one function here, of a view of the run: what it computes, when it looks and what it
-adds stand above it.
+To add one, write a function of a view of the run and declare above it what it computes, when it is
+measured and which variables it adds.
 
 >>> from longwave.scenes.observed.observables import observable_named
 >>> [variable.name for variable in observable_named("momentum").variables]
 ['mean_strain', 'mean_velocity']
 
-The error split writes the error as a shift in position, a change of amplitude and one of shape.
+The error split decomposes the error into a shift of position, a change of amplitude and a change of
+shape.
 With y the run's strain, w the wave, b its bare background and n the compared sites, the shift d
 (sites) and the scale a minimise
 
@@ -48,10 +49,10 @@ TIME_DIMENSION: Mapping[Moment, str] = {
     "looks": "look_time",
     "refinement": "time",
 }
-"""The time dimension of what is seen at each kind of moment.
+"""Time dimension of the variables measured at each kind of times.
 
-``snapshots`` and ``curve`` times are hit exactly, and the steps are fitted to them. ``looks`` are
-taken where the run stops anyway, so they change no step. A ``refinement`` runs the scene again.
+``snapshots`` and ``curve`` times are exact: steps are fitted to them. ``looks`` are taken where the
+run stops anyway, so they change no step. A ``refinement`` runs the scene again.
 """
 
 Measure = Callable[[View], Mapping[str, Any]]
@@ -59,7 +60,7 @@ Measure = Callable[[View], Mapping[str, Any]]
 
 @dataclass(frozen=True)
 class Variable:
-    """One array that an observable adds; ``dimensions`` are those after the time."""
+    """Array that an observable adds to the run; ``dimensions`` are those after the time."""
 
     name: str
     dimensions: tuple[str, ...]
@@ -69,23 +70,22 @@ class Variable:
 
     @property
     def attributes(self) -> dict[str, str]:
-        """Attributes of the array in the run."""
+        """Dataset attributes of the array: units and long name."""
         return {"units": self.units, "long_name": self.long_name}
 
 
 @dataclass(frozen=True)
 class Observable:
-    """One observable.
+    """Observable of a scene: its description, times of measurement, variables and function.
 
-    ``measure`` maps a view to the values of ``variables`` at one moment; optional variables may be
-    missing from all moments of a run. ``needs_ring`` says that the sites must form a ring,
-    ``all_sites`` that others than the compared ones are looked at, ``one_axis`` that it is for
-    chains alone.
+    ``measure`` maps a view to the values of ``variables`` at one time; optional variables may be
+    missing from a run. ``needs_ring`` means that the sites must form a ring, ``all_sites`` that
+    sites beyond the compared ones are used, ``one_axis`` that it is for chains only.
     """
 
     name: str
-    what: str
-    seen: Moment
+    summary: str
+    measured_at: Moment
     variables: tuple[Variable, ...]
     measure: Measure
     needs_ring: bool = False
@@ -99,24 +99,24 @@ class Observable:
 
 
 OBSERVABLES: dict[str, Observable] = {}
-"""The observables by name, in the order in which they are declared."""
+"""Observables by name, in the order of their declaration."""
 
 
 def observable(
-    what: str, seen: Moment, *variables: Variable, **needs: bool
+    summary: str, measured_at: Moment, *variables: Variable, **needs: bool
 ) -> Callable[[Measure], Measure]:
-    """Declare the function below as the measurement of the observable of its name."""
+    """Return a decorator that registers a measuring function as the observable of its name."""
 
     def declare(measure: Measure) -> Measure:
         name = measure.__name__
-        OBSERVABLES[name] = Observable(name, what, seen, variables, measure, **needs)
+        OBSERVABLES[name] = Observable(name, summary, measured_at, variables, measure, **needs)
         return measure
 
     return declare
 
 
 def observable_named(name: str) -> Observable:
-    """The observable of that name; ValueError lists the known ones.
+    """Return the observable called ``name``. Raises ValueError with the known names.
 
     >>> observable_named("colour")
     Traceback (most recent call last):
@@ -130,17 +130,17 @@ def observable_named(name: str) -> Observable:
 
 
 SITES, RATIO = "sites", "1"
-"""Units of lengths, and of what has none."""
+"""Units of lengths and of dimensionless variables."""
 
 TIME = {"units": "lattice time", "long_name": "time on the lattice"}
-"""Attributes of every axis of times."""
+"""Dataset attributes of every time axis."""
 
 MAP_CELLS = 256
-"""Most cells of a space-time map."""
+"""Largest number of cells of a space-time map."""
 
 
 def cell_width(compared: int) -> int:
-    """Sites in one cell of a space-time map.
+    """Return the number of sites in one cell of a space-time map.
 
     >>> cell_width(1500), cell_width(50)
     (12, 1)
@@ -151,9 +151,9 @@ def cell_width(compared: int) -> int:
 def axis_values(
     dimension: str, reach: Sequence[int]
 ) -> tuple[NDArray[np.generic], dict[str, str]] | None:
-    """Values and attributes of a dimension, None for one that is only counted.
+    """Return values and attributes of a dimension; None for a dimension without coordinates.
 
-    ``reach``: so many cells are compared on either side of the frame, along each axis.
+    ``reach`` is the number of compared cells on either side of the frame, along each axis.
     """
     compared = reach[0]
     offsets = np.arange(-compared, compared + 1)
@@ -192,9 +192,9 @@ RELATIVE_FAR = "relative sup error against the true far field"
     Variable("slow_time", (), "slow time", "T, the wave's own time", optional=True),
 )
 def strain(view: View) -> Mapping[str, Any]:
-    """Strains of run, wave and bare background, the sites' numbers, and the errors.
+    """Return strains of run, wave and bare background, the site numbers, and the errors.
 
-    Errors are NaN at a time when the wave is its own background on all compared sites.
+    Errors are NaN if the wave equals its background on all compared sites.
     """
     rows = {
         "strain": view.numeric,
@@ -203,9 +203,9 @@ def strain(view: View) -> Mapping[str, Any]:
         "n": view.sites,
     }
     if not view.is_background:
-        return rows | _errors(view, "error") | view.also
+        return rows | _errors(view, "error") | view.extra_variables
     far = {} if view.far_field is None else {"error_far_field": np.nan}
-    return rows | {"error": np.nan} | far | view.also
+    return rows | {"error": np.nan} | far | view.extra_variables
 
 
 @observable(
@@ -215,15 +215,15 @@ def strain(view: View) -> Mapping[str, Any]:
     Variable("error_curve_far_field", (), RATIO, RELATIVE_FAR, optional=True),
 )
 def error_curve(view: View) -> Mapping[str, Any]:
-    """The relative sup errors alone."""
+    """Return the relative sup errors against background and far field, without strains."""
     return _errors(view, "error_curve")
 
 
 def _errors(view: View, prefix: str) -> dict[str, float]:
-    found = {prefix: view.error}
+    errors = {prefix: view.error}
     if view.far_field is not None:
-        found[f"{prefix}_far_field"] = view.error_far_field
-    return found
+        errors[f"{prefix}_far_field"] = view.error_far_field
+    return errors
 
 
 @observable(
@@ -234,7 +234,7 @@ def _errors(view: View, prefix: str) -> dict[str, float]:
     all_sites=True,
 )
 def energy(view: View) -> Mapping[str, float]:
-    """The energy of the ring."""
+    """Return kinetic plus potential energy of the ring."""
     return {"energy": view.energy}
 
 
@@ -247,10 +247,9 @@ def energy(view: View) -> Mapping[str, float]:
     all_sites=True,
 )
 def momentum(view: View) -> Mapping[str, float]:
-    """Mean strain and mean velocity over the ring.
+    """Return mean strain and mean velocity over the ring.
 
-    The second difference sums to zero over a ring, so the mean velocity is conserved and the mean
-    strain moves linearly with it.
+    The forces sum to zero over a ring, so the exact flow conserves the mean velocity.
     """
     strain, velocity = view.means
     return {"mean_strain": strain, "mean_velocity": velocity}
@@ -263,15 +262,15 @@ def momentum(view: View) -> Mapping[str, float]:
     one_axis=True,
 )
 def spectrum(view: View) -> Mapping[str, Array]:
-    """Amplitudes of the strain on the compared sites, by wavenumber in 0 .. pi."""
+    """Return Fourier amplitudes of the strain on the compared sites, for wavenumbers 0 .. pi."""
     return {"spectrum": amplitudes(view.numeric)}
 
 
 def amplitudes(values: Array) -> Array:
-    """Hann-windowed Fourier amplitudes of ``values`` less their mean.
+    """Return the Hann-windowed Fourier amplitudes of ``values`` minus their mean.
 
-    Scaled so that a cos(k n) with k on the grid has the amplitude a there. The window keeps the
-    jump between the two ends from covering the tail: its leakage falls like 1/k^3.
+    They are scaled so that a cos(k n), with k on the grid, has amplitude a at k. The window
+    suppresses the jump between the two ends, whose leakage then falls like 1/k^3.
 
     >>> n = np.arange(64)
     >>> float(np.round(amplitudes(3.0 * np.cos(2.0 * np.pi * 8.0 * n / 64.0))[8], 12))
@@ -280,8 +279,8 @@ def amplitudes(values: Array) -> Array:
     count = values.size
     window = 1.0 - np.cos(2.0 * np.pi * np.arange(count) / count)
     modes = np.fft.rfft((values - np.mean(values)) * window)
-    found: Array = 2.0 * np.abs(modes) / count
-    return found
+    scaled: Array = 2.0 * np.abs(modes) / count
+    return scaled
 
 
 NEWTON_STEPS = 4
@@ -296,36 +295,36 @@ NEWTON_STEPS = 4
     one_axis=True,
 )
 def crest_track(view: View) -> Mapping[str, float]:
-    """Position of the crest relative to c t, and its strain, interpolated between the sites."""
+    """Return the crest's position relative to c t and its strain, interpolated between sites."""
     deviation = view.numeric - view.level
     top = int(np.argmax(np.abs(deviation)))
     offset, height = 0.0, float(deviation[top])
     if 2 <= top < deviation.size - 2:
         offset, height = extremum(deviation[top - 2 : top + 3])
-    found = {
+    crest = {
         "crest_position": float(view.sites[top]) + offset - view.travelled,
         "crest_strain": height + view.level,
     }
-    return found if view.crest_law is None else found | {"crest_law": view.crest_law}
+    return crest if view.crest_law is None else crest | {"crest_law": view.crest_law}
 
 
 def extremum(f: Array) -> tuple[float, float]:
-    """Place and value of the extremum of the quartic through five values at -2 .. 2.
+    """Return position and value of the extremum of the quartic through five values at -2 .. 2.
 
-    The middle one is the largest in modulus; Newton starts from the parabola through the three
-    innermost.
+    The middle value must be the largest in modulus. Newton's method starts from the parabola
+    through the three innermost points.
 
     >>> x = np.arange(-2.0, 3.0) - 0.3
-    >>> place, value = extremum(5.0 - x**2 + 0.01 * x**4)
-    >>> round(place, 12), round(value, 12)
+    >>> position, value = extremum(5.0 - x**2 + 0.01 * x**4)
+    >>> round(position, 12), round(value, 12)
     (0.3, 5.0)
     """
     c1 = (f[0] - 8.0 * f[1] + 8.0 * f[3] - f[4]) / 12.0
     c2 = (-f[0] + 16.0 * f[1] - 30.0 * f[2] + 16.0 * f[3] - f[4]) / 24.0
     c3 = (-f[0] + 2.0 * f[1] - 2.0 * f[3] + f[4]) / 12.0
     c4 = (f[0] - 4.0 * f[1] + 6.0 * f[2] - 4.0 * f[3] + f[4]) / 24.0
-    bend = f[1] - 2.0 * f[2] + f[3]
-    x = 0.5 * (f[1] - f[3]) / bend if bend != 0.0 else 0.0
+    second = f[1] - 2.0 * f[2] + f[3]
+    x = 0.5 * (f[1] - f[3]) / second if second != 0.0 else 0.0
     for _ in range(NEWTON_STEPS):
         curvature = 2.0 * c2 + x * (6.0 * c3 + 12.0 * c4 * x)
         if curvature == 0.0:
@@ -343,7 +342,7 @@ def extremum(f: Array) -> tuple[float, float]:
     one_axis=True,
 )
 def space_time(view: View) -> Mapping[str, Array]:
-    """The strain farthest from the background in each cell of sites: no crest is lost."""
+    """Return the strain farthest from the uniform level in each cell of sites, so crests remain."""
     starts = np.arange(0, view.numeric.size, cell_width((view.numeric.size - 1) // 2))
     high = np.maximum.reduceat(view.numeric, starts)
     low = np.minimum.reduceat(view.numeric, starts)
@@ -356,7 +355,7 @@ def space_time(view: View) -> Mapping[str, Array]:
     Variable("background_difference", ("site",), STRAIN, "strain less the bare background"),
 )
 def background_difference(view: View) -> Mapping[str, Any]:
-    """Strain of the run less the bare wave of the same phase (or the constant)."""
+    """Return the strain of the run minus the bare background of the same phase."""
     return {"background_difference": view.numeric - view.background}
 
 
@@ -371,7 +370,7 @@ def background_difference(view: View) -> Mapping[str, Any]:
     one_axis=True,
 )
 def error_split(view: View) -> Mapping[str, float]:
-    """Shift, scale, and the three parts of the relative error."""
+    """Return fitted shift and scale, and the three parts of the relative error."""
     analytic = view.analytic
     height = float(np.max(np.abs(analytic - view.background)))
     shift, scale = fit(view)
@@ -381,13 +380,16 @@ def error_split(view: View) -> Mapping[str, float]:
         "error_amplitude": (scale - 1.0) * (wave - background),
         "error_shape": view.numeric - background - scale * (wave - background),
     }
-    found = {name: float(np.max(np.abs(part))) / height for name, part in parts.items()}
-    return {"shift": shift, "scale": scale} | found
+    errors = {name: float(np.max(np.abs(part))) / height for name, part in parts.items()}
+    return {"shift": shift, "scale": scale} | errors
 
 
 def fit(view: View) -> tuple[float, float]:
-    """The least-squares shift (sites) and scale, started from no shift and from the crests' one."""
-    from scipy.optimize import least_squares  # 0.2 s, for one observable
+    """Fit shift (sites) and scale of the wave to the run by least squares; return both.
+
+    The fit starts from zero shift and from the distance of the crests, and keeps the better result.
+    """
+    from scipy.optimize import least_squares  # import takes 0.2 s, for this observable only
 
     run, wave = view.numeric - view.background, view.analytic - view.background
     crests = float(np.argmax(np.abs(run)) - np.argmax(np.abs(wave)))
@@ -401,7 +403,7 @@ def fit(view: View) -> tuple[float, float]:
         )
         for start in sorted({0.0, crests})
     ]
-    best = min(fits, key=lambda found: float(found.cost))
+    best = min(fits, key=lambda result: float(result.cost))
     return float(best.x[0]), float(best.x[1])
 
 
@@ -426,31 +428,30 @@ def _slopes(view: View, unknown: Array) -> Array:
     one_axis=True,
 )
 def state(view: View) -> Mapping[str, Any]:
-    """Strains and velocities of all computed sites, in the order of storage."""
+    """Return strains and velocities of all computed sites, from the leftmost one on."""
     left, positions, velocities = view.stored
     return {"state_y": positions, "state_s": velocities, "state_left": left}
 
 
 def _refinement(name: str, change: str) -> None:
-    """Declare what a second run measures, and no look at the first."""
-    what = f"largest difference of y/eps to the run with {change}"
-    added = Variable(name, (), "strain / eps", "sup difference to the refined run")
-    OBSERVABLES[name] = Observable(name, what, "refinement", (added,), lambda _: {})
+    """Register an observable that is measured by a second run with this ``change``."""
+    summary = f"largest difference of y/eps to the run with {change}"
+    variable = Variable(name, (), "strain / eps", "sup difference to the refined run")
+    OBSERVABLES[name] = Observable(name, summary, "refinement", (variable,), lambda _: {})
 
 
 _refinement("time_step_error", "half the step")
 _refinement("domain_error", "twice the sites")
 
 MEASURED = ("time_step_error", "domain_error")
-"""What finer runs differ by at the snapshots, in y/eps."""
+"""Variables with the differences to refined runs at the snapshots, in y/eps."""
 
 
 def measured_error(run: Labelled) -> NDArray[np.float64] | None:
-    """What y/eps may be off at each snapshot by step and domain together; None if it was not
-    measured.
+    """Return the error bound of y/eps at each snapshot, from step and domain; None if unmeasured.
 
-    A run differs from the finer one by as little as half of what it is off, where its error falls
-    as slowly as the step or 1/size: hence ``SAFETY``.
+    The difference to a refined run can be as little as half the error, if the error falls only
+    linearly with the step or 1/size; hence the factor ``SAFETY``.
     """
     parts = [run.variables[name].values for name in MEASURED if name in run.variables]
     return SAFETY * sum(parts[1:], start=parts[0]) if parts else None

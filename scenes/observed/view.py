@@ -1,4 +1,4 @@
-"""The lattice against the wave on the compared cells at one time, and the paper's error figure."""
+"""View of lattice and wave on the compared cells at one time, and the paper's relative error."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ Array = NDArray[np.float64]
 
 
 def relative_sup_error(numeric: Array, analytic: Array, background: Array) -> float:
-    """max |analytic - numeric| / max |analytic - background| over the compared sites.
+    """Return max |analytic - numeric| / max |analytic - background| over the compared sites.
 
     All three are strains at the same integer sites. With the bare wave of the same phase as
-    ``background`` this is the paper's eq. (16); with the wave's true far field it is the second
-    figure for waves on periodic backgrounds. A sup over sites depends on where the crest falls
-    between them: the paper's scenes have it on site 0.
+    ``background`` this is the paper's eq. (16). With the wave's true far field it is the second
+    error reported for waves on periodic backgrounds. A sup over sites depends on the position of
+    the crest between them; in the paper's scenes it is on site 0.
 
-    Raises ValueError if shapes differ, no site is compared, a value is not finite, or the wave is
-    its own background.
+    Raises ValueError if shapes differ, no site is compared, a value is not finite, or the wave
+    equals its background.
 
     >>> relative_sup_error(np.array([1.0, 4.5]), np.array([1.0, 5.0]), np.array([1.0, 1.0]))
     0.125
@@ -32,14 +32,14 @@ def relative_sup_error(numeric: Array, analytic: Array, background: Array) -> fl
         is_real = isinstance(array, np.ndarray) and array.dtype.kind in "fiu"
         if not is_real or np.ma.is_masked(array):
             raise ValueError(
-                f"compared arrays must be NumPy's, of real numbers, got {shown(array)} "
-                "(np.asarray makes one)"
+                f"compared arrays must be NumPy arrays of real numbers, got {shown(array)} "
+                "(convert with np.asarray)"
             )
     if not numeric.shape == analytic.shape == background.shape:
         shapes = f"{numeric.shape}, {analytic.shape}, {background.shape}"
         raise ValueError(f"compared arrays must have one shape, got {shapes} (take the same sites)")
     if numeric.size == 0:
-        raise ValueError("compared arrays must hold a site, got none (compare at least one)")
+        raise ValueError("compared arrays must not be empty, got none (compare at least one site)")
     deviation = float(np.max(np.abs(analytic - numeric)))
     amplitude = float(np.max(np.abs(analytic - background)))
     if not (np.isfinite(deviation) and np.isfinite(amplitude)):
@@ -49,84 +49,84 @@ def relative_sup_error(numeric: Array, analytic: Array, background: Array) -> fl
     if amplitude == 0.0:
         raise ValueError(
             "background must differ from the wave at some site, got the wave itself "
-            "(a bare wave has no relative error)"
+            "(the relative error divides by their difference)"
         )
     return deviation / amplitude
 
 
 class View(ABC):
-    """Lattice and wave on the compared cells at one time; each is made when first used."""
+    """Lattice and wave on the compared cells at one time, evaluated lazily."""
 
     state: State
 
     @property
     def t(self) -> float:
-        """The time."""
+        """Time of the state."""
         return self.state.t
 
     @property
     @abstractmethod
     def level(self) -> float:
-        """The uniform value of what is compared, to which the wave is added."""
+        """Uniform value of the first compared quantity, on which the wave is superposed."""
 
     @property
     @abstractmethod
     def travelled(self) -> float:
-        """Sites that the frame has gone from the origin."""
+        """Distance that the wave's frame has travelled from the origin, in sites."""
 
     @property
     @abstractmethod
     def sites(self) -> Sites:
-        """The compared sites, along the first axis."""
+        """Compared sites along the first axis."""
 
     @property
     @abstractmethod
     def numerics(self) -> Array:
-        """All quantities of the run that are compared, (quantities, *sites)."""
+        """Compared quantities of the run, (quantities, *sites)."""
 
     @property
     @abstractmethod
     def analytics(self) -> Array:
-        """The same of the wave."""
+        """Compared quantities of the wave, (quantities, *sites)."""
 
     @property
     @abstractmethod
     def backgrounds(self) -> Array:
-        """The same of the bare wave of the same phase."""
+        """Compared quantities of the bare wave of the same phase, (quantities, *sites)."""
 
     @property
     def numeric(self) -> Array:
-        """The first quantity of the run, such as its strains."""
+        """First compared quantity of the run, such as its strains."""
         return np.asanyarray(self.numerics[0])
 
     @property
     def analytic(self) -> Array:
-        """The same of the wave."""
+        """First compared quantity of the wave."""
         return np.asanyarray(self.analytics[0])
 
     @property
     def background(self) -> Array:
-        """The same of the bare wave of the same phase."""
+        """First compared quantity of the bare wave of the same phase."""
         return np.asanyarray(self.backgrounds[0])
 
     @property
     def crest_law(self) -> float | None:
-        """What losses leave of a soliton's crest by their law; None without one."""
+        """Crest of a damped soliton by the law of its losses; None without one."""
         return None
 
     @property
     def far_field(self) -> Array | None:
-        """Strains of the wave's true far field, if there is a second denominator."""
+        """Strains of the wave's true far field; None if it equals the background."""
         return None
 
     @property
-    def also(self) -> dict[str, Any]:
-        """Variables that are told with the strains; none unless overridden."""
+    def extra_variables(self) -> dict[str, Any]:
+        """Further variables recorded with the strains; none unless overridden."""
         return {}
 
     @abstractmethod
     def displaced(self, shift: float) -> tuple[Array, Array, Array, Array]:
-        """Wave, background and their slopes in n, at n - ``shift`` for the compared sites n."""
+        """Return wave, background and their slopes in n, at n - ``shift`` for the compared n."""
 
     @property
     @abstractmethod
@@ -141,11 +141,11 @@ class View(ABC):
     @property
     @abstractmethod
     def stored(self) -> tuple[int, Array, Array]:
-        """The leftmost site that is held, and copies of positions and velocities of all sites."""
+        """Leftmost computed site, and copies of positions and velocities of all sites."""
 
     @property
     def is_background(self) -> bool:
-        """Whether the wave is its own background on all compared sites."""
+        """Whether the wave equals its background on all compared sites."""
         return np.array_equal(self.analytics, self.backgrounds)
 
     @property
@@ -155,6 +155,6 @@ class View(ABC):
 
     @property
     def error_far_field(self) -> float:
-        """Relative sup error against the true far field, where there is one."""
+        """Relative sup error against the true far field, which must not be None."""
         assert self.far_field is not None
         return relative_sup_error(self.numeric, self.analytic, self.far_field)

@@ -1,11 +1,11 @@
-"""How long a run about a periodic background can be trusted: the stability of that, by Hill.
+"""Predictability of a run on a periodic background, from its stability by Hill's method.
 
 A perturbation e^{lambda tau} W(xi - V tau) of the wave U0(xi - V tau) obeys, in the normal form,
 
     lambda W = V W' - W''' - 6 s (U0^2 W)',    W(x) = e^{i kappa x} sum_j W_j e^{2 pi i j x / P}.
 
-Truncated in j it is a matrix; no time step enters (Deconinck, Kutz, J. Comput. Phys. 219 (2006)
-296).
+Truncated in j this is a matrix eigenvalue problem, without any time step (Deconinck and Kutz,
+J. Comput. Phys. 219 (2006) 296).
 """
 
 import math
@@ -23,23 +23,27 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 BLOCH_POINTS = 25
-"""Wavenumbers that are tried before the best is refined to a thousandth of the zone's edge."""
+"""Bloch wavenumbers on the initial grid, before the best is refined to 1e-3 of the zone's edge."""
 
 DIGITS = 8
-"""Of a rate: with other numbers of threads LAPACK gives others from the twelfth on (measured)."""
+"""Significant digits kept of a rate. LAPACK's results vary from the twelfth digit on with the
+number of threads (measured)."""
 
 LEAST_MODES = 12
+"""Minimum number of Fourier modes used on either side of 0."""
+
 MOST_MODES = 96
+"""Maximum number of Fourier modes used on either side of 0."""
 
 TAIL = 1e-7
-"""Modes of the wave below this share of its largest are left out."""
+"""Modes of the wave smaller than this fraction of the largest are neglected."""
 
 
 def fastest_rate(U: Array, wavelength: float, speed: float, s: int) -> float:
-    """Largest growth rate (per tau) over all perturbations of the infinite line, to ``DIGITS``.
+    """Return the largest growth rate per tau over all perturbations, to `DIGITS` digits.
 
-    ``U`` are the wave's samples over one wavelength, several for each mode that counts. NaN if
-    those are too many: a train of crests that are very far apart.
+    ``U`` are samples of the wave over one wavelength, several for each significant mode. NaN if
+    there are more than `MOST_MODES`, as for a train of very distant crests.
     """
     modes = resolving_modes(U)
     if modes > MOST_MODES:
@@ -49,23 +53,27 @@ def fastest_rate(U: Array, wavelength: float, speed: float, s: int) -> float:
     def rate(kappa: float) -> float:
         return mkdv_rate(U, wavelength, speed, s, kappa, modes)
 
-    apart = edge / BLOCH_POINTS
-    found = {kappa: rate(kappa) for kappa in apart * np.arange(1, BLOCH_POINTS + 1)}
-    while apart > 1e-3 * edge:
-        best, apart = max(found, key=found.__getitem__), 0.5 * apart
-        found |= {kappa: rate(kappa) for kappa in (best - apart, best + apart) if kappa <= edge}
-    return float(f"{max(found.values()):.{DIGITS}g}")
+    spacing = edge / BLOCH_POINTS
+    rates = {kappa: rate(kappa) for kappa in spacing * np.arange(1, BLOCH_POINTS + 1)}
+    while spacing > 1e-3 * edge:
+        best, spacing = max(rates, key=rates.__getitem__), 0.5 * spacing
+        neighbours = (best - spacing, best + spacing)
+        rates |= {kappa: rate(kappa) for kappa in neighbours if kappa <= edge}
+    return float(f"{max(rates.values()):.{DIGITS}g}")
 
 
 def resolving_modes(U: Array) -> int:
-    """How many Fourier modes the perturbations of a wave with samples ``U`` need."""
+    """Return the number of Fourier modes needed for perturbations of a wave with samples ``U``."""
     sizes = np.abs(np.fft.rfft(U))
     last = int(np.flatnonzero(sizes > TAIL * np.max(sizes))[-1])
     return max(last, LEAST_MODES)
 
 
 def mkdv_rate(U: Array, wavelength: float, speed: float, s: int, kappa: float, modes: int) -> float:
-    """Largest growth rate (per tau) at the Bloch wavenumber kappa, with 2 modes + 1 modes."""
+    """Return the largest growth rate per tau at Bloch wavenumber ``kappa``.
+
+    Perturbations have 2 ``modes`` + 1 Fourier modes.
+    """
     j = np.arange(-modes, modes + 1)
     q = kappa + 2.0 * np.pi * j / wavelength
     potential = 6.0 * s * multiplication(U * U, j)
@@ -74,27 +82,29 @@ def mkdv_rate(U: Array, wavelength: float, speed: float, s: int, kappa: float, m
 
 
 def multiplication(samples: Array, j: NDArray[np.int64]) -> Complex:
-    """The matrix, in the modes j, of multiplication by a periodic function with these samples."""
+    """Return the matrix, in Fourier modes j, of multiplication by a sampled periodic function."""
     modes = np.fft.fft(samples) / samples.size
-    found: Complex = modes[np.subtract.outer(j, j) % samples.size]
-    return found
+    matrix: Complex = modes[np.subtract.outer(j, j) % samples.size]
+    return matrix
 
 
 UNIT_ROUNDOFF = 2.0**-53
-"""Relative size of the perturbation that rounding seeds."""
+"""Relative size of the perturbation caused by rounding."""
 
 USUAL_TOLERANCE = 1e-4
-"""What rounding may reach, of y/eps, in a scene that states no tolerance."""
+"""Largest accepted rounding error of y/eps in a scene without a tolerance."""
 
 FLOOR = 1e-6
-"""Growth rates per tau below this are the rounding of a multiple eigenvalue, not growth."""
+"""Growth rate per tau below which a background counts as stable: rounding of a multiple eigenvalue
+alone gives such rates."""
 
 SAMPLES = 8 * MOST_MODES
+"""Samples of a wave over one wavelength."""
 
 
 @dataclass(frozen=True)
 class Trust:
-    """Growth rate (per lattice time) of the fastest perturbation, and the time it leaves."""
+    """Growth rate (per lattice time) of the fastest perturbation, and the predictability time."""
 
     rate: float
     predictability_time: float
@@ -102,11 +112,11 @@ class Trust:
 
 @lru_cache(maxsize=64)
 def trust_in(scene: Scene, tolerance: float) -> Trust:
-    """How long rounding stays below ``tolerance`` (of y/eps) on the scene's background.
+    """Return the growth rate of perturbations and the time until rounding reaches ``tolerance``.
 
-    The rate is that of the reduced equation, of relative accuracy eps^2, the largest over all
-    perturbations of the infinite lattice. It is 0, and the horizon infinite, on a constant
-    background and on stable periodic ones; both are NaN where the background is too sharp for
+    ``tolerance`` is that of y/eps. The rate is that of the reduced equation, of relative accuracy
+    eps^2, maximised over all perturbations of the infinite lattice. On a constant or stable
+    background the rate is 0 and the time infinite. Both are NaN if the background is too sharp for
     `fastest_rate`.
     """
     wave = moving_wave(scene).wave
@@ -118,9 +128,9 @@ def trust_in(scene: Scene, tolerance: float) -> Trust:
 
 
 def trust_attributes(scene: Scene) -> dict[str, float]:
-    """``trust_rate`` and ``trust_horizon`` for a run's attributes; {} on a constant background.
+    """Return the run attributes ``trust_rate`` and ``trust_horizon``; {} on a constant background.
 
-    The horizon is the time after t0 until rounding has grown to the scene's tolerance.
+    The horizon is the time after t0 until rounding errors reach the scene's tolerance.
     """
     if moving_wave(scene).wave.wavelength is None:
         return {}
@@ -129,7 +139,7 @@ def trust_attributes(scene: Scene) -> dict[str, float]:
 
 
 def check_trust(scene: Scene) -> None:
-    """Refuse a tolerance that rounding alone exceeds before the scene's end; ValueError."""
+    """Raise ValueError for a tolerance that rounding errors exceed before the scene's end."""
     if scene.tolerance is None:
         return
     trust = trust_in(scene, scene.tolerance)
@@ -137,15 +147,15 @@ def check_trust(scene: Scene) -> None:
         raise ValueError(
             f"snapshots must satisfy t <= {scene.t0 + trust.predictability_time:.4g} with "
             f"tolerance {scene.tolerance:g}, got {scene.end:g} (the background is unstable: its "
-            f"fastest perturbation grows like exp({trust.rate:.3g} t), and rounding has then grown "
-            "to the tolerance; end earlier, or state a step to run on regardless)"
+            f"fastest perturbation grows like exp({trust.rate:.3g} t), so rounding errors reach "
+            "the tolerance by then; end earlier, or state a step to run without a tolerance)"
         )
 
 
 def predictability_time(rate: float, tolerance: float, rounding: float) -> float:
-    """Time until a perturbation as small as ``rounding`` has grown to ``tolerance`` at ``rate``.
+    """Return the time in which a perturbation grows from ``rounding`` to ``tolerance`` at ``rate``.
 
-    A run about an unstable wave is trustworthy up to then, however small its step.
+    A run about an unstable wave can be trusted up to then, however small its step.
 
     >>> round(predictability_time(0.001, 1e-4, 1e-16))
     27631
@@ -154,7 +164,10 @@ def predictability_time(rate: float, tolerance: float, rounding: float) -> float
 
 
 def _fastest_rate(wave: NumericWave) -> float:
-    """Largest growth rate per tau; the wave's speed is read off where it is steepest."""
+    """Return the largest growth rate per tau of a wave's periodic background.
+
+    The background's speed is computed from Y_T / Y_X where it is steepest.
+    """
     period = float(wave.wavelength or 0.0)
     a, b, s = wave.numbers.a, wave.numbers.b, wave.numbers.s
     bare = wave.far_field(period * np.arange(SAMPLES) / SAMPLES, 0.0, "left")

@@ -1,8 +1,8 @@
-"""A soliton that weak losses wear away: its shape that of the lossless one of its amplitude.
+"""Soliton damped by weak losses: at each time it has the shape of a lossless soliton.
 
 The crest a(T) follows the `AmplitudeLaw` of the reduction. With ``r^2 = (a(T)/a(0))^power`` the
-soliton ``Y(X)`` at T = 0 becomes ``r^(2/power) Y(r (X - x(T)))``, for its width goes as 1/r and its
-speed as ``r^2``. It solves the equation with losses to leading order in them.
+soliton ``Y(X)`` at T = 0 becomes ``r^(2/power) Y(r (X - x(T)))``, since its width scales as 1/r and
+its speed as ``r^2``. It solves the equation with losses to leading order in the losses.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 LAWFUL = ("kdv_soliton", "soliton_sech")
-"""Closed forms with this shape."""
+"""Closed forms that have such an amplitude law."""
 
 FLANK = 0.1
-"""A place at T = 0, in widths, where the soliton rises."""
+"""Position on the soliton's flank, in widths, from which its speed is computed."""
 
 
 class DampedSoliton:
-    """The soliton ``wave`` from T = 0 on under a law; it has jets and antiderivative."""
+    """Soliton ``wave`` damped from T = 0 on by an amplitude law; implements `JetWave`."""
 
     constant_background = 0.0
 
@@ -39,39 +39,42 @@ class DampedSoliton:
         flank = wave(FLANK / wave.numbers.a, 0.0)
         drift = float(wave.normal_form.drift)
         self._drift, self._speed = drift, float(-flank.Y_T / flank.Y_X) - drift
-        self._fading = law.power * float(law.linear)
-        self._spreading = law.power * float(law.further) * self._first**law.power
+        self._linear = law.power * float(law.linear)
+        self._quadratic = law.power * float(law.further) * self._first**law.power
 
-    def _worn(self, T: float) -> tuple[float, float]:
-        """r and x at T, from ``s' = -fading s - spreading s^2`` with ``s = r^2``."""
-        lost = -math.expm1(-self._fading * T) / self._fading if self._fading else T
-        spread = 1.0 + self._spreading * lost
-        if spread <= 0.0:
+    def _scale_and_position(self, T: float) -> tuple[float, float]:
+        """Return r and x at T, from ``s' = -linear s - quadratic s^2`` with ``s = r^2``.
+
+        Raises ValueError for a T at which the law gives an infinite soliton.
+        """
+        lapse = -math.expm1(-self._linear * T) / self._linear if self._linear else T
+        divisor = 1.0 + self._quadratic * lapse
+        if divisor <= 0.0:
             raise ValueError(
-                f"slow_times must be after the soliton is infinite by the law of its losses, got "
-                f"{T:g} (its parameters are those at T = 0)"
+                "slow_times must be later than the time at which the law of the losses gives an "
+                f"infinite soliton, got {T:g} (its parameters are those at T = 0)"
             )
-        path = math.log(spread) / self._spreading if self._spreading else lost
-        r = math.sqrt(math.exp(-self._fading * T) / spread)
+        path = math.log(divisor) / self._quadratic if self._quadratic else lapse
+        r = math.sqrt(math.exp(-self._linear * T) / divisor)
         return r, self._speed * path + self._drift * T
 
     def crest(self, T: float) -> float:
-        """a(T)."""
-        return float(self._first * self._worn(T)[0] ** (2.0 / self._power))
+        """Return the height a(T) of the crest."""
+        return float(self._first * self._scale_and_position(T)[0] ** (2.0 / self._power))
 
     def jets(self, X: ArrayLike, T: float, highest: int) -> Array:
-        """Y, Y_X, Y_XX, ...: an array (highest + 1, *points)."""
-        r, moved = self._worn(T)
-        found = self._wave.jets(r * (np.asarray(X) - moved), 0.0, highest)
+        """Return Y and its X-derivatives up to order ``highest``, (highest + 1, *points)."""
+        r, position = self._scale_and_position(T)
+        values = self._wave.jets(r * (np.asarray(X) - position), 0.0, highest)
         powers = 2.0 / self._power + np.arange(highest + 1.0)
-        return np.asarray(found * np.reshape(r**powers, (-1, *(1,) * (found.ndim - 1))))
+        return np.asarray(values * np.reshape(r**powers, (-1, *(1,) * (values.ndim - 1))))
 
     def antiderivative(self, X: ArrayLike, T: float) -> Array:
-        """W with ``W_X = Y``."""
-        r, moved = self._worn(T)
-        found = self._wave.antiderivative(r * (np.asarray(X) - moved), 0.0)
-        return np.asarray(found * r ** (2.0 / self._power - 1.0))
+        """Return W with ``W_X = Y``."""
+        r, position = self._scale_and_position(T)
+        values = self._wave.antiderivative(r * (np.asarray(X) - position), 0.0)
+        return np.asarray(values * r ** (2.0 / self._power - 1.0))
 
     def background(self, X: ArrayLike, T: float) -> WaveValues:
-        """None: the soliton deviates from 0."""
+        """Return the background and its derivatives, all 0."""
         return WaveValues(*np.zeros((3, *np.shape(X))))

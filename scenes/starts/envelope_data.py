@@ -1,8 +1,8 @@
-"""Carrier waves on a lattice: data from an envelope A(X, T), and what the lattice is compared with.
+"""Carrier waves on a lattice, modulated by an envelope A(X, T): initial data and reference values.
 
 With ``X = eps (n - v t)`` and ``T = eps^2 t`` the fields are ``eps (e_j A exp(i theta) + c.c.)``
-with the polarisation e_j, then what follows A: second harmonic, mean, the other branches.  Time
-derivatives are whole ones: theta and X move, and A_T is that of the envelope equation.
+with the polarisation e_j, plus the terms slaved to A: second harmonic, mean, other branches.  Time
+derivatives are total ones: theta and X depend on t, and A_T follows from the envelope equation.
 """
 
 from __future__ import annotations
@@ -33,34 +33,37 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 POWERS = {"leading": 1, "slaved": 2, "corrected": 3}
-"""The highest power of eps in the fields."""
+"""Highest power of eps in the fields, by the order of the data."""
 
 
 FLAT = 1e-9
-"""A wave has ended where it is below that share of its largest value."""
+"""Size, relative to the largest, below which a wave has ended."""
 
 FARTHEST = 400.0
-"""A wave that has not ended so far in X fills the line."""
+"""Distance in X at which a wave that has not ended counts as infinite."""
 
 WIDER = 2.0
-"""The interval on which the next order is solved, in units of the wave's width."""
+"""Length of the interval on which the next order is solved, in units of the wave's width."""
 
 
 class EnvelopeWave(Protocol):
-    """A solution A of the envelope equation, or of that with the next order."""
+    """Solution A of the envelope equation, with or without its next order."""
 
     def jets(self, X: Array, T: float, highest: int) -> Any:
-        """A and its X-derivatives, complex, (highest + 1, *points)."""
+        """Return complex A and its X-derivatives up to ``highest``, (highest + 1, *points)."""
 
 
 class PlaneBackground:
-    """The plane wave that a closed form deviates from; 0 for what is a plane wave itself."""
+    """Plane wave that a closed form deviates from; 0 if the closed form is a plane wave itself."""
 
     def __init__(self, wave: Wave) -> None:
         self._wave = wave
 
     def jets(self, X: Array, T: float, highest: int) -> Complex:
-        """A and its X-derivatives, each the same multiple of the one before it."""
+        """Return A and its X-derivatives up to order ``highest``, (highest + 1, *points).
+
+        Each derivative is the same multiple of the one before it.
+        """
         A = self._wave.background(X, T)
         if self._is_plane(T):
             return np.zeros((highest + 1, *A.Y.shape), np.complex128)
@@ -68,30 +71,29 @@ class PlaneBackground:
         return np.stack([A.Y * turn**order for order in range(highest + 1)])
 
     def _is_plane(self, T: float) -> bool:
-        X = np.linspace(-FARTHEST, FARTHEST, LOOKS)
+        X = np.linspace(-FARTHEST, FARTHEST, SAMPLES)
         return np.array_equal(self._wave.background(X, T).Y, self._wave.jets(X, T, 0)[0])
 
 
-LOOKS = 8001
-"""Places where it is looked for a wave."""
+SAMPLES = 8001
+"""Number of points in X at which a wave's ends are searched for."""
 
 
 class EnvelopeData(LatticeWave):
-    """The wave ``wave`` of an envelope equation, on the lattice of that envelope.
+    """Wave of an envelope equation on its lattice.
 
-    ``numbers`` are the lattice's constants; ``k`` and ``branch`` those of the envelope unless they
-    are given.  The order "leading" is the carrier with its amplitude alone; "slaved" has the terms
-    in eps^2 too; "corrected" has those in eps^3, and from `start` on its amplitude follows the
-    equation with the next order (`EnvelopeFlow`), on an ``interval`` of X which that repeats: whole
-    periods, or many times the width of what there is.  A wave that ends needs none.
+    ``numbers`` are the lattice's constants; ``k`` and ``branch`` default to those of the envelope.
+    The order "leading" is the carrier with its amplitude only; "slaved" adds the terms in eps^2;
+    "corrected" adds those in eps^3, and from `start` on its amplitude follows the envelope equation
+    with the next order (`EnvelopeFlow`).  That is solved on a periodic ``interval`` of X: whole
+    periods, or many widths of the wave.  A wave of finite extent needs no interval.
 
-    Slaved data hold the mean strain that belongs to the wave.  Leading data hold none but a uniform
-    one: that of ``mean_square``, the mean of |A|^2 over the ring, or far away on an infinite chain.
-    Without it a wave on a background turns at another frequency, by a part of order eps^2.
+    Slaved data contain the mean strain that belongs to the wave.  Leading data contain a uniform
+    mean strain only: that of ``mean_square``, the mean of |A|^2 over the ring, or far away on an
+    infinite chain.  Without it the frequency of a wave on a background is off by order eps^2.
 
-    ``lattice`` is what is run, where the envelope is that of its expansion; its constants are among
-    those numbers.  Cells must be consecutive on a lattice of displacements, which are told up to a
-    common constant.
+    On a lattice of displacements, cells must be consecutive, and displacements are determined up to
+    a common constant.
     """
 
     power = 1
@@ -124,30 +126,33 @@ class EnvelopeData(LatticeWave):
         self._uniform = self.eps**2 * background * mean_square if order == "leading" else 0.0
 
     def strained(self, mean_strain: tuple[float, ...]) -> NumericLattice:
-        """The lattice about this uniform strain."""
+        """Return the lattice about this uniform strain; cached."""
         if mean_strain not in self._strained:
             used = mean_strain if any(mean_strain) else ()
-            found = numeric_lattice(self._declared, self._numbers, used, self.growth_shares)
-            self._strained[mean_strain] = found
+            lattice = numeric_lattice(self._declared, self._numbers, used, self.growth_shares)
+            self._strained[mean_strain] = lattice
         return self._strained[mean_strain]
 
     @property
     def frequency(self) -> float:
-        """The carrier's."""
+        """Frequency of the carrier."""
         return abs(float(self.carrier.omega))
 
     @property
     def growth_shares(self) -> tuple[float, ...]:
-        """The shares of the fields in the mean."""
+        """Factors on the mean strain by which the displacements of each field grow per cell."""
         return self.carrier.shares
 
     def support(self, t: float) -> tuple[float, float]:
-        """The cells between which there is a wave."""
+        """Return the cells between which there is a wave at time t; infinite if endless."""
         first, last = _ends(self.wave, self.eps**2 * t)
         return first / self.eps + self.speed * t, last / self.eps + self.speed * t
 
     def start(self, t: float) -> None:
-        """Let the amplitude of corrected data begin as the wave at this time."""
+        """Start the corrected amplitude from the wave at time t; nothing for other orders.
+
+        Raises ValueError for an infinite wave without an interval.
+        """
         if self.order != "corrected":
             return
         T = self.eps**2 * t
@@ -155,7 +160,7 @@ class EnvelopeData(LatticeWave):
         if not np.isfinite(last - first):
             raise ValueError(
                 "interval must be given for a wave that does not end, got None (two ends in X that "
-                "hold whole periods of |A|, or many times the width of what there is)"
+                "enclose whole periods of |A|, or many widths of the wave)"
             )
         ends = self.wave.jets(np.array([first, last]), T, 0)[0]
         self._flow = EnvelopeFlow(
@@ -171,16 +176,19 @@ class EnvelopeData(LatticeWave):
 
     @property
     def amplitude(self) -> EnvelopeWave:
-        """A: the wave, or of corrected data what it becomes; ValueError before `start`."""
+        """Envelope A: the wave or, for corrected data, the solution with the next order.
+
+        Raises ValueError for corrected data before `start`.
+        """
         if self._flow is None:
             raise ValueError(
-                "start must be called for corrected data, got no time yet (the amplitude follows "
-                "the next order from there)"
+                "start must be called before corrected data are used, got no start time (the next "
+                "order is solved from there)"
             )
         return self._flow
 
     def state(self, cells: ArrayLike, t: float) -> tuple[Array, Array]:
-        """Fields and their time derivatives, (fields, *sites)."""
+        """Return fields and their time derivatives at cells and a time, each (fields, *sites)."""
         n = np.asarray(cells, dtype=np.float64)
         fields = len(self.carrier.parts)
         f, v, mean = np.empty((fields, n.size)), np.empty((fields, n.size)), np.empty((3, n.size))
@@ -198,24 +206,24 @@ class EnvelopeData(LatticeWave):
         return f, v
 
     def mean_strain(self, cells: Array, t: float) -> tuple[float, ...]:
-        """What displacements grow by in a cell, on average over a ring of these cells."""
+        """Return the mean growth of displacements per cell over a ring of these cells."""
         if not self.carrier.is_displacement:
             return (0.0,)
         if self.order == "leading":
             return (self._uniform,)
-        kept = self._kept(self.carrier.mean)
-        strains = [_Jets(self, cells[piece], t).sums(kept)[0].real for piece in _pieces(cells)]
+        terms = self._terms(self.carrier.mean)
+        strains = [_Jets(self, cells[piece], t).sums(terms)[0].real for piece in _pieces(cells)]
         return (float(np.mean(np.concatenate(strains))),)
 
     def rest_slopes(self, ring: InitialCells) -> list[float]:
-        """The slope of each bond's force at the ring's mean strain, about which the carrier swings.
+        """Return the slope of each bond's force at the ring's mean strain.
 
-        No cell within a carrier is at rest: its bonds at one time say nothing of the next.
+        The carrier oscillates about that strain; the stretches at one time are not representative.
         """
         return ring.lattice.rest_slopes()
 
     def strain(self, cells: ArrayLike, t: float) -> Array:
-        """What is compared: the stretch of each bond in displacements, otherwise the fields."""
+        """Return the compared quantities: stretches of bonds for displacements, else the fields."""
         n = np.asarray(cells, dtype=np.float64)
         if not self.carrier.is_displacement:
             return self.state(n, t)[0]
@@ -225,54 +233,55 @@ class EnvelopeData(LatticeWave):
         return np.stack(self.lattice.stretches(self.state(wide, t)[0]))[:, inner]
 
     def background(self, cells: ArrayLike, t: float) -> Array:
-        """The plane wave that the envelope deviates from, on the lattice; 0 if there is none."""
+        """Return the compared quantities of the wave's plane background; 0 if it has none."""
         bare = copy(self)
         bare._flow = PlaneBackground(cast("Wave", self.wave))
         return bare.strain(cells, t)
 
     @property
     def quantities(self) -> tuple[str, ...]:
-        """What stretches the bonds, or the fields themselves."""
+        """Names of the compared quantities: the bonds' stretches, or the fields."""
         if self.carrier.is_displacement:
             bonds = self.lattice.bonds
             return tuple(stretch_text(bond.stretch, self.lattice.fields) for bond in bonds)
         return super().quantities
 
     def measured(self, f: ArrayLike, mean_strain: tuple[float, ...]) -> Array:
-        """The same from the fields of a ring."""
+        """Return the compared quantities of the fields on a ring with this mean strain."""
         fields = np.asarray(f, dtype=np.float64)
         if not self.carrier.is_displacement:
             return fields
         return np.stack(self.strained(mean_strain).stretches(fields))
 
-    # the parts of the ansatz
-
-    def _kept(self, terms: CarrierTerms) -> CarrierTerms:
+    def _terms(self, terms: CarrierTerms) -> CarrierTerms:
+        """Return the terms up to the power of eps of the data's order."""
         return tuple(term for term in terms if term.power <= POWERS[self.order])
 
     def _field(self, terms: CarrierTerms, jets: _Jets, theta: Array) -> tuple[Array, Array]:
-        """A field without the mean, and its time derivative."""
+        """Return a field without the mean, and its time derivative."""
         f, v = np.zeros_like(theta), np.zeros_like(theta)
-        kept = self._kept(terms)
-        for j in sorted({term.harmonic for term in kept}):
-            value, rate = jets.sums([term for term in kept if term.harmonic == j])
-            turn = (2.0 if j else 1.0) * np.exp(1j * j * theta)
-            f += (turn * value).real
-            v += (turn * (rate - 1j * j * self.carrier.omega * value)).real
+        used = self._terms(terms)
+        for j in sorted({term.harmonic for term in used}):
+            value, rate = jets.sums([term for term in used if term.harmonic == j])
+            phase = (2.0 if j else 1.0) * np.exp(1j * j * theta)
+            f += (phase * value).real
+            v += (phase * (rate - 1j * j * self.carrier.omega * value)).real
         return f, v
 
     def _mean(self, jets: _Jets, n: Array) -> tuple[Array, Array, Array]:
-        """The mean and its time derivative; of slaved displacements what the mean is the integral
-        of, with the slope of that.
+        """Return the mean of the fields, its time derivative and its slope from cell to cell.
+
+        For slaved displacements the first is the mean strain, which `state` integrates over cells;
+        the slope is only given then.
         """
-        form, eps, none = self.carrier, self.eps, np.zeros_like(n)
+        form, eps, zero = self.carrier, self.eps, np.zeros_like(n)
         if self.order == "leading":
-            grown = n if form.is_displacement else np.ones_like(n)
-            return self._uniform * grown, none, none
-        strain, rate = (part.real for part in jets.sums(self._kept(form.mean)))
+            growth = n if form.is_displacement else np.ones_like(n)
+            return self._uniform * growth, zero, zero
+        strain, rate = (part.real for part in jets.sums(self._terms(form.mean)))
         if not form.is_displacement:
-            return strain, rate, none
-        slope = jets.sums(self._kept(form.mean_slope))[0].real
+            return strain, rate, zero
+        slope = jets.sums(self._terms(form.mean_slope))[0].real
         flow = jets.sums(form.mean_flow)[0].real
         return strain, -form.v * strain + eps * flow, eps * slope
 
@@ -282,21 +291,23 @@ def _pieces(n: Array) -> list[slice]:
 
 
 def _integral(values: Array, slopes: Array, n: Array) -> Array:
-    """The integral from the first of consecutive cells, by the trapezoidal rule with its end term.
+    """Integrate over consecutive cells, by the trapezoidal rule with its end correction.
 
-    Its error is values'''/720, whatever the number of cells.
+    The error is values'''/720, whatever the number of cells. Raises ValueError for cells that are
+    not consecutive.
     """
     if n.ndim != 1 or not np.allclose(np.diff(n), 1.0):
         raise ValueError(
-            f"cells must be consecutive, got {n.size} others (displacements are summed over them)"
+            f"cells must be consecutive, got {n.size} that are not (displacements are summed over "
+            "them)"
         )
     steps = np.concatenate([[0.0], (values[1:] + values[:-1]) / 2])
     return np.asarray(np.cumsum(steps) - (slopes - slopes[0]) / 12)
 
 
 def _ends(wave: EnvelopeWave, T: float, wider: float = 1.0) -> tuple[float, float]:
-    """The X between which there is a wave, stretched about their middle; or all X."""
-    X = np.linspace(-FARTHEST, FARTHEST, LOOKS)
+    """Return the X between which there is a wave, widened by a factor; infinite if it fills X."""
+    X = np.linspace(-FARTHEST, FARTHEST, SAMPLES)
     size = np.abs(wave.jets(X, T, 0)[0])
     inside = X[size > FLAT * np.max(size)]
     if abs(inside[0]) == FARTHEST or abs(inside[-1]) == FARTHEST:
@@ -306,14 +317,14 @@ def _ends(wave: EnvelopeWave, T: float, wider: float = 1.0) -> tuple[float, floa
 
 
 class _Jets:
-    """A, its conjugate and their X-derivatives at cells and a time, with their time derivatives."""
+    """A and its X-derivatives at cells and a time, with their time derivatives."""
 
     def __init__(self, data: EnvelopeData, n: Array, t: float) -> None:
         form, self.eps = data.carrier, data.eps
         most = 1 if data.order == "corrected" else 0
         flows = [[term for term in terms if term.power <= most] for terms in form.flow]
-        found = data.amplitude.jets(self.eps * (n - form.v * t), self.eps**2 * t, form.highest_jet)
-        self.values = np.asarray(found, dtype=np.complex128)
+        jets = data.amplitude.jets(self.eps * (n - form.v * t), self.eps**2 * t, form.highest_jet)
+        self.values = np.asarray(jets, dtype=np.complex128)
         self.rates = [
             self.eps**2 * self._sum(flow) - self.eps * form.v * self.values[m + 1]
             for m, flow in enumerate(flows)
@@ -329,7 +340,7 @@ class _Jets:
         return total
 
     def sums(self, terms: Sequence[Any]) -> tuple[Complex, Complex]:
-        """A polynomial in the jets, and its time derivative at a fixed phase."""
+        """Return a polynomial in the jets, and its time derivative at fixed carrier phase."""
         rate = np.zeros_like(self.values[0])
         for term in terms:
             for i, jet in enumerate(term.jets):

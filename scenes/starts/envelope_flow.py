@@ -1,7 +1,8 @@
-"""A solution of an envelope equation, with the next order or without, on a ring in X, by Fourier.
+"""Spectral solution of an envelope equation, with or without its next order, on a ring in X.
 
-The waves exp(i kappa X) turn exactly; the rest takes an exponential Adams step.  The carrier times
-A is periodic on the ring of cells, so A itself ends as it began but for a turn.
+The linear terms are integrated exactly for each Fourier mode, the others by an exponential Adams
+method.  The carrier times A is periodic on the ring of cells, so A itself is periodic up to a
+constant phase.
 """
 
 from __future__ import annotations
@@ -20,21 +21,21 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 STEP = 0.005
-"""Longest step, in units of the time in which the largest amplitude turns the phase by 1. The
-Peregrine wave, three times as high at its crest as at its start, is then right to 1e-6."""
+"""Longest step, in units of the time in which the largest amplitude shifts the phase by 1 rad. The
+Peregrine wave, three times as high at its crest as at its start, is then accurate to 1e-6."""
 
 EARLY = 1e-12
-"""A time that much of itself before the start is the start."""
+"""Relative rounding by which a requested time may precede the start."""
 
 INTERPOLATION = 1e-13
-"""Error of a Fourier sum, relative to its terms."""
+"""Error of a nonuniform Fourier sum, relative to its terms."""
 
 
 class EnvelopeFlow:
-    """A(X, T) with ``A_T = G_0 + eps G_1`` on a ring, from values ``start(X)`` at the time ``T0``.
+    """Solution A(X, T) of ``A_T = G_0 + eps G_1`` on a ring, from ``start(X)`` at time ``T0``.
 
-    ``form`` gives G.  The ring begins at ``first``, is ``length`` long, has that many ``points``,
-    and ``A(X + length) = A(X) exp(i turn)``.  Times that were asked for are kept.
+    ``form`` gives G_0 and G_1.  The ring begins at ``first``, has the given ``length`` and number
+    of ``points``, and ``A(X + length) = A(X) exp(i turn)``.  Results at requested times are cached.
 
     >>> from longwave.derive import LATTICES, envelope
     >>> from longwave.derive.carrier_numbers import carrier_fields
@@ -57,7 +58,7 @@ class EnvelopeFlow:
         turn: float = 0.0,
     ) -> None:
         self._first, self._length, self._turn, self._T0 = first, length, turn, T0
-        modes, places = np.fft.fftfreq(points, 1 / points), np.arange(points) / points
+        modes, positions = np.fft.fftfreq(points, 1 / points), np.arange(points) / points
         self._waves = np.asarray((2 * np.pi * modes + turn) / length)
         linear = np.zeros(points, dtype=np.complex128)
         self._products = []
@@ -67,35 +68,38 @@ class EnvelopeFlow:
                 linear += value * (1j * self._waves) ** term.jets[0][0]
             else:
                 self._products.append((value, term.jets))
-        values = np.asarray(start(first + length * places), dtype=np.complex128)
-        speed = sum(abs(value) for value, _ in self._products) * float(np.max(np.abs(values))) ** 2
-        turned = np.fft.fft(np.exp(-1j * turn * places) * values)
-        self._begun = partial(
+        values = np.asarray(start(first + length * positions), dtype=np.complex128)
+        rate = sum(abs(value) for value, _ in self._products) * float(np.max(np.abs(values))) ** 2
+        spectrum = np.fft.fft(np.exp(-1j * turn * positions) * values)
+        self._new_integrator = partial(
             ExponentialAdams,
             linear[np.newaxis],
             self._nonlinear,
-            turned[np.newaxis],
-            STEP / max(speed, 1e-300),
+            spectrum[np.newaxis],
+            STEP / max(rate, 1e-300),
         )
-        self._run = self._begun()
-        self._known: dict[float, Complex] = {}
+        self._integrator = self._new_integrator()
+        self._spectra: dict[float, Complex] = {}
 
     def jets(self, X: ArrayLike, T: float, highest: int) -> Complex:
-        """A and its X-derivatives, (highest + 1, *points); ValueError before ``T0``."""
+        """Return A and its X-derivatives up to order ``highest``, (highest + 1, *points).
+
+        Raises ValueError for T before ``T0``.
+        """
         if self._T0 - EARLY * abs(self._T0) > T:
             raise ValueError(f"T must satisfy T >= {self._T0:g}, got {T:g} (the flow starts there)")
         at = (np.asarray(X, dtype=np.float64) - self._first) / self._length
         spectrum = self._spectrum(max(T - self._T0, 0.0)) / self._waves.size
-        turned = np.exp(1j * self._turn * at)
+        phase = np.exp(1j * self._turn * at)
         return np.stack(
             [
-                turned * _sum(spectrum * (1j * self._waves) ** m, 2 * np.pi * at)
+                phase * _sum(spectrum * (1j * self._waves) ** m, 2 * np.pi * at)
                 for m in range(highest + 1)
             ]
         )
 
     def _nonlinear(self, spectrum: Complex) -> Complex:
-        """The products of the jets, on a ring where the turn is taken off."""
+        """Return the spectrum of the nonlinear terms, with the phase ``turn`` removed."""
         p = np.ravel(spectrum)
         jets: dict[int, Complex] = {}
         total = np.zeros_like(p)
@@ -109,23 +113,23 @@ class EnvelopeFlow:
         return np.asarray(np.fft.fft(total))
 
     def _spectrum(self, time: float) -> Complex:
-        """The spectrum so long after the start."""
-        if time not in self._known:
-            if self._run.whole_steps(time) < 0:
-                self._run = self._begun()
-            for _ in range(self._run.whole_steps(time)):
-                self._run.step()
-            self._known[time] = np.ravel(self._run.solution_at(time)).copy()
-        return self._known[time]
+        """Return the spectrum at ``time`` after the start; cached."""
+        if time not in self._spectra:
+            if self._integrator.whole_steps(time) < 0:
+                self._integrator = self._new_integrator()
+            for _ in range(self._integrator.whole_steps(time)):
+                self._integrator.step()
+            self._spectra[time] = np.ravel(self._integrator.solution_at(time)).copy()
+        return self._spectra[time]
 
 
 def _sum(modes: Complex, phases: Array) -> Complex:
-    """The Fourier sum with these modes, in the order of NumPy."""
-    found = ducc0.nufft.u2nu(
+    """Return the Fourier sum of modes, in NumPy's order, at arbitrary phases."""
+    total = ducc0.nufft.u2nu(
         grid=np.fft.fftshift(modes),
         coord=np.mod(phases, 2 * np.pi).reshape(-1, 1),
         forward=False,
         epsilon=INTERPOLATION,
         periodicity=2 * np.pi,
     )
-    return np.asarray(found).reshape(phases.shape)
+    return np.asarray(total).reshape(phases.shape)

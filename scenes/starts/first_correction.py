@@ -1,12 +1,12 @@
-"""What the first correction of a reduced equation does to a wave.
+"""Effect of a reduced equation's first correction on a wave, as a linear perturbation.
 
 With ``Y_T = F_0 + eps^p F_p`` and ``Y = Y0 + eps^p Y1``, Y0 a solution of ``Y_T = F_0``,
 
-    Y1_T = F_0'[Y0] Y1 + F_p[Y0],    Y1 = 0 at first.
+    Y1_T = F_0'[Y0] Y1 + F_p[Y0],    Y1 = 0 at the start.
 
-It is solved once for all eps, by Fourier's series on an interval of X: constant coefficients are
-integrated exactly, the rest by a Runge-Kutta method that finds its steps.  At second order in Y1
-and with the next correction the equation has terms of the same size, so neither is kept.
+It is solved once for all eps, by a Fourier series on an interval of X.  Terms with constant
+coefficients are integrated exactly, the others by an adaptive Runge-Kutta method.  Terms of second
+order in Y1 are of the same size as the next correction, so both are neglected.
 """
 
 from __future__ import annotations
@@ -31,34 +31,36 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 TOLERANCE = 1e-8
-"""Of Y1, in units of the largest change that F_p makes in a unit of T."""
+"""Tolerance on Y1, in units of the largest change that F_p causes per unit of T."""
 
 POINTS, MOST_POINTS = 384, 24576
-"""Of the interval: at first, doubled while the modes that are dropped have not fallen."""
+"""First and largest number of points on the interval; doubled while the truncated modes are too
+large."""
 
 RESOLVED = 3e-7
-"""The largest of the modes that are dropped, in units of the largest. What steps to TOLERANCE leave
-there of a wave that is resolved is less (1.3e-7 in scene 1:108 of `searches/soak.py`)."""
+"""Largest accepted truncated mode, in units of the largest mode. The errors of steps to TOLERANCE
+contribute less there (1.3e-7 in scene 1:108 of `searches/soak.py`)."""
 
 
 class JetWave(Protocol):
-    """A solution of the reduced equation: `solutions.Wave`, or one computed."""
+    """Solution of the reduced equation: a `solutions.Wave`, or a computed one."""
 
     def jets(self, X: ArrayLike, T: float, highest: int) -> Array:
-        """Y, Y_X, Y_XX, ...: an array (highest + 1, *points)."""
+        """Return Y and its X-derivatives up to order ``highest``, (highest + 1, *points)."""
 
     def antiderivative(self, X: ArrayLike, T: float) -> Array:
-        """W with W_X = Y, up to a constant at each T."""
+        """Return W with W_X = Y, up to a constant at each T."""
 
     def background(self, X: ArrayLike, T: float) -> WaveValues:
-        """The bare wave, or the constant, that the wave deviates from."""
+        """Return the bare wave or the constant that the wave deviates from."""
 
 
 class FirstCorrection:
-    """Y1 of a wave, to be added to it with the factor ``eps**power``.
+    """First correction Y1 of a wave, to be added with the factor ``eps**power``.
 
-    ``interval``: the X between which it lives, the wave's period or much longer than the wave; Y1
-    is 0 outside unless it ``repeats``.  `start` says when it is 0.
+    ``interval`` is the interval of X on which Y1 is solved: whole periods of the wave, or much
+    longer than the wave.  Outside it Y1 is 0, or periodic if it ``repeats``.  `start` sets the time
+    at which Y1 is 0.
     """
 
     def __init__(
@@ -74,7 +76,7 @@ class FirstCorrection:
         self._flow, self._further, self._wave = flow, further, wave
         self._interval, self._repeats = interval, repeats
         self._constant = flow.linear
-        self._known: dict[float, Complex] = {}
+        self._solved: dict[float, Complex] = {}
         self._sample(POINTS)
 
     def _sample(self, points: int) -> None:
@@ -82,65 +84,70 @@ class FirstCorrection:
         self._linear: Complex = np.zeros(self._space.k.size, dtype=np.complex128)
         for count, value in self._constant.items():
             self._linear += value * (1j * self._space.k) ** count
-        self._dropped = 0.0
+        self._truncated = 0.0
 
     def start(self, T: float) -> None:
-        """Let Y1 vanish at T."""
+        """Set Y1 = 0 at T and discard earlier results."""
         self._begin = T
-        self._known = {T: np.zeros(self._space.k.size, dtype=np.complex128)}
+        self._solved = {T: np.zeros(self._space.k.size, dtype=np.complex128)}
 
     def jets(self, X: ArrayLike, T: float, highest: int) -> Array:
-        """Y1, its X-derivative and so on: an array (highest + 1, *points)."""
+        """Return Y1 and its X-derivatives up to order ``highest``, (highest + 1, *points)."""
         modes = self._at(T)
         return self._space.jets(modes, X, highest)
 
     def antiderivative(self, X: ArrayLike, T: float) -> Array:
-        """W1 with ``W1_X = Y1``."""
+        """Return W1 with ``W1_X = Y1``."""
         modes = self._at(T)
         return self._space.antiderivative(modes, X)
 
     def _at(self, T: float) -> Complex:
-        """The modes at T, found from the nearest T where they are known."""
-        if not self._known:
-            raise ValueError(f"start must come before the corrected wave is asked for, got T = {T}")
-        while T not in self._known:
-            nearest = min(self._known, key=lambda known: abs(known - T))
-            found = self._advanced(self._known[nearest], nearest, T)
-            if self._dropped <= RESOLVED:
-                self._known[T] = found
+        """Return the modes at T, integrated from the nearest solved T.
+
+        Raises ValueError before `start`, and if the correction cannot be resolved.
+        """
+        if not self._solved:
+            raise ValueError(
+                f"start must be called before the corrected wave is evaluated, got T = {T}"
+            )
+        while T not in self._solved:
+            nearest = min(self._solved, key=lambda time: abs(time - T))
+            modes = self._advanced(self._solved[nearest], nearest, T)
+            if self._truncated <= RESOLVED:
+                self._solved[T] = modes
                 continue
             if 2 * self._space.points > MOST_POINTS:
                 raise ValueError(
                     "interval must be shorter, or the wave smoother, for a correction, got "
-                    f"{self._interval} (with {self._space.points} points its modes have not fallen)"
+                    f"{self._interval} ({self._space.points} points do not resolve the correction)"
                 )
             self._sample(2 * self._space.points)
             self.start(self._begin)
-        return self._known[T]
+        return self._solved[T]
 
     def _advanced(self, modes: Complex, begin: float, end: float) -> Complex:
-        """The modes at the end, or wherever too much of them is dropped."""
+        """Integrate the modes to ``end``, or until the truncated modes are too large."""
         from scipy.integrate import DOP853
 
         def growth(T: float) -> Complex:
             return np.asarray(np.exp(self._linear * (T - begin)))
 
-        def slope(T: float, turned: Complex) -> Complex:
-            grown = growth(T)
-            return np.asarray(self._space.modes(self._varying(T, grown * turned)) / grown)
+        def slope(T: float, scaled: Complex) -> Complex:
+            factor = growth(T)
+            return np.asarray(self._space.modes(self._varying(T, factor * scaled)) / factor)
 
         size = float(np.max(np.abs(self._further(self._jets(begin)))))
-        # the error of short modes must be small in Y1_X, too: between both, which takes 1.4 times
-        # the steps in place of twice as many
-        least = TOLERANCE * size / np.sqrt(1.0 + np.abs(self._space.k))
-        solver = DOP853(slope, begin, modes, end, rtol=TOLERANCE, atol=least)
-        self._note(begin, modes)
-        while solver.status == "running" and self._dropped <= RESOLVED:
+        # Y1_X needs small errors of short modes, too. This weight, a compromise between Y1 and
+        # Y1_X, takes 1.4 times the steps instead of twice as many.
+        absolute = TOLERANCE * size / np.sqrt(1.0 + np.abs(self._space.k))
+        solver = DOP853(slope, begin, modes, end, rtol=TOLERANCE, atol=absolute)
+        self._update_truncated(begin, modes)
+        while solver.status == "running" and self._truncated <= RESOLVED:
             message = solver.step()
             if solver.status == "failed":
                 raise ValueError(f"T must be reached by the corrected wave, got {end} ({message})")
-            # what a step tries before it is refused says nothing of the wave
-            self._note(solver.t, solver.y * growth(solver.t))
+            # checked after accepted steps only, as rejected ones do not represent the wave
+            self._update_truncated(solver.t, solver.y * growth(solver.t))
         return np.asarray(solver.y * growth(solver.t))
 
     def _jets(self, T: float) -> Array:
@@ -148,7 +155,7 @@ class FirstCorrection:
         return np.asarray(self._wave.jets(self._space.X, T, highest))
 
     def _varying(self, T: float, modes: Complex) -> Array:
-        """Y1_T but for the terms with constant coefficients."""
+        """Return Y1_T on the interval without the terms with constant coefficients."""
         jets = self._jets(T)
         total = self._further(jets)
         for count, slope in enumerate(self._flow.variation(jets)):
@@ -157,26 +164,32 @@ class FirstCorrection:
                 total = total + rest * self._space.values(modes, count)
         return np.asarray(total)
 
-    def _note(self, T: float, modes: Complex) -> None:
-        """How much of the modes of Y1_T is dropped."""
-        found = np.abs(np.fft.rfft(self._varying(T, modes)))
-        share = float(np.max(found[self._space.k.size :]) / max(float(np.max(found)), TINY))
-        self._dropped = max(self._dropped, share)
+    def _update_truncated(self, T: float, modes: Complex) -> None:
+        """Raise ``_truncated`` to the largest truncated mode of Y1_T, relative to the largest."""
+        sizes = np.abs(np.fft.rfft(self._varying(T, modes)))
+        share = float(np.max(sizes[self._space.k.size :]) / max(float(np.max(sizes)), TINY))
+        self._truncated = max(self._truncated, share)
 
 
 TINY = 1e-300
+"""Smallest denominator; avoids division by 0."""
 
 
 INTERVAL = {True: 8.0, False: 2.0}
-"""The X on which the next order of a wave that does not end is solved, in half-widths, of envelopes
-and of long waves. With 6 the Peregrine wave's errors change by less than a hundredth of themselves;
-a longer one would not resolve the crest of a rogue wave (measured on rational_2, half-width 8)."""
+"""Half-length of the interval for the next order of an infinite wave, in half-widths of the
+compared region, for envelopes (True) and long waves (False). With 6 the Peregrine wave's errors
+change by less than 1 %; on a longer interval the crest of a rogue wave would not be resolved
+(measured on rational_2, half-width 8)."""
 
 
 def correction_interval(
     scene: Scene, wave: NumericWave | ComputedSoliton | DampedSoliton
 ) -> tuple[float, float] | None:
-    """Whole periods of the wave, or many times what is compared; None for a wave that ends."""
+    """Return the interval of X for a scene's next order; None if it needs none.
+
+    It contains whole periods of the wave, or several times the compared region. A wave of finite
+    extent needs none, nor does any order but "corrected".
+    """
     if scene.order != "corrected" or wave.constant_background == 0.0:
         return None
     assert isinstance(wave, NumericWave)

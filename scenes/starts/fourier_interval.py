@@ -1,4 +1,4 @@
-"""Functions on an interval by their Fourier series: on its points, and between them."""
+"""Fourier series on an interval: values and derivatives at its points and between them."""
 
 from __future__ import annotations
 
@@ -11,13 +11,14 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 MOST_AT_ONCE = 2048
-"""Points at which a series is summed at once."""
+"""Maximum number of points at which a series is summed in one array operation."""
 
 
 class FourierInterval:
-    """An interval with equidistant ``points``; of the modes the lower two thirds are kept.
+    """Interval with equidistant ``points``; the lower two thirds of the Fourier modes are used.
 
-    A function is its modes, of real values.  Outside the interval it ``repeats`` or is 0.
+    Functions are real and represented by their modes.  Outside the interval they are 0, or periodic
+    if it ``repeats``.
     """
 
     def __init__(self, interval: tuple[float, float], points: int, repeats: bool = False) -> None:
@@ -27,42 +28,43 @@ class FourierInterval:
 
     @cached_property
     def X(self) -> Array:
-        """The points."""
+        """Points of the interval."""
         return np.asarray(self.interval[0] + self.length * np.arange(self.points) / self.points)
 
     def modes(self, values: Array) -> Complex:
-        """The modes of a function with these values at the points."""
+        """Return the modes of a function from its values at the points."""
         return np.asarray(np.fft.rfft(values)[: self.k.size] / self.points)
 
     def values(self, modes: Complex, derivatives: int = 0) -> Array:
-        """A derivative of the function at the points."""
+        """Return a function, or its derivative of order ``derivatives``, at the points."""
         return np.asarray(
             np.fft.irfft((1j * self.k) ** derivatives * modes * self.points, self.points)
         )
 
     def jets(self, modes: Complex, X: ArrayLike, highest: int) -> Array:
-        """The function and its derivatives anywhere: an array (highest + 1, *points)."""
-        places = np.asarray(X, dtype=np.float64)
+        """Return a function and its derivatives up to ``highest`` at any X, (highest + 1, *X)."""
+        positions = np.asarray(X, dtype=np.float64)
         factors = np.array([(1j * self.k) ** count for count in range(highest + 1)])
-        found = self._summed(places, factors * modes)
+        values = self._sum(positions, factors * modes)
         if not self.repeats:
-            found[:, np.abs(places - sum(self.interval) / 2) > self.length / 2] = 0.0
-        return found
+            values[:, np.abs(positions - sum(self.interval) / 2) > self.length / 2] = 0.0
+        return values
 
     def antiderivative(self, modes: Complex, X: ArrayLike) -> Array:
-        """An antiderivative anywhere; constant outside the interval if the function is 0 there."""
-        places = np.asarray(X, dtype=np.float64)
+        """Return an antiderivative at any X; constant outside an interval that does not repeat."""
+        positions = np.asarray(X, dtype=np.float64)
         if not self.repeats:
-            places = np.clip(places, *self.interval)
-        rest = np.zeros_like(modes)
-        rest[1:] = modes[1:] / (1j * self.k[1:])
-        return np.asarray(self._summed(places, rest[None])[0] + modes[0].real * places)
+            positions = np.clip(positions, *self.interval)
+        varying = np.zeros_like(modes)
+        varying[1:] = modes[1:] / (1j * self.k[1:])
+        return np.asarray(self._sum(positions, varying[None])[0] + modes[0].real * positions)
 
-    def _summed(self, X: Array, rows: Complex) -> Array:
+    def _sum(self, X: Array, rows: Complex) -> Array:
+        """Return the Fourier sums of several rows of modes at X, (rows, *X)."""
         flat = X.ravel() - self.interval[0]
         doubled = rows * np.where(self.k > 0.0, 2.0, 1.0)
         starts = range(0, max(flat.size, 1), MOST_AT_ONCE)
         waves = (np.exp(1j * np.outer(self.k, flat[i : i + MOST_AT_ONCE])) for i in starts)
-        # not `@`: the last digits of a BLAS product depend on its number of threads
+        # not `@`, because the last digits of a BLAS product depend on the number of threads
         parts = [np.einsum("rk,kx->rx", doubled, wave).real for wave in waves]
         return np.concatenate(parts, axis=1).reshape(-1, *X.shape)

@@ -1,4 +1,4 @@
-"""A state of a lattice on a ring of cells."""
+"""Initial state of a lattice on a ring of cells."""
 
 from __future__ import annotations
 
@@ -15,10 +15,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class InitialCells:
-    """A state on a ring of ``cells``, consecutive along each axis; ``f``, ``v``: (fields, *sites).
+    """Initial state on a ring of ``cells``, consecutive along each axis.
 
-    ``f`` is periodic: of displacements it is what ``mean_strain`` times the cells leaves, and
-    ``lattice`` has its bonds stretched by that.  A kernel is given ``lattice``, ``f`` and ``v``.
+    ``f`` and ``v`` are fields and velocities, (fields, *sites).  ``f`` is periodic: displacements
+    have ``mean_strain`` times the cells subtracted, and the bonds of ``lattice`` are stretched by
+    that strain instead.
     """
 
     lattice: NumericLattice
@@ -30,28 +31,28 @@ class InitialCells:
 
     @property
     def slopes(self) -> list[Array]:
-        """The slope of each bond's force in each cell."""
+        """Slope of each bond's force in each cell."""
         return self.lattice.slopes(self.lattice.stretches(self.f))
 
     def smoothed(self, room: int) -> InitialCells:
-        """A chain of displacements whose strain and velocity pass smoothly from end to end.
+        """Return a chain of displacements with strain and velocity blended across the seam.
 
-        They do so within ``room`` cells of the seam; the mean strain stays.
+        Cells within ``room`` of the seam change; the mean strain stays.
         """
         if not room:
             return self
         share = np.sin(np.pi / 4 * (np.arange(room) + 0.5) / room) ** 2
         f, v = self.f.copy(), self.v.copy()
         strains = (f[:, 1] - f[:, 0]) - (f[:, -1] - f[:, -2])
-        moved = np.cumsum(strains[:, np.newaxis] * share, axis=1)
-        turned = (v[:, 0] - v[:, -1])[:, np.newaxis] * share
-        f[:, -room:] += moved
-        f[:, :room] += moved[:, ::-1]
-        v[:, -room:] += turned
-        v[:, :room] -= turned[:, ::-1]
+        shifts = np.cumsum(strains[:, np.newaxis] * share, axis=1)
+        changes = (v[:, 0] - v[:, -1])[:, np.newaxis] * share
+        f[:, -room:] += shifts
+        f[:, :room] += shifts[:, ::-1]
+        v[:, -room:] += changes
+        v[:, :room] -= changes[:, ::-1]
         return replace(self, f=f, v=v)
 
     def nudged(self, times: float = 1.0) -> InitialCells:
-        """The ring with the last digits of its state changed (`trial.nudged`)."""
+        """Return the ring with the last digits of its state changed (`trial.nudged`)."""
         f, v = nudged(self.f, self.v, times=times)
         return replace(self, f=f, v=v)

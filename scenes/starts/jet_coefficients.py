@@ -1,4 +1,4 @@
-"""The coefficients of differential polynomials as numbers, at values of the constants."""
+"""Numeric coefficients of differential polynomials, at values of the constants."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from longwave.derive.algebra.rational_functions import RationalFunction
 from longwave.scenes.starts.jet_polynomial import JetPolynomial
 
 DIGITS = 40
-"""Of the constants, in coefficients whose terms may cancel."""
+"""Decimal digits of the constants, because terms of a coefficient may cancel."""
 
 _EXACT = mpmath.MPContext()
 _EXACT.dps = DIGITS
@@ -23,9 +23,10 @@ _EXACT.dps = DIGITS
 def with_numbers(
     series: EpsSeries | DifferentialPolynomial, values: Mapping[Symbol, Expr], eps: float = 1.0
 ) -> JetPolynomial:
-    """A series at eps, or one polynomial, at values of the constants.
+    """Return a series at eps, or a polynomial, with numeric coefficients.
 
-    Raises ValueError for jets with derivatives other than by X, and for a constant without a value.
+    ``values`` are those of the constants. Raises ValueError for derivatives other than by X, and
+    for a constant without a value.
     """
     parts = {0: series} if isinstance(series, DifferentialPolynomial) else series.parts
     numbers = {symbol: _number(value) for symbol, value in values.items()}
@@ -34,8 +35,8 @@ def with_numbers(
         for monomial, value in part.terms.items():
             if any(any(jet[1:]) for jet in monomial):
                 raise ValueError(
-                    f"jets must have derivatives by X alone, got {monomial} (replace those by T "
-                    "along the flow)"
+                    f"jets must have derivatives by X only, got {monomial} (eliminate those by T "
+                    "with the reduced equation)"
                 )
             key = tuple(sorted(Counter(jet[0] for jet in monomial).items()))
             term = _at(value, numbers) * _EXACT.mpf(eps) ** order
@@ -48,7 +49,7 @@ def _number(value: Expr) -> Any:
 
 
 def _at(element: RationalFunction, numbers: Mapping[Symbol, Any]) -> Any:
-    """A rational function of the constants at their values."""
+    """Return the value of a rational function at numbers for the constants."""
     above, below = (_sum(element, line, numbers) for line in (False, True))
     return above / below
 

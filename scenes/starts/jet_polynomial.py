@@ -1,4 +1,4 @@
-"""Differential polynomials with numbers in: evaluated at arrays of jets."""
+"""Differential polynomials with numeric coefficients, evaluated on arrays of derivatives."""
 
 from __future__ import annotations
 
@@ -14,7 +14,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class JetPolynomial:
-    """``sum coefficient prod U_{iX}**times``: terms of a coefficient and pairs (i, times).
+    """Polynomial ``sum coefficient prod U_{iX}**times`` in an unknown U and its X-derivatives.
+
+    ``terms`` hold a coefficient and pairs (i, times) for the factors.
 
     >>> square = JetPolynomial(((3.0, ((1, 2),)), (1.0, ())))
     >>> square(np.array([[5.0], [2.0]]))
@@ -25,13 +27,13 @@ class JetPolynomial:
 
     @property
     def highest(self) -> int:
-        """The highest X-derivative in it, 0 if there is none."""
+        """Order of the highest X-derivative; 0 if there is none."""
         return max((count for _, factors in self.terms for count, _ in factors), default=0)
 
     def __call__(self, jets: Array) -> Array:
-        """Its values where the unknown and its X-derivatives are ``jets``, (derivative, *points).
+        """Return the polynomial's values from the unknown and its X-derivatives.
 
-        More jets than it needs may be given.
+        ``jets`` has the shape (derivatives, *points); it may hold more derivatives than needed.
         """
         total = np.zeros(jets.shape[1:])
         for coefficient, factors in self.terms:
@@ -39,16 +41,16 @@ class JetPolynomial:
         return total
 
     def variation(self, jets: Array) -> list[Array]:
-        """Its derivative by each of the jets that are given, at these values."""
-        found = [np.zeros(jets.shape[1:]) for _ in jets]
+        """Return the partial derivatives by U, U_X, ..., one array for each row of ``jets``."""
+        partials = [np.zeros(jets.shape[1:]) for _ in jets]
         for coefficient, factors in self.terms:
             for i, times in factors:
                 others = (jets[j] ** (n - (j == i)) for j, n in factors)
-                found[i] += math.prod(others, start=coefficient * times)
-        return found
+                partials[i] += math.prod(others, start=coefficient * times)
+        return partials
 
     def slope(self) -> JetPolynomial:
-        """Its derivative by X.
+        """Return the X-derivative of the polynomial.
 
         >>> JetPolynomial(((3.0, ((0, 2),)),)).slope()
         JetPolynomial(terms=((6.0, ((0, 1), (1, 1))),))
@@ -65,7 +67,7 @@ class JetPolynomial:
 
     @property
     def linear(self) -> dict[int, float]:
-        """The coefficients of the terms with one jet, by its X-derivatives."""
+        """Coefficients of the linear terms, by the order of the X-derivative."""
         return {
             factors[0][0]: coefficient
             for coefficient, factors in self.terms

@@ -1,7 +1,7 @@
-"""A long wave on a lattice: the fields of the ansatz at cells and times, by a reduction's numbers.
+"""Long waves on a lattice: fields of the ansatz at cells and times, from a reduction's numbers.
 
-``f_j = background + eps^p (e_j W + G_j)``, and f_j', are polynomials in X-derivatives of the wave
-(`long_wave_numbers`).
+``f_j = background + eps^p (e_j W + G_j)`` and its time derivative are polynomials in X-derivatives
+of the wave (`long_wave_numbers`).
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from longwave.scenes.starts.lattice_wave import (
     largest_group_velocity,
     sound_speed,
 )
-from longwave.scenes.starts.wave_extent import extent, places_about, support_of, watched_times
+from longwave.scenes.starts.wave_extent import extent, sample_points, sampled_times, support_of
 from longwave.solutions import NumericWave
 from longwave.solutions.pieces import PIECE
 
@@ -34,15 +34,15 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 FLAT = 1e-9
-"""A wave has ended where it changes by less than that share of its size."""
+"""Relative change below which a wave has ended."""
 
 FARTHEST = 400.0
-"""A wave that has not ended so far in X fills the line."""
+"""Distance in X at which a wave that has not ended counts as infinite."""
 
 
 @dataclass(frozen=True)
 class SlowFrame:
-    """A slow variable ``eps**exponent (direction . cell - speed t)`` with numbers."""
+    """Slow variable ``eps**exponent (direction . cell - speed t)`` with numeric parameters."""
 
     exponent: int
     direction: tuple[float, ...]
@@ -51,14 +51,14 @@ class SlowFrame:
 
 @dataclass(frozen=True)
 class LongWaveNumbers:
-    """Numbers of a reduction at values of the constants and eps: all that `LongWaveData` takes.
+    """Numeric form of a reduction, at values of the constants and eps, as used by `LongWaveData`.
 
-    ``lattice`` has no mean strain. The wave has the size ``eps**amplitude`` and ``T = eps**time
-    t``; ``frames`` are those of X and, if there is one, Z. ``background`` is the uniform strain.
-    ``shares`` are those of the fields in the wave. ``series`` holds each field and its time
-    derivative in X-jets of the unknown: W on a lattice of ``is_displacement``, Y on one of strains.
-    It is empty with Z. ``correction`` is the power of the first one, the flow of the reduced
-    equation and the correction's own, None unless it is asked for.
+    ``lattice`` has no mean strain. The wave has size ``eps**amplitude`` and ``T = eps**time t``;
+    ``frames`` are X and, if there is one, Z. ``background`` is the uniform strain. ``shares`` are
+    the relative amplitudes of the fields in the wave. ``series`` holds each field and its time
+    derivative as polynomials in X-derivatives of the unknown: W with ``is_displacement``, Y on a
+    lattice of strains. It is empty if there is a Z. ``correction`` holds the power of the first
+    correction, the flow of the reduced equation and that of the correction; None unless requested.
     """
 
     lattice: NumericLattice
@@ -73,15 +73,14 @@ class LongWaveNumbers:
 
 
 class LongWaveData(LatticeWave):
-    """The data and the theory of a wave on a lattice under one reduction.
+    """Long wave of a reduction on its lattice: initial data and reference values.
 
-    ``numbers`` are the reduction's (`long_wave_numbers`).  ``order``: "leading", the wave alone;
-    "slaved", with the fields that follow it, as far as the reduction was taken; "corrected", with
-    the reduced equation's first correction as well, see `FirstCorrection`.  ``interval``: of X, for
-    the correction of a wave that does not end: many times its width, or whole periods, so that it
-    closes.
+    ``numbers`` are the reduction's (`long_wave_numbers`).  The order "leading" is the wave alone;
+    "slaved" adds the fields slaved to it, up to the order of the reduction; "corrected" also adds
+    the first correction of the reduced equation, see `FirstCorrection`.  ``interval`` is the
+    interval of X for the correction of an infinite wave: many widths or whole periods.
 
-    Raises ValueError for a correction of a wave that does not end or is too narrow.
+    Raises ValueError for a correction of a wave that is too narrow, or infinite without interval.
     """
 
     def __init__(
@@ -108,12 +107,12 @@ class LongWaveData(LatticeWave):
         self._series = numbers.series
 
     def strained(self, mean_strain: tuple[float, ...]) -> NumericLattice:
-        """The lattice about this uniform strain."""
+        """Return the lattice about this uniform strain."""
         return self.numbers.lattice.with_mean_strain(mean_strain, self.growth_shares)
 
     @property
     def growth_shares(self) -> tuple[float, ...]:
-        """The shares of the fields in the wave, which alone grows from cell to cell."""
+        """Factors on the mean strain by which the displacements of each field grow per cell."""
         return self.numbers.shares
 
     def _correction(self, interval: tuple[float, float] | None) -> FirstCorrection | None:
@@ -126,7 +125,7 @@ class LongWaveData(LatticeWave):
         if math.isinf(low):
             raise ValueError(
                 "interval must be given for the correction of a wave that does not end, got None "
-                "(whole periods of X, or many times its width)"
+                "(two ends in X that enclose whole periods, or many widths of the wave)"
             )
         if not low < high:
             raise ValueError(
@@ -137,7 +136,7 @@ class LongWaveData(LatticeWave):
         return FirstCorrection(flow, further, self.wave, power, (middle - half, middle + half))
 
     def crest(self, t: float) -> float | None:
-        """The first quantity at a soliton's crest by the law of its losses."""
+        """Return the first quantity at a damped soliton's crest by its law; None otherwise."""
         if not isinstance(self.wave, DampedSoliton):
             return None
         share = self.growth_shares[0] * (self._direction[0] if self._is_displacement else 1.0)
@@ -145,50 +144,53 @@ class LongWaveData(LatticeWave):
         return float(self.uniform()[0] + share * self.scale * height)
 
     def slow_time(self, t: float) -> float:
-        """T at the time t."""
+        """Return the slow time T at time t."""
         return float(self.eps**self.slow * t)
 
-    def slow_place(self, cells: ArrayLike, t: float) -> Array:
-        """X at cells and a time."""
-        places = np.asarray(cells, dtype=np.float64)
-        axes = places if len(self._direction) > 1 else places[np.newaxis]
+    def slow_position(self, cells: ArrayLike, t: float) -> Array:
+        """Return X at cells and time t."""
+        positions = np.asarray(cells, dtype=np.float64)
+        axes = positions if len(self._direction) > 1 else positions[np.newaxis]
         along = sum(step * axis for step, axis in zip(self._direction, axes, strict=True))
         return np.asarray(self.eps**self._space.exponent * (along - self._frame * t))
 
     def start(self, t: float) -> None:
-        """Let the corrected wave be the closed form at this time; nothing for other orders."""
+        """Start the correction from 0 at time t; nothing for other orders."""
         if self.correction is not None:
             self.correction.start(self.slow_time(t))
 
     def state(self, cells: ArrayLike, t: float) -> tuple[Array, Array]:
-        """Fields and their time derivatives, (fields, *sites)."""
+        """Return fields and their time derivatives at cells and a time, each (fields, *sites)."""
         if self._planar is not None:
             return self._planar.state(cells, t)
-        places, rates = zip(*self._series, strict=True)
-        f, v = self._valued([places, rates], self.slow_place(cells, t), t)
+        fields, rates = zip(*self._series, strict=True)
+        f, v = self._evaluate([fields, rates], self.slow_position(cells, t), t)
         return f, v
 
-    def _valued(
-        self, groups: Sequence[Sequence[JetPolynomial]], place: Array, t: float
+    def _evaluate(
+        self, groups: Sequence[Sequence[JetPolynomial]], position: Array, t: float
     ) -> list[Array]:
-        """The values of groups of polynomials in the unknown, each (polynomials, *sites), at X.
+        """Return the values at X of groups of polynomials in the unknown, (polynomials, *sites).
 
-        Jets are made for `PIECE` cells at a time, of which they take many times the memory.
+        Derivatives are computed for `PIECE` cells at a time, because they need many arrays.
         """
-        X, T = place.ravel(), self.slow_time(t)
+        X, T = position.ravel(), self.slow_time(t)
         highest = max(polynomial.highest for group in groups for polynomial in group)
         W = self._displacement(X, T) if self._is_displacement else None
-        found = [np.empty((len(group), X.size)) for group in groups]
+        results = [np.empty((len(group), X.size)) for group in groups]
         for first in range(0, X.size, PIECE):
             piece = slice(first, first + PIECE)
             jets = self._unknown(X[piece], T, highest, None if W is None else W[piece])
-            for values, group in zip(found, groups, strict=True):
+            for values, group in zip(results, groups, strict=True):
                 for row, polynomial in zip(values, group, strict=True):
                     row[piece] = polynomial(jets)
-        return [values.reshape(-1, *place.shape) for values in found]
+        return [values.reshape(-1, *position.shape) for values in results]
 
     def strain(self, cells: ArrayLike, t: float) -> Array:
-        """The fields of strains; of displacements what they grow by along each axis of the wave."""
+        """Return the compared quantities at cells and a time, (quantities, *sites).
+
+        These are the fields of strains, or the growth of displacements along each axis of the wave.
+        """
         if not self._is_displacement:
             return self._fields(cells, t)
         n = np.asarray(cells, dtype=np.float64)
@@ -199,20 +201,21 @@ class LongWaveData(LatticeWave):
         for axis in self._axes:
             step = np.zeros(len(self._direction))
             step[axis] = 1.0
-            places = np.asarray(cells, dtype=np.float64)
-            shift = step.reshape(-1, *(1,) * (places.ndim - 1)) if step.size > 1 else step[0]
-            rows.append(self._fields(places + shift, t) - here)
+            positions = np.asarray(cells, dtype=np.float64)
+            shift = step.reshape(-1, *(1,) * (positions.ndim - 1)) if step.size > 1 else step[0]
+            rows.append(self._fields(positions + shift, t) - here)
         return np.concatenate(rows)
 
     def _fields(self, cells: ArrayLike, t: float) -> Array:
-        """The fields without their rates."""
+        """Return the fields at cells and a time, without their time derivatives."""
         if self._planar is not None:
             return self._planar.state(cells, t)[0]
-        return self._valued([[place for place, _ in self._series]], self.slow_place(cells, t), t)[0]
+        fields = [field for field, _ in self._series]
+        return self._evaluate([fields], self.slow_position(cells, t), t)[0]
 
     @property
     def quantities(self) -> tuple[str, ...]:
-        """What displacements grow by along the axes that the wave moves on, or the strains."""
+        """Names of the compared quantities: differences of displacements, or the strain fields."""
         if not self._is_displacement:
             return super().quantities
         here = (0,) * self.lattice.dimension
@@ -224,7 +227,7 @@ class LongWaveData(LatticeWave):
         )
 
     def measured(self, f: ArrayLike, mean_strain: tuple[float, ...]) -> Array:
-        """The same from the periodic parts of the fields on a ring with this mean strain."""
+        """Return the compared quantities of the fields' periodic parts on a ring."""
         fields = np.asarray(f, dtype=np.float64)
         if not self._is_displacement:
             return fields
@@ -236,43 +239,43 @@ class LongWaveData(LatticeWave):
         return np.concatenate(rows)
 
     def uniform(self) -> Array:
-        """The uniform strain that the wave is added to."""
+        """Return the uniform strain of each quantity, on which the wave is superposed."""
         return np.full(self._quantities, self.numbers.background)
 
     def background(self, cells: ArrayLike, t: float) -> Array:
-        """The uniform strain, with the bare wave that the wave deviates from, to leading order."""
-        X = self.slow_place(cells, t)
-        found = np.add.outer(self.uniform(), np.zeros(X.shape))
+        """Return the uniform strain plus the wave's bare background, to leading order."""
+        X = self.slow_position(cells, t)
+        strain = np.add.outer(self.uniform(), np.zeros(X.shape))
         if self._planar is None:
             bare = self.eps**self.power * self.wave.background(X, self.slow_time(t)).Y
             steps = [self._direction[axis] for axis in self._axes] if self._is_displacement else [1]
             shares = np.multiply.outer(steps, self.growth_shares).ravel()
-            found += np.multiply.outer(shares, bare)
-        return found
+            strain += np.multiply.outer(shares, bare)
+        return strain
 
     def mean_strain(self, cells: Array, t: float) -> tuple[float, ...]:
-        """What displacements grow by in a cell, on average over a ring of these cells.
+        """Return the mean growth of displacements per cell over a ring of these cells.
 
-        Of a wave in two dimensions, what it grows by from end to end is averaged over the ends.
+        On a plane, the growth along an axis is averaged over the other axis.
         """
         if not self._is_displacement:
             return (0.0,) * self.lattice.dimension
-        places = cells if len(self._direction) > 1 else cells[np.newaxis]
+        positions = cells if len(self._direction) > 1 else cells[np.newaxis]
         slopes = [0.0] * len(self._direction)
         shares = self.growth_shares
         leader = next(j for j, share in enumerate(shares) if share)
         for axis in self._axes:
-            first, last = (np.take(places, [end], 1 + axis) for end in (0, -1))
+            first, last = (np.take(positions, [end], 1 + axis) for end in (0, -1))
             last[axis] += 1.0
             low, high = (
                 self._fields(end if len(slopes) > 1 else end[0], t) for end in (first, last)
             )
-            grown = float(np.mean(high[leader] - low[leader])) / shares[leader]
-            slopes[axis] = grown / places.shape[1 + axis]
+            growth = float(np.mean(high[leader] - low[leader])) / shares[leader]
+            slopes[axis] = growth / positions.shape[1 + axis]
         return tuple(slopes)
 
     def support(self, t: float) -> tuple[float, float]:
-        """The cells between which there is a wave; infinite where it does not end."""
+        """Return the cells between which there is a wave at time t; infinite if endless."""
         T = self.slow_time(t)
         low, high = wave_ends(lambda X: self._profile(X, T))
         ends = sorted((X / self._unit + self.speed * t) for X in (low, high))
@@ -280,10 +283,10 @@ class LongWaveData(LatticeWave):
 
     @cached_property
     def far_speed(self) -> float | None:
-        """The speed of sound on the wave's constant background, if it has one along a chain."""
+        """Speed of sound on the wave's constant background on a chain; None for other waves."""
         wave = self.wave
-        is_fed = isinstance(wave, NumericWave) and wave.constant_background is not None
-        if not is_fed or self.lattice.dimension > 1 or self.correction:
+        has_far_field = isinstance(wave, NumericWave) and wave.constant_background is not None
+        if not has_far_field or self.lattice.dimension > 1 or self.correction:
             return None
         if self.speed <= 0.0 or self._unit <= 0.0:
             return None
@@ -292,12 +295,12 @@ class LongWaveData(LatticeWave):
 
     @cached_property
     def far_fastest(self) -> float:
-        """The largest group velocity about the wave's constant background."""
+        """Largest group velocity about the wave's constant background."""
         return largest_group_velocity(self.lattice, self._far_slopes)
 
     @cached_property
     def _far_slopes(self) -> list[float]:
-        """The slopes of forces on the constant background; none where one is not finite."""
+        """Slopes of the bonds' forces on the constant background; empty if one is not finite."""
         (f, _), middle = self._far_fields(), self.lattice.reach
         with np.errstate(all="ignore"):
             stretches = self.lattice.stretches(f)
@@ -306,12 +309,12 @@ class LongWaveData(LatticeWave):
 
     @cached_property
     def far_rates(self) -> tuple[Array, Array]:
-        """What displacements grow by there, which move as a whole with it; of strains nothing."""
+        """Growth of each field per cell on the constant background, and its velocity there."""
         (f, v), middle = self._far_fields(), self.lattice.reach
         return f[:, middle + 1] - f[:, middle], v[:, middle]
 
     def _far_fields(self) -> tuple[Array, Array]:
-        """Fields and velocities of the constant background alone in a few cells."""
+        """Return fields and velocities of the constant background in a few cells."""
         cells = np.arange(2.0 * self.lattice.reach + 2.0)
         level = cast(NumericWave, self.wave).constant_background or 0.0
         highest = max(each.highest for pair in self._series for each in pair)
@@ -323,30 +326,40 @@ class LongWaveData(LatticeWave):
         return f, v
 
     def extent(self, times: Sequence[float], tolerance: float) -> tuple[float, float]:
-        """Cells from the frame's origin on which the wave deviates from its background."""
+        """Return the ends of the wave, in cells relative to the frame, over all times.
+
+        Between them it deviates from its background; (inf, -inf) if it deviates nowhere.
+        """
         wave, supports = cast(NumericWave, self.wave), []
         level = wave.constant_background or 0.0
-        for T in map(self.slow_time, watched_times(times)):
-            X = places_about(wave.slow_phase_zeros(T) or [0.0], 1.0 / abs(wave.numbers.a))
+        for T in map(self.slow_time, sampled_times(times)):
+            X = sample_points(wave.slow_phase_zeros(T) or [0.0], 1.0 / abs(wave.numbers.a))
             supports.append(support_of(X, np.abs(wave(X, T).Y - level), tolerance))
         low, high = extent(supports)
         return low / self._unit, high / self._unit
 
     def rigid(self, offsets: Array, t: float) -> tuple[Array, Array]:
-        """Fields without the growth of the background, and their slopes from cell to cell."""
-        places = [place for place, _ in self._series]
-        slopes = [place.slope() for place in places]
-        f, moved = self._valued([places, slopes], self._unit * offsets, t)
+        """Return fields at offsets from the frame and their slopes from cell to cell.
+
+        The growth of the background is subtracted from both.
+        """
+        fields = [field for field, _ in self._series]
+        derivatives = [field.slope() for field in fields]
+        f, slopes = self._evaluate([fields, derivatives], self._unit * offsets, t)
         growth = self.far_rates[0][:, np.newaxis]
-        return f - growth * (offsets + self.speed * t), self._unit * moved - growth
+        return f - growth * (offsets + self.speed * t), self._unit * slopes - growth
 
     @property
     def _unit(self) -> float:
-        """X from cell to cell."""
+        """Change of X per cell."""
         return float(self._direction[0] * self.eps**self._space.exponent)
 
     def seam_room(self, t: float) -> int:
-        """Half a kink's width: where strains to its left and right met at once, they overshot."""
+        """Return the number of blended cells at either end of a ring: half a kink's width, else 0.
+
+        Without blending, the different strains left and right of a kink would overshoot at the
+        seam.
+        """
         low, high = self.support(t)
         if not self._is_displacement or len(self._direction) > 1 or math.isinf(high - low):
             return 0
@@ -354,7 +367,7 @@ class LongWaveData(LatticeWave):
         return math.ceil((high - low) / 2.0) if abs(right - left) > FLAT * self.scale else 0
 
     def _profile(self, X: Array, T: float) -> Array:
-        """The wave along X, where Z is 0."""
+        """Return the wave's Y along X at T; on a plane at Z = 0."""
         if self._planar is not None:
             return cast(PlanarWave, self.wave)(X, T, Z=0.0).Y
         return self.wave.jets(X, T, 0)[0]
@@ -368,18 +381,18 @@ class LongWaveData(LatticeWave):
         return len(self.lattice.fields) * (len(self._axes) if self._is_displacement else 1)
 
     def _unknown(self, X: Array, T: float, highest: int, W: Array | None) -> Array:
-        """The jets that the series are written in: of W, which is given, or of Y."""
+        """Return the unknown and its X-derivatives: those of W if it is given, otherwise of Y."""
         if W is None:
             return self._corrected(self.wave.jets(X, T, highest), X, T, highest)
         jets = np.empty((highest + 1, *X.shape))
         jets[0] = W
         if highest:
-            found = self.wave.jets(X, T, highest - 1)
-            jets[1:] = self._corrected(found, X, T, highest - 1)
+            strains = self.wave.jets(X, T, highest - 1)
+            jets[1:] = self._corrected(strains, X, T, highest - 1)
         return jets
 
     def _displacement(self, X: Array, T: float) -> Array:
-        """W with ``W_X = Y``."""
+        """Return W with ``W_X = Y``, its correction included."""
         W = self.wave.antiderivative(X, T)
         if self.correction is not None:
             W = W + self._share * self.correction.antiderivative(X, T)
@@ -397,14 +410,14 @@ class LongWaveData(LatticeWave):
 
 
 SAMPLES = 4097
-"""Of a wave where its ends are looked for."""
+"""Number of points in X at which a wave's ends are searched for."""
 
 MARGIN = 3.0
-"""The interval of a correction, in units of the wave's."""
+"""Length of a correction's interval, in units of the wave's."""
 
 
 def wave_ends(profile: Callable[[Array], Array]) -> tuple[float, float]:
-    """The places in X between which a function of X changes; infinite if it does not end."""
+    """Return the X between which a profile varies; infinite if it varies beyond `FARTHEST`."""
     reach = 1.0
     while reach <= FARTHEST:
         X = np.linspace(-2.0 * reach, 2.0 * reach, SAMPLES)
@@ -419,19 +432,20 @@ def wave_ends(profile: Callable[[Array], Array]) -> tuple[float, float]:
 
 
 class PlanarWave(Protocol):
-    """A solution of a reduced equation with Z, such as a `solutions.Wave` of KP."""
+    """Solution of a reduced equation with Z, such as a `solutions.Wave` of KP."""
 
     def potential(self, X: ArrayLike, T: ArrayLike, *, Z: ArrayLike) -> PlanarValues:
-        """W with ``W_X = Y``, and its derivatives."""
+        """Return W with ``W_X = Y``, and its derivatives."""
 
     def __call__(self, X: ArrayLike, T: ArrayLike, *, Z: ArrayLike) -> PlanarValues:
-        """Y and its derivatives."""
+        """Return Y and its derivatives."""
 
 
 class PlanarFields:
-    """The one field of a wave with a slow variable across, and its time derivative.
+    """Field of a wave with a transverse slow variable Z, and its time derivative.
 
-    That is not local in jets: it is by the chain rule through X, Z and T.
+    The time derivative is computed by the chain rule through X, Z and T, because W_T is not a
+    polynomial in X-derivatives of W.
     """
 
     def __init__(self, numbers: LongWaveNumbers, wave: PlanarWave, eps: float) -> None:
@@ -441,14 +455,14 @@ class PlanarFields:
         self._frames = [(eps**f.exponent, f.direction, f.speed) for f in numbers.frames]
 
     def state(self, cells: ArrayLike, t: float) -> tuple[Array, Array]:
-        """The field and its time derivative, (1, *sites)."""
+        """Return the field and its time derivative, each (1, *sites)."""
         axes = np.asarray(cells, dtype=np.float64)
         X, Z = (
             unit * (sum(d * axis for d, axis in zip(steps, axes, strict=True)) - speed * t)
             for unit, steps, speed in self._frames
         )
-        ask = self._wave.potential if self._is_displacement else self._wave
-        values = ask(X, self._unit * t, Z=Z)
+        evaluate = self._wave.potential if self._is_displacement else self._wave
+        values = evaluate(X, self._unit * t, Z=Z)
         (along, _, c), (across, _, drift) = self._frames
-        moved = self._unit * values.Y_T - along * c * values.Y_X - across * drift * values.Y_Z
-        return self._amplitude * values.Y[None], self._amplitude * moved[None]
+        rate = self._unit * values.Y_T - along * c * values.Y_X - across * drift * values.Y_Z
+        return self._amplitude * values.Y[None], self._amplitude * rate[None]

@@ -1,7 +1,8 @@
-"""From a reduction to a long wave on its lattice: the fields of the ansatz with numbers in.
+"""Numeric form of a reduction: the fields of the ansatz as polynomials with numeric coefficients.
 
-``f_j = background + eps^p (e_j W + G_j)``, and f_j' by the chain rule with time derivatives along
-the reduced equation.  All of it is one series in eps of polynomials in X-derivatives of the wave.
+``f_j = background + eps^p (e_j W + G_j)``; f_j' follows by the chain rule, with time derivatives
+replaced by the reduced equation.  Both are series in eps of polynomials in X-derivatives of the
+wave.
 """
 
 from __future__ import annotations
@@ -36,13 +37,14 @@ def long_wave(
     lattice: Lattice | None = None,
     interval: tuple[float, float] | None = None,
 ) -> LongWaveData:
-    """Return a wave on a lattice under a reduction.
+    """Return a long wave of a reduction on its lattice.
 
-    ``constants``: their values.  ``lattice``: what is run, where the reduction expanded forces that
-    are no polynomials.  The others are those of `LongWaveData`.
+    ``constants`` are the values of the lattice's constants.  ``lattice`` is the one to run, if the
+    reduction expanded forces that are not polynomials.  The other arguments are those of
+    `LongWaveData`.
 
-    Raises ValueError for constants without a value or not allowed, and where the reduction has no
-    correction.
+    Raises ValueError for missing or invalid constants, and for the order "corrected" if the
+    reduction has no correction.
     """
     numbers = long_wave_numbers(reduction, constants, eps, order, lattice)
     return LongWaveData(numbers, wave, eps, order, interval)
@@ -55,7 +57,7 @@ def long_wave_numbers(
     order: str,
     lattice: Lattice | None = None,
 ) -> LongWaveNumbers:
-    """Return what `long_wave` takes of a reduction; errors are those of that."""
+    """Return the numeric form of a reduction for `long_wave`, which raises the same errors."""
     values: Values = {**reduction.values(constants), EPS: exact("eps", eps)}
     shares = [share.as_expr().xreplace(values) for share, _ in reduction.slaved.values()]
     frames = [
@@ -86,29 +88,32 @@ def long_wave_numbers(
 def _lattice_at_rest(
     reduction: Reduction, declared: Lattice, constants: Mapping[str, Number], values: Values
 ) -> NumericLattice:
-    """Return the lattice that is run, without a mean strain and without losses."""
+    """Return the numeric lattice to run, without mean strain and losses."""
     small = {EPS: values[EPS]}
     bonds = tuple(replace(bond, force=bond.force.xreplace(small)) for bond in declared.bonds)
     lattice = replace(declared, bonds=bonds)
     lattice = lattice.with_losses() if lattice.has_losses else lattice
-    known = {str(symbol) for symbol in lattice.constants}
+    names = {str(symbol) for symbol in lattice.constants}
     defined = {str(s): values[s] for s, _ in reduction.lattice.definitions}
-    given = {name: value for name, value in {**constants, **defined}.items() if name in known}
-    return numeric_lattice(lattice, given)
+    numbers = {name: value for name, value in {**constants, **defined}.items() if name in names}
+    return numeric_lattice(lattice, numbers)
 
 
 def _series(
     reduction: Reduction, order: str, values: Values, eps: float
 ) -> tuple[tuple[JetPolynomial, JetPolynomial], ...]:
-    """Return the fields and their time derivatives in jets; none with a variable across."""
+    """Return each field and its time derivative as polynomials; () with a transverse variable.
+
+    Raises ValueError for several fields or several transverse variables.
+    """
     if not reduction.pde.transverse:
         return tuple(
-            (with_numbers(place, values, eps), with_numbers(change, values, eps))
-            for place, change in FieldSeries(reduction, order).fields
+            (with_numbers(field, values, eps), with_numbers(rate, values, eps))
+            for field, rate in FieldSeries(reduction, order).fields
         )
     if len(reduction.slaved) > 1 or len(reduction.scaling.space) != 2:
         raise ValueError(
-            "a wave with a variable across must be one of one field and one such variable, got "
+            "a wave with a transverse variable must have one field and one such variable, got "
             f"{len(reduction.slaved)} fields and {len(reduction.scaling.space) - 1} variables "
             f"({reduction.lattice.name})"
         )
@@ -116,18 +121,22 @@ def _series(
 
 
 def _correction(reduction: Reduction, values: Values) -> tuple[int, JetPolynomial, JetPolynomial]:
-    """Return power, flow and correction; ValueError where none was derived."""
+    """Return the first correction's power, the equation's flow and the correction's flow.
+
+    Raises ValueError if the reduction has no correction.
+    """
     powers = sorted(reduction.corrections)
     if not powers:
-        ended = reduction.obstruction
-        why = (
-            f"its reduction to a one-way equation ends at eps^{ended[0]}, with a term that is "
-            "no X-derivative"
-            if ended
-            else f"none was derived through eps^{reduction.highest_order}"
+        obstruction = reduction.obstruction
+        reason = (
+            f"its reduction to a one-way equation ends at eps^{obstruction[0]}, with a term that "
+            "is no X-derivative"
+            if obstruction
+            else f"no correction was derived through eps^{reduction.highest_order}"
         )
         raise ValueError(
-            f"order must be leading or slaved for {reduction.lattice.name}, got 'corrected' ({why})"
+            f"order must be leading or slaved for {reduction.lattice.name}, got 'corrected' "
+            f"({reason})"
         )
     flow, further = (
         with_numbers(polynomial, values)
@@ -137,7 +146,7 @@ def _correction(reduction: Reduction, values: Values) -> tuple[int, JetPolynomia
 
 
 class FieldSeries:
-    """Each field and its time derivative as series in eps of polynomials in X-jets of the unknown.
+    """Series in eps of each field and its time derivative, in X-derivatives of the unknown.
 
     The unknown is W on a lattice of displacements, Y on one of strains.
     """
@@ -152,34 +161,34 @@ class FieldSeries:
 
     @property
     def fields(self) -> list[tuple[EpsSeries, EpsSeries]]:
-        """For each field itself and its time derivative."""
-        found = []
+        """Series of each field and of its time derivative."""
+        fields = []
         for share, slaved in self._reduction.slaved.values():
             field = share * self._expansion.ansatz()
             field = field if self._order == "leading" else field + slaved
-            moved = field.apply(self._expansion.time_derivative)
-            found.append((self._elimination.series(field), self._elimination.series(moved)))
-        return found
+            rate = field.apply(self._expansion.time_derivative)
+            fields.append((self._elimination.series(field), self._elimination.series(rate)))
+        return fields
 
     def _flow(self) -> EpsSeries:
-        """T-derivative of the unknown: of Y as the reduction has it, of W its antiderivative.
+        """Return the T-derivative of the unknown: Y_T of the reduction, or its antiderivative W_T.
 
-        A correction that has no local antiderivative is left out: it would change the velocity of
-        displacements at its power and that of d/dT, which is of the next correction's size.
+        A correction without local antiderivative is neglected. It would change the velocity of
+        displacements at its own power times that of d/dT, the size of the next correction.
         """
         flows = {0: self._reduction.pde.flow}
         if self._order == "corrected":
             power = min(self._reduction.corrections)
             flows[power] = self._reduction.corrections[power]
         if self._reduction.is_displacement:
-            found = {power: _of_displacement(flow) for power, flow in flows.items()}
-            if found[0] is None:
+            integrated = {power: _displacement_flow(flow) for power, flow in flows.items()}
+            if integrated[0] is None:
                 raise ValueError("the reduced equation must be a conservation law of the strain")
-            flows = {power: flow for power, flow in found.items() if flow is not None}
+            flows = {power: flow for power, flow in integrated.items() if flow is not None}
         return EpsSeries(self._field, self._limit, flows)
 
 
-def _of_displacement(flow: DifferentialPolynomial) -> DifferentialPolynomial | None:
-    """W_T, from Y_T as a polynomial in jets of Y = W_X; None if it is not local."""
+def _displacement_flow(flow: DifferentialPolynomial) -> DifferentialPolynomial | None:
+    """Return W_T from Y_T, as a polynomial in derivatives of W; None if it is not local."""
     items = ((tuple(sorted(raised(j, 0) for j in m)), value) for m, value in flow.terms.items())
     return DifferentialPolynomial.collect(flow.field, items).antiderivative()

@@ -1,4 +1,4 @@
-"""A wave that moves along the lattice: its initial data, where it is, and how large it becomes."""
+"""Closed-form waves on the paper's chain: initial data, reference values, extent and bounds."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -14,7 +14,7 @@ from longwave.lattice.seam import FADING_DEPTH, Fading, negate_at_seam
 from longwave.lattice.state import Sites, State
 from longwave.scenes.starts.initial_cells import InitialCells
 from longwave.scenes.starts.lattice_wave import LatticeWave, nearest_cell
-from longwave.scenes.starts.wave_extent import extent, places_about, support_of, watched_times
+from longwave.scenes.starts.wave_extent import extent, sample_points, sampled_times, support_of
 from longwave.solutions import NumericWave, Side, kept_data, kept_wave
 
 if TYPE_CHECKING:
@@ -27,14 +27,14 @@ Array = NDArray[np.float64]
 FAR_FIELDS: tuple[Side, ...] = ("left", "right")
 
 FLAT = 1e-9
-"""A wave has ended where it deviates from its far fields by less, in units of eps."""
+"""Deviation from the far fields, in units of eps, below which the wave has ended."""
 
 
 @lru_cache(maxsize=8)
 def moving_wave(scene: "Scene") -> "MovingWave":
-    """Return the scene's wave on the paper's chain; ValueError for what it does not admit.
+    """Return the scene's wave on the paper's chain; its closed form is ``moving_wave(scene).wave``.
 
-    What asks for the wave alone finds it in ``moving_wave(scene).wave``.
+    Raises ValueError for constants and parameters that the wave does not admit.
     """
     numbers = {
         name: value if isinstance(value, str) else float(value) for name, value in scene.parameters
@@ -46,7 +46,7 @@ def moving_wave(scene: "Scene") -> "MovingWave":
 def build_wave(
     wave: "str | ClosedForm", constants: "Model", values: Mapping[str, float | str]
 ) -> NumericWave:
-    """The wave of a closed form, or of the one of that name, on a lattice, with numbers in.
+    """Return a closed form, given as such or by name, with numeric parameters and constants.
 
     Raises ValueError for a parameter outside its domain, K3 != 0 and K4 of the wrong sign for the
     wave's equation.
@@ -84,28 +84,28 @@ def _make_wave(form: "ClosedForm", constants: "Model", values: Mapping[str, floa
 
 
 Polynomial = list[tuple[float, list[tuple[str, int]]]]
-"""Terms: a coefficient, and the factors with their powers."""
+"""Polynomial as a list of terms: a coefficient, and factors with their powers."""
 
 
 @cache
 def _initial_velocity() -> Polynomial:
-    """dy/dt of the ansatz as a polynomial in Y_X, Y_T, c and eps."""
+    """Return dy/dt of the ansatz as a polynomial in Y_X, Y_T, c and eps."""
     return kept_data(__name__, "initial velocity", _derived_velocity)
 
 
 def _derived_velocity() -> Polynomial:
     from longwave import derive
 
-    found = []
+    terms = []
     for term in derive.initial_velocity().as_ordered_terms():
         coefficient, factors = term.as_coeff_mul()
         powers = (factor.as_base_exp() for factor in factors)
-        found.append((float(coefficient), [(base.name, int(power)) for base, power in powers]))
-    return found
+        terms.append((float(coefficient), [(base.name, int(power)) for base, power in powers]))
+    return terms
 
 
 def _value(polynomial: Polynomial, values: Mapping[str, "Array | float"]) -> Array:
-    """Its value, term by term and factor by factor from the left."""
+    """Return the value of a polynomial, evaluated term by term, factors from the left."""
     terms = [
         math.prod((values[name] ** power for name, power in factors), start=coefficient)
         for coefficient, factors in polynomial
@@ -114,16 +114,16 @@ def _value(polynomial: Polynomial, values: Mapping[str, "Array | float"]) -> Arr
     return np.asarray(total, dtype=np.float64)
 
 
-KINK = 40.0
-"""Room for a kink at either end of a ring, in units of its width."""
+KINK_ROOM = 40.0
+"""Blended cells for a kink at either end of a ring, in units of its width."""
 
 
 @dataclass(frozen=True)
 class MovingWave(LatticeWave):
-    """A closed form on the chain of strains from ``times[0]`` on, at sites to the last digit.
+    """Closed-form wave on the paper's chain of strains, evaluated at sites to the last digit.
 
-    It is compared within ``compared`` sites of c t, at the later ``times``, in order.  Raises
-    ValueError if they are not in order.
+    It starts at ``times[0]`` and is compared at the later ``times``, within ``compared`` sites of
+    c t.  Raises ValueError if the times are not in increasing order.
     """
 
     order, power, slow = "leading", 1, 3
@@ -145,64 +145,67 @@ class MovingWave(LatticeWave):
 
     @property
     def t0(self) -> float:
-        """The time of the initial data."""
+        """Time of the initial data."""
         return self.times[0]
 
     @property
     def end(self) -> float:
-        """The last time."""
+        """Last time of the run."""
         return self.times[-1]
 
     @property
     def duration(self) -> float:
-        """The time from the first to the last."""
+        """Time from the first to the last of the times."""
         return self.end - self.t0
 
     @property
     def level(self) -> float:
-        """Strain of the constant background, 0 on a periodic one."""
+        """Strain of the constant background; 0 without one."""
         return self.eps * (self.wave.constant_background or 0.0)
 
     @property
     def name(self) -> str:
-        """The closed form's."""
+        """Name of the closed form."""
         return self.wave.numbers.name
 
     def amplifies_rounding(self, t: float) -> bool:
-        """Whether the background is periodic."""
+        """Return whether rounding errors may grow: true on a periodic background."""
         return self.wave.wavelength is not None
 
     @property
     def has_energy(self) -> bool:
-        """It has one, of the chain whose bonds are strained so."""
+        """True: the chain whose bonds have these strains has an energy."""
         return True
 
     @property
     def far_speed(self) -> float | None:
-        """The speed of sound on a constant background; None on another."""
+        """Speed of sound on a constant background; None without one."""
         is_constant = self.wave.constant_background is not None
         return self.constants.sound_speed(self.level) if is_constant else None
 
     @property
     def far_fastest(self) -> float:
-        """The same: long waves are the fastest."""
+        """Largest group velocity in the far field, the speed of sound."""
         return self.constants.sound_speed(self.level)
 
     @property
     def far_rates(self) -> tuple[Array, Array]:
-        """None: strains are constant far from the wave."""
+        """Growth from cell to cell and velocity of the far field, both 0 for strains."""
         return np.zeros(1), np.zeros(1)
 
     def frame(self, t: float) -> int:
-        """The site nearest to c t, the middle of what is compared; ValueError if too far."""
+        """Return the site nearest to c t, the middle of the compared sites.
+
+        Raises ValueError if it is too far for exact integers.
+        """
         return nearest_cell(self.speed, t)
 
     def compared_sites(self, t: float) -> Sites:
-        """The sites within ``compared`` of c t."""
+        """Return the sites within ``compared`` of c t."""
         return self.frame(t) + np.arange(-self.compared, self.compared + 1)
 
     def state(self, cells: ArrayLike, t: float) -> tuple[Array, Array]:
-        """Strain y_n = eps Y and velocity s_n of the ansatz at the sites (any real), at time t."""
+        """Return strain y_n = eps Y and velocity s_n of the ansatz, at real sites and time t."""
         value = self.wave.at(cells, t, self.eps)
         velocity = _value(
             _initial_velocity(),
@@ -211,28 +214,29 @@ class MovingWave(LatticeWave):
         return self._scaled(value.Y), velocity[np.newaxis]
 
     def strain(self, cells: ArrayLike, t: float) -> Array:
-        """Strains eps Y."""
+        """Return the strains eps Y of the wave, (1, *sites)."""
         return self._scaled(self.wave.value_at(cells, t, self.eps))
 
     def background(self, cells: ArrayLike, t: float) -> Array:
-        """Strains of the bare wave of the same phase."""
+        """Return the strains of the bare wave of the same phase, (1, *sites)."""
         return self._scaled(self.wave.value_at(cells, t, self.eps, "background"))
 
     def far_field(self, sites: Sites, t: float) -> Array | None:
-        """Strains of the left far field behind the middle of the sites, of the right one ahead.
+        """Return the strains of the true far field: the left one on the left half of the sites.
 
-        None on a constant background, where it is the first denominator, and for a bare periodic
-        wave, whose far field is the wave itself.
+        None on a constant background, which equals the far field, and for a bare periodic wave,
+        which is its own far field.
         """
         if self.wave.constant_background is not None or self.wave.numbers.is_bare:
             return None
-        behind, ahead = np.split(sites, [sites.size // 2])
-        left = self._scaled(self.wave.value_at(behind, t, self.eps, "left"))
-        right = self._scaled(self.wave.value_at(ahead, t, self.eps, "right"))
-        return np.concatenate([left, right], axis=1)
+        halves = zip(np.split(sites, [sites.size // 2]), FAR_FIELDS, strict=True)
+        strains = [
+            self._scaled(self.wave.value_at(half, t, self.eps, side)) for half, side in halves
+        ]
+        return np.concatenate(strains, axis=1)
 
     def displaced(self, cells: Array, t: float) -> tuple[Array, Array, Array, Array]:
-        """Wave and background, then their slopes from cell to cell."""
+        """Return wave, background and their slopes from cell to cell."""
         wave, background = (
             at(cells, t, self.eps) for at in (self.wave.at, self.wave.background_at)
         )
@@ -240,23 +244,23 @@ class MovingWave(LatticeWave):
         return self.eps * wave.Y, self.eps * background.Y, *slopes
 
     def measured(self, f: ArrayLike, mean_strain: tuple[float, ...]) -> Array:
-        """The strains."""
+        """Return the compared quantities, which are the strains themselves."""
         return np.asanyarray(f, dtype=np.float64)
 
     def energy(self, lattice: NumericLattice, f: Array, v: Array) -> float:
-        """That of the chain whose bonds are strained so (`lattice.Model.energy`)."""
+        """Return the energy of the chain whose bonds have these strains (`Model.energy`)."""
         return self.constants.energy(State(0.0, f, v))
 
     def uniform(self) -> Array:
-        """The constant background."""
+        """Return the strain of the constant background, (1,)."""
         return np.array([self.level])
 
     def strained(self, mean_strain: tuple[float, ...]) -> NumericLattice:
-        """The lattice itself: its strains are what moves."""
+        """Return the lattice itself; a mean strain is part of its fields, the strains."""
         return self.lattice
 
     def support(self, t: float) -> tuple[float, float]:
-        """The sites between which there is a wave; infinite on a periodic background."""
+        """Return the sites between which there is a wave; infinite on a periodic background."""
         if self.wave.wavelength is not None:
             return -math.inf, math.inf
         x, deviation = _deviation(self.constants, self.wave, self.eps, t)
@@ -264,37 +268,43 @@ class MovingWave(LatticeWave):
         return self.speed * t + low, self.speed * t + high
 
     def extent(self, times: Sequence[float], tolerance: float) -> tuple[float, float]:
-        """Sites from c t between which the wave deviates; infinitely far inside out if nowhere."""
+        """Return the ends of the wave, in sites relative to c t, over all times.
+
+        Between them it deviates from its background; (inf, -inf) if it deviates nowhere.
+        """
         key = self.constants, self.wave, self.eps, tuple(times)
-        return extent([support_of(*place, tolerance) for place in _deviations(*key)])
+        return extent([support_of(*profile, tolerance) for profile in _deviations(*key)])
 
     def stretch_range(self, times: Sequence[float]) -> Array:
-        """The least and the largest strain of the wave at any time."""
+        """Return the smallest and the largest strain of the wave over all times."""
         values = (
-            _values(self.constants, self.wave, self.eps, t)[1] for t in watched_times(tuple(times))
+            _values(self.constants, self.wave, self.eps, t)[1] for t in sampled_times(tuple(times))
         )
         strains = [self.eps * value for value in values]
         return np.array([min(map(np.min, strains)), max(map(np.max, strains))])
 
     def rigid(self, offsets: Array, t: float) -> tuple[Array, Array]:
-        """Strains in the frame at time t, and their slopes from site to site (fields, sites)."""
+        """Return strains at offsets from c t, and their slopes from site to site, (1, sites)."""
         value = self.wave(self.eps * offsets, self.eps**3 * t)
         return self._scaled(value.Y), self.eps**2 * value.Y_X[np.newaxis]
 
     def seam_room(self, t: float) -> int:
-        """A wavelength of a periodic background, many widths of a kink; 0 on a constant one."""
+        """Return the number of blended cells at either end of a ring.
+
+        A wavelength of a periodic background, many widths of a kink, 0 on a constant background.
+        """
         wave = self.wave
         if wave.constant_background is not None:
             return 0
         if wave.wavelength is not None:
             return math.ceil(wave.wavelength / self.eps)
         height = float(np.max(np.abs(wave.far_field(0.0, 0.0, "right").Y)))
-        return math.ceil(KINK / (wave.numbers.a * self.eps * height))
+        return math.ceil(KINK_ROOM / (wave.numbers.a * self.eps * height))
 
     def closed(self, ring: InitialCells, room: int) -> InitialCells:
-        """The ring with ends that pass into each other within ``room`` sites of the seam.
+        """Return the ring with its ends blended into each other within ``room`` sites of the seam.
 
-        Those of a kink, whose far fields differ, pass into the kink's negative at the seam.
+        The far fields of a kink differ; it is closed by its own negative, centred at the seam.
         """
         if not room or self.wave.wavelength is not None:
             return self.blended(ring, room)
@@ -309,20 +319,23 @@ class MovingWave(LatticeWave):
         return replace(ring, f=f, v=v)
 
     def fading(self, t: float, speed: float) -> Fading | None:
-        """What draws a closed ring to rest where the seam's signals, of that speed, have come."""
+        """Return the damping of a closed ring where signals from its seam, at ``speed``, arrive.
+
+        None for a wave that needs no blending at the seam.
+        """
         if not self.seam_room(t) or self.duration == 0.0:
             return None
         depth = max(float(FADING_DEPTH), (self.wave.wavelength or 0.0) / self.eps)
         return Fading(t, speed, self.level, depth)
 
     def _scaled(self, value: Array) -> Array:
-        """Strains of one field, which a wave's values are in units of eps."""
+        """Return values in units of eps as strains of one field, (1, *sites)."""
         return np.asarray(self.eps * value)[np.newaxis]
 
 
 @dataclass(frozen=True)
 class WaveBounds:
-    """Sites relative to c t that hold wave and compared sites, from ``low`` to ``high``.
+    """Interval ``low`` .. ``high`` of sites relative to c t with the wave and the compared sites.
 
     ``strain`` holds the smallest and the largest strain of the wave at any time.
     """
@@ -333,46 +346,46 @@ class WaveBounds:
 
     @property
     def width(self) -> float:
-        """Number of sites between the ends."""
+        """Distance between the ends, in sites."""
         return self.high - self.low
 
     @property
     def middle(self) -> float:
-        """Half-way between the ends."""
+        """Midpoint of the interval."""
         return 0.5 * (self.low + self.high)
 
 
 def find_bounds(moving: MovingWave, tolerance: float) -> WaveBounds:
-    """The bounds of compared sites and wave (`wave_extent`) at all times from first to last."""
+    """Return the bounds of the compared sites and the wave (`wave_extent`) at all times."""
     low, high = moving.extent(moving.times, tolerance)
     edge = float(moving.compared)
     return WaveBounds(min(-edge, low), max(edge, high), moving.stretch_range(moving.times))
 
 
-WATCHED = 256
-"""Times whose values are kept: those at which a few waves are watched."""
+CACHED_TIMES = 256
+"""Number of times whose profiles are cached, enough for the sampled times of a few waves."""
 
 
 @lru_cache(maxsize=4)
 def _deviations(
     constants: "Model", wave: NumericWave, eps: float, times: tuple[float, ...]
 ) -> list[tuple[Array, Array]]:
-    """Return `_deviation` at the times at which a wave is watched; every plan asks for them."""
-    return [_deviation(constants, wave, eps, t) for t in watched_times(times)]
+    """Return `_deviation` at all `sampled_times`; cached, as several plans need it."""
+    return [_deviation(constants, wave, eps, t) for t in sampled_times(times)]
 
 
 def _deviation(constants: "Model", wave: NumericWave, eps: float, t: float) -> tuple[Array, Array]:
-    """Return positions relative to c t in order, and the deviation from the far fields there."""
+    """Return sorted positions relative to c t, and the deviation from the far fields there."""
     x, value = _values(constants, wave, eps, t)
     cells = constants.sound_speed() * t + x
     left, right = (wave.value_at(cells, t, eps, side) for side in FAR_FIELDS)
     return x, np.minimum(np.abs(value - left), np.abs(value - right))
 
 
-@lru_cache(maxsize=WATCHED)
+@lru_cache(maxsize=CACHED_TIMES)
 def _values(constants: "Model", wave: NumericWave, eps: float, t: float) -> tuple[Array, Array]:
-    """Return positions relative to c t in order, and Y there: all that a range of strains needs."""
+    """Return sorted positions relative to c t, and Y there; enough for the range of strains."""
     origin = constants.sound_speed() * t
     zeros = wave.phase_zeros(t, eps) or [origin]
-    x = places_about([zero - origin for zero in zeros], 1.0 / (wave.numbers.a * eps))
+    x = sample_points([zero - origin for zero in zeros], 1.0 / (wave.numbers.a * eps))
     return x, wave.value_at(origin + x, t, eps)

@@ -1,4 +1,4 @@
-"""What is left of a wave on its way through disorder: its largest force, its place, its energy."""
+"""Measurement of a wave in a disordered lattice: largest force, crest position, energy."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ from longwave.scenes.starts.initial_cells import InitialCells
 
 Array = NDArray[np.float64]
 
-HELD = 0.999
-"""Of the energy, what the window about the crest holds at the start."""
+ENERGY_SHARE = 0.999
+"""Fraction of the energy inside the window about the crest at the start."""
 
 CLOSED = 1e-4
-"""A ring of strains closes if their velocities add up to at most this share of themselves. What is
-missing of a wave that the ring's ends cut is up to 2e-6 of its energy then, and another part in the
-run that this one is compared with: the error is larger."""
+"""A ring of strains counts as closed if its velocities sum to at most this fraction of the sum of
+their moduli. If the ring's ends cut off part of the wave, up to 2e-6 of its energy is missing then;
+the control run misses another amount, so the estimated error is larger."""
 
 
 class Pulse(NamedTuple):
-    """What is left of a wave at a time.
+    """Measured wave at one time.
 
-    ``peak``: the largest force of a bond; ``place`` of it, a cell; ``energy`` about it and
-    ``whole``, that of the ring, nan where a ring of strains does not close and where a lattice has
-    no masses.
+    ``peak`` is the largest force of a bond, ``place`` its cell, ``energy`` that in the window about
+    the crest, ``whole`` that of the ring. Energies are NaN for a ring of strains that does not
+    close and for a lattice without an energy.
     """
 
     peak: float
@@ -38,11 +38,11 @@ class Pulse(NamedTuple):
 
 
 class PulseMeter:
-    """Measures `Pulse` on a ring of a disordered lattice, wherever on it the crest is.
+    """Meter that measures a `Pulse` anywhere on a ring of a disordered lattice.
 
-    A crest may be so late that it is in none of the cells that are compared. ``rest``: the bonds'
-    stretches beside the wave. The window in which a crest's energy is counted is as wide on either
-    side as holds the share ``HELD`` of the energy at the start.
+    The crest may be delayed so much that it has left the compared cells. ``rest`` are the bonds'
+    stretches outside the wave. The energy is summed in a window about the crest that contains the
+    fraction ``ENERGY_SHARE`` of the initial energy.
     """
 
     def __init__(self, ring: InitialCells, rest: Sequence[float]) -> None:
@@ -54,22 +54,22 @@ class PulseMeter:
         self._momentum = self._momentum_at_rest(ring.v)
         self._reach = 0.0
         energies = self._energies(ring.f, ring.v)
-        place = self._crest(ring.f)[1]
-        distances = np.abs(self._cells - place)
+        position = self._crest(ring.f)[1]
+        distances = np.abs(self._cells - position)
         order = np.argsort(distances, kind="stable")
-        held = np.cumsum(energies[order])
-        enough = np.searchsorted(held, HELD * held[-1])
-        self._reach = float(distances[order][min(int(enough), held.size - 1)])
+        enclosed = np.cumsum(energies[order])
+        index = np.searchsorted(enclosed, ENERGY_SHARE * enclosed[-1])
+        self._reach = float(distances[order][min(int(index), enclosed.size - 1)])
 
     def __call__(self, f: Array, v: Array) -> Pulse:
-        """The pulse of a state of that ring."""
+        """Return the pulse of a state of the ring."""
         energies = self._energies(f, v)
-        peak, place = self._crest(f)
-        near = np.abs(self._cells - place) <= self._reach + 0.5
-        return Pulse(peak, place, float(np.sum(energies[near])), float(np.sum(energies)))
+        peak, position = self._crest(f)
+        near = np.abs(self._cells - position) <= self._reach + 0.5
+        return Pulse(peak, position, float(np.sum(energies[near])), float(np.sum(energies)))
 
     def _momentum_at_rest(self, v: Array) -> float:
-        """That of a ring of strains whose first mass rests; it stays."""
+        """Return the momentum of a ring of strains in the frame of its first mass."""
         return float(np.sum(self._masses[0] * (np.cumsum(v[0]) - v[0])))
 
     def _energies(self, f: Array, v: Array) -> Array:
@@ -84,34 +84,36 @@ class PulseMeter:
         return self._lattice.energies(f, v, velocity, self._rest)
 
     def _crest(self, f: Array) -> tuple[float, float]:
-        found = zip(self._lattice.bonds, self._lattice.forces(f), self._rest, strict=True)
-        forces = [force - float(bond.force(np.array(still))) for bond, force, still in found]
+        rows = zip(self._lattice.bonds, self._lattice.forces(f), self._rest, strict=True)
+        forces = [force - float(bond.force(np.array(rest))) for bond, force, rest in rows]
         return crest(self._cells, np.max(np.abs(forces), axis=0))
 
 
 def pulse_track(
-    found: Array, before: Array, theory: Sequence[tuple[float, float]]
+    readings: Array, coarser: Array, theory: Sequence[tuple[float, float]]
 ) -> tuple[dict[str, Array], dict[str, float]]:
-    """What is left of a wave at all times of a run, by name, and the numbers of the last time.
+    """Return peak, delay and energy over time with their errors, and the values at the last time.
 
-    ``found`` are (times, numbers) as `PulseMeter` gives them, ``before`` those of the run that they
-    control; ``theory`` holds the wave's crests at the times. What one of the two runs does not tell
-    is NaN.
+    ``readings`` are those of a `PulseMeter`, (times, 4); ``coarser`` those of the run with the next
+    longer step, whose difference gives the errors. ``theory`` holds height and position of the
+    ordered lattice's crest at the times. Values missing in one of the runs are NaN.
     """
-    told, other = _told(found, theory), _told(before, theory)
-    errors = {name: SAFETY * np.abs(other[name] - values) for name, values in told.items()}
-    told = {name: np.where(np.isnan(errors[name]), np.nan, told[name]) for name in told}
-    apart = {f"{name}_error": error for name, error in errors.items()}
-    return told | apart, {f"last_{name}": float(values[-1]) for name, values in told.items()}
+    values, others = _relative(readings, theory), _relative(coarser, theory)
+    errors = {name: SAFETY * np.abs(others[name] - column) for name, column in values.items()}
+    values = {name: np.where(np.isnan(errors[name]), np.nan, values[name]) for name in values}
+    error_columns = {f"{name}_error": error for name, error in errors.items()}
+    last = {f"last_{name}": float(column[-1]) for name, column in values.items()}
+    return values | error_columns, last
 
 
-def _told(run: Array, theory: Sequence[tuple[float, float]]) -> dict[str, Array]:
-    moved = np.array([place for _, place in theory])
-    peak, place, energy, whole = run.T
+def _relative(readings: Array, theory: Sequence[tuple[float, float]]) -> dict[str, Array]:
+    """Return peak and energy relative to the start, and the delay behind the theoretical crest."""
+    expected = np.array([position for _, position in theory])
+    peak, position, energy, whole = readings.T
     with np.errstate(all="ignore"):
         return {
             "peak": peak / (peak[0] or np.nan),
-            "delay": (moved - moved[0]) - (place - place[0]),
+            "delay": (expected - expected[0]) - (position - position[0]),
             "energy": energy / (whole[0] or np.nan),
         }
 
@@ -124,17 +126,17 @@ PULSE_VARIABLES = {
     "delay_error": ("sites", "estimated error of the delay"),
     "energy_error": ("1", "estimated error of the energy about the crest"),
 }
-"""Unit and long name of each column."""
+"""Unit and long name of each variable of `pulse_track`."""
 
 
 def crest(cells: Array, values: Array) -> tuple[float, float]:
-    """The largest size of the values, between cells, and where it is.
+    """Return height and position of the largest modulus of the values, interpolated between cells.
 
-    Its size is that of the parabola through the largest and its neighbours; its place the centre of
-    what rises above half of it about there.
+    The height is that of the parabola through the largest modulus and its neighbours; the position
+    is the centroid of the peak above half its height.
 
-    >>> height, place = crest(np.arange(9.0), np.array([0, 0, 1, 3, 4, 3, 1, 0, 0]))
-    >>> height, place
+    >>> height, position = crest(np.arange(9.0), np.array([0, 0, 1, 3, 4, 3, 1, 0, 0]))
+    >>> height, position
     (4.0, 4.0)
     """
     sizes = np.abs(values)
@@ -150,5 +152,5 @@ def crest(cells: Array, values: Array) -> tuple[float, float]:
     last = top + int(high[0]) if high.size else sizes.size
     weights = sizes[first:last] - height / 2.0
     total = float(np.sum(weights))
-    place = float(np.sum(weights * cells[first:last]) / total) if total > 0.0 else cells[top]
-    return height, float(place)
+    position = float(np.sum(weights * cells[first:last]) / total) if total > 0.0 else cells[top]
+    return height, float(position)

@@ -1,9 +1,9 @@
-"""Where a wave is: the cells on which it deviates from its background, at all times of a run.
+"""Extent of a wave: the cells on which it deviates from its background at any time of a run.
 
-A plan must know before any step where the wave is. It is looked for on the whole line, not on the
-compared cells alone: outwards from where its phases vanish, on a grid whose spacing grows with the
-distance. A domain that holds these cells holds the wave at all times, so nothing of it can come
-back round a ring or be cut off by a window.
+A domain must be chosen before the first step, so the wave's extent must be known. It is sampled on
+the whole line, not only on the compared cells: outwards from the zeros of its phases, on a grid
+whose spacing grows with the distance. A domain that contains the extent contains the wave at all
+times, so no part of it can go round a ring or be cut off by a window.
 """
 
 from __future__ import annotations
@@ -16,40 +16,47 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 TIMES = 17
-"""Equidistant times at which the wave is looked at, beside the snapshots (as many at most)."""
+"""Number of equidistant times at which the wave is sampled, in addition to some snapshots."""
 
 DISTANCES = np.concatenate([np.linspace(0.0, 1.0, 21)[:-1], np.geomspace(1.0, 1e5, 360)])
-"""Distances from the zero of a phase, in units of the wave's variable xi; they grow by 3.2 %."""
+"""Distances of sample points from the zero of a phase, in units of the wave's variable xi; beyond 1
+they grow by 3.2 %."""
 
 LEVEL = 0.01
-"""Deviation from the far field below which there is no wave, in units of the tolerance."""
+"""Deviation from the far field that belongs to the wave, in units of the tolerance."""
 
 CREST_SHARE = 0.05
-"""The same in units of the largest deviation, for waves that decay like a power."""
+"""Deviation that belongs to a wave with algebraic decay, in units of the largest deviation."""
 
 POWER = 0.05
-"""What is left of the deviation at twice the distance, at least, where it decays like a power."""
+"""Least ratio of the deviations at twice the distance and at the distance, for algebraic decay."""
 
 DRIFT_SHARE = 0.1
-"""The lattice's wave may run this share of its drift ahead of the closed form."""
+"""Fraction of a wave's drift by which the lattice's wave may differ from the closed form."""
 
 
-def watched_times(times: Sequence[float]) -> list[float]:
-    """Equidistant times, some of those given, and the crest's."""
+def sampled_times(times: Sequence[float]) -> list[float]:
+    """Return the times at which to sample a wave: equidistant ones, some of ``times``, and t = 0.
+
+    t = 0, where rogue waves peak, is included if it lies within the run.
+    """
     t0, end = times[0], times[-1]
     crest = {0.0} if t0 < 0.0 < end else set()
-    some = times[:: max(1, len(times) // TIMES)]
-    return sorted({*np.linspace(t0, end, TIMES).tolist(), *some, *crest})
+    subset = times[:: max(1, len(times) // TIMES)]
+    return sorted({*np.linspace(t0, end, TIMES).tolist(), *subset, *crest})
 
 
-def places_about(zeros: Sequence[float], unit: float) -> Array:
-    """Places in order, close together about the zeros and ever farther apart beyond them."""
+def sample_points(zeros: Sequence[float], unit: float) -> Array:
+    """Return sorted sample points, dense about the zeros of the phases and sparse far away."""
     offsets = unit * np.concatenate([-DISTANCES[:0:-1], DISTANCES])
     return np.unique(np.concatenate([zero + offsets for zero in zeros]))
 
 
 def extent(supports: Sequence[tuple[float, float] | None]) -> tuple[float, float]:
-    """The ends of a wave at all times, from those at some; inside out if it is nowhere."""
+    """Return the ends of a wave over all times, from its ends at some times, with a margin.
+
+    (inf, -inf) if there is no wave at any of the times.
+    """
     ends = [support for support in supports if support is not None]
     if not ends:
         return np.inf, -np.inf
@@ -59,10 +66,10 @@ def extent(supports: Sequence[tuple[float, float] | None]) -> tuple[float, float
 
 
 def support_of(x: Array, deviation: Array, tolerance: float) -> tuple[float, float] | None:
-    """The ends of what counts of a wave with this deviation at the places, None if nothing does.
+    """Return the ends of a wave from its deviation at points x; None if it is below tolerance.
 
-    It rises above a share of ``tolerance`` there or, if it decays like a power, above a share of
-    its largest deviation: the rest is a matter of the domain's size.
+    Between the ends the deviation exceeds a fraction of ``tolerance`` or, for algebraic decay, a
+    fraction of its largest value; the control run with another domain covers the rest.
     """
     level, largest = LEVEL * tolerance, float(deviation.max())
     if largest <= level:
@@ -77,7 +84,7 @@ def support_of(x: Array, deviation: Array, tolerance: float) -> tuple[float, flo
 
 
 def _decays_like_a_power(x: Array, deviation: Array, index: int) -> bool:
-    """Whether what is beyond the end at ``index`` falls slowly."""
+    """Return whether the deviation beyond the end at ``index`` decays slowly, like a power."""
     crest = float(x[int(np.argmax(deviation))])
     if index in (0, x.size - 1):
         return True

@@ -99,7 +99,7 @@ def chain_scenes(draw: st.DrawFn) -> Scene:
         "tolerance": draw(st.floats(1e-10, 1.0)),
         "engine": draw(st.sampled_from(["", "stencil", "spectral"])),
     }
-    saved = [name for name, entry in OBSERVABLES.items() if entry.seen != "refinement"]
+    saved = [name for name, entry in OBSERVABLES.items() if entry.measured_at != "refinement"]
     given["observables"] = draw(st.lists(st.sampled_from(saved), unique=True))
     return Scene.of(**given)
 

@@ -49,16 +49,16 @@ def test_a_chosen_law_has_wider_intervals_for_the_other_laws(points: Path, capsy
     assert "│ K2       │ 0.9902 +- 0.0066 │" not in printed
     assert "AICc above the least: K2 201.4, K2 K3 201.8, K2 K3 K4 1.2, K2 K4 0.7, " in printed
     assert "the deviations include those of the other laws, weighted by exp(-AICc/2)" in printed
-    assert "warning: the points do not tell the law, and other laws that describe" in printed
+    assert "warning: the points do not determine the law, and other laws that describe" in printed
 
 
 def test_a_wrong_law_is_fitted_with_a_warning(points: Path, capsys: Output) -> None:
     lattice = points.with_name("chain.toml")
     assert main(["fit", str(points), "--law", "K2*x", "--output", str(lattice)]) == 0
     printed = capsys.readouterr().out
-    assert "\nwarning: the law misses the points by more than their deviations" in printed
+    assert "\nwarning: the law differs from the points by more than their deviations" in printed
     assert "\nwarning: the residuals follow a smooth curve along the stretch" in printed
-    assert "\n# warning: the law misses" in lattice.read_text("utf-8")
+    assert "\n# warning: the law differs from" in lattice.read_text("utf-8")
 
 
 def test_constants_are_fixed(points: Path, capsys: Output) -> None:

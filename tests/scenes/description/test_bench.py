@@ -23,7 +23,7 @@ from longwave.scenes.description.named_scenes import load_scene, scene_of_toml, 
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_file import toml_text
 from longwave.scenes.description.time_functions import Samples, time_function
-from longwave.scenes.engines.bench_readings import chain_of
+from longwave.scenes.engines.bench_readings import bench_and_chain
 from longwave.scenes.engines.methods import expected_cost
 from longwave.scenes.engines.scene_run import resume, run
 from longwave.scenes.starts.bench_chain import READINGS
@@ -194,7 +194,7 @@ def test_a_struck_hertz_chain_has_a_wave_of_its_speed() -> None:
 @pytest.mark.parametrize("name", shipped_scenes("bench"))
 def test_shipped_benches_are_read(name: str) -> None:
     scene = load_scene(name)
-    bench, chain = chain_of(scene)
+    bench, chain = bench_and_chain(scene)
     assert scene.title
     assert chain.cells == bench.sites
     assert expected_cost(scene).seconds < 60.0
@@ -311,7 +311,7 @@ def test_a_pushed_end_is_a_free_one_with_a_force() -> None:
     ends = {"left": {"force": "sin(t)"}, "right": {"force": "t/10"}}
     tables = {"losses": {"site": 0}, "force": [], "start": {"rest": True}}
     scene = Scene.of(**changed(chain={"sites": 12, **ends}, **tables))
-    bench, chain = chain_of(scene)
+    bench, chain = bench_and_chain(scene)
     assert bench.ends == ("free", "free")
     assert [force.site for force in chain.outer_forces] == [0, 11]
     found = run(scene)
@@ -323,7 +323,7 @@ def test_defects_are_of_single_cells_and_bonds() -> None:
     defects = {"mass": {"2": 3, "4": {"u": 0.5}}, "spring": {"-1": 2, "5": [0.25], "10": 0}}
     scene = Scene.of(**changed(defects=defects))
     assert Scene.from_json(scene.json()) == scene == scene_of_toml(scene.toml())
-    chain = chain_of(scene)[1]
+    chain = bench_and_chain(scene)[1]
     masses = np.ones(12)
     masses[[2, 4]] = 3, 0.5
     np.testing.assert_array_equal(chain.cell_masses[0, :12], masses)
@@ -455,7 +455,7 @@ REFUSED: list[tuple[dict[str, Any], str]] = [
         {"force": [{"site": 1, "value": "sqrt((t-5)**2)"}]},
         "value in [[force]] must have a slope wi",
     ),
-    ({"losses": {"bond": 1e12}}, "must take at most 1e+10 steps, got about"),
+    ({"losses": {"bond": 1e12}}, "must need at most 1e+10 steps, got about"),
     ({"observables": {"sensors": {"sites": []}}}, "sites of sensors must be a list of cells"),
     ({"observables": {"sensors": {"sites": [12]}}}, "site of sensors must be 0 to 11, got 12"),
     ({"observables": {"mode_energies": [1]}}, "mode_energies must be of a chain of one field"),
@@ -487,7 +487,7 @@ def test_a_bench_is_run_from_its_start_and_with_a_chain() -> None:
     with pytest.raises(ValueError, match=r"force must be with a chain on a bench, got no \[chain"):
         Scene.of(name="pushed", wave="kdv_soliton", lattice="toda", eps=0.1, force=[])
     found = run(Scene.of(**changed(times=[0, 1], observables={"state": True})))
-    with pytest.raises(ValueError, match="run must carry its states"):
+    with pytest.raises(ValueError, match="run must hold its states"):
         resume(found)
     assert Bench.of_tables({"chain": {"sites": 3}, "start": {"rest": True}}).state
 
@@ -520,8 +520,8 @@ def test_a_piston_goes_further_than_a_grain_is_compressed(tmp_path: Path) -> Non
 def test_the_reason_for_too_many_steps_is_what_asks_for_them() -> None:
     """Catches: stiff springs that are told as losses or drives."""
     for tables, reason in (
-        ({"constants": {"K2": 1e30, "K4": 2}}, "for the fastest waves have the frequency 2e\\+15"),
-        ({"losses": {"site": 1e15}}, "losses and what drives a chain must take at most"),
+        ({"constants": {"K2": 1e30, "K4": 2}}, "the highest frequency is 2e\\+15"),
+        ({"losses": {"site": 1e15}}, "losses and drivers must need at most"),
     ):
         with pytest.raises(ValueError, match=reason):
             run(Scene.of(**changed(**tables)))

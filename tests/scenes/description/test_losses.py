@@ -235,7 +235,7 @@ def test_a_run_with_losses_goes_on_from_its_state() -> None:
 
 
 REFUSED = [
-    ({"losses": {"bond": "eps*gamma"}, "slow_times": [-50, 0]}, "slow_times must be after the sol"),
+    ({"losses": {"bond": "eps*gamma"}, "slow_times": [-50, 0]}, "slow_times must be later than"),
     (
         {"losses": {"bond": "eps*gamma*10**9"}},
         "take a larger eps, end earlier or compare fewer cells",

@@ -10,14 +10,14 @@ from scipy.linalg import expm, solve_continuous_lyapunov
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.engines import bench_bath
 from longwave.scenes.engines.bench_bath import Bath, BrokenRunError, Means
-from longwave.scenes.engines.bench_readings import chain_of
+from longwave.scenes.engines.bench_readings import bench_and_chain
 from longwave.scenes.engines.scene_run import run
 
 WARM = load_scene("chain_in_a_bath")
 
 
 def covariance(cells: int, loss: float, temperature: float, t: float) -> np.ndarray:
-    """Of displacements and velocities of a chain between walls, from rest."""
+    """Means and spreads of displacements and velocities of a chain between walls, from rest."""
     springs = 2.0 * np.eye(cells) - np.eye(cells, k=1) - np.eye(cells, k=-1)
     zero, one = np.zeros((cells, cells)), np.eye(cells)
     flow = np.block([[zero, one], [-springs, -loss * one]])
@@ -51,13 +51,13 @@ def test_means_and_spreads_are_those_of_a_linear_chain() -> None:
 
 
 def test_steps_cost_as_their_square() -> None:
-    """Of a mode that decays in a bath that is nearly cold."""
+    """A mode decays in an almost cold bath."""
     cold = WARM.changed(
         noise={"temperature": 1e-30}, start={"mode": {"number": 2, "amplitude": 1}}, times=[0, 8]
     )
     costs = []
     for step in (0.2, 0.1, 0.05):
-        bath, means = Bath(cold, *chain_of(cold)), Means()
+        bath, means = Bath(cold, *bench_and_chain(cold)), Means()
         bath.step = step
         for number in range(2):
             means.add(*bath.pair(number))
@@ -115,7 +115,7 @@ def test_a_hot_chain_that_is_bound_does_not_fly_apart(temperature: float) -> Non
 def test_a_run_that_breaks_down_is_made_again_with_a_shorter_step(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Of a bath that does not see how hot it is."""
+    """Catches: a bath that does not detect strains beyond those of its first step."""
     monkeypatch.setattr(bench_bath, "HOT", 0.0)
     hot = WARM.changed(
         lattice="beta_fput",
@@ -126,13 +126,13 @@ def test_a_run_that_breaks_down_is_made_again_with_a_shorter_step(
         times=[0, 3],
         tolerance=3e6,
     )
-    bath = Bath(hot, *chain_of(hot))
+    bath = Bath(hot, *bench_and_chain(hot))
     first = bath.step
     with pytest.raises(BrokenRunError):
         bath.pair(0)
-    assert bath.has_shortened_step(BrokenRunError(1.0))
+    assert bath.shorten_step(BrokenRunError(1.0))
     assert bath.step < 0.3 * first
-    while bath.has_shortened_step(None):
+    while bath.shorten_step(None):
         bath.pair(0)
     assert np.isfinite(bath.pair(0)).all()
 
@@ -141,5 +141,7 @@ def test_a_chain_that_flies_apart_is_told_with_the_steps_that_were_tried() -> No
     soft = WARM.changed(
         constants={"K2": 1, "K3": 1}, noise={"temperature": 1.0, "seed": 1}, tolerance=0.1
     )
-    with pytest.raises(ValueError, match=r"must end before the chain flies apart, .* those of 0\."):
+    with pytest.raises(
+        ValueError, match=r"must end before the chain flies apart, .* steps down to 0\."
+    ):
         run(soft)

@@ -65,7 +65,7 @@ def test_a_wrong_far_field_stops_the_run(
     monkeypatch.setattr(FedWave, "rigid_data", wrong)
     measured = run(window_scene())
     text = measured.attrs["blow_up"]
-    assert "the window's feed misses the lattice by" in text
+    assert "the window's feed differs from the lattice by" in text
     front = moving_wave(window_scene()).frame(-200.0 + 32.0) + 512 - 192
     assert text.endswith(f"at t = -168, site {front - 8}")
     assert measured.attrs["feed_mismatch"] > 5e-4
@@ -87,18 +87,18 @@ def test_a_moved_window_keeps_its_cells_and_feeds_the_front(
     scene = window_scene()
     window = window_of(scene)
     state = window.start()
-    [kept], _ = state.at(state.sites)
+    [values_before], _ = state.at(state.sites)
     state.t += 10.0
     window.follow(state)
     assert state.left == moving_wave(scene).frame(state.t) - scene.discretisation.sites // 2
     fed = 2 * 20 + MARGIN
-    np.testing.assert_array_equal(state.at(state.sites)[0][0, :-fed], kept[20 : 20 - fed])
+    np.testing.assert_array_equal(state.at(state.sites)[0][0, :-fed], values_before[20 : 20 - fed])
     speed = window.background_speed
     offsets = window.wave.rigid_offsets(speed, state.sites[-fed:], state.t)
     expected = window.wave.rigid_data(speed, offsets)
     bound = 1.1 * INTERPOLATION_ERROR * np.abs(expected[0]).max()
-    for values, wanted in zip(state.at(state.sites[-fed:]), expected, strict=True):
-        np.testing.assert_allclose(values, wanted, rtol=0, atol=bound)
+    for values, reference in zip(state.at(state.sites[-fed:]), expected, strict=True):
+        np.testing.assert_allclose(values, reference, rtol=0, atol=bound)
 
 
 def test_the_feed_moves_at_the_sound_speed_of_the_background(

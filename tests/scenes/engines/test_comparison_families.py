@@ -48,9 +48,9 @@ def test_the_split_waves_snapshots_are_its_trough_and_its_crest() -> None:
     assert {trough, crest} < set(scene.snapshots)
     assert ends(trough)[0] == pytest.approx(-4.52, abs=0.01)
     assert ends(crest)[1] == pytest.approx(4.35, abs=0.01)
-    for beside in (-800.0, 800.0):
-        assert ends(trough + beside)[0] > ends(trough)[0]
-        assert ends(crest + beside)[1] < ends(crest)[1]
+    for offset in (-800.0, 800.0):
+        assert ends(trough + offset)[0] > ends(trough)[0]
+        assert ends(crest + offset)[1] < ends(crest)[1]
 
 
 def test_a_catalogued_form_is_not_replaced() -> None:

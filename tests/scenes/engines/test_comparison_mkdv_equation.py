@@ -67,9 +67,9 @@ def test_invariants_of_arbitrary_data() -> None:
 
 def test_a_time_between_two_steps_is_reached_on_the_side() -> None:
     xi = 2 * math.pi / 64 * np.arange(64)
-    seen, unseen = (PeriodicMkdv(np.sin(xi), 2 * math.pi, 1, 2e-3) for _ in range(2))
-    between = seen.at(0.1234)
-    np.testing.assert_array_equal(seen.at(0.2), unseen.at(0.2))
+    interrupted, plain = (PeriodicMkdv(np.sin(xi), 2 * math.pi, 1, 2e-3) for _ in range(2))
+    between = interrupted.at(0.1234)
+    np.testing.assert_array_equal(interrupted.at(0.2), plain.at(0.2))
     reference = PeriodicMkdv(np.sin(xi), 2 * math.pi, 1, 0.1234 / 400).at(0.1234)
     np.testing.assert_allclose(between, reference, rtol=0, atol=1e-6)
 

@@ -114,7 +114,7 @@ def test_nothing_else_is_computed_or_stored(
     extra = {key for key in calls if calls[key] > bare[key] * (1 + refined)}
     assert extra - {"kernel steps"} == TOUCHES.get(name, set())
     assert set(measured.data_vars) == {variable.name for variable in entry.variables} - ELSEWHERE
-    moments = {"snapshots": 3, "refinement": 3}.get(entry.seen, 5)
+    moments = {"snapshots": 3, "refinement": 3}.get(entry.measured_at, 5)
     assert sum(measured[n].nbytes for n in measured.data_vars) == sum(
         stored_bytes(entry, scene, moments)
     )
@@ -171,7 +171,7 @@ def test_diagnostics_cost_less_than_a_twentieth_at_their_default_cadence(
     measured = run(replace(scene, observables=(*DIAGNOSTICS,)))
     looks, snapshots = measured.sizes["look_time"], measured.sizes["time"]
     total = sum(
-        per_look[n] * (looks if observable_named(n).seen == "looks" else snapshots)
+        per_look[n] * (looks if observable_named(n).measured_at == "looks" else snapshots)
         for n in DIAGNOSTICS
     )
     kernels = FLOPS * measured.attrs["force_evaluations"] * scene.discretisation.sites
@@ -193,10 +193,10 @@ def test_diagnostics_do_not_disturb_the_run(window_scene: Callable[..., Scene]) 
     """Same bits with and without them: looks change no step and no feed."""
     names = ("crest_track", "space_time", "spectrum", "state")
     bare = run(window_scene(observables=("strain",)))
-    seen = run(window_scene(observables=("strain", *names)))
-    assert seen.sizes["look_time"] > 3
-    assert np.array_equal(bare.strain, seen.strain)
-    assert bare.attrs["steps"] == seen.attrs["steps"]
+    observed = run(window_scene(observables=("strain", *names)))
+    assert observed.sizes["look_time"] > 3
+    assert np.array_equal(bare.strain, observed.strain)
+    assert bare.attrs["steps"] == observed.attrs["steps"]
 
 
 def state_of(t: float, sites: Any, y: Any) -> State:
@@ -236,8 +236,8 @@ def test_the_error_is_split_into_shift_amplitude_and_shape(name: str) -> None:
     """A wave displaced by 0.3 sites and raised by 2 % over its background, and nothing else."""
     scene = replace(load_scene(name), observables=())
     sites = moving_wave(scene).compared_sites(scene.t0)
-    shown = view_of(moving_wave(scene), state_of(scene.t0, sites, np.zeros(sites.size)))
-    w, b, _, _ = shown.displaced(0.3)
+    view = view_of(moving_wave(scene), state_of(scene.t0, sites, np.zeros(sites.size)))
+    w, b, _, _ = view.displaced(0.3)
     y = b + 1.02 * (w - b)
     view = view_of(moving_wave(scene), state_of(scene.t0, sites, y))
     found = observable_named("error_split").measure(view)

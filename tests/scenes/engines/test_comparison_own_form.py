@@ -59,13 +59,13 @@ def test_it_is_run_to_a_tolerance(engine: str) -> None:
 def test_a_saved_run_says_that_its_wave_is_not_shipped(tmp_path: Path) -> None:
     """The name alone would call up the shipped wave of that name."""
     save_run(run(scene(OWN)), tmp_path / "own.nc")
-    kept = load_run(tmp_path / "own.nc")
-    assert "not shipped" in str(scene_of(kept).wave)
-    assert scene_of(kept).wave != "kink"
+    loaded = load_run(tmp_path / "own.nc")
+    assert "not shipped" in str(scene_of(loaded).wave)
+    assert scene_of(loaded).wave != "kink"
     with pytest.raises(ValueError, match=r"got 'kink \(a closed form that is not shipped\)'"):
-        resume(kept, at=20.0)
-    resumed = resume(kept, at=20.0, wave=OWN)
-    assert np.array_equal(resumed.strain[-1], kept.strain[-1])
+        resume(loaded, at=20.0)
+    resumed = resume(loaded, at=20.0, wave=OWN)
+    assert np.array_equal(resumed.strain[-1], loaded.strain[-1])
 
 
 USER = """

@@ -14,7 +14,7 @@ from longwave.scenes.description.named_scenes import load_scene, scene_of
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines.lattice_run import domain_plan, stated_cells
 from longwave.scenes.engines.spectral_run import view_of
-from longwave.scenes.engines.stated_run import refined
+from longwave.scenes.engines.stated_run import refined_scene
 from longwave.scenes.starts.moving_wave import moving_wave
 
 Y2 = replace(load_scene("rational_2_eps_0.05"), observables=("strain",), snapshots=(0.0,))
@@ -82,7 +82,7 @@ def test_each_side_has_its_own_far_field() -> None:
 )
 def test_refinements_are_finer(measure: str, changed: dict[str, float]) -> None:
     scene = load_scene("breather_sn_k_0.7")
-    assert refined(scene, measure) == scene.changed(observables=(), **changed)  # type: ignore[arg-type]
+    assert refined_scene(scene, measure) == scene.changed(observables=(), **changed)  # type: ignore[arg-type]
 
 
 def test_run_agrees_with_dop853(ring_scene: Callable[..., Scene]) -> None:
@@ -127,16 +127,16 @@ def test_the_curve_passes_through_the_snapshots(ring_scene: Callable[..., Scene]
 
 
 def test_the_dataset_says_what_was_run(ring_scene: Callable[..., Scene]) -> None:
-    seen: list[float] = []
-    measured = run(ring_scene(), seen.append)
+    shares: list[float] = []
+    measured = run(ring_scene(), shares.append)
     assert isinstance(measured, xr.Dataset)
     assert measured.strain.dims == ("time", "site")
     assert scene_of(measured).wave == "rogue_cn"
     assert "numba" in measured.attrs["versions"]
     assert measured.attrs["force_evaluations"] == 17 * measured.attrs["steps"]
     assert measured.attrs["blow_up"] == ""
-    assert seen == sorted(seen)
-    assert seen[-1] == 1.0
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
 
 
 def test_energy_of_a_commensurate_ring(ring_scene: Callable[..., Scene]) -> None:

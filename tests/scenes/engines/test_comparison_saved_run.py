@@ -31,10 +31,10 @@ def test_a_resumed_run_has_the_same_bits(scene: Scene, tmp_path: Path) -> None:
     whole = run(scene)
     path = tmp_path / "run.nc"
     save_run(whole, path)
-    kept = load_run(path)
-    assert scene_of(kept) == scene
+    loaded = load_run(path)
+    assert scene_of(loaded) == scene
     at = scene.snapshots[-2]
-    for source in (whole, kept):
+    for source in (whole, loaded):
         resumed = resume(source, at=at)
         assert resumed.time.values.tolist() == [scene.snapshots[-1]]
         for name in ("state_y", "state_s", "state_left", "strain", "error"):
@@ -62,11 +62,11 @@ def test_a_run_goes_on_from_its_last_snapshot_to_later_times(
 @pytest.mark.parametrize(
     ("observables", "options", "message"),
     [
-        (("strain",), {}, "run must carry its states.*observable 'state'"),
+        (("strain",), {}, "run must hold its states.*observable 'state'"),
         (
             ("state",),
             {"at": 1.0},
-            r"at must be a snapshot of .*, got 1 \(it kept -20, 0, 20\)",
+            r"at must be a snapshot of .*, got 1 \(it has -20, 0, 20\)",
         ),
         (("state",), {}, "snapshots must lie after t = 20, got none"),
         (("state",), {"snapshots": (5.0,)}, "snapshots must lie after t = 20, got none"),

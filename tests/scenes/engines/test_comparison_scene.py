@@ -179,7 +179,7 @@ OLD = (
 
 
 def test_scenes_of_older_runs_are_read(ring_scene: Callable[..., Scene]) -> None:
-    """They had every key, and left empty what did not apply."""
+    """Older scenes had all keys; those that did not apply were empty."""
     stated = OLD % ('"ring"', "", "kahan_li_8", 400, 0.5, "null")
     assert Scene.from_json(stated) == ring_scene()
     by_program = OLD % ('"ring"', "stencil", "kahan_li_8", 400, 0.5, "null")

@@ -34,8 +34,8 @@ def test_a_background_that_hardly_varies_is_closed_near_the_length_asked_for() -
     wave = Wave(closed_form("soliton_dn"), derive.mkdv_normal_form(1, 0.7619), k=0.001429)
     times = (-263566.18773534265, -261313.0594428259)
     data = spectral_start(MovingWave(wave, Model(1.0, 0.0, 0.7619), 0.03595, times, 115), 6e-6)
-    ahead, length = data.causal.ahead, 120.0 * data.unit
-    assert abs(data._closed(length, ahead) - length) <= 0.52 * data.unit
+    lead, length = data.causal.lead, 120.0 * data.unit
+    assert abs(data._closed(length, lead) - length) <= 0.52 * data.unit
     assert data.causal.circumference > data.smallest
 
 
@@ -47,10 +47,10 @@ def test_dark_breather_closes_by_its_phase_jump(alpha: float) -> None:
     closed = SpectralDomain(data._closed(40 * data.unit, 0.0)).circumference
     jump = (closed - 40 * data.unit) * a * data.moving.eps
     period = data.unit * a * data.moving.eps
-    apart = min(
+    distance = min(
         abs((jump - sign * 4 * alpha + period / 2) % period - period / 2) for sign in (1, -1)
     )
-    assert apart < 1e-9
+    assert distance < 1e-9
 
 
 def test_blend_leaves_no_kink() -> None:
@@ -107,7 +107,7 @@ def data(request: pytest.FixtureRequest) -> SpectralStart:
 def test_only_the_seam_is_not_the_wave(data: SpectralStart) -> None:
     ring = data.ring(data.smallest)
     state = data.state(ring, 2000)
-    inside = np.abs(state.points() - data.moving.speed * data.moving.t0 - ring.ahead)
+    inside = np.abs(state.points() - data.moving.speed * data.moving.t0 - ring.lead)
     inside = inside < 0.5 * ring.circumference - data.seam(ring.circumference)
     [y], [s] = data.moving.state(state.points()[inside], data.moving.t0)
     assert np.count_nonzero(inside) > 1000
@@ -123,8 +123,8 @@ def test_the_causal_ring_does_not_feel_its_seam(data: SpectralStart) -> None:
     assert ring == data.ring(2.0 * ring.circumference)
     changes = [_seen(data, ring, disturbance) for disturbance in (0.0, 0.1)]
     assert abs(changes[1] - changes[0]).max() < 1e-6
-    behind = replace(ring, ahead=-ring.ahead)
-    changes = [_seen(data, behind, disturbance) for disturbance in (0.0, 0.1)]
+    lagging = replace(ring, lead=-ring.lead)
+    changes = [_seen(data, lagging, disturbance) for disturbance in (0.0, 0.1)]
     assert abs(changes[1] - changes[0]).max() > 1e-3
 
 
@@ -162,8 +162,8 @@ def test_a_wave_that_passes_into_its_copy_still_runs_one_way(size: int) -> None:
     sites = np.arange(size, dtype=float)
     whole = moving.ring(sites, 0.0)
     ring = moving.closed(whole, moving.seam_room(0.0))
-    kept = slice(moving.seam_room(0.0), -moving.seam_room(0.0))
-    np.testing.assert_array_equal(ring.f[:, kept], whole.f[:, kept])
+    interior = slice(moving.seam_room(0.0), -moving.seam_room(0.0))
+    np.testing.assert_array_equal(ring.f[:, interior], whole.f[:, interior])
     y, s = ring.f[0], ring.v[0]
     steps = np.diff(np.append(y, y[0]))
     assert np.abs(steps).max() < 1.2 * np.abs(np.diff(whole.f[0])).max()

@@ -142,10 +142,10 @@ def test_long_runs_on_periodic_backgrounds(name: str, k: float) -> None:
 
 
 def test_progress_ends_at_one() -> None:
-    seen: list[float] = []
-    solve_on_rings(_moving("wave_cn"), 1e-2, seen.append)
-    assert seen == sorted(seen)
-    assert seen[-1] == 1.0
+    shares: list[float] = []
+    solve_on_rings(_moving("wave_cn"), 1e-2, shares.append)
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
 
 
 def test_bad_input() -> None:

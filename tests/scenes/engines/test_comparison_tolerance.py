@@ -264,10 +264,10 @@ def test_a_tolerance_that_no_ring_meets_is_refused_with_the_users_number(
 def test_slow_times_and_half_width_are_times_and_sites(wave: str) -> None:
     """Catches: data nudged, or the wave looked at alone, of a scene that is no scene then."""
     parameters = {"k": 0.5} if wave == "wave_dn" else {}
-    asked = {"wave": wave, "parameters": parameters, "eps": 0.1, "tolerance": 1e-3}
-    asked["constants"] = {"K2": 1, "K4": 1}
-    slow = Scene.of(name="slow", slow_times=[0, 0.1], half_width=20, **asked)
-    by_sites = Scene.of(name="sites", t0=0, snapshots=[0, 100], compared=200, **asked)
+    fields = {"wave": wave, "parameters": parameters, "eps": 0.1, "tolerance": 1e-3}
+    fields["constants"] = {"K2": 1, "K4": 1}
+    slow = Scene.of(name="slow", slow_times=[0, 0.1], half_width=20, **fields)
+    by_sites = Scene.of(name="sites", t0=0, snapshots=[0, 100], compared=200, **fields)
     one, other = run(slow), run(by_sites)
     assert one.sizes["site"] == 401
     np.testing.assert_allclose(one.strain.values, other.strain.values, atol=1e-12)

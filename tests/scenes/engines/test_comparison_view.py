@@ -31,7 +31,7 @@ def test_the_denominator_uses_the_analytic_wave() -> None:
     [
         (ONE, ONE, ONE, "background must differ from the wave"),
         (ONE, ONE[:2], ONE, "must have one shape"),
-        (ONE[:0], ONE[:0], ONE[:0], "must hold a site"),
+        (ONE[:0], ONE[:0], ONE[:0], "must not be empty"),
         (np.array([np.nan]), np.array([2.0]), np.array([1.0]), "must be finite"),
     ],
 )

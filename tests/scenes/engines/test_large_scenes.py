@@ -48,10 +48,10 @@ WAVES = {"dimer": DIMER, "peregrine": PEREGRINE, "chain": CHAIN}
 
 
 def stated(wave: str, sites: int) -> Scene:
-    asked = {"t0": 0, "snapshots": [2.0], "observables": ("strain",), "domain": "ring"}
+    fields = {"t0": 0, "snapshots": [2.0], "observables": ("strain",), "domain": "ring"}
     return Scene.of(
         **WAVES[wave],
-        **asked,
+        **fields,
         compared=sites // 2 - 400,
         sites=sites,
         step=0.25,
@@ -60,13 +60,13 @@ def stated(wave: str, sites: int) -> Scene:
 
 
 def to_tolerance(wave: str, cells: int, **changes: Any) -> Scene:
-    asked = {"t0": 0, "snapshots": [5.0], "observables": ("strain",), "engine": "stencil"}
-    asked |= {"compared": cells // 2, "tolerance": 1e-4}
-    return Scene.of(**WAVES[wave], **(asked | changes))
+    fields = {"t0": 0, "snapshots": [5.0], "observables": ("strain",), "engine": "stencil"}
+    fields |= {"compared": cells // 2, "tolerance": 1e-4}
+    return Scene.of(**WAVES[wave], **(fields | changes))
 
 
 def bytes_a_cell(wave: str) -> float:
-    """What a cell more takes at most."""
+    """Return the peak memory per additional cell, in bytes."""
     peaks = []
     for sites in (140_000, 280_000):
         tracemalloc.start()
@@ -88,14 +88,14 @@ DARK = {
 @pytest.mark.parametrize("given", [DIMER, DIMER | DARK], ids=["dimer", "dark"])
 def test_theory_of_many_cells_is_that_of_few(given: dict[str, Any]) -> None:
     """Catches: a cell beside the last one, or between pieces, that is another."""
-    asked = {"t0": 0, "snapshots": [5.0], "compared": 10, "tolerance": 1e-3}
-    wave = lattice_wave(Scene.of(**given, **asked))
+    fields = {"t0": 0, "snapshots": [5.0], "compared": 10, "tolerance": 1e-3}
+    wave = lattice_wave(Scene.of(**given, **fields))
     cells = np.arange(1.0 - 2.5 * PIECE, 1.0)
-    for made in (wave.strain, wave.background):
-        whole = made(cells, 5.0)
+    for evaluate in (wave.strain, wave.background):
+        whole = evaluate(cells, 5.0)
         for first in (0, PIECE - 50, 2 * PIECE - 50, cells.size - 100):
             few = slice(first, first + 100)
-            np.testing.assert_allclose(whole[:, few], made(cells[few], 5.0), rtol=0, atol=1e-13)
+            np.testing.assert_allclose(whole[:, few], evaluate(cells[few], 5.0), rtol=0, atol=1e-13)
 
 
 @pytest.mark.parametrize(
@@ -120,16 +120,16 @@ def test_the_step_of_many_cells_is_found_on_a_part_of_them(
 ) -> None:
     """Catches: a search of all cells, and an error that is told of other steps than the run's."""
     scene = to_tolerance(wave, 110_000)
-    monkeypatch.setattr("longwave.scenes.engines.lattice_run.searched", None)
+    monkeypatch.setattr("longwave.scenes.engines.lattice_run.refine_scene", None)
     found = run(scene)
     plan = scene_of(found)
     finer = run(
         replace(plan, numerics=replace(plan.discretisation, step=0.5 * plan.discretisation.step))
     )
-    apart = (
+    difference = (
         float(np.max(np.abs(finer["strain"] - found["strain"]))) / scene.eps ** found.attrs["power"]
     )
-    assert apart <= found.attrs["error_estimate"] <= 1e-4
+    assert difference <= found.attrs["error_estimate"] <= 1e-4
     assert found.sizes["site"] == 110_001
 
 

@@ -79,5 +79,5 @@ def test_what_blows_up_at_a_seam_is_told_as_from_there(monkeypatch: pytest.Monke
     far = BlowUp("the fields are not finite", 0.01, (torn[0][0] + torn[0][1]) // 2)
     assert domains.located(far, torn).from_seam is None
     monkeypatch.setattr(rings_module, "FITTING", 1)
-    told = run(SOFT).attrs["blow_up"]
-    assert "from the ring's seam" in told
+    message = run(SOFT).attrs["blow_up"]
+    assert "from the ring's seam" in message

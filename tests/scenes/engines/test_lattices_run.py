@@ -44,7 +44,7 @@ PEREGRINE = TODA | {
 
 
 def reference(scene: Scene) -> list[np.ndarray]:
-    """What is compared at all times, by DOP853 on a ring three times as long as signals need."""
+    """Compared quantities at all times, by DOP853 on a ring three times the causal length."""
     wave = lattice_wave(scene)
     times = np.array(scene.lattice_times(derivation(scene).slow))
     wave.start(float(times[0]))
@@ -89,8 +89,10 @@ def test_a_run_is_within_its_estimate_of_another_integrator(given: dict[str, Any
     scene = Scene.of(**given)
     found = run(scene)
     measured = found["strains"].values if "strains" in found else found["strain"].values[:, None]
-    apart = float(np.max(np.abs(np.array(reference(scene)) - measured))) / scene.eps**found.power
-    assert apart <= found.error_estimate <= scene.tolerance
+    difference = (
+        float(np.max(np.abs(np.array(reference(scene)) - measured))) / scene.eps**found.power
+    )
+    assert difference <= found.error_estimate <= scene.tolerance
 
 
 def test_errors_begin_at_rounding_and_grow_to_the_size_of_the_next_order(toda: xr.Dataset) -> None:
@@ -286,7 +288,7 @@ def test_what_came_before_a_blow_up_is_kept() -> None:
 def test_a_region_that_the_wave_has_left_has_no_rate() -> None:
     far = TODA | {"lattice": "fput_strain", "constants": FPUT, "wave": "soliton_sech"}
     far |= {"parameters": {"A": 127}, "slow_times": [0, 0.2], "half_width": 3, "tolerance": 1e-2}
-    with pytest.raises(ValueError, match=r"^half_width must leave some of the wave[^\n]*got 0"):
+    with pytest.raises(ValueError, match=r"^half_width must keep some of the wave[^\n]*got 0"):
         scene_convergence(Scene.of(**far), (0.4, 0.3, 0.2))
 
 

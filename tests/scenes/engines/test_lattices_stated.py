@@ -21,7 +21,7 @@ from longwave.scenes.observed.observables import OBSERVABLES
 from longwave.support.request_limits import request_limits
 from tests.families import family
 
-ASKED = tuple(name for name, entry in OBSERVABLES.items() if entry.seen != "refinement")
+ASKED = tuple(name for name, entry in OBSERVABLES.items() if entry.measured_at != "refinement")
 TODA = load_scene("toda_soliton").changed(eps=0.2, curve_points=11)
 DIMER = load_scene("dimer_peregrine").changed(eps=0.1, curve_points=11)
 STRAINS = load_scene("alpha_beta_rogue").changed(eps=0.2, slow_times=(-0.2, 0, 0.1), half_width=6)
@@ -34,8 +34,8 @@ def whole(request: pytest.FixtureRequest) -> xr.Dataset:
 
 
 def test_every_observable_is_there(whole: xr.Dataset) -> None:
-    wanted = {v.name for name in ASKED for v in OBSERVABLES[name].variables if not v.optional}
-    assert wanted <= {*whole.variables}
+    expected = {v.name for name in ASKED for v in OBSERVABLES[name].variables if not v.optional}
+    assert expected <= {*whole.variables}
     assert np.all(np.isfinite(whole["energy"]))
     assert np.ptp(whole["energy"].values) < 1e-3 * abs(whole["energy"].values[0])
     assert np.ptp(whole["mean_velocity"].values) < 1e-12
@@ -44,8 +44,8 @@ def test_every_observable_is_there(whole: xr.Dataset) -> None:
 def test_observables_mean_the_same_at_the_same_times(whole: xr.Dataset) -> None:
     errors = dict(zip(whole["curve_time"].values, whole["error_curve"].values, strict=True))
     assert [errors[t] for t in whole["time"].values] == whole["error"].values.tolist()
-    apart = whole["strain"] - whole["background"]
-    np.testing.assert_array_equal(whole["background_difference"], apart)
+    difference = whole["strain"] - whole["background"]
+    np.testing.assert_array_equal(whole["background_difference"], difference)
 
 
 def test_the_split_of_the_error_is_exact_at_first_and_small_later(whole: xr.Dataset) -> None:
@@ -88,8 +88,16 @@ def test_finer_steps_and_wider_rings_change_no_more_than_was_estimated(whole: xr
         (TODA, {"observables": ["strain", "strain"]}, "observables must have each name once, got"),
         (TODA, {"observables": ["energ"]}, "observables must be a known one, got 'energ'"),
         (TODA, {"observables": ["domain_error"]}, "observables must have no refinement with a"),
-        (STRAINS, {"observables": ["energy"]}, "observables must have no energy on fput_strain"),
-        (load_scene("square_lump"), {"observables": ["state"]}, "observables must have no state"),
+        (
+            STRAINS,
+            {"observables": ["energy"]},
+            "observables must not include energy on fput_strain",
+        ),
+        (
+            load_scene("square_lump"),
+            {"observables": ["state"]},
+            "observables must not include state",
+        ),
     ],
 )
 def test_what_a_lattice_does_not_have_is_refused(
@@ -117,10 +125,10 @@ def test_a_stated_discretisation_is_checked(stated: Any, message: str) -> None:
 
 
 def test_what_was_recorded_before_ctrl_c_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
-    seen: list[float] = []
+    shares: list[float] = []
 
     def stop(share: float) -> None:
-        seen.append(share)
+        shares.append(share)
         if share > 0.3:
             raise KeyboardInterrupt
 
@@ -139,8 +147,8 @@ def test_a_refined_run_has_the_stops_of_the_run_itself() -> None:
     Half the stated step was then hardly shorter, and the measured error a tenth of the true one.
     """
     given = {"step": 1.24, "domain": "ring", "sites": 800, "tolerance": None, "curve_points": 201}
-    asked = ("strain", "error_curve", "time_step_error", "domain_error")
-    scene = TODA.changed(**given, observables=asked)
+    requested = ("strain", "error_curve", "time_step_error", "domain_error")
+    scene = TODA.changed(**given, observables=requested)
     found, exact = run(scene), run(TODA.changed(tolerance=1e-10))
     true = np.abs(found["strain"] - exact["strain"]).max("site") / scene.eps**found.power
     assert np.all(true <= 2.0 * found["time_step_error"] + 1e-10)

@@ -83,8 +83,8 @@ def judged(scene: Scene) -> tuple[float, float]:
     exact = engine.run(finer, False)
     assert found.trial.values is not None
     assert exact.values is not None
-    apart = (found.trial.values - exact.values)[:, 0]
-    return found.error, float(np.max(np.abs(apart)))
+    differences = (found.trial.values - exact.values)[:, 0]
+    return found.error, float(np.max(np.abs(differences)))
 
 
 @pytest.mark.parametrize(

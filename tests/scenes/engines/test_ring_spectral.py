@@ -27,8 +27,8 @@ def shares(scene: Scene, exacter: float = 0.03) -> tuple[float, xr.Dataset]:
     run = run_scene(scene.changed(engine="spectral"))
     assert run.error_estimate <= scene.target.tolerance
     name = "strains" if "strains" in run else "strain"
-    apart = float(np.max(np.abs((exact[name] - run[name]).values))) / scene.eps**run.power
-    return apart / (exact.error_estimate + run.error_estimate), run
+    difference = float(np.max(np.abs((exact[name] - run[name]).values))) / scene.eps**run.power
+    return difference / (exact.error_estimate + run.error_estimate), run
 
 
 @pytest.mark.parametrize(
@@ -130,8 +130,8 @@ def test_random_scenes_agree() -> None:
 
 
 def test_observables_are_those_of_the_run_site_by_site() -> None:
-    asked = ("strain", "error_curve", "energy", "momentum", "crest_track", "spectrum")
-    scene = Scene.of(**TODA).changed(observables=asked, curve_points=9, look_points=5)
+    observables = ("strain", "error_curve", "energy", "momentum", "crest_track", "spectrum")
+    scene = Scene.of(**TODA).changed(observables=observables, curve_points=9, look_points=5)
     sites, ring = run_scene(scene), run_scene(scene.changed(engine="spectral"))
     assert {*sites.variables} == {*ring.variables}
     for name in ("error_curve", "energy", "crest_position", "spectrum"):

@@ -76,21 +76,21 @@ def test_plane_waves_grow_as_the_envelope_says(
     [
         ({"constants": CUBIC | {"K3": 1}, "carrier": 1.0}, "p q < 0"),
         ({"constants": CUBIC | {"K3": 1}, "carrier": "pi"}, "p q < 0"),
-        ({"parameters": {"amplitude": 0.3, "share": 1.5}}, "kappa beyond its band"),
+        ({"parameters": {"amplitude": 0.3, "share": 1.5}}, "kappa outside the unstable band"),
     ],
 )
 def test_what_is_stable_is_told_from_what_grows(changes: dict[str, Any], why: str) -> None:
-    """Where theory has no growth the lattice has none either, and the error says how well."""
+    """Catches: growth reported for a stable plane wave, or an error that does not bound it."""
     found = rate(**changes)
     assert found.theory == 0.0
     assert abs(found.measured) < found.error < 0.05 * found.plan.wave.largest_growth
     assert not found.grows
-    assert f"stable ({why}), and no growth is seen" in found.verdict()
+    assert f"stable ({why}), and no growth is measured" in found.verdict()
 
 
 @pytest.mark.parametrize(("carrier", "kappa"), [("pi/2", 21.02), ("2*pi/3", 30)])
 def test_no_growth_is_seen_far_beyond_the_band(carrier: str, kappa: float) -> None:
-    """By Floquet's exponents of the periodic wave there is none: 3e-12 and 7e-12."""
+    """The Floquet exponents of the periodic wave, 3e-12 and 7e-12, show no growth."""
     chain: dict[str, Any] = {"K2": 1, "K3": 0, "K4": 1}
     given = {"amplitude": 0.3, "kappa": kappa}
     found = rate(eps=0.05, tolerance=1e-3, constants=chain, carrier=carrier, parameters=given)
@@ -118,8 +118,8 @@ def test_the_error_holds_what_a_smaller_tolerance_changes() -> None:
 
 def test_what_becomes_of_rounding_is_seen() -> None:
     """Without it a perturbation that others overtake was run for minutes before it was refused."""
-    wanted = scene(tolerance=1e-2)
-    engine = SidebandRuns(growth_plan(wanted), wanted).engine
+    coarse = scene(tolerance=1e-2)
+    engine = SidebandRuns(growth_plan(coarse), coarse).engine
     choices = engine.first()
     found, other = (
         engine.run(replace(choices, nudged=nudged), False).values for nudged in (False, True)
@@ -246,7 +246,7 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
             "carrier": "pi",
             "parameters": {"amplitude": 5, "kappa": 1},
         },
-        "lasts|stable|unstable",
+        "bounded|stable|unstable",
     ),
 }
 

@@ -44,8 +44,8 @@ def test_a_window_shows_what_a_ring_does(scene: Scene) -> None:
     moved, whole = run(scene), on_a_ring(scene)
     assert 'kind = "window"' in moved.plan
     assert moved.sites < whole.sites
-    apart = np.abs(moved["strain"] - whole["strain"]).max() / scene.eps**moved.power
-    assert apart <= moved.error_estimate + whole.error_estimate
+    difference = np.abs(moved["strain"] - whole["strain"]).max() / scene.eps**moved.power
+    assert difference <= moved.error_estimate + whole.error_estimate
     assert moved.error_estimate >= 2.0 * moved.feed_mismatch
 
 
@@ -67,8 +67,8 @@ def test_what_is_fed_wrongly_is_run_on_a_ring(monkeypatch: pytest.MonkeyPatch) -
     wrongly = run(scene)
     assert "window" in rightly.plan
     assert "window" not in wrongly.plan
-    apart = np.abs(rightly["strain"] - wrongly["strain"]).max() / scene.eps
-    assert apart <= rightly.error_estimate + wrongly.error_estimate
+    difference = np.abs(rightly["strain"] - wrongly["strain"]).max() / scene.eps
+    assert difference <= rightly.error_estimate + wrongly.error_estimate
 
 
 def test_what_a_feed_misses_is_part_of_the_estimate(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -133,8 +133,8 @@ def test_a_soliton_that_overtakes_all_signals_among_the_compared_cells_arrives()
     whole = on_a_ring(scene)
     assert np.abs(whole["strain"][-1]).max() > 0.9 * np.abs(whole["analytic"][-1]).max()
     moved = run(scene)
-    apart = np.abs(moved["strain"] - whole["strain"]).max() / scene.eps**2
-    assert apart <= moved.error_estimate + whole.error_estimate
+    difference = np.abs(moved["strain"] - whole["strain"]).max() / scene.eps**2
+    assert difference <= moved.error_estimate + whole.error_estimate
 
 
 def test_a_window_that_misses_the_lattice_is_widened_first() -> None:
@@ -143,8 +143,8 @@ def test_a_window_that_misses_the_lattice_is_widened_first() -> None:
     assert 'kind = "window"' in fine.plan
     assert fine.sites > usual.sites
     assert 2.0 * fine.feed_mismatch < 0.3e-6 < 2.0 * usual.feed_mismatch
-    apart = np.abs(usual["strain"] - fine["strain"]).max() / scene.eps
-    assert apart <= usual.error_estimate + fine.error_estimate
+    difference = np.abs(usual["strain"] - fine["strain"]).max() / scene.eps
+    assert difference <= usual.error_estimate + fine.error_estimate
 
 
 def test_a_ring_in_the_place_of_a_window_may_be_too_much(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -96,7 +96,7 @@ def test_a_wrong_law_is_noticed(known: bool) -> None:
 def test_deviations_that_are_too_large_are_told() -> None:
     found = fit_force(STRETCH, noisy(cubic, 1), np.full(21, 0.1), "K2*x + K4*x**3")
     assert len(found.doubts) == 1
-    assert "the points scatter less than their deviations say: chi^2 is 0.0" in found.doubts[0]
+    assert "the points scatter less than their deviations: chi^2 is 0.0" in found.doubts[0]
 
 
 @pytest.mark.parametrize(
@@ -176,7 +176,7 @@ def test_residuals_alike_along_the_stretch_or_in_the_order_of_measurement_are_to
     """Catches: the order lost by sorting, with which a drift of the instrument goes."""
     up = np.linspace(-0.5, 0.5, 41)
     both = np.concatenate([up, up[-2::-1] + 0.003])
-    law, told = stated_law("K2*x + K4*x**3"), {"along the stretch": 0, "in the order": 0}
+    law, alarms = stated_law("K2*x + K4*x**3"), {"along the stretch": 0, "in the order": 0}
     for seed in range(40):
         noise = np.random.default_rng(seed).normal(size=both.size)
         for row in range(1, both.size):
@@ -184,9 +184,9 @@ def test_residuals_alike_along_the_stretch_or_in_the_order_of_measurement_are_to
         for name, stretch in (("along the stretch", up), ("in the order", both)):
             force = cubic(stretch) + NOISE * noise[: stretch.size]
             doubts = fit_points(ForceData.of(stretch, force), law).doubts
-            told[name] += any("alike, as those of a wrong law" in d and name in d for d in doubts)
-    assert told["along the stretch"] >= 16
-    assert told["in the order"] >= 28
+            alarms[name] += any("correlated, as for a wrong law" in d and name in d for d in doubts)
+    assert alarms["along the stretch"] >= 16
+    assert alarms["in the order"] >= 28
 
 
 def test_neighbours_are_judged_by_the_exact_moments_of_their_correlation() -> None:
@@ -253,14 +253,14 @@ def test_the_covariance_of_a_chosen_law_is_that_over_all_laws() -> None:
         covariance = np.linalg.inv(matrix.T @ matrix) * (left @ left) / (degrees - 2)
         for i, one in enumerate((1, 3)):
             for j, two in enumerate((1, 3)):
-                apart = [
+                offsets = [
                     (values[powers.index(p)] if p in powers else 0) - found.values[k]
                     for k, p in ((i, one), (j, two))
                 ]
                 own = 0.0
                 if one in powers and two in powers:
                     own = covariance[powers.index(one), powers.index(two)]
-                expected[i, j] += weight * (own + apart[0] * apart[1]) / sum(weights.values())
+                expected[i, j] += weight * (own + offsets[0] * offsets[1]) / sum(weights.values())
     assert found.covariance == pytest.approx(expected, rel=1e-6)
     assert found.widening == pytest.approx(
         found.deviations / fit_force(STRETCH, force, law="K2*x + K4*x**3").deviations
@@ -380,7 +380,7 @@ def test_constants_without_a_minimum_are_no_fit(
 ) -> None:
     """Catches: the end of a search at infinity, or where the law ends, taken for a minimum."""
     noise = 0.02 * np.random.default_rng(0).normal(size=25)
-    with pytest.raises(ValueError, match=r"constants must be told apart|whose constants still"):
+    with pytest.raises(ValueError, match=r"constants must be determined|whose constants have not"):
         fit_force(MAGNETS, force(MAGNETS) + noise, deviation, law)
 
 
@@ -388,7 +388,7 @@ def test_a_constant_that_the_points_hardly_know_is_doubted() -> None:
     """Catches: an interval by derivatives believed where the law is far from linear."""
     force = -2 * np.exp(-3 * MAGNETS)
     found = fit_force(MAGNETS, force, np.full(25, 0.02), "-A*exp(-p*x)/(d + x)")
-    assert "d is not determined: its deviation is larger than itself" in found.doubts
+    assert "d is not determined: its deviation exceeds its value" in found.doubts
 
 
 @pytest.mark.parametrize("size", [1e-310, 1e-200, 1e-30, 1e30])
@@ -431,10 +431,10 @@ def advice(law: str, points: tuple[Points, Points]) -> str:
 def test_advice_of_an_error_is_accepted(law: str) -> None:
     """Catches: advice in another language than that of the formulas."""
     points = STRETCH, -((2 - STRETCH) ** 1.5) + noisy(cubic, 0)
-    told = advice(law, points)
-    name, equals, value = told.partition("=")
+    proposal = advice(law, points)
+    name, equals, value = proposal.partition("=")
     found = fit_force(*points, law=law, fixed={name: value}) if equals else None
-    assert (found or fit_force(*points, law=told)).values.size
+    assert (found or fit_force(*points, law=proposal)).values.size
 
 
 def test_points_without_noise_are_no_wrong_law() -> None:
@@ -455,9 +455,9 @@ def test_points_without_noise_are_no_wrong_law() -> None:
         ("K2*x*eps", "a formula in the stretch x and constants"),
         ("T*x", "constants must have names other than"),
         ("K*sqrt(x)", "force must be real and smooth about zero stretch"),
-        ("a*b*x", "told apart by the points, got a, b, other values .* such as a=1"),
-        ("a*x + b*x**2 + c*x**2/3", "told apart by the points, got b, c, other"),
-        ("a*log(-1 - exp(b*x))", "law must have a value at all stretches"),
+        ("a*b*x", "determined by the points, got a, b, other values .* such as a=1"),
+        ("a*x + b*x**2 + c*x**2/3", "determined by the points, got b, c, other"),
+        ("a*log(-1 - exp(b*x))", "law must be defined from stretch"),
     ],
 )
 def test_what_is_no_law_is_told(law: str, message: str) -> None:
@@ -513,7 +513,7 @@ FILES: dict[str, tuple[str, str]] = {
         + "\n".join(f"{x:.3f},{x + 0.1 * x * (1 - x):.4f}" for x in UP)
         + "\n"
         + "\n".join(f"{x:.3f},{x - 0.1 * x * (1 - x):.4f}" for x in UP[-2:0:-1]),
-        r"loading and unloading must agree within the noise, .* \(a loop: .* rows 1 to 21\)",
+        r"loading and unloading must agree within the noise, .* \(hysteresis: .* rows 1 to 21\)",
     ),
     "bytes": ("stretch,force\n\udcff", "force law must be a text in UTF-8"),
 }
@@ -544,10 +544,10 @@ def test_the_file_of_a_testing_machine_is_one_error_that_reads_it(
     with pytest.raises(ValueError, match="line 1 must name the columns stretch, force") as error:
         read_force(path)
     assert names.split(mark)[0] in str(error.value)
-    told = (
-        "(leave out what stands above, and write stretch,force,deviation, and state --units mm,N)"
+    remedy = (
+        "(leave out the lines above, and write stretch,force,deviation, and state --units mm,N)"
     )
-    assert str(error.value).endswith(f" in line 2, below a comment {told}")
+    assert str(error.value).endswith(f" in line 2, below a comment {remedy}")
     pytest.importorskip("pint")
     path.write_text("\n".join([mark.join(["stretch", "force"][::order]), *rows]), "utf-8")
     assert read_force(path, "mm,N").stretch == pytest.approx(1e-3 * STRETCH)
@@ -640,9 +640,9 @@ def test_units_are_brought_to_metres_and_newtons(tmp_path: Path) -> None:
     [
         ("mm", "--units must be a length and a force, got 'mm'"),
         ("mm,N**9", r"--units must be a length and a force, got 'mm,N\*\*9'"),
-        ("mm,kg", "got kg, which cannot be brought to N"),
-        ("N,mm", "got N, which cannot be brought to m "),
-        ("mmm,N", "got mmm, which is no unit"),
+        ("mm,kg", "got kg, which cannot be converted to N"),
+        ("N,mm", "got N, which cannot be converted to m "),
+        ("mmm,N", "got mmm, which is not a known unit"),
     ],
 )
 def test_wrong_units_are_told(units: str, message: str, tmp_path: Path) -> None:

@@ -40,7 +40,7 @@ NOISE = 2e-3
 
 
 def hidden_readings(K3: float = 0.0) -> Array:
-    """What the sensors of the hidden chain read, by SciPy and equations written here."""
+    """Return the sensor readings of the hidden chain, by SciPy from equations written here."""
     K2, K4, loss = HIDDEN
 
     def slopes(_: float, held: Array) -> Array:
@@ -81,8 +81,8 @@ def fitted() -> SceneFit:
 
 
 def test_hidden_constants_and_losses_are_found(fitted: SceneFit) -> None:
-    apart = fitted.values - HIDDEN
-    distance = float(apart @ np.linalg.solve(fitted.covariance, apart))
+    errors = fitted.values - HIDDEN
+    distance = float(errors @ np.linalg.solve(fitted.covariance, errors))
     assert distance < stats.chi2.ppf(0.999, 3)
     assert (fitted.deviations < np.array([0.01, 0.2, 0.005])).all()
     assert fitted.degrees == 2 * 2 * 24 - 3
@@ -108,7 +108,7 @@ def test_noise_that_is_not_known_is_taken_from_the_residuals() -> None:
     assert found.noise == pytest.approx(NOISE, rel=0.5)
     assert (abs(found.values - HIDDEN) < 4 * found.deviations).all()
     assert np.isnan(found.p_value)
-    assert not any("misses" in doubt for doubt in found.doubts)
+    assert not any("differs from" in doubt for doubt in found.doubts)
 
 
 @pytest.mark.parametrize(("free", "K3"), [(("K2", "K4"), 0.0), (FREE, 0.2)])
@@ -116,9 +116,9 @@ def test_a_wrong_model_is_doubted(free: tuple[str, ...], K3: float) -> None:
     found = fit_scene(Scene.of(**SCENE), [record(4, K3)], free)
     assert found.p_value < 1e-4
     assert found.serial_p_value < 0.01
-    told = " ".join(found.doubts)
-    assert "the scene misses the readings" in told
-    assert "correlated in time" in told
+    text = " ".join(found.doubts)
+    assert "the scene differs from the readings" in text
+    assert "correlated in time" in text
 
 
 def test_white_noise_is_doubted_as_often_as_is_said(fitted: SceneFit) -> None:
@@ -131,7 +131,7 @@ def test_white_noise_is_doubted_as_often_as_is_said(fitted: SceneFit) -> None:
 
 
 def test_what_cannot_be_told_apart_is_named(tmp_path: Path) -> None:
-    """Of a stiffness and a mass only the ratio is seen, and nothing of what never acts."""
+    """Only the ratio of stiffness and mass can be determined; unused constants not at all."""
     chain = {
         "fields": ["u"],
         "masses": ["m"],
@@ -142,10 +142,10 @@ def test_what_cannot_be_told_apart_is_named(tmp_path: Path) -> None:
     tables = SCENE | {"lattice": "chain.toml", "constants": {"K2": 1, "K4": 0, "m": 1}}
     tables |= {"losses": {"site": 0}, "chain": {"sites": 6}}
     (tmp_path / "struck.toml").write_text(toml_text(tables), encoding="utf-8")
-    with pytest.raises(ValueError, match=r"told apart by the records, got K2, m, other values"):
+    with pytest.raises(ValueError, match=r"determined by the records, got K2, m, other values"):
         fit_scene(tmp_path / "struck.toml", [record(0)], ["K2", "m"])
     still = Scene.of(**SCENE | {"start": {"rest": True}})
-    with pytest.raises(ValueError, match=r"told apart by the records, got "):
+    with pytest.raises(ValueError, match=r"determined by the records, got "):
         fit_scene(still, [record(0)], FREE)
 
 
@@ -172,7 +172,7 @@ def test_one_that_says_little_is_told() -> None:
 def test_a_tolerance_that_is_not_small_is_told() -> None:
     rough = Scene.of(**SCENE | {"tolerance": 1e-3})
     found = fit_scene(rough, [record(0)], FREE)
-    assert any("0.001, is not small against the deviation" in doubt for doubt in found.doubts)
+    assert any("0.001, is not small compared with the deviation" in doubt for doubt in found.doubts)
 
 
 def test_the_lattice_that_is_written_is_the_scenes_with_its_covariance(fitted: SceneFit) -> None:
@@ -199,13 +199,16 @@ HEAD = "time,displacement_2\n"
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("", "line 1 must name the columns time and"),
-        ("displacement_2\n1\n", "line 1 must name the columns time and"),
-        ("time\n1\n", "line 1 must name the columns time and"),
+        ("", "line 1 must name the column time and"),
+        ("displacement_2\n1\n", "line 1 must name the column time and"),
+        ("time\n1\n", "line 1 must name the column time and"),
         ("time,displacement_2,displacement_2\n1,1,1\n", "must name each column once"),
         ("time,speed_2\n1,1\n", "columns must be time, or displacement, velocity"),
         ("time,displacement_6\n1,1\n", "cell of displacement_6 must be 0 to 5, got 6"),
-        ("time,displacement_2_w\n1,1\n", "sensor displacement_2_w must be of what beta_fput has"),
+        (
+            "time,displacement_2_w\n1,1\n",
+            "sensor displacement_2_w must be on a field or bond of beta_fput",
+        ),
         ("time,strain_2_2\n1,1\n", "got '2' (one of 1)"),
         (
             "time,displacement_2,velocity_4,velocity_4_deviation\n1,1,1,1\n",
@@ -241,16 +244,16 @@ def test_records_without_deviations_are_of_one_quantity() -> None:
     [
         (SCENE, ["K5"], "free must name constants of the scene, each once, got 'K5'"),
         (SCENE, ["K2", "K2"], "each once, got 'K2'"),
-        (SCENE, [], "free must name what is fitted, got nothing"),
+        (SCENE, [], "free must name the constants to fit, got nothing"),
         (SCENE | {"losses": {"site": {"u": 0.1}}}, ["losses.site"], "got 'losses.site'"),
-        (SCENE | {"noise": {"temperature": 1e-3}}, ["K2"], "must be chain, start, force"),
+        (SCENE | {"noise": {"temperature": 1e-3}}, ["K2"], "must be among chain, start, force"),
         ("toda_soliton", ["a"], "scene must be a chain on a bench, got toda_soliton"),
     ],
 )
 def test_what_cannot_be_fitted_is_told_in_one_line(scene: Any, free: list[str], told: str) -> None:
-    made = Scene.of(**scene) if isinstance(scene, dict) else scene
+    loaded = Scene.of(**scene) if isinstance(scene, dict) else scene
     with pytest.raises(ValueError, match="must") as refused:
-        fit_scene(made, [record(0)], free)
+        fit_scene(loaded, [record(0)], free)
     assert told in str(refused.value)
 
 
@@ -277,11 +280,11 @@ def test_the_command_fits_writes_and_warns(
     first, second = write_csv(Path("a.csv"), record(0)), write_csv(Path("b.csv"), record(1))
     words = ["fit", str(first), str(second), "--scene", "struck.toml", "--free", ",".join(FREE)]
     assert main([*words, "--output", "chain.toml"]) == 0
-    told = capsys.readouterr().out
-    assert told.startswith("struck, fitted to 96 readings of a.csv, b.csv\n")
-    assert "│ losses.site │ 0.0" in told
-    assert "\nchi^2 " in told
-    assert "warning" not in told
+    printed = capsys.readouterr().out
+    assert printed.startswith("struck, fitted to 96 readings of a.csv, b.csv\n")
+    assert "│ losses.site │ 0.0" in printed
+    assert "\nchi^2 " in printed
+    assert "warning" not in printed
     text = Path("chain.toml").read_text("utf-8")
     assert "# losses.site = 0.0" in text
     measured = read_lattice(Path("chain.toml")).measured
@@ -289,7 +292,10 @@ def test_the_command_fits_writes_and_warns(
     assert measured.deviations["K4"] > 0
     wrong = ["fit", str(first), "--scene", "struck.toml", "--free", "K2", "--json"]
     assert main(wrong) == 0
-    assert '"warnings": [\n    "warning: the scene misses the readings' in capsys.readouterr().out
+    assert (
+        '"warnings": [\n    "warning: the scene differs from the readings'
+        in capsys.readouterr().out
+    )
 
 
 @pytest.mark.parametrize(

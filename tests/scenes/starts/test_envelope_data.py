@@ -58,7 +58,7 @@ def rates(wave: EnvelopeData, t: float) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize("case", family(sorted(CASES), slow=("optical",)))
 def test_velocities_are_time_derivatives(case: str) -> None:
-    """Of slaved data, which have every kind of term: harmonics, means and their integral."""
+    """Slaved data have every kind of term: harmonics, means and their integral."""
     t = 0.3 / 0.05**2
     wave = data(case, 0.05, "slaved")
     moving, _ = rates(wave, t)
@@ -67,7 +67,7 @@ def test_velocities_are_time_derivatives(case: str) -> None:
 
 
 def left(wave: EnvelopeData, t: float) -> float:
-    """What is left of the equations of motion near the wave's middle."""
+    """Residual of the equations of motion near the wave's middle."""
     f = wave.state(around(wave, t), t)[0]
     forced = without_drift(wave, wave.lattice.acceleration(f))
     return float(np.max(np.abs(rates(wave, t)[1] - forced)[:, 4:-4]))

@@ -36,17 +36,17 @@ def test_a_kept_wave_is_the_derived_one(name: str) -> None:
     derived = lattice_wave(scene)
     assert isinstance(derived, LongWaveData)
     for _ in range(2):  # made, and found
-        kept = scene_lattice_wave(scene)
-        assert isinstance(kept, LongWaveData)
-        assert kept.numbers == derived.numbers
-        assert not isinstance(kept.wave, Wave)
+        cached = scene_lattice_wave(scene)
+        assert isinstance(cached, LongWaveData)
+        assert cached.numbers == derived.numbers
+        assert not isinstance(cached.wave, Wave)
         found = derivation(scene)
         assert equation_of(scene) == (found.text(), found.lattice.has_displacements)
     parts = astuple(derived.numbers)
     assert plain_value(plain_bytes(parts)) == parts
     if name == "toda_soliton":
         cells = np.arange(-20.0, 20.0)
-        assert np.array_equal(kept.state(cells, 3.0), derived.state(cells, 3.0))
+        assert np.array_equal(cached.state(cells, 3.0), derived.state(cells, 3.0))
 
 
 @pytest.mark.parametrize(

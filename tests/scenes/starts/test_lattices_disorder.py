@@ -54,7 +54,7 @@ def last(of: xr.Dataset) -> dict[str, Any]:
 
 @pytest.mark.parametrize("of", ["mass", "K2"])
 def test_a_loss_is_as_the_square_of_a_small_spread(of: str) -> None:
-    """Of one realisation what is scattered is linear in its deviations, its energy quadratic."""
+    """For one realisation the scattered wave is linear in the deviations, its energy quadratic."""
     none, small, large = (last(run(spread, of)) for spread in (0.0, 0.03, 0.06))
     losses = [none["last_energy"] - found["last_energy"] for found in (small, large)]
     assert losses[1] / losses[0] == pytest.approx(4.0, rel=0.1)
@@ -75,9 +75,9 @@ def test_springs_delay_by_the_speed_of_the_effective_medium() -> None:
 def test_what_is_measured_is_within_its_error(of: str) -> None:
     rough, fine = run(0.3, of, tolerance=1e-2), run(0.3, of, tolerance=1e-7)
     for name in ("peak", "delay", "energy"):
-        apart = np.abs(rough[name].values - fine[name].values)
+        difference = np.abs(rough[name].values - fine[name].values)
         allowed = rough[f"{name}_error"].values + fine[f"{name}_error"].values
-        assert np.all(apart <= allowed)
+        assert np.all(difference <= allowed)
         assert allowed[-1] > 0.0
 
 
@@ -87,9 +87,9 @@ def test_an_energy_on_a_ring_that_cuts_the_wave_is_within_its_error() -> None:
     for half_width in (1, 2, 3, 5, 7, 10):
         found = run(0.3, "K4", half_width=half_width)
         energy, error = found["energy"].values, found["energy_error"].values
-        apart = np.abs(energy - wide["energy"].values)
+        difference = np.abs(energy - wide["energy"].values)
         assert np.array_equal(np.isnan(energy), np.isnan(error))
-        assert np.all(np.isnan(energy) | (apart <= error + wide["energy_error"].values))
+        assert np.all(np.isnan(energy) | (difference <= error + wide["energy_error"].values))
         assert half_width < 3 or not np.isnan(energy).any()
 
 
@@ -103,7 +103,7 @@ def test_no_spread_has_the_bits_of_no_disorder() -> None:
 
 
 def test_strains_and_displacements_lose_alike_and_keep_their_energy() -> None:
-    """They begin half a cell apart."""
+    """The two waves begin half a cell apart."""
     strained, displaced = run(0.3), run(0.3, lattice="fput")
     for found in (strained, displaced):
         assert found.energy_drift < 1e-5

@@ -67,8 +67,8 @@ def test_measured_rates(name: str) -> None:
 
 
 def test_the_next_order_is_two_powers_better() -> None:
-    asked = scene_of("2", order="corrected").changed(slow_times=(0.0, 0.5))
-    found = scene_convergence(asked, (0.2, 0.14, 0.1))
+    scene = scene_of("2", order="corrected").changed(slow_times=(0.0, 0.5))
+    found = scene_convergence(scene, (0.2, 0.14, 0.1))
     assert found.rate.value == pytest.approx(6.0, abs=0.25)
 
 
@@ -190,23 +190,23 @@ def test_forces_with_eps_and_no_polynomials_are_those_that_run() -> None:
 def test_numbers_apart_from_the_lattice_give_the_same_data() -> None:
     symbolic = reduce(LATTICES["fput_strain"])
     numbers = {"K2": 1, "K3": 0, "K4": 1}
-    apart = long_wave(symbolic, numbers, wave_of(scene_of("1")), 0.1, "slaved")
+    wave = long_wave(symbolic, numbers, wave_of(scene_of("1")), 0.1, "slaved")
     cells = np.linspace(-50.0, 50.0, 41)
-    for one, other in zip(apart.state(cells, 3.0), data_of("1").state(cells, 3.0), strict=True):
+    for one, other in zip(wave.state(cells, 3.0), data_of("1").state(cells, 3.0), strict=True):
         assert one == pytest.approx(other, rel=1e-12)
-    assert apart.lattice == numeric_lattice(LATTICES["fput_strain"], numbers)
+    assert wave.lattice == numeric_lattice(LATTICES["fput_strain"], numbers)
 
 
 def test_what_data_refuse() -> None:
     reduction, wave = reduction_of("1"), wave_of(scene_of("1"))
     lattice = derivation(scene_of("1")).lattice
     leading = reduce(lattice, reduction.scaling, 5)
-    with pytest.raises(ValueError, match=r"none was derived through eps\^5"):
+    with pytest.raises(ValueError, match=r"no correction was derived through eps\^5"):
         long_wave(leading, {}, wave, 0.1, "corrected")
     ended = replace(reduce(lattice), corrections={}, obstruction=(2, leading.pde.flow))
     with pytest.raises(ValueError, match=r"reduction to a one-way equation ends at eps\^2"):
         long_wave(ended, {}, wave, 0.1, "corrected")
-    with pytest.raises(ValueError, match="start must come before"):
+    with pytest.raises(ValueError, match="start must be called before"):
         data_of("1", 0.1, "corrected").strain(np.arange(3), 0.0)
     rational = Wave(closed_form("rational_1"), reduction.normal_form())
     with pytest.raises(ValueError, match="interval must be given"):
@@ -269,7 +269,7 @@ ALONG = (SlowVariable("X", 1, (1, 0), c), SlowVariable("Z", 2, (0, 1), Integer(0
 def test_waves_of_kp_meet_the_square_lattice(
     form: str, parameters: dict[str, Any], constants: dict[str, int]
 ) -> None:
-    """To two powers of eps beyond the reduced equation, which catches a wrong W_T or W_Z."""
+    """Catches: a wrong W_T or W_Z; the residual is two powers beyond the reduced equation."""
     values = {"K3": 1, "K4": 0, "H3": 1, "H4": 0, **constants}
     square = LATTICES["square"].with_values({k: Rational(v) for k, v in values.items()})
     reduction = reduce(square, Scaling(1, ALONG))
@@ -286,7 +286,7 @@ def test_waves_of_kp_meet_the_square_lattice(
         gap = (after - before) / (2 * h) - ring.lattice.acceleration(ring.f)
         found.append(np.abs(gap[:, 2:-2, 2:-2]).max())
     assert math.log2(found[0] / found[1]) > 6.6
-    with pytest.raises(ValueError, match="none was derived"):
+    with pytest.raises(ValueError, match="no correction was derived"):
         long_wave(reduction, {}, wave, 0.1, "corrected")
 
 
