@@ -27,7 +27,7 @@ def found() -> SceneRun:
 
 
 def test_the_table_tells_what_acts_and_what_it_took(found: SceneRun) -> None:
-    assert found.kept
+    assert found.within_tolerance
     assert found.run is not None
     text = bench_table({"driven_chain": found})
     told = found.run.attrs

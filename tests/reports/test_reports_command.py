@@ -87,7 +87,7 @@ def test_without_latex_the_source_is_left_and_one_line_says_what_to_install(
 ) -> None:
     assert main(["--output", str(tmp_path)]) == 1
     assert capsys.readouterr().err == (
-        "error: no LaTeX engine: install latexmk; the source alone is written\n"
+        "error: no LaTeX engine: install latexmk; only the source is written\n"
     )
     assert (tmp_path / "longwave.tex").exists()
 

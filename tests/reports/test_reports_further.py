@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 from longwave.reports.sections.runs import (
-    ACROSS,
+    SNAPSHOTS_PER_ROW,
     long_table,
     peak_panels,
     peak_table,
@@ -75,7 +75,7 @@ def test_the_split_waves_ends_are_in_units_of_eps() -> None:
 
 def test_the_split_waves_snapshots_fill_their_rows() -> None:
     rows = split_rows({SPLIT: fake(SPLIT)})
-    assert [len(row) for row in rows] == [ACROSS, ACROSS]
+    assert [len(row) for row in rows] == [SNAPSHOTS_PER_ROW, SNAPSHOTS_PER_ROW]
     assert rows[0][2].time == -11200.0
 
 

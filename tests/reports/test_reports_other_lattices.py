@@ -184,7 +184,7 @@ def test_a_scene_that_fails_says_why() -> None:
     text = scene_table(runs)
     assert r"did not run: times must end before it blows up, got 50 \% of it" in text
     assert text.count("(TOO LARGE)") == 1
-    assert [found.kept for found in runs.values()] == [False, False]
+    assert [found.within_tolerance for found in runs.values()] == [False, False]
 
 
 def test_a_rate_that_is_not_reached_is_seen() -> None:

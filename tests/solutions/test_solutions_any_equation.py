@@ -37,7 +37,7 @@ def made(form: ClosedForm, sign: int | None = None, **parameters: Any) -> Wave:
 
 
 def keyword(wave: Wave, name: str, value: Any) -> dict[str, Any]:
-    """The place across where the wave has one."""
+    """Return the transverse coordinate if the wave takes one."""
     return {name: value} if wave.numbers.is_planar else {}
 
 
@@ -260,7 +260,7 @@ def test_what_is_refused() -> None:
     for highest in (-1, 21, 1.5, True, "2"):
         with pytest.raises(ValueError, match=r"highest must be a whole number from 0 to 20, got"):
             soliton.jets(0.0, 0.0, highest)  # type: ignore[arg-type]
-    with pytest.raises(ValueError, match="position, time and place across must broadcast"):
+    with pytest.raises(ValueError, match="position, time and transverse coordinate must broadcast"):
         made(lump, kappa=1)(np.zeros(2), 0.0, Z=np.zeros(3))
     with pytest.raises(ValueError, match=r"a must satisfy 0 < a < 1/2, got 0\.5"):
         made(closed_form("nls_akhmediev"), a=0.5)

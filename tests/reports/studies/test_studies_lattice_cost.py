@@ -11,7 +11,7 @@ from longwave.reports.studies.lattice_cost import (
     REDUCTION,
     SPECTRAL,
     TRUE_ERROR,
-    at_eps,
+    measure_at_eps,
     by_scheme,
     fit_power,
     march_seconds,
@@ -77,7 +77,7 @@ def test_the_rings_march_can_be_done_again() -> None:
 @pytest.mark.slow
 def test_each_way_changes_one_thing() -> None:
     """Catches the wide lattice priced as the window, and an error judged against itself."""
-    found = {point.series: point for point in at_eps(0.1, judged=True)}
+    found = {point.series: point for point in measure_at_eps(0.1, with_reference=True)}
     assert list(found)[:4] == ["RK4, wide lattice", "RK4, window", "order 6, window", "spectral"]
     scaled = [point.scaled for point in found.values()]
     assert scaled == [True, True, True, False, False, False]

@@ -8,7 +8,7 @@ import pytest
 import sympy as sp
 
 from longwave.solutions import Wave, closed_form, data_store
-from longwave.solutions.compile.compiler import kept_program
+from longwave.solutions.compile.compiler import cached_program
 from longwave.solutions.symbols import tau, xi
 from longwave.support.compiled.kernel_folder import CacheFolder
 from longwave.support.sealed_file import read_sealed
@@ -44,7 +44,7 @@ def test_a_kept_program_needs_no_expression(folder: Path, normal_forms: Any) -> 
     def never() -> list[sp.Expr]:
         raise AssertionError("the expression was made")
 
-    kept_program(form, "wave", never, tuple(p.symbol for p in form.parameters))
+    cached_program(form, "wave", never, tuple(p.symbol for p in form.parameters))
 
 
 def test_another_formula_under_the_same_name_has_its_own_program(

@@ -17,7 +17,7 @@ ctx.dps = 60
 def of(operation: Operation, numbers: Array, low: Array) -> Array:
     """The values with low parts and bounds."""
     code, out = Code(inputs=1), np.empty((1, 3, numbers.size))
-    bytecode = code.assemble([Value(code, 0).made(operation).number])
+    bytecode = code.assemble([Value(code, 0).apply(operation).number])
     run_pairs(bytecode, np.empty((0, 2)), np.stack([numbers, low, 0 * low])[None], out)
     return out[0]
 
@@ -61,7 +61,7 @@ def test_they_end_at_zero(operation: Operation) -> None:
 def test_choose_takes_one_or_the_other() -> None:
     code, out = Code(inputs=3), np.empty((1, 3, 2))
     odd, one, other = (Value(code, place) for place in range(3))
-    bytecode = code.assemble([one.made(Operation.CHOOSE, other, odd).number])
+    bytecode = code.assemble([one.apply(Operation.CHOOSE, other, odd).number])
     inputs = np.array([[[1.0, 0.0]] + [[0, 0]] * 2, [[2, 3], [4, 5], [6, 7]], [[np.nan, 9]] * 3])
     run_pairs(bytecode, np.empty((0, 2)), inputs, out)
     assert out[0].tolist() == [[2, 9], [4, 9], [6, 9]]
