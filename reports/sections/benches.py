@@ -26,6 +26,7 @@ from longwave.reports.studies.effects import CELLS, TOLERANCES, EffectCost
 from longwave.reports.studies.lattice_runs import SceneRun
 from longwave.scenes.description.bench import ACTING, Bench
 from longwave.scenes.description.losses import Losses
+from longwave.support.labelled_arrays import LabelledArrays
 
 
 def bench_table(runs: Mapping[str, SceneRun]) -> str:
@@ -150,7 +151,7 @@ def bench_figures(runs: Mapping[str, SceneRun]) -> Iterator[tuple[str, Figure]]:
     for name, entry in runs.items():
         if entry.run is not None:
             draw = next(draw for variable, draw in DRAWN.items() if variable in entry.run.variables)
-            yield f"bench_{name}", draw(entry.run).figure()
+            yield f"bench_{name}", draw(LabelledArrays.of(entry.run)).figure()
 
 
 def bench_pictures(runs: Mapping[str, SceneRun]) -> str:
