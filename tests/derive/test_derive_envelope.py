@@ -37,7 +37,7 @@ def test_a_shifted_carrier_gives_the_next_order(name: str) -> None:
     assert all(check.passed for check in checks)
 
 
-def test_a_mistake_in_the_next_order_is_seen(strain: Envelope) -> None:
+def test_a_mistake_in_the_next_order_is_detected(strain: Envelope) -> None:
     broken = replace(strain)
     wrong: dict[str, Any] = {**strain.parts, "a2": strain.parts["a2"] * 101 / 100}
     broken.__dict__["parts"] = wrong
@@ -167,7 +167,7 @@ def test_a_lattice_in_numbers_has_the_envelope_of_the_one_in_symbols(name: str, 
 
 
 def test_a_large_cell_needs_numbers_and_says_so_at_once() -> None:
-    """In symbols it went on for more than a minute without a word."""
+    """Catches: symbols that take more than a minute without a message."""
     numbers: Any = {"m1": 1, "m2": 2, "m3": 3, "m4": 4, "K2": 1, "K3": Rational(1, 4), "K4": 1}
     with pytest.raises(EnvelopeError, match=r"4 fields must be few, got K2, K3.*as K2=1\)$"):
         envelope(four_masses())
@@ -199,7 +199,7 @@ WRONG: dict[str, tuple[Any, str]] = {
 
 
 @pytest.mark.parametrize("name", WRONG)
-def test_what_has_no_envelope_is_refused_in_one_line(name: str) -> None:
+def test_a_carrier_without_envelope_is_refused_in_one_line(name: str) -> None:
     build, message = WRONG[name]
     with pytest.raises(ValueError, match=message) as refused:
         build()

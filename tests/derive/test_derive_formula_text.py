@@ -91,7 +91,7 @@ WORDS = Vocabulary(
         ("q_t[n-1]", q.subs(n, n - 1).diff(t)),
     ],
 )
-def test_it_is_read_as_in_python_and_exactly(text: str, expected: sp.Expr) -> None:
+def test_a_formula_is_read_as_in_python_and_exactly(text: str, expected: sp.Expr) -> None:
     assert read_formula(text, WORDS) == expected
 
 
@@ -169,7 +169,7 @@ def test_depth_is_limited_wherever_it_grows(opened: str) -> None:
         read_formula(opened * (LONGEST // len(opened)), WORDS)
 
 
-def test_depth_is_told_apart_from_length() -> None:
+def test_errors_of_depth_and_of_length_differ() -> None:
     assert read_formula("(" * (DEEPEST - 1) + "x" + ")" * (DEEPEST - 1), WORDS) == x
     assert read_formula(" + ".join(["x"] * 4000), WORDS) == 4000 * x
     assert read_formula("-" * 10_000 + "x", WORDS) == x

@@ -15,7 +15,7 @@ from longwave.derive.output.notation import Notation
 
 
 def polynomial_from_data(data: Any, field: RationalFunctions) -> DifferentialPolynomial:
-    """The polynomial that is written, over the same field."""
+    """Return the polynomial of its JSON data, over the same field."""
     items = (
         (
             tuple(tuple(jet) for jet in term["jets"]),

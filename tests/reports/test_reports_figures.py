@@ -49,7 +49,7 @@ def test_error_axis_starts_at_zero_and_curves_differ_without_colour() -> None:
 
 
 @pytest.mark.parametrize(("suffix", "start"), [("pdf", b"%PDF"), ("svg", b"<?xml")])
-def test_it_is_written_twice_the_same(tmp_path: Path, suffix: str, start: bytes) -> None:
+def test_a_figure_is_written_reproducibly(tmp_path: Path, suffix: str, start: bytes) -> None:
     with styled():
         parts = [snapshot_panels([[snapshot(0.0)]]) for _ in "ab"]
         paths = [save(p.figure(), tmp_path / f"{i}.{suffix}") for i, p in enumerate(parts)]
@@ -58,7 +58,7 @@ def test_it_is_written_twice_the_same(tmp_path: Path, suffix: str, start: bytes)
     assert first == second
 
 
-def test_the_users_settings_come_back() -> None:
+def test_the_users_settings_are_restored() -> None:
     with mpl.rc_context({"font.size": 23.0}):
         with styled():
             assert mpl.rcParams["font.size"] < 12

@@ -95,7 +95,7 @@ def test_rows_fit_the_line_without_nested_fractions(form: ClosedForm) -> None:
 
 @pytest.fixture
 def report(monkeypatch: pytest.MonkeyPatch) -> str:
-    """The report's source, of formulas that are made once for all tests."""
+    """Return the report's source, with formulas that are built once for all tests."""
     monkeypatch.setattr(theory, "Formula", made)
     tables = dict.fromkeys(TABLES, "") | {"solution_table": solution_table()}
     found = Findings({}, report_scenes())

@@ -1,4 +1,4 @@
-"""The report as it is set: results first, tables with numbers and captions, nothing in a margin."""
+"""The typeset report: results first, tables with numbers and captions, nothing in a margin."""
 
 import re
 from collections.abc import Mapping
@@ -53,11 +53,11 @@ FOUND: dict[Key, Any] = {
     ("effect", "a force"): EffectCost(8, 3e-10, 0.8, ((1e-7, 0.02), (1e-11, 0.07))),
     ("struck", ""): (0.2000001, 4.3e-7),
 }
-"""What some jobs found."""
+"""Results of some jobs, by their keys."""
 
 
 class Runs:
-    """The paper's runs, with numbers of their own for each name."""
+    """A stand-in for the paper's runs, with different numbers for each name."""
 
     def relative_error(self, name: str, time: float) -> UncertainNumber:
         return {(SPLIT, 0.0): UncertainNumber(0.10141, 1.4e-5)}[name, time]
@@ -113,7 +113,7 @@ def test_the_conclusion_repeats_the_headlines_and_no_number_of_its_own(found: Fi
 
 
 def tables_of(found: Findings) -> dict[str, str]:
-    """The tables of what needs no run of a lattice."""
+    """Return the tables that need no run of a lattice."""
     skipped = ("run_table", "claim_table", "headline_table", "cost_table")
     return {name: make(found) for name, make in TABLES.items() if name not in skipped}
 
@@ -135,7 +135,9 @@ def test_every_table_has_number_caption_rules_and_mathematics(found: Findings) -
         (r"\label{tab:hard}", r"\label{tab:hard}\ref{tab:soft}", "no tab:soft"),
     ],
 )
-def test_the_rules_of_tables_have_teeth(found: Findings, old: str, new: str, fault: str) -> None:
+def test_the_rules_of_tables_find_violations(
+    found: Findings, old: str, new: str, fault: str
+) -> None:
     text = TABLES["hard_case_table"](found)
     assert faults_of_tables(text) == []
     assert fault in faults_of_tables(text.replace(old, new))
@@ -193,7 +195,7 @@ def test_the_whole_report_has_tables_in_order_and_nothing_in_the_margin(tmp_path
 
 
 def check_report(found: Findings, folder: Path) -> None:
-    """Write and set the report of some findings, and ask of it what stands above."""
+    """Write and typeset the report of some findings, and check it by the rules above."""
     for _ in write_figures(build.report_figures(found), folder):
         pass
     path = write_source(found, folder, False, lambda: None)

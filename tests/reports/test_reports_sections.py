@@ -1,4 +1,4 @@
-"""Sections: every run and order is printed, and what users wrote is escaped."""
+"""Sections: every run and order is printed, and users' texts are escaped."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""`make bench`: says where its tables are, and fails with a case."""
+"""`make bench`: prints where its tables are, and fails if a case fails."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -33,7 +33,7 @@ def measure(found: Mapping[Key, Any], folder: Path, monkeypatch: pytest.MonkeyPa
     return studies.main(["--output", str(folder)])
 
 
-def test_it_tells_where_its_tables_are(
+def test_the_command_prints_where_its_tables_are(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Catches a table that is not written, and one without rows that is told."""

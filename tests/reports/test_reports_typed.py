@@ -46,7 +46,7 @@ def test_a_formula_means_what_was_typed(text: str, shown: str) -> None:
     assert typed_text_latex(text) == shown
 
 
-def test_what_is_wide_can_be_broken_into_lines() -> None:
+def test_a_wide_formula_can_be_broken_into_lines() -> None:
     assert r"\frac" not in typed_text_latex(f"({LONG})/b")
     assert typed_text_latex(f"b/({LONG})").startswith(r"b \Big/ ")
     assert typed_text_latex(f"exp({LONG})").startswith(r"\exp(")
@@ -80,6 +80,6 @@ def test_a_sentence_has_its_formulas_set_and_its_words_left(text: str, shown: st
     assert prose_latex(text) == shown
 
 
-def test_what_is_no_formula_is_an_error() -> None:
+def test_an_invalid_formula_is_an_error() -> None:
     with pytest.raises(FormulaError, match="formula"):
         typed_text_latex("a +")

@@ -1,4 +1,4 @@
-"""Catches: a command that is run by what lies in a cache."""
+"""Catches: a command run by unpickling a file in the cache."""
 
 import os
 import pickle

@@ -18,7 +18,7 @@ def test_points_that_are_too_many_panels_apart_are_refused(width: float) -> None
 
 
 def sharp(x: Array) -> Array:
-    """1e-2 wide, in panels of width 1: halved many times."""
+    """Return a pulse of width 1e-2, for which panels of width 1 are halved many times."""
     return np.asarray(1e-2 / (1e-4 + (x - 0.3) ** 2))
 
 

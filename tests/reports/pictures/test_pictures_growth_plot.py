@@ -1,4 +1,4 @@
-"""Pictures of growth rates: whose map stands behind whose points, and what rows are called."""
+"""Pictures of growth rates: which map belongs to which points, and titles of rows."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -27,7 +27,7 @@ Fields = Mapping[str, Sequence[Any]]
 
 
 def _swept(grid: Fields, listed: Fields | None = None) -> xr.Dataset:
-    """A sweep's data set whose cells measured, of the scene's theory, what each is told by."""
+    """Return a sweep's data set whose cells have rates and wavenumbers of the scene's theory."""
     axes: list[tuple[str, Fields]] = [(n.rpartition(".")[2], {n: v}) for n, v in grid.items()]
     axes += [("case", listed)] if listed else []
     sizes = [len(next(iter(fields.values()))) for _, fields in axes]
@@ -57,7 +57,7 @@ def _swept(grid: Fields, listed: Fields | None = None) -> xr.Dataset:
 
 
 def _check(data: xr.Dataset, titles: Sequence[str], labels: Sequence[str]) -> None:
-    """Each point stands on its line and its map, and inside or outside the grey as it should."""
+    """Check that each point is on its line and map, and inside the grey only if it is stable."""
     panels = growth_panels(data, 8)
     assert [panel.title for panel in panels] == titles
     count = 0
@@ -100,7 +100,7 @@ def test_a_list_of_k_and_constants_has_a_map_for_each_constants() -> None:
     _check(_swept({}, listed), ["K3 = 0.6, K4 = 1", "K3 = 0, K4 = 3"], [""])
 
 
-def test_rows_of_one_map_say_what_they_are_of() -> None:
+def test_rows_with_the_same_map_have_titles() -> None:
     grid = {"envelope.k": [1.9], "tolerance": [1e-2, 1e-3], "order": ["leading", "slaved"]}
     labels = ["tolerance = 0.01", "tolerance = 0.001"]
     _check(_swept(grid), ["order = leading", "order = slaved"], labels)

@@ -1,4 +1,4 @@
-"""Pictures of sweeps: what is drawn are the cells' numbers, and what cannot be drawn is said."""
+"""Pictures of sweeps: the cells' numbers are drawn, and other requests are refused."""
 
 from itertools import product
 from pathlib import Path
@@ -51,7 +51,7 @@ def meshes(figure: Any) -> list[Any]:
 
 
 def bars(ax: Any) -> tuple[np.ndarray, list[np.ndarray]]:
-    """The points of an axis with one curve, and the ends of their bars."""
+    """Return the points of an axis with one curve, and the ends of their bars."""
     (container,) = ax.containers
     line, _, (columns,) = container
     return line.get_xydata(), [segment[:, 1] for segment in columns.get_segments()]
@@ -102,7 +102,7 @@ def test_texts_make_a_curve_each() -> None:
     assert np.allclose(heights, cube()["error"].values[:, [1, 2, 0, 3], 0])
 
 
-def test_long_texts_that_begin_alike_are_told_apart_and_leave_room() -> None:
+def test_long_texts_that_begin_alike_are_distinct_and_leave_room() -> None:
     long = [f"{'a lattice of ' * 40}{end}" for end in ("one mass", "two masses")]
     data = cube().assign_coords(wave=("case", np.array(long, dtype=object)))
     curves = plot(data, at={"k": 0.1})
@@ -116,7 +116,7 @@ def test_long_texts_that_begin_alike_are_told_apart_and_leave_room() -> None:
 
 
 def hatched(ax: Any) -> set[tuple[float, float]]:
-    """The cells that bear a hatch."""
+    """Return the cells that are hatched."""
     paths = [path for part in ax.collections if part.get_hatch() for path in part.get_paths()]
     return {place for place in product(EPS, K) if any(path.contains_point(place) for path in paths)}
 
@@ -141,7 +141,7 @@ def test_cells_are_hatched_where_their_own_error_is_large() -> None:
     assert not plot(data, at=words, variable="seconds").subfigs[0].legends
 
 
-def test_cells_that_came_to_no_end_are_no_numbers_and_bear_a_cross() -> None:
+def test_cells_without_a_result_have_no_value_and_a_cross() -> None:
     data = cube()
     data["status"].values[0, 0, 0] = "failed"
     data["status"].values[0, 3, 2] = "missing"
@@ -151,7 +151,7 @@ def test_cells_that_came_to_no_end_are_no_numbers_and_bear_a_cross() -> None:
     assert ax.lines[0].get_xydata().tolist() == [[0.2, 0.1]]
 
 
-def test_samples_are_told_by_median_and_quartiles() -> None:
+def test_samples_are_drawn_by_median_and_quartiles() -> None:
     data = swept({"eps": 4, "sample": 5}, {"eps": EPS, "K3": ("sample", np.arange(5.0))})
     points, ends = bars(plot(data).get_axes()[0])
     held = data["error"].values[[1, 2, 0, 3]]
@@ -162,7 +162,7 @@ def test_samples_are_told_by_median_and_quartiles() -> None:
     assert ax.get_xlabel() == "$K3$"
 
 
-def test_realisations_are_told_by_their_mean_its_error_and_their_deviation() -> None:
+def test_realisations_are_drawn_by_mean_standard_error_and_deviation() -> None:
     seeds = ("seed", np.arange(5), {"field": "disorder.seed"})
     of = np.array(["mass", "K2"], dtype=object)
     coords = {"seed": seeds, "spread": [0.3, 0.1, 0.2], "of": of}
@@ -284,7 +284,7 @@ def test_cells_without_a_result_are_crosses_below_the_curves() -> None:
     assert one.get_legend() is None
 
 
-def test_values_that_hardly_differ_are_told_in_full() -> None:
+def test_values_that_hardly_differ_are_printed_in_full() -> None:
     data = swept({"eps": 3}, {"eps": EPS[:3]}).assign(peak=("eps", 1.0 + 1e-5 * np.arange(3)))
     figure = plot(data, variable="peak")
     figure.draw_without_rendering()
@@ -294,7 +294,7 @@ def test_values_that_hardly_differ_are_told_in_full() -> None:
     assert min(abs(tick - 1.00001) for tick in ticks) < 1e-9
 
 
-def test_names_that_say_nothing_alone_are_told_by_their_fields() -> None:
+def test_names_that_are_unclear_alone_are_replaced() -> None:
     names = ("name", np.array(["rk4", "leapfrog"], dtype=object), {"field": "scheme.name"})
     data = swept({"name": 2, "eps": 4, "k": 3}, {"name": names, "eps": EPS, "k": K})
     titles = [ax.get_title("left") for ax in plot(data).get_axes()[:2]]
@@ -320,7 +320,7 @@ def sample_deviation(values: np.ndarray) -> float:
 
 
 def named(ax: Any) -> list[Any]:
-    """The lines that a legend holds."""
+    """Return the lines of an axis that have a label in its legend."""
     return [line for line in ax.lines if not line.get_label().startswith("_")]
 
 
@@ -426,7 +426,7 @@ def test_equal_values_are_drawn(tmp_path: Path, value: float) -> None:
         ),
     ],
 )
-def test_what_cannot_be_drawn_is_one_line(words: dict[str, Any], said: str) -> None:
+def test_a_sweep_that_cannot_be_drawn_is_one_line(words: dict[str, Any], said: str) -> None:
     with pytest.raises(ValueError, match=rf"^{said}[^\n]*$") as raised:
         plot(cube(), **words)
     assert len(str(raised.value)) < 300

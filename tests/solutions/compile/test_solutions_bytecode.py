@@ -48,7 +48,7 @@ def assembled(expression: sp.Expr) -> Bytecode:
 
 
 def points(rng: np.random.Generator) -> Any:
-    """More than one block, with a part block at the end."""
+    """Return enough points for more than one block, the last one not full."""
     return np.exp(rng.normal(scale=1.5, size=(2, 300)))
 
 

@@ -1,4 +1,4 @@
-"""Programs on disk: the same numbers, never a stale one, and no need of a folder."""
+"""Programs on disk: same numbers, never stale, and optional."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -31,13 +31,15 @@ def values(name: str, normal_forms: Any, **changes: Any) -> list[list[float]]:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_a_kept_program_gives_the_same_numbers(name: str, folder: Path, normal_forms: Any) -> None:
+def test_a_cached_program_gives_the_same_numbers(
+    name: str, folder: Path, normal_forms: Any
+) -> None:
     first = values(name, normal_forms)
     assert len(list(folder.iterdir())) == 1
     assert values(name, normal_forms) == first
 
 
-def test_a_kept_program_needs_no_expression(folder: Path, normal_forms: Any) -> None:
+def test_a_cached_program_needs_no_expression(folder: Path, normal_forms: Any) -> None:
     values("kink", normal_forms)
     form = closed_form("kink")
 

@@ -15,7 +15,7 @@ ctx.dps = 60
 
 
 def of(operation: Operation, numbers: Array, low: Array) -> Array:
-    """The values with low parts and bounds."""
+    """Return the values with low parts and bounds."""
     code, out = Code(inputs=1), np.empty((1, 3, numbers.size))
     bytecode = code.assemble([Value(code, 0).apply(operation).number])
     run_pairs(bytecode, np.empty((0, 2)), np.stack([numbers, low, 0 * low])[None], out)
@@ -25,9 +25,9 @@ def of(operation: Operation, numbers: Array, low: Array) -> Array:
 def check(operation: Operation, numbers: Array, exact: Any, digits: float, rng: Any) -> None:
     low = numbers * rng.uniform(-1e-17, 1e-17, numbers.size)
     for high, rest, *found in zip(numbers, low, *of(operation, numbers, low), strict=True):
-        wanted = exact(ctx.mpf(high) + rest)
-        error = abs(ctx.mpf(found[0]) + found[1] - wanted)
-        assert error <= digits * abs(wanted)
+        expected = exact(ctx.mpf(high) + rest)
+        error = abs(ctx.mpf(found[0]) + found[1] - expected)
+        assert error <= digits * abs(expected)
         assert error <= found[2]
 
 
