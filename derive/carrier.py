@@ -193,7 +193,7 @@ class Carrier(Expansion):
                     self._solve_harmonic(order, j)
 
     def _check_size(self) -> None:
-        """Raise EnvelopeError if the second harmonic's determinant is too large to take seconds."""
+        """Raise EnvelopeError if the second harmonic's determinant is too large to compute soon."""
         fields, size = len(self.lattice.fields), (1 / self.second_harmonic).size
         unresolved = [s for s in self.lattice.constants if s not in {self.fixed, *self.values}]
         if self.turn is None and unresolved and fields > 2 and size > MOST_TERMS_A_FIELD * fields:

@@ -61,8 +61,8 @@ def test_equal_masses_in_turn_are_a_chain() -> None:
     cells = dimer.coefficients(1, m1=1, m2=1, **constants)
     powers = {"omega": 0, "v": 1, "p": 2, "q": 0, "a3": 3, "a1": 1, "a2": 1, "second": 0}
     for name, power in powers.items():
-        got, wanted = getattr(cells, name) * 2**power, getattr(chain, name)
-        assert abs(got - wanted) < 1e-12, name
+        got, expected = getattr(cells, name) * 2**power, getattr(chain, name)
+        assert abs(got - expected) < 1e-12, name
 
 
 def test_the_optical_branch_of_a_dimer() -> None:

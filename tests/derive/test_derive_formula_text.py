@@ -149,17 +149,17 @@ def test_an_error_names_the_place_and_what_was_expected(text: str, column: int, 
     assert str(error).endswith(f"(column {column})")
     assert words in str(error)
     assert "\n" not in str(error)
-    shown, caret = error.picture.split("\n")
+    line, caret = error.picture.split("\n")
     assert caret.index("^") - 4 == column - 1
-    assert len(shown) == len(text) + 4
+    assert len(line) == len(text) + 4
 
 
 def test_the_picture_of_a_long_text_is_cut_around_the_place() -> None:
     with pytest.raises(FormulaError) as caught:
         read_formula("x + " * 500 + "? + x" + " + x" * 500, WORDS)
-    shown, caret = caught.value.picture.split("\n")
-    assert len(shown) < 80
-    assert shown[caret.index("^")] == "?"
+    line, caret = caught.value.picture.split("\n")
+    assert len(line) < 80
+    assert line[caret.index("^")] == "?"
     assert caught.value.__notes__ == [caught.value.picture]
 
 

@@ -234,13 +234,13 @@ def test_a_constant_may_be_called_as_any_of_the_carriers_own(name: str) -> None:
 
 def test_maps_and_orders_are_printed_in_every_form(capsys: pytest.CaptureFixture[str]) -> None:
     words = ["fput", "--envelope", "k", "--map", "2", "--set", "K2=1,K3=0,K4=1"]
-    for form, wanted in (
+    for form, fragment in (
         ([], "growth rate"),
         (["--json"], '"focusing": true'),
         (["--latex"], "tabular"),
     ):
         assert main([*words, *form]) == 0
-        assert wanted in capsys.readouterr().out
+        assert fragment in capsys.readouterr().out
     at = ["fput", "--envelope", "k=pi", "--set", "K2=1,K3=0,K4=1", "--order", "3"]
     for form in ([], ["--json"], ["--latex"]):
         assert main([*at, *form]) == 0

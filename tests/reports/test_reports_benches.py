@@ -30,12 +30,16 @@ def test_the_table_states_each_effect_and_its_cost(found: SceneRun) -> None:
     assert found.within_tolerance
     assert found.run is not None
     text = bench_table({"driven_chain": found})
-    told = found.run.attrs
+    attributes = found.run.attrs
     assert "ends: fixed, fixed; losses of cells; forces" in text
     assert "(\\texttt{driven\\_chain})" in text
-    for part in (f"${told['steps']}$", scientific(1e-10), scientific(told["error_estimate"])):
+    for part in (
+        f"${attributes['steps']}$",
+        scientific(1e-10),
+        scientific(attributes["error_estimate"]),
+    ):
         assert part in text
-    assert scientific(told["seconds"] + told["planning_seconds"]) in text
+    assert scientific(attributes["seconds"] + attributes["planning_seconds"]) in text
     late = SceneRun(found.scene, found.run.assign_attrs(error_estimate=1e-3))
     assert "TOO LARGE" in bench_table({"driven_chain": late})
 
@@ -69,8 +73,8 @@ def test_every_effect_has_a_name() -> None:
 
 def test_the_cost_of_an_effect_is_stated_at_every_tolerance() -> None:
     text = effect_table({"a force": EffectCost(8, 3.1e-10, 0.81, ((1e-7, 0.02), (1e-11, 0.07)))})
-    for told in ("a force", "$8$", "$0.31$", "$81$", scientific(1e-11), scientific(0.07)):
-        assert told in text
+    for entry in ("a force", "$8$", "$0.31$", "$81$", scientific(1e-11), scientific(0.07)):
+        assert entry in text
 
 
 def test_an_effect_adds_operations_and_is_run_to_its_tolerances() -> None:

@@ -135,5 +135,5 @@ def test_labels_between_powers_of_ten_stand_where_there_is_none(most: float, bet
     """Side by side they overlap."""
     figure = cost_figure({"one": {"RK4": [(2e-3, 1e-2), (most, 1e-4)]}}, "seconds", "error")
     figure.draw_without_rendering()
-    told = [label.get_text() for label in figure.axes[0].get_xticklabels(minor=True)]
-    assert any(told) is between
+    labels = [label.get_text() for label in figure.axes[0].get_xticklabels(minor=True)]
+    assert any(labels) is between

@@ -96,23 +96,23 @@ def test_on_two_axes_map_and_contours_are_those_of_the_frame() -> None:
 
 @pytest.mark.parametrize("values", [np.zeros(41), np.full(41, 1e300), np.full(41, -3.0)])
 def test_constant_fields_and_one_snapshot_make_a_film(values: np.ndarray) -> None:
-    shown = placed_run(values[None], values[None], np.array([np.nan]), "site")
-    film = ChainFilm(shown, "50 % of $x_ [/nope] \\frac{", 40.0)
+    one_snapshot = placed_run(values[None], values[None], np.array([np.nan]), "site")
+    film = ChainFilm(one_snapshot, "50 % of $x_ [/nope] \\frac{", 40.0)
     assert film.frame(0).ndim == 3
 
 
 def test_a_gif_holds_all_frames_with_white_paper_for_the_whole_time(tmp_path: Path) -> None:
-    path, told = tmp_path / "film.gif", []
-    save_film(chain(), path, 30.0, told.append)
+    path, shares = tmp_path / "film.gif", []
+    save_film(chain(), path, 30.0, shares.append)
     with Image.open(path) as image:
         assert image.n_frames == 4
-        shown = []
+        durations = []
         for place in range(4):
             image.seek(place)
-            shown.append(image.info["duration"])
+            durations.append(image.info["duration"])
             assert image.convert("RGB").getpixel((1, 1)) == (255, 255, 255)
-    assert shown == [30, 40, 30, 30]
-    assert told == [0.25, 0.5, 0.75, 1.0]
+    assert durations == [30, 40, 30, 30]
+    assert shares == [0.25, 0.5, 0.75, 1.0]
     first = path.read_bytes()
     save_film(chain(), path, 30.0)
     assert path.read_bytes() == first
@@ -122,12 +122,12 @@ def test_a_gif_holds_all_frames_with_white_paper_for_the_whole_time(tmp_path: Pa
 def test_an_mp4_holds_all_frames(tmp_path: Path) -> None:
     path = tmp_path / "film.mp4"
     save_film(chain(dpi=41.0), path, 10.0)
-    said = subprocess.run(
+    output = subprocess.run(
         ["ffprobe", "-v", "error", "-count_frames", "-show_entries",
          "stream=nb_read_frames,r_frame_rate", "-of", "csv=p=0", str(path)],
         capture_output=True, text=True, check=True,
     )  # fmt: skip
-    assert said.stdout.strip() == "10/1,4"
+    assert output.stdout.strip() == "10/1,4"
 
 
 class Interrupted(ChainFilm):

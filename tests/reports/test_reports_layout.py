@@ -73,30 +73,30 @@ class Runs:
 
 @pytest.fixture
 def found() -> Findings:
-    made = Findings(FOUND, {})
+    findings = Findings(FOUND, {})
     rulings = (Ruling.CONFIRMED, Ruling.CONFIRMED, Ruling.DEPENDS, Ruling.NOT_CONFIRMED)
     claims = [Claim(str(n), "s", (), ruling, "d") for n, ruling in enumerate(rulings)]
-    made.__dict__.update(runs=Runs(), claims=claims)
-    return made
+    findings.__dict__.update(runs=Runs(), claims=claims)
+    return findings
 
 
 def test_the_headlines_are_what_the_studies_found(found: Findings) -> None:
     """Catches a typed number, a count of the wrong study and an error of another value."""
-    told = {name: (line.value, line.error) for name, line in headlines(found).items()}
-    assert told["proved"] == ("1 of 2", "exact")
-    assert told["misprints"] == ("7 of 8", "exact")
-    assert told["right"] == ("1 of 1", "exact")
-    assert told["wrong"] == ("0 of 1", "exact")
-    assert told["evaluation"][0] == r"$4.0\times 10^{-15}$"
-    assert told["second"] == uncertain(0.10141, 1.4e-5)
-    assert told["third"] == uncertain(0.18246, 5.4e-5)
-    assert told["rk4"] == uncertain(0.2204, 0.13)
-    assert told["shift"] == uncertain(-0.42027, 1.2e-4)
-    assert told["claims"] == ("2 of 4", "exact")
-    assert told["open"] == ("1 and 1", "exact")
-    assert told["hard"] == ("1 of 2", "exact")
-    assert told["struck"] == uncertain(0.2000001, 4.3e-7)
-    assert "return" not in told
+    values = {name: (line.value, line.error) for name, line in headlines(found).items()}
+    assert values["proved"] == ("1 of 2", "exact")
+    assert values["misprints"] == ("7 of 8", "exact")
+    assert values["right"] == ("1 of 1", "exact")
+    assert values["wrong"] == ("0 of 1", "exact")
+    assert values["evaluation"][0] == r"$4.0\times 10^{-15}$"
+    assert values["second"] == uncertain(0.10141, 1.4e-5)
+    assert values["third"] == uncertain(0.18246, 5.4e-5)
+    assert values["rk4"] == uncertain(0.2204, 0.13)
+    assert values["shift"] == uncertain(-0.42027, 1.2e-4)
+    assert values["claims"] == ("2 of 4", "exact")
+    assert values["open"] == ("1 and 1", "exact")
+    assert values["hard"] == ("1 of 2", "exact")
+    assert values["struck"] == uncertain(0.2000001, 4.3e-7)
+    assert "return" not in values
     text = headline_table(headlines(found).values())
     for line in headlines(found).values():
         row = f"{line.quantity} & {line.value} & {line.error} & \\ref{{sec:{line.section}}}"
@@ -151,10 +151,10 @@ def test_the_results_stand_before_everything_else_with_version_and_date(
     names = re.findall(r"\\VAR\{(\w+)\}", all_templates())
     content = {name: "" for name in names if name in TABLES} | tables_of(found)
     content["headline_table"] = headline_table(headlines(found).values())
-    made = Findings(FOUND, report_scenes())
-    made.__dict__["headlines"] = headlines(found)
-    made.__dict__["runs"] = Findings({}, report_scenes()).runs
-    tex = source(content, made, full=False)
+    findings = Findings(FOUND, report_scenes())
+    findings.__dict__["headlines"] = headlines(found)
+    findings.__dict__["runs"] = Findings({}, report_scenes()).runs
+    tex = source(content, findings, full=False)
     order = (r"\date{2 January 1970}", r"\maketitle", r"\label{tab:headlines}", r"\section{")
     places = [tex.index(part) for part in order]
     assert places == sorted(places)

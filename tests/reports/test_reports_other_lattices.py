@@ -65,10 +65,10 @@ def run(estimate: float = 1e-6, axes: int = 1) -> xr.Dataset:
     places = ("time", "site", "row")[: axes + 1]
     shape = (2, *(5,) * axes)
     wave = np.broadcast_to(np.arange(5.0).reshape(1, 5, *(1,) * (axes - 1)), shape)
-    apart = np.zeros(shape)
-    apart[1] = 0.02
+    difference = np.zeros(shape)
+    difference[1] = 0.02
     data: dict[str, Any] = {
-        "strain": (places, wave + apart),
+        "strain": (places, wave + difference),
         "analytic": (places, wave),
         "n": (("time", "site"), np.array([np.arange(-2, 3), np.arange(8, 13)])),
         "error": ("time", [0.0, 0.005]),
@@ -260,8 +260,8 @@ def test_stable_carriers_are_grey_and_the_line_is_where_pq_vanishes() -> None:
         figure = modulation_figure(grid, quadratic)
     grey, growth = figure.axes[0].collections[:2]
     assert to_hex(grey.get_cmap()(0.5)) == STABLE
-    shown = np.ma.getmaskarray(np.ma.masked_invalid(np.ma.asarray(growth.get_array())))
-    assert np.array_equal(shown.reshape(grid.product.shape), grid.product <= 0)
+    masked = np.ma.getmaskarray(np.ma.masked_invalid(np.ma.asarray(growth.get_array())))
+    assert np.array_equal(masked.reshape(grid.product.shape), grid.product <= 0)
     limit = np.sqrt(1.5 / (1 + 1 / np.sin(grid.k / 2) ** 2))
     assert np.array_equal(grid.product > 0, quadratic < limit)
 
@@ -269,11 +269,11 @@ def test_stable_carriers_are_grey_and_the_line_is_where_pq_vanishes() -> None:
 def test_snapshots_are_about_the_frame() -> None:
     found = run()
     offset = found.n - found.attrs["frame_speed"] * found.time
-    told = found.assign_coords(offset=offset).assign_attrs(unit=1.0, carried=0)
-    (late,) = snapshots(told, 1, [1])
+    run_with_offset = found.assign_coords(offset=offset).assign_attrs(unit=1.0, carried=0)
+    (late,) = snapshots(run_with_offset, 1, [1])
     assert late["offset"].values.tolist() == [-1.0, 0.0, 1.0]
-    apart = late["strain"].values - late["analytic"].values
-    assert apart.tolist() == pytest.approx([0.02] * 3)
+    difference = late["strain"].values - late["analytic"].values
+    assert difference.tolist() == pytest.approx([0.02] * 3)
 
 
 def test_a_run_on_two_axes_is_drawn_with_its_difference() -> None:

@@ -38,13 +38,13 @@ def test_the_command_prints_where_its_tables_are(
 ) -> None:
     """Catches a table that is not written, and one without rows that is told."""
     assert measure(FOUND, tmp_path, monkeypatch) == 0
-    told = capsys.readouterr().out
+    output = capsys.readouterr().out
     for name in ("precision", "scaling", "rk4", "window", "peak", "hard_case", "effect"):
         path = tmp_path / "tables" / f"{name}_table.tex"
-        assert str(path) in told
+        assert str(path) in output
         assert "toprule" in path.read_text()
-    assert "long_table" not in told
-    assert "figure.pdf" in told
+    assert "long_table" not in output
+    assert "figure.pdf" in output
     assert {path.stem for path in (tmp_path / "tables").iterdir()} == set(STUDY_TABLES)
 
 

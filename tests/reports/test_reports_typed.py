@@ -59,8 +59,8 @@ def test_a_statement_has_equations_solutions_and_names_for_parts() -> None:
     assert equations[0].startswith(r"i \partial_{t} u_{n}")
     assert equations[0].endswith(" = 0")
     assert [formula.partition(" = ")[0] for formula in solutions] == ["u_{n}", "p"]
-    shown = conditions_latex("k: k>0; p = sinh(k)**2; j: integer, j>=1; b: b != 0", "x < 1/2")
-    assert shown == r"$k > 0$, $j$ integer, $j \ge 1$, $b \ne 0$, $x < \frac{1}{2}$"
+    latex = conditions_latex("k: k>0; p = sinh(k)**2; j: integer, j>=1; b: b != 0", "x < 1/2")
+    assert latex == r"$k > 0$, $j$ integer, $j \ge 1$, $b \ne 0$, $x < \frac{1}{2}$"
 
 
 @pytest.mark.parametrize(

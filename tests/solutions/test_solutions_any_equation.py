@@ -238,8 +238,8 @@ def test_a_cached_wave_equals_a_new_one(
         return [*wave(X, 0.1, **Z), *wave.at(X, 3.0, 0.1, **m), wave.jets(X, 0.1, 5, **Z)]
 
     for _ in range(2):
-        kept = kept_wave(__name__, name, lambda: exact)
-        for one, other in zip(everything(kept), everything(exact), strict=True):
+        cached = kept_wave(__name__, name, lambda: exact)
+        for one, other in zip(everything(cached), everything(exact), strict=True):
             assert np.array_equal(one, other)
 
 
@@ -305,8 +305,8 @@ def test_an_equation_is_the_one_that_reductions_are_taken_to(name: str) -> None:
 
 def test_an_equation_shows_itself() -> None:
     assert KP._repr_latex_().count("s U") == NLS._repr_latex_().count("s |U") == 1
-    shown = Equation("any", -1, "modified Kawahara", 1)._repr_latex_()
-    assert r"U_\tau + 6 U^2 U_\xi - U_{\xi\xi\xi} - U_{5\xi} = 0" in shown
+    latex = Equation("any", -1, "modified Kawahara", 1)._repr_latex_()
+    assert r"U_\tau + 6 U^2 U_\xi - U_{\xi\xi\xi} - U_{5\xi} = 0" in latex
 
 
 @pytest.mark.parametrize("name", CATALOGUE.of("KP").names)

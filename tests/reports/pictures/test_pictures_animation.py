@@ -62,11 +62,11 @@ def test_a_film_holds_the_runs_numbers_and_says_time_and_error(finished_run: xr.
     with styled():
         film = film_of(finished_run, 40.0)
     half_width = (film._offset.shape[1] - 1) // 2
-    shown = finished_run.sel(site=slice(-half_width, half_width))
+    nearby = finished_run.sel(site=slice(-half_width, half_width))
     assert 0 < half_width < 60
-    assert np.array_equal(film._offset, shown.n - shown.time)
-    assert np.array_equal(film._strain, shown.strain)
-    assert np.array_equal(film._wave, shown.analytic)
+    assert np.array_equal(film._offset, nearby.n - nearby.time)
+    assert np.array_equal(film._strain, nearby.strain)
+    assert np.array_equal(film._wave, nearby.analytic)
     assert film._clock[3] == f"$t = 3.0$\nerror {float(finished_run.error[3]):.3f}"
     assert film.figure.get_suptitle() == SCENE.title
     assert film._ax.get_xlabel() == "$n - c\\,t$  (sites)"
@@ -78,35 +78,35 @@ def test_a_film_holds_the_runs_numbers_and_says_time_and_error(finished_run: xr.
 def test_a_scene_is_run_for_as_many_snapshots_as_the_film_has(
     scene: Scene, finished_run: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    asked: list[Any] = []
+    scenes: list[Any] = []
 
     def noted(scene: Any, *_: object) -> xr.Dataset:
-        asked.append(scene)
+        scenes.append(scene)
         return finished_run
 
     monkeypatch.setattr(scene_run, "run", noted)
     animate(scene, tmp_path / "film.gif", duration=1.0, fps=10.0, dpi=40.0)
-    (run,) = asked
+    (run,) = scenes
     if scene.has_moving_wave:
         assert run.snapshots == tuple(np.linspace(0.0, 20.0, 10))
         assert run.observables == ("strain",)
         animate(scene, tmp_path / "film.gif", 1.0, 10.0, 40.0, times=(2.0, 5.0))
-        assert asked[1].snapshots == tuple(np.linspace(2.0, 5.0, 10))
+        assert scenes[1].snapshots == tuple(np.linspace(2.0, 5.0, 10))
     else:
         ends = scene.slow_times[0], scene.slow_times[-1]
         assert run.slow_times == tuple(np.linspace(*ends, 10))
         animate(scene, tmp_path / "film.gif", duration=30.0, fps=10.0, dpi=40.0)
-        assert len(asked[1].slow_times) == 300
+        assert len(scenes[1].slow_times) == 300
         animate(scene, tmp_path / "film.gif", 1.0, 10.0, 40.0, times=(2.0, 5.0))
         begin = ends[0] / scene.eps**3
-        assert asked[2].t0 == pytest.approx(begin)
-        assert asked[2].snapshots == pytest.approx(tuple(np.linspace(2.0, 5.0, 10)))
-        assert asked[2].slow_times == ()
+        assert scenes[2].t0 == pytest.approx(begin)
+        assert scenes[2].snapshots == pytest.approx(tuple(np.linspace(2.0, 5.0, 10)))
+        assert scenes[2].slow_times == ()
         with pytest.raises(
             ValueError, match=f"times must begin at t0 = {begin:g} or later, got -1e"
         ):
             animate(scene, tmp_path / "film.gif", 1.0, 10.0, 40.0, times=(-1e9, 5.0))
-        assert len(asked) == 3
+        assert len(scenes) == 3
 
 
 def test_snapshots_that_blew_up_are_left_out(finished_run: xr.Dataset, tmp_path: Path) -> None:
@@ -153,9 +153,9 @@ def test_the_command_says_that_a_run_has_few_snapshots(
     monkeypatch.chdir(tmp_path)
     save_run(finished_run, "run.nc")
     assert main(["animate", "run.nc", "--output", "film.gif", "--dpi", "40"]) == 0
-    told = capsys.readouterr()
-    assert told.out == "film.gif\n"
-    assert told.err == "run.nc has 6 snapshots: so many frames (a scene has more)\n"
+    output = capsys.readouterr()
+    assert output.out == "film.gif\n"
+    assert output.err == "run.nc has 6 snapshots: so many frames (a scene has more)\n"
 
 
 @pytest.mark.parametrize("there", [True, False])
@@ -195,11 +195,11 @@ def test_ctrl_c_is_one_line_and_leaves_nothing(
 def test_a_long_film_is_announced(
     finished_run: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    told: list[float] = []
+    announced: list[float] = []
     monkeypatch.setattr(animation, "FRAME_SECONDS", 1e9)
-    animate(finished_run, tmp_path / "film.gif", dpi=40, announce=told.append)
-    assert told
-    assert told[-1] > 1e6
+    animate(finished_run, tmp_path / "film.gif", dpi=40, announce=announced.append)
+    assert announced
+    assert announced[-1] > 1e6
 
 
 @pytest.mark.slow

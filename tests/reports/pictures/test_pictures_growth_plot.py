@@ -34,8 +34,8 @@ def _swept(grid: Fields, listed: Fields | None = None) -> xr.Dataset:
     coords: dict[str, Any] = {}
     for dimension, fields in axes:
         for field, values in fields.items():
-            held = [json.dumps(v) if isinstance(v, dict) else v for v in values]
-            coords[field.rpartition(".")[2]] = (dimension, held, {"field": field})
+            texts = [json.dumps(v) if isinstance(v, dict) else v for v in values]
+            coords[field.rpartition(".")[2]] = (dimension, texts, {"field": field})
     names = ("carrier_k", "growth_rate", "growth_rate_theory", "perturbation_kappa")
     found = {name: np.full(sizes, np.nan) for name in (*names, "growth_rate_error", "error")}
     for places in product(*map(range, sizes)):
@@ -112,15 +112,15 @@ def test_lines_of_theory_have_the_colours_of_their_points() -> None:
     figure = plot(data, kind="growth_map")
     left = figure.get_axes()[0]
     lines = [line for line in left.lines if len(line.get_xdata()) > 100]
-    points = [held[0] for held in left.containers if len(held[0].get_xdata())]
+    points = [container[0] for container in left.containers if len(container[0].get_xdata())]
     assert len(lines) == len(points) == 2
-    for line, held in zip(lines, points, strict=True):
-        assert line.get_color() == held.get_color()
-        drawn = np.interp(held.get_xdata(), line.get_xdata(), line.get_ydata())
-        np.testing.assert_allclose(drawn, held.get_ydata(), rtol=0.02)
+    for line, point in zip(lines, points, strict=True):
+        assert line.get_color() == point.get_color()
+        drawn = np.interp(point.get_xdata(), line.get_xdata(), line.get_ydata())
+        np.testing.assert_allclose(drawn, point.get_ydata(), rtol=0.02)
     (legend,) = figure.subfigs[0].legends
-    told = {line.get_label(): line for line in legend.legend_handles}
-    styles = [told[f"share = {share}"].get_linestyle() for share in (0.5, 1.2)]
+    handles = {line.get_label(): line for line in legend.legend_handles}
+    styles = [handles[f"share = {share}"].get_linestyle() for share in (0.5, 1.2)]
     assert styles == [line.get_linestyle() for line in lines]
     assert lines[0].get_linestyle() != lines[1].get_linestyle()
 

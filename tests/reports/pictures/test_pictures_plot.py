@@ -78,8 +78,8 @@ def test_all_kinds_are_drawn_in_order_with_the_runs_own_numbers(finished_run: xr
 
 @pytest.mark.parametrize("kind", [kind for kind, one in PICTURES.items() if one.observable])
 def test_a_single_kind_is_drawn(finished_run: xr.Dataset, kind: str) -> None:
-    held = set(finished_run.data_vars) & set(PICTURES[kind].variables)
-    assert labels(plot(finished_run[[*held, "n"]], kind=kind)) == labels(
+    variables = set(finished_run.data_vars) & set(PICTURES[kind].variables)
+    assert labels(plot(finished_run[[*variables, "n"]], kind=kind)) == labels(
         plot(finished_run, kind=kind)
     )
 
@@ -90,8 +90,8 @@ def test_a_bench_is_drawn_with_its_own_kinds(finished_run: xr.Dataset) -> None:
     common: dict[str, Any] = {"lattice": "beta_fput", "constants": {"K2": 1, "K4": 1}}
     common |= {"times": [0, 1, 2], "tolerance": 1e-3} | tables
     sensors = {"sites": [0, 3], "of": ["displacement", "force"]}
-    watched = {"sensors": sensors, "mode_energies": [1, 2], "state": True}
-    run = Scene.of(name="struck", observables=watched, **common).run()
+    observables = {"sensors": sensors, "mode_energies": [1, 2], "state": True}
+    run = Scene.of(name="struck", observables=observables, **common).run()
     named = {"sensors": ["displacement", "force in the bond to the next cell"]}
     named |= {"modes": ["energy of the mode of a linear chain"], "cells": ["displacement"]}
     for kind, ylabels in named.items():
@@ -110,7 +110,7 @@ def test_a_bench_is_drawn_with_its_own_kinds(finished_run: xr.Dataset) -> None:
 def test_a_driven_bench_is_drawn_with_its_energies_and_spectra() -> None:
     times = np.arange(0.0, 64.0, 0.5)
     wave = np.sin(2.0 * np.pi * times / 8.0)[:, np.newaxis]
-    told = {"units": "lattice units", "long_name": "something"}
+    attributes = {"units": "lattice units", "long_name": "something"}
     names = ("sensor_displacement", "energy", "work", "heat", "flux", "transmitted")
     axes = (("time", "sensor", "field"), *[("time",)] * 3, *[("time", "cut")] * 2)
     values = (
@@ -120,7 +120,10 @@ def test_a_driven_bench_is_drawn_with_its_energies_and_spectra() -> None:
         wave,
     )
     data = xr.Dataset(
-        {name: (dims, part, told) for name, dims, part in zip(names, axes, values, strict=True)},
+        {
+            name: (dims, part, attributes)
+            for name, dims, part in zip(names, axes, values, strict=True)
+        },
         {"time": times, "sensor": [3, 7], "cut": [5]},
         {"scene": load_scene("driven_chain").toml()},
     )
@@ -130,9 +133,9 @@ def test_a_driven_bench_is_drawn_with_its_energies_and_spectra() -> None:
     assert frequency[peak] == pytest.approx(2.0 * np.pi / 8.0)
     assert amplitude[peak] == pytest.approx(2.0)
     (line,) = ratio.lines
-    seen = np.isfinite(np.asarray(line.get_ydata()))
-    assert seen.sum() == 3
-    np.testing.assert_allclose(np.asarray(line.get_ydata())[seen], 0.25)
+    is_drawn = np.isfinite(np.asarray(line.get_ydata()))
+    assert is_drawn.sum() == 3
+    np.testing.assert_allclose(np.asarray(line.get_ydata())[is_drawn], 0.25)
     (panel,) = plot(data, kind="balance").get_axes()
     drawn = [np.asarray(line.get_ydata())[-1] / times[-1] for line in panel.lines]
     assert drawn == [2.0, 3.0, 1.0]
@@ -155,21 +158,21 @@ def test_a_saved_run_gives_the_same_picture(finished_run: xr.Dataset, tmp_path: 
 
 
 def test_a_scene_is_run_for_what_is_drawn_alone(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked: list[Scene] = []
+    scenes: list[Scene] = []
 
     def noted(scene: Scene, *_: object) -> RunRecord:
-        asked.append(scene)
+        scenes.append(scene)
         return record_scene(scene)
 
     monkeypatch.setattr("longwave.reports.pictures.plotting.record_scene", noted)
     refined = replace(SCENE, observables=("strain", "time_step_error", "energy"), look_points=None)
     plot(refined)
     plot(refined, kind="errors")
-    assert [scene.observables for scene in asked] == [
+    assert [scene.observables for scene in scenes] == [
         ("strain", "space_time", "crest_track"),
         ("error_curve", "time_step_error"),
     ]
-    assert asked[0].look_points is not None
+    assert scenes[0].look_points is not None
 
 
 def test_a_periodic_wave_is_shown_on_all_compared_sites() -> None:

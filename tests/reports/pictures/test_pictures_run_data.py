@@ -156,8 +156,8 @@ def test_a_lattices_snapshots_make_map_crest_and_errors(toda: xr.Dataset) -> Non
     offset = toda.n.values[4] - speed * toda.time.values[4]
     expected = np.interp(toda.site.values, offset, toda.strain.values[4])
     assert np.allclose(moving_grid(looked)[2][4], expected)
-    apart = unit * toda.sup_error.values[1:] / toda.error.values[1:]
-    own = unit * toda.attrs["error_estimate"] / apart
+    distances = unit * toda.sup_error.values[1:] / toda.error.values[1:]
+    own = unit * toda.attrs["error_estimate"] / distances
     assert np.allclose(looked["own"].values[1:], own, atol=0.0)
 
 
@@ -215,13 +215,13 @@ def test_an_invalid_run_is_drawn_or_refused_in_one_line(
 ) -> None:
     for data in foreign(request.getfixturevalue(of)):
         for draw in (plot, lambda run: animate(run, tmp_path / "film.gif", dpi=30)):
-            told = ""
+            message = ""
             try:
                 draw(data)
             except ValueError as error:
-                told = str(error)
-            assert len(told.splitlines()) <= 1
-            assert len(told) < 400
+                message = str(error)
+            assert len(message.splitlines()) <= 1
+            assert len(message) < 400
 
 
 def test_a_run_whose_estimate_is_lost_has_no_error_of_its_own(toda: xr.Dataset) -> None:

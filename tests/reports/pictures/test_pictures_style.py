@@ -101,37 +101,37 @@ def test_a_run_without_own_error_has_no_band(finished_run: xr.Dataset) -> None:
 
 def test_the_crest_of_the_wave_stands_beside_the_lattices(finished_run: xr.Dataset) -> None:
     """Catches: the lattice's crest once more, a crest in sites and not in the moving frame."""
-    told = with_theory(placed(finished_run))
-    at, end = finished_run["analytic"].isel(time=-1), told.isel(look_time=-1)
+    data = with_theory(placed(finished_run))
+    at, end = finished_run["analytic"].isel(time=-1), data.isel(look_time=-1)
     assert float(end["look_time"].values) == float(at.time) == 20.0
     top = int(np.argmax(at.values))
-    assert abs(end["crest_position_wave"].values - told["offset"].values[-1, top]) < 0.6
+    assert abs(end["crest_position_wave"].values - data["offset"].values[-1, top]) < 0.6
     assert 1.0 <= float(end["crest_strain_wave"].values) / float(at.max()) < 1.01
-    apart = abs(told["crest_strain"].values - told["crest_strain_wave"].values)
-    assert apart[0] < 1e-12
-    assert apart[-1] > 1e-6
+    difference = abs(data["crest_strain"].values - data["crest_strain_wave"].values)
+    assert difference[0] < 1e-12
+    assert difference[-1] > 1e-6
     position, height = plot(finished_run, kind="crest").get_axes()
-    assert np.array_equal(position.lines[1].get_ydata(), told["crest_position_wave"].values)
-    assert np.array_equal(height.lines[1].get_ydata(), told["crest_strain_wave"].values)
-    told["crest_position_wave"].values[5:] += 20.0
-    broken = crest_track(told).figure().get_axes()[1].lines[1].get_ydata()
+    assert np.array_equal(position.lines[1].get_ydata(), data["crest_position_wave"].values)
+    assert np.array_equal(height.lines[1].get_ydata(), data["crest_strain_wave"].values)
+    data["crest_position_wave"].values[5:] += 20.0
+    broken = crest_track(data).figure().get_axes()[1].lines[1].get_ydata()
     assert np.flatnonzero(np.isnan(np.asarray(broken))).tolist() == [5]
 
 
 def test_the_map_is_sheared_into_the_moving_frame(finished_run: xr.Dataset) -> None:
     """Catches: stairs, where the frame passes the sites one by one."""
-    told = with_theory(placed(finished_run))
-    assert np.abs(told["shift"].values).max() <= 0.5
-    assert np.ptp(told["shift"].values) > 0.5
+    data = with_theory(placed(finished_run))
+    assert np.abs(data["shift"].values).max() <= 0.5
+    assert np.ptp(data["shift"].values) > 0.5
     image = plot(finished_run, kind="space_time").get_axes()[0].images[0]
     values = np.asarray(image.get_array())
     bottom, top = image.get_extent()[2:]
     place = np.linspace(bottom, top, values.shape[0] + 1)
     middles = (place[1:] + place[:-1]) / 2
     moments = (middles[:, None] * values**2).sum(axis=0) / (values**2).sum(axis=0)
-    apart = np.abs(np.diff(moments - told["crest_position"].values))
-    assert apart.max() < 0.05
-    assert np.abs(np.diff(told["shift"].values)).max() > 0.3
+    jumps = np.abs(np.diff(moments - data["crest_position"].values))
+    assert jumps.max() < 0.05
+    assert np.abs(np.diff(data["shift"].values)).max() > 0.3
 
 
 def test_envelopes_are_those_of_carriers() -> None:
@@ -184,8 +184,8 @@ def test_grids_are_full_or_hold_the_legend(
             figure = plot(many, kind=kind, columns=columns)
             for ax in figure.get_axes():
                 assert ax.lines or ax.get_legend() is not None
-            held = [ax for ax in figure.get_axes() if ax.get_legend()]
-            assert len(held) == (count == 5)
+            with_legend = [ax for ax in figure.get_axes() if ax.get_legend()]
+            assert len(with_legend) == (count == 5)
 
 
 # -- colours ---------------------------------------------------------------------------------------
@@ -244,10 +244,10 @@ def texts(svg: str) -> Iterator[str]:
 def test_text_is_text_in_svg(finished_run: xr.Dataset, tmp_path: Path) -> None:
     plot(finished_run, tmp_path / "run.svg", kind="snapshots")
     svg = (tmp_path / "run.svg").read_text(encoding="utf-8")
-    held = list(texts(svg))
-    assert "lattice" in held
-    assert any("100 %" in text for text in held)
-    assert any("=7.3" in text and "ε" in text for text in held)
+    words = list(texts(svg))
+    assert "lattice" in words
+    assert any("100 %" in text for text in words)
+    assert any("=7.3" in text and "ε" in text for text in words)
     assert "'Times New Roman', Times, serif" in svg
     assert "#STIX" not in svg
 
@@ -318,9 +318,9 @@ def test_lines_of_work_join_the_cheapest_runs_alone() -> None:
     assert np.array_equal(runs.get_xydata(), np.array(points))
     assert line.get_xdata().tolist() == [1.0, 2.0, 4.0]
     assert np.all(np.diff(np.asarray(line.get_ydata())) < 0.0)
-    told = figure.legends[0].get_title().get_text()
-    assert told.startswith("points: runs; ")
-    assert "monotone envelope" in told
+    title = figure.legends[0].get_title().get_text()
+    assert title.startswith("points: runs; ")
+    assert "monotone envelope" in title
     random = np.random.default_rng(3).uniform(size=(2, 200))
     chosen = cheapest_places(*random)
     assert np.all(np.diff(random[0][chosen]) > 0.0)
@@ -346,8 +346,10 @@ def test_a_run_with_a_law_has_it_at_the_times_of_its_map() -> None:
     data["offset"] = (over, n)
     attrs = {"speed": 0.0, "carried": 0, "unit": 1.0, "scene": SCENE.toml()}
     run = xr.Dataset(data, {"time": times, "site": sites, "look_time": looks}, attrs)
-    told = with_looks(LabelledArrays.of(run))
-    assert told.sizes["look_time"] == 9
-    law, strain, wave = (told[f"crest_{name}"].values for name in ("law", "strain", "strain_wave"))
+    looked = with_looks(LabelledArrays.of(run))
+    assert looked.sizes["look_time"] == 9
+    law, strain, wave = (
+        looked[f"crest_{name}"].values for name in ("law", "strain", "strain_wave")
+    )
     assert np.allclose(law, strain, rtol=2e-3)
     assert np.allclose(wave, strain)

@@ -90,10 +90,10 @@ def test_a_split_carries_the_runs_own_error() -> None:
 
 def test_the_claim_states_the_shift_of_the_wave() -> None:
     found = claims.peak_of_the_error(evidence({}))
-    told = {item.of.split(", ")[-1]: item.value for item in found.measurements}
-    assert told["the lattice's wave is shifted by sites"] == -0.4
-    assert told["part by position"] == pytest.approx(0.1 / 2)
-    assert told["part by shape"] == pytest.approx(0.1 / 8)
+    values = {item.of.split(", ")[-1]: item.value for item in found.measurements}
+    assert values["the lattice's wave is shifted by sites"] == -0.4
+    assert values["part by position"] == pytest.approx(0.1 / 2)
+    assert values["part by shape"] == pytest.approx(0.1 / 8)
 
 
 def test_the_rk4_variant_changes_scheme_and_step_only() -> None:
