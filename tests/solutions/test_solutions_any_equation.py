@@ -251,7 +251,7 @@ def test_invalid_arguments_are_refused() -> None:
         Wave(closed_form("kdv_soliton"), mkdv_normal_form(1, 1), kappa=1)
     with pytest.raises(ValueError, match=r"s must be -1 for kp_lump, got 1 \(.*KP-I equation\)"):
         build_wave(lump, 1, kappa=1)
-    with pytest.raises(ValueError, match="across, Z or m, must be given for kp_lump, got none"):
+    with pytest.raises(ValueError, match="coordinate Z or m must be given for kp_lump, got none"):
         build_wave(lump, kappa=1)(0.0, 0.0)
     with pytest.raises(ValueError, match="must be left out for kdv_soliton, got one"):
         soliton(0.0, 0.0, Z=1.0)
