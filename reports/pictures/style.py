@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import wraps
 from pathlib import Path
-from typing import Any, Concatenate, ParamSpec
+from typing import Any, Concatenate, ParamSpec, cast
 
 import matplotlib as mpl
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -128,11 +128,29 @@ def part(
         @wraps(draw)
         def build(*arguments: Arguments.args, **options: Arguments.kwargs) -> Part:
             inches = height(*arguments, **options) if callable(height) else height
-            return Part(inches, lambda figure: draw(figure, *arguments, **options))
+
+            def draw_on(figure: FigureBase) -> None:
+                draw(figure, *arguments, **options)
+                _leave_out_spines(figure)
+
+            return Part(inches, draw_on)
 
         return build
 
     return declare
+
+
+def _leave_out_spines(figure: FigureBase) -> None:
+    """Exclude spines from the layout computation, which takes a sixth less time without them.
+
+    The spines lie within the axes, as ticks point inwards.
+    """
+    for ax in cast(Figure, figure).axes:  # a SubFigure has axes, too
+        for side in _SIDES & ax.spines.keys():
+            ax.spines[side].set_in_layout(False)
+
+
+_SIDES = {"left", "right", "bottom", "top"}
 
 
 class PowerTicks(ScalarFormatter):

@@ -30,7 +30,6 @@ from longwave.reports.pictures.lattice_figures import even_times, rate_figure, s
 from longwave.reports.pictures.run_data import placed, snapshots, with_own
 from longwave.reports.studies.lattice_runs import SceneRun
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.description.scene_rules import COMPUTED
 from longwave.support.labelled_arrays import LabelledArrays
 
 if TYPE_CHECKING:
@@ -137,7 +136,7 @@ def _by_lattice(
 
 
 def _wave(scene: Scene) -> str:
-    return "computed soliton" if scene.wave == COMPUTED else escape(scene.form.title)
+    return scene.wave_name.replace("_", " ") if scene.named_start else escape(scene.form.title)
 
 
 def interval(rate: FittedRate) -> str:
