@@ -8,6 +8,7 @@ import pytest
 import xarray as xr
 
 from longwave.reports.pictures.drawing import error_panels, snapshot_panels
+from longwave.reports.pictures.error_curve import ErrorCurve
 from longwave.reports.pictures.style import CURVES, LATTICE, WAVE, save, styled
 
 SITES = np.arange(-20.0, 21.0)
@@ -40,8 +41,8 @@ def test_panels_are_lettered_row_by_row_and_share_the_strain_axis() -> None:
 
 
 def test_error_axis_starts_at_zero_and_curves_differ_without_colour() -> None:
-    times = {"curve_time": np.arange(5.0)}
-    curves = {str(n): xr.DataArray(np.arange(5.0) + n, times, "curve_time") for n in range(3)}
+    times = np.arange(5.0)
+    curves = {str(n): ErrorCurve(times, times + n) for n in range(3)}
     (ax,) = error_panels({"(A)": curves}).figure().axes
     assert ax.get_ylim()[0] == 0
     assert len({(line.get_linestyle(), line.get_marker()) for line in ax.lines}) == 3
