@@ -1,6 +1,6 @@
-"""The command ``python -m derive``, which is ``longwave derive`` too: print a reduction.
+"""Command ``python -m derive``, the same as ``longwave derive``: print a reduction.
 
-Nothing is imported for the help; SymPy comes with the derivation.
+The help text needs no further imports; SymPy is imported for the derivation.
 """
 
 from __future__ import annotations
@@ -14,13 +14,13 @@ import click
 from longwave.support.command_line import example, limit_options, named_values, run_words
 
 CONSTANTS = ("K2", "K3", "K4")
-"""The constants of the strain FPUT lattice."""
+"""Constants of the strain FPUT lattice."""
 
 
 def _constant_options(function: Callable[..., Any]) -> Callable[..., Any]:
     for name in reversed(CONSTANTS):
-        said = f"Value of {name}: a number or a formula, with eps where it is small."
-        option = click.option(f"--{name.lower()}", name, metavar="VALUE", help=said)
+        help_text = f"Value of {name}: a number or a formula, with eps where it is small."
+        option = click.option(f"--{name.lower()}", name, metavar="VALUE", help=help_text)
         function = option(function)
     return function
 
@@ -34,13 +34,13 @@ def _constant_options(function: Callable[..., Any]) -> Callable[..., Any]:
     "--losses",
     multiple=True,
     metavar="NAME=VALUE,...",
-    help="Of cells and of dashpots beside springs: site=eps^3*gamma,bond=eps*eta.",
+    help="Losses of cells and of dashpots beside springs: site=eps^3*gamma,bond=eps*eta.",
 )
 @click.option(
-    "--background", metavar="VALUE", help="Uniform strain the waves ride on, as -K3/(3*K4)."
+    "--background", metavar="VALUE", help="Uniform strain that the waves ride on, as -K3/(3*K4)."
 )
 @click.option(
-    "--direction", metavar="ANGLE|A,B", help="Of the wave on a square lattice: pi/4, or 3,4."
+    "--direction", metavar="ANGLE|A,B", help="Direction on a square lattice: pi/4, or 3,4."
 )
 @click.option("--amplitude", metavar="N", help="Power of eps of the wave; found unless given.")
 @click.option("--time", metavar="N", help="Power of eps of the slow time; found unless given.")
@@ -96,7 +96,7 @@ def derive(
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line; returns the exit status (2 for wrong input)."""
+    """Run the command line; return the exit status (2 for wrong input)."""
     return run_words(derive, "python -m derive", arguments)
 
 

@@ -1,8 +1,8 @@
-"""The decay of a soliton by weak losses, from the balance of its momentum.
+"""Decay of a soliton by weak losses, from the balance of its momentum.
 
-A solitary wave of ``Y_T + alpha Y^r Y_X + delta Y_XXX = 0`` with its crest at a has
+A solitary wave of ``Y_T + alpha Y^r Y_X + delta Y_XXX = 0`` with crest a has
 ``Y_X^2 = kappa Y^2 (a^r - Y^r)``, ``kappa = 2 alpha/((r + 1) (r + 2) delta)``, so that its
-integrals over X are integrals over Y.  With ``damping Y - diffusion Y_XX`` on the left of the
+integrals over X become integrals over Y.  With ``damping Y - diffusion Y_XX`` on the left of the
 equation it keeps this shape, at leading order, and the balance
 ``d/dT int Y^2 = -2 damping int Y^2 - 2 diffusion int Y_X^2`` gives a(T).  The bright soliton of the
 NLS equation has the same shape with r = 2.
@@ -20,7 +20,7 @@ from longwave.derive.output.notation import Displayed, Printed
 from longwave.derive.output.own_names import unused
 
 crest, first_crest, slow_time = (Symbol(name, positive=True) for name in ("a(T)", "a(0)", "T"))
-"""Under names that no constant of a lattice can have."""
+"""Symbols with names that no constant of a lattice can have."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -38,35 +38,39 @@ class AmplitudeLaw(Displayed):
 
     @property
     def rate(self) -> Expr:
-        """a'(T)."""
+        """The rate a'(T)."""
         return -self.linear * crest - self.further * crest ** (self.power + 1)
 
     @property
     def solution(self) -> Expr:
-        """a(T) from a(0)."""
-        faded, r = exp(-self.linear * slow_time), self.power
-        spread = (1 - faded**r) / self.linear if self.linear else r * slow_time
-        return first_crest * faded / (1 + self.further * first_crest**r * spread) ** Rational(1, r)
+        """The crest a(T) from a(0)."""
+        decayed, r = exp(-self.linear * slow_time), self.power
+        loss_integral = (1 - decayed**r) / self.linear if self.linear else r * slow_time
+        return (
+            first_crest
+            * decayed
+            / (1 + self.further * first_crest**r * loss_integral) ** Rational(1, r)
+        )
 
     def text_beside(self, taken: Collection[str]) -> str:
-        """The text with another name for a(T) where a lattice has a constant a."""
+        """Return the text, with another name for a(T) if the lattice has a constant a."""
         name = unused("a", taken)
         return re.sub(r"\ba(?='?\((T|0)\))", name, self.text())
 
     def written(self, printed: Printed) -> str:
-        """``a'(T) = ..., a(T) = ...``."""
+        """Return ``a'(T) = ..., a(T) = ...``."""
         return f"a'(T) = {printed(self.rate)}, a(T) = {printed(self.solution)}"
 
 
 def amplitude_law(power: int, ratio: Expr, damping: Expr, diffusion: Expr) -> AmplitudeLaw:
-    """The law of a soliton of shape ``Y_X^2 = ratio Y^2 (a^power - Y^power)``.
+    """Return the law of a soliton of shape ``Y_X^2 = ratio Y^2 (a^power - Y^power)``.
 
     >>> gamma = Symbol("gamma", positive=True)
     >>> amplitude_law(1, S.One, gamma / 2, S.Zero).solution
     a(0)*exp(-2*T*gamma/3)
     """
-    half, place = Rational(1, 2), Rational(2, power)
-    slopes_to_squares = gammasimp(beta(place, 3 * half) / beta(place, half))
+    half, exponent = Rational(1, 2), Rational(2, power)
+    slopes_to_squares = gammasimp(beta(exponent, 3 * half) / beta(exponent, half))
     momentum_power = 2 - half * power
     return AmplitudeLaw(
         power,

@@ -1,4 +1,4 @@
-"""The search for an ansatz: the balances of nonlinearity and dispersion, found by trying."""
+"""Search for an ansatz: balances of nonlinearity and dispersion, found by trying exponents."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from longwave.derive.scaling import Scaling, SlowVariable
 from longwave.derive.symbols import c, constant_value, eps
 
 AMPLITUDES, TIMES = (0, 1, 2, 3, 4), (3, 5)
-"""Exponents that are tried."""
+"""Exponents of amplitude and time that are tried."""
 
 LOSSY_TIMES = (*TIMES, 2)
-"""The same of a lattice with losses: T = eps^2 t is that of finite dashpots."""
+"""Exponents of time for a lattice with losses: T = eps^2 t is the scale of finite dashpots."""
 
 
 def find_scaling(
@@ -32,16 +32,16 @@ def find_scaling(
     space: tuple[SlowVariable, ...] = (),
     **constants: Number,
 ) -> tuple[Reduction, ...]:
-    """The reductions of a lattice that balance nonlinearity and dispersion.
+    """Find the reductions of a lattice that balance nonlinearity and dispersion.
 
-    ``constants`` are put in beforehand: numbers, or formulas in text, which may be small.  The wave
-    rides on a uniform ``background``, which may be a formula in the constants.  Only those with
-    ``amplitude`` and ``time`` are sought, powers of eps, where these are given.
+    ``constants`` are substituted first: numbers, or formulas in text, which may be small.  The wave
+    rides on a uniform ``background``, which may be a formula in the constants.  ``amplitude`` and
+    ``time``, powers of eps, restrict the search.
 
-    Those with the fewest conditions on the constants stand first.  A lattice with two axes has the
-    wave along its first one, and a slower variable Z across, unless ``space`` says which.  They are
-    derived through ``further`` orders behind the equation.  Raises ReductionError if none fits,
-    ValueError for constants and a background that are none.
+    Reductions with the fewest conditions on the constants come first.  On a lattice with two axes
+    the wave travels along the first axis, with a slower transverse variable Z, unless ``space``
+    says otherwise.  ``further`` orders beyond the equation are derived.  Raises ReductionError if
+    no ansatz fits, ValueError for invalid constants or background.
 
     >>> from longwave.derive import LATTICES
     >>> [(r.pde.kind, r.scaling.amplitude) for r in find_scaling(LATTICES["fput_strain"])]
@@ -51,28 +51,29 @@ def find_scaling(
     """
     instance("lattice", lattice, Lattice, "LATTICES['fput_strain'] is one")
     lattice, mean = about_mean(lattice, background, constants)
-    found = _balanced(lattice, mean, further, space, amplitude, time)
-    return tuple(sorted(found, key=_rank))
+    reductions = _balanced(lattice, mean, further, space, amplitude, time)
+    return tuple(sorted(reductions, key=_rank))
 
 
 def best_balance(
     lattice: Lattice, mean: Expr, further: int = 0, space: tuple[SlowVariable, ...] = ()
 ) -> Reduction:
-    """The first of `find_scaling`; the search ends where no other could stand before it."""
-    found: list[Reduction] = []
+    """Return the first result of `find_scaling`; the search ends as soon as it is known."""
+    candidates: list[Reduction] = []
     for reduction in _balanced(lattice, mean, further, space):
         if not reduction.conditions:
             return reduction
-        found.append(reduction)
-    return min(found, key=_rank)
+        candidates.append(reduction)
+    return min(candidates, key=_rank)
 
 
 def about_mean(
     lattice: Lattice, background: Number, constants: Mapping[str, Number]
 ) -> tuple[Lattice, Expr]:
-    """The lattice with constants put in, and the mean of its fields.
+    """Return the lattice with constants substituted, and the mean of its fields.
 
-    That of a single displacement is a strain, about which the lattice is taken: its mean is then 0.
+    For a single displacement the background is a strain: the lattice is expanded about it, and the
+    mean is 0.
     """
     mean = uniform_mean(lattice, background, constants)
     lattice = lattice.with_values(constants)
@@ -82,15 +83,15 @@ def about_mean(
 
 
 def uniform_mean(lattice: Lattice, background: Number, constants: Mapping[str, Number]) -> Expr:
-    """A background as an expression: a formula in eps and the lattice's constants, put in.
+    """Return a background, a formula in eps and the lattice's constants, with values substituted.
 
     >>> from longwave.derive import LATTICES
     >>> uniform_mean(LATTICES["fput_strain"], "-K3/(3*K4)", {"K3": "eps/2"})
     -eps/(6*K4)
     """
-    own = {str(symbol): symbol for symbol in lattice.constants}
-    given = {name: constant_value(name, value) for name, value in constants.items()}
-    return exact_value("background", background, {str(eps): eps, **own, **given})
+    symbols = {str(symbol): symbol for symbol in lattice.constants}
+    values = {name: constant_value(name, value) for name, value in constants.items()}
+    return exact_value("background", background, {str(eps): eps, **symbols, **values})
 
 
 def _rank(reduction: Reduction) -> tuple[int, int]:
@@ -105,14 +106,14 @@ def _balanced(
     amplitude: int | None = None,
     time: int | None = None,
 ) -> Iterator[Reduction]:
-    """The balanced reductions, those in T = eps^3 t first; ReductionError if there is none."""
+    """Yield the balanced reductions, T = eps^3 t first. Raises ReductionError if there is none."""
     if not space:
         space = (SlowVariable("X", 1, (1, *(0,) * (lattice.dimension - 1)), c),)
         if lattice.dimension > 1:
-            across = (0, 1, *(0,) * (lattice.dimension - 2))
-            space += (SlowVariable("Z", 2, across, Integer(0)),)
+            transverse = (0, 1, *(0,) * (lattice.dimension - 2))
+            space += (SlowVariable("Z", 2, transverse, Integer(0)),)
     background = ((0, mean),) if mean else ()
-    refused, found = "", False
+    first_refusal, any_balanced = "", False
     usual = LOSSY_TIMES if lattice.has_losses else TIMES
     times = usual if time is None else (time,)
     for power, size in product(times, AMPLITUDES if amplitude is None else (amplitude,)):
@@ -122,12 +123,12 @@ def _balanced(
         try:
             reduction = reduce(lattice, scaling, scaling.leading_order + further)
         except ValueError as error:
-            refused = refused or str(error)
+            first_refusal = first_refusal or str(error)
             continue
         if reduction.is_balanced:
-            found = True
+            any_balanced = True
             yield reduction
-    if found:
+    if any_balanced:
         return
     if lattice.is_linear:
         raise ReductionError(
@@ -135,11 +136,11 @@ def _balanced(
             "a term such as K3*x**2; its waves are in the dispersion relation alone)"
         )
     if (amplitude, time) == (None, None):
-        raise ReductionError(f"no scaling fits {lattice.name}: {refused}")
-    others = (reduction.scaling for reduction in _balanced(lattice, mean, 0, space))
-    known = "; ".join(f"amplitude {s.amplitude}, time {s.time}" for s in others)
-    stated = (("amplitude", amplitude), ("time", time))
-    got = ", ".join(f"{name} {value}" for name, value in stated if value is not None)
+        raise ReductionError(f"no scaling fits {lattice.name}: {first_refusal}")
+    balanced_scalings = (reduction.scaling for reduction in _balanced(lattice, mean, 0, space))
+    known = "; ".join(f"amplitude {s.amplitude}, time {s.time}" for s in balanced_scalings)
+    requested = (("amplitude", amplitude), ("time", time))
+    got = ", ".join(f"{name} {value}" for name, value in requested if value is not None)
     raise ReductionError(
         f"amplitude and time must balance {lattice.name}, got {got} (what balances: {known})"
     )

@@ -1,17 +1,17 @@
 """The nonlinear Schroedinger equation of a carrier wave on a lattice, and its next order.
 
 The fields are ``f = sum eps^m F_m``, each F a polynomial in the letters ``A, A_X, ...`` and their
-conjugates; a monomial's harmonic is the number of its A less that of its conjugates, and it carries
-``exp(i j (k n - omega t))``.  With ``z = exp(i k)`` and ``w = i omega`` a shift by s cells is
-``z^(j s) exp(eps s D)`` and the time derivative ``-j w - eps v D + eps^2 d_T``, with D = d/dX: no
-i is left, and conjugation is z -> 1/z, w -> -w.  Coefficients are rational functions of z, w and
-the lattice's constants but one, which the dispersion relation fixes.
+conjugates; the harmonic j of a monomial is its number of A minus that of conjugates, and it has
+the phase ``exp(i j (k n - omega t))``.  With ``z = exp(i k)`` and ``w = i omega`` a shift by s
+cells is ``z^(j s) exp(eps s D)`` and the time derivative ``-j w - eps v D + eps^2 d_T``, with
+D = d/dX: no i is left, and conjugation is z -> 1/z, w -> -w.  Coefficients are rational functions
+of z, w and the lattice's constants except one, which the dispersion relation determines.
 
-Order by order harmonic 0 gives the mean (from an X-integral where nothing ties the lattice to its
-place), harmonic 1 the group velocity, then ``A_T = G_0 + eps G_1``, and the others are solved for.
+At each order, harmonic 0 gives the mean (by an X-integral if no on-site force pins the lattice),
+harmonic 1 the group velocity, then ``A_T = G_0 + eps G_1``; the other harmonics are solved for.
 
-Losses enter G_0 at eps^2.  They end the derivation there: what they leave of a mean is no local
-function of A.
+Losses enter G_0 at eps^2.  They end the derivation there, because their effect on a mean is not
+a local function of A.
 """
 
 from __future__ import annotations
@@ -36,34 +36,34 @@ from longwave.derive.output.notation import text_of
 from longwave.derive.scaling import Scaling
 
 z, w = Symbol("exp(i k)"), Symbol("i omega")
-"""Under names that no constant of a lattice can have."""
+"""Symbols with names that no constant of a lattice can have."""
 
 LETTER, CONJUGATE, MEAN = 0, 1, 2
-"""Second entry of a jet, behind the number of its X-derivatives."""
+"""Second entry of a jet; the first is the number of X-derivatives."""
 
 A: Jet = (0, LETTER)
 MEAN_LETTER: Jet = (0, MEAN)
 
 LAST = 4
-"""The power of eps at which G_1 is found."""
+"""Power of eps that determines G_1."""
 
 NLS = 3
-"""The power of eps at which G_0 is found."""
+"""Power of eps that determines G_0."""
 
 MOST_TERMS_A_FIELD = 10
-"""Bound on the terms of the second harmonic's determinant, for each field, where constants are left
-as symbols. Three masses and equal springs have 30 and take 2 s, four masses with a symbol for one
-have 46 and take 14 s, three masses and three springs 72 and were not done after minutes."""
+"""Bound on the terms of the second harmonic's determinant, for each field, with symbolic constants.
+Three masses and equal springs have 30 and take 2 s, four masses with a symbol for one have 46 and
+take 14 s, three masses and three springs 72 and did not finish within minutes."""
 
 Rows = list[DifferentialPolynomial]
 
 
 class EnvelopeError(ValueError):
-    """There is no NLS equation of this carrier; the message says why, and what may replace it."""
+    """The carrier has no NLS equation; the message gives the reason and possible alternatives."""
 
 
 def harmonic(monomial: Monomial) -> int:
-    """The number of A in a monomial, less that of its conjugates.
+    """Return the number of A in a monomial minus that of its conjugates.
 
     >>> harmonic(((0, 0), (0, 0), (1, 1)))
     1
@@ -72,7 +72,7 @@ def harmonic(monomial: Monomial) -> int:
 
 
 def at_rest(at: str) -> str:
-    """The message for a wave without a frequency, ``at`` a wavenumber."""
+    """Return the message for a wave of frequency 0; ``at`` names the wavenumber."""
     return (
         f"k must have a carrier of frequency omega > 0, got omega = 0{at} (waves about k = 0 are "
         "long waves: leave --envelope out)"
@@ -80,7 +80,10 @@ def at_rest(at: str) -> str:
 
 
 def _with_leading_mass(lattice: Lattice, leader: int) -> tuple[Lattice, tuple[Symbol]]:
-    """The lattice with a symbol for a field's mass, in which any relation is linear; the symbol."""
+    """Return the lattice with a symbol for a field's mass, and that symbol.
+
+    Any dispersion relation is linear in a mass.
+    """
     symbol = Symbol(f"mass of {lattice.fields[leader]}", positive=True)
     masses = [symbol if i == leader else mass for i, mass in enumerate(lattice.masses)]
     definitions = (*lattice.definitions, (symbol, lattice.masses[leader]))
@@ -88,13 +91,13 @@ def _with_leading_mass(lattice: Lattice, leader: int) -> tuple[Lattice, tuple[Sy
 
 
 class Carrier(Expansion):
-    """The expansion about one carrier wave, and the parts of it that are found so far.
+    """The expansion about one carrier wave, with the parts found so far.
 
     ``parts``: for each field the series without the mean.  ``mean``: the mean S, of the field or,
-    in a lattice of displacements, of the strain of a cell; ``means`` are its orders.  ``flow``: G
-    of ``A_T = G``.  ``relation``: the dispersion relation, a polynomial in w^2; ``waves``: its
-    factors, ``wave`` the one that this carrier solves, by its constant ``fixed``.  ``detuning``:
-    what a constant mean adds to G_0, as a multiple of A.
+    for displacements, of a cell's strain; ``means`` are its orders.  ``flow``: G of ``A_T = G``.
+    ``relation``: the dispersion relation, a polynomial in w^2; ``waves``: its factors, ``wave`` the
+    one of this carrier, solved for its constant ``fixed``.  ``detuning``: what a constant mean adds
+    to G_0, as a multiple of A.
     """
 
     values: dict[Symbol, Expr]
@@ -111,12 +114,12 @@ class Carrier(Expansion):
         leader: int | None = None,
         values: Mapping[Symbol, Expr] | None = None,
     ) -> None:
-        """Set out from a wave of the lattice.
+        """Start from a wave of the lattice.
 
-        ``turn``: exp(i k) at k = 0 or pi, where it is 1 or -1.  ``wave``: the factor of the
-        dispersion relation, where it has several.  ``leader``: the field whose amplitude is A, the
-        first that moves unless given; its mass is what the dispersion relation is solved for then,
-        as it is where no constant is to be had.
+        ``turn``: exp(i k) at k = 0 or pi, which is 1 or -1.  ``wave``: number of the factor of the
+        dispersion relation, if it has several.  ``leader``: the field with amplitude A, by default
+        the first that moves.  If it is given, or if no constant can be solved for, the dispersion
+        relation is solved for a field's mass.
         """
         lattice = lattice if lattice.is_polynomial else lattice.expanded(LAST)
         self._leader, self.turn = leader, turn
@@ -140,9 +143,9 @@ class Carrier(Expansion):
             self._add(index, 1, share * self._letter(A))
 
     def _set_out(self, lattice: Lattice, among: Sequence[Symbol], wave: int | None = None) -> bool:
-        """Find the dispersion relation, and a constant to solve it for; whether there is one.
+        """Compute the dispersion relation; return whether it can be solved for a constant.
 
-        ``wave``: the number of its factor, the first that has such a constant unless given.
+        ``wave``: number of its factor, by default the first with such a constant.
         """
         turn = self.turn
         field = RationalFunctions((z, w, *lattice.constants))
@@ -155,10 +158,14 @@ class Carrier(Expansion):
         waves = [factor for factor, found in powers if 0 in found and len(found) > 1]
         if not waves:
             raise EnvelopeError(at_rest({1: " at k = 0", -1: " at k = pi"}.get(turn or 0, "")))
-        is_stable = len(waves) > 1 and not any(i % 2 for own in waves for i in own.powers_of(w))
+        is_stable = len(waves) > 1 and not any(
+            i % 2 for factor in waves for i in factor.powers_of(w)
+        )
         self.waves = sorted(waves, key=self._first_moved) if is_stable else [self.relation]
-        few = self.waves if wave is None else [self.waves[min(wave, len(self.waves) - 1)]]
-        self.wave = next((own for own in few if any(map(own.solved_for, among))), few[0])
+        candidates = self.waves if wave is None else [self.waves[min(wave, len(self.waves) - 1)]]
+        self.wave = next(
+            (factor for factor in candidates if any(map(factor.solved_for, among))), candidates[0]
+        )
         solvable = [s for s in among if self.wave.solved_for(s)]
         solvable.sort(key=lambda s: self.relation.solved_for(s) is None)
         simple = (s for s in solvable if self.wave.diff(s).is_number)
@@ -166,14 +173,14 @@ class Carrier(Expansion):
         return bool(solvable)
 
     def _first_moved(self, wave: RationalFunction) -> int:
-        """The first field that a wave moves: the others' determinant does not vanish on it."""
+        """Return the first field that a wave moves: the others' determinant is nonzero on it."""
         fields = range(len(self.linear))
         others = (determinant(without(self.linear, i, i)) for i in fields)
         pairs = zip(fields, others, strict=True)
         return next((i for i, own in pairs if wave not in own.factors()), 0)
 
     def solve(self) -> None:
-        """Find all parts up to G_1, with losses up to G_0."""
+        """Solve for all parts up to G_1; with losses up to G_0."""
         self._check_losses()
         self._check_size()
         for order in (2, NLS) if self.lattice.has_losses else (2, NLS, LAST):
@@ -186,16 +193,16 @@ class Carrier(Expansion):
                     self._solve_harmonic(order, j)
 
     def _check_size(self) -> None:
-        """Refuse what would take minutes: the second harmonic's determinant says how much it is."""
+        """Raise EnvelopeError if the second harmonic's determinant is too large to compute soon."""
         fields, size = len(self.lattice.fields), (1 / self.second_harmonic).size
-        left = [s for s in self.lattice.constants if s not in {self.fixed, *self.values}]
-        if self.turn is None and left and fields > 2 and size > MOST_TERMS_A_FIELD * fields:
-            unknown = [str(s) for s in self.lattice.constants if s not in self.values]
+        unresolved = [s for s in self.lattice.constants if s not in {self.fixed, *self.values}]
+        if self.turn is None and unresolved and fields > 2 and size > MOST_TERMS_A_FIELD * fields:
+            names = [str(s) for s in self.lattice.constants if s not in self.values]
             raise EnvelopeError(
-                f"constants of a cell with {fields} fields must be few, got {', '.join(unknown)}: "
+                f"constants of a cell with {fields} fields must be few, got {', '.join(names)}: "
                 f"the second harmonic's resonance has {size} terms, and {MOST_TERMS_A_FIELD} for "
                 f"each field are solved in symbols (give numbers, for all masses first, as "
-                f"{unknown[0]}=1)"
+                f"{names[0]}=1)"
             )
 
     def _check_losses(self) -> None:
@@ -207,10 +214,10 @@ class Carrier(Expansion):
                     "times a constant)"
                 )
 
-    # one order after the other
+    # orders of the expansion
 
     def _solve_mean(self, order: int) -> None:
-        """The mean at ``eps^(order - 3)``, from the row that the other fields leave."""
+        """Solve for the mean at ``eps^(order - 3)``, from the row left by the other fields."""
         rows = self._harmonic(order + (not self.is_displacement), 0)
         row = combined(self.zero_mode[1], rows, self._nothing)
         times = 1 if self.is_displacement else 2
@@ -223,16 +230,16 @@ class Carrier(Expansion):
             if integral is None:
                 raise EnvelopeError(f"the mean must be an X-integral, got none at eps^{order}")
             known = integral
-        found = (-1 / factor) * known
-        self.means.append(found)
-        later = self._series({0: found, 1: self._letter(MEAN_LETTER)})
+        mean = (-1 / factor) * known
+        self.means.append(mean)
+        new_mean = self._series({0: mean, 1: self._letter(MEAN_LETTER)})
         self.mean, *self.parts = (
-            series.replaced(lambda jet: later.derivative(0, jet[0]) if jet[1] == MEAN else None)
+            series.replaced(lambda jet: new_mean.derivative(0, jet[0]) if jet[1] == MEAN else None)
             for series in (self.mean, *self.parts)
         )
 
     def _flow_at(self, order: int) -> DifferentialPolynomial:
-        """The part of ``A_T``, and of ``-v A_X``, that balances harmonic 1 at this order."""
+        """Return the part of ``A_T``, or of ``-v A_X``, that balances harmonic 1 at this order."""
         right, left = self.carried
         row = combined(left, self._harmonic(order, 1), self._nothing)
         masses = map(self.number, self.lattice.masses)
@@ -240,17 +247,17 @@ class Carrier(Expansion):
         return (1 / (2 * self.rate * sum(inertia, self.field.zero))) * row
 
     def _solve_carrier(self, order: int) -> None:
-        """The group velocity or G at this order, then the rest of harmonic 1."""
-        found = self._flow_at(order)
+        """Solve for the group velocity or G at this order, then for the rest of harmonic 1."""
+        flow = self._flow_at(order)
         if order == 2:
-            self.group_velocity = -found.coefficient((1, LETTER))
+            self.group_velocity = -flow.coefficient((1, LETTER))
         else:
-            self.flow = self.flow.plus(order - 3, found)
+            self.flow = self.flow.plus(order - 3, flow)
         if order < LAST:
             self._solve_harmonic(order, 1)
 
     def _solve_harmonic(self, order: int, j: int) -> None:
-        """The parts of the j-th harmonic at this order, but for multiples of a null vector."""
+        """Solve for the j-th harmonic at this order, up to multiples of a null vector."""
         wave = self.carried if j == 1 else None if j or self.is_pinned else self.zero_mode
         try:
             for index, part in self.slaved(j, self._harmonic(order, j), wave):
@@ -264,57 +271,59 @@ class Carrier(Expansion):
     # the equations of motion
 
     def _harmonic(self, order: int, j: int) -> Rows:
-        """The part of ``mass f'' - forces`` at this order and harmonic, for each field."""
-        moved = self._series({}) if self.is_displacement else self.mean
+        """Return the part of ``mass f'' - forces`` at this order and harmonic, for each field."""
+        mean_part = self._series({}) if self.is_displacement else self.mean
         fields = [
-            (part + share * moved).upto(order)
+            (part + share * mean_part).upto(order)
             for part, share in zip(self.parts, self.shares, strict=True)
         ]
         rows = [
             row.at(order).select(lambda m: harmonic(m) == j) for row in self.pulls(fields, order)
         ]
         drift = self._drift(order) if self.is_displacement and not j else self._nothing
-        moving = zip(self.lattice.masses, fields, self.shares, rows, strict=True)
-        found = [
+        fields_of_rows = zip(self.lattice.masses, fields, self.shares, rows, strict=True)
+        residuals = [
             self.number(mass) * (self._acceleration(field, order, j) + share * drift) + row
-            for mass, field, share, row in moving
+            for mass, field, share, row in fields_of_rows
         ]
         for index, loss in enumerate(self.lattice.losses):
             drag = (self.constant(loss, order) * self.rate_of(fields[index])).at(order)
-            found[index] = found[index] + drag.select(lambda m: harmonic(m) == j)
-        return found
+            residuals[index] = residuals[index] + drag.select(lambda m: harmonic(m) == j)
+        return residuals
 
     def _acceleration(self, series: EpsSeries, order: int, j: int) -> DifferentialPolynomial:
-        """The j-th harmonic of f'' at this order; d/dt is ``-j w - eps v D + eps^2 d_T`` there."""
-        rate, own = j * self.rate, self._series({})
+        """Return the j-th harmonic of f'' at this order; d/dt is ``-j w - eps v D + eps^2 d_T``."""
+        rate, harmonic_part = j * self.rate, self._series({})
         for power in range(1, order + 1):
-            own = own.plus(power, series.at(power).select(lambda m: harmonic(m) == j))
-        ahead = self.group_velocity * own.derivative(0).delayed(1)
-        total = rate**2 * own.at(order) + 2 * rate * ahead.at(order)
-        total = total + self.group_velocity * ahead.at(order - 1).derivative(0)
-        return total + self.field(-2) * self._slow(rate * own + ahead, order - 2)
+            harmonic_part = harmonic_part.plus(
+                power, series.at(power).select(lambda m: harmonic(m) == j)
+            )
+        advected = self.group_velocity * harmonic_part.derivative(0).delayed(1)
+        total = rate**2 * harmonic_part.at(order) + 2 * rate * advected.at(order)
+        total = total + self.group_velocity * advected.at(order - 1).derivative(0)
+        return total + self.field(-2) * self._slow(rate * harmonic_part + advected, order - 2)
 
     def rate_of(self, series: EpsSeries) -> EpsSeries:
-        """The time derivative of what losses act on, ``-j w`` of the j-th harmonic.
+        """Return the time derivative used in loss terms, ``-j w`` times the j-th harmonic.
 
-        The rest of it, ``-eps v D + eps^2 d_T``, is behind the order at which losses end the way.
+        The remainder, ``-eps v D + eps^2 d_T``, is beyond the last order with losses.
         """
-        turned = {
+        rotated = {
             order: DifferentialPolynomial.collect(
                 self.field,
                 ((m, self.field(-harmonic(m)) * self.rate * v) for m, v in part.terms.items()),
             )
             for order, part in series.parts.items()
         }
-        return self._series(turned, series.limit)
+        return self._series(rotated, series.limit)
 
     def _drift(self, order: int) -> DifferentialPolynomial:
-        """The second time derivative of a displacement whose X-derivative is the mean."""
-        ahead = self.group_velocity * self.mean.at(order - 1).derivative(0)
-        return self.group_velocity * (ahead + self.field(-2) * self._slow(self.mean, order - 2))
+        """Return the second time derivative of a displacement whose X-derivative is the mean."""
+        advected = self.group_velocity * self.mean.at(order - 1).derivative(0)
+        return self.group_velocity * (advected + self.field(-2) * self._slow(self.mean, order - 2))
 
     def _slow(self, series: EpsSeries, order: int) -> DifferentialPolynomial:
-        """d/dT along the flow, at this order."""
+        """Return d/dT along the flow, at this order."""
         total = self._nothing
         for power, flow in self.flow.parts.items():
             rates = {LETTER: [flow], CONJUGATE: [self.conjugated(flow)]}
@@ -329,15 +338,15 @@ class Carrier(Expansion):
         return total
 
     def stretch(self, bond: Bond, fields: Sequence[EpsSeries]) -> EpsSeries:
-        """The stretch of a bond by the fields, and by displacements' means."""
+        """Return the stretch of a bond by the fields and, for displacements, by the mean strain."""
         total = super().stretch(bond, fields)
         for entry in bond.stretch if self.is_displacement else ():
-            gained = self._summed(self.mean.upto(total.limit), entry.shift[0])
-            total = total + (entry.weight * self.shares[entry.field]) * gained
+            gain = self._summed(self.mean.upto(total.limit), entry.shift[0])
+            total = total + (entry.weight * self.shares[entry.field]) * gain
         return total
 
     def _summed(self, mean: EpsSeries, cells: int) -> EpsSeries:
-        """The gain of a displacement over so many cells: ``(exp(eps s D) - 1)/(eps D)`` of S."""
+        """Return a displacement's gain over ``cells`` = s: ``(exp(eps s D) - 1)/(eps D)`` of S."""
         total, power, count = self._series({}, mean.limit), mean, 1
         while cells and power.parts:
             power = self.field(cells) / count * power
@@ -346,10 +355,10 @@ class Carrier(Expansion):
         return total
 
     def shifted(self, series: EpsSeries, cell: Cell) -> EpsSeries:
-        """By the phase of each harmonic and, for the letters, Taylor's theorem."""
+        """Shift a series: each harmonic by its phase, the letters by Taylor's theorem."""
         if not any(cell):
             return series
-        turned = {
+        rotated = {
             order: DifferentialPolynomial(
                 self.field,
                 {
@@ -359,14 +368,14 @@ class Carrier(Expansion):
             )
             for order, part in series.parts.items()
         }
-        return super().shifted(self._series(turned, series.limit), cell)
+        return super().shifted(self._series(rotated, series.limit), cell)
 
     def number(self, value: Expr) -> RationalFunction:
-        """A constant; the one that the dispersion relation fixes is replaced."""
+        """Return a constant as a field element; the constant `fixed` is replaced."""
         return self.field.from_expr(value.xreplace(self.values), self.images)
 
     def null_vectors(self, j: int) -> tuple[Column, Column]:
-        """Right and left; EnvelopeError unless there is one of each."""
+        """Return the right and left null vector. Raises EnvelopeError if one is not unique."""
         try:
             return super().null_vectors(j)
         except ValueError:
@@ -377,12 +386,12 @@ class Carrier(Expansion):
 
     @cached_property
     def second_harmonic(self) -> RationalFunction:
-        """One over what vanishes where the second harmonic is a wave of the lattice."""
+        """The inverse of the determinant that vanishes if the second harmonic is a wave."""
         return 1 / determinant(self.matrix(2))
 
     @cached_property
     def carried(self) -> tuple[Column, Column]:
-        """The carrier's null vectors, right and left; 1 is the entry of the leading field."""
+        """The carrier's null vectors, right and left; the leading field has the entry 1."""
         right, left = self.null_vectors(1)
         if self._leader is None:
             return right, left
@@ -393,12 +402,12 @@ class Carrier(Expansion):
 
     @property
     def leader(self) -> int:
-        """The field whose amplitude is A."""
+        """Number of the field whose amplitude is A."""
         return self.carried[0].index(1)
 
     @cached_property
     def singular(self) -> tuple[RationalFunction, RationalFunction]:
-        """One over what vanishes where the leading field rests, or ``fixed`` is not to be had."""
+        """Inverses of what vanishes if the leader rests or ``fixed`` cannot be solved for."""
         others = without(self.linear, self.leader, self.leader)
         minor = determinant(others) if others else self.field.one
         return 1 / minor, 1 / self.wave.diff(self.fixed)
@@ -412,7 +421,7 @@ class Carrier(Expansion):
             raise EnvelopeError("the mean must be conserved, got none in A_T (take strains)")
         return self._series({2: integral})
 
-    # the algebra of letters
+    # algebra of the letters
 
     @property
     def _nothing(self) -> DifferentialPolynomial:
@@ -429,12 +438,12 @@ class Carrier(Expansion):
     def _add(
         self, index: int, order: int, part: DifferentialPolynomial, *, real: bool = False
     ) -> None:
-        """Add a part to a field, with its conjugate unless it is real."""
-        whole = part if real else part + self.conjugated(part)
-        self.parts[index] = self.parts[index].plus(order, whole)
+        """Add a part to a field, with its conjugate unless it is ``real``."""
+        full_part = part if real else part + self.conjugated(part)
+        self.parts[index] = self.parts[index].plus(order, full_part)
 
     def conjugated(self, polynomial: DifferentialPolynomial) -> DifferentialPolynomial:
-        """The complex conjugate."""
+        """Return the complex conjugate."""
         items = (
             (
                 tuple(sorted((m, kind if kind == MEAN else 1 - kind) for m, kind in monomial)),
@@ -445,14 +454,14 @@ class Carrier(Expansion):
         return DifferentialPolynomial.collect(self.field, items)
 
     def _conjugated_number(self, element: RationalFunction) -> RationalFunction:
-        """The element at 1/z and -w."""
+        """Return the element at 1/z and -w."""
         return element.mapped(self._reflected, self._conjugates)
 
     def _reflected(self, terms: Terms) -> RationalFunction:
-        """The polynomial at 1/z and -w."""
+        """Return the polynomial at 1/z and -w."""
         degree = max((exponents[0] for exponents, _ in terms), default=0)
-        turned = [
+        reflected = [
             ((degree - exponents[0], *exponents[1:]), -value if exponents[1] % 2 else value)
             for exponents, value in terms
         ]
-        return self.field.from_terms(turned) / self.field(z) ** degree
+        return self.field.from_terms(reflected) / self.field(z) ** degree

@@ -1,7 +1,7 @@
-"""The fields of a carrier wave with numbers: what the lattice holds for a given amplitude A.
+"""Fields of a carrier wave as numbers: the ansatz for a given amplitude A.
 
-A field is ``sum value eps^power product of jets``, each product turning with its harmonic; a jet is
-the m-th X-derivative of A or of its conjugate.
+A field is ``sum value eps^power product of jets``, each product with the phase of its harmonic; a
+jet is the m-th X-derivative of A or of its conjugate.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ class CarrierTerm(NamedTuple):
 
     @property
     def harmonic(self) -> int:
-        """The number of A, less that of its conjugates."""
+        """The number of A minus that of its conjugates."""
         return harmonic(self.jets)
 
 
@@ -39,12 +39,12 @@ CarrierTerms = tuple[CarrierTerm, ...]
 class CarrierFields:
     """The ansatz of an envelope at one wavenumber, through eps^3.
 
-    ``parts``: of each field the harmonics from 0 up; the complex conjugates of those above 0 are
-    left out.  ``mean``: the mean S, of which field j holds ``shares[j]`` times; in a lattice of
-    displacements (``is_displacement``) the X-integral of S over eps, for which ``mean_slope`` is
-    S_X and ``mean_flow`` the T-derivative of the integral at the first order.  A lattice that is
-    tied to its place has no such mean: its own is harmonic 0 of ``parts``.  ``flow``: A_T and its
-    X-derivatives, as many as there are jets in the rest.
+    ``parts``: harmonics from 0 up of each field; complex conjugates of those above 0 are omitted.
+    ``mean``: the mean S, which enters field j ``shares[j]`` times; for displacements
+    (``is_displacement``) it is the X-integral of S over eps, with ``mean_slope`` S_X and
+    ``mean_flow`` the T-derivative of the integral at the first order.  A pinned lattice has no such
+    mean: its mean is harmonic 0 of ``parts``.  ``flow``: A_T and its X-derivatives, as many as the
+    other terms need.
     """
 
     k: float
@@ -60,26 +60,29 @@ class CarrierFields:
 
     @property
     def highest_jet(self) -> int:
-        """The most X-derivatives of A in fields and their time derivatives."""
+        """Largest number of X-derivatives of A in fields and their time derivatives."""
         every = (self.mean, self.mean_slope, self.mean_flow, *self.parts, *self.flow)
         return max(m for terms in every for term in terms for m, _ in term.jets)
 
 
 def carrier_fields(
-    envelope: Envelope, k: Number | None = None, branch: str | int | None = None, **given: Number
+    envelope: Envelope,
+    k: Number | None = None,
+    branch: str | int | None = None,
+    **constants: Number,
 ) -> CarrierFields:
-    """The fields at a wavenumber and values of all constants, as for `Envelope.coefficients`.
+    """Return the fields at a wavenumber and values of all constants.
 
-    Raises what that raises.
+    Arguments and errors are those of `Envelope.coefficients`.
 
     >>> from longwave.derive import LATTICES, envelope
     >>> found = carrier_fields(envelope(LATTICES["fput_strain"]), 1, K2=1, K3=0, K4=1)
     >>> found.parts[0][0]
     CarrierTerm(power=1, jets=((0, 0),), value=(1+0j))
     """
-    envelope = envelope.regular(k, branch, **given)
-    numbers = envelope.coefficients(k, branch, **given)
-    point = envelope.point(k, branch, given)
+    envelope = envelope.regular(k, branch, **constants)
+    numbers = envelope.coefficients(k, branch, **constants)
+    point = envelope.point(k, branch, constants)
     carrier = envelope.carrier
     free = not carrier.is_pinned
     with mpmath.workdps(DIGITS + GUARD):
@@ -105,7 +108,7 @@ def carrier_fields(
 
 
 def _numeric(series: EpsSeries, point: Mapping[str, mpmath.mpc]) -> CarrierTerms:
-    """The terms through the last complete order, without harmonics below 0."""
+    """Return the terms through the last complete order, without harmonics below 0."""
     return tuple(
         CarrierTerm(power, jets, complex(_value(value, point)))
         for power, part in series.parts.items()
@@ -115,7 +118,7 @@ def _numeric(series: EpsSeries, point: Mapping[str, mpmath.mpc]) -> CarrierTerms
 
 
 def _slope(terms: CarrierTerms) -> CarrierTerms:
-    """The X-derivative."""
+    """Return the X-derivative."""
     total: dict[tuple[int, Monomial], complex] = {}
     for power, jets, value in terms:
         for i, jet in enumerate(jets):
@@ -125,10 +128,10 @@ def _slope(terms: CarrierTerms) -> CarrierTerms:
 
 
 def _value(element: RationalFunction, point: Mapping[str, mpmath.mpc]) -> mpmath.mpc:
-    found = evaluated(element, point)
-    if found is None:
+    number = evaluated(element, point)
+    if number is None:
         raise EnvelopeError(
             f"k must be no resonance, got {mpmath.nstr(point['k'], 8)}, where a harmonic of "
             "the carrier is a wave of the lattice (take another wavenumber)"
         )
-    return found
+    return number

@@ -1,7 +1,7 @@
-"""A reduction and an envelope checked by other ways than the expansion that gave them.
+"""Checks of a reduction and an envelope that do not use the expansion.
 
-The constants get rational numbers that are chosen here; the lattice itself is computed at 60
-digits, and what an expansion leaves of it must fall with eps at the power that it promises.
+Constants are set to rational numbers chosen here. The lattice itself is evaluated at 60 digits,
+and the remainder of an expansion must fall with eps at the promised power.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ STEPS = ("1e-4", "1e-5")
 """Values of eps between which an exponent is measured."""
 
 NEAR = 0.05
-"""How far a measured exponent may lie below the promised one: its error falls with eps."""
+"""Allowed shortfall of a measured exponent, whose own error falls with eps."""
 
 Values = Mapping[Symbol, Any]
 Wave = Callable[..., Any]
@@ -40,12 +40,12 @@ class Check:
     passed: bool
 
     def text(self) -> str:
-        """The check in one line."""
+        """Return the check in one line."""
         return f"{'agrees' if self.passed else 'DIFFERS'}: {self.name} ({self.detail})"
 
 
 def numbers(symbols: Sequence[Symbol]) -> dict[Symbol, Rational]:
-    """Positive rational numbers for the symbols.
+    """Return positive rational numbers for the symbols.
 
     >>> numbers([Symbol("a"), Symbol("b")])
     {a: 30/23, b: 41/29}
@@ -55,7 +55,7 @@ def numbers(symbols: Sequence[Symbol]) -> dict[Symbol, Rational]:
 
 
 def simple_numbers(symbols: Sequence[Symbol]) -> dict[Symbol, Rational]:
-    """Small whole numbers for the symbols, prime so that few terms cancel.
+    """Return small primes for the symbols, so that few terms cancel.
 
     >>> simple_numbers([Symbol("a"), Symbol("b")])
     {a: 2, b: 3}
@@ -65,56 +65,56 @@ def simple_numbers(symbols: Sequence[Symbol]) -> dict[Symbol, Rational]:
 
 
 def checks_of_reduction(reduction: Reduction) -> list[Check]:
-    """A plane wave, a manufactured wave, and on a chain static stress law and decay by losses."""
+    """Check a plane wave, a manufactured wave and, for a chain, stress law and losses."""
     promised = reduction.highest_order + 1
     with mpmath.workdps(DIGITS):
         point = _Point(reduction)
-        found = [
+        checks = [
             _falling("dispersion determinant", point.linear_rest, promised),
             _falling("manufactured wave", point.manufactured_rest, promised),
         ]
         if _has_static_law(reduction):
-            found.append(_static(reduction))
+            checks.append(_static(reduction))
         if reduction.lattice.has_losses and reduction.lattice.dimension == 1:
-            found.append(_complex_frequency(reduction))
-    return found
+            checks.append(_complex_frequency(reduction))
+    return checks
 
 
-def checks_of_envelope(found: Envelope) -> Iterator[Check]:
-    """The identities of a carrier whose wavenumber is shifted, none at k = pi; decay by losses.
+def checks_of_envelope(envelope: Envelope) -> Iterator[Check]:
+    """Check identities of a carrier at a variable wavenumber (none at k = pi), and decay by losses.
 
     p = omega''/2, a3 = omega'''/6 and a1 + a2 = -dq/dk, exactly, as rational functions.
     """
-    if found.lattice.has_losses:
+    if envelope.lattice.has_losses:
         with mpmath.workdps(DIGITS):
-            yield _complex_carrier(found)
-    if found.wavenumber == pi:
+            yield _complex_carrier(envelope)
+    if envelope.wavenumber == pi:
         return
-    parts, carrier = found.parts, found.carrier
+    parts, carrier = envelope.parts, envelope.carrier
     z, w = carrier.field.symbols[:2]
 
     def slope(value: Any) -> Any:
-        """-i d/dk along the branch, on which d omega/dk = v."""
+        """Return -i d/dk along the branch, on which d omega/dk = v."""
         return carrier.field(z) * value.diff(z) + parts["v"] * value.diff(w)
 
     identities = [("p = omega''/2", -2 * parts["p"], slope(parts["v"]))]
-    if not found.lattice.has_losses:
+    if not envelope.lattice.has_losses:
         identities += [
             ("a3 = omega'''/6", 3 * parts["a3"], slope(parts["p"])),
             ("a1 + a2 = -dq/dk", parts["a1"] + parts["a2"], -slope(parts["q"])),
         ]
-    for name, left, right in identities:
-        yield Check(name, "exactly, for all k and constants", left == right)
+    for name, left_vector, right in identities:
+        yield Check(name, "exactly, for all k and constants", left_vector == right)
 
 
-def _complex_carrier(found: Envelope) -> Check:
-    """The frequency of the lattice with its losses at a wavenumber, and that of the envelope."""
-    lattice = found.carrier.lattice
-    free = [s for s in lattice.basic_constants if s not in found.constants]
-    basic = {**numbers(free), **found.constants}
-    chosen = 1 if found.wavenumber is None else None
-    point = found.point(chosen, None, {str(symbol): value for symbol, value in basic.items()})
-    undamped, loss = -point["i omega"], evaluated(found.parts["loss"], point)
+def _complex_carrier(envelope: Envelope) -> Check:
+    """Compare the complex frequency of the lattice with losses with that of the envelope."""
+    lattice = envelope.carrier.lattice
+    free = [s for s in lattice.basic_constants if s not in envelope.constants]
+    basic = {**numbers(free), **envelope.constants}
+    angle = 1 if envelope.wavenumber is None else None
+    point = envelope.point(angle, None, {str(symbol): value for symbol, value in basic.items()})
+    undamped, loss = -point["i omega"], evaluated(envelope.parts["loss"], point)
     values = lattice.with_defined(basic)
 
     def rest(small: Any) -> Any:
@@ -131,17 +131,19 @@ def _complex_carrier(found: Envelope) -> Check:
 
 
 def _falling(name: str, rest: Callable[[Any], Any], promised: int) -> Check:
-    small = [mpmath.mpf(step) for step in STEPS]
-    rests = [abs(rest(step)) for step in small]
-    if not all(rests):
+    eps_values = [mpmath.mpf(step) for step in STEPS]
+    remainders = [abs(rest(step)) for step in eps_values]
+    if not all(remainders):
         return Check(name, "nothing is left", passed=True)
-    exponent = float(mpmath.log(rests[0] / rests[1]) / mpmath.log(small[0] / small[1]))
+    exponent = float(
+        mpmath.log(remainders[0] / remainders[1]) / mpmath.log(eps_values[0] / eps_values[1])
+    )
     detail = f"what is left falls as eps^{exponent:.2f}, promised {promised}"
     return Check(name, detail, exponent > promised - NEAR)
 
 
 class _Point:
-    """The lattice and its expansion at chosen constants; the precision is set."""
+    """The lattice and its expansion at chosen constants; the caller sets the precision."""
 
     def __init__(self, reduction: Reduction) -> None:
         self.reduction = reduction
@@ -159,20 +161,20 @@ class _Point:
         return _number(value, self.values, small)
 
     def slow(self, cell: Sequence[int], time: Any, small: Any) -> list[Any]:
-        """The slow variables at a cell and a time."""
-        found = []
+        """Return the slow variables at a cell and a time."""
+        slow = []
         for variable in self.scaling.space:
-            gone = self._along(variable, cell) - self._number(variable.speed) * time
-            found.append(small**variable.exponent * gone)
-        return [*found, small**self.scaling.time * time]
+            distance = self._along(variable, cell) - self._number(variable.speed) * time
+            slow.append(small**variable.exponent * distance)
+        return [*slow, small**self.scaling.time * time]
 
     def _along(self, variable: SlowVariable, cell: Sequence[int]) -> Any:
-        """The way to a cell in the direction of a slow variable."""
+        """Return the distance to a cell in the direction of a slow variable."""
         steps = zip(variable.direction, cell, strict=True)
         return mpmath.fsum(self._number(d) * s for d, s in steps)
 
     def polynomial(self, part: DifferentialPolynomial, at: Sequence[Any]) -> Any:
-        """A polynomial in the jets of the manufactured wave, at the slow variables."""
+        """Evaluate a polynomial in the jets of the manufactured wave at the slow variables."""
         rates = [[mpmath.mpf(r.p) / r.q for r in rate] for rate in self.rates]
         modes = [mpmath.exp(mpmath.fdot(rate, at)) / (2 + i) for i, rate in enumerate(rates)]
 
@@ -188,7 +190,7 @@ class _Point:
         )
 
     def field(self, name: str, cell: Sequence[int], time: Any, small: Any) -> Any:
-        """A field of the lattice under the ansatz, slaved parts included."""
+        """Return a field of the lattice under the ansatz, slaved parts included."""
         at = self.slow(cell, time, small)
         mean = mpmath.fsum(
             small**power * self._number(value, small) for power, value in self.scaling.background
@@ -200,19 +202,19 @@ class _Point:
         return mean + wave + mpmath.fsum(small**o * self.polynomial(part, at) for o, part in parts)
 
     def manufactured_rest(self, small: Any) -> Any:
-        """The residual of the equations of motion behind the expansion, the largest of the rows."""
-        here = (0,) * self.lattice.dimension
+        """Return the largest residual of the equations of motion beyond the expansion."""
+        origin = (0,) * self.lattice.dimension
         names = self.lattice.fields
         rows = []
         for name, *sizes in zip(names, self.lattice.masses, self.lattice.site_losses, strict=True):
             mass, loss = (self._number(size, small) for size in sizes)
 
-            def moved(time: Any, name: str = name) -> Any:
-                return self.field(name, here, time, small)
+            def displacement(time: Any, name: str = name) -> Any:
+                return self.field(name, origin, time, small)
 
-            rows.append(mass * mpmath.diff(moved, 0, 2))
+            rows.append(mass * mpmath.diff(displacement, 0, 2))
             if loss:
-                rows[-1] += loss * mpmath.diff(moved, 0)
+                rows[-1] += loss * mpmath.diff(displacement, 0)
         for bond in self.lattice.bonds:
             loss = self._number(bond.loss, small)
             coefficients = [self._number(value, small) for value in bond.coefficients()]
@@ -225,7 +227,7 @@ class _Point:
                 if loss:
                     force += loss * mpmath.diff(stretch, 0)
                 rows[end.field] -= end.weight * force
-        at = self.slow(here, 0, small)
+        at = self.slow(origin, 0, small)
         known = mpmath.fsum(
             small**order * self.polynomial(equation.polynomial, at)
             for order, equation in self.reduction.orders.items()
@@ -234,7 +236,7 @@ class _Point:
         return max([abs(rest), *(abs(row) for i, row in enumerate(rows) if i != self.row)])
 
     def _stretch(self, bond: Bond, end: Stencil, time: Any, small: Any) -> Any:
-        """The stretch of the bond that acts through ``end``."""
+        """Return the stretch of the bond that acts through ``end``."""
         cells = ([i + j for i, j in zip(e.shift, end.shift, strict=True)] for e in bond.stretch)
         return mpmath.fsum(
             entry.weight * self.field(self.lattice.fields[entry.field], cell, time, small)
@@ -242,7 +244,7 @@ class _Point:
         )
 
     def linear_rest(self, small: Any) -> Any:
-        """The determinant of the linear lattice at a plane wave, less the linear terms found."""
+        """Return the linear lattice's determinant at a plane wave minus the derived terms."""
         rates = [mpmath.mpc(0, 1) * mpmath.mpf(rate.p) / rate.q for rate in self.rates[0]]
         growth = rates[-1] * small**self.scaling.time
         for rate, variable in zip(rates, self.scaling.space, strict=False):
@@ -259,11 +261,11 @@ class _Point:
             self.lattice, lambda value: self._number(value, small), growth, turn, self.scaling.mean
         )
         sign = (-1) ** (self.row + self.column)
-        below = mpmath.mpf(1)
+        minor = mpmath.mpf(1)
         if count > 1:
             rows, columns = ([i for i in range(count) if i != o] for o in (self.row, self.column))
-            below = mpmath.det(mpmath.matrix([[matrix[i, j] for j in columns] for i in rows]))
-        whole = sign * mpmath.det(matrix) / below * small**self.scaling.amplitude
+            minor = mpmath.det(mpmath.matrix([[matrix[i, j] for j in columns] for i in rows]))
+        ratio = sign * mpmath.det(matrix) / minor * small**self.scaling.amplitude
         linear = mpmath.fsum(
             small**order
             * self._number(value.as_expr())
@@ -272,22 +274,22 @@ class _Point:
             for monomial, value in equation.polynomial.terms.items()
             if len(monomial) == 1
         )
-        return whole - linear
+        return ratio - linear
 
 
 def _number(value: Expr, values: Values, small: Any = 0) -> Any:
-    """An expression at the values of its symbols and of eps."""
-    found = value.xreplace(dict(values))
-    powers = found.as_poly(eps).all_coeffs() if found.has(eps) else [found]
+    """Evaluate an expression at the values of its symbols and of eps."""
+    number = value.xreplace(dict(values))
+    powers = number.as_poly(eps).all_coeffs() if number.has(eps) else [number]
     return mpmath.polyval([mpmath.mpf(power.evalf(DIGITS)) for power in powers], small)
 
 
 def _matrix(
     lattice: Lattice, number: Callable[[Expr], Any], growth: Any, turn: Wave, mean: Expr = S.Zero
 ) -> Any:
-    """The linear lattice about a mean at a plane wave ``exp(growth t)``.
+    """Return the matrix of the linear lattice about a mean, at a plane wave ``exp(growth t)``.
 
-    It is multiplied by ``exp(turn(steps))`` over so many cells along the axes.
+    A shift by ``steps`` cells along the axes multiplies by ``exp(turn(steps))``.
     """
     matrix = mpmath.diag(
         [
@@ -307,19 +309,21 @@ def _matrix(
 
 
 def _complex_frequency(reduction: Reduction) -> Check:
-    """The frequency of the lattice with its losses at a wavenumber, and that of the equation."""
+    """Compare the complex frequency of the lattice with losses with that of the equation."""
     basic = _admissible(reduction)
     values, scaling = reduction.lattice.with_defined(basic), reduction.scaling
-    found = reduction.coefficients(**{str(symbol): value for symbol, value in basic.items()})
+    coefficients = reduction.coefficients(**{str(symbol): value for symbol, value in basic.items()})
     rate = mpmath.mpc(0, 1) * mpmath.mpf(3) / 7
-    linear = [(found.terms[n], m[0][0]) for n, m in found.monomials.items() if len(m) == 1]
+    linear = [
+        (coefficients.terms[n], m[0][0]) for n, m in coefficients.monomials.items() if len(m) == 1
+    ]
     slow = -mpmath.fsum(mpmath.mpf(v.evalf(DIGITS)) * rate**count for v, count in linear)
     [variable] = scaling.space
     [direction] = variable.direction
 
     def rest(small: Any) -> Any:
         along = rate * small**variable.exponent
-        known = small**scaling.time * slow - along * mpmath.mpf(found.c.evalf(DIGITS))
+        known = small**scaling.time * slow - along * mpmath.mpf(coefficients.c.evalf(DIGITS))
 
         def vanishing(growth: Any) -> Any:
             def turn(steps: Sequence[int]) -> Any:
@@ -336,13 +340,13 @@ def _complex_frequency(reduction: Reduction) -> Check:
 
 
 def _root(vanishing: Wave, near: Any) -> Any:
-    """The root next to ``near``, which is off by a small part of itself."""
+    """Return the root next to ``near``, whose relative error is small."""
     steps = (near, near * (1 + mpmath.mpf("1e-20")))
     return mpmath.findroot(vanishing, steps, tol=mpmath.mpf(10) ** -DIGITS, verify=False)
 
 
 def _has_static_law(reduction: Reduction) -> bool:
-    """Whether there is a stress on a chain that depends on the strain alone, not on eps."""
+    """Return whether a chain has a static stress that depends on the strain only, not on eps."""
     definitions = dict(reduction.lattice.definitions)
     forces = (value for bond in reduction.lattice.bonds for value in bond.coefficients())
     scaled = any(value.xreplace(definitions).has(eps) for value in forces)
@@ -350,17 +354,17 @@ def _has_static_law(reduction: Reduction) -> bool:
 
 
 def _static(reduction: Reduction) -> Check:
-    """The speed of long waves on a uniform strain, and the nonlinear terms without dispersion."""
+    """Compare the speed of long waves on a uniform strain with the nonlinear terms."""
     basic = _admissible(reduction)
     values = reduction.lattice.with_defined(basic)
-    found = reduction.coefficients(**{str(symbol): value for symbol, value in basic.items()})
+    coefficients = reduction.coefficients(**{str(symbol): value for symbol, value in basic.items()})
     terms = {"Y_X": 0, "Y Y_X": 1, "Y^2 Y_X": 2}
-    shifts = {terms[name]: value for name, value in found.terms.items() if name in terms}
+    shifts = {terms[name]: value for name, value in coefficients.terms.items() if name in terms}
     highest = max(shifts, default=0)
 
     def rest(strain: Any) -> Any:
         waves = _sound(reduction.lattice, values, strain)
-        known = mpmath.mpf(found.c.evalf(DIGITS)) + mpmath.fsum(
+        known = mpmath.mpf(coefficients.c.evalf(DIGITS)) + mpmath.fsum(
             mpmath.mpf(value.evalf(DIGITS)) * strain**power for power, value in shifts.items()
         )
         return waves - known
@@ -369,21 +373,21 @@ def _static(reduction: Reduction) -> Check:
 
 
 def _admissible(reduction: Reduction) -> dict[Symbol, Expr]:
-    """Numbers for the constants that meet the conditions, the last symbol of each solved for."""
+    """Return constants that meet the conditions, each solved for its last symbol."""
     constants, definitions = reduction.lattice.basic_constants, dict(reduction.lattice.definitions)
     chosen: dict[Symbol, Expr] = dict(numbers(constants))
     for condition in reduction.conditions:
         speed = {reduction.scaling.frame_symbol: sqrt(reduction.speed_squared)}
         vanishing = condition.expression.xreplace(speed).xreplace(definitions)
-        free = [symbol for symbol in constants if vanishing.has(symbol)]
-        if free:
-            others = {s: value for s, value in chosen.items() if s != free[-1]}
-            chosen[free[-1]] = solve(vanishing.xreplace(others), free[-1])[0]
+        candidates = [symbol for symbol in constants if vanishing.has(symbol)]
+        if candidates:
+            others = {s: value for s, value in chosen.items() if s != candidates[-1]}
+            chosen[candidates[-1]] = solve(vanishing.xreplace(others), candidates[-1])[0]
     return chosen
 
 
 def _sound(lattice: Lattice, values: Values, strain: Any) -> Any:
-    """The speed of long waves on a uniform strain of the cells, from the stress in equilibrium."""
+    """Return the speed of long waves on a uniform strain, from the equilibrium stress."""
     masses = [mpmath.mpf(mass.xreplace(dict(values)).evalf(DIGITS)) for mass in lattice.masses]
     forces = [_law(bond, values) for bond in lattice.bonds]
     if any(sum(entry.weight for entry in bond.stretch) for bond in lattice.bonds):
@@ -399,8 +403,10 @@ def _sound(lattice: Lattice, values: Values, strain: Any) -> Any:
         )  # fmt: skip
 
     def stretch(bond: Bond, size: Any, inner: Sequence[Any]) -> Any:
-        places = [mpmath.mpf(0), *inner]
-        return mpmath.fsum(e.weight * (size * e.shift[0] + places[e.field]) for e in bond.stretch)
+        positions = [mpmath.mpf(0), *inner]
+        return mpmath.fsum(
+            e.weight * (size * e.shift[0] + positions[e.field]) for e in bond.stretch
+        )
 
     def unbalanced(size: Any, inner: Sequence[Any]) -> list[Any]:
         rows = [mpmath.mpf(0)] * len(masses)
@@ -423,7 +429,7 @@ def _sound(lattice: Lattice, values: Values, strain: Any) -> Any:
 
 
 def _law(bond: Bond, values: Values) -> Wave:
-    """The force of a bond as a function of numbers."""
-    found = [c.xreplace(dict(values)) for c in bond.coefficients()]
-    coefficients = [mpmath.mpf(value.evalf(DIGITS)) for value in found]
+    """Return the force of a bond as a function of numbers."""
+    exact_coefficients = [c.xreplace(dict(values)) for c in bond.coefficients()]
+    coefficients = [mpmath.mpf(value.evalf(DIGITS)) for value in exact_coefficients]
     return lambda size: mpmath.polyval(coefficients, size)

@@ -1,4 +1,4 @@
-"""The direction in which a wave crosses a lattice of two axes, from text to slow variables."""
+"""Direction of a wave on a lattice with two axes, from text to slow variables."""
 
 from __future__ import annotations
 
@@ -16,16 +16,15 @@ C, S = Symbol("C", real=True), Symbol("S", real=True)
 """Cosine and sine of the direction's angle with the first axis."""
 
 DRIFT = Symbol("drift", real=True)
-"""The speed at which the variable across drifts, where the lattice is not the same in all
-directions; the reduction finds it."""
+"""Drift speed of the transverse variable on an anisotropic lattice; the reduction finds it."""
 
 WORDS = Vocabulary({"sqrt": (sqrt, 1), "atan": (atan, 1)})
 
 
 def read_direction(text: str) -> tuple[Expr, Expr]:
-    """Cosine and sine of a direction: of an angle in radians, or of what points along ``a,b``.
+    """Return cosine and sine of a direction: an angle in radians, or a vector ``a,b``.
 
-    Raises ValueError for any other text, and for a vector of no length.
+    Raises ValueError for any other text, and for a vector of length 0.
 
     >>> read_direction("pi/4"), read_direction("3,4"), read_direction("0,-1")
     ((sqrt(2)/2, sqrt(2)/2), (3/5, 4/5), (0, -1))
@@ -45,10 +44,10 @@ def read_direction(text: str) -> tuple[Expr, Expr]:
 def slow_variables(
     lattice: Lattice, direction: tuple[Expr, Expr]
 ) -> tuple[tuple[SlowVariable, ...], dict[str, Expr]]:
-    """X along a direction and Z across it, and the values of the symbols that are in them.
+    """Return X along a direction and Z across it, and values for the symbols in them.
 
-    Oblique directions have the symbols C and S, and a drift of Z.  Raises ValueError for a lattice
-    of other than two axes, and for one with constants of these names.
+    Oblique directions use the symbols C and S, and a drift of Z.  Raises ValueError for a lattice
+    without two axes, and for one with constants of these names.
     """
     if lattice.dimension != 2:
         raise ValueError(
@@ -58,12 +57,12 @@ def slow_variables(
     taken = {str(symbol) for symbol in (C, S, DRIFT)} & {str(own) for own in lattice.constants}
     if taken:
         raise ValueError(
-            f"constants must have names other than C, S and drift, got {min(taken)} (they are "
-            "those of the direction)"
+            f"constants must have names other than C, S and drift, got {min(taken)} (these "
+            "are used for the direction)"
         )
     if all(part.is_Integer for part in direction):
-        along, across = direction
-        rest = (-across, along)
-        return (SlowVariable("X", 1, direction, c), SlowVariable("Z", 2, rest, Integer(0))), {}
+        parallel, transverse = direction
+        normal = (-transverse, parallel)
+        return (SlowVariable("X", 1, direction, c), SlowVariable("Z", 2, normal, Integer(0))), {}
     oblique = SlowVariable("X", 1, (C, S), c), SlowVariable("Z", 2, (-S, C), DRIFT)
     return oblique, dict(zip("CS", direction, strict=True))

@@ -1,12 +1,11 @@
 """The linear dispersion relation of a lattice about a uniform strain.
 
-A plane wave ``y = ybar + delta exp(i (k n - omega t))`` turns a shift by j cells into
-``exp(i j k)``; the force enters by its slope at ybar.  Opposite shifts carry equal weights, so
-``omega^2`` is a sum of ``sin^2(j k/2)``, each a polynomial in ``sin^2(k/2)`` (Chebyshev's), and of
-what the weights sum to, where forces tie the field to its place.  For the strain FPUT lattice: the
-paper's eqs. (5) and (6).
+For a plane wave ``y = ybar + delta exp(i (k n - omega t))`` a shift by j cells is ``exp(i j k)``;
+the force enters by its slope at ybar.  Opposite shifts have equal weights, so ``omega^2`` is a sum
+of ``sin^2(j k/2)``, each a polynomial in ``sin^2(k/2)`` (Chebyshev's), plus the sum of the weights
+if on-site forces act.  For the strain FPUT lattice: the paper's eqs. (5) and (6).
 
-Losses make it ``omega^2 + i Gamma omega``: Gamma is the sum of the same kind over dashpots and
+With losses it is ``omega^2 + i Gamma omega``: Gamma is a sum of the same kind over dashpots and
 sites.
 """
 
@@ -45,14 +44,14 @@ class Dispersion:
 
     @property
     def omega(self) -> Expr:
-        """The frequency with losses; minus its imaginary part is the rate of decay."""
+        """The frequency with losses; minus its imaginary part is the decay rate."""
         return sqrt(self.omega_squared - self.damping**2 / 4) - I * self.damping / 2
 
     def long_wave(self, order: int = 5) -> Expr:
-        """The expansion of omega_plus in k up to, and without, ``k^order``.
+        """Return the expansion of omega_plus in k up to, but without, ``k^order``.
 
-        Written as the sound speed times a series that begins with k, the paper's eq. (6); where
-        forces tie the lattice to its place, as its lowest frequency times one that begins with 1.
+        It is the sound speed times a series that begins with k, the paper's eq. (6); for a pinned
+        lattice, its lowest frequency times a series that begins with 1.
 
         >>> dispersion_relation().at(Integer(0)).long_wave()
         sqrt(K2)*(-k**3/24 + k)
@@ -61,19 +60,19 @@ class Dispersion:
         return unit * expand(series(self.omega_plus / unit, k, 0, order).removeO())
 
     def is_solved_by(self, omega: Expr, power: int) -> bool:
-        """Whether a polynomial is the frequency through ``eps^power``; k is of the order of eps."""
-        left = omega**2 + I * self.damping * omega - self.omega_squared
-        scaled = left.subs({sin(k / 2): k / 2 - k**3 / 48 + k**5 / 3840}).subs(k, eps * k)
+        """Return whether a polynomial solves the relation through ``eps^power``, k being O(eps)."""
+        difference = omega**2 + I * self.damping * omega - self.omega_squared
+        scaled = difference.subs({sin(k / 2): k / 2 - k**3 / 48 + k**5 / 3840}).subs(k, eps * k)
         orders = powers_of_eps(expand(scaled))
         return all(value.equals(0) for order, value in orders.items() if order <= power + 1)
 
     def at(self, strain: Expr) -> Dispersion:
-        """The relation about the uniform strain ``strain``."""
+        """Return the relation about the uniform strain ``strain``."""
         parts = (self.omega_squared, self.omega_plus, self.damping)
         return Dispersion(*(part.subs(ybar, strain) for part in parts))
 
     def latex(self) -> tuple[str, str, str]:
-        """omega^2, omega_+ and its long-wave expansion as LaTeX equations."""
+        """Return omega^2, omega_+ and its long-wave expansion as LaTeX equations."""
         return (
             rf"\omega^{{2}} = {latex_of(self.omega_squared)}",
             rf"\omega_{{+}} = {latex_of(self.omega_plus)}",
@@ -83,9 +82,9 @@ class Dispersion:
 
 @lru_cache
 def dispersion_relation(lattice: Lattice = FPUT_STRAIN) -> Dispersion:
-    """The relation of a one-field lattice on a line, about the uniform strain ybar.
+    """Return the relation of a one-field lattice on a line, about the uniform strain ybar.
 
-    One whose field is tied to its place has no such strain: its relation is that about rest.
+    A pinned lattice has no such strain: its relation is that about rest.
 
     >>> from longwave.derive import LATTICES
     >>> dispersion_relation(LATTICES["klein_gordon"]).omega_squared
@@ -105,13 +104,15 @@ def dispersion_relation(lattice: Lattice = FPUT_STRAIN) -> Dispersion:
             "uniform strain)"
         )
     actual = {HALF_SINE: sin(k / 2)}
-    tied, squared = _in_half_sines(_weights(lattice, Bond.stiffness))
-    pinned, dashed = _in_half_sines(_weights(lattice, lambda bond, _: bond.loss))
-    rates = lattice.site_losses[0] + pinned + dashed
+    uniform_part, squared = _in_half_sines(_weights(lattice, Bond.stiffness))
+    constant_loss, dashpot_loss = _in_half_sines(_weights(lattice, lambda bond, _: bond.loss))
+    rates = lattice.site_losses[0] + constant_loss + dashpot_loss
     damping = (expand(rates) / lattice.masses[0]).subs(actual)
-    if tied != 0:
-        at_rest = (expand(tied + squared) / lattice.masses[0]).subs({**actual, ybar: 0})
-        return Dispersion(at_rest, sqrt(at_rest), damping)
+    if uniform_part != 0:
+        squared_frequency = (expand(uniform_part + squared) / lattice.masses[0]).subs(
+            {**actual, ybar: 0}
+        )
+        return Dispersion(squared_frequency, sqrt(squared_frequency), damping)
     over_mass = squared / lattice.masses[0]
     stiffness = factor(expand(over_mass / HALF_SINE**2))
     root = sqrt(stiffness) * HALF_SINE
@@ -119,7 +120,7 @@ def dispersion_relation(lattice: Lattice = FPUT_STRAIN) -> Dispersion:
 
 
 def _in_half_sines(weights: Mapping[int, Expr]) -> tuple[Expr, Expr]:
-    """Minus the sum of ``weights[shift] exp(i shift k)``: its value at k = 0, and the rest."""
+    """Return minus the sum of ``weights[shift] exp(i shift k)``: value at k = 0, and the rest."""
     squared: Expr = Integer(0)
     for shift in sorted(weights):
         if weights[shift] != weights[-shift]:
@@ -134,7 +135,7 @@ def _in_half_sines(weights: Mapping[int, Expr]) -> tuple[Expr, Expr]:
 
 
 def _weights(lattice: Lattice, slope_of: Callable[[Bond, Expr], Expr]) -> dict[int, Expr]:
-    """Shift -> factor of ``exp(i shift k)`` in a linear force of these slopes about ybar."""
+    """Return shift -> factor of ``exp(i shift k)`` in a linear force of these slopes about ybar."""
     weights: dict[int, Expr] = defaultdict(lambda: Integer(0))
     definitions = dict(lattice.definitions)
     for bond in lattice.bonds:
@@ -148,11 +149,11 @@ def _weights(lattice: Lattice, slope_of: Callable[[Bond, Expr], Expr]) -> dict[i
 
 
 def long_wave_of_reduction(reduction: Reduction) -> Expr:
-    """omega of a long wave by the reduced equation's linear part, to k^3, losses included.
+    """Return omega of a long wave by the reduced equation's linear part, to k^3, with losses.
 
     A wave ``exp(i (kappa X - Omega T))`` of the linear part has ``Omega = -delta kappa^3``; on the
     lattice ``k = eps kappa`` and ``omega = c k + eps^3 Omega``.  Raises ValueError for another
-    scaling, or a linear part of other terms than Y_XXX, and than Y and Y_XX, which losses bring.
+    scaling, or if the linear part has terms other than Y_XXX and, from losses, Y and Y_XX.
     """
     scaling, values = reduction.scaling, reduction.coefficients()
     time = scaling.time if reduction.lattice.has_losses else Scaling().time
@@ -163,18 +164,19 @@ def long_wave_of_reduction(reduction: Reduction) -> Expr:
             "reduction must have X = eps (n - c t), T = eps^3 t and no linear term but Y_XXX, got "
             f"{reduction.pde.text()} (compare the terms of .pde by hand)"
         )
-    found = values.c * k - values.dispersive * k**3
+    omega = values.c * k - values.dispersive * k**3
     losses = [(values.terms[name], count) for name, count in linear.items() if count % 2 == 0]
     decay = sum(size * (I * k) ** count * eps ** (time - count) for size, count in losses)
-    return expand(found - I * decay)
+    return expand(omega - I * decay)
 
 
 def agrees_with_reduction(lattice: Lattice, reduction: Reduction) -> bool:
-    """Whether lattice (about the background) and reduced equation give the same omega to k^3.
+    """Return whether lattice and reduced equation give the same omega to k^3.
 
-    With losses, to the order in eps of the reduced equation.
+    The lattice is taken about the background. With losses, the comparison is to the reduced
+    equation's order in eps.
 
-    Raises ValueError as `long_wave_of_reduction` does, and for a background that eps multiplies.
+    Raises ValueError as `long_wave_of_reduction` does, and for a background multiplied by eps.
     """
     background = reduction.scaling.background
     if any(power or value.has(eps) for power, value in background):
@@ -182,7 +184,7 @@ def agrees_with_reduction(lattice: Lattice, reduction: Reduction) -> bool:
             f"background must be of order one, got {background} (compare the terms by hand)"
         )
     mean = sum((value for _, value in background), start=Integer(0))
-    relation, found = dispersion_relation(lattice).at(mean), long_wave_of_reduction(reduction)
+    relation, omega = dispersion_relation(lattice).at(mean), long_wave_of_reduction(reduction)
     if lattice.has_losses:
-        return relation.is_solved_by(found, reduction.scaling.time)
-    return bool(expand(relation.long_wave() - found) == 0)
+        return relation.is_solved_by(omega, reduction.scaling.time)
+    return bool(expand(relation.long_wave() - omega) == 0)

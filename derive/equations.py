@@ -1,5 +1,4 @@
-"""The equations of a reduction: one order in eps, a condition, the evolution equation and its
-coefficients."""
+"""Equations of a reduction: orders in eps, conditions, the evolution equation, coefficients."""
 
 from __future__ import annotations
 
@@ -33,15 +32,15 @@ BURGERS = {
     "Hopf, without dispersion": "Burgers",
     "modified Hopf, without dispersion": "modified Burgers",
 }
-"""What they are called with a term Y_XX, where "-Burgers" behind their name will not do."""
+"""Names with a term Y_XX, for equations to which "-Burgers" cannot be appended."""
 
 
 @dataclass(frozen=True, repr=False)
 class OrderEquation(Displayed):
     """``polynomial = 0``, the factor of ``eps^order`` in the lattice equation.
 
-    ``polynomial`` keeps the sign of "acceleration minus force", so that the orders add up to the
-    lattice residual; text and LaTeX turn the first term positive.
+    ``polynomial`` has the sign of "acceleration minus force", so that the orders add up to the
+    lattice residual; text and LaTeX make the first term positive.
     """
 
     order: int
@@ -54,13 +53,13 @@ class OrderEquation(Displayed):
         return -self.polynomial if first and first[0].negative else self.polynomial
 
     def written(self, printed: Printed) -> str:
-        """``2 c Y_XT + K4 (Y^3)_XX + ... = 0``."""
+        """Return ``2 c Y_XT + K4 (Y^3)_XX + ... = 0``."""
         return f"{self.notation.written(self._printed, printed)} = 0"
 
 
 @dataclass(frozen=True, repr=False)
 class Condition(Displayed):
-    """``expression = 0``, needed because the equation at ``order`` has no other solution."""
+    """``expression = 0``, required because the equation at ``order`` has no other solution."""
 
     order: int
     expression: Expr
@@ -68,15 +67,15 @@ class Condition(Displayed):
 
     @property
     def reason(self) -> str:
-        """The equation that needs the condition, in words."""
+        """The equation that requires the condition, in words."""
         return f"order eps^{self.order} reads {self.equation.text()}"
 
     def text(self) -> str:
-        """``K3 = 0: order eps^4 reads K3 (Y^2)_XX = 0``."""
+        """Return ``K3 = 0: order eps^4 reads K3 (Y^2)_XX = 0``."""
         return f"{text_of(self.expression)} = 0: {self.reason}"
 
     def latex(self) -> str:
-        """The condition alone in LaTeX."""
+        """Return the condition alone in LaTeX."""
         return f"{latex_of(self.expression)} = 0"
 
 
@@ -99,9 +98,9 @@ class EvolutionEquation(Displayed):
 
     @property
     def kind(self) -> str:
-        """The name of the equation, by its terms: "KdV", "modified Kawahara", "KP-II".
+        """Name of the equation, by its terms: "KdV", "modified Kawahara", "KP-II".
 
-        Where no sign is known by the symbols' assumptions a KP equation is "KP-I or KP-II".
+        A KP equation is "KP-I or KP-II" if the symbols' assumptions do not determine the sign.
         """
         names = {self.notation.monomial(monomial) for monomial in self.flow.terms}
         kind = self._kind_without_losses(names - {"Y", "Y_XX"})
@@ -111,14 +110,14 @@ class EvolutionEquation(Displayed):
 
     def _kind_without_losses(self, names: set[str]) -> str:
         if not self.transverse:
-            known = equation_of(names)
-            found = ", ".join(names - {"Y_X"})
-            return known.name if known else WITHOUT_NORMAL_FORM.get(found, "unnamed")
-        [(monomial, across)] = self.transverse.terms.items()
+            equation = equation_of(names)
+            terms_text = ", ".join(names - {"Y_X"})
+            return equation.name if equation else WITHOUT_NORMAL_FORM.get(terms_text, "unnamed")
+        [(monomial, coefficient)] = self.transverse.terms.items()
         if names - {"Y_XXX"} not in ({"Y Y_X"}, {"Y^2 Y_X"}) or sum(monomial[0]) != 2:
             return "unnamed"
         name = "KP" if "Y Y_X" in names else "generalised KP"
-        product = (across.as_expr() * self.dispersive_coefficient).factor()
+        product = (coefficient.as_expr() * self.dispersive_coefficient).factor()
         if product.is_zero:
             return f"{name} without dispersion"
         sign = {True: "II", False: "I"}.get(product.is_positive)
@@ -145,18 +144,18 @@ class EvolutionEquation(Displayed):
         return self.polynomial.coefficient(jet).as_expr()
 
     def written(self, printed: Printed) -> str:
-        """``Y_T + 6 Y Y_X + Y_XXX = 0``, what losses bring behind the other terms."""
+        """Return ``Y_T + 6 Y Y_X + Y_XXX = 0``, with terms from losses last."""
         losses = self.polynomial.select(lambda m: len(m) == 1 and sum(m[0]) % 2 == 0)
-        along = self.notation.written(self.polynomial - losses, printed)
-        along = _added(along, self.notation.written(losses, printed) if losses else "")
+        left_side = self.notation.written(self.polynomial - losses, printed)
+        left_side = _added(left_side, self.notation.written(losses, printed) if losses else "")
         if self.transverse:
-            outer = derived(along, self.notation.axes[0], printed)
-            along = _added(outer, self.notation.written(self.transverse, printed))
-        return f"{along} = 0"
+            outer = derived(left_side, self.notation.axes[0], printed)
+            left_side = _added(outer, self.notation.written(self.transverse, printed))
+        return f"{left_side} = 0"
 
 
 def _added(sum_: str, further: str) -> str:
-    """Two sums in one."""
+    """Return two sums as one."""
     if not further:
         return sum_
     return f"{sum_} {'-' if further.startswith('-') else '+'} {further.removeprefix('-')}"
@@ -166,7 +165,7 @@ def _added(sum_: str, further: str) -> str:
 class Coefficients:
     """Frame speed (negative for waves to the left) and the reduced equation's coefficients.
 
-    ``terms`` holds the coefficient of each term of ``Y_T + ... = 0`` under the term's text.
+    ``terms`` maps the text of each term of ``Y_T + ... = 0`` to its coefficient.
     """
 
     c: Expr
@@ -175,14 +174,14 @@ class Coefficients:
 
     @property
     def nonlinear(self) -> Expr:
-        """The coefficient of the one nonlinear term; ValueError unless there is exactly one."""
-        found = [name for name, monomial in self.monomials.items() if len(monomial) > 1]
-        if len(found) != 1:
+        """The nonlinear term's coefficient. Raises ValueError unless there is exactly one."""
+        nonlinear = [name for name, monomial in self.monomials.items() if len(monomial) > 1]
+        if len(nonlinear) != 1:
             raise ValueError(
-                f"the equation must have one nonlinear term, got {len(found)} in "
+                f"the equation must have one nonlinear term, got {len(nonlinear)} in "
                 f"{', '.join(self.terms)} (read the coefficients from .terms)"
             )
-        return self.terms[found[0]]
+        return self.terms[nonlinear[0]]
 
     @property
     def dispersive(self) -> Expr:

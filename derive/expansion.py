@@ -4,10 +4,10 @@ The force is evaluated by Horner's rule on the stretch of the bond, so that diff
 before they are multiplied.
 
 The fields of a cell move together in a long wave, ``f_j = eps^p (e_j W + G_j)``: e is the null
-vector of the forces at wavenumber zero.  All rows of the equations of motion but one are solved for
-the slaved parts G order by order; the rows weighted with the left null vector leave one equation
-for W.  Shifts are exponentials, ``f_{n+s} = exp(s . sum eps^a d_X) f``, and time derivatives follow
-the chain rule, ``d/dt = -sum speed eps^a d_X + eps^q d_T``.
+vector of the forces at wavenumber zero.  All rows of the equations of motion except one are solved
+for the slaved parts G order by order; the rows weighted with the left null vector leave one
+equation for W.  Shifts are exponentials, ``f_{n+s} = exp(s . sum eps^a d_X) f``, and time
+derivatives follow the chain rule, ``d/dt = -sum speed eps^a d_X + eps^q d_T``.
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ from longwave.derive.symbols import check_constants, powers_of_eps
 class Expansion:
     """Long waves of ``lattice`` under ``scaling``, up to the power ``limit`` of eps.
 
-    With a carrier wave the j-th harmonic is multiplied by ``phase_factor**j`` from cell to cell and
-    by ``-j rate`` by d/dt; a long wave has no harmonic but 0.
+    For a carrier wave, the j-th harmonic is multiplied by ``phase_factor**j`` from cell to cell and
+    by ``-j rate`` by d/dt; a long wave has harmonic 0 only.
     """
 
     def __init__(
@@ -49,7 +49,7 @@ class Expansion:
         self.phase_factor, self.rate = field.one, field.zero
 
     def number(self, value: Expr) -> RationalFunction:
-        """A constant as an element of the field."""
+        """Return a constant as an element of the field."""
         return self.field.from_expr(value)
 
     @property
@@ -62,7 +62,7 @@ class Expansion:
         return (*frame, (len(frame), self.scaling.time, self.field.one))
 
     def shifted(self, series: EpsSeries, cell: Cell) -> EpsSeries:
-        """By Taylor's theorem."""
+        """Shift a series by whole cells, by Taylor's theorem."""
         steps = (
             (axis, v.exponent, sum(d * s for d, s in zip(v.direction, cell, strict=True)))
             for axis, v in enumerate(self.scaling.space)
@@ -72,7 +72,7 @@ class Expansion:
         )
 
     def ansatz(self) -> EpsSeries:
-        """``background + eps^amplitude W``."""
+        """Return ``background + eps^amplitude W``."""
         mean = self.constant(S.Zero, self.limit)
         for power, value in self.scaling.background:
             mean = mean + self.constant(value, self.limit).delayed(power)
@@ -81,11 +81,11 @@ class Expansion:
         return EpsSeries.collect(self.field, self.limit, wave.items()) + mean
 
     def velocity(self) -> EpsSeries:
-        """d/dt of the ansatz."""
+        """Return d/dt of the ansatz."""
         return self.rate_of(self.ansatz())
 
     def slaved_parts(self) -> list[EpsSeries]:
-        """The parts G of the fields that follow the wave, with their power of eps."""
+        """Solve for the parts G of the fields that follow the wave, with their powers of eps."""
         parts = [EpsSeries(self.field, self.limit, {})] * len(self.zero_mode[0])
         if len(parts) == 1:
             return parts
@@ -96,7 +96,7 @@ class Expansion:
         return parts
 
     def residual(self, slaved: Sequence[EpsSeries] | None = None) -> EpsSeries:
-        """The rows weighted with the left null vector; the lattice is solved where it vanishes."""
+        """Return the rows weighted with the left null vector, which vanish on solutions."""
         parts = self.slaved_parts() if slaved is None else slaved
         rows = self.rows(self._fields(parts, self.limit))
         return combined(self.zero_mode[1], rows, EpsSeries(self.field, self.limit, {}))
@@ -109,23 +109,23 @@ class Expansion:
         ]
 
     def rows(self, fields: Sequence[EpsSeries], since: int = 0) -> list[EpsSeries]:
-        """``mass f'' + loss f' - forces`` of each field, from ``eps^since`` on."""
+        """Return ``mass f'' + loss f' - forces`` of each field, from ``eps^since`` on."""
         rows = self.pulls(fields, since)
-        moving = zip(self.lattice.masses, self.lattice.site_losses, fields, strict=True)
-        for i, (mass, loss, field) in enumerate(moving):
-            once = self.rate_of(field)
-            pushed = self.constant(mass, field.limit) * self.rate_of(once)
+        fields_of_rows = zip(self.lattice.masses, self.lattice.site_losses, fields, strict=True)
+        for i, (mass, loss, field) in enumerate(fields_of_rows):
+            velocity = self.rate_of(field)
+            inertia = self.constant(mass, field.limit) * self.rate_of(velocity)
             if loss:
-                pushed = pushed + self.constant(loss, field.limit) * once
-            rows[i] = pushed.upto(field.limit, since) + rows[i]
+                inertia = inertia + self.constant(loss, field.limit) * velocity
+            rows[i] = inertia.upto(field.limit, since) + rows[i]
         return rows
 
     def rate_of(self, series: EpsSeries) -> EpsSeries:
-        """The time derivative of a series."""
+        """Return the time derivative of a series."""
         return series.apply(self.time_derivative)
 
     def pulls(self, fields: Sequence[EpsSeries], since: int) -> list[EpsSeries]:
-        """Minus the force on each field, from ``eps^since`` on."""
+        """Return minus the force on each field, from ``eps^since`` on."""
         limit = fields[0].limit
         nothing = EpsSeries(self.field, limit, {})
         rows = [nothing] * len(fields)
@@ -141,24 +141,24 @@ class Expansion:
         return rows
 
     def stretch(self, bond: Bond, fields: Sequence[EpsSeries]) -> EpsSeries:
-        """The stretch of a bond."""
+        """Return the stretch of a bond as a series."""
         total = EpsSeries(self.field, fields[0].limit, {})
         for entry in bond.stretch:
-            moved = self.shifted(fields[entry.field], entry.shift)
-            total = total + self.field(entry.weight) * moved
+            shifted = self.shifted(fields[entry.field], entry.shift)
+            total = total + self.field(entry.weight) * shifted
         return total
 
     def constant(self, value: Expr, limit: int) -> EpsSeries:
-        """A constant, which may be a polynomial in eps, as a series."""
+        """Return a constant, which may be a polynomial in eps, as a series."""
         one = DifferentialPolynomial.monomial(self.field, ())
         parts = powers_of_eps(value).items()
         return EpsSeries.collect(self.field, limit, ((p, self.number(v) * one) for p, v in parts))
 
     def matrix(self, j: int) -> Matrix:
-        """``mass d^2/dt^2 - forces``, linear, at the j-th harmonic and eps = 0."""
+        """Return the linear part of ``mass d^2/dt^2 - forces`` at the j-th harmonic and eps = 0."""
         count = len(self.lattice.fields)
-        at_rest = (powers_of_eps(b).get(0, S.Zero) for p, b in self.scaling.background if p == 0)
-        mean = sum(at_rest, S.Zero)
+        means = (powers_of_eps(b).get(0, S.Zero) for p, b in self.scaling.background if p == 0)
+        mean = sum(means, S.Zero)
         total = [[self.field.zero] * count for _ in range(count)]
         for i, mass in enumerate(self.lattice.masses):
             total[i][i] += self._leading(mass) * j**2 * self.rate**2
@@ -175,41 +175,41 @@ class Expansion:
         return self.number(powers_of_eps(value).get(0, S.Zero))
 
     def null_vectors(self, j: int) -> tuple[Column, Column]:
-        """The null vectors of the j-th matrix, right and left; 1 is the first entry that is not 0.
+        """Return the right and left null vector of the j-th matrix, with first nonzero entry 1.
 
         Raises ValueError unless there is one of each.
         """
         matrix = self.matrix(j)
-        found = (null_space(matrix), null_space(transposed(matrix)))
-        if any(len(vectors) != 1 for vectors in found):
-            apart, pinned = (
+        null_spaces = (null_space(matrix), null_space(transposed(matrix)))
+        if any(len(vectors) != 1 for vectors in null_spaces):
+            several_waves, no_wave = (
                 "its fields move apart at no cost",
                 "pinned: derive a carrier's envelope",
             )
             raise ValueError(
-                f"lattice must have one wave of vanishing frequency, got {len(found[0])} "
-                f"({apart if len(found[0]) > 1 else pinned})"
+                f"lattice must have one wave of vanishing frequency, got {len(null_spaces[0])} "
+                f"({several_waves if len(null_spaces[0]) > 1 else no_wave})"
             )
-        return found[0][0], found[1][0]
+        return null_spaces[0][0], null_spaces[1][0]
 
     @cached_property
     def zero_mode(self) -> tuple[Column, Column]:
-        """The null vectors at wavenumber zero: e and l."""
+        """The null vectors at wavenumber zero, right and left: e and l."""
         return self.null_vectors(0)
 
     @cached_property
     def is_pinned(self) -> bool:
-        """Whether a force ties the lattice to its place: a mean is then slaved."""
+        """Whether an on-site force acts: the mean is then slaved."""
         return bool(determinant(self.matrix(0)))
 
     @cached_property
     def shares(self) -> Column:
-        """The zero mode's part of each field; none where the lattice is tied to its place."""
+        """The zero mode's entry for each field; zeros if the lattice is pinned."""
         return [self.field.zero] * len(self.lattice.fields) if self.is_pinned else self.zero_mode[0]
 
     @cached_property
     def is_displacement(self) -> bool:
-        """Whether no bond feels all fields moved together: the wave enters by its derivatives."""
+        """Whether no bond feels a uniform motion of all fields; only derivatives enter."""
         return not self.is_pinned and not any(
             sum((e.weight * self.shares[e.field] for e in bond.stretch), self.field.zero)
             for bond in self.lattice.bonds
@@ -218,10 +218,10 @@ class Expansion:
     def slaved(
         self, j: int, rows: Sequence[DifferentialPolynomial], wave: tuple[Column, Column] | None
     ) -> Iterator[tuple[int, DifferentialPolynomial]]:
-        """The parts of fields that balance the rows of a harmonic, by the fields' numbers.
+        """Solve for the parts of fields that balance the rows of a harmonic; yield (field, part).
 
-        With the null vectors of a ``wave`` one field has no such part, and one row is left out.
-        Raises ZeroDivisionError where the harmonic is another wave of the lattice.
+        With the null vectors of a ``wave``, one field has no such part, and one row is left out.
+        Raises ZeroDivisionError if the harmonic is another wave of the lattice.
         """
         column, row = (vector.index(1) for vector in wave) if wave else (None, None)
         part = without(self.matrix(j), row, column)
@@ -233,7 +233,7 @@ class Expansion:
 
 
 def expand(lattice: Lattice, scaling: Scaling, limit: int) -> Expansion:
-    """The expansion of a lattice up to ``eps^limit``, forces that are no polynomials expanded.
+    """Return the expansion of a lattice up to ``eps^limit``; non-polynomial forces are expanded.
 
     Raises ValueError for a scaling that does not fit the lattice.
     """
@@ -257,14 +257,14 @@ def expand(lattice: Lattice, scaling: Scaling, limit: int) -> Expansion:
         )
     if not lattice.is_polynomial:
         lattice = _polynomial(lattice, scaling, limit)
-    own = (symbol for symbol in scaling.constants if symbol not in lattice.constants)
-    constants = (*own, *lattice.constants)
+    scaling_constants = (symbol for symbol in scaling.constants if symbol not in lattice.constants)
+    constants = (*scaling_constants, *lattice.constants)
     check_constants(constants)
     return Expansion(lattice, scaling, limit, RationalFunctions(constants))
 
 
 def _polynomial(lattice: Lattice, scaling: Scaling, limit: int) -> Lattice:
-    """The lattice with its forces expanded as far as ``eps^limit`` needs them."""
+    """Return the lattice with its forces expanded as far as ``eps^limit`` needs."""
     smallest = min(scaling.amplitude, *(power for power, _ in scaling.background), limit)
     if all(sum(entry.weight for entry in bond.stretch) == 0 for bond in lattice.bonds):
         smallest = scaling.amplitude + scaling.space[0].exponent

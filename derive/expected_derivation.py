@@ -1,8 +1,8 @@
-"""The expected seconds of a derivation: symbols grow with the order, the fields and the constants.
+"""Expected seconds of a derivation: symbols grow with the order, the fields and the constants.
 
 Measured in processor time on a 3 GHz server, over the catalogue and chains of 2 to 10 different
-masses or springs. The laws are orders of magnitude: of 20 derivations with several fields that took
-more than 0.3 s they gave 0.2 to 7 times what it took.
+masses or springs. The laws are orders of magnitude: for 20 derivations with several fields that
+took more than 0.3 s they gave 0.2 to 7 times the measured time.
 """
 
 from __future__ import annotations
@@ -10,35 +10,35 @@ from __future__ import annotations
 from longwave.derive.lattice import Lattice, Stencil
 
 PLAIN = 0.15
-"""Seconds for a lattice with one field, through any order that is allowed, for each bond."""
+"""Seconds for each bond of a lattice with one field, at any allowed order."""
 
 BEGUN, CONSTANTS, POWER = 0.12, 6.0, 5.0
-"""Seconds for the third order behind the equation of a lattice with several fields, which has so
-many constants, and the power of their number with which they grow."""
+"""Seconds for the third order beyond the equation of a lattice with several fields and CONSTANTS
+constants, and the power of their number with which the seconds grow."""
 
 CARRIER, A_CONSTANT, A_FIELD = 0.06, 2.8, 6.0
-"""Seconds for the envelope at k = pi with two fields and five constants; factors for each more."""
+"""Seconds of the envelope at k = pi with two fields, five constants; factors for each further."""
 
 IN_NUMBERS, EACH_FIELD = 0.3, 2.0
-"""Seconds for other wavenumbers with two fields and numbers for all constants; a factor for each
+"""Seconds at other wavenumbers with two fields and numbers for all constants; a factor for each
 further field."""
 
 ANY_CARRIER, ITS_CONSTANT = 1.0, 6.0
-"""What five constants without a value add, as the phase is a further symbol; a factor for each
-more."""
+"""Seconds added by five symbolic constants, as the phase is a further symbol; a factor for each
+further constant."""
 
 MOST_IN_SYMBOLS = 5.0
-"""What they add at most: formulas beyond a budget of terms are refused (`carrier_envelope`)."""
+"""Largest such addition: formulas beyond a budget of terms are refused (`carrier_envelope`)."""
 
 A_REACH = 30.0
-"""For one field, by how much each further cell that a bond reaches makes that dearer."""
+"""Factor for each further cell that a bond reaches, for one field."""
 
 CHEAPER_ORDER = "take a lower --order, or a FILE.toml with numbers in the place of constants"
 CHEAPER_CARRIER = "take --envelope k=pi, or give constants by --set"
 
 
 def reduction_seconds(lattice: Lattice, further: int) -> float:
-    """Seconds to derive ``further`` orders behind the reduced equation.
+    """Return the seconds to derive ``further`` orders beyond the reduced equation.
 
     >>> from longwave.derive import LATTICES
     >>> [f"{reduction_seconds(LATTICES['dimer'], further):.2g}" for further in (2, 4, 5, 8)]
@@ -48,14 +48,14 @@ def reduction_seconds(lattice: Lattice, further: int) -> float:
     if len(lattice.fields) == 1:
         return plain
     constants = max(3, len(lattice.constants))
-    begun = BEGUN * (constants / CONSTANTS) ** POWER
-    return plain + begun * (constants - 1.0) ** (further - 3)
+    third_order = BEGUN * (constants / CONSTANTS) ** POWER
+    return plain + third_order * (constants - 1.0) ** (further - 3)
 
 
 def envelope_seconds(lattice: Lattice, at_pi: bool, given: int = 0) -> float:
-    """Seconds to derive the envelope of a carrier, of the wavenumber pi or of any.
+    """Return the seconds to derive a carrier's envelope, at wavenumber pi or at any wavenumber.
 
-    ``given`` is how many of the constants have values.
+    ``given`` is the number of constants with values.
 
     >>> from longwave.derive import LATTICES
     >>> [f"{envelope_seconds(LATTICES['mass_dimer'], at_pi):.2g}" for at_pi in (True, False)]
@@ -72,7 +72,7 @@ def envelope_seconds(lattice: Lattice, at_pi: bool, given: int = 0) -> float:
 
 
 def _reach(lattice: Lattice) -> int:
-    """The cells that the longest bond reaches."""
+    """Return the number of cells that the longest bond reaches."""
 
     def span(entries: tuple[Stencil, ...]) -> int:
         shifts = [entry.shift[0] for entry in entries]

@@ -1,7 +1,7 @@
 """Numbers that follow from measured constants, each with its interval.
 
-The derivatives of the expression give the standard deviation; where it bends too much for them
-within the errors, samples of the constants give the interval.
+The derivatives of the expression give the standard deviation. If the expression is too nonlinear
+for them within the errors, samples of the constants give the interval.
 """
 
 from __future__ import annotations
@@ -17,32 +17,32 @@ from longwave.derive.measured import Measured
 from longwave.derive.reduction import Reduction
 
 LEVEL = 0.95
-"""Of all intervals."""
+"""Probability of all intervals."""
 
 WIDE = NormalDist().inv_cdf((1 + LEVEL) / 2)
-"""Half an interval of a normal distribution, in its standard deviations."""
+"""Half-width of an interval of a normal distribution, in standard deviations."""
 
 SAMPLES = 20_000
-"""They find the ends of an interval to 0.02 standard deviations."""
+"""Number of samples, which find the ends of an interval to 0.02 standard deviations."""
 
 SAME_ENDS = 0.05
-"""Share of an interval's width by which derivatives may miss its ends."""
+"""Largest error of an interval's ends by derivatives, in units of its width."""
 
 
 OPENING = {"contact": lambda x: max(x, 0.0), "touching": lambda x: float(x > 0.0)}
-"""Functions that are not in Python's own `math`."""
+"""Functions that Python's `math` lacks."""
 
 LAST_PLACES = (-6, 3)
-"""Of numbers without a power of ten: the power of their last digit."""
+"""Range of the last digit's power for numbers written without an exponent."""
 
 
 @dataclass(frozen=True)
 class Interval:
     """A number that follows from measured constants, its standard deviation and 95 % interval.
 
-    ``by_derivatives`` are the ends that the derivatives give; ``sampled`` says that they miss, and
-    that ``ends`` and ``deviation`` are those of samples.  ``lost`` is the share of samples at which
-    there is no such number.
+    ``by_derivatives`` are the ends by the derivatives. ``sampled`` says that these are inaccurate,
+    and that ``ends`` and ``deviation`` come from samples.  ``lost`` is the share of samples at
+    which the number does not exist.
     """
 
     value: float
@@ -53,7 +53,7 @@ class Interval:
     lost: float
 
     def text(self) -> str:
-        """The value with deviation and interval, in as many digits as they have."""
+        """Return the value with deviation and interval, in as many digits as they justify."""
         low, high = (rounded(end, self.deviation) for end in self.ends)
         line = rounded(self.value, self.deviation)
         if self.deviation:
@@ -65,7 +65,7 @@ class Interval:
 
 
 class Intervals:
-    """The intervals of expressions in measured constants, all from the same samples."""
+    """Intervals of expressions in measured constants, all from the same samples."""
 
     def __init__(self, measured: Measured, constants: Sequence[Symbol]) -> None:
         values = dict(measured.values)
@@ -73,11 +73,11 @@ class Intervals:
         order = [str(symbol) for symbol in self._symbols]
         self._at = {symbol: values[str(symbol)] for symbol in self._symbols}
         self._rows = [[measured.table[one][two] for two in order] for one in order]
-        places = [list(values).index(name) for name in order]
-        self._samples = [tuple(s[i] for i in places) for s in measured.samples(SAMPLES)]
+        indices = [list(values).index(name) for name in order]
+        self._samples = [tuple(s[i] for i in indices) for s in measured.samples(SAMPLES)]
 
     def of(self, expression: Expr) -> Interval:
-        """The interval of an expression in the constants."""
+        """Return the interval of an expression in the constants."""
         gradient = self._gradient(expression)
         deviation = math.sqrt(
             max(
@@ -91,9 +91,9 @@ class Intervals:
         )
         mean = float(expression.xreplace(self._at))
         linear = (mean - WIDE * deviation, mean + WIDE * deviation)
-        drawn = self._drawn(expression)
-        lost = 1 - len(drawn) / SAMPLES
-        cuts = quantiles(drawn, n=round(2 / (1 - LEVEL))) if len(drawn) > 1 else [mean]
+        sampled = self._sampled_values(expression)
+        lost = 1 - len(sampled) / SAMPLES
+        cuts = quantiles(sampled, n=round(2 / (1 - LEVEL))) if len(sampled) > 1 else [mean]
         ends = (cuts[0], cuts[-1])
         allowed = SAME_ENDS * (ends[1] - ends[0]) + 1e-12 * abs(mean)
         if not lost and all(abs(a - b) <= allowed for a, b in zip(ends, linear, strict=True)):
@@ -102,45 +102,50 @@ class Intervals:
         return Interval(mean, spread, ends, linear, sampled=True, lost=lost)
 
     def _gradient(self, expression: Expr) -> list[float]:
-        """The derivatives at the constants' values, whose signs hold in a neighbourhood of them."""
-        near = {
+        """Return the derivatives at the constants' values, using the constants' signs."""
+        signed_symbols = {
             symbol: Dummy(positive=True) if value > 0 else Dummy(negative=True) if value else symbol
             for symbol, value in self._at.items()
         }
-        at = {near[symbol]: value for symbol, value in self._at.items()}
-        nearby = expression.xreplace(near)
-        return [float(nearby.diff(near[symbol]).xreplace(at)) for symbol in self._symbols]
+        at_values = {signed_symbols[symbol]: value for symbol, value in self._at.items()}
+        signed_expression = expression.xreplace(signed_symbols)
+        return [
+            float(signed_expression.diff(signed_symbols[symbol]).xreplace(at_values))
+            for symbol in self._symbols
+        ]
 
-    def _drawn(self, expression: Expr) -> list[float]:
-        """The expression at the samples where it is a real number."""
+    def _sampled_values(self, expression: Expr) -> list[float]:
+        """Return the expression at those samples where it is a real number."""
         function = lambdify(self._symbols, expression, [OPENING, "math"])
-        found = []
+        values = []
         for sample in self._samples:
             try:
                 value = function(*sample)
             except (ValueError, ZeroDivisionError, OverflowError):
                 continue
             if not isinstance(value, complex) and math.isfinite(value):
-                found.append(value)
-        return found
+                values.append(value)
+        return values
 
 
 def intervals_of_reduction(reduction: Reduction, measured: Measured) -> dict[str, Interval]:
-    """The intervals of speed, coefficients and normal form, under the names that they have there.
+    """Return the intervals of speed, coefficients and normal form, by their names there.
 
     ``measured`` has a value for each constant of the lattice and of the ansatz.
     """
-    own = (s for s in reduction.scaling.constants if s != reduction.scaling.frame_symbol)
-    intervals = Intervals(measured, [*reduction.lattice.basic_constants, *own])
+    scaling_constants = (
+        s for s in reduction.scaling.constants if s != reduction.scaling.frame_symbol
+    )
+    intervals = Intervals(measured, [*reduction.lattice.basic_constants, *scaling_constants])
     symbolic = reduction.coefficients()
-    found = {"c": symbolic.c, **symbolic.terms}
+    expressions = {"c": symbolic.c, **symbolic.terms}
     if reduction.has_normal_form:
-        found |= reduction.normal_form().values
-    return {name: intervals.of(expression) for name, expression in found.items()}
+        expressions |= reduction.normal_form().values
+    return {name: intervals.of(expression) for name, expression in expressions.items()}
 
 
 def rounded(value: float, deviation: float) -> str:
-    """The value to two digits of its standard deviation.
+    """Format a value to two digits of its standard deviation.
 
     >>> rounded(1.00105, 0.0017), rounded(1234.6, 32.0), rounded(0.0, 0.1), rounded(2.5, 0.0)
     ('1.0010', '1235', '0.00', '2.5')

@@ -1,4 +1,4 @@
-"""A lattice as data: fields, masses, and bonds and on-site forces of any smooth law."""
+"""Lattices as data: fields, masses, and bonds and on-site forces of any smooth law."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ SINGULAR = (nan, oo, -oo, zoo)
 _ASSUMPTIONS = ("positive", "negative", "nonnegative", "nonpositive", "nonzero", "integer")
 
 MOST_CELLS = 10**6
-"""Bound on shifts and weights."""
+"""Bound on the absolute values of shifts and weights."""
 
 
 @dataclass(frozen=True)
@@ -67,15 +67,15 @@ class Stencil:
 
 @dataclass(frozen=True)
 class Bond:
-    """One kind of bond: what it measures, the force it answers with, and where that force acts.
+    """One kind of bond: its stretch, its force law, and where that force acts.
 
-    The bond of cell n is stretched by ``x = sum weight f_{n+shift}`` over ``stretch``; field f
-    then feels ``sum weight force(x_{n+shift})`` over those entries of ``action`` that name it.
+    The bond of cell n has the stretch ``x = sum weight f_{n+shift}`` over ``stretch``; field f then
+    feels ``sum weight force(x_{n+shift})`` over the entries of ``action`` with that field.
     ``force`` is a polynomial in the symbol ``derive.symbols.x``, whose coefficients are exact
-    rational functions of symbols, and polynomials in ``derive.symbols.eps`` where a constant is
-    small; or any other function of x that is smooth about x = 0, such as ``exp(b*x)`` or
-    ``-(d - x)**Rational(3, 2)``.  ``loss`` is that of a dashpot beside the spring, which adds
-    ``loss dx/dt`` to the force.  Raises ValueError for anything else.
+    rational functions of symbols, and polynomials in ``derive.symbols.eps`` for small constants; or
+    any other function of x that is smooth about x = 0, such as ``exp(b*x)`` or ``-(d -
+    x)**Rational(3, 2)``. ``loss`` is that of a dashpot parallel to the spring, which adds ``loss
+    dx/dt`` to the force. Raises ValueError for anything else.
     """
 
     stretch: tuple[Stencil, ...]
@@ -112,7 +112,7 @@ class Bond:
 
     @property
     def has_reaction(self) -> bool:
-        """Whether its forces on the fields add up to 0; those of a tie to the site do not."""
+        """Whether its forces on the fields add up to 0, unlike those of an on-site force."""
         return not sum(entry.weight for entry in self.action)
 
     @property
@@ -121,79 +121,79 @@ class Bond:
         return bool(self.force.is_polynomial(x))
 
     def coefficients(self) -> tuple[Expr, ...]:
-        """A polynomial force's coefficients, highest power first, as Horner's rule wants them."""
+        """Return a polynomial force's coefficients, highest power first, for Horner's rule."""
         return tuple(Poly(self.force, x).all_coeffs())
 
     def taylor(self, power: int) -> Expr:
-        """The factor of ``x**power`` in the force about zero stretch."""
+        """Return the factor of ``x**power`` in the force about zero stretch."""
         return simplify(self._derivative(power) / factorial(power))
 
     def _derivative(self, power: int) -> Expr:
-        """The force's derivative at zero stretch."""
+        """Return the force's derivative at zero stretch."""
         return self.force.diff(x, power).subs(x, 0)
 
     def stiffness(self, stretch: Expr) -> Expr:
-        """The force's slope at a uniform ``stretch``: its linearisation."""
+        """Return the force's slope at a uniform ``stretch``."""
         return self.force.diff(x).subs(x, stretch)
 
 
 Weights = dict[tuple[int, Cell], int]
-"""Of an action or a stretch: the weight of each field at each offset."""
+"""Weights of an action or a stretch by (field, offset)."""
 
 
 def _weights(entries: Iterable[Stencil], factor: int = 1) -> Weights:
-    """The sum of the weights of each site; a ``factor`` of -1 also takes the mirror's offsets."""
-    found: Weights = {}
+    """Sum the weights of each site; a ``factor`` of -1 negates offsets and weights."""
+    totals: Weights = {}
     for entry in entries:
         site = entry.field, tuple(factor * step for step in entry.shift)
-        found[site] = found.get(site, 0) + factor * entry.weight
-    return {site: weight for site, weight in found.items() if weight}
+        totals[site] = totals.get(site, 0) + factor * entry.weight
+    return {site: weight for site, weight in totals.items() if weight}
 
 
 def _products(left: Weights, right: Weights, turn: int = 1) -> Weights:
-    """The product of two weights as polynomials in shifts, of one field each."""
-    found: Weights = {}
+    """Return the product of two sets of weights, as polynomials in shifts of one field."""
+    totals: Weights = {}
     for (_, first), a in left.items():
         for (_, second), b in right.items():
             site = 0, tuple(i + turn * j for i, j in zip(first, second, strict=True))
-            found[site] = found.get(site, 0) + a * b
-    return {site: weight for site, weight in found.items() if weight}
+            totals[site] = totals.get(site, 0) + a * b
+    return {site: weight for site, weight in totals.items() if weight}
 
 
 def spring(force: Expr, start: tuple[Cell, int], end: tuple[Cell, int]) -> Bond:
-    """The bond between two displacements, each given by its cell and its field.
+    """Return the bond between two displacements, each given by its cell and its field.
 
-    It is stretched by the end's displacement less the start's, and pulls at both.
+    Its stretch is the end's displacement minus the start's, and its force pulls at both.
 
     >>> from longwave.derive.symbols import K2
     >>> chain = Lattice("chain", "chain", ("u",), (1,), (spring(K2*x, ((0,), 0), ((1,), 0)),))
     >>> chain.equations()[0]
     "u_n'' = F(u_{n+1} - u_n) - F(u_n - u_{n-1})"
     """
-    (here, first), (there, second) = start, end
+    (start_cell, first), (end_cell, second) = start, end
     return Bond(
-        stretch=(Stencil(there, 1, second), Stencil(here, -1, first)),
+        stretch=(Stencil(end_cell, 1, second), Stencil(start_cell, -1, first)),
         force=force,
         action=(
-            Stencil(tuple(-step for step in here), 1, first),
-            Stencil(tuple(-step for step in there), -1, second),
+            Stencil(tuple(-step for step in start_cell), 1, first),
+            Stencil(tuple(-step for step in end_cell), -1, second),
         ),
     )
 
 
 def on_site(force: Expr, field: int = 0, axes: int = 1) -> Bond:
-    """The force ``-force(f_n)`` that ties a field to its site; ``force`` in the symbol x."""
-    here = (0,) * axes
-    return Bond((Stencil(here, 1, field),), force, (Stencil(here, -1, field),))
+    """Return the on-site force ``-force(f_n)`` on a field; ``force`` is in the symbol x."""
+    origin = (0,) * axes
+    return Bond((Stencil(origin, 1, field),), force, (Stencil(origin, -1, field),))
 
 
 @dataclass(frozen=True, repr=False)
 class Lattice(Displayed):
     """Equations of motion ``mass f'' = sum of bond forces - loss f'``, one for each field.
 
-    ``definitions`` are symbols that stand for expressions in the lattice's other constants,
-    ``measured`` the values that constants were found to have, which stay symbols. ``losses`` are
-    those of the sites, one a field, or none at all; bonds have their own.
+    ``definitions`` are symbols that represent expressions in the lattice's other constants,
+    ``measured`` the measured values of constants, which remain symbols. ``losses`` are those of the
+    sites, one for each field, or empty; bonds have their own.
 
     >>> from longwave.derive import LATTICES
     >>> LATTICES["fput_strain"].constants
@@ -211,108 +211,117 @@ class Lattice(Displayed):
 
     @property
     def constants(self) -> tuple[Symbol, ...]:
-        """The symbols in forces, masses and losses, by name; eps, which is no constant, apart."""
-        found: set[Symbol] = set()
+        """Symbols in forces, masses and losses, sorted by name, without eps."""
+        symbols: set[Symbol] = set()
         forces = (part for bond in self.bonds for part in (bond.force, bond.loss))
         for expression in (*self.masses, *self.losses, *forces):
-            found |= expression.free_symbols
-        return tuple(sorted(found - {x, eps}, key=str))
+            symbols |= expression.free_symbols
+        return tuple(sorted(symbols - {x, eps}, key=str))
 
     @property
     def basic_constants(self) -> tuple[Symbol, ...]:
-        """The constants, by name, with those of definitions in the place of what they define."""
+        """Constants sorted by name, defined symbols replaced by those in their definitions."""
         defined = dict(self.definitions)
         inner = (symbol for value in defined.values() for symbol in value.free_symbols)
         return tuple(sorted({*self.constants, *inner} - {*defined}, key=str))
 
     @property
     def names(self) -> set[str]:
-        """The names of fields and constants, which names of an output must not be."""
+        """Names of fields and constants, which names in an output must differ from."""
         return {*self.fields, *map(str, (*self.constants, *self.basic_constants))}
 
     def with_defined(self, values: Mapping[Symbol, Expr]) -> dict[Symbol, Expr]:
-        """The values, with those of the symbols that are defined by other constants."""
+        """Return the values, extended by those of symbols that are defined by other constants."""
         return {**{symbol: value.xreplace(values) for symbol, value in self.definitions}, **values}
 
     def with_values(self, values: Mapping[str, Number]) -> Lattice:
-        """The lattice with numbers, or polynomials in eps, in the places of constants.
+        """Return the lattice with constants replaced by numbers, or by polynomials in eps.
 
-        In text they may be formulas.  Raises ValueError for a name that is no constant, and for a
-        value that is not what its symbol is declared to be.
+        Text may contain formulas.  Raises ValueError for an unknown constant, and for a value that
+        violates the assumptions of its symbol.
 
         >>> from longwave.derive import LATTICES
         >>> LATTICES["fput"].with_values({"K2": 4, "K3": "eps/2"}).equations()[1]
         'F(x) = 4 x + eps/2 x^2 + K4 x^3'
         """
-        at = values_of(values, {str(s): s for s in self.constants}, self.name, constant_value)
-        for symbol, value in at.items():
+        substitutions = values_of(
+            values, {str(s): s for s in self.constants}, self.name, constant_value
+        )
+        for symbol, value in substitutions.items():
             if symbol.is_positive and value.subs(eps, 0).is_positive is False:
                 remedy = self.vacuum_at(symbol, value) or self.name
                 raise ValueError(f"{symbol} must satisfy {symbol} > 0, got {value} ({remedy})")
         return replace(
             self,
-            masses=tuple(mass.xreplace(at) for mass in self.masses),
+            masses=tuple(mass.xreplace(substitutions) for mass in self.masses),
             bonds=tuple(
-                replace(b, force=b.force.xreplace(at), loss=b.loss.xreplace(at)) for b in self.bonds
+                replace(
+                    b, force=b.force.xreplace(substitutions), loss=b.loss.xreplace(substitutions)
+                )
+                for b in self.bonds
             ),
-            definitions=tuple((symbol, value.xreplace(at)) for symbol, value in self.definitions),
-            losses=tuple(loss.xreplace(at) for loss in self.losses),
+            definitions=tuple(
+                (symbol, value.xreplace(substitutions)) for symbol, value in self.definitions
+            ),
+            losses=tuple(loss.xreplace(substitutions) for loss in self.losses),
         )
 
     def with_losses(
         self, site: Number | Mapping[str, Number] = 0, bond: Number | Mapping[int, Number] = 0
     ) -> Lattice:
-        """The lattice with the force ``-site df/dt`` on each field and dashpots beside its springs.
+        """Return the lattice with the force ``-site df/dt`` on each field and dashpots at springs.
 
-        They are numbers or formulas in text, as "eps**3*gamma", whose new names are positive
-        constants.  Several fields may have losses of their own, by their names, and bonds by their
-        numbers from 1; a tie to the site is no bond between cells, its dashpot is a site's loss.
-        Raises ValueError for anything else.
+        Losses are numbers or formulas in text, as "eps**3*gamma"; new names in them are positive
+        constants.  A mapping gives different losses to fields (by name) or bonds (by number from
+        1). An on-site force is not a bond between cells; its dashpot is a loss of the site. Raises
+        ValueError for anything else.
 
         >>> from longwave.derive import LATTICES
         >>> LATTICES["fput_strain"].with_losses(site="eps^3*gamma", bond=1).equations()
         ("y_n'' = F(y_{n+1}) - 2 F(y_n) + F(y_{n-1}) - eps^3 gamma y_n'",
          "F(x) = K2 x + K3 x^2 + K4 x^3 + x'")
         """
-        springs = [str(i) for i, own in enumerate(self.bonds, 1) if own.has_reaction]
-        known = {str(symbol): symbol for symbol in self.constants}
-        sites = _each("site", site, self.fields, known)
-        dashpots = _each("bond", bond, springs, known)
+        springs = [str(i) for i, each in enumerate(self.bonds, 1) if each.has_reaction]
+        symbols = {str(symbol): symbol for symbol in self.constants}
+        sites = _each("site", site, self.fields, symbols)
+        dashpots = _each("bond", bond, springs, symbols)
         bonds = tuple(
-            replace(own, loss=dashpots.get(str(i), S.Zero)) for i, own in enumerate(self.bonds, 1)
+            replace(each, loss=dashpots.get(str(i), S.Zero)) for i, each in enumerate(self.bonds, 1)
         )
         losses = tuple(sites.values())
         return replace(self, bonds=bonds, losses=losses if any(losses) else ())
 
     @property
     def site_losses(self) -> tuple[Expr, ...]:
-        """The losses of the sites, one a field."""
+        """Losses of the sites, one for each field."""
         return self.losses or (S.Zero,) * len(self.fields)
 
     @property
     def leading_losses(self) -> dict[str, tuple[Expr, int]]:
-        """The loss of least power of eps, and that power, of sites and of bonds that have any."""
-        found = {}
+        """For sites and bonds with losses: the loss of least power of eps, and that power."""
+        losses_by_kind = {}
         for kind, values in (("site", self.losses), ("bond", [bond.loss for bond in self.bonds])):
-            least = [(loss, min(powers_of_eps(loss))) for loss in values if loss]
-            if least:
-                found[kind] = min(least, key=lambda entry: entry[1])
-        return found
+            by_power = [(loss, min(powers_of_eps(loss))) for loss in values if loss]
+            if by_power:
+                losses_by_kind[kind] = min(by_power, key=lambda entry: entry[1])
+        return losses_by_kind
 
     @property
     def contact_constants(self) -> set[Symbol]:
-        """Constants that only say where contacts open. They may be 0 where a chain is run."""
+        """Constants that only set where contacts open; they may be 0 when a chain is run."""
         laws = [bond.force for bond in self.bonds]
-        met = {symbol for law in laws for at in law.atoms(contact) for symbol in at.free_symbols}
+        opening_constants = {
+            symbol for law in laws for at in law.atoms(contact) for symbol in at.free_symbols
+        }
         return (
-            met
+            opening_constants
             - {x}
             - {s for law in laws for s in law.replace(contact, lambda _: S.One).free_symbols}
         )
 
     @property
     def unfelt_constants(self) -> set[Symbol]:
-        """Constants of contacts alone that are open at rest: small waves know nothing of them."""
+        """Constants only of contacts that are open at rest, which small waves do not feel."""
         closed = replace(
             self,
             bonds=tuple(
@@ -323,7 +332,7 @@ class Lattice(Displayed):
         return {*self.constants} - {*closed.constants}
 
     def check_values(self, values: Mapping[Symbol, Expr]) -> None:
-        """Refuse a value that is not what its symbol is declared to be."""
+        """Raise ValueError for a value that violates the assumptions of its symbol."""
         for symbol, value in values.items():
             for word in _ASSUMPTIONS:
                 if getattr(symbol, f"is_{word}") and getattr(value, f"is_{word}") is False:
@@ -334,7 +343,7 @@ class Lattice(Displayed):
                     raise ValueError(f"{symbol} must be {word}, got {shown(value)} ({remedy})")
 
     def vacuum_at(self, symbol: Symbol, value: Expr) -> str:
-        """A word on a value that takes a spring its linear stiffness; nothing for any other.
+        """Return a message if a value removes a spring's linear stiffness, else "".
 
         >>> from longwave.derive import LATTICES
         >>> LATTICES["granular"].vacuum_at(Symbol("d", positive=True), S.Zero)[:42]
@@ -356,7 +365,7 @@ class Lattice(Displayed):
 
     @property
     def has_displacements(self) -> bool:
-        """Whether all actions are minus the mirrors of stretches, as they are of displacements.
+        """Whether every action is minus the mirrored stretch, as for displacements.
 
         >>> from longwave.derive import LATTICES
         >>> [LATTICES[name].has_displacements for name in ("klein_gordon", "fput_strain")]
@@ -366,10 +375,10 @@ class Lattice(Displayed):
 
     @property
     def missing_energies(self) -> tuple[str, ...]:
-        """A sentence for each action that is no energy's: the forces give or take energy.
+        """Messages on actions that do not derive from an energy, so that forces change the energy.
 
-        An energy ``V(x)`` of a bond acts by minus the mirror of its stretch.  In other variables
-        than displacements, as strains, one positive symmetric stencil may stand before all actions.
+        An energy ``V(x)`` of a bond acts by minus the mirrored stretch.  In other variables than
+        displacements, such as strains, one positive symmetric stencil may multiply all actions.
 
         >>> from longwave.derive import LATTICES
         >>> LATTICES["fput_strain"].missing_energies
@@ -383,26 +392,26 @@ class Lattice(Displayed):
         wrong = [i for i, (action, mirror) in enumerate(pairs) if action != mirror]
         if not wrong or (len({*self.masses}) == 1 and self._has_metric(pairs)):
             return ()
-        found = []
+        messages = []
         for i in wrong:
             name = f"F{i + 1}" if len(pairs) > 1 else "F"
-            for place, label in enumerate(self.fields):
-                acts, wanted = (_sum_of_force(part, place) for part in pairs[i])
-                if acts != wanted:
-                    by_energy = f"an energy of its stretch by {wanted}"
-                    found.append(f"{name} acts on {label} by {acts}, {by_energy}")
-        return tuple(found)
+            for index, label in enumerate(self.fields):
+                acts, expected = (_sum_of_force(part, index) for part in pairs[i])
+                if acts != expected:
+                    by_energy = f"an energy of its stretch by {expected}"
+                    messages.append(f"{name} acts on {label} by {acts}, {by_energy}")
+        return tuple(messages)
 
     def _has_metric(self, pairs: Sequence[tuple[Weights, Weights]]) -> bool:
-        """Whether all actions are one positive symmetric stencil of shifts times the mirrors."""
+        """Return whether all actions are one positive symmetric stencil times the mirrors."""
         rows = [
-            tuple({s: w for s, w in part.items() if s[0] == place} for part in pair)
+            tuple({s: w for s, w in part.items() if s[0] == index} for part in pair)
             for pair in pairs
-            for place in range(len(self.fields))
+            for index in range(len(self.fields))
         ]
         rows = [row for row in rows if any(row)]
         action, mirror = rows[0]
-        square = _products(action, mirror, -1)  # the stencil times the mirror's square
+        square = _products(action, mirror, -1)  # the stencil times the square of the mirror
         waves = (
             sum(w * math.cos(k * c[0] + 0.7 * k * c[-1]) for (_, c), w in square.items())
             for k in (0.3, 1.0, 1.7, 2.4, 3.1)
@@ -415,7 +424,7 @@ class Lattice(Displayed):
         )
 
     def strained(self, strain: Expr) -> Lattice:
-        """The lattice of one field about a uniform strain of its cells, fields counted from there.
+        """Return the one-field lattice about a uniform strain, with the field measured from there.
 
         >>> from longwave.derive import LATTICES
         >>> LATTICES["alpha_fput"].strained(S(1) / 2).equations()[1]
@@ -432,7 +441,7 @@ class Lattice(Displayed):
 
     @property
     def is_displacement(self) -> bool:
-        """Whether no bond feels one field moved as a whole."""
+        """Whether no bond feels a uniform motion of one field."""
         return not any(sum(entry.weight for entry in bond.stretch) for bond in self.bonds)
 
     @property
@@ -446,10 +455,10 @@ class Lattice(Displayed):
         return all(bond.is_polynomial for bond in self.bonds)
 
     def expanded(self, degree: int) -> Lattice:
-        """The lattice with each force as a polynomial of that degree about zero stretch.
+        """Return the lattice with each force as a polynomial of that degree about zero stretch.
 
-        Coefficients that are no rational functions get a symbol, F2 for that of x^2 (with several
-        bonds F2a, F2b), and their expression is in ``definitions``; equal ones share it.
+        A coefficient that is not a rational function gets a symbol, F2 for that of x^2 (F2a, F2b
+        with several bonds), defined in ``definitions``; equal coefficients share it.
 
         >>> from sympy import Symbol, sin, sqrt
         >>> stiffness = Symbol("g", positive=True)
@@ -460,12 +469,12 @@ class Lattice(Displayed):
         definitions = dict(self.definitions)
         known = {value: symbol for symbol, value in self.definitions}
         bonds, names = [], self.names
-        for place, bond in enumerate(self.bonds):
+        for index, bond in enumerate(self.bonds):
             force: Expr = S.Zero
             for power in () if bond.is_polynomial else range(degree + 1):
                 value = bond.taylor(power)
                 if not _is_rational(value) and value not in known:
-                    name = f"F{power}{_letters(place) if len(self.bonds) > 1 else ''}"
+                    name = f"F{power}{_letters(index) if len(self.bonds) > 1 else ''}"
                     is_positive = value.is_positive or None
                     known[value] = Symbol(unused(name, names), real=True, positive=is_positive)
                     definitions[known[value]] = value
@@ -475,7 +484,7 @@ class Lattice(Displayed):
 
     @property
     def dimension(self) -> int:
-        """The number of axes of the lattice."""
+        """Number of axes of the lattice."""
         return len(self.bonds[0].stretch[0].shift)
 
     def __post_init__(self) -> None:
@@ -522,7 +531,7 @@ class Lattice(Displayed):
         check_constants(self.constants, fields)
 
     def equations(self, printed: Printed = text_of) -> tuple[str, ...]:
-        """The equations of motion, then the force of each bond, one a line.
+        """Return the equations of motion, then the force of each bond, one a line.
 
         >>> from longwave.derive import LATTICES
         >>> LATTICES["fput_strain"].equations()[0]
@@ -536,29 +545,29 @@ class Lattice(Displayed):
         )
 
     def text(self) -> str:
-        """The name, and the equations in plain text."""
+        """Return the name, and the equations in plain text."""
         return f"{self.name}: {'; '.join(self.equations())}"
 
     def latex(self) -> str:
-        """The equations in LaTeX, without delimiters."""
+        """Return the equations in LaTeX, without delimiters."""
         return r",\quad ".join(self.equations(latex_of))
 
 
 def _sum_of_force(weights: Weights, field: int) -> str:
-    """An action on a field as lattice files write it."""
+    """Return an action on a field in the notation of lattice files."""
     terms = []
-    for (own, cell), weight in sorted(weights.items(), reverse=True):
-        if own == field:
+    for (field_index, cell), weight in sorted(weights.items(), reverse=True):
+        if field_index == field:
             steps = ", ".join(f"{a}{s:+d}" if s else a for a, s in zip("nml", cell, strict=False))
             size = "" if abs(weight) == 1 else f"{abs(weight)}*"
             terms.append((weight < 0, f"{size}F[{steps}]"))
     return signed_sum(terms)
 
 
-def _letters(place: int) -> str:
-    """a, b, ..., z, aa, ab, ... for the places from 0."""
-    rest, letter = divmod(place, 26)
-    return (_letters(rest - 1) if rest else "") + chr(ord("a") + letter)
+def _letters(number: int) -> str:
+    """Return a, b, ..., z, aa, ab, ... for the numbers from 0."""
+    quotient, letter = divmod(number, 26)
+    return (_letters(quotient - 1) if quotient else "") + chr(ord("a") + letter)
 
 
 def _is_rational(value: Expr) -> bool:
@@ -570,37 +579,37 @@ def _is_rational(value: Expr) -> bool:
 
 
 def _loss(label: str, value: Expr) -> Expr:
-    """A loss, if it is one: it takes energy out."""
-    found = rational_function(label, value)
-    if found.has(x):
-        raise ValueError(f"{label} must not depend on the stretch x, got {found} (a constant)")
-    if found.is_negative:
-        raise ValueError(f"{label} must satisfy {label} >= 0, got {found} (it takes energy out)")
-    return found
+    """Return a loss. Raises ValueError if it depends on the stretch or is negative."""
+    value = rational_function(label, value)
+    if value.has(x):
+        raise ValueError(f"{label} must not depend on the stretch x, got {value} (a constant)")
+    if value.is_negative:
+        raise ValueError(f"{label} must satisfy {label} >= 0, got {value} (it takes energy out)")
+    return value
 
 
 def _closed_at_rest(opening: Expr) -> Expr:
-    """A contact, or 0 if it is open at no stretch."""
+    """Return a contact, or 0 if it is open at zero stretch."""
     return S.Zero if opening.subs(x, 0).is_negative else contact(opening)
 
 
 def _each(
     kind: str, given: Number | Mapping[Any, Number], names: Sequence[str], known: dict[str, Symbol]
 ) -> dict[str, Expr]:
-    """The loss of each name: one for all, or those of a table; ``known`` gets new constants."""
-    table = given if isinstance(given, Mapping) else dict.fromkeys(names, given)
-    for name in table:
+    """Return each name's loss, from one value or a table; add new constants to ``known``."""
+    losses = given if isinstance(given, Mapping) else dict.fromkeys(names, given)
+    for name in losses:
         if str(name) not in names:
             raise ValueError(
                 f"{kind} must be a loss of {', '.join(names) or 'nothing here'}, got one of "
                 f"{shown(str(name))} (or one value for all)"
             )
-    values = {str(n): _loss(kind, loss_value(kind, value, known)) for n, value in table.items()}
+    values = {str(n): _loss(kind, loss_value(kind, value, known)) for n, value in losses.items()}
     return {name: values.get(name, S.Zero) for name in names}
 
 
 def _equations(lattice: Lattice, printed: Printed, dots: tuple[str, str]) -> Iterator[str]:
-    """Equations of motion and forces, constants as they are ``printed``, rates with ``dots``."""
+    """Yield equations of motion and forces; ``printed`` formats constants, ``dots`` derivatives."""
     rate, acceleration = dots
     many = len(lattice.bonds) > 1
     names = [f"F{number}" if many else "F" for number, _ in enumerate(lattice.bonds, 1)]
@@ -630,7 +639,7 @@ def _equations(lattice: Lattice, printed: Printed, dots: tuple[str, str]) -> Ite
 
 
 def _law_term(value: Expr, power: int, printed: Printed) -> tuple[bool, str]:
-    """Whether a term of a force is negative, and the term without its sign."""
+    """Return whether a term of a force is negative, and the term without its sign."""
     is_negative = bool(value.as_coeff_Mul()[0] < 0)
     size = -value if is_negative else value
     return is_negative, _times(size, power_of(x, power, printed), printed).rstrip()
@@ -641,7 +650,7 @@ def _times(factor: Expr, product: str, printed: Printed) -> str:
 
 
 def _stretch(lattice: Lattice, bond: Bond, at: Stencil) -> str:
-    """The stretch of the bond whose force acts through ``at``."""
+    """Return the stretch of the bond whose force acts through ``at``, as text."""
     parts = []
     for entry in bond.stretch:
         cell = [i + j for i, j in zip(entry.shift, at.shift, strict=True)]
@@ -650,7 +659,7 @@ def _stretch(lattice: Lattice, bond: Bond, at: Stencil) -> str:
 
 
 def _cell(shift: Sequence[int]) -> str:
-    """The cell at an offset, as a subscript; further axes follow.
+    """Return the cell at an offset as a subscript, with further axes after a comma.
 
     >>> _cell((0,)), _cell((1,)), _cell((1, 0))
     ('n', '{n+1}', '{n+1,m}')

@@ -17,19 +17,19 @@
     field = "u"
     force = "h*x"
 
-    [[bond]]                                # what it measures, and where its force F acts
+    [[bond]]                                # its stretch, and where its force F acts
     stretch = "y[n]"
     action = {y = "F[n+1] - 2*F[n] + F[n-1]"}
     force = "K2*x + K3*x**2"
 
-    [constants]                             # where they were measured: numbers, which stay symbols
+    [constants]                             # measured values; the constants remain symbols
     K2 = 1.0
 
-    [covariance]                            # of the errors of these; what is not there is 0
+    [covariance]                            # of their errors; missing entries are 0
     K2 = {K2 = 1e-4}
 
 A small constant is written with its power of eps, as in ``force = "K2*x + eps*k3*x**2"``.
-Two axes are ``u[n, m+1]``.  Formulas are read with a whitelist, never evaluated.
+Two axes are ``u[n, m+1]``.  Formulas are parsed with a whitelist, never evaluated.
 """
 
 from __future__ import annotations
@@ -55,16 +55,16 @@ from longwave.support.known_names import one_of
 from longwave.support.user_files import file_stem, read_toml, shown, shown_path
 
 LARGEST = 100_000
-"""Bytes of a file."""
+"""Largest size of a file, in bytes."""
 
 MOST = 50
-"""Entries of each kind."""
+"""Most entries of each kind."""
 
 LONGEST_NAME = 30
-"""Characters of a field's or a constant's name."""
+"""Longest name of a field or constant, in characters."""
 
 LONGEST_TITLE = 200
-"""Characters of a name or a title."""
+"""Longest name or title of a lattice, in characters."""
 
 SMOOTH = (
     *(sp.exp, sp.log, sp.sqrt, sp.sin, sp.cos, sp.tan, sp.sinh, sp.cosh, sp.tanh, sp.sech),
@@ -87,9 +87,9 @@ _TERM = re.compile(
 
 
 def read_lattice(path: Path) -> Lattice:
-    """The lattice of a file, or of the standard input for ``-``.
+    """Read a lattice from a file, or from the standard input for ``-``.
 
-    Raises ValueError, with the file and the place, for what is no lattice; OSError where the file
+    Raises ValueError, with the file and the entry, for an invalid lattice; OSError if the file
     cannot be read.
     """
     document = read_toml(path, "lattice", LARGEST)
@@ -100,7 +100,7 @@ def read_lattice(path: Path) -> Lattice:
 
 
 def lattice_of(document: Mapping[str, Any], name: str = "lattice") -> Lattice:
-    """The lattice that the tables of a file describe.
+    """Return the lattice that the tables of a file describe.
 
     >>> spring = {"between": ["u[n]", "u[n+1]"], "force": "K2*x"}
     >>> lattice_of({"fields": ["u"], "positive": ["K2"], "spring": [spring]}).equations()[0]
@@ -127,14 +127,14 @@ def lattice_of(document: Mapping[str, Any], name: str = "lattice") -> Lattice:
                 raise ValueError(f"{place}: {error}") from None
     if not bonds:
         raise ValueError("bonds must be there, got none (write a [[spring]])")
-    called = _title("name", document.get("name", name))
-    title = _title("title", document.get("title", called))
-    found = Lattice(called, title, tuple(fields), tuple(masses), tuple(bonds))
-    return replace(found, measured=_measured(document, found))
+    lattice_name = _title("name", document.get("name", name))
+    title = _title("title", document.get("title", lattice_name))
+    lattice = Lattice(lattice_name, title, tuple(fields), tuple(masses), tuple(bonds))
+    return replace(lattice, measured=_measured(document, lattice))
 
 
 def document_of_lattice(lattice: Lattice) -> dict[str, Any]:
-    """The tables of a lattice without losses, of which `lattice_of` makes it again.
+    """Return the tables of a lattice without losses, from which `lattice_of` rebuilds it.
 
     >>> from longwave.derive import LATTICES
     >>> document_of_lattice(LATTICES["toda"])["bond"][0]["stretch"]
@@ -149,9 +149,13 @@ def document_of_lattice(lattice: Lattice) -> dict[str, Any]:
             for entry, cell in zip(entries, cells, strict=True)
         )
 
-    def acts(bond: Bond) -> dict[str, str]:
+    def action_of(bond: Bond) -> dict[str, str]:
         ends = {place: [e for e in bond.action if e.field == place] for place in range(MOST)}
-        return {lattice.fields[i]: sum_of(tuple(found), "F") for i, found in ends.items() if found}
+        return {
+            lattice.fields[i]: sum_of(tuple(stencils), "F")
+            for i, stencils in ends.items()
+            if stencils
+        }
 
     return {
         "fields": list(lattice.fields),
@@ -160,7 +164,7 @@ def document_of_lattice(lattice: Lattice) -> dict[str, Any]:
         "bond": [
             {
                 "stretch": sum_of(bond.stretch),
-                "action": acts(bond),
+                "action": action_of(bond),
                 "force": formula_as_text(bond.force),
             }
             for bond in lattice.bonds
@@ -169,7 +173,7 @@ def document_of_lattice(lattice: Lattice) -> dict[str, Any]:
 
 
 def _measured(document: Mapping[str, Any], lattice: Lattice) -> Measured | None:
-    """What the file says of the values of the lattice's constants; None for nothing."""
+    """Return the values of constants that the file states, with covariance; None if it has none."""
     values, rows = (_table(key, document.get(key, {})) for key in ("constants", "covariance"))
     if not values and not rows:
         return None
@@ -178,17 +182,17 @@ def _measured(document: Mapping[str, Any], lattice: Lattice) -> Measured | None:
     return Measured.of(values, covariance)
 
 
-def _table(label: str, found: object) -> Mapping[str, Any]:
-    if not isinstance(found, Mapping) or len(found) > MOST:
+def _table(label: str, value: object) -> Mapping[str, Any]:
+    if not isinstance(value, Mapping) or len(value) > MOST:
         raise ValueError(
-            f"{label} must be a table by constants' names, at most {MOST}, got {shown(found)} "
+            f"{label} must be a table by constants' names, at most {MOST}, got {shown(value)} "
             "(such as {K2 = 1})"
         )
-    return found
+    return value
 
 
 def force_of_text(text: str, label: str) -> sp.Expr:
-    """A force in the stretch x and real constants, as files hold it; ``label`` names it in errors.
+    """Parse a force in the stretch x and real constants; ``label`` names it in errors.
 
     >>> force_of_text("K2*x + g*sinh(x)", "force")
     K2*x + g*sinh(x)
@@ -197,7 +201,7 @@ def force_of_text(text: str, label: str) -> sp.Expr:
 
 
 def _title(label: str, text: object) -> str:
-    """A name or title, if it is one short line."""
+    """Return a name or title. Raises ValueError unless it is one short printable line."""
     if not isinstance(text, str) or not text.isprintable() or len(text) > LONGEST_TITLE:
         words = f"one printable line of {LONGEST_TITLE} characters at most"
         raise ValueError(f"{label} must be {words}, got {shown(text)} (such as 'my chain')")
@@ -205,25 +209,25 @@ def _title(label: str, text: object) -> str:
 
 
 class _Symbols:
-    """The constants by name, positive or real, and the formulas that are read with them."""
+    """Constants by name, positive or real; parser of formulas with these constants."""
 
     def __init__(self, positive: set[str]) -> None:
         self.positive = positive
         self.known: dict[str, sp.Symbol] = {}
 
     def symbol(self, name: str) -> sp.Symbol:
-        """The constant of a name; eps is the small parameter."""
+        """Return the symbol of a constant; eps is the small parameter."""
         if name == str(eps):
             return eps
         sign = {"positive" if name in self.positive else "real": True}
         return self.known.setdefault(name, sp.Symbol(name, **sign))
 
     def mass(self, label: str, given: Any) -> sp.Expr:
-        """A formula, or a number as it is written."""
+        """Return a mass from a formula or a number; a float keeps its decimal value."""
         return exact(label, given) if isinstance(given, float) else self.formula(label, given)
 
     def formula(self, label: str, text: Any) -> sp.Expr:
-        """A formula in the stretch x and constants."""
+        """Parse a formula in the stretch x and constants."""
         if isinstance(text, int) and not isinstance(text, bool):
             return sp.Integer(text)
         if not isinstance(text, str):
@@ -233,7 +237,7 @@ class _Symbols:
 
 
 def time_formula(label: str, text: object) -> sp.Expr:
-    """A formula in t alone, with x in its place; ValueError in one line for what is none."""
+    """Parse a formula in t alone, with x as its symbol. Raises ValueError for anything else."""
     if isinstance(text, int | float) and not isinstance(text, bool):
         return sp.nsimplify(text, rational=True) if math.isfinite(text) else sp.nan
     if not isinstance(text, str):
@@ -248,61 +252,61 @@ def _check_keys(table: object, kind: str) -> None:
         raise ValueError(f"[[{kind}]] must be a table, got {shown(table)}")
     for key in table:
         if key not in known:
-            known_ones = one_of(key, sorted(known))
-            raise ValueError(f"keys must be known ones, got {shown(key)} ({known_ones})")
+            suggestion = one_of(key, sorted(known))
+            raise ValueError(f"keys must be known ones, got {shown(key)} ({suggestion})")
 
 
 def _entries(document: Mapping[str, Any], kind: str) -> Iterator[tuple[str, Mapping[str, Any]]]:
-    found = document.get(kind, [])
-    if not isinstance(found, list) or len(found) > MOST:
-        raise ValueError(f"{kind} must be [[{kind}]] tables, at most {MOST}, got {shown(found)}")
-    for number, entry in enumerate(found, 1):
+    entries = document.get(kind, [])
+    if not isinstance(entries, list) or len(entries) > MOST:
+        raise ValueError(f"{kind} must be [[{kind}]] tables, at most {MOST}, got {shown(entries)}")
+    for number, entry in enumerate(entries, 1):
         _check_keys(entry, kind)
         yield f"[[{kind}]] {number}", entry
 
 
 def _texts(document: Mapping[str, Any], key: str, *, required: bool = True) -> list[str]:
-    found = document.get(key, None if required else [])
-    texts = isinstance(found, list) and all(
-        isinstance(entry, str) and len(entry) <= LONGEST_NAME for entry in found
+    names = document.get(key, None if required else [])
+    texts = isinstance(names, list) and all(
+        isinstance(entry, str) and len(entry) <= LONGEST_NAME for entry in names
     )
-    if not texts or (required and not found) or len(found) > MOST:
-        raise ValueError(f'{key} must be a list of names, got {shown(found)} (such as ["u"])')
-    return list(found)
+    if not texts or (required and not names) or len(names) > MOST:
+        raise ValueError(f'{key} must be a list of names, got {shown(names)} (such as ["u"])')
+    return list(names)
 
 
 def _masses(document: Mapping[str, Any], fields: list[str]) -> list[Any]:
-    found = document.get("masses", [1] * len(fields))
-    if not isinstance(found, list) or len(found) != len(fields):
+    masses = document.get("masses", [1] * len(fields))
+    if not isinstance(masses, list) or len(masses) != len(fields):
         raise ValueError(
-            f"masses must be a list of {len(fields)}, one a field, got {shown(found)} "
+            f"masses must be a list of {len(fields)}, one a field, got {shown(masses)} "
             '(such as ["m1", "m2"])'
         )
-    return list(found)
+    return list(masses)
 
 
 def _terms(label: str, text: object) -> list[tuple[int, str, Cell]]:
-    """Weight, name and cell of each term of a sum such as ``F[n+1] - 2*F[n]``."""
+    """Return weight, name and cell of each term of a sum such as ``F[n+1] - 2*F[n]``."""
     if not isinstance(text, str) or len(text) > 1000:
         raise ValueError(f"{label} must be a short text, got {shown(text)} (such as u[n+1])")
-    found: list[tuple[int, str, Cell]] = []
-    place = 0
-    while place < len(text):
-        match = _TERM.match(text, place)
-        if match is None or (found and not match[1]):
+    terms: list[tuple[int, str, Cell]] = []
+    position = 0
+    while position < len(text):
+        match = _TERM.match(text, position)
+        if match is None or (terms and not match[1]):
             raise ValueError(
                 f"{label} must be a sum of sites such as F[n+1] - 2*F[n], got "
                 f"{shown(text)} (weights are whole numbers: put a factor into the force, that of "
                 "one end alone into the force of a [[bond]] of its own)"
             )
-        sign, weight, name, along, across = match.groups()
-        steps = [int((step or "0").replace(" ", "")) for step in (along, across)]
+        sign, weight, name, n_step, m_step = match.groups()
+        steps = [int((step or "0").replace(" ", "")) for step in (n_step, m_step)]
         cell = tuple(steps) if "," in match[0] else tuple(steps[:1])
-        found.append((int(f"{sign}{weight or 1}"), name, cell))
-        place = match.end()
-    if not found:
+        terms.append((int(f"{sign}{weight or 1}"), name, cell))
+        position = match.end()
+    if not terms:
         raise ValueError(f"{label} must name a site, got {shown(text)} (such as u[n+1])")
-    return found
+    return terms
 
 
 def _field(label: str, name: object, fields: list[str]) -> int:

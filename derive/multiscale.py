@@ -1,11 +1,11 @@
 """From the eps-series of the lattice equation to the reduced equation, order by order.
 
 The lowest order is the sound condition ``P(c) Y_XX = 0``.  Every order below the one with Y_XT
-must vanish by a condition on the constants.  The order with Y_XT is the reduced equation once
-integrated in X, but for a transverse term that stays outside of the X-derivative; the later orders,
-with time derivatives removed, give its corrections.  For the strain FPUT lattice these are the
-steps to the paper's eq. (8).  In a lattice of displacements the wave is W, and
-the steps are taken in Y = W_X, with the X-derivative of the equation.
+must vanish by a condition on the constants.  The order with Y_XT, integrated in X, is the reduced
+equation, except for a transverse term that stays outside the X-derivative. The later orders, with
+time derivatives removed, give its corrections.  For the strain FPUT lattice these are the steps to
+the paper's eq. (8).  For displacements the wave is W, and the steps use Y = W_X and the
+X-derivative of the equation.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from longwave.derive.reduction import Reduction
 from longwave.derive.scaling import Scaling
 
 FURTHER_ORDERS = 2
-"""Beyond the evolution equation, unless told: where the first correction usually is."""
+"""Default number of orders beyond the evolution equation: usually includes the first correction."""
 
 
 USUAL = "Scaling() is the paper's"
@@ -43,7 +43,7 @@ class ReductionError(ValueError):
 
 
 class _Solver:
-    """Walks up the orders of ``residual``, applying each condition to all that follow."""
+    """Solver of the orders of ``residual`` from below; conditions are applied to later orders."""
 
     def __init__(self, residual: EpsSeries, expansion: Expansion) -> None:
         self.lattice, self.scaling = expansion.lattice, expansion.scaling
@@ -65,10 +65,10 @@ class _Solver:
         return (space, *(0,) * (len(self.notation.axes) - 2), time)
 
     def check_losses(self) -> None:
-        """Refuse losses that dominate: their linear terms have an odd number of derivatives."""
+        """Raise ReductionError for dominant losses: linear terms with odd derivative counts."""
         losses = self.lattice.leading_losses
-        below = {o: part for o, part in self.series.parts.items() if o < self.leading_order}
-        for order, part in below.items() if losses else ():
+        lower_orders = {o: part for o, part in self.series.parts.items() if o < self.leading_order}
+        for order, part in lower_orders.items() if losses else ():
             for monomial in part.terms:
                 if len(monomial) == 1 and sum(monomial[0]) % 2:
                     kind = "site" if sum(monomial[0]) == 1 else "bond"
@@ -76,28 +76,30 @@ class _Solver:
                     raise ReductionError(self._dominant(kind, *losses[kind], order))
 
     def _dominant(self, kind: str, given: Expr, power: int, order: int) -> str:
-        missing = self.leading_order - order
-        right = f"eps^{power + missing}" if power + missing > 1 else "eps"
-        slow = self.scaling.time - missing
-        remedy = f"write {right} times a constant" + (f", or take T = eps^{slow} t" * (slow > 1))
+        shortfall = self.leading_order - order
+        power_text = f"eps^{power + shortfall}" if power + shortfall > 1 else "eps"
+        slow_time = self.scaling.time - shortfall
+        remedy = f"write {power_text} times a constant" + (
+            f", or take T = eps^{slow_time} t" * (slow_time > 1)
+        )
         return (
             f"{kind} loss must enter at the order of the reduced equation, eps^"
             f"{self.leading_order}, got {text_of(given)}, which dominates at eps^{order} ({remedy})"
         )
 
     def sound_polynomial(self) -> RationalFunction:
-        """P(c) of the lowest order, eliminated from all orders on the way."""
+        """Return P(c) of the lowest order, and eliminate it from all orders."""
         order = next(iter(self.series.parts), self.lowest_order)
         lowest = self.series.at(order)
         if set(lowest.terms) != {(self.second,)}:
-            wanted = f"a multiple of {self.notation.monomial((self.second,))} alone"
-            raise self._refusal(order, f"{wanted} (try a larger amplitude exponent)")
+            required = f"a multiple of {self.notation.monomial((self.second,))} alone"
+            raise self._refusal(order, f"{required} (try a larger amplitude exponent)")
         polynomial = lowest.coefficient(self.second)
         if self.frame and not (polynomial.as_expr() / self.frame**2).expand().has(self.frame):
-            found = OrderEquation(order, lowest, self.notation).text()
+            equation_text = OrderEquation(order, lowest, self.notation).text()
             raise ReductionError(
                 f"there is no sound: the linear stiffness at rest is 0 (order eps^{order} reads "
-                f"{found}; press the lattice together, as by d - x for -x, or give springs a "
+                f"{equation_text}; precompress the lattice, as by d - x for -x, or give springs a "
                 "linear term)"
             )
         self._eliminate(order, polynomial)
@@ -114,22 +116,22 @@ class _Solver:
             factors = vanishing_factors(equation.polynomial.terms.values())
             if factors is None:
                 needed = "solvable by a condition on the constants"
-                crossed = any(m[0][0] and any(m[0][1:-1]) for m in equation.polynomial.terms)
+                has_mixed_term = any(m[0][0] and any(m[0][1:-1]) for m in equation.polynomial.terms)
                 drift = " (let the transverse variable drift: give it a symbol for its speed)"
-                raise self._refusal(order, needed + (drift if crossed else ""))
+                raise self._refusal(order, needed + (drift if has_mixed_term else ""))
             for factor in factors:
                 self._require(order, factor, equation)
 
     def _solve_drifts(self, order: int) -> None:
-        """Let the term linear in Y_XZ, Z across, vanish by the speed at which Z drifts."""
+        """Remove the linear term Y_XZ by a condition on the transverse variable's drift speed."""
         part = self.series.parts[order]
         for monomial, value in part.terms.items():
             drifts = [s for s in self.drifts if value.diff(s)]
             if len(monomial) == 1 and drifts:
-                crossed = DifferentialPolynomial(part.field, {monomial: value})
-                [found] = vanishing_factors([value]) or [value]
-                crossing = OrderEquation(order, crossed, self.notation)
-                self._require(order, found, crossing, drifts)
+                mixed_part = DifferentialPolynomial(part.field, {monomial: value})
+                [vanishing] = vanishing_factors([value]) or [value]
+                crossing = OrderEquation(order, mixed_part, self.notation)
+                self._require(order, vanishing, crossing, drifts)
                 return
 
     def _require(
@@ -145,7 +147,7 @@ class _Solver:
     def _eliminate(
         self, order: int, vanishing: RationalFunction, drifts: Sequence[Symbol] = ()
     ) -> None:
-        """Solve for one of the ``drifts``, which have no values of their own, or of the rest."""
+        """Solve for one of the ``drifts``, which have no given values, or of the constants."""
         solved = (drifts and solve_linear(vanishing, drifts)) or solve_linear(
             vanishing, self.constants, self.frame
         )
@@ -159,31 +161,31 @@ class _Solver:
         self.series = self.conditioned(self.series)
 
     def conditioned(self, series: EpsSeries) -> EpsSeries:
-        """A series with the constants eliminated that the conditions fix."""
+        """Return a series without the constants that the conditions determine."""
         squares = [elimination for elimination in self.solved if elimination.power > 1]
         for elimination in (*self.solved, *squares):
             series = elimination.series(series)
         return series
 
     def flow(self) -> tuple[DifferentialPolynomial, DifferentialPolynomial]:
-        """F and B of the evolution equation ``(Y_T - F)_X + B = 0``; B is linear, without X."""
+        """Return F and B of the equation ``(Y_T - F)_X + B = 0``; B is linear, without X."""
         part = self.series.parts.get(self.leading_order)
-        timed = [m for m in part.terms if any(jet[-1] for jet in m)] if part else []
-        wanted = self.notation.monomial((self.mixed,))
-        if timed != [(self.mixed,)] or part is None:
-            raise self._refusal(self.leading_order, f"linear in {wanted}")
+        time_terms = [m for m in part.terms if any(jet[-1] for jet in m)] if part else []
+        mixed_name = self.notation.monomial((self.mixed,))
+        if time_terms != [(self.mixed,)] or part is None:
+            raise self._refusal(self.leading_order, f"linear in {mixed_name}")
         self.factor = part.coefficient(self.mixed)
         others = part.select(lambda monomial: monomial != (self.mixed,))
         rest = others.map_coefficients(lambda value: value / self.factor)
-        across = rest.select(lambda m: len(m) == 1 and m[0][0] == 0)
-        flow = (-(rest - across)).antiderivative()
+        transverse = rest.select(lambda m: len(m) == 1 and m[0][0] == 0)
+        flow = (-(rest - transverse)).antiderivative()
         if flow is None:
             raise self._refusal(self.leading_order, "an X-derivative")
-        return flow, across
+        return flow, transverse
 
     def _refusal(self, order: int, needed: str) -> ReductionError:
-        found = OrderEquation(order, self.series.at(order), self.notation).text()
-        return ReductionError(f"order eps^{order} must be {needed}, got {found}")
+        equation_text = OrderEquation(order, self.series.at(order), self.notation).text()
+        return ReductionError(f"order eps^{order} must be {needed}, got {equation_text}")
 
 
 def reduce(
@@ -191,21 +193,21 @@ def reduce(
 ) -> Reduction:
     """Reduce a lattice under an ansatz, through order ``eps^orders``.
 
-    Unless told, through the second order behind the reduced equation.  Raises ReductionError (a
-    ValueError) when the ansatz does not lead to an evolution equation, ValueError when ``orders``
-    stops below it.
+    By default two orders beyond the reduced equation are derived.  Raises ReductionError (a
+    ValueError) if the ansatz does not lead to an evolution equation, ValueError if ``orders`` is
+    below it.
 
     >>> from longwave.derive import LATTICES, reduce
     >>> print(reduce(LATTICES["fput_strain"]).pde.text())
     Y_T + (3 K4/(2 c)) Y^2 Y_X + (c/24) Y_XXX = 0
     """
     chosen = Scaling() if scaling is None else instance("scaling", scaling, Scaling, USUAL)
-    least = chosen.leading_order
-    highest = least + FURTHER_ORDERS if orders is None else orders
-    if integer("orders", highest, 0, "the highest power of eps") < least:
+    leading = chosen.leading_order
+    highest = leading + FURTHER_ORDERS if orders is None else orders
+    if integer("orders", highest, 0, "the highest power of eps") < leading:
         raise ValueError(
-            f"orders must satisfy orders >= {least}, got {orders} "
-            f"(the evolution equation appears at eps^{least})"
+            f"orders must satisfy orders >= {leading}, got {orders} "
+            f"(the evolution equation appears at eps^{leading})"
         )
     expansion = expand(lattice, chosen, highest)
     slaved = expansion.slaved_parts()
@@ -214,8 +216,8 @@ def reduce(
     solver.check_losses()
     sound = solver.sound_polynomial()
     solver.solve_conditions()
-    flow, across = solver.flow()
-    corrections, obstruction = ({}, None) if across else _corrections(solver, flow)
+    flow, transverse = solver.flow()
+    corrections, obstruction = ({}, None) if transverse else _corrections(solver, flow)
     names = expansion.lattice.fields
     unknown = unused("W", lattice.names) if expansion.is_displacement else "Y"
     wave = Notation(chosen.axes, unknown)
@@ -226,8 +228,8 @@ def reduce(
         orders={order: OrderEquation(order, part, wave) for order, part in residual.parts.items()},
         sound_polynomial=sound,
         conditions=tuple(solver.conditions),
-        pde=EvolutionEquation(flow, solver.notation, across),
-        remainders={} if across else dict(_on_solutions(solver, {0: flow}).parts),
+        pde=EvolutionEquation(flow, solver.notation, transverse),
+        remainders={} if transverse else dict(_on_solutions(solver, {0: flow}).parts),
         corrections=corrections,
         obstruction=obstruction,
         slaved={
@@ -239,7 +241,7 @@ def reduce(
 
 
 def _on_solutions(solver: _Solver, flows: Mapping[int, DifferentialPolynomial]) -> EpsSeries:
-    """The lattice residual on solutions of ``Y_T = sum eps^k F_k``."""
+    """Return the lattice residual on solutions of ``Y_T = sum eps^k F_k``."""
     flow = EpsSeries(solver.series.field, solver.series.limit, flows)
     residual = TimeElimination(flow, len(solver.notation.axes)).series(solver.series)
     return solver.conditioned(residual)
@@ -248,21 +250,21 @@ def _on_solutions(solver: _Solver, flows: Mapping[int, DifferentialPolynomial]) 
 def _corrections(
     solver: _Solver, flow: DifferentialPolynomial
 ) -> tuple[dict[int, DifferentialPolynomial], tuple[int, DifferentialPolynomial] | None]:
-    """F_k of ``Y_T = sum eps^k F_k``, and the first order whose X-integral does not exist."""
-    later: dict[int, DifferentialPolynomial] = {}
+    """Return F_k of ``Y_T = sum eps^k F_k``, and the first order without an X-integral."""
+    corrections: dict[int, DifferentialPolynomial] = {}
     for power in range(1, solver.series.limit - solver.leading_order + 1):
-        series = _on_solutions(solver, {0: flow, **later})
+        series = _on_solutions(solver, {0: flow, **corrections})
         rest = (-1 / solver.factor) * series.at(solver.leading_order + power)
         correction = rest.antiderivative()
         if correction is None:
-            return later, (power, rest)
+            return corrections, (power, rest)
         if correction:
-            later[power] = correction
-    return later, None
+            corrections[power] = correction
+    return corrections, None
 
 
 def _in_strain(series: EpsSeries) -> EpsSeries:
-    """The X-derivative of a series in W, each of whose jets then has one, in Y = W_X."""
+    """Return the X-derivative of a series in W as a series in Y = W_X."""
     parts = {}
     for order, part in series.derivative(0).parts.items():
         items = ((tuple(sorted(raised(j, 0, -1) for j in m)), v) for m, v in part.terms.items())

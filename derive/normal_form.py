@@ -1,10 +1,10 @@
-"""The map from a reduced equation to the normal form that its closed solutions are written in.
+"""The map from a reduced equation to the normal form of its closed solutions.
 
 ``Y(X, Z, T) = h U(a (X - drift T), e Z, b T)`` turns the reduced equation into a multiple of the
-normal form.  Each equation is one entry: the terms it is known by, and the scales, from the
-coefficients of these terms.  For mKdV the map takes beta and delta = -gamma_3 of the paper's
-eq. (15) to a and b of the paper's eq. (22).  Where an equation keeps its form under a scaling, the
-simplest map is taken: h = 1 for mKdV, a = 1 for KdV, KP and NLS.
+normal form.  Each equation is one entry: its terms, and the scales as functions of their
+coefficients.  For mKdV the map takes beta and delta = -gamma_3 of the paper's eq. (15) to a and b
+of the paper's eq. (22).  If an equation keeps its form under a scaling, the simplest map is used:
+h = 1 for mKdV, a = 1 for KdV, KP and NLS.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ Scales = dict[str, Expr]
 
 @dataclass(frozen=True)
 class NormalEquation:
-    """An equation that closed solutions are known of.
+    """An equation with known closed solutions.
 
-    ``terms``: those of the reduced equation besides Y_T, in the order in which ``scales`` takes
-    their coefficients; a term in Y_X only makes the solution drift.
+    ``terms``: those of the reduced equation besides Y_T, in the order of the arguments of
+    ``scales``, their coefficients; a term Y_X only makes the solution drift.
     """
 
     name: str
@@ -38,13 +38,13 @@ class NormalEquation:
 
     @property
     def latex(self) -> str:
-        """The text in LaTeX, without delimiters."""
+        """The equation in LaTeX, without delimiters."""
         return re.sub(r"_(\d*)((?:xi|zeta|tau)+)", _subscript, self.text)
 
 
-def _subscript(found: re.Match[str]) -> str:
-    names = re.sub("(xi|zeta|tau)", r"\\\1", found[2])
-    return f"_{names}" if names.count("\\") == 1 and not found[1] else f"_{{{found[1]}{names}}}"
+def _subscript(match: re.Match[str]) -> str:
+    names = re.sub("(xi|zeta|tau)", r"\\\1", match[2])
+    return f"_{names}" if names.count("\\") == 1 and not match[1] else f"_{{{match[1]}{names}}}"
 
 
 def _kdv(quadratic: Expr, third: Expr) -> Scales:
@@ -82,7 +82,7 @@ def _modified_kawahara(cubic: Expr, third: Expr, fifth: Expr) -> Scales:
 
 
 def _kdv_burgers(quadratic: Expr, second: Expr, third: Expr) -> Scales:
-    """Time is that of the Burgers term, which losses make negative."""
+    """Scale time by the Burgers term, whose coefficient is negative for losses."""
     a = Abs(second / third)
     b = -second * a**2
     return {"a": a, "b": b, "h": 6 * b / (quadratic * a), "s": -sign(second * third)}
@@ -110,9 +110,9 @@ def _kp(quadratic: Expr, third: Expr, across: Expr) -> Scales:
 
 
 def _generalised_kp(cubic: Expr, third: Expr, across: Expr) -> Scales:
-    along = _mkdv(cubic, third)
-    e = sqrt(3 * Abs(third / across)) * along["a"] ** 2
-    return {**along, "r": along["s"], "e": e, "s": sign(third * across)}
+    longitudinal = _mkdv(cubic, third)
+    e = sqrt(3 * Abs(third / across)) * longitudinal["a"] ** 2
+    return {**longitudinal, "r": longitudinal["s"], "e": e, "s": sign(third * across)}
 
 
 def _nls(dispersion: Expr, cubic: Expr) -> Scales:
@@ -164,7 +164,7 @@ NORMAL_EQUATIONS = {
     name: NormalEquation(name, tuple(terms.split(", ")), text, scales)
     for name, terms, text, scales in _ROWS
 }
-"""The equations by name."""
+"""The normal forms by name."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -172,12 +172,12 @@ class NormalForm:
     """``Y(X, Z, T) = h U(a (X - drift T), e Z, b T)``, where U solves the ``equation``.
 
     ``c`` is the frame speed, ``X = eps (n - c t)``; for NLS it is the group velocity, and Y is A.
-    ``s`` and ``r`` are the signs in the normal form, 1 or -1 (1 where it has none); b may be
-    negative, and e is 0 where there is no Z.  ``equation`` is a name of `NORMAL_EQUATIONS`.
+    ``s`` and ``r`` are the signs in the normal form, 1 or -1 (1 if it has none); b may be negative,
+    and e is 0 without a Z.  ``equation`` is a name of `NORMAL_EQUATIONS`.
 
-    All are exact SymPy expressions; numbers are made so.  ``digits`` is None, or says to how many
-    digits they are those of the lattice.  Raises ValueError for anything else, for a number s or r
-    other than 1 and -1, and for a scale that is 0.
+    All are exact SymPy expressions; numbers are converted.  ``digits`` is None for exact values, or
+    the number of digits to which they are those of the lattice.  Raises ValueError for anything
+    else, for a number s or r other than 1 and -1, and for a scale that is 0.
     """
 
     a: Expr
@@ -211,7 +211,7 @@ class NormalForm:
 
     @property
     def name(self) -> str:
-        """The equation's name, with its signs where its waves depend on them."""
+        """The equation's name, with its signs if its waves depend on them."""
         return equation_name(self.equation, self.s, self.r)
 
     @property
@@ -221,15 +221,15 @@ class NormalForm:
 
     @property
     def map_text(self) -> str:
-        """The map in plain text, without what is 1 or 0."""
-        along = "a X" if self.drift == 0 else "a (X - drift T)"
-        across = ("Z, ", ", e Z") if self.is_transverse else ("", "")
+        """The map in plain text, without terms that are trivial."""
+        first_argument = "a X" if self.drift == 0 else "a (X - drift T)"
+        arguments = ("Z, ", ", e Z") if self.is_transverse else ("", "")
         unknown = "A" if self.equation == "NLS" else "Y"
         factor = "" if self.h == 1 else "h "
-        return f"{unknown}(X, {across[0]}T) = {factor}U({along}{across[1]}, b T)"
+        return f"{unknown}(X, {arguments[0]}T) = {factor}U({first_argument}{arguments[1]}, b T)"
 
     def lines(self, taken: Collection[str], written: Callable[[str, Expr], str]) -> Iterator[str]:
-        """Equation, map and scales in plain text, names apart from those ``taken`` by a lattice."""
+        """Yield equation, map and scales in plain text, with names that avoid those ``taken``."""
         text = f"{NORMAL_EQUATIONS[self.equation].text}, {self.map_text}:"
         yield f"normal form {marked(text, ('U', 'drift', *'abehsr'), taken)}"
         for name, value in self.values.items():
@@ -237,15 +237,17 @@ class NormalForm:
 
     @property
     def values(self) -> dict[str, Expr]:
-        """The scales of the map and the signs of the normal form, by name."""
+        """Scales of the map and signs of the normal form, by name."""
         names = ["a", "b"] + ["e"] * self.is_transverse
         names += [name for name, usual in (("h", 1), ("drift", 0)) if getattr(self, name) != usual]
         names += [name for name in "sr" if f" {name} " in NORMAL_EQUATIONS[self.equation].text]
         return {name: getattr(self, name) for name in names}
 
     def __repr__(self) -> str:
-        given = (i for i in fields(self) if i.name in "absc" or getattr(self, i.name) != i.default)
-        return f"NormalForm({', '.join(f'{i.name}={getattr(self, i.name)}' for i in given)})"
+        fields_shown = (
+            i for i in fields(self) if i.name in "absc" or getattr(self, i.name) != i.default
+        )
+        return f"NormalForm({', '.join(f'{i.name}={getattr(self, i.name)}' for i in fields_shown)})"
 
     def _repr_latex_(self) -> str:
         map_latex = self.map_text.replace("drift", _LATEX["drift"])
@@ -255,7 +257,7 @@ class NormalForm:
 
 
 def equation_name(name: str, s: Expr | int, r: Expr | int = 1) -> str:
-    """The equation's name with its signs, where its waves depend on them.
+    """Return the equation's name with its signs, if its waves depend on them.
 
     >>> equation_name("mKdV", -1), equation_name("KP", -1), equation_name("Kawahara", -1)
     ('defocusing mKdV', 'KP-I', 'Kawahara (s = -1)')
@@ -275,17 +277,17 @@ _LATEX = {"drift": r"\nu"}
 
 
 def equation_of(terms: Iterable[str]) -> NormalEquation | None:
-    """The equation with these terms, one in Y_X apart; None if there is none."""
-    wanted = {*terms} - {"Y_X"}
-    return next((e for e in NORMAL_EQUATIONS.values() if {*e.terms} == wanted), None)
+    """Return the equation with these terms, ignoring Y_X; None if there is none."""
+    term_set = {*terms} - {"Y_X"}
+    return next((e for e in NORMAL_EQUATIONS.values() if {*e.terms} == term_set), None)
 
 
 def normal_form_of(
     c: Expr, coefficients: Mapping[str, Expr], digits: int | None = None
 ) -> NormalForm:
-    """The normal form of an equation by the coefficients of its terms, those that vanish left out.
+    """Return the normal form of an equation by its terms' coefficients; zeros are ignored.
 
-    A term is called as in `NORMAL_EQUATIONS`.  Raises ValueError for any other equation.
+    Terms are named as in `NORMAL_EQUATIONS`.  Raises ValueError for any other equation.
 
     >>> from sympy import Rational
     >>> normal_form_of(S(2), {"Y^2 Y_X": Rational(3, 4), "Y_XXX": Rational(1, 12)})
@@ -302,25 +304,25 @@ def normal_form_of(
     entry = equation_of(terms)
     if entry is None:
         raise ValueError(_refusal(terms, [term for term in coefficients if term not in terms]))
-    found = entry.scales(*(terms[term] for term in entry.terms)).items()
-    scales = {"s": S.One, **{name: joined_powers(value) for name, value in found}}
+    scale_items = entry.scales(*(terms[term] for term in entry.terms)).items()
+    scales = {"s": S.One, **{name: joined_powers(value) for name, value in scale_items}}
     return NormalForm(c=c, equation=entry.name, drift=drift, digits=digits, **scales)
 
 
-def _refusal(left: Mapping[str, Expr], vanished: Sequence[str]) -> str:
-    """The message where the terms that are left have no normal form."""
-    lost = [term for term in vanished if term != "Y_X"]
-    if lost:
-        linear = "" if any(_is_nonlinear(term) for term in left) else ", a linear equation"
+def _refusal(remaining: Mapping[str, Expr], vanished: Sequence[str]) -> str:
+    """Return the message for terms without a normal form."""
+    vanished_terms = [term for term in vanished if term != "Y_X"]
+    if vanished_terms:
+        linear = "" if any(_is_nonlinear(term) for term in remaining) else ", a linear equation"
         return (
-            f"the coefficient of {lost[0]} must not vanish, got 0, which leaves "
-            f"{', '.join(left) or 'nothing'}{linear} "
-            f"({_REMEDY.get(lost[0], 'take other constants')})"
+            f"the coefficient of {vanished_terms[0]} must not vanish, got 0, which leaves "
+            f"{', '.join(remaining) or 'nothing'}{linear} "
+            f"({_REMEDY.get(vanished_terms[0], 'take other constants')})"
         )
     known = "; ".join(f"{e.name}: {', '.join(e.terms)}" for e in NORMAL_EQUATIONS.values())
     return (
         "the terms must be those of an equation with a normal form, got "
-        f"{', '.join(left) or 'none'} ({known})"
+        f"{', '.join(remaining) or 'none'} ({known})"
     )
 
 

@@ -27,10 +27,10 @@ from longwave.derive.scaling import Scaling
 from longwave.derive.symbols import eps, values_of
 
 _POWERS = {"KdV": 1, "mKdV": 2}
-"""The power of Y before Y_X, of equations whose solitons have an amplitude law."""
+"""Power of Y before Y_X, for equations whose solitons have an amplitude law."""
 
 _LOST = ("Y", "Y_XX")
-"""Terms of losses."""
+"""Terms that come from losses."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -38,16 +38,15 @@ class ReducedEquation:
     """The reduced equation of a lattice, and every order of the expansion that leads to it.
 
     ``orders``: the lattice equation order by order, before any condition is used (orders that
-    vanish identically are absent).  ``sound_polynomial``: P(c), zero at the sound speed.
-    ``conditions``: what the constants must satisfy, with the order that asks for it.  ``pde``:
-    the reduced equation.  ``remainders``: order -> what an exact solution of ``pde`` leaves in the
-    lattice equation.  ``corrections``: power p -> G_p of ``Y_T = G_0 + sum eps^p G_p``.
-    ``obstruction``: the first (power, polynomial) that is no X-derivative, where the one-way
-    reduction ends, or None if no such order was reached.  With a transverse term no corrections
-    and remainders are sought.  ``slaved``: field -> its share e of the wave and the series that is
-    added to ``eps^p e W``, in jets of the wave.  ``left``: what the rows of the equations of motion
-    are weighted with.  Constants that ``sound_condition`` and
-    ``conditions`` fix are eliminated from ``pde``, remainders, corrections and obstruction.
+    vanish identically are omitted).  ``sound_polynomial``: P(c), zero at the sound speed.
+    ``conditions``: required of the constants, each with its order.  ``pde``: the reduced equation.
+    ``remainders``: order -> residual of the lattice equation for an exact solution of ``pde``.
+    ``corrections``: power p -> G_p of ``Y_T = G_0 + sum eps^p G_p``.  ``obstruction``: the first
+    (power, polynomial) that is not an X-derivative, where the one-way reduction ends, or None.
+    With a transverse term no corrections and remainders are computed.  ``slaved``: field -> its
+    share e of the wave and the series added to ``eps^p e W``, in jets of the wave.  ``left``:
+    weights of the rows of the equations of motion.  Constants that ``sound_condition`` and
+    ``conditions`` determine are eliminated from ``pde``, remainders, corrections and obstruction.
     """
 
     lattice: Lattice
@@ -65,7 +64,7 @@ class ReducedEquation:
 
     @property
     def notation(self) -> Notation:
-        """The names of unknown and axes."""
+        """Names of the unknown and the axes."""
         return self.pde.notation
 
     @property
@@ -95,17 +94,19 @@ class ReducedEquation:
 
     @property
     def wave(self) -> str:
-        """The unknown of the orders: Y, or W of displacements."""
+        """The unknown of the orders: Y, or W for displacements."""
         return next((equation.notation.unknown for equation in self.orders.values()), "Y")
 
     @property
     def idle_losses(self) -> tuple[str, ...]:
-        """The losses without a term in the reduced equation, a line for each kind."""
-        entered = {sum(monomial[0]) for monomial in self.pde.flow.terms if len(monomial) == 1}
+        """Messages on losses without a term in the reduced equation, one for each kind of loss."""
+        derivative_counts = {
+            sum(monomial[0]) for monomial in self.pde.flow.terms if len(monomial) == 1
+        }
         return tuple(
             idle_loss(kind, value)
             for kind, (value, _) in self.lattice.leading_losses.items()
-            if {"site": 0, "bond": 2}[kind] not in entered
+            if {"site": 0, "bond": 2}[kind] not in derivative_counts
         )
 
     @property
@@ -125,47 +126,47 @@ class ReducedEquation:
         return Eq(self.scaling.speed**2, self.speed_squared, evaluate=False)
 
     def _at(self, values: Mapping[Symbol, Expr]) -> dict[Symbol, Expr]:
-        """The values, and the frame's symbol as the positive root of c^2 there."""
+        """Return the values, with the frame's symbol as the positive root of c^2."""
         return {**values, self.scaling.frame_symbol: sqrt(self.speed_squared.xreplace(values))}
 
     def values(self, constants: Mapping[str, Number]) -> dict[Symbol, Expr]:
-        """The value of every symbol that coefficients have, the frame's speed among them.
+        """Return the value of every symbol in the coefficients, including the frame's speed.
 
         Raises ValueError as coefficients does.
         """
         return self._at(self._checked(constants))
 
     def coefficients(self, **constants: Number) -> Coefficients:
-        """Speed and coefficients in the lattice's constants, or at given values of them.
+        """Return speed and coefficients in the lattice's constants, or at given values of them.
 
-        Raises ValueError for an unknown name, c^2 <= 0 or constants that violate a condition, what
-        their symbols are declared to be, or a denominator.
+        Raises ValueError for an unknown name, c^2 <= 0 or constants that violate a condition, the
+        assumptions of their symbols, or a nonzero denominator.
 
         >>> from longwave.derive import LATTICES, reduce
         >>> reduce(LATTICES["fput_strain"]).coefficients(K2=4, K4=1)
         Coefficients(c=2, terms={'Y^2 Y_X': 3/4, 'Y_XXX': 1/12})
         """
-        at = self.values(constants)
+        symbol_values = self.values(constants)
         flow = sorted(self.pde.flow.terms.items(), key=lambda item: (-len(item[0]), item[0]))
         terms = [*((m, -value) for m, value in flow), *self.pde.transverse.terms.items()]
-        found = [
+        named_terms = [
             (
                 self.notation.monomial(monomial),
                 monomial,
-                joined_powers(value.factored().xreplace(at)),
+                joined_powers(value.factored().xreplace(symbol_values)),
             )
             for monomial, value in terms
         ]
         return Coefficients(
-            joined_powers(self.scaling.speed.xreplace(at)),
-            {name: value for name, _, value in found},
-            {name: monomial for name, monomial, _ in found},
+            joined_powers(self.scaling.speed.xreplace(symbol_values)),
+            {name: value for name, _, value in named_terms},
+            {name: monomial for name, monomial, _ in named_terms},
         )
 
     def normal_form(self, **constants: Number) -> NormalForm:
-        """The map to the normal form of the equation; arguments as for coefficients.
+        """Return the map to the normal form of the equation; arguments as for coefficients.
 
-        Raises ValueError for an equation that is none of `NORMAL_EQUATIONS`.
+        Raises ValueError if the equation is not in `NORMAL_EQUATIONS`.
 
         >>> from longwave.derive import LATTICES, reduce
         >>> reduce(LATTICES["fput_strain"]).normal_form(K2=6, K4=-1)
@@ -175,13 +176,13 @@ class ReducedEquation:
         return normal_form_of(values.c, self._named(values))
 
     def lossless_form(self, **constants: Number) -> NormalForm:
-        """The same of the equation without the terms of losses."""
+        """Return the normal form of the equation without the terms of losses."""
         values = self.coefficients(**constants)
         terms = {name: value for name, value in self._named(values).items() if name not in _LOST}
         return normal_form_of(values.c, terms)
 
     def amplitude_law(self, **constants: Number) -> AmplitudeLaw | None:
-        """The decay of a soliton by the losses; arguments as for coefficients.
+        """Return the decay of a soliton by the losses; arguments as for coefficients.
 
         None unless the equation is KdV or mKdV with losses, and has bright solitons.
 
@@ -211,61 +212,66 @@ class ReducedEquation:
         return equation_of(map(self._term, monomials)) is not None
 
     def _named(self, values: Coefficients) -> dict[str, Expr]:
-        """The coefficients under the names of terms in normal forms."""
+        """Return the coefficients by the names of terms in normal forms."""
         return {self._term(monomial): values.terms[n] for n, monomial in values.monomials.items()}
 
     def _term(self, monomial: Monomial) -> str:
-        """A term's name in normal forms."""
+        """Return a term's name in normal forms."""
         return Notation(("X", *"ZVW"[: len(self.notation.axes) - 2], "T")).monomial(monomial)
 
     def _checked(self, constants: Mapping[str, Number]) -> dict[Symbol, Expr]:
-        own = (s for s in self.scaling.constants if s != self.scaling.frame_symbol)
-        names = {str(s): s for s in sorted({*self.lattice.basic_constants, *own}, key=str)}
+        ansatz_constants = (s for s in self.scaling.constants if s != self.scaling.frame_symbol)
+        names = {
+            str(s): s for s in sorted({*self.lattice.basic_constants, *ansatz_constants}, key=str)
+        }
         values = values_of(constants, names, self.lattice.name)
         self.lattice.check_values(values)
         values = self.lattice.with_defined(values)
         self._check_denominators(values)
         self._check_speed(values)
         for condition in self.conditions:
-            left = expand(condition.expression.xreplace(self._at(values)))
-            if left.is_number and not left.equals(0):
+            remainder = expand(condition.expression.xreplace(self._at(values)))
+            if remainder.is_number and not remainder.equals(0):
                 raise ValueError(
                     f"constants must satisfy {text_of(condition.expression)} = 0, got "
-                    f"{text_of(condition.expression)} = {left} ({condition.reason}; take constants "
-                    "that meet it or are small, such as 5*eps, a background, or another amplitude)"
+                    f"{text_of(condition.expression)} = {remainder} ({condition.reason}; take "
+                    "constants that meet it or are small, such as 5*eps, a background, or another "
+                    "amplitude)"
                 )
         return values
 
     def _check_denominators(self, values: Mapping[Symbol, Expr]) -> None:
-        """Refuse what makes the speed or a coefficient infinite; the speed itself is no zero."""
+        """Raise ValueError for values that make the speed or a coefficient infinite."""
         elements = (self.sound_polynomial, *self.pde.flow.terms.values())
-        for part in {f for element in elements for f in element.factors(below=True)}:
-            below = part.as_expr()
-            if below.xreplace(values).is_zero:
+        for divisor_factor in {f for element in elements for f in element.factors(below=True)}:
+            divisor = divisor_factor.as_expr()
+            if divisor.xreplace(values).is_zero:
                 raise ValueError(
-                    f"constants must satisfy {text_of(below)} != 0, got 0 (the reduction divides "
+                    f"constants must satisfy {text_of(divisor)} != 0, got 0 (the reduction divides "
                     "by it; take other constants or another background)"
                 )
 
     def _check_speed(self, values: Mapping[Symbol, Expr]) -> None:
         squared = self.speed_squared.xreplace(values)
         if squared.is_positive is False:
-            told = "" if self.speed_squared == squared else f"{text_of(self.speed_squared)}, "
+            condition_text = (
+                "" if self.speed_squared == squared else f"{text_of(self.speed_squared)}, "
+            )
             raise ValueError(
-                f"stiffness must be positive: {told}the square of the sound speed, must be > 0, "
-                f"got {squared} (a spring that is stretched pulls back: K*x with K > 0)"
+                f"stiffness must be positive: {condition_text}the square of the sound speed, must "
+                f"be > 0, got {squared} (a stretched spring pulls back: K*x with K > 0)"
             )
 
     def latex_correction(self, power: int) -> str:
-        """``G_{power}`` of ``Y_T = G_0 + ...`` in LaTeX; KeyError if it was not reached."""
+        """Return ``G_{power}`` of ``Y_T = G_0 + ...`` in LaTeX; KeyError if it was not derived."""
         return (
             f"{self.label('G', power, latex_of)} = {self.notation.latex(self.corrections[power])}"
         )
 
     def latex_remainder(self, order: int) -> str:
-        """The remainder of a solution of the reduced equation at ``eps^order``, in LaTeX."""
+        """Return the residual of a solution of the reduced equation at ``eps^order``, in LaTeX."""
         return f"{self.label('R', order, latex_of)} = {self.notation.latex(self.remainders[order])}"
 
     def label(self, letter: str, number: int, printed: Printed = text_of) -> str:
-        """The name of a remainder R5 or correction G2."""
+        """Return the name of a remainder R5 or correction G2."""
         return printed(Symbol(unused(f"{letter}{number}", self.lattice.names)))

@@ -11,7 +11,7 @@ from longwave.derive.reduced_equation import ReducedEquation
 
 
 class Reduction(ReducedEquation):
-    """The result of `reduce`: a `ReducedEquation` that shows itself, in text, LaTeX and JSON."""
+    """Result of `reduce`: a `ReducedEquation` with text, LaTeX and JSON output."""
 
     def __repr__(self) -> str:
         needed = "".join(f", {text_of(item.expression)} = 0" for item in self.conditions)
@@ -24,19 +24,19 @@ class Reduction(ReducedEquation):
         return rf"$\displaystyle {joined}$"
 
     def text(self) -> str:
-        """The whole reduction in plain text."""
+        """Return the whole reduction in plain text."""
         return text_report(self)
 
     def latex(self, **constants: Number) -> str:
-        """Orders, conditions, reduced equation and coefficients as one ``aligned`` block.
+        """Return orders, conditions, reduced equation and coefficients as one ``aligned`` block.
 
-        The coefficients are those at ``constants``; raises ValueError as coefficients does.
+        The coefficients are those at ``constants``. Raises ValueError as coefficients does.
         """
         return latex_report(self, constants)
 
     def json(self, **constants: Number) -> str:
-        """The reduction as a JSON document (layout: derive.output.report).
+        """Return the reduction as a JSON document (layout: derive.output.report).
 
-        The coefficients are those at ``constants``; raises ValueError as coefficients does.
+        The coefficients are those at ``constants``. Raises ValueError as coefficients does.
         """
         return json.dumps(reduction_data(self, constants), indent=2)

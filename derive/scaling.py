@@ -25,8 +25,8 @@ from longwave.support.user_files import shown
 class SlowVariable:
     """``name = eps^exponent (direction . cell - speed t)``.
 
-    The direction's entries are numbers or constants, one an axis of the lattice: (1,) is along a
-    chain, (C, S) across a square lattice.
+    The direction's entries are numbers or constants, one for each axis of the lattice: (1,) is
+    along a chain, (C, S) oblique on a square lattice.
     """
 
     name: str
@@ -39,32 +39,32 @@ class SlowVariable:
             raise ValueError(f"name must be one letter, got {shown(self.name)} (X is usual)")
         hint = "slow variables carry a positive power of eps"
         integer(f"exponent of {self.name}", self.exponent, 1, hint)
-        along = f"direction of {self.name}"
-        steps = tuple_of(along, self.direction, object, "(1,) is along a chain")
-        direction = tuple(rational_function(along, step) for step in steps)
+        label = f"direction of {self.name}"
+        steps = tuple_of(label, self.direction, object, "(1,) is along a chain")
+        direction = tuple(rational_function(label, step) for step in steps)
         object.__setattr__(self, "direction", direction)
         if not any(direction):
-            raise ValueError(f"{along} must not be all 0, got {direction} ((1,) is along a chain)")
+            raise ValueError(f"{label} must not be all 0, got {direction} ((1,) is along a chain)")
         object.__setattr__(self, "speed", rational_function(f"speed of {self.name}", self.speed))
-        for what, value in (("speed", self.speed), *(("direction", step) for step in direction)):
+        for name, value in (("speed", self.speed), *(("direction", step) for step in direction)):
             if value.has(eps):
                 raise ValueError(
-                    f"{what} of {self.name} must not depend on eps, got {value} (slower drifts are "
+                    f"{name} of {self.name} must not depend on eps, got {value} (slower drifts are "
                     "terms of the reduced equation)"
                 )
 
     def phase(self, printed: Printed = text_of) -> str:
-        """The phase of the variable, without its power of eps.
+        """Return the phase of the variable, without its power of eps.
 
         >>> SlowVariable("X", 1, (-2,), -c).phase()
         '-2 n + c t'
         """
         parts: list[tuple[int, str]] = []
         for step, axis in (*zip(self.direction, "nml", strict=False), (-self.speed, "t")):
-            backwards = step.could_extract_minus_sign()
-            size = -step if backwards else step
+            is_negative = step.could_extract_minus_sign()
+            size = -step if is_negative else step
             name = axis if size == 1 else f"{bracketed(size, printed)} {axis}"
-            parts += [(-1 if backwards else 1, name)] if step else []
+            parts += [(-1 if is_negative else 1, name)] if step else []
         return weighted_sum(parts)
 
 
@@ -73,10 +73,10 @@ class Scaling(Displayed):
     """``field = background + eps^amplitude Y(space, T)`` with ``T = eps^time t``.
 
     ``background`` lists (exponent, value) pairs, each adding ``eps^exponent value``.  The frame
-    speed, that of the first slow variable, is a positive symbol, or minus one for waves to the
+    speed, that of the first slow variable, is a positive symbol, or its negative for waves to the
     left; speeds of further variables are numbers, or symbols for drifts that the reduction finds.
-    On a lattice of displacements ``eps^amplitude W`` is the displacement, and Y = W_X the strain of
-    a cell.  Raises ValueError for what is no ansatz.  The default is the paper's: ``y = eps Y``,
+    For displacements ``eps^amplitude W`` is the displacement, and Y = W_X the strain of a cell.
+    Raises ValueError for an invalid ansatz.  The default is the paper's: ``y = eps Y``,
     ``X = eps (n - c t)``, ``T = eps^3 t`` (the paper's eq. (7)).
 
     >>> Scaling().leading_order
@@ -127,7 +127,7 @@ class Scaling(Displayed):
 
     @property
     def frame_symbol(self) -> Symbol | None:
-        """The symbol in the frame speed; None if the speed is neither it nor minus it."""
+        """The positive symbol c of a frame speed c or -c; None for any other speed."""
         symbol = -self.speed if self.speed.could_extract_minus_sign() else self.speed
         return symbol if isinstance(symbol, Symbol) and symbol.is_positive else None
 
@@ -138,7 +138,7 @@ class Scaling(Displayed):
 
     @property
     def drifts(self) -> tuple[Symbol, ...]:
-        """The symbols that are the speeds of further slow variables."""
+        """Symbols that are the speeds of further slow variables."""
         speeds = (variable.speed for variable in self.space[1:])
         return tuple(speed for speed in speeds if isinstance(speed, Symbol))
 
@@ -149,7 +149,7 @@ class Scaling(Displayed):
 
     @property
     def leading_order(self) -> int:
-        """The power of eps at which the wave's mixed derivative in X and T enters."""
+        """Power of eps at which the wave's mixed derivative in X and T enters."""
         return self.amplitude + self.space[0].exponent + self.time
 
     @property
@@ -159,15 +159,15 @@ class Scaling(Displayed):
 
     @property
     def constants(self) -> tuple[Symbol, ...]:
-        """The symbols in speeds and background, by name; eps, which is no constant, apart."""
-        found: set[Symbol] = set()
-        moving = (part for v in self.space for part in (v.speed, *v.direction))
-        for expression in (*moving, *(b for _, b in self.background)):
-            found |= expression.free_symbols
-        return tuple(sorted(found - {eps}, key=str))
+        """Symbols in speeds and background, sorted by name; eps does not count as a constant."""
+        symbols: set[Symbol] = set()
+        space_parts = (part for v in self.space for part in (v.speed, *v.direction))
+        for expression in (*space_parts, *(b for _, b in self.background)):
+            symbols |= expression.free_symbols
+        return tuple(sorted(symbols - {eps}, key=str))
 
     def text(self, field: str = "y", wave: str = "Y") -> str:
-        """The ansatz for a lattice's ``field`` in plain text.
+        """Return the ansatz for a lattice's ``field`` in plain text.
 
         >>> Scaling().text()
         'y = eps Y(X, T), X = eps (n - c t), T = eps^3 t'
@@ -175,7 +175,7 @@ class Scaling(Displayed):
         return ", ".join(self._parts(field, wave, text_of))
 
     def latex(self, field: str = "y", wave: str = "Y") -> str:
-        """The same in LaTeX, without delimiters."""
+        """Return the ansatz in LaTeX, without delimiters."""
         return r",\; ".join(self._parts(field, wave, latex_of))
 
     def _parts(self, field: str, wave: str, printed: Printed) -> list[str]:
@@ -183,10 +183,10 @@ class Scaling(Displayed):
             return power_of(eps, exponent, printed)
 
         mean = "".join(f"{small(p)}{bracketed(value, printed)} + " for p, value in self.background)
-        moving = f"{small(self.amplitude)}{wave}({', '.join(self.axes)})"
+        wave_text = f"{small(self.amplitude)}{wave}({', '.join(self.axes)})"
         phases = ((v, v.phase(printed)) for v in self.space)
         slow = (
             f"{v.name} = {small(v.exponent)}{f'({phase})' if ' ' in phase else phase}"
             for v, phase in phases
         )
-        return [f"{field} = {mean}{moving}", *slow, f"T = {small(self.time)}t"]
+        return [f"{field} = {mean}{wave_text}", *slow, f"T = {small(self.time)}t"]

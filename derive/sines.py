@@ -1,7 +1,8 @@
 """Rational functions of ``z = exp(i k)`` and ``w = i omega`` in sin(k/2), cos(k/2) and omega.
 
-A factor that conjugation, z -> 1/z and w -> -w, takes to itself is real or imaginary once it is
-turned by half of its span in z.  So a polynomial is factored first, and each factor is turned.
+A factor that is invariant under conjugation, z -> 1/z and w -> -w, is real or imaginary after
+multiplication by a phase that centres its powers of z. So a polynomial is factored first, and
+each factor is multiplied by its phase.
 """
 
 from __future__ import annotations
@@ -15,17 +16,17 @@ from longwave.derive.algebra.rational_functions import RationalFunction, Rationa
 
 frequency = Symbol("omega~", positive=True)
 sine, cosine = Symbol("sin(k/2)", real=True), Symbol("cos(k/2)", real=True)
-"""Under names that no constant of a lattice can have."""
+"""Symbols with names that no constant of a lattice can have."""
 
 omega = Symbol("omega", positive=True)
-"""How the frequency is printed, unless a constant is called so."""
+"""Printed symbol of the frequency, unless a constant has this name."""
 
 Complex = tuple[RationalFunction, RationalFunction]
 """Real and imaginary part."""
 
 
 def in_sines(element: RationalFunction) -> tuple[Expr, Expr]:
-    """Real and imaginary part, in factors; the first two symbols of the field are z and w.
+    """Return real and imaginary part, factored; the first two symbols of the field are z and w.
 
     >>> z, w, K = map(Symbol, "zwK")
     >>> field = RationalFunctions((z, w, K))
@@ -33,25 +34,28 @@ def in_sines(element: RationalFunction) -> tuple[Expr, Expr]:
     (0, -4*K*omega~*sin(k/2)**2)
     """
     field = RationalFunctions((sine, cosine, frequency, *element.field.symbols[2:]))
-    above, below = _Product(field, element, below=False), _Product(field, element, below=True)
-    rest = _times(above.rest, _power(field, above.turns - below.turns))
-    if below.rest[1]:
-        real, imaginary = below.rest
+    numerator, denominator = (
+        _Product(field, element, below=False),
+        _Product(field, element, below=True),
+    )
+    rest = _times(numerator.rest, _power(field, numerator.turns - denominator.turns))
+    if denominator.rest[1]:
+        real, imaginary = denominator.rest
         rest = _times(rest, (real, -imaginary))
         size = _reduced(real * real + imaginary * imaginary)
     else:
-        size = below.rest[0]
-    for _ in range((above.quarters - below.quarters) % 4):
+        size = denominator.rest[0]
+    for _ in range((numerator.quarters - denominator.quarters) % 4):
         rest = -rest[1], rest[0]
-    pure = above.pure / below.pure
+    pure = numerator.pure / denominator.pure
     real, imaginary = ((part / size).factored() * pure if part else Integer(0) for part in rest)
     return real, imaginary
 
 
 class _Product:
-    """The factors of one side of the line: ``pure i^quarters rest exp(i k turns/2)``.
+    """Factors of a numerator or denominator: ``pure i^quarters rest exp(i k turns/2)``.
 
-    ``pure`` is the product of those that are real or imaginary, ``rest`` that of the others.
+    ``pure`` is the product of the real or imaginary factors, ``rest`` that of the others.
     """
 
     def __init__(self, field: RationalFunctions, element: RationalFunction, *, below: bool) -> None:
@@ -75,7 +79,7 @@ class _Product:
 def _turned(
     field: RationalFunctions, terms: list[tuple[tuple[int, ...], int]], middle: int
 ) -> Complex:
-    """A polynomial in z and w, times ``exp(-i k middle/2)``."""
+    """Return a polynomial in z and w times ``exp(-i k middle/2)``."""
     real, imaginary = field.zero, field.zero
     for (turn, power, *others), value in terms:
         size = field.from_terms([((0, 0, power, *others), value)])
@@ -88,7 +92,7 @@ def _turned(
 
 @cache
 def _power(field: RationalFunctions, count: int) -> Complex:
-    """``(C + i s)**count``."""
+    """Return ``(C + i s)**count``."""
     real, imaginary = field.zero, field.zero
     for i in range(abs(count) + 1):
         sign = 1 if i % 4 < 2 else -1
@@ -106,7 +110,7 @@ def _times(left: Complex, right: Complex) -> Complex:
 
 
 def _reduced(polynomial: RationalFunction) -> RationalFunction:
-    """A polynomial in the cosine's first power."""
+    """Return a polynomial with powers of the cosine reduced to 0 and 1."""
     field = polynomial.field
     square = field.one - field(sine) ** 2
     total = field.zero

@@ -1,11 +1,11 @@
-"""The symbols of the derivation, under the paper's names, with their assumptions.
+"""Symbols of the derivation, with the paper's names and their assumptions.
 
 ``K2`` (so that the sound speed is real), the frame speed ``c`` and the small parameter ``eps``
-are positive; everything else is real.  Lattice: site ``n``, time ``t``, strain about a uniform
-state ``ybar``, wavenumber ``k`` per site.  Slow variables: ``X = eps (n - c t)``, ``T = eps^3 t``.
+are positive; everything else is real.  Lattice: site ``n``, time ``t``, uniform strain ``ybar``,
+wavenumber ``k`` per site.  Slow variables: ``X = eps (n - c t)``, ``T = eps^3 t``.
 
-Lattices and scalings may declare constants of their own; what those may be made of and be called
-is checked here.
+Lattices and scalings may declare constants of their own; their names and values are checked
+here.
 """
 
 from __future__ import annotations
@@ -43,11 +43,11 @@ RESERVED = {
     "t": "the time",
     "x": "the stretch of a bond, longwave.derive.symbols.x",
 }
-"""Names with a meaning of their own in the reduction."""
+"""Names with a fixed meaning in the reduction."""
 
 
 def rational_function(name: str, value: Expr) -> Expr:
-    """``value``, exact: a rational function of symbols, and a polynomial in eps.
+    """Return ``value``, exact: a rational function of symbols, and a polynomial in eps.
 
     Raises ValueError, naming ``name``, for anything else.
 
@@ -56,11 +56,11 @@ def rational_function(name: str, value: Expr) -> Expr:
     1 + K3**2/K2
     """
     number = exact(name, value)
-    above, below = fraction(together(number))
+    numerator, denominator = fraction(together(number))
     symbols = number.free_symbols
     if (
-        not (above.is_polynomial(*symbols) and below.is_polynomial(*symbols))
-        or below.has(eps)
+        not (numerator.is_polynomial(*symbols) and denominator.is_polynomial(*symbols))
+        or denominator.has(eps)
         or not all(atom.is_Rational for atom in number.atoms() - symbols)
         or not all(power.exp.is_Integer for power in number.atoms(Pow))
     ):
@@ -73,7 +73,7 @@ def rational_function(name: str, value: Expr) -> Expr:
 
 
 def constant_value(name: str, value: Number) -> Expr:
-    """A constant's value exactly: a number, or a formula in text, with eps where it is small.
+    """Return a constant's value exactly: a number, or a formula in text, with eps if it is small.
 
     >>> constant_value("K3", "5*eps"), constant_value("K3", "1/3")
     (5*eps, 1/3)
@@ -84,9 +84,9 @@ def constant_value(name: str, value: Number) -> Expr:
 
 
 def loss_value(name: str, value: Number, known: dict[str, Symbol]) -> Expr:
-    """A loss exactly: a number, or a formula in text, in which ``^`` is a power, too.
+    """Return a loss exactly: a number, or a formula in text, in which ``^`` is also a power.
 
-    Names that are not ``known`` are positive constants, and known from then on.
+    Names that are not ``known`` become positive constants, and are added to ``known``.
 
     >>> loss_value("site", "eps^3*gamma", {})
     eps**3*gamma
@@ -104,14 +104,14 @@ def loss_value(name: str, value: Number, known: dict[str, Symbol]) -> Expr:
 
 
 def number_value(name: str, value: Number) -> Expr:
-    """The same without eps; ValueError for a constant that is small."""
-    found = constant_value(name, value)
-    if found.has(eps):
+    """Return a constant's value without eps. Raises ValueError for a small constant."""
+    number = constant_value(name, value)
+    if number.has(eps):
         raise ValueError(
-            f"{name} must not depend on eps here, got {shown(str(found))} (a small constant is put "
-            f"in before: lattice.with_values({{{name!r}: {str(found)!r}}}))"
+            f"{name} must not depend on eps here, got {shown(str(number))} (a small "
+            f"constant is put in before: lattice.with_values({{{name!r}: {str(number)!r}}}))"
         )
-    return found
+    return number
 
 
 def values_of(
@@ -120,9 +120,9 @@ def values_of(
     lattice: str,
     value: Callable[[str, Number], Expr] = number_value,
 ) -> dict[Symbol, Expr]:
-    """The ``value`` of each of the constants that is given, by its symbol.
+    """Return the ``value`` of each given constant, by its symbol.
 
-    Raises ValueError, which names the ``lattice``, for a name that is none of its ``constants``.
+    Raises ValueError, which names the ``lattice``, for a name that is not in ``constants``.
     """
     for name in given:
         if name not in constants:
@@ -162,7 +162,7 @@ def check_names(label: str, names: Sequence[str]) -> None:
 
 
 def powers_of_eps(value: Expr) -> dict[int, Expr]:
-    """The coefficients of a polynomial in eps under their powers.
+    """Return the coefficients of a polynomial in eps by their powers.
 
     >>> from longwave.derive.symbols import K2, K3
     >>> powers_of_eps(K2 + eps**2 * K3)
@@ -170,6 +170,6 @@ def powers_of_eps(value: Expr) -> dict[int, Expr]:
     """
     if not value.has(eps):
         return {0: value}
-    above, below = fraction(together(value))
-    terms = above.as_poly(eps).terms()
-    return {int(power): part / below for (power,), part in sorted(terms)}
+    numerator, denominator = fraction(together(value))
+    terms = numerator.as_poly(eps).terms()
+    return {int(power): part / denominator for (power,), part in sorted(terms)}

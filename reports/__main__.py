@@ -1,4 +1,4 @@
-"""`python -m reports`, which is `longwave report`: nothing is imported before it runs."""
+"""Command `python -m reports`, the same as `longwave report`; the work is imported when it runs."""
 
 import os
 import sys
@@ -17,7 +17,7 @@ from longwave.support.command_line import (
 )
 
 FOLDER = "longwave-report"
-"""Where the report is written: in the working folder, not where the package is."""
+"""Default folder of the report, in the working folder."""
 
 
 @click.command(epilog=example("longwave report --output report"))
@@ -26,7 +26,7 @@ FOLDER = "longwave-report"
     metavar="FOLDER",
     type=click.Path(path_type=Path),
     default=FOLDER,
-    help=f"Where it is written (default {FOLDER}).",
+    help=f"Folder of the report (default {FOLDER}).",
 )
 @force_option
 @click.option("--full", is_flag=True, help="Take the long scenes and the full studies as well.")

@@ -1,4 +1,4 @@
-"""Building the report: the work as jobs in processes, figures, tables, LaTeX, PDF."""
+"""Build of the report: jobs in worker processes, then figures, tables, LaTeX and PDF."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ from longwave.verify.verdict import Verdict
 
 
 def all_jobs(scenes: Mapping[str, Scene], full: bool) -> dict[Key, Job]:
-    """The jobs of a report under (kind, subject)."""
+    """Return the jobs of a report, keyed by (kind, subject)."""
     jobs: dict[Key, Job] = {("run", name): scene_job(scene) for name, scene in scenes.items()}
     jobs |= {("residual", name): Job(_residual, (name,), 0.5) for name in CATALOGUE.names}
     paper = CATALOGUE.of("mKdV").names
@@ -76,7 +76,7 @@ def all_jobs(scenes: Mapping[str, Scene], full: bool) -> dict[Key, Job]:
 
 
 def study_jobs(full: bool) -> dict[Key, Job]:
-    """The jobs of the studies of cost and of hard cases; long runs if ``full``."""
+    """Return the jobs of the studies of cost and of hard cases; long runs only if ``full``."""
     jobs = evaluation_cost_jobs() | lattice_cost_jobs(full) | hard_case_jobs(full) | effect_jobs()
     return jobs | long_run_jobs() if full else jobs
 
@@ -89,77 +89,77 @@ def _mutants(name: str) -> MutationCount:
     return count_mutants(closed_form(name))
 
 
-STANDS: Mapping[str, Callable[[Any], bool]] = {
+SUCCEEDED: Mapping[str, Callable[[Any], bool]] = {
     "run": lambda run: not run.attrs["blow_up"],
     "proof": lambda record: record.outcome.passed and record.accepted is not False,
     "mutants": lambda count: count.undecided == 0,
     "library": lambda verdicts: all(verdict.expected for verdict in verdicts),
-    "scene": lambda scene: scene.kept,
+    "scene": lambda scene: scene.within_tolerance,
     "rate": lambda rate: rate.reached,
     "hard": lambda case: case.passed,
     "estimate": lambda judged: judged.sound,
 }
-"""Whether what a job of a kind found stands; what else the jobs find is no more than shown."""
+"""Whether the result of a job is as it should be, by kind; other kinds are only reported."""
 
 
 @dataclass(frozen=True)
 class Findings:
-    """What the jobs ``found``, and the ``scenes`` of its runs; of a kind without jobs nothing."""
+    """Results of the jobs, keyed by (kind, subject), and the ``scenes`` of the paper's runs."""
 
     found: Mapping[Key, Any]
     scenes: Mapping[str, Scene]
 
     def of(self, kind: str) -> dict[Any, Any]:
-        """What the jobs of a kind found, by their subjects."""
+        """Return the results of one kind, keyed by subject; empty for a kind without jobs."""
         return {subject: value for (part, subject), value in self.found.items() if part == kind}
 
     def all(self, kind: str) -> list[Any]:
-        """What the jobs of a kind found, one after the other."""
+        """Return the results of one kind as a list."""
         return list(self.of(kind).values())
 
     def rows(self, kind: str) -> list[Any]:
-        """What the jobs of a kind found whose finding is a list."""
+        """Return the concatenated results of a kind whose jobs return lists."""
         return list(chain.from_iterable(self.all(kind)))
 
     @cached_property
     def runs(self) -> MeasuredRuns:
-        """The runs of the paper's scenes."""
+        """Runs of the paper's scenes."""
         return MeasuredRuns(self.of("run"), self.scenes)
 
     @cached_property
     def long_runs(self) -> dict[str, LongRun]:
-        """The long runs with their judges."""
+        """Long runs on the spectral ring with their reference runs."""
         return long_runs(self.found)
 
     @cached_property
     def accuracy(self) -> list[Accuracy]:
-        """The worst errors of each wave."""
+        """Worst evaluation errors of each wave."""
         cases = groupby(self.all("accuracy"), attrgetter("name"))
         return [worst_of(group) for _, group in cases]
 
     @cached_property
     def claims(self) -> list[Claim]:
-        """The paper's statements with their verdicts."""
+        """Statements of the paper with their verdicts."""
         return all_claims(self.runs)
 
     @cached_property
     def headlines(self) -> dict[str, Headline]:
-        """The main results."""
+        """Main results of the report."""
         return headlines(self)
 
     @property
     def sound(self) -> bool:
-        """Whether every form and study stands and every run came to its end."""
-        stands = (STANDS[kind](v) for (kind, _), v in self.found.items() if kind in STANDS)
-        return all(stands) and all(long.kept for long in self.long_runs.values())
+        """Whether every result in `SUCCEEDED` and every long run is as it should be."""
+        stands = (SUCCEEDED[kind](v) for (kind, _), v in self.found.items() if kind in SUCCEEDED)
+        return all(stands) and all(long.within_tolerance for long in self.long_runs.values())
 
 
 PROCESS_BYTES, WORKER_BYTES = 6e8, 4e8
-"""What the command and each worker hold at most."""
+"""Memory that the command and each worker need at most, in bytes."""
 
 
 def report_cost(jobs: Mapping[Key, Job], workers: int) -> ExpectedCost:
-    """What a report of these jobs takes."""
+    """Return the expected time and memory of a report with these jobs."""
     work = sum(job.weight for job in jobs.values())
     cores = min(workers, os.cpu_count() or 1)
     return ExpectedCost(work / cores, PROCESS_BYTES + WORKER_BYTES * workers)
@@ -168,82 +168,90 @@ def report_cost(jobs: Mapping[Key, Job], workers: int) -> ExpectedCost:
 SOURCE = "longwave.tex"
 
 FIGURES = 14
-"""How many figures a report has, at least."""
+"""Least number of figures in a report, for the progress bar."""
 
 STUDY_TABLES: Mapping[str, Callable[[Findings], str]] = {
-    "cost_table": lambda found: costs.cost_table(found.rows("cost")),
-    "precision_table": lambda found: costs.precision_table(found.rows("precision")),
-    "scaling_table": lambda found: costs.scaling_table(found.rows("scaling")),
-    "extrapolated_table": lambda found: costs.extrapolated_table(found.rows("scaling")),
-    "rk4_table": lambda found: costs.rk4_table(found.rows("rk4")),
-    "window_table": lambda found: costs.window_table(found.rows("windows")),
-    "hard_case_table": lambda found: costs.hard_case_table(found.all("hard")),
-    "message_table": lambda found: costs.message_table(found.all("hard")),
-    "peak_table": lambda found: runs.peak_table(peaks) if (peaks := found.all("peak")) else "",
-    "effect_table": lambda found: benches.effect_table(found.of("effect")),
-    "split_table": lambda found: runs.split_table(found.of("split")),
-    "long_table": lambda found: runs.long_table(found.long_runs),
+    "cost_table": lambda findings: costs.cost_table(findings.rows("cost")),
+    "precision_table": lambda findings: costs.precision_table(findings.rows("precision")),
+    "scaling_table": lambda findings: costs.scaling_table(findings.rows("scaling")),
+    "extrapolated_table": lambda findings: costs.extrapolated_table(findings.rows("scaling")),
+    "rk4_table": lambda findings: costs.rk4_table(findings.rows("rk4")),
+    "window_table": lambda findings: costs.window_table(findings.rows("windows")),
+    "hard_case_table": lambda findings: costs.hard_case_table(findings.all("hard")),
+    "message_table": lambda findings: costs.message_table(findings.all("hard")),
+    "peak_table": lambda findings: (
+        runs.peak_table(peaks) if (peaks := findings.all("peak")) else ""
+    ),
+    "effect_table": lambda findings: benches.effect_table(findings.of("effect")),
+    "split_table": lambda findings: runs.split_table(findings.of("split")),
+    "long_table": lambda findings: runs.long_table(findings.long_runs),
 }
-"""The tables of the studies of cost, hard cases and long runs."""
+"""Functions that build the tables of the studies of cost, hard cases and long runs."""
 
 TABLES: Mapping[str, Callable[[Findings], str]] = {
     **STUDY_TABLES,
-    "headline_table": lambda found: headline_table(found.headlines.values()),
-    "estimate_table": lambda found: costs.estimate_table(estimate_rows(found.all("estimate"))),
-    "estimate_reasons": lambda found: costs.reason_table(found.all("estimate")),
+    "headline_table": lambda findings: headline_table(findings.headlines.values()),
+    "estimate_table": lambda findings: costs.estimate_table(
+        estimate_rows(findings.all("estimate"))
+    ),
+    "estimate_reasons": lambda findings: costs.reason_table(findings.all("estimate")),
     "solution_table": lambda _: theory.solution_table(),
-    "proof_table": lambda found: theory.proof_table(
-        _papers(found.all("proof")), found.of("residual")
+    "proof_table": lambda findings: theory.proof_table(
+        _papers(findings.all("proof")), findings.of("residual")
     ),
-    "mutation_table": lambda found: theory.mutation_table(found.all("mutants")),
-    "survivor_table": lambda found: theory.survivor_table(found.all("mutants")),
-    "accuracy_table": lambda found: costs.accuracy_table(_papers(found.accuracy)),
-    "run_table": lambda found: runs.run_table(found.runs),
-    "claim_table": lambda found: runs.claim_table(found.claims),
-    "library_counts": lambda found: literature.library_counts(found.rows("library")),
-    "library_equations": lambda found: literature.library_equations(found.rows("library")),
-    "library_formulas": lambda found: literature.library_formulas(found.rows("library")),
-    "library_conditions": lambda found: literature.library_conditions(found.rows("library")),
-    "found_misprints": lambda found: literature.found_misprints(found.rows("library")),
-    "form_table": lambda found: other_lattices.form_table(
-        found.all("proof"), found.of("residual"), found.accuracy
+    "mutation_table": lambda findings: theory.mutation_table(findings.all("mutants")),
+    "survivor_table": lambda findings: theory.survivor_table(findings.all("mutants")),
+    "accuracy_table": lambda findings: costs.accuracy_table(_papers(findings.accuracy)),
+    "run_table": lambda findings: runs.run_table(findings.runs),
+    "claim_table": lambda findings: runs.claim_table(findings.claims),
+    "library_counts": lambda findings: literature.library_counts(findings.rows("library")),
+    "library_equations": lambda findings: literature.library_equations(findings.rows("library")),
+    "library_formulas": lambda findings: literature.library_formulas(findings.rows("library")),
+    "library_conditions": lambda findings: literature.library_conditions(findings.rows("library")),
+    "found_misprints": lambda findings: literature.found_misprints(findings.rows("library")),
+    "form_table": lambda findings: other_lattices.form_table(
+        findings.all("proof"), findings.of("residual"), findings.accuracy
     ),
-    "model_table": lambda found: other_lattices.model_table(found.rows("model")),
-    "envelope_table": lambda found: other_lattices.envelope_table(found.all("envelope")),
-    "scene_table": lambda found: lattice_runs.scene_table(found.of("scene")),
-    "scene_maps": lambda found: lattice_runs.scene_maps(found.of("scene")),
-    "bench_table": lambda found: benches.bench_table(found.of("bench")),
-    "balance_table": lambda found: benches.balance_table(found.of("bench")),
-    "bench_pictures": lambda found: benches.bench_pictures(found.of("bench")),
-    "bench_laws": lambda found: benches.bench_laws(found.of("bench"), found.all("struck")),
-    "loss_pictures": lambda found: benches.bench_pictures(_lossy(found)),
-    "rate_table": lambda found: lattice_runs.rate_table(found.all("rate")),
-    "rate_errors": lambda found: lattice_runs.rate_errors(found.all("rate")),
+    "model_table": lambda findings: other_lattices.model_table(findings.rows("model")),
+    "envelope_table": lambda findings: other_lattices.envelope_table(findings.all("envelope")),
+    "scene_table": lambda findings: lattice_runs.scene_table(findings.of("scene")),
+    "scene_maps": lambda findings: lattice_runs.scene_maps(findings.of("scene")),
+    "bench_table": lambda findings: benches.bench_table(findings.of("bench")),
+    "balance_table": lambda findings: benches.balance_table(findings.of("bench")),
+    "bench_pictures": lambda findings: benches.bench_pictures(findings.of("bench")),
+    "bench_laws": lambda findings: benches.bench_laws(findings.of("bench"), findings.all("struck")),
+    "loss_pictures": lambda findings: benches.bench_pictures(_lossy(findings)),
+    "rate_table": lambda findings: lattice_runs.rate_table(findings.all("rate")),
+    "rate_errors": lambda findings: lattice_runs.rate_errors(findings.all("rate")),
 }
-"""All tables under their templates' names."""
+"""Functions that build each table, by its name in the templates."""
 
 
-def _lossy(found: Findings) -> dict[str, Any]:
-    """The runs of waves on lattices with losses."""
-    return {name: run for name, run in found.of("scene").items() if run.scene.losses}
+def _lossy(findings: Findings) -> dict[str, Any]:
+    """Return the runs of waves on lattices with losses."""
+    return {name: run for name, run in findings.of("scene").items() if run.scene.losses}
 
 
 def _papers(records: Sequence[Any]) -> list[Any]:
-    """The records of forms of the paper's equation; the others are in the chapter of lattices."""
-    return [found for found in records if CATALOGUE.equation(found.name) == other_lattices.PAPERS]
+    """Return the records of forms of the paper's equation; other forms have their own chapter."""
+    return [
+        record
+        for record in records
+        if CATALOGUE.equation(record.name) == other_lattices.PAPER_EQUATION
+    ]
 
 
-def source(content: Mapping[str, str], found: Findings, full: bool) -> str:
+def source(content: Mapping[str, str], findings: Findings, full: bool) -> str:
     """Return the report's LaTeX source; `content` holds the tables."""
     return render(
         "report.tex.j2",
         version=version("longwave"),
         date=today(),
         full=full,
-        headlines=found.headlines,
+        headlines=findings.headlines,
         formulas=theory.formulas(),
         equations=theory.equations(),
-        figures=runs.figure_entries(found.runs.scenes),
+        figures=runs.figure_entries(findings.runs.scenes),
         sources=sorted(SOURCES.items()),
         normal_equations=other_lattices.normal_equations(),
         **theory.derivation(),
@@ -252,40 +260,40 @@ def source(content: Mapping[str, str], found: Findings, full: bool) -> str:
 
 
 def today() -> str:
-    """The date of a report, in UTC; SOURCE_DATE_EPOCH names another one, in seconds."""
+    """Return the report's date, in UTC; SOURCE_DATE_EPOCH overrides the clock, in seconds."""
     seconds = float(os.environ.get("SOURCE_DATE_EPOCH") or time.time())
     return time.strftime("%d %B %Y", time.gmtime(seconds)).lstrip("0")
 
 
-def report_figures(found: Findings) -> Iterator[tuple[str, Figure]]:
-    """Each figure under its name."""
-    yield from paper_figures(found.runs.runs)
-    yield from study_figures(found)
-    papers, (plane,) = found.runs.runs[SPLIT], found.all("plane")
-    yield from lattice_runs.lattice_figures(found.of("scene"), papers, found.all("rate"))
-    yield from benches.bench_figures(found.of("bench") | _lossy(found))
+def report_figures(findings: Findings) -> Iterator[tuple[str, Figure]]:
+    """Yield the name and figure of each figure in the report."""
+    yield from paper_figures(findings.runs.runs)
+    yield from study_figures(findings)
+    papers, (plane,) = findings.runs.runs[SPLIT], findings.all("plane")
+    yield from lattice_runs.lattice_figures(findings.of("scene"), papers, findings.all("rate"))
+    yield from benches.bench_figures(findings.of("bench") | _lossy(findings))
     yield "modulation", modulation_figure(*plane)
 
 
-def study_figures(found: Findings) -> Iterator[tuple[str, Figure]]:
-    """The figures of the studies under their names."""
+def study_figures(findings: Findings) -> Iterator[tuple[str, Figure]]:
+    """Yield the name and figure of each figure of the studies."""
     yield (
         "evaluation_costs",
         cost_figure(
-            costs.cost_panels(found.rows("cost")),
+            costs.cost_panels(findings.rows("cost")),
             *("seconds a point", "digits", 4, 1.35),
             digits=(0, 30, 60, 90),
         ),
     )
-    precision, error = costs.precision_panels(found.rows("precision")), r"error of $y/\epsilon$"
+    precision, error = costs.precision_panels(findings.rows("precision")), r"error of $y/\epsilon$"
     yield "work_precision", cost_figure(precision, "seconds", error, 2, 2.7, cheapest=MEDIANS)
-    scaling, ticks = costs.scaling_panels(found.rows("scaling")), (10, 20, 40, 80, 160)
+    scaling, ticks = costs.scaling_panels(findings.rows("scaling")), (10, 20, 40, 80, 160)
     yield "cost_scaling", cost_figure(scaling, r"$1/\epsilon$", "seconds", 1, 2.8, x_ticks=ticks)
-    if peaks := found.all("peak"):
+    if peaks := findings.all("peak"):
         panels = runs.peak_panels(peaks)
         figure = cost_figure(panels, r"$\epsilon$", r"$L^\infty_\epsilon$", 1, 2.8)
         yield "reduction_error", figure
-    if split := found.of("split"):
+    if split := findings.of("split"):
         yield "split", snapshot_panels(runs.split_rows(split)).figure()
 
 
@@ -297,22 +305,24 @@ def write_figures(figures: Iterable[tuple[str, Figure]], folder: Path) -> Iterat
 
 
 def write_tables(
-    tables: Mapping[str, Callable[[Findings], str]], found: Findings, folder: Path
+    tables: Mapping[str, Callable[[Findings], str]], findings: Findings, folder: Path
 ) -> Iterator[tuple[str, str]]:
     """Write the tables below the folder, yielding each one's name and LaTeX when it is written."""
     for name, table in tables.items():
-        text = table(found)
+        text = table(findings)
         write(folder / "tables" / f"{name}.tex", text)
         yield name, text
 
 
-def write_source(found: Findings, folder: Path, full: bool, wrote: Callable[[], None]) -> Path:
+def write_source(
+    findings: Findings, folder: Path, full: bool, on_table_written: Callable[[], None]
+) -> Path:
     """Write the tables and the LaTeX source below the folder; return the source's path."""
     content = {}
-    for name, text in write_tables(TABLES, found, folder):
+    for name, text in write_tables(TABLES, findings, folder):
         content[name] = text
-        wrote()
-    return write(folder / SOURCE, source(content, found, full))
+        on_table_written()
+    return write(folder / SOURCE, source(content, findings, full))
 
 
 def _check_folder(output: Path, force: bool) -> None:
@@ -335,9 +345,10 @@ def write_report(
     workers: int,
     estimates: Path | None = None,
 ) -> int:
-    """Build the report in a folder, if ``full`` with long scenes; Ctrl-C is told by ``program``.
+    """Build the report in a folder and return the exit status; ``program`` names the command.
 
-    ``estimates`` is a file of `searches.estimates`, whose table the report then has as well.
+    ``full`` adds the long scenes and full studies, ``estimates`` the table of a file that
+    `searches.estimates` wrote.
 
     Returns 0, 1 if a check, a run or LaTeX failed, 2 for bad input, 130 after Ctrl-C.
     """
@@ -346,35 +357,35 @@ def write_report(
         if workers < 1:
             raise ValueError(f"workers must be at least 1, got {workers} (2 is usual)")
         _check_folder(output, force)
-        judged = judged_findings(estimates)
+        estimate_findings = judged_findings(estimates)
         scenes = report_scenes()
         jobs = all_jobs(scenes, full)
         cost = report_cost(jobs, workers)
         check_request("the report", cost, "take fewer --workers or no --full")
         missing = _missing_engine(console)
-        note_saved(f"what was written is in {shown(output)}")
+        note_saved(f"what was written is in {relative_path(output)}")
         announce("the report", cost.seconds)
-        tex, sound = build(output, scenes, jobs, judged, console, full, workers)
+        tex, sound = build(output, scenes, jobs, estimate_findings, console, full, workers)
         if missing:
             return 1
         pdf = compile_pdf(tex)
     except KeyboardInterrupt:
-        return interrupted(program, f"what was written is in {shown(output)}")
+        return interrupted(program, f"what was written is in {relative_path(output)}")
     except (ValueError, OSError) as error:
         return fail(error)
     except CompileError as error:
         fail(error)
         return 1
-    console.print(shown(pdf), soft_wrap=True)
+    console.print(relative_path(pdf), soft_wrap=True)
     return 0 if sound else 1
 
 
 def _missing_engine(console: Console) -> bool:
-    """Whether there is no LaTeX engine, which is said: the source is then all that is written."""
+    """Return whether the LaTeX engine is missing; if so, print that only the source is written."""
     try:
         ensure_engine()
     except EngineMissingError as error:
-        fail(f"{error}; the source alone is written")
+        fail(f"{error}; only the source is written")
         return True
     return False
 
@@ -383,39 +394,39 @@ def build(
     output: Path,
     scenes: Mapping[str, Scene],
     jobs: Mapping[Key, Job],
-    judged: Mapping[Key, Any],
+    estimate_findings: Mapping[Key, Any],
     console: Console,
     full: bool,
     workers: int,
 ) -> tuple[Path, bool]:
-    """Do the jobs on the scenes; write figures, tables and source below the folder.
+    """Run the jobs, then write figures, tables and source below the folder.
 
-    ``judged`` is what was found before.
+    ``estimate_findings`` are added to the results of the jobs.
 
-    Returns the source's path, and whether every form stands and every run came to its end.
+    Returns the source's path, and whether all results are as they should be (`Findings.sound`).
     """
-    with bars(console) as bar:
-        working = bar.add_task("proving and running", total=1.0)
-        done = run_jobs(jobs, workers, lambda share: bar.update(working, completed=share))
-        found, drawing = (
-            Findings({**done, **judged}, scenes),
-            bar.add_task("drawing", total=FIGURES),
+    with bars(console) as progress:
+        run_task = progress.add_task("proving and running", total=1.0)
+        results = run_jobs(jobs, workers, lambda share: progress.update(run_task, completed=share))
+        findings, draw_task = (
+            Findings({**results, **estimate_findings}, scenes),
+            progress.add_task("drawing", total=FIGURES),
         )
-        for _ in write_figures(report_figures(found), output):
-            bar.advance(drawing)
-        writing = bar.add_task("writing", total=len(TABLES))
-        tex = write_source(found, output, full, partial(bar.advance, writing))
-    return tex, found.sound
+        for _ in write_figures(report_figures(findings), output):
+            progress.advance(draw_task)
+        write_task = progress.add_task("writing", total=len(TABLES))
+        tex = write_source(findings, output, full, partial(progress.advance, write_task))
+    return tex, findings.sound
 
 
-def shown(path: Path) -> str:
-    """Return the path relative to the working directory where it lies below it."""
+def relative_path(path: Path) -> str:
+    """Return the path relative to the working directory if it lies below it, else unchanged."""
     with suppress(ValueError):
         return str(path.resolve().relative_to(Path.cwd()))
     return str(path)
 
 
 def bars(console: Console) -> Bars:
-    """Bars with their names and the time that has gone."""
+    """Return progress bars with a label and the elapsed time."""
     columns = TextColumn("{task.description:20}"), BarColumn(), TimeElapsedColumn()
     return Bars(*columns, console=console)

@@ -1,4 +1,4 @@
-"""The LaTeX engine: found, and run on the report. Nothing is installed here."""
+"""The LaTeX engine: look for it and run it on the report. Nothing is installed here."""
 
 import shutil
 import subprocess
@@ -6,11 +6,11 @@ from pathlib import Path
 
 ENGINE = "latexmk"
 APT_PACKAGES = ("latexmk", "texlive-latex-recommended", "texlive-fonts-recommended", "lmodern")
-"""What has the engine on Debian and Ubuntu; `make latex` installs it."""
+"""Debian and Ubuntu packages that contain the engine; `make latex` installs them."""
 
 
 class EngineMissingError(RuntimeError):
-    """No LaTeX engine is there."""
+    """No LaTeX engine is installed."""
 
 
 class CompileError(RuntimeError):
@@ -18,7 +18,7 @@ class CompileError(RuntimeError):
 
 
 def ensure_engine() -> None:
-    """Find latexmk and pdflatex. Raises EngineMissingError, whose one line says what to install."""
+    """Raise EngineMissingError, with the packages to install, if latexmk or pdflatex is missing."""
     if not engine_present():
         raise EngineMissingError(
             f"no LaTeX engine: install {' '.join(APT_PACKAGES)} (or any TeX Live with latexmk)"
@@ -26,7 +26,7 @@ def ensure_engine() -> None:
 
 
 def engine_present() -> bool:
-    """Tell whether latexmk and pdflatex are on the path."""
+    """Return whether latexmk and pdflatex are on the path."""
     return all(shutil.which(program) for program in (ENGINE, "pdflatex"))
 
 
@@ -63,7 +63,7 @@ def first_error(log: Path) -> str:
 def run_quietly(
     command: list[str], directory: Path | None = None
 ) -> subprocess.CompletedProcess[str]:
-    """Run a command without stdin, keeping what it prints."""
+    """Run a command without stdin, capturing its output."""
     return subprocess.run(
         command,
         cwd=directory,

@@ -35,7 +35,7 @@ _ESCAPES = {
 
 
 def escape(text: object) -> str:
-    r"""Return text with LaTeX's special characters made harmless.
+    r"""Return text with LaTeX's special characters escaped.
 
     >>> escape("50 % of K_2")
     '50 \\% of K\\_2'
@@ -51,7 +51,7 @@ def environment(directory: Path = TEMPLATES) -> jinja2.Environment:
     """
     import jinja2
 
-    made = jinja2.Environment(
+    templates = jinja2.Environment(
         loader=jinja2.FileSystemLoader(directory),
         block_start_string=r"\BLOCK{",
         block_end_string="}",
@@ -66,9 +66,9 @@ def environment(directory: Path = TEMPLATES) -> jinja2.Environment:
         undefined=jinja2.StrictUndefined,
         keep_trailing_newline=True,
     )
-    made.filters["e"] = escape
-    made.globals["cited"] = cited
-    return made
+    templates.filters["e"] = escape
+    templates.globals["cited"] = cited
+    return templates
 
 
 def render(template: str, **content: object) -> str:
@@ -77,17 +77,17 @@ def render(template: str, **content: object) -> str:
 
 
 DASH = "--"
-"""In the place of a number that there is not."""
+"""Printed instead of a missing number."""
 
 DIGITS = 6
-"""Most digits of a measured value that are shown."""
+"""Most digits of a measured value that are printed."""
 
 
-WHOLE = 8
-"""Most rows of a table that is kept on one page."""
+LONGEST_UNBROKEN = 8
+"""Longest table, in rows, that is not broken over pages."""
 
 Row = Sequence[str] | str
-"""The cells of a row, or a heading across the table."""
+"""Cells of a row, or a heading across the table."""
 
 
 def table(
@@ -95,8 +95,8 @@ def table(
 ) -> str:
     r"""Return a table with its number, caption and the label tab:name; "" without rows.
 
-    Every cell is LaTeX, ``gap`` a length of extra space between rows. It breaks over pages where no
-    row stands alone and no heading without its rows; its head is repeated.
+    Every cell is LaTeX, ``gap`` a length of extra space between rows. Page breaks leave no row
+    alone and no heading without its rows; the head is repeated on each page.
 
     >>> print(table("waves", "Waves.", "lr", ["wave", "error"], [["sech", "0.1"], ["kink", "0.2"]]))
     \begin{longtable}{lr}
@@ -137,24 +137,24 @@ def table(
 
 
 def _broken(rows: Sequence[Row], across: int, gap: str) -> Iterator[str]:
-    """The rows, those behind which no page may end with a star behind them."""
+    """Yield the rows in LaTeX; a star follows each row after which no page may end."""
     last = len(rows) - 1
-    for place, cells in enumerate(rows):
-        ends = place == last or isinstance(rows[place + 1], str)
-        lone = place + 1 == last or (place + 2 <= last and isinstance(rows[place + 2], str))
-        begins = place == 0 or isinstance(rows[place - 1], str)
-        kept = place < last and (
-            last < WHOLE or isinstance(cells, str) or (not ends and (begins or lone))
+    for index, cells in enumerate(rows):
+        ends = index == last or isinstance(rows[index + 1], str)
+        lone = index + 1 == last or (index + 2 <= last and isinstance(rows[index + 2], str))
+        begins = index == 0 or isinstance(rows[index - 1], str)
+        no_break = index < last and (
+            last < LONGEST_UNBROKEN or isinstance(cells, str) or (not ends and (begins or lone))
         )
-        space = f"[{gap}]" if gap and place < last else ""
-        shown = (
-            heading_row(cells, across, place > 0) if isinstance(cells, str) else " & ".join(cells)
+        space = f"[{gap}]" if gap and index < last else ""
+        text = (
+            heading_row(cells, across, index > 0) if isinstance(cells, str) else " & ".join(cells)
         )
-        yield rf"{shown} \\" + "*" * kept + space
+        yield rf"{text} \\" + "*" * no_break + space
 
 
 def heading_row(words: str, across: int, spaced: bool) -> str:
-    """A heading across the columns, which it does not widen; space above unless it is the first."""
+    """Return a heading across the columns without widening them; space above if ``spaced``."""
     above = r"\addlinespace " if spaced else ""
     text = rf"\parbox[t]{{\linewidth}}{{\raggedright\strut {words}\strut}}"
     return rf"{above}\multicolumn{{{across}}}{{@{{}}l@{{}}}}{{\makebox[0pt][l]{{{text}}}}}"
@@ -170,17 +170,17 @@ PRINTED = {
     "kahan_li_8": "Kahan-Li (8)",
     "spectral": "spectral ring",
 }
-"""Names of the methods as they are printed, with the orders of the splittings."""
+"""Printed names of the methods, with the orders of the splittings."""
 
 
 def titled(title: str, name: str, fault: str = "") -> str:
-    """The heading of a run: its title in LaTeX, the name of its scene, and why it did not run."""
+    """Return the heading of a run: title in LaTeX, name of the scene, and why it did not run."""
     words = rf"{title} (\texttt{{{escape(name)}}})"
     return f"{words} did not run: {escape(fault)}" if fault else words
 
 
 def picture_latex(name: str, caption: str, place: str = "htbp") -> str:
-    """The figure that is kept under that name with its caption in LaTeX; at H it does not float."""
+    """Return the LaTeX that includes a figure by name; with ``place`` "H" it does not float."""
     return "\n".join(
         [
             rf"\begin{{figure}}[{place}]",
@@ -214,9 +214,8 @@ def scientific(value: float, digits: int = 2) -> str:
 def uncertain(value: float, error: float) -> tuple[str, str]:
     r"""Return a measured number and its discretisation error, for two columns.
 
-    The error is rounded up to two digits, the number to the error's last one, and to not more than
-    six. A number without discretisation has a dash.
-
+    The error is rounded up to two digits, the number to the error's last digit, with at most six
+    digits. A dash replaces an error of 0.
     >>> uncertain(0.1013819, 0.000041), uncertain(2.0706e-5, 1e-12), uncertain(5.0, 0.0)
     (('$0.101382$', '$4.1\\times 10^{-5}$'), ('$2.07060\\times 10^{-5}$', ...), ('$5$', '--'))
     """
@@ -228,12 +227,12 @@ def uncertain(value: float, error: float) -> tuple[str, str]:
     scale = power if power < -3 else 0
     last = int(np.floor(np.log10(error))) - 1
     places = max(min(scale - last, DIGITS - 1 - (power - scale)), 0)
-    shown = f"{value / 10.0**scale:.{places}f}" + (rf"\times 10^{{{scale}}}" if scale else "")
-    return f"${shown}$", scientific(float(np.ceil(error / 10.0**last - 1e-6)) * 10.0**last)
+    digits_text = f"{value / 10.0**scale:.{places}f}" + (rf"\times 10^{{{scale}}}" if scale else "")
+    return f"${digits_text}$", scientific(float(np.ceil(error / 10.0**last - 1e-6)) * 10.0**last)
 
 
 def write(path: Path, text: str) -> Path:
-    """Write the table to the path, making its folder; return the path."""
+    """Write the text to the path, creating its folder; return the path."""
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(text + "\n", encoding="utf-8")
     return path
@@ -242,7 +241,7 @@ def write(path: Path, text: str) -> Path:
 _GREEK = re.compile(rf"(?<![\\A-Za-z])(?:eps|{'|'.join(GREEK)})(?![A-Za-z])")
 
 COMMANDS = {"dt": r"\Delta t", "<=": r"\le "}
-"""Other names in the records' mathematics that LaTeX calls otherwise."""
+"""LaTeX of names that are not Greek letters."""
 
 
 def mathematics(text: str) -> str:
@@ -258,7 +257,7 @@ def mathematics(text: str) -> str:
 
 
 def _commands(text: str) -> str:
-    return re.sub(r"[a-z]+|<=", lambda found: COMMANDS.get(found[0], found[0]), greek(text))
+    return re.sub(r"[a-z]+|<=", lambda match: COMMANDS.get(match[0], match[0]), greek(text))
 
 
 def greek(text: str) -> str:
@@ -267,11 +266,11 @@ def greek(text: str) -> str:
     >>> greek("xi - 6 tau"), greek("eps"), greek("taut")
     ('\\xi - 6 \\tau', '\\epsilon', 'taut')
     """
-    return _GREEK.sub(lambda found: "\\" + {"eps": "epsilon"}.get(found[0], found[0]), text)
+    return _GREEK.sub(lambda match: "\\" + {"eps": "epsilon"}.get(match[0], match[0]), text)
 
 
 def symbol_latex(name: str) -> str:
-    r"""Return a symbol's name as LaTeX, digits and what is behind an underscore as its index.
+    r"""Return a symbol's name as LaTeX, digits and text after an underscore as its index.
 
     >>> symbol_latex("kappa_1"), symbol_latex("K2"), symbol_latex("eps")
     ('\\kappa_{1}', 'K_{2}', '\\epsilon')
@@ -281,7 +280,7 @@ def symbol_latex(name: str) -> str:
 
 
 def domain_latex(domain: str) -> str:
-    r"""Return a parameter's domain as LaTeX; its words are those of the record.
+    r"""Return a parameter's domain as LaTeX; words are kept.
 
     >>> domain_latex("0 < k < 1"), domain_latex("X_0 real")
     ('$0<k<1$', '$X_{0}$ real')
@@ -303,12 +302,12 @@ _INDEXED = re.compile(r"\b[a-z]_(?:\w|\{[^}]*\})(?: [=+-] [a-z]_(?:\w|\{[^}]*\})
 
 
 def title_latex(title: str) -> str:
-    """A lattice's title, its indexed fields in mathematics.
+    """Return a lattice's title in LaTeX, its indexed fields in mathematics.
 
     >>> title_latex("the strain y_n = u_{n+1} - u_n of 50 %")
     'the strain $y_n = u_{n+1} - u_n$ of 50 \\\\%'
     """
     words = _INDEXED.split(title)
-    formulas = [f"${found}$" for found in _INDEXED.findall(title)]
+    formulas = [f"${formula}$" for formula in _INDEXED.findall(title)]
     pairs = zip(words, [*formulas, ""], strict=True)
     return "".join(escape(text) + formula for text, formula in pairs)

@@ -1,6 +1,6 @@
-r"""The paper's own numbers: of its equations, figures and sections by their labels; its sources.
+r"""Numbers of the paper's equations, figures and sections by label; sources of the closed forms.
 
-Numbers are those that LaTeX gives the paper's source, in which equations are numbered through.
+The numbers are those that LaTeX gives the paper's source, with equations numbered consecutively.
 """
 
 from longwave.support.known_names import one_of
@@ -15,23 +15,23 @@ EQUATIONS = (
     "alg-decaying solitons on dn-wave background", "(24)", "def. of theta",
     "rogue-wave on cn-wave", "(27)", "defn. of theta_cn", "Defn of five para",
 )  # fmt: skip
-"""The labels of the numbered equations in order; one without a label is called by its number."""
+"""Labels of the numbered equations in order; one without a label is listed by its number."""
 
 UNNUMBERED = {"Eq.2 first-order": "Eq.1 first-order"}
-"""Labels of lines without a number -> the label of the line that numbers both."""
+"""Labels of lines without a number -> the label of the line whose number they share."""
 
 FIGURES = (
     "Second-order solns comparison", "Third-order solns comparison", "L_inf loss plot",
     "dark-breather on dn-background", "DB error plot",
     "soliton solution on the dn-wave background", "rogue-wave on cn-background comparison",
 )  # fmt: skip
-"""The labels of the figures in order."""
+"""Labels of the figures in order."""
 
 SECTIONS = {
     "Sec: Local waves on constant back": "IV",
     "subsec: Dark breathers on snoidal waves": "V~A",
 }
-"""The sections that are referred to."""
+"""Labels of the cited sections and their numbers."""
 
 SOURCES = {
     "ablowitz1981solitons": r"M.~J.~Ablowitz and H.~Segur, \emph{Solitons and the Inverse "
@@ -54,11 +54,11 @@ SOURCES = {
     "mucalica2024dark": r"A.~Mucalica and D.~E.~Pelinovsky, Dark breathers on a snoidal wave "
     r"background in the defocusing mKdV equation, Lett. Math. Phys. \textbf{114} (2024) 100.",
 }
-"""Where the closed forms come from, by the citations of their records."""
+"""References of the closed forms, by the citations of their records."""
 
 
 def cited(label: str) -> str:
-    """Return what the paper's source calls by that label: equation, figure or section.
+    """Return the paper's number for a label: equation, figure or section.
 
     >>> cited("third-order soln of mKdV"), cited("DB error plot")
     ('eq.~(17)', 'fig.~5')

@@ -1,9 +1,10 @@
-"""The closed-form solutions of the reduced equation, each once, and their evaluation.
+"""Closed-form solutions of the reduced equations, each written once, and their evaluation.
 
-``CATALOGUE`` and ``closed_form(name)`` give the records; ``rational(j)`` those of any order;
-``Wave`` puts numbers in. Formulas are in the normal form's variables (``solutions.symbols``);
-the lattice enters only through a ``derive.NormalForm``. Each noun is imported when it is first
-asked for: reading the formulas needs no compiler, and double-double arithmetic no formulas.
+``CATALOGUE`` and ``closed_form(name)`` give the records, ``rational(j)`` the rational solution of
+any order; ``Wave`` puts numbers in. Formulas are in the variables of the normal form
+(``solutions.symbols``); the lattice enters only through a ``derive.NormalForm``. Names are
+imported on first use: reading the formulas needs no compiler, and double-double arithmetic no
+formulas.
 """
 
 from typing import TYPE_CHECKING

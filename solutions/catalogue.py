@@ -1,4 +1,4 @@
-"""The catalogue of closed forms. Adding one is one file in ``forms`` and one line here."""
+"""Catalogue of closed forms. To add one, add a file in ``forms`` and a line here."""
 
 import re
 from collections import Counter
@@ -31,7 +31,7 @@ _MODULES: Mapping[str, str] = {
     )
     for name in names.split()
 }
-"""Name of a form, which is that of the function that makes it -> its module in ``forms``."""
+"""Name of each form, which is also the name of the function that builds it -> its module."""
 
 _EQUATIONS: Mapping[str, str] = {
     "kdv_burgers": "KdV-Burgers",
@@ -43,18 +43,18 @@ _EQUATIONS: Mapping[str, str] = {
     "kp": "KP",
     "nls": "NLS",
 }
-"""Begin of a form's name -> its equation among `derive.normal_form.NORMAL_EQUATIONS`, the longer
-ones first; the other forms are of mKdV."""
+"""Prefix of a form's name -> its equation in `derive.normal_form.NORMAL_EQUATIONS`, longer
+prefixes first; all other forms solve mKdV."""
 
 LARGEST_ORDER = 12
-"""Highest order of a rational solution that is made from its name."""
+"""Highest order of a rational solution that can be requested by name."""
 
 _RATIONAL = re.compile(r"rational_([1-9]\d?)")
 _SHIFT = re.compile(r"tau_([1-9]\d?)")
 
 
 class Catalogue(Sequence["ClosedForm"]):
-    """The closed forms of these names in order; each is made when it is first asked for.
+    """Sequence of closed forms by name; each form is built on first access.
 
     >>> len(CATALOGUE), CATALOGUE.names[0], CATALOGUE[15].title
     (38, 'rational_1', 'kink and antikink')
@@ -65,17 +65,17 @@ class Catalogue(Sequence["ClosedForm"]):
         self.modules = tuple(sorted({self.module(name) for name in self.names}))
 
     @overload
-    def __getitem__(self, place: int) -> "ClosedForm": ...
+    def __getitem__(self, index: int) -> "ClosedForm": ...
     @overload
-    def __getitem__(self, place: str) -> "ClosedForm": ...
+    def __getitem__(self, index: str) -> "ClosedForm": ...
     @overload
-    def __getitem__(self, place: slice) -> "Sequence[ClosedForm]": ...
-    def __getitem__(self, place: int | str | slice) -> "ClosedForm | Sequence[ClosedForm]":
-        if isinstance(place, str):
-            return closed_form(place)
-        if isinstance(place, slice):
-            return tuple(_made(name) for name in self.names[place])
-        return _made(self.names[place])
+    def __getitem__(self, index: slice) -> "Sequence[ClosedForm]": ...
+    def __getitem__(self, index: int | str | slice) -> "ClosedForm | Sequence[ClosedForm]":
+        if isinstance(index, str):
+            return closed_form(index)
+        if isinstance(index, slice):
+            return tuple(_build_form(name) for name in self.names[index])
+        return _build_form(self.names[index])
 
     def __len__(self) -> int:
         return len(self.names)
@@ -91,11 +91,11 @@ class Catalogue(Sequence["ClosedForm"]):
 
     def __repr__(self) -> str:
         counts = Counter(map(self.equation, self.names))
-        told = ", ".join(f"{count} of {equation}" for equation, count in counts.items())
-        return f"<Catalogue of {len(self)} closed forms: {told}>"
+        summary = ", ".join(f"{count} of {equation}" for equation, count in counts.items())
+        return f"<Catalogue of {len(self)} closed forms: {summary}>"
 
     def of(self, equation: str) -> "Catalogue":
-        """Those of an equation, by its name in `derive.normal_form.NORMAL_EQUATIONS`.
+        """Return the forms of one equation, by its name in `derive.normal_form.NORMAL_EQUATIONS`.
 
         >>> CATALOGUE.of("KP").names
         ('kp_line_soliton', 'kp_lump')
@@ -104,32 +104,32 @@ class Catalogue(Sequence["ClosedForm"]):
 
     @staticmethod
     def module(name: str) -> str:
-        """The module with the function ``name``, which makes that form."""
+        """Return the module with the function ``name``, which builds that form."""
         return f"longwave.solutions.forms.{_MODULES[name]}"
 
     @staticmethod
     def equation(name: str) -> str:
-        """The name of the equation that the form called ``name`` solves."""
-        known = (_EQUATIONS[begin] for begin in _EQUATIONS if name.startswith(f"{begin}_"))
-        return next(known, "mKdV")
+        """Return the name of the equation that the form called ``name`` solves."""
+        equations = (_EQUATIONS[prefix] for prefix in _EQUATIONS if name.startswith(f"{prefix}_"))
+        return next(equations, "mKdV")
 
 
 CATALOGUE = Catalogue(_MODULES)
 
 
 @cache
-def _made(name: str) -> "ClosedForm":
+def _build_form(name: str) -> "ClosedForm":
     module = Catalogue.module(name)
     form: ClosedForm = getattr(import_module(module), name)()
     object.__setattr__(form, "module", module)
-    return form.found_by(closed_form, name)
+    return form.with_pickle_call(closed_form, name)
 
 
 def closed_form(name: str, parameters: Iterable[str] = ()) -> "ClosedForm":
-    """The closed form called ``name``; a ValueError lists the names if there is none.
+    """Return the closed form called ``name``. Raises ValueError, listing the names, if unknown.
 
-    ``rational_<j>`` is there for every order j up to ``LARGEST_ORDER``. Its free shifts are those
-    named in ``parameters`` (tau_5, tau_7, ...); other parameters do not matter here.
+    ``rational_<j>`` exists for every order j up to ``LARGEST_ORDER``. ``parameters`` names its free
+    shifts (tau_5, tau_7, ...); other names in it are ignored.
 
     >>> closed_form("kink").title
     'kink'
@@ -137,14 +137,14 @@ def closed_form(name: str, parameters: Iterable[str] = ()) -> "ClosedForm":
     ['tau_5']
     """
     match = _RATIONAL.fullmatch(name) if isinstance(name, str) else None
-    shifts = [int(found[1]) for text in parameters if (found := _SHIFT.fullmatch(text))]
+    shifts = [int(shift[1]) for text in parameters if (shift := _SHIFT.fullmatch(text))]
     is_printed = isinstance(name, str) and name in _MODULES
     if match and int(match[1]) <= LARGEST_ORDER and (shifts or not is_printed):
         from longwave.solutions.forms.rational import rational
 
         return rational(int(match[1]), shifts)
     if is_printed:
-        return _made(name)
+        return _build_form(name)
     from longwave.support.known_names import one_of
     from longwave.support.user_files import shown
 

@@ -1,8 +1,8 @@
-"""Data that are kept from one process to the next, so that the next needs no SymPy to make them.
+"""Disk cache of data built from formulas, so that later processes need no SymPy.
 
-What is kept is found under a key made of what is asked for, in a folder named by a digest of the
-sources: of all files that making it may read (`support.compiled.kernel_folder`). It is plain data
-(`support.plain_data`) and a few types of `solutions`, told by what they hold.
+An entry is found by a key that describes the request, in a folder named by a digest of the
+sources that may influence it (`support.compiled.kernel_folder`). Entries are plain data
+(`support.plain_data`) and a few types of `solutions`, stored by their contents.
 """
 
 import hashlib
@@ -17,8 +17,8 @@ from longwave.support.compiled.kernel_folder import CacheFolder, cache_folder
 from longwave.support.plain_data import PlainKind, plain_bytes, plain_value
 
 MOST_FILES, SPARE_FILES = 512, 128
-"""Files that stay in a folder; the oldest go first, when there are so many more: to look for them
-takes as long as a small run. A wave has up to five, of 1 to 40 kB."""
+"""Number of files in a folder; beyond both together the oldest are removed down to the first.
+Counting the files takes as long as a small run. A wave has up to five, of 1 to 40 kB."""
 
 TYPES = {
     "WaveConstants": "numeric_wave",
@@ -30,27 +30,27 @@ TYPES = {
     "Bytecode": "run.bytecode",
     "MpmathFormula": "functions.multiprecision",
 }
-"""Those that may stand in what is kept, by the modules of `solutions`: what they hold is plain."""
+"""Types that an entry may contain -> their modules in `solutions`; their contents are plain."""
 
 Data = TypeVar("Data")
 
 
 def kept_data(maker: str, key: str, make: Callable[[], Data]) -> Data:
-    """Plain data that ``make``, a function of the module ``maker``, makes; kept if it can be.
+    """Return plain data from the cache, or from ``make``, a function of module ``maker``.
 
-    They must follow from ``key`` and from the sources alone: from no other file and no setting.
+    The data must depend on ``key`` and the sources only, not on other files or settings.
     """
     store = open_store(maker, key)
-    kept = None if store is None else store.read("data")
-    if kept is None:
-        kept = make()
+    cached = None if store is None else store.read("data")
+    if cached is None:
+        cached = make()
         if store is not None:
-            store.write("data", kept)
-    return cast("Data", kept)
+            store.write("data", cached)
+    return cast("Data", cached)
 
 
 class DataStore:
-    """The files of what the module ``maker`` makes of ``key``, in ``folder``."""
+    """Cache files in ``folder`` of one request: the module ``maker`` and its ``key``."""
 
     def __init__(self, maker: str, key: str, folder: CacheFolder) -> None:
         self.maker, self.key = maker, key
@@ -58,14 +58,14 @@ class DataStore:
         self._stem = hashlib.sha256(f"{maker} {key}".encode()).hexdigest()[:32]
 
     def read(self, part: str) -> Any:
-        """What was kept under that name, None if nothing was."""
+        """Return the entry stored under the name ``part``, None if there is none or it is bad."""
         data = self._folder.read(f"{self._stem}.{part}")
         with suppress(ValueError):
             return None if data is None else plain_value(data, _kind)
         return None
 
     def write(self, part: str, value: object) -> None:
-        """Keep it, if it can be."""
+        """Store an entry if it can be stored; remove the oldest files if there are too many."""
         with suppress(TypeError, ValueError):
             self._folder.write(f"{self._stem}.{part}", plain_bytes(value, _kind))
         folder = self._folder.path
@@ -79,29 +79,29 @@ class DataStore:
 
 @lru_cache
 def _kind(name: str) -> PlainKind | None:
-    """The type of that name, or long numbers; None if it has no place in what is kept."""
+    """Return how a type is stored and rebuilt, by its name; None if entries cannot contain it."""
     if name == "mpf":
         from longwave.solutions.run.linear_phase import LONG, long_of
 
         return PlainKind(LONG.mpf, lambda number: tuple(map(int, number._mpf_)), long_of)
     if name not in TYPES:
         return None
-    cls: Any = getattr(import_module(f"longwave.solutions.{TYPES[name]}"), name)
-    if issubclass(cls, tuple):
-        return PlainKind(cls, tuple, lambda parts: cls(*parts))
+    type_: Any = getattr(import_module(f"longwave.solutions.{TYPES[name]}"), name)
+    if issubclass(type_, tuple):
+        return PlainKind(type_, tuple, lambda parts: type_(*parts))
 
-    def made(parts: dict[str, Any]) -> Any:
-        value = object.__new__(cls)
+    def rebuild(parts: dict[str, Any]) -> Any:
+        value = object.__new__(type_)
         vars(value).update(parts)
         return value
 
-    return PlainKind(cls, vars, made)
+    return PlainKind(type_, vars, rebuild)
 
 
 def open_store(maker: str, key: str) -> DataStore | None:
-    """The store for what the module ``maker`` makes, with the closed forms, of ``key``.
+    """Return the store for a request; None if no folder can be written.
 
-    None where no folder can be written.
+    Entries may depend on the module ``maker`` and on the closed forms.
     """
     folder = cache_folder(__name__, maker, *CATALOGUE.modules)
     return None if folder.path is None else DataStore(maker, key, folder)

@@ -1,4 +1,4 @@
-"""The equations that closed forms solve, in their normal forms: one record for each sign."""
+"""Equations that closed forms solve, in normal form: one record for each choice of signs."""
 
 import re
 from collections.abc import Callable, Mapping
@@ -14,9 +14,9 @@ from longwave.support.user_files import shown
 
 
 class _LeftSide(NamedTuple):
-    """The left-hand side of a normal form at U with the signs s and r.
+    """Left-hand side of a normal form, as a function of U and the signs s and r.
 
-    ``order`` is that of its highest derivative in xi: slow times are ``T = eps**order t``.
+    ``order`` is that of the highest xi derivative: slow times are ``T = eps**order t``.
     """
 
     at: Callable[[sp.Expr, int | sp.Symbol, int], sp.Expr]
@@ -60,16 +60,16 @@ _LEFT_SIDES: Mapping[str, _LeftSide] = {
         is_complex=True,
     ),
 }
-"""The left-hand sides under the names of `derive.normal_form.NORMAL_EQUATIONS`."""
+"""Left-hand sides by the names in `derive.normal_form.NORMAL_EQUATIONS`."""
 
 
 @dataclass(frozen=True)
 class Equation:
-    """A normal form with its signs; mKdV if nothing else is said.
+    """A normal form with its signs; mKdV by default.
 
-    ``normal`` is its name among `derive.normal_form.NORMAL_EQUATIONS`, where it is written out; the
-    paper's eq. (1) is mKdV. ``s`` is its sign, or the symbol ``s`` for what holds with either;
-    ``r`` is the second sign, of an equation that has two.
+    ``normal`` is its name in `derive.normal_form.NORMAL_EQUATIONS`, where it is written out; the
+    paper's eq. (1) is mKdV. ``s`` is its sign, or the symbol ``s`` if solutions hold for either;
+    ``r`` is the second sign of an equation with two.
 
     >>> from sympy import tanh
     >>> DEFOCUSING_MKDV.residual(tanh(xi + 2 * tau)).simplify()
@@ -104,17 +104,17 @@ class Equation:
 
     @property
     def variables(self) -> tuple[sp.Symbol, ...]:
-        """``xi`` and ``tau``, with ``zeta`` between them where the equation has it."""
+        """Variables ``xi`` and ``tau``, with ``zeta`` between them if the equation has it."""
         return (xi, zeta, tau) if self.has_across else (xi, tau)
 
     @property
     def free_sign(self) -> tuple[sp.Symbol, ...]:
-        """The symbol ``s``, where either sign will do."""
+        """The symbol ``s`` if either sign is allowed, else empty."""
         return (s,) if self.s == s else ()
 
     @property
     def has_across(self) -> bool:
-        """Whether there is a second direction, zeta."""
+        """Whether the equation has a transverse variable, zeta."""
         return _LEFT_SIDES[self.normal].has_across
 
     @property
@@ -124,11 +124,11 @@ class Equation:
 
     @property
     def order(self) -> int:
-        """The order of its highest derivative in xi; slow times are ``T = eps**order t``."""
+        """Order of the highest xi derivative; slow times are ``T = eps**order t``."""
         return _LEFT_SIDES[self.normal].order
 
     def residual(self, U: sp.Expr) -> sp.Expr:
-        """The left-hand side of the equation at ``U``, unsimplified."""
+        """Return the left-hand side of the equation at ``U``, unsimplified."""
         return _LEFT_SIDES[self.normal].at(U, self.s, self.r)
 
 

@@ -1,4 +1,4 @@
-"""A wave as numbers: its values at arrays of points, without the formulas that they came from."""
+"""A wave evaluated at arrays of points as numbers, without the formulas it came from."""
 
 from collections.abc import Callable
 from fractions import Fraction
@@ -21,28 +21,29 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Side = Literal["left", "right"]
 Part = Literal["wave", "formula", "background", "left", "right", "potential"]
-"""What is evaluated of a wave; "formula" is the wave by its program, whatever else evaluates it."""
+"""Function to evaluate; "formula" is the wave by its compiled program, even if another evaluator
+exists."""
 
 CERTAIN = 5e-14
-"""Largest bound of an error, in units of max(1, |value|), that double-double may leave."""
+"""Largest error bound, in units of max(1, |value|), accepted from double-double."""
 
 OF_LARGEST = 1e-13
-"""Largest bound of a jet's error, in units of the largest of its order."""
+"""Largest error bound of a jet, in units of the largest value of its order."""
 
 NOTHING = 1e-10
-"""A jet that is smaller than this everywhere, in units of h a**order, counts as this large."""
+"""Floor of the scale for a jet's error bound, in units of h a**order."""
 
 HIGHEST = 20
 """Highest order of a jet."""
 
 FAR = 60.0
-"""A phase so large is far from where a wave may rise or fall: exp(-60) is 1e-26."""
+"""Distance in phase beyond which a wave does not change: exp(-60) is 1e-26."""
 
 MOST_KEPT = 4
-"""Integrals that are kept: of compared cells, of a ring, and of the ring's ends."""
+"""Number of cached integrals: of compared cells, of a ring, and of the ring's ends."""
 
 MOST_UNCERTAIN = 1000
-"""Points with larger bounds that mpmath settles, at 5 to 100 ms each; more are refused."""
+"""Most points that mpmath evaluates when bounds are too large, at 5 to 100 ms each."""
 
 
 class WaveValues(NamedTuple):
@@ -63,7 +64,7 @@ class PlanarValues(NamedTuple):
 
 
 class Rates(NamedTuple):
-    """The numbers of a normal form as long numbers: ``Y = h U(a (X - drift T), e Z, b T)``."""
+    """Constants of a normal form as long numbers: ``Y = h U(a (X - drift T), e Z, b T)``."""
 
     a: Any
     b: Any
@@ -74,11 +75,11 @@ class Rates(NamedTuple):
 
 
 class WaveConstants(NamedTuple):
-    """What a wave is beside its values.
+    """Constants and properties of a wave.
 
-    ``a`` and ``b`` are the doubles nearest to those of ``rates``, ``s`` is the normal form's sign;
-    ``is_bare`` says that a periodic wave has no background but itself. ``equation`` is the name of
-    the normal form, ``order`` that of its highest X derivative: ``T = eps**order t``.
+    ``a`` and ``b`` are the doubles nearest to those of ``rates``, ``s`` is the normal form's sign.
+    ``is_bare`` says that a periodic wave is its own background. ``equation`` is the name of the
+    normal form, ``order`` that of its highest X derivative: ``T = eps**order t``.
     """
 
     name: str
@@ -95,35 +96,35 @@ class WaveConstants(NamedTuple):
 
     @property
     def is_planar(self) -> bool:
-        """Whether there is a second direction, Z."""
+        """Whether the wave depends on a transverse variable, Z."""
         return bool(self.rates.e)
 
 
 class NumericWave:
-    """``Y(X, T) = h U(a X, b T)`` as numbers; `solutions.Wave` says what they are.
+    """Numerical wave ``Y(X, T) = h U(a X, b T)``; `solutions.Wave` describes its guarantees.
 
-    ``numbers`` are the wave's, ``make`` gives the evaluator of a part, ``settle`` the values and
-    derivatives of a part at a point (in the given variables) where double-double is not enough.
-    Waves of KP are asked with the place across, ``Z`` or the site ``m``, others without.
+    ``make_evaluator`` returns the evaluator of a part. ``evaluate_exactly`` returns values and
+    derivatives of a part at a point, in the given variables, where double-double is not enough.
+    Waves of KP take the transverse coordinate ``Z`` or site ``m`` as well.
     """
 
     def __init__(
         self,
         numbers: WaveConstants,
-        make: Callable[[Part], "PointEvaluator"],
-        settle: Callable[..., Array],
+        make_evaluator: Callable[[Part], "PointEvaluator"],
+        evaluate_exactly: Callable[..., Array],
     ) -> None:
         self.numbers = numbers
-        self._make, self._settle = make, settle
+        self._make, self._settle = make_evaluator, evaluate_exactly
         self._evaluators: dict[Part, PointEvaluator] = {}
-        self._valuers: dict[Part, PointEvaluator | None] = {}
+        self._value_evaluators: dict[Part, PointEvaluator | None] = {}
         self._known_phases: dict[tuple[Part, object], list[LinearPhase]] = {}
         self._lattices: dict[object, Variables] = {}
         self._series: dict[int, Evaluator] = {}
         self._integrals: dict[tuple[float, float, float], IntegralFromZero] = {}
 
     def __reduce__(self) -> tuple[Callable[..., "NumericWave"], tuple[Any, ...]]:
-        """What makes the wave again: no program and no kernel is pickled."""
+        """Arguments that rebuild the wave on unpickling; compiled code is not pickled."""
         return type(self), (self.numbers, self._make, self._settle)
 
     def __eq__(self, other: object) -> bool:
@@ -134,32 +135,32 @@ class NumericWave:
 
     @property
     def wavelength(self) -> float | None:
-        """The period of the background in X, None if the background is constant."""
+        """Period of the background in X, None if the background is constant."""
         return self.numbers.wavelength
 
     @property
     def constant_background(self) -> float | None:
-        """The constant that the wave tends to on both sides, None if there is none."""
+        """Constant that the wave tends to on both sides, None if there is none."""
         return self.numbers.constant_background
 
     def __call__(self, X: ArrayLike, T: ArrayLike, *, Z: ArrayLike | None = None) -> WaveValues:
-        """Y, Y_X, Y_T at the broadcast points (X, T); for KP at (X, T, Z), and Y_Z."""
+        """Return Y, Y_X, Y_T at the broadcast points (X, T); for KP at (X, T, Z), with Y_Z."""
         return self._evaluate("wave", self._slow, X, T, Z)
 
     def at(
         self, n: ArrayLike, t: ArrayLike, eps: float, *, m: ArrayLike | None = None
     ) -> WaveValues:
-        """Y, Y_X, Y_T at site n (any real) and lattice time t.
+        """Return Y, Y_X, Y_T at site n (any real) and lattice time t.
 
-        The phases are formed in double-double from (n, t, eps); ``X = eps (n - c t)`` and
-        ``T = eps**order t`` are never rounded, neither is ``Z = eps**2 m``.
+        Phases are computed in double-double from (n, t, eps): ``X = eps (n - c t)``, ``T =
+        eps**order t`` and ``Z = eps**2 m`` are never rounded.
         """
         return self._evaluate("wave", self._lattice(eps), n, t, m)
 
     def pairs_at(
         self, n: ArrayLike, t: ArrayLike, eps: float, *, m: ArrayLike | None = None
     ) -> WaveValues:
-        """``at`` in double-double: arrays (2, ...) of high and low parts, about 30 digits."""
+        """Return ``at`` in double-double: arrays (2, ...) of high and low part, about 30 digits."""
         variables = self._lattice(eps)
         return self._joined(self._bounded("wave", variables, *self._points(n, t, m))[:, :2])
 
@@ -172,38 +173,41 @@ class NumericWave:
         *,
         m: ArrayLike | None = None,
     ) -> Array:
-        """Y alone of the wave, its background or a far field, at site n and lattice time t.
+        """Return Y alone, of the wave, its background or a far field, at site n and lattice time t.
 
-        As `at`, `background_at` and `far_field_at` give it, in half of the time for most waves.
+        The values are those of `at`, `background_at` and `far_field_at`, in half the time for most
+        waves.
         """
         variables, points = self._lattice(eps), self._points(n, t, m)
         evaluator = self._values_alone(part)
         if points[0].size >= PIECE or evaluator is None:
             return np.asarray(self._evaluate(part, variables, n, t, m).Y)
-        found = self._bounded_values(evaluator, part, variables, *points)[:, 0]
-        return found[0] + 1j * found[1] if self.numbers.is_complex else found[0]
+        values = self._bounded_values(evaluator, part, variables, *points)[:, 0]
+        return values[0] + 1j * values[1] if self.numbers.is_complex else values[0]
 
     @property
     def _value_rows(self) -> list[int]:
-        """The rows of an evaluator that hold the value, its real part and its imaginary one."""
+        """Rows of an evaluator with the value: real part and, if complex, imaginary part."""
         return [0, 3 + self.numbers.is_planar] if self.numbers.is_complex else [0]
 
     def _values_alone(self, part: Part) -> "PointEvaluator | None":
-        """What evaluates the value of a part alone; None where that takes no less."""
+        """Return an evaluator of a part's values alone; None if that saves no work."""
         from longwave.solutions.run.evaluator import Evaluator
 
-        if part not in self._valuers:
-            whole, rows = self._evaluator(part), self._value_rows
-            self._valuers[part] = whole.only(rows) if isinstance(whole, Evaluator) else None
-        return self._valuers[part]
+        if part not in self._value_evaluators:
+            evaluator, rows = self._evaluator(part), self._value_rows
+            self._value_evaluators[part] = (
+                evaluator.only(rows) if isinstance(evaluator, Evaluator) else None
+            )
+        return self._value_evaluators[part]
 
     def jets(
         self, X: ArrayLike, T: ArrayLike, highest: int, *, Z: ArrayLike | None = None
     ) -> Array:
-        """Y, Y_X, Y_XX, ... to the order ``highest`` at the points: (highest + 1, ...).
+        """Return Y, Y_X, Y_XX, ... to the order ``highest`` at the points: (highest + 1, ...).
 
-        By Taylor arithmetic in double-double. The error is below 1e-13 of the largest value of the
-        same order at these points, or below 1e-23 h a**order. Complex for NLS.
+        Computed by Taylor arithmetic in double-double. The error is below 1e-13 of the largest
+        value of the same order at these points, or below 1e-23 h a**order. Complex for NLS.
 
         Raises ValueError for an order that is not one of 0 .. ``HIGHEST``.
         """
@@ -213,15 +217,15 @@ class NumericWave:
         for order in range(1, highest + 1):
             rates.append(rates[-1] * rate * order)
         rates *= 2 if self.numbers.is_complex else 1
-        far = partial(self._is_far, "formula", self._slow)
+        is_far = partial(self._is_far, "formula", self._slow)
         units = np.abs(np.array(rates, dtype=float))
-        found = in_pieces(partial(self._jet_rows, evaluator, rates), points, far, units)
+        jets = in_pieces(partial(self._jet_rows, evaluator, rates), points, is_far, units)
         if self.numbers.is_complex:
-            found = found[: highest + 1] + 1j * found[highest + 1 :]
-        return found
+            jets = jets[: highest + 1] + 1j * jets[highest + 1 :]
+        return jets
 
     def _jet_rows(self, evaluator: "Evaluator", rates: list[Any], *points: Array) -> Array:
-        """The jets at points, real and imaginary parts one after the other."""
+        """Return the jets at points, the real parts before the imaginary parts."""
         rows = evaluate_points(partial(evaluator, evaluator.phases(self._slow)), *points)
         rows = scale_rows(rows, [split(rate) for rate in rates])
         flat = np.abs(rows[:, 0]).reshape(len(rows), -1)
@@ -234,14 +238,16 @@ class NumericWave:
         settle = partial(self._settle, "formula", self._slow, highest=highest)
         return settle_rows(rows, certain, points, settle)[:, 0]
 
-    def _is_far(self, part: Part, variables: Variables, x: Array, t: Array, *across: Array) -> bool:
-        """Whether points of one time are far from every place where a phase vanishes."""
-        if across or t.min() != t.max():
+    def _is_far(
+        self, part: Part, variables: Variables, x: Array, t: Array, *transverse: Array
+    ) -> bool:
+        """Return whether points at one time are far from every point where a phase vanishes."""
+        if transverse or t.min() != t.max():
             return False
-        low, high, time = float(x.min()), float(x.max()), float(t[0])
+        first, last, time = float(x.min()), float(x.max()), float(t[0])
         for phase in self._phases(part, variables):
-            zero, room = phase.zero(time), FAR / abs(phase.rate or 1.0)
-            if zero is not None and low - room <= zero <= high + room:
+            zero, reach = phase.zero(time), FAR / abs(phase.rate or 1.0)
+            if zero is not None and first - reach <= zero <= last + reach:
                 return False
         return True
 
@@ -257,11 +263,11 @@ class NumericWave:
         return self._series[highest]
 
     def antiderivative(self, X: ArrayLike, T: float) -> Array:
-        """W at the points X and one time T, with W_X = Y and W = 0 at X = 0.
+        """Return W at the points X and one time T, with W_X = Y and W = 0 at X = 0.
 
-        By quadrature, its error below 1e-12 of the largest |W|; raises ValueError as
-        `solutions.quadrature.IntegralFromZero` does. The panels of the last calls are kept: data
-        and theory of a run ask for the same places again.
+        Computed by quadrature, with an error below 1e-12 of the largest |W|. The panels of recent
+        calls are cached, because a run needs the same points for data and theory. Raises ValueError
+        as `solutions.quadrature.IntegralFromZero` does.
         """
         (points, _) = check_points(X, T)
         if not points.size:
@@ -277,20 +283,20 @@ class NumericWave:
 
             width = 1.0 / fastest if fastest else np.inf
             integral = IntegralFromZero(lambda x: self(x, T).Y, low, high, width)
-            kept = list(self._integrals.items())[1 - MOST_KEPT :]
-            self._integrals = {**dict(kept), key: integral}
+            recent = list(self._integrals.items())[1 - MOST_KEPT :]
+            self._integrals = {**dict(recent), key: integral}
         return integral(points)
 
     def potential(self, X: ArrayLike, T: ArrayLike, *, Z: ArrayLike) -> PlanarValues:
-        """W, W_X, W_T, W_Z at the points (X, T, Z), with W_X = Y and W constant on the left.
+        """Return W, W_X, W_T, W_Z at the points (X, T, Z), with W_X = Y and W constant on the left.
 
-        Raises ValueError for a wave whose potential is not known in closed form.
+        Raises ValueError for a wave whose potential has no known closed form.
         """
         values = self._evaluate("potential", self._slow, X, T, Z)
         return PlanarValues(*(value / self.numbers.a for value in values))
 
     def phase_zeros(self, t: float, eps: float, *, m: float = 0.0) -> list[float]:
-        """The sites at which one of the wave's phases vanishes at lattice time t, ascending.
+        """Return the sites where one of the wave's phases vanishes at lattice time t, ascending.
 
         The crest of a localised wave is near one of them.
         """
@@ -298,30 +304,30 @@ class NumericWave:
         return sorted(zero for zero in zeros if zero is not None)
 
     def slow_phase_zeros(self, T: float) -> list[float]:
-        """The X at which one of the wave's phases vanishes at the slow time T, ascending."""
+        """Return the X where one of the wave's phases vanishes at the slow time T, ascending."""
         zeros = {phase.zero(T, 0.0) for phase in self._phases("wave", self._slow)}
         return sorted(zero for zero in zeros if zero is not None)
 
     def background(self, X: ArrayLike, T: ArrayLike, *, Z: ArrayLike | None = None) -> WaveValues:
-        """The bare background wave of the same phase (or the constant) at (X, T)."""
+        """Return the bare background wave of the same phase, or the constant, at (X, T)."""
         return self._evaluate("background", self._slow, X, T, Z)
 
     def background_at(
         self, n: ArrayLike, t: ArrayLike, eps: float, *, m: ArrayLike | None = None
     ) -> WaveValues:
-        """``background`` at site n and lattice time t."""
+        """Return ``background`` at site n and lattice time t."""
         return self._evaluate("background", self._lattice(eps), n, t, m)
 
     def far_field(
         self, X: ArrayLike, T: ArrayLike, side: Side, *, Z: ArrayLike | None = None
     ) -> WaveValues:
-        """What the wave tends to as X goes to -infinity ("left") or +infinity ("right")."""
+        """Return the limit of the wave as X goes to -infinity ("left") or +infinity ("right")."""
         return self._evaluate(check_side(side), self._slow, X, T, Z)
 
     def far_field_at(
         self, n: ArrayLike, t: ArrayLike, eps: float, side: Side, *, m: ArrayLike | None = None
     ) -> WaveValues:
-        """``far_field`` at site n and lattice time t."""
+        """Return ``far_field`` at site n and lattice time t."""
         return self._evaluate(check_side(side), self._lattice(eps), n, t, m)
 
     @cached_property
@@ -331,7 +337,7 @@ class NumericWave:
 
     @cached_property
     def _scales(self) -> tuple[tuple[float, float], ...]:
-        """Of each row of an evaluator: h times the derivative's rate, for both parts of Y."""
+        """Factors of an evaluator's rows, as pairs: h times the derivative's rate."""
         rates = self.numbers.rates
         of_values = [LONG.one, rates.a, rates.b]
         of_values += [rates.e] if self.numbers.is_planar else []
@@ -341,10 +347,12 @@ class NumericWave:
     def _lattice(self, eps: object) -> Variables:
         exact = _exact_eps(eps)
         if exact not in self._lattices:
-            (a, b, c, _, across, drift), e = self.numbers.rates, long_number(exact)
-            later = e**self.numbers.order
-            moving = -a * c * e - a * drift * later
-            self._lattices[exact] = Variables(a * e, b * later, moving, exact, across * e**2)
+            (a, b, c, _, transverse_rate, drift), e = self.numbers.rates, long_number(exact)
+            time_rate = e**self.numbers.order
+            frame_rate = -a * c * e - a * drift * time_rate
+            self._lattices[exact] = Variables(
+                a * e, b * time_rate, frame_rate, exact, transverse_rate * e**2
+            )
         return self._lattices[exact]
 
     def _phases(self, part: Part, variables: Variables) -> list[LinearPhase]:
@@ -374,27 +382,27 @@ class NumericWave:
             return self._bounded(part, variables, *points)[:, 0]
 
         units = [abs(high) for high, _ in self._scales]
-        far = partial(self._is_far, part, variables)
-        return self._joined(in_pieces(values, self._points(x, t, z), far, units))
+        is_far = partial(self._is_far, part, variables)
+        return self._joined(in_pieces(values, self._points(x, t, z), is_far, units))
 
     def _joined(self, rows: Array) -> Any:
-        """The rows by their names, real and imaginary parts together."""
+        """Return the rows as a named tuple, real and imaginary parts combined."""
         if self.numbers.is_complex:
             rows = rows[: len(rows) // 2] + 1j * rows[len(rows) // 2 :]
         return PlanarValues(*rows) if self.numbers.is_planar else WaveValues(*rows)
 
     def _points(self, x: ArrayLike, t: ArrayLike, z: ArrayLike | None) -> tuple[Array, ...]:
-        """The points broadcast together; ValueError for a place across too many or too few."""
+        """Broadcast the points. Raises ValueError for a missing or extra transverse coordinate."""
         if (z is not None) == self.numbers.is_planar:
             return check_points(x, t) if z is None else check_points(x, t, z)
         needed, got = ("given", "none") if z is None else ("left out", "one")
         raise ValueError(
-            f"the place across, Z or m, must be {needed} for {self.numbers.name}, got {got} "
+            f"transverse coordinate Z or m must be {needed} for {self.numbers.name}, got {got} "
             f"(it solves the {self.numbers.equation} equation)"
         )
 
     def _bounded(self, part: Part, variables: Variables, *points: Array) -> Array:
-        """Value and derivatives: high parts, low parts, bounds of their errors (rows, 3, ...)."""
+        """Return value and derivatives: high parts, low parts and error bounds, (rows, 3, ...)."""
         phases = self._phases(part, variables)
         rows = evaluate_points(partial(self._evaluator(part), phases), *points)
         rows = scale_rows(rows, self._scales)
@@ -405,17 +413,17 @@ class NumericWave:
     def _bounded_values(
         self, evaluator: "PointEvaluator", part: Part, variables: Variables, *points: Array
     ) -> Array:
-        """The same of the value alone, by what evaluates no other rows."""
+        """Return the value alone, (rows, 3, ...), by an evaluator without the other rows."""
         rows = evaluate_points(partial(evaluator, self._phases(part, variables)), *points)
         rows = scale_rows(rows, [self._scales[row] for row in self._value_rows])
 
-        def settle(*point: float) -> Array:
+        def value_exactly(*point: float) -> Array:
             return self._settle(part, variables, *point)[self._value_rows]
 
-        return settle_rows(rows, _are_certain(rows), points, settle)
+        return settle_rows(rows, _are_certain(rows), points, value_exactly)
 
     def _drift(self, rows: Array) -> None:
-        """Subtract drift Y_X from Y_T, for ``xi = a (X - drift T)``."""
+        """Subtract drift Y_X from Y_T in place, because ``xi = a (X - drift T)``."""
         drift = split(-self.numbers.rates.drift)
         count = 3 + self.numbers.is_planar
         for first in range(0, len(rows), count):
@@ -423,7 +431,7 @@ class NumericWave:
 
 
 def _are_certain(rows: Array) -> NDArray[np.bool_]:
-    """Whether the bound of the error of each number in ``rows`` (rows, 3, ...) is small enough."""
+    """Return whether each point's error bound in ``rows`` (rows, 3, ...) is small enough."""
     with np.errstate(invalid="ignore"):
         return np.asarray(rows[:, 2] <= CERTAIN * np.maximum(1, np.abs(rows[:, 0])))
 
@@ -431,9 +439,9 @@ def _are_certain(rows: Array) -> NDArray[np.bool_]:
 def settle_rows(
     rows: Array, certain: NDArray[np.bool_], points: tuple[Array, ...], settle: Callable[..., Array]
 ) -> Array:
-    """``rows`` (rows, 3, ...) with those at points where one is not ``certain`` settled, in place.
+    """Replace ``rows`` (rows, 3, ...) in place at points where one is not ``certain``; return them.
 
-    ``settle`` takes a point and gives its rows (rows, 3). Raises ValueError for more points than
+    ``settle`` takes a point and returns its rows (rows, 3). Raises ValueError for more points than
     ``MOST_UNCERTAIN``.
     """
     uncertain = np.argwhere(~np.all(certain, axis=0))
@@ -443,13 +451,13 @@ def settle_rows(
             f"at most {MOST_UNCERTAIN} points may need more than double-double, got "
             f"{len(uncertain)}, the first at ({first}) (use Wave.mp there)"
         )
-    for place in map(tuple, uncertain):
-        rows[(slice(None), slice(None), *place)] = settle(*(axis[place] for axis in points))
+    for index in map(tuple, uncertain):
+        rows[(slice(None), slice(None), *index)] = settle(*(axis[index] for axis in points))
     return rows
 
 
 def _exact_eps(eps: object) -> Any:
-    """The exact number meant by ``eps``, which must be positive: a Fraction, or SymPy's."""
+    """Return ``eps`` as an exact positive number: a Fraction, or SymPy's number."""
     if isinstance(eps, float) and 0.0 < eps < np.inf:
         return Fraction(repr(float(eps)))
     from longwave.derive.algebra.exact_numbers import exact_number
@@ -461,7 +469,7 @@ def _exact_eps(eps: object) -> Any:
 
 
 def check_side(side: Side) -> Side:
-    """``side``, or a ValueError if it is none."""
+    """Return ``side``, or raise ValueError if it is not "left" or "right"."""
     if side not in ("left", "right"):
         raise ValueError(f"side must be 'left' or 'right', got {side!r} (a far field has two)")
     return side

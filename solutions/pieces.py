@@ -1,4 +1,4 @@
-"""Many points a piece at a time: the memory of one piece, and no work where nothing changes."""
+"""Evaluation of many points in pieces: bounded memory, and less work where nothing changes."""
 
 from collections.abc import Callable
 
@@ -8,15 +8,15 @@ from numpy.typing import ArrayLike, NDArray
 Array = NDArray[np.float64]
 
 PIECE = 65_536
-"""Points that are evaluated at once: few megabytes of rows and of what they are made from."""
+"""Points that are evaluated at once, so that rows and work arrays take a few megabytes."""
 
-LOOKS = np.unique(
+SAMPLED_POINTS = np.unique(
     np.append(np.arange(64) * 0.6180339887498949 % 1.0 * PIECE, PIECE - 1).astype(int)
 )
-"""Points of a piece, at no equal distances, where it is looked whether anything changes."""
+"""Irregularly spaced points of a piece where rows are compared for changes."""
 
 FLAT = 1e-20
-"""Largest change where nothing changes, in units of what rows are elsewhere."""
+"""Largest change that counts as none, in units of the rows' size elsewhere."""
 
 
 def in_pieces(
@@ -25,35 +25,35 @@ def in_pieces(
     is_far: Callable[..., bool],
     units: ArrayLike,
 ) -> Array:
-    """``rows(*points)``, (rows, *shape), of a value and its derivatives; of many points in pieces.
+    """Return ``rows(*points)``, (rows, *shape), of a value and its derivatives, computed in pieces.
 
-    A whole piece that ``is_far(*points)`` from everything that may rise in it, and at some of whose
-    points the rows are the same in these ``units``, is filled with them.
+    A whole piece is filled with constant rows if it ``is_far(*points)`` from everything that may
+    rise in it and sampled points have the same rows, to a tiny share of ``units``.
 
     >>> step = lambda x: np.stack([np.tanh(x), 1.0 / np.cosh(np.clip(x, -300.0, 300.0)) ** 2])
     >>> x = np.arange(4.0 * PIECE) - PIECE
-    >>> found = in_pieces(step, (x,), lambda x: abs(x).min() > 60.0, [1.0, 1.0])
-    >>> float(abs(found - step(x)).max()) < 1e-20
+    >>> result = in_pieces(step, (x,), lambda x: abs(x).min() > 60.0, [1.0, 1.0])
+    >>> float(abs(result - step(x)).max()) < 1e-20
     True
     """
     if points[0].size < PIECE:
         return rows(*points)
     flat = [axis.reshape(-1) for axis in points]
-    found = np.empty((0, 0))
+    result = np.empty((0, 0))
     for start in range(0, flat[0].size, PIECE):
         piece = [axis[start : start + PIECE] for axis in flat]
-        alike = _alike(rows, piece, np.asarray(units)) if is_far(*piece) else None
-        made = rows(*piece) if alike is None else alike
-        if not found.size:
-            found = np.empty((len(made), flat[0].size), made.dtype)
-        found[:, start : start + PIECE] = made
-    return found.reshape(-1, *points[0].shape)
+        constant_rows = _constant_rows(rows, piece, np.asarray(units)) if is_far(*piece) else None
+        piece_rows = rows(*piece) if constant_rows is None else constant_rows
+        if not result.size:
+            result = np.empty((len(piece_rows), flat[0].size), piece_rows.dtype)
+        result[:, start : start + PIECE] = piece_rows
+    return result.reshape(-1, *points[0].shape)
 
 
-def _alike(rows: Callable[..., Array], piece: list[Array], units: Array) -> Array | None:
-    """The rows (rows, 1) of all points of a piece; None where they seem to differ."""
+def _constant_rows(rows: Callable[..., Array], piece: list[Array], units: Array) -> Array | None:
+    """Return the rows (rows, 1) common to all sampled points of a piece; None if they differ."""
     if piece[0].size < PIECE:
         return None
-    seen = rows(*(axis[LOOKS] for axis in piece))
-    changes = np.abs(seen - seen[:, :1]).max(axis=1)
-    return seen[:, :1] if np.all(changes <= FLAT * units) else None
+    sampled = rows(*(axis[SAMPLED_POINTS] for axis in piece))
+    changes = np.abs(sampled - sampled[:, :1]).max(axis=1)
+    return sampled[:, :1] if np.all(changes <= FLAT * units) else None

@@ -1,4 +1,4 @@
-"""Points of space and time as doubles: checked, broadcast, cut into chunks for the cache."""
+"""Points of space and time as doubles: checked, broadcast, and split into chunks."""
 
 import os
 from collections.abc import Callable
@@ -19,15 +19,15 @@ CHUNK = 4096
 
 @lru_cache(maxsize=1)
 def _executor(_: int) -> ThreadPoolExecutor:
-    """Of one process: in a fork of it there are no threads."""
+    """Return the thread pool of this process; a forked process has none of its parent's threads."""
     return ThreadPoolExecutor(usable_cores(), thread_name_prefix="wave")
 
 
 def evaluate_points(function: Callable[..., Array], *points: Array) -> Array:
-    """``function`` at points of one shape: ``(..., points)`` becomes ``(..., *shape)``.
+    """Return ``function`` at points of one shape: ``(..., points)`` becomes ``(..., *shape)``.
 
     ``function`` takes flat contiguous arrays of one size. Chunks run in threads, as the compiled
-    loops release the interpreter.
+    loops release the interpreter lock.
 
     >>> grid = check_points([1, 2], [[3], [4]])
     >>> evaluate_points(lambda x, t: np.stack([x, x * t]), *grid).tolist()
@@ -38,37 +38,39 @@ def evaluate_points(function: Callable[..., Array], *points: Array) -> Array:
     if len(slices) == 1:
         out = function(*(axis.copy() for axis in flat))
     else:
-        go = map if usable_cores() == 1 else _executor(os.getpid()).map
-        chunks = iter(go(lambda s: function(*(axis[s].copy() for axis in flat)), slices))
+        map_chunks = map if usable_cores() == 1 else _executor(os.getpid()).map
+        chunks = iter(map_chunks(lambda s: function(*(axis[s].copy() for axis in flat)), slices))
         first = next(chunks)
         out = np.empty((*first.shape[:-1], flat[0].size), first.dtype)
-        for place, chunk in zip(slices, chain([first], chunks), strict=True):
-            out[..., place] = chunk
+        for target, chunk in zip(slices, chain([first], chunks), strict=True):
+            out[..., target] = chunk
     return out.reshape(*out.shape[:-1], *points[0].shape)
 
 
 def check_points(
-    position: ArrayLike, time: ArrayLike, across: ArrayLike | None = None
+    position: ArrayLike, time: ArrayLike, transverse: ArrayLike | None = None
 ) -> tuple[Array, ...]:
-    """Positions, times and places across, if there are any, as doubles, broadcast together.
+    """Return positions, times and transverse coordinates, if given, as broadcast doubles.
 
-    Integers must be doubles exactly; other numbers are rounded to the nearest double.
+    Integers must be exact doubles; other numbers are rounded to the nearest double.
 
-    Raises ValueError for what is no finite real number, and for shapes that do not broadcast.
+    Raises ValueError for values that are not finite real numbers, and for shapes that do not
+    broadcast.
 
     >>> check_points([1, 2], 1j)
     Traceback (most recent call last):
     ...
     ValueError: every time must be a real number, got complex128 (take its real part)
     """
-    given = [("position", position), ("time", time)]
-    given += [] if across is None else [("place across", across)]
-    found = [real_array(f"every {name}", values) for name, values in given]
+    named = [("position", position), ("time", time)]
+    named += [] if transverse is None else [("transverse coordinate", transverse)]
+    arrays = [real_array(f"every {name}", values) for name, values in named]
     try:
-        return tuple(np.broadcast_arrays(*found))
+        return tuple(np.broadcast_arrays(*arrays))
     except ValueError:
-        names = "position and time" if across is None else "position, time and place across"
+        third = "" if transverse is None else " and transverse coordinate"
+        names = f"position, time{third}" if third else "position and time"
         raise ValueError(
-            f"{names} must broadcast, got the shapes {' and '.join(str(a.shape) for a in found)} "
+            f"{names} must broadcast, got the shapes {' and '.join(str(a.shape) for a in arrays)} "
             "(give one of them a further axis)"
         ) from None

@@ -1,4 +1,4 @@
-"""The integral of a function from 0 to many points, by polynomials in panels."""
+"""Integrals of a function from 0 to many points, by polynomials in panels."""
 
 import math
 from collections.abc import Callable
@@ -18,30 +18,30 @@ MOST_PANELS = 2_000_000
 MOST_WIDTHS = 20_000_000
 
 FEW = 4096
-"""Panels up to which no wider ones are looked for where the function is a constant."""
+"""Number of panels below which constant stretches are not merged into wider panels."""
 
 FLAT = 1e-20
-"""Largest change from end to end of a panel where it is one, in units of the function's largest."""
+"""Largest change across a panel that counts as none, in units of the function's largest value."""
 
 BLOCK = 65_536
 """Points that are evaluated at once, so that they fit the cache."""
 
 CONFIRMED_AT = np.linspace(-0.75, 1.0, 8)
-"""Where in a panel, from -1 to 1, its two halves must give the same integral."""
+"""Points of a panel, from -1 to 1, where its two halves must give the same integral."""
 
 X, WEIGHTS = legendre.leggauss(NODES)
 SERIES = (np.arange(NODES) + 0.5)[:, None] * WEIGHTS * legendre.legvander(X, NODES - 1).T
 INTEGRAL = legendre.legint(SERIES, lbnd=-1)
-"""Values at the nodes to the Legendre series of the integral from -1 on."""
+"""Matrix from values at the nodes to the Legendre series of the integral from -1 on."""
 
 
 class IntegralFromZero:
-    """The integrals of ``function`` from 0 to any points from ``low`` to ``high``, real or complex.
+    """Integrals of ``function`` from 0 to any points from ``low`` to ``high``, real or complex.
 
-    No panel is wider than ``width``, over which the function must not hide anything, but where it
-    is a constant over many; a panel that its two halves do not confirm is halved. The cost is that
-    of the panels, however many points lie in them. Raises ValueError for ends that are too far
-    apart for that, and where halving does not end.
+    Panels are at most ``width`` wide, which must resolve every feature of the function; wider where
+    it is constant over many panels. A panel is halved until its two halves confirm it. The cost is
+    that of the panels, for any number of points. Raises ValueError for ends too far apart, and if
+    halving does not converge.
 
     >>> sine = IntegralFromZero(np.cos, -1.0, 0.5, 1.0)
     >>> float(abs(sine(np.array([0.5, -1.0])) - np.sin([0.5, -1.0])).max()) < 1e-15
@@ -68,16 +68,16 @@ class IntegralFromZero:
         self._before = ends[:-1] - ends[origin]
 
     def __call__(self, points: Array) -> Array:
-        """The integrals to ``points``, an array of any shape."""
+        """Return the integrals from 0 to ``points``, an array of any shape."""
         flat = points.ravel()
-        found = np.empty(flat.size, self._series.dtype)
+        integrals = np.empty(flat.size, self._series.dtype)
         for start in range(0, flat.size, BLOCK):
             block = slice(start, start + BLOCK)
             panel = np.maximum(np.searchsorted(self._left, flat[block], "right") - 1, 0)
-            place = 2.0 * (flat[block] - self._left[panel]) / self._step[panel] - 1.0
-            inside = legendre.legval(place, self._series[:, panel], tensor=False)
-            found[block] = self._before[panel] + inside
-        return found.reshape(points.shape)
+            reference = 2.0 * (flat[block] - self._left[panel]) / self._step[panel] - 1.0
+            inside = legendre.legval(reference, self._series[:, panel], tensor=False)
+            integrals[block] = self._before[panel] + inside
+        return integrals.reshape(points.shape)
 
     @staticmethod
     def _check(count: float, most: int, width: float, span: float) -> None:
@@ -88,24 +88,24 @@ class IntegralFromZero:
             )
 
     def _changing(self, left: Array, step: Array) -> tuple[Array, Array]:
-        """These panels, those in one where neither the function nor its neighbours change."""
+        """Return the panels with constant stretches merged: left ends and widths."""
         values = self._function(np.append(left, left[-1] + step[-1]))
         changes = np.abs(np.diff(values)) > FLAT * np.max(np.abs(values))
-        kept = np.convolve(changes, np.ones(4), "full")[1:-2] > 0.0
-        kept[0] = True
-        kept |= left == 0.0
-        first = np.flatnonzero(kept)
-        return left[first], np.add.reduceat(step, first)
+        needed = np.convolve(changes, np.ones(4), "full")[1:-2] > 0.0
+        needed[0] = True
+        needed |= left == 0.0
+        starts = np.flatnonzero(needed)
+        return left[starts], np.add.reduceat(step, starts)
 
     def _panels(self, left: Array, step: Array) -> tuple[Array, float]:
-        """The series (NODES + 1, panels) of the integrals within panels, and the sum of |f|."""
+        """Return the integrals within panels as series (NODES + 1, panels), and the sum of |f|."""
         at = left + step * (0.5 + 0.5 * X[:, None])
         values = self._function(at.ravel()).reshape(at.shape) * (step / 2)
         return INTEGRAL @ values, float(np.sum(WEIGHTS @ np.abs(values)))
 
     def _confirmed(self, left: Array, step: Array) -> tuple[Array, Array, Array]:
-        """Left ends, widths and series of panels, each one of two halves that confirmed a whole."""
-        kept: list[tuple[Array, Array, Array]] = []
+        """Return left ends, widths and series of panels that their two halves confirm."""
+        accepted: list[tuple[Array, Array, Array]] = []
         series, size = self._panels(left, step)
         in_whole, in_half = _values_at(CONFIRMED_AT), _values_at(2.0 * CONFIRMED_AT[:4] + 1.0)
         for _ in range(HALVINGS):
@@ -113,18 +113,22 @@ class IntegralFromZero:
             parts, _ = self._panels(*halves)
             first, second = parts[:, : left.size], parts[:, left.size :]
             both = np.concatenate([in_half @ first, first.sum(axis=0) + in_half @ second])
-            apart = np.max(np.abs(in_whole @ series - both), axis=0)
-            right = np.tile(apart <= PRECISE * size, 2)
-            kept.append((halves[0][right], halves[1][right], parts[:, right]))
-            if right.all():
-                lefts, steps, found = zip(*kept, strict=True)
+            differences = np.max(np.abs(in_whole @ series - both), axis=0)
+            is_accepted = np.tile(differences <= PRECISE * size, 2)
+            accepted.append((halves[0][is_accepted], halves[1][is_accepted], parts[:, is_accepted]))
+            if is_accepted.all():
+                lefts, steps, series_parts = zip(*accepted, strict=True)
                 order = np.argsort(np.concatenate(lefts))
                 return (
                     np.concatenate(lefts)[order],
                     np.concatenate(steps)[order],
-                    np.concatenate(found, axis=1)[:, order],
+                    np.concatenate(series_parts, axis=1)[:, order],
                 )
-            left, step, series = halves[0][~right], halves[1][~right], parts[:, ~right]
+            left, step, series = (
+                halves[0][~is_accepted],
+                halves[1][~is_accepted],
+                parts[:, ~is_accepted],
+            )
         raise ValueError(
             f"panels must be confirmed after {HALVINGS} halvings, got {left.size} that are not, "
             f"the first at {left[0]:g} (the function is not smooth there)"
@@ -132,5 +136,5 @@ class IntegralFromZero:
 
 
 def _values_at(places: Array) -> Array:
-    """The values of Legendre series at places from -1 to 1, as a matrix."""
+    """Return the matrix that evaluates Legendre series at points from -1 to 1."""
     return np.asarray(legendre.legvander(places, NODES), dtype=np.float64)

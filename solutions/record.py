@@ -1,6 +1,6 @@
-"""The record of one closed-form solution: its parameters, and the equation that it solves.
+"""Record of one closed-form solution: its parameters and the equation that it solves.
 
-A parameter has a domain, and says what happens at its ends.
+A parameter has a domain, with the limit of the solution at each end.
 """
 
 from collections.abc import Callable, Mapping
@@ -17,12 +17,12 @@ from longwave.support.known_names import did_you_mean
 COMPARISON_DIGITS = 60
 
 LONGEST_FORMULA = 5000
-"""Signs of a formula in LaTeX that a notebook still sets; that of rogue_cn has 200 000."""
+"""Longest formula in LaTeX that a notebook shows, in characters; that of rogue_cn has 200 000."""
 
 
 @dataclass(frozen=True)
 class Bound:
-    """One end of a domain: its value, the neighbouring limit in words, open or closed.
+    """One end of a domain: its value, the limit of the solution in words, open or closed.
 
     ``value`` may contain the symbols of other parameters (``elliptic_k(k**2)`` for alpha).
     """
@@ -58,7 +58,7 @@ class Parameter:
 
     @property
     def name(self) -> str:
-        """The keyword by which the parameter is given."""
+        """Keyword of the parameter."""
         return str(self.symbol.name)
 
     @property
@@ -71,9 +71,9 @@ class Parameter:
         return f"{left}{self.name}{right}"
 
     def check(self, values: Mapping[str, object]) -> sp.Expr:
-        """This parameter's exact value out of ``values`` (name to number).
+        """Return this parameter's exact value from ``values`` (name to number).
 
-        Raises ValueError if it is missing, no finite real number or outside the domain.
+        Raises ValueError if it is missing, not a finite real number, or outside the domain.
         """
         if self.name not in values:
             if self.default is not None:
@@ -100,10 +100,10 @@ class Parameter:
         distance = sp.N(side * (exact - end), COMPARISON_DIGITS)
         if distance > 0 or (distance == 0 and not bound.is_open):
             return
-        about = f" ({bound.value} = {sp.N(end, 6)})" if bound.value.free_symbols else ""
+        end_text = f" ({bound.value} = {sp.N(end, 6)})" if bound.value.free_symbols else ""
         got = values[self.name]
         raise ValueError(
-            f"{self.name} must satisfy {self.domain}{about}, got {got} "
+            f"{self.name} must satisfy {self.domain}{end_text}, got {got} "
             f"({self.name} = {bound.value} is {bound.limit})"
         )
 
@@ -114,10 +114,10 @@ def _sign(bound: Bound) -> str:
 
 @dataclass(frozen=True)
 class Reference:
-    """Where a formula is printed: a citation, and the paper's label of the equation or section.
+    """Source of a formula: a citation, and the paper's label of the equation or section.
 
-    An equation without a label is called by its number, as in "(27)". Of what the paper does not
-    have, the citation is written out and there is no label.
+    An equation without a label is cited by its number, as in "(27)". A source that the paper does
+    not cite is written out in full, without a label.
     """
 
     citation: str
@@ -129,23 +129,23 @@ class Reference:
 
 @dataclass(frozen=True)
 class FarFields:
-    """What the wave tends to as X goes to -infinity (``left``) and +infinity (``right``)."""
+    """Limits of the wave as X goes to -infinity (``left``) and +infinity (``right``)."""
 
     left: sp.Expr
     right: sp.Expr
 
 
 class _Deferred:
-    """A field that takes an expression, or a function that makes it when it is first asked for."""
+    """Descriptor of an expression, or of a function that builds it on first access."""
 
     def __get__(self, form: object, _: type | None = None) -> sp.Expr:
         if form is None:
             raise AttributeError("expression")  # the field has no default
-        held = vars(form)["expression"]
-        if not isinstance(held, sp.Basic) and callable(held):
-            held = vars(form)["expression"] = held()
-        found: sp.Expr = held
-        return found
+        value = vars(form)["expression"]
+        if not isinstance(value, sp.Basic) and callable(value):
+            value = vars(form)["expression"] = value()
+        expression: sp.Expr = value
+        return expression
 
     def __set__(self, form: object, value: sp.Expr | Callable[[], sp.Expr]) -> None:
         vars(form)["expression"] = value
@@ -155,16 +155,14 @@ class _Deferred:
 class ClosedForm:
     """A solution ``U(xi, tau)``, or ``U(xi, zeta, tau)``, of ``equation``, written once.
 
-    ``expression`` is the canonical form, as printed, or a function that makes it at first use; it
-    is complex where the equation is, with I in sums, products and exponentials alone.
-    ``background`` is the bare wave of the same phase that the figures subtract (zero for a bare
-    wave itself); ``period`` is the background's period in ``xi``, None if it is constant.
-    ``stabilise`` makes the form that is evaluated in floating point from the canonical one.
-    ``evaluator`` makes, from exact parameters, what evaluates the form where that is not the
-    stable expression
-    (``solutions.run.program.PointEvaluator``). ``potential`` is an
-    integral of U by xi that is constant on the left, of waves with zeta: the displacements of a
-    lattice follow it. ``module`` is where the catalogue has it from.
+    ``expression`` is the canonical form, as printed, or a function that builds it on first use. It
+    is complex if the equation is, with I only in sums, products and exponentials. ``background`` is
+    the bare wave of the same phase that the figures subtract (zero for a bare wave itself);
+    ``period`` is the background's period in ``xi``, None if it is constant. ``stabilise`` returns
+    the form for floating-point evaluation. ``evaluator`` returns, from exact parameters, an
+    evaluator (``solutions.run.evaluator.PointEvaluator``) if the stable expression is not used.
+    ``potential`` is an integral of U over xi that is constant on the left, for waves with zeta: the
+    displacements of a lattice follow it. ``module`` is the form's module in the catalogue.
     """
 
     name: str
@@ -182,7 +180,9 @@ class ClosedForm:
     )
     potential: sp.Expr | None = None
     module: str = field(default="", init=False, compare=False, repr=False)
-    _found: tuple[Any, ...] | None = field(default=None, init=False, compare=False, repr=False)
+    _pickle_call: tuple[Any, ...] | None = field(
+        default=None, init=False, compare=False, repr=False
+    )
 
     def __post_init__(self) -> None:
         for name in ("name", "title"):
@@ -196,23 +196,25 @@ class ClosedForm:
                 "Parameter(longwave.solutions.symbols.k)",
             )
 
-    def found_by(self, maker: "Callable[..., ClosedForm]", *of: object) -> "ClosedForm":
-        """This form, which pickles as a call of ``maker`` with ``of``."""
-        object.__setattr__(self, "_found", (maker, of))
+    def with_pickle_call(self, maker: "Callable[..., ClosedForm]", *of: object) -> "ClosedForm":
+        """Set the call ``maker(*of)`` that rebuilds this form on unpickling; return the form."""
+        object.__setattr__(self, "_pickle_call", (maker, of))
         return self
 
     def __reduce__(self) -> tuple[Any, ...]:
-        if self._found is not None:
-            return self._found
-        own = {entry.name: getattr(self, entry.name) for entry in fields(self) if entry.init}
-        return partial(ClosedForm, **own), ()
+        if self._pickle_call is not None:
+            return self._pickle_call
+        field_values = {
+            entry.name: getattr(self, entry.name) for entry in fields(self) if entry.init
+        }
+        return partial(ClosedForm, **field_values), ()
 
     def __repr__(self) -> str:
         domains = "".join(f", {parameter.domain}" for parameter in self.parameters)
         return f"<ClosedForm {self.name}: {self.title}{domains}>"
 
     def _repr_latex_(self) -> str | None:
-        """The formula, as notebooks show it; None for a long one, which they show as one line."""
+        """The formula for notebooks; None for a long one, which they show as one line."""
         formula = sp.latex(self.expression)
         return rf"$\displaystyle U = {formula}$" if len(formula) <= LONGEST_FORMULA else None
 
@@ -227,7 +229,7 @@ class ClosedForm:
         return self.equation.residual(self.expression)
 
     def check(self, values: Mapping[str, object]) -> dict[sp.Symbol, sp.Expr]:
-        """Exact parameter values, or a ValueError naming what is missing, unknown or outside."""
+        """Return the exact parameter values. Raises ValueError for missing, unknown or bad ones."""
         known = [parameter.name for parameter in self.parameters]
         for name in values:
             if name not in known:

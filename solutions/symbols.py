@@ -1,9 +1,9 @@
-"""The symbols that every closed form is written in.
+"""Symbols of the closed forms.
 
-``xi = a X``, ``tau = b T`` and, across, ``zeta = e Z`` are the normal form's variables
+``xi = a X``, ``tau = b T`` and, for plane lattices, ``zeta = e Z`` are the normal form's variables
 (``derive.NormalForm``); ``s`` is its sign in a form that solves the equation with either.
 ``k`` is the elliptic modulus; the special functions take the parameter ``m = k**2``.
-``alpha`` places the dark breather's eigenvalue, ``X_0`` its centre (in units of ``xi``);
+``alpha`` sets the dark breather's eigenvalue, ``X_0`` its centre (in units of ``xi``).
 ``A`` is the amplitude of a soliton or kink, ``kappa`` the inverse width of a soliton on a constant.
 """
 
@@ -23,7 +23,7 @@ complementary_modulus: sp.Expr = sp.sqrt(1 - k**2)
 
 
 def shift_symbol(index: int) -> sp.Symbol:
-    """The free parameter ``tau_index`` of a rational solution (``index`` odd, at least 5).
+    """Return the free parameter ``tau_index`` of a rational solution (``index`` odd, at least 5).
 
     >>> shift_symbol(5)
     tau_5

@@ -9,7 +9,7 @@ import sympy as sp
 
 from longwave.derive.algebra.exact_numbers import exact_number, instance
 from longwave.derive.normal_form import NormalForm
-from longwave.solutions.compile.compiler import kept_program
+from longwave.solutions.compile.compiler import cached_program
 from longwave.solutions.compile.lowering import complex_parts
 from longwave.solutions.numeric_wave import Array, NumericWave, Part, Rates, Side, WaveConstants
 from longwave.solutions.record import ClosedForm
@@ -28,15 +28,14 @@ class Wave(NumericWave):
     """``Y(X, T) = h U(a X, b T)`` for a closed form U, a normal form and parameters.
 
     Parameters are keyword arguments named as in ``form.parameters``; a float means its decimal
-    literal. Positions and times are the doubles that they are: anything finite. Y, Y_X and Y_T are
-    within 1e-13 of max(1, |value|), by construction: everything is evaluated in double-double with
-    a bound of its error, and the points where that bound is too large, next to zeros of huge
-    derivatives or very far away, are evaluated again in mpmath. Where those are more than
-    ``MOST_UNCERTAIN``, or a coefficient of the formula leaves 1e-250 .. 1e250, a ValueError says
-    so. ``mp`` has no such limits. For NLS everything is complex; real and imaginary part are as
-    exact, each of them.
+    literal. Positions and times are exact doubles, any finite number. Y, Y_X and Y_T are within
+    1e-13 of max(1, |value|). They are evaluated in double-double with a bound of the error; points
+    with too large a bound, next to zeros of huge derivatives or very far away, are evaluated again
+    in mpmath. A ValueError is raised for more than ``MOST_UNCERTAIN`` such points, and for a
+    coefficient of the formula outside 1e-250 .. 1e250; ``mp`` has no such limits. For NLS values
+    are complex, with the same accuracy in real and imaginary part.
 
-    Raises ValueError for bad parameters and if the normal form is of another equation or sign.
+    Raises ValueError for bad parameters, and for a normal form of another equation or sign.
 
     >>> from longwave.derive import mkdv_normal_form
     >>> from longwave.solutions import closed_form
@@ -62,10 +61,10 @@ class Wave(NumericWave):
         super().__init__(self._all_numbers(), self._make_evaluator, self._settled)
 
     def __reduce__(self) -> tuple[Callable[..., "Wave"], tuple[Any, ...]]:
-        given = {
+        arguments = {
             parameter.name: self.parameters[parameter.symbol] for parameter in self.form.parameters
         }
-        return _wave_of, (self.form, self.normal_form, given)
+        return _wave_of, (self.form, self.normal_form, arguments)
 
     def _all_numbers(self) -> WaveConstants:
         form, normal_form = self.form, self.normal_form
@@ -94,20 +93,20 @@ class Wave(NumericWave):
         return expression.xreplace(dict(self.parameters))
 
     def __repr__(self) -> str:
-        given = "".join(f", {name} = {value}" for name, value in self.parameters.items())
+        parameters_text = "".join(f", {name} = {value}" for name, value in self.parameters.items())
         scales = {n: value for n, value in self.normal_form.values.items() if n not in "sr"}
         rates = ", ".join(f"{name} = {value}" for name, value in scales.items())
         image = self.normal_form.map_text.partition(" = ")[2]
-        return f"<Wave {self.form.name}{given}: Y = {image} with {rates}>"
+        return f"<Wave {self.form.name}{parameters_text}: Y = {image} with {rates}>"
 
     def _repr_latex_(self) -> str | None:
-        """The formula, as notebooks show it."""
+        """The formula, for notebooks."""
         return self.form._repr_latex_()
 
     def mp(self, X: object, T: object, digits: int = 50, *, Z: object = None) -> tuple[Any, ...]:
-        """Y, Y_X, Y_T at one point as mpf to ``digits`` digits, from the canonical expression.
+        """Return Y, Y_X, Y_T at one point as mpf of ``digits`` digits, by the canonical expression.
 
-        For KP at (X, T, Z), and Y_Z; for NLS they are mpc. Raises ValueError for points that are no
+        For KP at (X, T, Z), with Y_Z; mpc for NLS. Raises ValueError for points that are not
         finite real numbers and for bad ``digits``.
         """
         point = _exact_place("XTZ", X, T, Z)
@@ -116,36 +115,38 @@ class Wave(NumericWave):
     def mp_at(
         self, n: object, t: object, eps: object, digits: int = 50, *, m: object = None
     ) -> tuple[Any, ...]:
-        """``mp`` at site n and lattice time t."""
+        """Return ``mp`` at site n and lattice time t."""
         point = _exact_place("ntm", n, t, m)
         return self._exact("wave", self._lattice(eps).eps, point, check_digits(digits))
 
     def mp_jets(
         self, X: object, T: object, highest: int, digits: int = 50, *, Z: object = None
     ) -> tuple[Any, ...]:
-        """Y and its X derivatives to the order ``highest`` at one point as mpf."""
+        """Return Y and its X derivatives to the order ``highest`` at one point as mpf."""
         point = _exact_place("XTZ", X, T, Z)
         return self._exact("wave", None, point, check_digits(digits), highest)
 
     def _make_evaluator(self, part: Part) -> PointEvaluator:
-        own = self.form.evaluator if part == "wave" else None
+        special_evaluator = self.form.evaluator if part == "wave" else None
         try:
-            if own is not None:
-                return own(self.parameters)
-            kept = "wave" if part == "formula" else part
-            make = partial(self._real_parts, kept)
-            program = kept_program(self.form, kept, make, tuple(self.parameters))
+            if special_evaluator is not None:
+                return special_evaluator(self.parameters)
+            source_part = "wave" if part == "formula" else part
+            make_expressions = partial(self._real_parts, source_part)
+            program = cached_program(
+                self.form, source_part, make_expressions, tuple(self.parameters)
+            )
             return Evaluator(program, tuple(self.parameters.values()))
         except OverflowError as error:
             raise ValueError(self._out_of_range(error)) from None
 
     def _real_parts(self, part: Part) -> Sequence[sp.Expr]:
-        """What is evaluated of a part: the stable form, both parts of it where it is complex."""
+        """Return the stable expression of a part; its real and imaginary part if it is complex."""
         expression = self.form.stable if part == "wave" else self._expression(part)
         return complex_parts(expression) if self.form.equation.is_complex else [expression]
 
     def _expression(self, part: Part) -> sp.Expr:
-        """The canonical expression of a part."""
+        """Return the canonical expression of a part."""
         if part in ("wave", "formula"):
             return self.form.expression
         if part == "potential":
@@ -167,13 +168,15 @@ class Wave(NumericWave):
     def _settled(
         self, part: Part, variables: Variables, *point: float, highest: int | None = None
     ) -> Array:
-        """Value and derivatives at one point from mpmath: high parts, low parts, bounds.
+        """Return value and derivatives at one point from mpmath: high parts, low parts, bounds.
 
-        With ``highest``, the value and its X derivatives up to that one.
+        With ``highest``, return the value and its X derivatives up to that order instead.
         """
-        names = ("position", "time", "place across")
-        place = [exact_point(name, float(c)) for name, c in zip(names, point, strict=False)]
-        exact = self._exact(part, variables.eps, place, SETTLED_DIGITS, highest)
+        names = ("position", "time", "transverse coordinate")
+        exact_coordinates = [
+            exact_point(name, float(c)) for name, c in zip(names, point, strict=False)
+        ]
+        exact = self._exact(part, variables.eps, exact_coordinates, SETTLED_DIGITS, highest)
         if self.numbers.is_complex:
             exact = (*(value.real for value in exact), *(value.imag for value in exact))
         rows = np.array([(*split(value), 0.0) for value in exact])
@@ -198,24 +201,24 @@ class Wave(NumericWave):
         variables = form.a, form.b, -form.a * form.drift, form.e
         if eps is not None:
             exact = exact_number("eps", eps)
-            later = exact**self.numbers.order
-            moving = -form.a * form.c * exact - form.a * form.drift * later
-            variables = form.a * exact, form.b * later, moving, form.e * exact**2
+            time_rate = exact**self.numbers.order
+            frame_rate = -form.a * form.c * exact - form.a * form.drift * time_rate
+            variables = form.a * exact, form.b * time_rate, frame_rate, form.e * exact**2
         rates = [sp.S.One, form.a, form.b, form.e][: len(point) + 1]
         if highest is not None:
             rates = [form.a**order for order in range(highest + 1)]
         scales = [form.h * rate for rate in rates]
-        stated = self._expression(part), self.parameters, variables, scales, point, digits
-        return evaluate_mp(*stated, drift=form.drift, highest=highest)
+        arguments = self._expression(part), self.parameters, variables, scales, point, digits
+        return evaluate_mp(*arguments, drift=form.drift, highest=highest)
 
 
 def _wave_of(form: ClosedForm, normal_form: NormalForm, parameters: Mapping[str, Any]) -> Wave:
-    """A pickled wave."""
+    """Rebuild a pickled wave."""
     return Wave(form, normal_form, **parameters)
 
 
 def _check_equation(form: ClosedForm, normal_form: NormalForm) -> None:
-    """Raise ValueError for a normal form without numbers, or not of the form's equation."""
+    """Raise ValueError for a normal form that is symbolic, or of another equation than the form."""
     equation = form.equation
     if normal_form.equation != equation.normal:
         raise ValueError(
@@ -240,6 +243,6 @@ def _check_equation(form: ClosedForm, normal_form: NormalForm) -> None:
 
 
 def _exact_place(names: str, x: object, t: object, z: object) -> list[sp.Expr]:
-    """Place, time and, if there is one, place across as exact numbers, by names of a letter."""
-    given = (x, t) if z is None else (x, t, z)
-    return [exact_point(name, value) for name, value in zip(names, given, strict=False)]
+    """Return position, time and any transverse coordinate as exact numbers, with their names."""
+    coordinates = (x, t) if z is None else (x, t, z)
+    return [exact_point(name, value) for name, value in zip(names, coordinates, strict=False)]

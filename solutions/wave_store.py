@@ -1,4 +1,4 @@
-"""Waves whose numbers are kept from one process to the next: the next one needs no formulas."""
+"""Waves whose numbers are cached on disk, so that later processes need no formulas."""
 
 from collections.abc import Callable
 from functools import cached_property
@@ -14,26 +14,26 @@ if TYPE_CHECKING:
 
 
 def kept_wave(maker: str, key: str, make: Callable[[], "Wave"]) -> NumericWave:
-    """The wave that ``make`` makes, a function of the module ``maker``, as ``key`` says.
+    """Return a wave by its cached numbers, else that of ``make``, a function of module ``maker``.
 
-    ``make`` is called where something is not kept, or is asked of a wave that takes formulas; the
-    same errors are raised then.
+    ``key`` identifies the wave. ``make`` is called if something is not cached, or if the formulas
+    are needed; its errors are raised then.
     """
     store = open_store(maker, key)
     if store is None:
         return make()
     numbers = store.read("numbers")
     if isinstance(numbers, WaveConstants):
-        return _KeptWave(numbers, store, make)
+        return _CachedWave(numbers, store, make)
     wave = make()
     store.write("numbers", wave.numbers)
-    found = _KeptWave(wave.numbers, store, make)
-    found.made = wave
-    return found
+    cached = _CachedWave(wave.numbers, store, make)
+    cached.full_wave = wave
+    return cached
 
 
-class _KeptWave(NumericWave):
-    """A wave from disk. What only the formulas know is asked of the wave that is made then."""
+class _CachedWave(NumericWave):
+    """A wave from the disk cache. Attributes that need the formulas are those of the full wave."""
 
     def __init__(
         self, numbers: WaveConstants, store: DataStore, make: Callable[[], "Wave"]
@@ -45,37 +45,40 @@ class _KeptWave(NumericWave):
         return kept_wave, (self._store.maker, self._store.key, self._make_wave)
 
     def __eq__(self, other: object) -> bool:
-        if isinstance(other, _KeptWave):
-            return self.__reduce__()[1][:2] == other.__reduce__()[1][:2] or self.made == other.made
-        return self.made == other
+        if isinstance(other, _CachedWave):
+            return (
+                self.__reduce__()[1][:2] == other.__reduce__()[1][:2]
+                or self.full_wave == other.full_wave
+            )
+        return self.full_wave == other
 
     __hash__ = NumericWave.__hash__
 
     @cached_property
-    def made(self) -> "Wave":
-        """The wave with its formulas."""
+    def full_wave(self) -> "Wave":
+        """The wave with its formulas, built on first access."""
         return self._make_wave()
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("__"):
             raise AttributeError(name)
-        return getattr(self.made, name)
+        return getattr(self.full_wave, name)
 
     def __repr__(self) -> str:
-        return repr(self.made)
+        return repr(self.full_wave)
 
     def _part(self, part: Part) -> PointEvaluator:
-        kept = self._store.read(part)
-        if kept is None:
-            kept = self.made._evaluator(part)
-            self._store.write(part, kept)
-        found: PointEvaluator = kept
-        return found
+        cached = self._store.read(part)
+        if cached is None:
+            cached = self.full_wave._evaluator(part)
+            self._store.write(part, cached)
+        evaluator: PointEvaluator = cached
+        return evaluator
 
     def _settled(
         self, part: Part, variables: Variables, *point: float, highest: int | None = None
     ) -> Array:
-        return self.made._settled(part, variables, *point, highest=highest)
+        return self.full_wave._settled(part, variables, *point, highest=highest)
 
     def _out_of_range(self, error: OverflowError) -> str:
-        return self.made._out_of_range(error)
+        return self.full_wave._out_of_range(error)

@@ -1,8 +1,8 @@
-"""SymPy expressions from parts that a user wrote, built only where the result stays small.
+"""SymPy expressions from parts that a user wrote, built only if the result stays small.
 
 SymPy evaluates while it builds: ``9**9**9``, ``exp(10**9*log(9))`` or the sign of a tower of
-exponentials never come back.  Each function here looks at its parts first and raises `TooLarge`
-for what no printed formula holds.
+exponentials never finish.  Each function here checks its parts first and raises `TooLarge`
+beyond what a printed formula contains.
 """
 
 from __future__ import annotations
@@ -14,30 +14,30 @@ from itertools import islice
 
 import sympy as sp
 
-BITS = 1000
-"""Of an exact number, numerator and denominator together: about 300 digits."""
+MOST_BITS = 1000
+"""Largest exact number: bits of numerator and denominator together, about 300 digits."""
 
-EXPONENT = 1000
+LARGEST_EXPONENT = 1000
 """Largest numerator or denominator of an exponent."""
 
-FACTORS, TERMS = 200, 6000
-"""Of one product and of one sum; SymPy takes the square of the former."""
+MOST_FACTORS, MOST_TERMS = 200, 6000
+"""Most factors of one product and terms of one sum; SymPy's time grows as the factors' square."""
 
-EXPANDED = 2000
-"""Terms that abs, re and im may be multiplied out to."""
+MOST_EXPANDED = 2000
+"""Most terms that abs, re and im may be expanded to."""
 
-FREE, MOST_NODES = 2, 20_000
-"""Nodes of what is differentiated, for the first steps; the second derivative of the logarithm of a
-4-soliton's tau function has 3191."""
+FIRST_STEPS, MOST_NODES = 2, 20_000
+"""Number of first derivative steps with a larger limit, and their most nodes; the second derivative
+of the logarithm of a 4-soliton's tau function has 3191."""
 
 NODES, ORDER = 2000, 16
-"""Nodes from then on, and how often at most."""
+"""Most nodes in later derivative steps, and the highest order."""
 
-GROWTH = 1e6
+LARGEST_GROWTH = 1e6
 """Largest constant inside an exponential or hyperbolic function."""
 
-LOG_BITS = 32
-"""Of a number whose logarithm stands in an exponent, where SymPy takes the power."""
+MOST_LOG_BITS = 32
+"""Largest number, in bits, whose logarithm may be in an exponent, where SymPy takes the power."""
 
 GROWING = (sp.exp, sp.sinh, sp.cosh, sp.tanh, sp.coth, sp.sech, sp.csch)
 OSCILLATING = (sp.sin, sp.cos, sp.tan, sp.cot, sp.sec, sp.csc)
@@ -63,11 +63,11 @@ _VALUES: dict[type, Value] = {
 
 
 class TooLarge(ValueError):
-    """An expression that would be too large, or is not finite."""
+    """An expression would be too large, or is not finite."""
 
 
 def total(terms: Sequence[sp.Expr]) -> sp.Expr:
-    """The sum.
+    """Return the sum.
 
     >>> x = sp.Symbol("x")
     >>> total([x, sp.Integer(2), x])
@@ -76,29 +76,29 @@ def total(terms: Sequence[sp.Expr]) -> sp.Expr:
     if len(terms) == 1:
         return terms[0]
     _check_bits(sum(_bits(term) for term in terms if term.is_Rational))
-    found = sp.Add(*terms)
-    if len(found.args) > TERMS:
-        raise TooLarge(f"sums must have at most {TERMS} terms")
-    return _finite(found)
+    result = sp.Add(*terms)
+    if len(result.args) > MOST_TERMS:
+        raise TooLarge(f"sums must have at most {MOST_TERMS} terms")
+    return _finite(result)
 
 
 def product(factors: Sequence[sp.Expr]) -> sp.Expr:
-    """The product."""
+    """Return the product."""
     if len(factors) == 1:
         return factors[0]
-    parts = sum(len(sp.Mul.make_args(factor)) for factor in factors)
-    if parts > FACTORS:
-        raise TooLarge(f"products must have at most {FACTORS} factors")
+    count = sum(len(sp.Mul.make_args(factor)) for factor in factors)
+    if count > MOST_FACTORS:
+        raise TooLarge(f"products must have at most {MOST_FACTORS} factors")
     _check_bits(sum(_bits(factor) for factor in factors))
-    found = sp.Mul(*factors)
-    for factor in sp.Mul.make_args(found):
+    result = sp.Mul(*factors)
+    for factor in sp.Mul.make_args(result):
         if not isinstance(factor, sp.exp):
             _check_exponent(factor.as_base_exp()[1])
-    return _finite(found)
+    return _finite(result)
 
 
 def power(base: sp.Expr, exponent: sp.Expr) -> sp.Expr:
-    """The power, where numbers in it stay below `BITS`.
+    """Return the power, if numbers in it stay below `MOST_BITS`.
 
     >>> power(sp.Integer(9), sp.Rational(1, 2))
     3
@@ -116,21 +116,21 @@ def power(base: sp.Expr, exponent: sp.Expr) -> sp.Expr:
             _check_bits(sum(_bits(n) for n in base.atoms(sp.Rational)) * abs(int(exponent)))
     else:
         _check_logarithms(exponent)
-    found = sp.Pow(base, exponent)
-    _check_exponent(found.as_base_exp()[1])
-    return _finite(found)
+    result = sp.Pow(base, exponent)
+    _check_exponent(result.as_base_exp()[1])
+    return _finite(result)
 
 
 def applied(function: Callable[..., sp.Expr], arguments: Sequence[sp.Expr]) -> sp.Expr:
-    """The value of a function."""
+    """Return the value of a function."""
     if function is sp.exp:
         _check_logarithms(arguments[0])
-    if function in MULTIPLIED_OUT and 2 * _expanded(arguments[0]) ** 2 > EXPANDED:
-        raise TooLarge(f"the argument would be multiplied out to more than {EXPANDED} terms")
+    if function in MULTIPLIED_OUT and 2 * _expanded(arguments[0]) ** 2 > MOST_EXPANDED:
+        raise TooLarge(f"the argument would be multiplied out to more than {MOST_EXPANDED} terms")
     if function in GROWING or function in OSCILLATING:
         for argument in arguments:
-            if argument.is_number and not abs(_value(argument)) <= GROWTH:
-                raise TooLarge(f"constants in its argument must be at most {GROWTH:.0e}")
+            if argument.is_number and not abs(_value(argument)) <= LARGEST_GROWTH:
+                raise TooLarge(f"constants in its argument must be at most {LARGEST_GROWTH:.0e}")
     if function is sp.sqrt:
         return power(arguments[0], sp.S.Half)
     if function is sp.sign and _is_complex(arguments[0]):
@@ -139,12 +139,12 @@ def applied(function: Callable[..., sp.Expr], arguments: Sequence[sp.Expr]) -> s
 
 
 def _is_complex(z: sp.Expr) -> bool:
-    """Whether a formula may be no real number: SymPy takes sign(z)**2 for 1 where it is not 0."""
+    """Return whether a formula may be non-real, where SymPy's sign(z)**2 = 1 would be wrong."""
     return not (z.is_extended_real or z.is_zero) and (z.has(sp.I) or z.is_zero is False)
 
 
 def derivative(expression: sp.Expr, variables: Sequence[sp.Symbol]) -> sp.Expr:
-    """The derivative in the variables one after the other.
+    """Return the derivative in the variables, one after the other.
 
     >>> x = sp.Symbol("x")
     >>> derivative(x**3, [x, x])
@@ -152,20 +152,21 @@ def derivative(expression: sp.Expr, variables: Sequence[sp.Symbol]) -> sp.Expr:
     """
     if len(variables) > ORDER:
         raise TooLarge(f"derivatives must be of order {ORDER} at most")
-    found = without_sizes(expression)
+    result = without_sizes(expression)
     for step, variable in enumerate(variables):
-        most = MOST_NODES if step < FREE else NODES
-        nodes = islice(sp.preorder_traversal(found), most + 1)
-        if not found.is_Derivative and sum(1 for _ in nodes) > most:
-            raise TooLarge(f"derivatives must have at most {most} parts on the way")
-        found = sp.diff(found, variable)
-    return found
+        limit = MOST_NODES if step < FIRST_STEPS else NODES
+        nodes = islice(sp.preorder_traversal(result), limit + 1)
+        if not result.is_Derivative and sum(1 for _ in nodes) > limit:
+            raise TooLarge(f"derivatives must have at most {limit} parts on the way")
+        result = sp.diff(result, variable)
+    return result
 
 
 def without_sizes(expression: sp.Expr) -> sp.Expr:
-    """The expression with abs, sign, re and im of what is not real by products with conjugates.
+    """Return the expression with abs, sign, re and im of non-real parts written with conjugates.
 
-    These have derivatives in real variables; SymPy's of ``sign`` are those of a real argument.
+    The results have derivatives in real variables; SymPy's of ``sign`` are those of a real
+    argument.
 
     >>> u = sp.Function("u")(sp.Symbol("x", real=True))
     >>> without_sizes(abs(u) ** 2), without_sizes(sp.re(u))
@@ -177,9 +178,9 @@ def without_sizes(expression: sp.Expr) -> sp.Expr:
         if node not in images:
             parts = [image(part) for part in node.args]
             complex_size = isinstance(node, MULTIPLIED_OUT) and not node.args[0].is_extended_real
-            same = all(new is old for new, old in zip(parts, node.args, strict=True))
-            plain = node if same else node.func(*parts)
-            images[node] = SIZES[node.func](parts[0]) if complex_size else plain
+            is_unchanged = all(new is old for new, old in zip(parts, node.args, strict=True))
+            rebuilt = node if is_unchanged else node.func(*parts)
+            images[node] = SIZES[node.func](parts[0]) if complex_size else rebuilt
         return images[node]
 
     return sp.sympify(image(expression)) if expression.has(*MULTIPLIED_OUT) else expression
@@ -194,35 +195,35 @@ SIZES: dict[type, Callable[[sp.Expr], sp.Expr]] = {
 
 
 def _bits(expression: sp.Expr) -> int:
-    """Of the number in front."""
+    """Return the bits of the numerical factor."""
     number = expression.as_coeff_Mul(rational=True)[0]
     return int(number.p).bit_length() + int(number.q).bit_length() - 2 if number.is_Rational else 0
 
 
 def _check_bits(bits: int) -> None:
-    if bits > BITS:
-        raise TooLarge(f"numbers must have at most {int(BITS * math.log10(2))} digits")
+    if bits > MOST_BITS:
+        raise TooLarge(f"numbers must have at most {int(MOST_BITS * math.log10(2))} digits")
 
 
 def _check_exponent(exponent: sp.Expr) -> None:
     number = exponent.as_coeff_Mul(rational=True)[0]
-    if number.is_Rational and max(abs(number.p), number.q) > EXPONENT:
-        raise TooLarge(f"exponents must be at most {EXPONENT}")
+    if number.is_Rational and max(abs(number.p), number.q) > LARGEST_EXPONENT:
+        raise TooLarge(f"exponents must be at most {LARGEST_EXPONENT}")
 
 
 def _check_logarithms(exponent: sp.Expr) -> None:
-    """Raise TooLarge where SymPy would take a large power of a number inside a logarithm."""
+    """Raise TooLarge if SymPy would take a large power of a number inside a logarithm."""
     logarithms = [a for a in exponent.atoms(sp.log) if a.is_number]
     if not logarithms:
         return
     numbers = [n for a in logarithms for n in a.atoms(sp.Rational)]
-    _check_bits(max(map(_bits, numbers), default=0) * BITS // LOG_BITS)
+    _check_bits(max(map(_bits, numbers), default=0) * MOST_BITS // MOST_LOG_BITS)
     for number in exponent.atoms(sp.Rational):
         _check_exponent(number)
 
 
 def _finite(expression: sp.Expr) -> sp.Expr:
-    """The expression; raises TooLarge for one that is infinite, no number or huge."""
+    """Return the expression; raise TooLarge if it is infinite, not a number, or huge."""
     if not expression.free_symbols and expression.has(sp.zoo, sp.nan, sp.oo, -sp.oo):
         raise TooLarge("values must be finite")
     if expression.is_Rational:
@@ -233,21 +234,21 @@ def _finite(expression: sp.Expr) -> sp.Expr:
 
 
 def _value(constant: sp.Expr) -> complex:
-    """A constant, coarsely; infinity where a float overflows, 1 for functions not known here."""
+    """Return a constant's approximate value; infinity on overflow; unknown functions count as 1."""
     try:
-        return _worth(constant)
+        return _evaluated(constant)
     except (OverflowError, ZeroDivisionError, ValueError):
         return math.inf
 
 
-def _worth(node: sp.Expr) -> complex:
+def _evaluated(node: sp.Expr) -> complex:
     if node.is_Rational:
         return complex(int(node.p) / int(node.q))
     if node is sp.I:
         return 1j
     if node.is_NumberSymbol:
         return complex(float(node))
-    parts = [_worth(part) for part in node.args]
+    parts = [_evaluated(part) for part in node.args]
     if node.is_Add:
         return sum(parts)
     if node.is_Mul:
@@ -258,16 +259,16 @@ def _worth(node: sp.Expr) -> complex:
 
 
 def _expanded(node: sp.Expr) -> int:
-    """At most so many terms are left when ``node`` is multiplied out; EXPANDED + 1 for more."""
+    """Return a bound on the terms of ``node`` when expanded, at most MOST_EXPANDED + 1."""
     count = 1
     if node.is_Add:
         count = sum(_expanded(term) for term in node.args)
     elif node.is_Mul:
         for factor in node.args:
-            count = min(count * _expanded(factor), EXPANDED + 1)
+            count = min(count * _expanded(factor), MOST_EXPANDED + 1)
     elif node.is_Pow and node.exp.is_Integer:
-        times, terms = min(abs(int(node.exp)), EXPONENT), _expanded(node.base)
+        times, terms = min(abs(int(node.exp)), LARGEST_EXPONENT), _expanded(node.base)
         count = math.comb(terms + times - 1, times)
     elif node.args:
         count = max(_expanded(argument) for argument in node.args)
-    return min(count, EXPANDED + 1)
+    return min(count, MOST_EXPANDED + 1)

@@ -1,4 +1,4 @@
-"""A contact that can open: ``contact(x)`` is x where that is positive, else 0."""
+"""A contact that can open: ``contact(x)`` is x if x is positive, else 0."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import sympy as sp
 
 
 class contact(sp.Function):  # as texts write it
-    """The greater of x and 0: a derivation about a closed contact takes x.
+    """The greater of x and 0; a derivation about a closed contact uses x.
 
     >>> d = sp.Symbol("d", positive=True)
     >>> contact(d), contact(-d)
@@ -17,13 +17,13 @@ class contact(sp.Function):  # as texts write it
 
     @classmethod
     def eval(cls, x: sp.Expr) -> sp.Expr | None:
-        """What it is where the sign of x is known."""
+        """Return the value if the sign of x is known, else None."""
         if x.is_positive:
             return x
         return sp.Integer(0) if x.is_nonpositive else None
 
     def fdiff(self, argindex: int = 1) -> sp.Expr:
-        """Its derivative."""
+        """Return the derivative."""
         return touching(self.args[0])
 
     def _latex(self, printer: sp.printing.latex.LatexPrinter, exp: str | None = None) -> str:
@@ -32,17 +32,17 @@ class contact(sp.Function):  # as texts write it
 
 
 class touching(sp.Function):
-    """1 where x is positive, else 0."""
+    """1 if x is positive, else 0."""
 
     is_nonnegative = True
 
     @classmethod
     def eval(cls, x: sp.Expr) -> sp.Expr | None:
-        """What it is where the sign of x is known."""
+        """Return the value if the sign of x is known, else None."""
         if x.is_positive:
             return sp.Integer(1)
         return sp.Integer(0) if x.is_nonpositive else None
 
     def fdiff(self, argindex: int = 1) -> sp.Expr:
-        """0 on either side of the opening."""
+        """Return 0, the derivative on either side of the opening."""
         return sp.Integer(0)

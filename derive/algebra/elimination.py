@@ -1,7 +1,7 @@
-"""Elimination from a series in eps: constants, by a condition; time derivatives, by a flow.
+"""Elimination from a series in eps: constants by a condition, time derivatives by a flow.
 
-A rational condition is solved for one constant that it is linear in.  An evolution equation
-``Y_T = F_0 + eps^2 F_2 + ...`` gives every jet with a time derivative a value without.
+A rational condition is solved for a constant in which it is linear.  An evolution equation
+``Y_T = F_0 + eps^2 F_2 + ...`` expresses every jet with a time derivative by jets without.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class Elimination:
     power: int = 1
 
     def __call__(self, element: RationalFunction) -> RationalFunction:
-        """``element`` with the constant replaced; of a square the root stays above the line."""
+        """Return ``element`` with the constant replaced; a square's root stays in the numerator."""
         field, index = element.field, element.field.symbols.index(self.constant)
         numer, odd, even = element.numerator(), field.one, {}
         for factor, times in element.below.items():
@@ -42,11 +42,11 @@ class Elimination:
 
     @cached_property
     def _known(self) -> dict[Factor, RationalFunction]:
-        """The factors below the line that have been replaced."""
+        """Cache of replaced factors of denominators."""
         return {}
 
     def series(self, series: EpsSeries) -> EpsSeries:
-        """The eps-series with the constant replaced in all its orders."""
+        """Return the eps-series with the constant replaced in all its orders."""
         parts = ((order, part.map_coefficients(self)) for order, part in series.parts.items())
         return EpsSeries.collect(series.field, series.limit, parts)
 
@@ -55,8 +55,8 @@ class Elimination:
         index = field.symbols.index(self.constant)
         by_power: dict[int, Terms] = {}
         for exponents, number in terms:
-            times, left = divmod(exponents[index], self.power)
-            others = (*exponents[:index], left, *exponents[index + 1 :])
+            times, remainder = divmod(exponents[index], self.power)
+            others = (*exponents[:index], remainder, *exponents[index + 1 :])
             by_power.setdefault(times, []).append((others, number))
         return sum(
             (field.from_terms(part) * self.value**times for times, part in by_power.items()),
@@ -67,20 +67,20 @@ class Elimination:
 def solve_linear(
     condition: RationalFunction, constants: Sequence[Symbol], squared: Symbol | None = None
 ) -> Elimination | None:
-    """Solve ``condition = 0`` for the first of ``constants`` that it is linear in.
+    """Solve ``condition = 0`` for the first of ``constants`` in which it is linear.
 
-    Constants that enter with a pure number as their factor are preferred, behind them the square of
-    ``squared``.  None if there is nothing to solve for.
+    Constants whose factor is a pure number are preferred, then the square of ``squared``.  None if
+    there is nothing to solve for.
     """
-    found = [_solved(condition, constant, 1) for constant in constants]
-    candidates = [elimination for elimination in found if elimination]
+    solutions = [_solved(condition, constant, 1) for constant in constants]
+    candidates = [elimination for elimination in solutions if elimination]
     pure = [e for e in candidates if condition.diff(e.constant).is_number]
     square = squared and _solved(condition, squared, 2)
     return next(iter([*pure, *([square] if square else []), *candidates]), None)
 
 
 def _solved(condition: RationalFunction, constant: Symbol, power: int) -> Elimination | None:
-    """Solve for ``constant**power``, if the condition is linear in it and has no other power."""
+    """Solve for ``constant**power`` if the condition is linear in it and has no other power."""
     value = condition.solved_for(constant, power)
     if value is None and power == 1 and condition.powers_of(constant).keys() == {1}:
         value = condition.field.zero
@@ -88,20 +88,20 @@ def _solved(condition: RationalFunction, constant: Symbol, power: int) -> Elimin
 
 
 def vanishing_factors(coefficients: Iterable[RationalFunction]) -> list[RationalFunction] | None:
-    """The factors that vanish where all coefficients do; None if that cannot be decided.
+    """Return the factors that vanish where all coefficients do; None if that cannot be decided.
 
-    It is the one common factor that can vanish or, where there is none, the one such factor of each
-    coefficient.  Factors that their symbols' assumptions keep from 0 (positive ones, sums of those)
-    are left out.
+    They are the one common factor that can vanish or, without one, the one such factor of each
+    coefficient.  Factors that cannot be 0 by their symbols' assumptions (positive ones and their
+    sums) are left out.
     """
     values = list(coefficients)
     common = _can_vanish(fold(RationalFunction.common, values))
     if common:
         return common if len(common) == 1 else None
-    found = [_can_vanish(value) for value in values]
-    if any(len(factors) != 1 for factors in found):
+    factor_lists = [_can_vanish(value) for value in values]
+    if any(len(factors) != 1 for factors in factor_lists):
         return None
-    return [*dict.fromkeys(factors[0] for factors in found)]
+    return [*dict.fromkeys(factors[0] for factors in factor_lists)]
 
 
 def _can_vanish(value: RationalFunction) -> list[RationalFunction]:
@@ -109,7 +109,7 @@ def _can_vanish(value: RationalFunction) -> list[RationalFunction]:
 
 
 class TimeElimination:
-    """Replaces every jet with a time derivative by its value along ``Y_T = flow``.
+    """Replacement of every jet with a time derivative by its value along ``Y_T = flow``.
 
     ``flow`` is a series of polynomials without time derivatives.
     """
@@ -120,11 +120,11 @@ class TimeElimination:
         self._known: dict[int, EpsSeries] = {1: flow}
 
     def series(self, series: EpsSeries) -> EpsSeries:
-        """``series`` on solutions of the evolution equation."""
+        """Return ``series`` on solutions of the evolution equation."""
         return series.replaced(self._value)
 
     def _value(self, jet: Jet) -> EpsSeries | None:
-        """The value of a jet with time derivatives; None for one without."""
+        """Return the value of a jet with time derivatives; None for one without."""
         if not jet[self._time]:
             return None
         result = self._time_derivative(jet[self._time])
@@ -133,7 +133,7 @@ class TimeElimination:
         return result
 
     def _time_derivative(self, count: int) -> EpsSeries:
-        """The ``count``-th time derivative of Y along the flow."""
+        """Return the ``count``-th time derivative of Y along the flow."""
         if count not in self._known:
             previous = self._time_derivative(count - 1)
             mixed = previous.derivative(self._time)

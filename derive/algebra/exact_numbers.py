@@ -1,4 +1,4 @@
-"""Checks of arguments: numbers made exact, no text evaluated, the wrong one named."""
+"""Checks of arguments: numbers made exact without evaluating text, errors naming the argument."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ Kind = TypeVar("Kind")
 Number: TypeAlias = int | float | str | Fraction | Decimal | Expr
 
 LONGEST = 1000
-"""Characters of a number in text; more is a mistake and would only take time."""
+"""Longest number in text, in characters."""
 
 _DECIMAL = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d{1,3})?", re.ASCII)
 _RATIO = re.compile(r"[+-]?\d+/\d+", re.ASCII)
 
 
 def parse_rational(name: str, text: str) -> Rational:
-    """The exact rational that ``text`` spells as an integer, a decimal or ``p/q``.
+    """Return the exact rational of a text: an integer, a decimal or ``p/q``.
 
     ``name`` is the argument named in the ValueError for anything else.
 
@@ -51,10 +51,10 @@ def parse_rational(name: str, text: str) -> Rational:
 
 
 def exact(name: str, value: Number) -> Expr:
-    """``value`` exactly: a float as the shortest decimal that denotes it, symbols unchanged.
+    """Return ``value`` exactly: a float as its shortest decimal, symbols unchanged.
 
-    Raises ValueError for text that is no rational, for NaN and infinity, for non-real numbers, and
-    for an expression with a float, NaN, infinity or I anywhere in it.
+    Raises ValueError for text that is not a rational number, for NaN and infinity, for non-real
+    numbers, and for an expression that contains a float, NaN, infinity or I.
 
     >>> exact("K2", 0.1), exact("K2", "1/3")
     (1/10, 1/3)
@@ -85,7 +85,7 @@ def exact(name: str, value: Number) -> Expr:
 
 
 def _decimal(name: str, value: Any) -> str:
-    """The shortest decimal that is read as ``value``; ValueError if it is not found."""
+    """Return the shortest decimal that reads as ``value``. Raises ValueError if there is none."""
     texts = [repr(float(value))] if isinstance(value, float) else [str(value), repr(float(value))]
     for text in texts:
         with suppress(TypeError, ValueError):  # types that are not made from text
@@ -102,12 +102,12 @@ def _not_real(name: str, value: object) -> ValueError:
 
 
 def exact_number(name: str, value: object) -> Expr:
-    """The exact SymPy number meant by ``value``; a float means its decimal literal.
+    """Return the exact SymPy number of ``value``; a float means its decimal literal.
 
     ``value`` may be an int, a float, a Fraction, a Decimal, a NumPy scalar or a real SymPy
     number such as ``elliptic_k(Rational(1, 4)) / 2``. ``name`` is used in the message.
 
-    Raises ValueError for NaN, infinities, complex numbers and anything that is no number.
+    Raises ValueError for NaN, infinities, complex numbers and anything that is not a number.
 
     >>> exact_number("k", 0.7)
     7/10
@@ -146,14 +146,14 @@ def _exact_number(name: str, value: Expr) -> Expr:
 
 
 def integer(name: str, value: object, least: int, hint: str) -> int:
-    """``value`` as an int; ValueError, with ``hint`` as the remedy, unless it is one >= least."""
+    """Return ``value`` as an int >= ``least``. Raises ValueError, with ``hint``, otherwise."""
     if isinstance(value, bool) or not isinstance(value, Integral) or value < least:
         raise ValueError(f"{name} must be an integer >= {least}, got {shown(value)} ({hint})")
     return int(value)
 
 
 def instance(name: str, value: object, kind: type[Kind], remedy: str) -> Kind:
-    """``value``; ValueError, with the remedy, unless it is one of that kind.
+    """Return ``value`` if it is of type ``kind``. Raises ValueError, with ``remedy``, otherwise.
 
     >>> instance("name", 3, str, "such as 'chain'")
     Traceback (most recent call last):
@@ -167,7 +167,7 @@ def instance(name: str, value: object, kind: type[Kind], remedy: str) -> Kind:
 
 
 def tuple_of(name: str, value: object, kind: type[Kind], remedy: str) -> tuple[Kind, ...]:
-    """A tuple or list as a tuple; ValueError unless it holds that kind alone, and one at least."""
+    """Return a nonempty tuple or list as a tuple. Raises ValueError for entries of another type."""
     if not isinstance(value, tuple | list) or not value:
         kinds = "" if kind is object else f" of {kind.__name__}"
         raise ValueError(f"{name} must be a tuple{kinds}, got {shown(value)} ({remedy})")

@@ -1,4 +1,4 @@
-"""Characters that are no ASCII, as the text that a formula has in their place."""
+"""Non-ASCII characters and their replacements in the text of a formula."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ _MARKS = {"\u0304": "_bar ", "\u0305": "_bar ", "\u0307": "_t ", "\u0308": "_tt 
 
 
 def ascii_text(text: str) -> str:
-    """The text with powers, indices, Greek letters and signs spelled in ASCII, as far as known.
+    """Return the text with powers, indices, Greek letters and known signs spelled in ASCII.
 
     >>> ascii_text("2·κ² sech(κ·(x − 4κ²t))²")
     '2*kappa**2 sech(kappa*(x - 4 kappa**2t))**2'
@@ -82,12 +82,12 @@ def _index(index: str) -> str:
     return f"{index} " if index.isdigit() else f"_{{{index}}}"
 
 
-def _letter(found: re.Match[str]) -> str:
-    """The name of a Greek letter, apart from what stands beside it but an index."""
-    words = unicodedata.name(found[0], "none").lower().split()
+def _letter(match: re.Match[str]) -> str:
+    """Return the name of a Greek letter, separated by spaces from adjacent letters and digits."""
+    words = unicodedata.name(match[0], "none").lower().split()
     name = {"lamda": "lambda"}.get(words[-1], words[-1])
     if name not in GREEK:
-        return found[0]
-    before, after = found.string[: found.start()][-1:], found.string[found.end() :][:1]
+        return match[0]
+    before, after = match.string[: match.start()][-1:], match.string[match.end() :][:1]
     left, right = " " * before.isalnum(), " " * after.isalpha()
     return f"{left}{name.capitalize() if 'capital' in words else name}{right}"

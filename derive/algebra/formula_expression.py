@@ -1,6 +1,6 @@
 """SymPy expressions from formulas in text: SymPy simplifies while it builds them.
 
-Whatever is built stays small (`bounded_building`); what does not is an error at its sign.
+Expressions are kept small (`bounded_building`); a larger one is an error at its sign.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ INFINITE_AT_ZERO = ("log", "coth", "csch", "cot", "csc")
 
 
 def read_formula(text: str, vocabulary: Vocabulary, name: str = "formula") -> sp.Expr:
-    """The expression that ``text`` spells; raises FormulaError, which calls the text ``name``.
+    """Return the expression of ``text``. Raises FormulaError, which calls the text ``name``.
 
     >>> x = sp.Symbol("x")
     >>> read_formula("-x**2/4 + 0.1", Vocabulary({}, {"x": x}))
@@ -49,7 +49,7 @@ def read_formula(text: str, vocabulary: Vocabulary, name: str = "formula") -> sp
 
 
 def exact_value(name: str, value: AnyNumber, names: Mapping[str, sp.Expr] | None = None) -> sp.Expr:
-    """A value exactly: a number, or a formula in text with ``names`` and square roots.
+    """Return a value exactly: a number, or a formula in text with ``names`` and square roots.
 
     >>> from longwave.derive.symbols import eps
     >>> exact_value("K3", "eps/2", {"eps": eps}), exact_value("k", 0.1)
@@ -58,12 +58,12 @@ def exact_value(name: str, value: AnyNumber, names: Mapping[str, sp.Expr] | None
     if not isinstance(value, str):
         return exact(name, value)
     words = Vocabulary({"sqrt": (sp.sqrt, 1)}, names=names or {})
-    found = read_formula(value, words, name)
-    if found.is_real is False or (found.is_number and found.is_finite is False):
+    expression = read_formula(value, words, name)
+    if expression.is_real is False or (expression.is_number and expression.is_finite is False):
         raise ValueError(f"{name} must be a finite real number, got {shown(value)} (such as 1/3)")
-    if found.is_number and found and not 1e-50 < abs(found.evalf(10)) < 1e50:
+    if expression.is_number and expression and not 1e-50 < abs(expression.evalf(10)) < 1e50:
         raise ValueError(f"{name} must be 0 or within 1e-50 .. 1e50, got {shown(value)}")
-    return found
+    return expression
 
 
 def _refused(_: int, words: str) -> ValueError:
@@ -71,10 +71,10 @@ def _refused(_: int, words: str) -> ValueError:
 
 
 class ExpressionBuilder:
-    """Builds expressions in the words of a vocabulary.
+    """Builder of expressions in the words of a vocabulary.
 
-    ``refused`` makes the error for a place of the text, from words.  ``divisors`` is what must not
-    be 0, also where it cancels.
+    ``refused`` creates the error for a position in the text, from a message.  ``divisors`` collects
+    the denominators, which must be nonzero even where they cancel.
     """
 
     def __init__(
@@ -85,18 +85,18 @@ class ExpressionBuilder:
 
     @classmethod
     def after(cls, parser: Parser) -> ExpressionBuilder:
-        """Of what a parser has read, in its vocabulary."""
+        """Return a builder with a parser's vocabulary, whose errors show the parser's text."""
         return cls(parser.vocabulary, parser.error_at)
 
     def expression(self, formula: FormulaTree) -> sp.Expr:
-        """The expression; raises ValueError, with the place, for one that is too large."""
+        """Return a formula's expression. Raises ValueError, with position, if it is too large."""
         parts = [self.expression(part) for part in formula.inner()]
         try:
-            return self._made(formula, parts)
+            return self._build(formula, parts)
         except TooLarge as error:
             raise self._refused(formula.at, str(error)) from None
 
-    def _made(self, formula: FormulaTree, parts: list[sp.Expr]) -> sp.Expr:
+    def _build(self, formula: FormulaTree, parts: list[sp.Expr]) -> sp.Expr:
         match formula:
             case Number(value=value):
                 return sp.Rational(value.numerator, value.denominator)
@@ -121,7 +121,7 @@ class ExpressionBuilder:
         raise TypeError(f"formula must be a node of a tree, got {type(formula).__name__}")
 
     def _field(self, formula: Unknown) -> sp.Expr:
-        found, site = self._words.fields[formula.name], self._words.site
-        moved = (a + formula.shift if a == site else a for a in found.args)
+        field, site = self._words.fields[formula.name], self._words.site
+        arguments = (a + formula.shift if a == site else a for a in field.args)
         variables = [self._words.variables[step] for step in formula.steps]
-        return derivative(found.func(*moved), variables)
+        return derivative(field.func(*arguments), variables)

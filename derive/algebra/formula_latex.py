@@ -1,4 +1,4 @@
-"""Formulas in LaTeX, from the trees of what was typed: nothing is simplified, brackets stay.
+"""Formulas in LaTeX from their syntax trees: nothing is simplified, brackets stay.
 
 Names of several letters are roman, so that ``ab`` and ``a*b`` differ; so are the constants e and i.
 """
@@ -37,44 +37,46 @@ COMMANDS = ("sin", "cos", "tan", "cot", "sec", "csc", "sinh", "cosh", "tanh", "c
 OPERATORS = {"re": "Re", "im": "Im", "elliptic_k": "K", "elliptic_e": "E", "lambert_w": "W"}
 
 SHAPED = ("exp", "sqrt", "abs", "conjugate")
-"""Functions that are written without their names."""
+"""Functions with a notation of their own instead of a name."""
 
 Part = tuple[str, int]
-"""A text, and how strongly its outermost sign binds."""
+"""LaTeX, and the binding strength of its outermost operation."""
 
 
 def formula_latex(formula: FormulaTree) -> str:
-    r"""The formula in LaTeX.
+    r"""Return the formula in LaTeX.
 
     >>> from longwave.derive.algebra.formula_tree import MINUS_ONE
     >>> print(formula_latex(Power((Call((Name("x"),), "sech"), MINUS_ONE))))
     \frac{1}{\operatorname{sech}\left(x\right)}
     """
-    return _written(formula)[0]
+    return _latex_and_binding(formula)[0]
 
 
 def name_latex(name: str) -> str:
-    r"""A name: Greek letters as such, digits at the end as a subscript.
+    r"""Return a name in LaTeX: Greek letters as commands, digits at the end as a subscript.
 
     >>> print(name_latex("alpha1"), name_latex("ab"))
     \alpha_{1} \mathrm{ab}
     """
     base = name.rstrip("0123456789")
-    shown = base if len(base) == 1 else f"\\{base}" if base in GREEK else rf"\mathrm{{{base}}}"
-    return f"{shown}_{{{name[len(base) :]}}}" if base != name else shown
+    latex = base if len(base) == 1 else f"\\{base}" if base in GREEK else rf"\mathrm{{{base}}}"
+    return f"{latex}_{{{name[len(base) :]}}}" if base != name else latex
 
 
 def _enclosed(formula: FormulaTree, binding: int) -> str:
-    text, level = _written(formula)
+    text, level = _latex_and_binding(formula)
     return text if level >= binding else rf"\left({text}\right)"
 
 
-def _written(formula: FormulaTree) -> Part:
+def _latex_and_binding(formula: FormulaTree) -> Part:
     match formula:
         case Number(value=value):
-            size, below = str(abs(value.numerator)), value.denominator
-            text = size if below == 1 else rf"\frac{{{size}}}{{{below}}}"
-            return (f"-{text}", PRODUCT) if value < 0 else (text, ATOM if below == 1 else POWER)
+            size, denominator = str(abs(value.numerator)), value.denominator
+            text = size if denominator == 1 else rf"\frac{{{size}}}{{{denominator}}}"
+            return (
+                (f"-{text}", PRODUCT) if value < 0 else (text, ATOM if denominator == 1 else POWER)
+            )
         case Name(name=name):
             return CONSTANTS.get(name) or name_latex(name), ATOM
         case Unknown(name=name, steps=steps, site=site, shift=shift):
@@ -84,9 +86,9 @@ def _written(formula: FormulaTree) -> Part:
         case Derivative(
             parts=(Unknown(name=name, site=site, shift=shift, steps=first),), steps=steps
         ):
-            return _written(Unknown(name, (*first, *steps), site, shift))
+            return _latex_and_binding(Unknown(name, (*first, *steps), site, shift))
         case Derivative(parts=(inner,), steps=steps):
-            return rf"\left({_written(inner)[0]}\right)_{{{_subscripts(steps)}}}", ATOM
+            return rf"\left({_latex_and_binding(inner)[0]}\right)_{{{_subscripts(steps)}}}", ATOM
         case Sum(parts=parts):
             return _sum([_enclosed(part, PRODUCT) for part in parts]), SUM
         case Product() | Power(parts=(_, Number(value=-1))):
@@ -99,10 +101,10 @@ def _written(formula: FormulaTree) -> Part:
 
 
 def _unknown(name: str, site: str, steps: Sequence[str]) -> Part:
-    shown, below = name_latex(name), ", ".join(filter(None, (site, _subscripts(steps))))
-    if not below:
-        return shown, ATOM
-    return (f"{{{shown}}}" if "_" in shown else shown) + f"_{{{below}}}", ATOM
+    symbol, subscript = name_latex(name), ", ".join(filter(None, (site, _subscripts(steps))))
+    if not subscript:
+        return symbol, ATOM
+    return (f"{{{symbol}}}" if "_" in symbol else symbol) + f"_{{{subscript}}}", ATOM
 
 
 def _subscripts(steps: Sequence[str]) -> str:
@@ -116,19 +118,19 @@ def _sum(terms: Sequence[str]) -> str:
 
 
 def _product(formula: FormulaTree) -> Part:
-    """A product; what is divided by is below a line."""
-    minus, above, below = quotient(formula)
-    sign = "-" * minus
-    if not below:
-        return sign + _factors(above, POWER), PRODUCT
-    text = rf"\frac{{{_factors(above)}}}{{{_factors(below)}}}"
+    """Return a product in LaTeX; divisors are in the denominator of a fraction."""
+    is_negative, numerator, denominator = quotient(formula)
+    sign = "-" * is_negative
+    if not denominator:
+        return sign + _factors(numerator, POWER), PRODUCT
+    text = rf"\frac{{{_factors(numerator)}}}{{{_factors(denominator)}}}"
     return sign + text, PRODUCT if sign else POWER
 
 
-def _factors(parts: Sequence[FormulaTree], alone: int = SUM) -> str:
-    """The factors side by side; a single one stands in brackets unless it binds as ``alone``."""
+def _factors(parts: Sequence[FormulaTree], binding: int = SUM) -> str:
+    """Return the factors side by side; a single one has brackets unless it binds as ``binding``."""
     if len(parts) < 2:
-        return _enclosed(parts[0], alone) if parts else "1"
+        return _enclosed(parts[0], binding) if parts else "1"
     texts = [_enclosed(part, POWER) for part in parts]
     digits = [text[0].isdigit() or text.startswith(r"\frac") for text in texts]
     signs = [r" \cdot " if later else " " for _, later in pairwise(digits)]
@@ -136,15 +138,15 @@ def _factors(parts: Sequence[FormulaTree], alone: int = SUM) -> str:
 
 
 def _power(base: FormulaTree, exponent: FormulaTree) -> str:
-    above = _written(exponent)[0]
+    power = _latex_and_binding(exponent)[0]
     match base, exponent:
         case Call(name=name, parts=parts), Number() if name not in SHAPED:
-            return _call(name, parts, above)[0]
-    return f"{_enclosed(base, ATOM)}^{{{above}}}"
+            return _call(name, parts, power)[0]
+    return f"{_enclosed(base, ATOM)}^{{{power}}}"
 
 
 def _call(name: str, parts: Sequence[FormulaTree], power: str = "") -> Part:
-    texts = [_written(part)[0] for part in parts]
+    texts = [_latex_and_binding(part)[0] for part in parts]
     match name:
         case "exp":
             return rf"\mathrm{{e}}^{{{texts[0]}}}", POWER
@@ -155,8 +157,8 @@ def _call(name: str, parts: Sequence[FormulaTree], power: str = "") -> Part:
         case "conjugate":
             return rf"\overline{{{texts[0]}}}", ATOM
     plain = OPERATORS.get(name, name.removeprefix("jacobi_")).replace("_", r"\_")
-    shown = f"\\{name}" if name in COMMANDS else rf"\operatorname{{{plain}}}"
+    label = f"\\{name}" if name in COMMANDS else rf"\operatorname{{{plain}}}"
     if len(name.rstrip("0123456789")) == 1:
-        shown = name_latex(name)
-    between = r" \mid " if name.startswith("jacobi_") else ", "
-    return rf"{shown}{f'^{{{power}}}' * bool(power)}\left({between.join(texts)}\right)", ATOM
+        label = name_latex(name)
+    separator = r" \mid " if name.startswith("jacobi_") else ", "
+    return rf"{label}{f'^{{{power}}}' * bool(power)}\left({separator.join(texts)}\right)", ATOM

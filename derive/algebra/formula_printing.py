@@ -1,4 +1,4 @@
-"""Expressions as text of the grammar that `derive.algebra.formula_text` reads."""
+"""Expressions as text in the grammar that `derive.algebra.formula_text` reads."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ class FormulaPrinter(StrPrinter):
         return f"abs({self._print(node.args[0])})"
 
     def _print_Mul(self, node: sp.Expr) -> str:
-        """With x/(y + z)/2 for SymPy's x/(2*(y + z)), which is read as x/(2*y + 2*z)."""
+        """Print x/(y + z)/2 for SymPy's x/(2*(y + z)), which would be read as x/(2*y + 2*z)."""
         number, rest = node.as_coeff_Mul()
-        under = [f for f in sp.Mul.make_args(rest) if f.is_Pow and f.base.is_Add and f.exp == -1]
-        if under and number.is_Rational and number.q != 1:
+        divisors = [f for f in sp.Mul.make_args(rest) if f.is_Pow and f.base.is_Add and f.exp == -1]
+        if divisors and number.is_Rational and number.q != 1:
             return f"{self._print(number.p * rest)}/{number.q}"
         return super()._print_Mul(node)
 
@@ -56,7 +56,7 @@ class FormulaPrinter(StrPrinter):
 
 
 def formula_as_text(expression: sp.Expr) -> str:
-    """The expression as text that is read back as the same object.
+    """Return the expression as text that is read back as the same object.
 
     >>> x, t = sp.symbols("x t")
     >>> u = sp.Function("u")(x, t)

@@ -1,9 +1,9 @@
-"""Formulas in text, read with a whitelist: tokens, a parser by precedence, errors with a caret.
+"""Formulas in text, read with a whitelist: tokens, a precedence parser, errors with a caret.
 
-The parser makes a tree (`formula_tree`); nothing is evaluated as Python.  A reader brings a
-`Vocabulary`: the functions, variables, fields and names that its texts may hold.  Numbers are exact
-(``0.1`` is 1/10), ``**`` binds as in Python, ``u_xxt`` and ``diff(u, x, x, t)`` are derivatives,
-``q[n+1]`` is a field at a lattice site.
+The parser builds a syntax tree (`formula_tree`); nothing is evaluated as Python.  A caller passes a
+`Vocabulary`: the functions, variables, fields and names that the texts may contain.  Numbers are
+exact (``0.1`` is 1/10), ``**`` binds as in Python, ``u_xxt`` and ``diff(u, x, x, t)`` are
+derivatives, ``q[n+1]`` is a field at a lattice site.
 """
 
 from __future__ import annotations
@@ -33,13 +33,13 @@ from longwave.derive.algebra.formula_tree import (
 from longwave.support.known_names import did_you_mean
 
 LONGEST = 20_000
-"""Characters of a text."""
+"""Longest text, in characters."""
 
 DEEPEST = 40
-"""Brackets and exponents inside each other."""
+"""Deepest nesting of brackets and exponents."""
 
 DIGITS = 100
-"""Of a number, and largest exponent of ten of a decimal."""
+"""Most digits of a number, and largest exponent of ten of a decimal."""
 
 NAME_LENGTH = 40
 
@@ -50,7 +50,7 @@ ROWS = " (one site is read; write a row of a second one m as an unknown: v[n] fo
 """Remedy for an index of two sites."""
 
 WINDOW = 60
-"""Characters of a text that are shown beside an error."""
+"""Characters of a text that an error shows."""
 
 CONSTANTS = {"pi": sp.pi, "I": sp.I}
 
@@ -73,9 +73,9 @@ _REMEDIES = {
 
 
 class FormulaError(ValueError):
-    """A text that cannot be read: one line, and a picture of the place as the error's note.
+    """A text that cannot be read: one line, with a picture of the place as the error's note.
 
-    ``text`` and ``position`` say where; `picture` is the text with a caret below the place.
+    ``text`` and ``position`` locate the error; `picture` is the text with a caret below the place.
     """
 
     def __init__(self, name: str, words: str, text: str, position: int) -> None:
@@ -87,15 +87,15 @@ class FormulaError(ValueError):
         self.add_note(self.picture)
 
     def within(self, place: str) -> FormulaError:
-        """The same error, with ``place`` before the name of the text."""
+        """Return the same error, with ``place`` before the name of the text."""
         return FormulaError(f"{place}: {self.name}", self.words, self.text, self.position)
 
     @property
     def picture(self) -> str:
         """Two lines: the text around the place, and a caret."""
         start = max(0, min(self.position - WINDOW // 2, len(self.text) - WINDOW))
-        shown = self.text[start : start + WINDOW]
-        plain = "".join(c if c.isascii() and c.isprintable() else "?" for c in shown)
+        excerpt = self.text[start : start + WINDOW]
+        plain = "".join(c if c.isascii() and c.isprintable() else "?" for c in excerpt)
         left = "..." if start else ""
         right = "..." if start + WINDOW < len(self.text) else ""
         caret = " " * (len(left) + self.position - start) + "^"
@@ -104,7 +104,7 @@ class FormulaError(ValueError):
 
 @dataclass(frozen=True)
 class Token:
-    """A word of a text: its kind (number, name, sign, end), and where it starts."""
+    """A token of a text: its kind (number, name, sign, end), and its start."""
 
     kind: str
     text: str
@@ -116,12 +116,12 @@ class Token:
 
 @dataclass(frozen=True)
 class Vocabulary:
-    """Words that a text may hold.
+    """Words that a text may contain.
 
     ``functions`` has each function with its number of arguments, ``variables`` the independent
-    ones by letter, ``fields`` the unknowns as applied functions (of the site first where they are
-    indexed), ``names`` everything else.  ``unknown_name`` makes the symbol of a name in none of
-    them; without it such a name is an error.
+    variables by letter, ``fields`` the unknowns as applied functions (of the site first if they are
+    indexed), ``names`` everything else.  ``unknown_name`` returns the symbol of any other name;
+    without it such a name is an error.
     """
 
     functions: Mapping[str, tuple[Callable[..., sp.Expr], int]]
@@ -132,7 +132,7 @@ class Vocabulary:
     site: sp.Symbol | None = None
 
     def meaning(self, name: str) -> sp.Expr | None:
-        """The meaning of a name that is no field or function; None if nothing.
+        """Return the meaning of a name that is no field or function; None if it has none.
 
         Raises ValueError, as ``unknown_name`` does, for a name that may mean another.
         """
@@ -143,9 +143,9 @@ class Vocabulary:
 
 
 def tokens(text: str, name: str = "formula") -> list[Token]:
-    """The words of a text, with one of kind end.
+    """Split a text into tokens, with one of kind "end" last.
 
-    Raises FormulaError, with ``name`` for the text, for a character that is in no formula.
+    Raises FormulaError, with ``name`` for the text, for a character that no formula contains.
 
     >>> [token.text for token in tokens("2*u_xx")]
     ['2', '*', 'u_xx', '']
@@ -155,16 +155,16 @@ def tokens(text: str, name: str = "formula") -> list[Token]:
     if len(text) > LONGEST:
         words = f"texts must have at most {LONGEST} characters, got {len(text)}"
         raise FormulaError(name, words, text, LONGEST)
-    found: list[Token] = []
-    place = 0
-    while place < len(text):
-        match = _TOKEN.match(text, place)
+    result: list[Token] = []
+    position = 0
+    while position < len(text):
+        match = _TOKEN.match(text, position)
         if match is None:
-            raise FormulaError(name, _strange(text[place]), text, place)
+            raise FormulaError(name, _strange(text[position]), text, position)
         if match.lastgroup != "space":
-            found.append(Token(str(match.lastgroup), match[0], place))
-        place = match.end()
-    return [*found, Token("end", "", len(text))]
+            result.append(Token(str(match.lastgroup), match[0], position))
+        position = match.end()
+    return [*result, Token("end", "", len(text))]
 
 
 def _strange(sign: str) -> str:
@@ -173,9 +173,9 @@ def _strange(sign: str) -> str:
 
 
 class Parser:
-    """Reads formulas from tokens; the place moves on past what has been read.
+    """Recursive-descent parser of formulas from tokens.
 
-    ``used`` are the names that occur.
+    ``used`` collects the names that occur.
     """
 
     def __init__(
@@ -191,46 +191,46 @@ class Parser:
 
     @property
     def next(self) -> Token:
-        """The token that comes."""
+        """The next token."""
         return self.words[self.place]
 
     def take(self) -> Token:
-        """The token that comes, passed over."""
+        """Consume and return the next token."""
         token = self.next
         self.place = min(self.place + 1, len(self.words) - 1)
         return token
 
     def take_sign(self, *signs: str) -> Token | None:
-        """The token that comes if it is one of the signs, passed over; else None."""
+        """Consume and return the next token if it is one of the signs, else return None."""
         return self.take() if self.next.kind == "sign" and self.next.text in signs else None
 
     def expect(self, sign: str, why: str = "") -> Token:
-        """The sign, passed over; raises FormulaError if something else comes."""
-        found = self.take_sign(sign)
-        if found is None:
+        """Consume and return the sign. Raises FormulaError if the next token is another."""
+        token_ = self.take_sign(sign)
+        if token_ is None:
             raise self.error(f"expected '{sign}'{why}, got {self.next}")
-        return found
+        return token_
 
     def expect_end(self) -> None:
-        """Raise FormulaError if something is left."""
+        """Raise FormulaError if tokens are left."""
         if self.next.kind != "end":
             raise self.error(f"expected {self.after_operand()}, got {self.next}")
 
     def after_operand(self) -> str:
-        """Signs that may follow a complete operand, for an error."""
+        """Return a description of the signs that may follow an operand, for an error."""
         juxtaposed = self.next.kind in ("number", "name") or self.next.text == "("
         return "an operator such as *" if juxtaposed else "an operator or the end"
 
     def error(self, words: str, token: Token | None = None) -> FormulaError:
-        """The error at a token, which is the one that comes unless given."""
+        """Return the error at a token, by default the next one."""
         return self.error_at((token or self.next).start, words)
 
     def error_at(self, position: int, words: str) -> FormulaError:
-        """The error at a place of the text."""
+        """Return the error at a position in the text."""
         return FormulaError(self.name, words, self.text, position)
 
     def formula(self) -> FormulaTree:
-        """A sum."""
+        """Parse a sum."""
         start = self.next.start
         terms = [self._term()]
         while sign := self.take_sign("+", "-"):
@@ -240,13 +240,13 @@ class Parser:
         return terms[0] if len(terms) == 1 else Sum(tuple(terms), at=start)
 
     def whole(self) -> FormulaTree:
-        """A sum with nothing behind it."""
-        found = self.formula()
+        """Parse a sum that must end the text."""
+        tree = self.formula()
         self.expect_end()
-        return found
+        return tree
 
     def _term(self) -> FormulaTree:
-        """A product; a number is no factor of a sum beside others."""
+        """Parse a product; numbers and signs remain separate factors."""
         start = self.next.start
         factors = self._signed()
         while sign := self.take_sign("*", "/"):
@@ -258,16 +258,16 @@ class Parser:
         return _product(factors, start)
 
     def _signed(self) -> list[FormulaTree]:
-        """An operand with its sign, as factors; ``**`` binds closer than signs do."""
+        """Parse an operand with its sign, as factors; ``**`` binds closer than signs."""
         start, negative = self.next, False
         while sign := self.take_sign("+", "-"):
             negative ^= sign.text == "-"
         self._depth += 1
         if self._depth > DEEPEST:
             raise self.error(f"brackets and powers must be at most {DEEPEST} deep", start)
-        found = self._power()
+        operand = self._power()
         self._depth -= 1
-        return [MINUS_ONE, found] if negative else [found]
+        return [MINUS_ONE, operand] if negative else [operand]
 
     def _power(self) -> FormulaTree:
         base = self._operand()
@@ -283,9 +283,9 @@ class Parser:
         if token.kind == "name":
             return self._named(self.take())
         if self.take_sign("("):
-            found = self.formula()
+            tree = self.formula()
             self.expect(")", f" for the '(' of column {token.start + 1}")
-            return found
+            return tree
         raise self.error(f"expected a number, a name or '(', got {token}")
 
     def _number(self, token: Token) -> Number:
@@ -310,16 +310,16 @@ class Parser:
             return self._field(token, base, steps)
         self.used.add(name)
         try:
-            known = words.meaning(name) is not None
+            is_known = words.meaning(name) is not None
         except ValueError as error:
             raise self.error(str(error), token) from None
-        if not known:
-            wanted = "a name without _" if "_" in name else "a known name"
-            raise self.error(f"expected {wanted}, got {token}{self._nearest(name)}", token)
+        if not is_known:
+            expectation = "a name without _" if "_" in name else "a known name"
+            raise self.error(f"expected {expectation}, got {token}{self._nearest(name)}", token)
         return Name(name, at=token.start)
 
     def _field(self, token: Token, base: str, steps: str) -> Unknown:
-        """The unknown ``base`` with the derivatives of its subscripts, at a site if it has one."""
+        """Parse the unknown ``base``, with derivatives in its subscripts and its site if any."""
         site, arguments = self.vocabulary.site, self.vocabulary.fields[base].args
         self.used.add(base)
         index, shift = str(site) if site in arguments else "", 0
@@ -339,16 +339,16 @@ class Parser:
         return Unknown(base, tuple(steps), index, shift, at=token.start)
 
     def _shift(self, site: str) -> int:
-        """The integer in an index such as ``n+1``, behind its bracket."""
+        """Parse the integer in an index such as ``n+1``, with its closing bracket."""
         start = self.next
         index = self.formula()
         if self.next.text == ",":
             raise self.error(f"expected ']' after the site, got ','{ROWS}")
         self.expect("]", " after the site")
         terms = index.inner() if isinstance(index, Sum) else (index,)
-        rest = [rational(term) for term in terms if term != Name(site)]
-        shift = sum((value for value in rest if value is not None), Fraction(0))
-        whole = len(rest) == len(terms) - 1 and None not in rest and shift.denominator == 1
+        offsets = [rational(term) for term in terms if term != Name(site)]
+        shift = sum((value for value in offsets if value is not None), Fraction(0))
+        whole = len(offsets) == len(terms) - 1 and None not in offsets and shift.denominator == 1
         if not whole or abs(shift) > SHIFT:
             raise self.error(f"expected a site such as {site}+1, got another index", start)
         return int(shift)
@@ -374,17 +374,17 @@ class Parser:
         return Call(tuple(arguments), name, at=token.start)
 
     def _arguments(self, token: Token) -> Iterator[tuple[FormulaTree, str]]:
-        """The arguments, each with its text."""
+        """Parse the arguments of a call; yield each with its text."""
         sign: Token | None = self.expect("(")
         while sign:
             start = self.next.start
-            found = self.formula()
-            yield found, self.text[start : self.next.start].strip()
+            argument = self.formula()
+            yield argument, self.text[start : self.next.start].strip()
             sign = self.take_sign(",")
         self.expect(")", f" for the '(' of {token.text}")
 
     def _derivative(self, token: Token) -> Derivative:
-        """``diff(expression, x, x)``; ``diff(expression, x, 2)`` is the same."""
+        """Parse ``diff(expression, x, x)``, or the same as ``diff(expression, x, 2)``."""
         (expression, _), *steps = self._arguments(token)
         variables: list[str] = []
         known = self.vocabulary.variables.keys() - {str(self.vocabulary.site)}

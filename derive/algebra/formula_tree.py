@@ -1,4 +1,4 @@
-"""Formulas as trees of a few kinds of nodes, as they were typed: nothing is simplified.
+"""Formulas as syntax trees of a few kinds of nodes, as they were typed: nothing is simplified.
 
 ``a - b`` is ``a + (-1)*b``, ``a/b`` is ``a*b**(-1)``; brackets keep sums and products apart.
 """
@@ -13,20 +13,20 @@ from math import prod
 
 @dataclass(frozen=True)
 class FormulaTree:
-    """A node; ``at`` is where its sign or name stands in the text."""
+    """A node; ``at`` is the position of its sign or name in the text."""
 
     at: int = field(default=0, compare=False, kw_only=True)
 
     def inner(self) -> tuple[FormulaTree, ...]:
-        """The formulas that it is made of."""
+        """Return the child nodes."""
         return ()
 
     def made_of(self, parts: tuple[FormulaTree, ...]) -> FormulaTree:
-        """A node of the same kind with as many other parts."""
+        """Return a node of the same kind with other children, of the same number."""
         return self
 
     def nodes(self) -> Iterator[FormulaTree]:
-        """The nodes of the tree, parts before the whole."""
+        """Yield the nodes of the tree, children before parents."""
         for part in self.inner():
             yield from part.nodes()
         yield self
@@ -48,7 +48,7 @@ class Name(FormulaTree):
 
 @dataclass(frozen=True)
 class Unknown(FormulaTree):
-    """An unknown with the derivatives of its subscripts, ``shift`` places from its ``site``."""
+    """An unknown with the derivatives in its subscripts, ``shift`` places from its ``site``."""
 
     name: str
     steps: tuple[str, ...] = ()
@@ -69,29 +69,29 @@ class _OfParts(FormulaTree):
 
 @dataclass(frozen=True)
 class Sum(_OfParts):
-    """Two or more terms."""
+    """A sum of two or more terms."""
 
 
 @dataclass(frozen=True)
 class Product(_OfParts):
-    """Two or more factors."""
+    """A product of two or more factors."""
 
 
 @dataclass(frozen=True)
 class Power(_OfParts):
-    """A base and an exponent."""
+    """A power with a base and an exponent."""
 
 
 @dataclass(frozen=True)
 class Call(_OfParts):
-    """A function of its arguments."""
+    """A function call with its arguments."""
 
     name: str
 
 
 @dataclass(frozen=True)
 class Derivative(_OfParts):
-    """The derivative of one formula in variables one after the other."""
+    """The derivative of one formula in variables, one after the other."""
 
     steps: tuple[str, ...]
 
@@ -99,65 +99,65 @@ class Derivative(_OfParts):
 MINUS_ONE = Number(Fraction(-1))
 
 
-WHOLE = 64
-"""Largest exponent of a number that is worked out."""
+LARGEST_POWER = 64
+"""Largest exponent of a number that is evaluated."""
 
 
 def rational(formula: FormulaTree) -> Fraction | None:
-    """The value of what is made of numbers by sums, products and whole powers; else None."""
+    """Return the value of numbers combined by sums, products and integer powers; else None."""
     values = [rational(part) for part in formula.inner()]
-    known = [value for value in values if value is not None]
-    if len(known) < len(values):
+    numbers = [value for value in values if value is not None]
+    if len(numbers) < len(values):
         return None
     match formula:
         case Number(value=value):
             return value
         case Sum():
-            return sum(known, Fraction(0))
+            return sum(numbers, Fraction(0))
         case Product():
-            return Fraction(prod(known))
-        case Power() if known[1].denominator == 1 and abs(known[1]) <= WHOLE:
-            return Fraction(known[0] ** int(known[1])) if known[0] or known[1] > 0 else None
+            return Fraction(prod(numbers))
+        case Power() if numbers[1].denominator == 1 and abs(numbers[1]) <= LARGEST_POWER:
+            return Fraction(numbers[0] ** int(numbers[1])) if numbers[0] or numbers[1] > 0 else None
     return None
 
 
 def mapped(formula: FormulaTree, image: Callable[[FormulaTree], FormulaTree | None]) -> FormulaTree:
-    """The formula with ``image`` of a node in its place, from the top; None leaves it."""
-    found = image(formula)
-    if found is not None:
-        return found
+    """Replace nodes by ``image``, from the top; a node is kept where ``image`` returns None."""
+    replacement = image(formula)
+    if replacement is not None:
+        return replacement
     parts = tuple(mapped(part, image) for part in formula.inner())
     return formula.made_of(parts) if parts else formula
 
 
 SUM, PRODUCT, POWER, ATOM = range(4)
-"""How strongly the outermost sign of a text binds."""
+"""Binding strength of the outermost operation of a text."""
 
 
 def formula_text(formula: FormulaTree) -> str:
-    """The formula in the grammar, read back as this tree."""
-    return _written(formula)[0]
+    """Return the formula as text, which is parsed to this tree."""
+    return _text_and_binding(formula)[0]
 
 
 Quotient = tuple[bool, tuple[FormulaTree, ...], tuple[FormulaTree, ...]]
-"""Whether there is a minus sign, what is above the line, and what is below it."""
+"""Whether there is a minus sign; the factors of the numerator; those of the denominator."""
 
 
 def quotient(formula: FormulaTree) -> Quotient:
-    """A product as it is typed: a first -1 is a sign, and what has the exponent -1 is below."""
+    """Split a product as typed: a first -1 is the sign, factors with exponent -1 are divisors."""
     parts = formula.inner() if isinstance(formula, Product) else (formula,)
     minus = parts[0] == MINUS_ONE and len(parts) > 1
     parts = parts[1:] if minus else parts
     if minus and isinstance(parts[0], Product) and len(parts) == 1:  # of a difference
-        turned, *both = quotient(parts[0])
-        return not turned, both[0], both[1]
-    below = [part for part in parts if isinstance(part, Power) and part.parts[1] == MINUS_ONE]
-    above = tuple(part for part in parts if part not in below)
-    return minus, above, tuple(part.parts[0] for part in below)
+        is_negative, *both = quotient(parts[0])
+        return not is_negative, both[0], both[1]
+    divisors = [part for part in parts if isinstance(part, Power) and part.parts[1] == MINUS_ONE]
+    numerator = tuple(part for part in parts if part not in divisors)
+    return minus, numerator, tuple(part.parts[0] for part in divisors)
 
 
 def plain_text(formula: FormulaTree) -> str:
-    """The formula as one types it: an equal one is read back, with fewer brackets.
+    """Return the formula as one types it, with fewer brackets; it is parsed to an equal formula.
 
     >>> plain_text(Product((MINUS_ONE, Name("x"), Power((Name("t"), MINUS_ONE)))))
     '-x/t'
@@ -166,7 +166,7 @@ def plain_text(formula: FormulaTree) -> str:
 
 
 def _plain(formula: FormulaTree) -> tuple[str, int]:
-    """The text, and how strongly its outermost sign binds."""
+    """Return the text, and the binding strength of its outermost operation."""
 
     def enclosed(part: FormulaTree, binding: int) -> str:
         text, level = _plain(part)
@@ -180,27 +180,27 @@ def _plain(formula: FormulaTree) -> tuple[str, int]:
             signed = (f" - {t[1:]}" if t[0] == "-" else f" + {t}" for t in rest)
             return first + "".join(signed), SUM
         case Product() | Power(parts=(_, Number(value=-1))):
-            minus, above, below = quotient(formula)
-            head, *tail = above or (Number(Fraction(1)),)
+            minus, numerator, denominator = quotient(formula)
+            head, *tail = numerator or (Number(Fraction(1)),)
             is_first = isinstance(head, Number) and not minus
             texts = [enclosed(head, PRODUCT if is_first else POWER)]
             texts += [enclosed(part, POWER) for part in tail]
             text = "-" * minus + "*".join(texts)
-            return text + "".join(f"/{enclosed(part, POWER)}" for part in below), PRODUCT
+            return text + "".join(f"/{enclosed(part, POWER)}" for part in denominator), PRODUCT
         case Power(parts=(base, exponent)):
             return f"{enclosed(base, ATOM)}**{enclosed(exponent, ATOM)}", POWER
         case Call(parts=parts, name=name):
             return f"{name}({', '.join(enclosed(part, SUM) for part in parts)})", ATOM
         case Derivative(parts=(inner,), steps=steps):
             return f"diff({', '.join((enclosed(inner, SUM), *steps))})", ATOM
-    return _written(formula)
+    return _text_and_binding(formula)
 
 
-def _written(formula: FormulaTree) -> tuple[str, int]:
-    """The text, and how strongly its outermost sign binds."""
+def _text_and_binding(formula: FormulaTree) -> tuple[str, int]:
+    """Return the text, and the binding strength of its outermost operation."""
 
     def enclosed(part: FormulaTree, binding: int) -> str:
-        text, level = _written(part)
+        text, level = _text_and_binding(part)
         return text if level >= binding else f"({text})"
 
     match formula:

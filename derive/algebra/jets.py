@@ -2,11 +2,11 @@
 
 A jet is the tuple of derivative counts along the slow axes, time last: in one dimension
 ``(d_X, d_T)``, so ``Y`` is ``(0, 0)`` and ``Y_XT`` is ``(1, 1)``.  A monomial is the sorted tuple
-of its jets, repeated as often as they occur; ``()`` is the constant monomial.  Coefficients are
-rational functions of the constants, so the algebra is exact.
+of its jets, with repetition; ``()`` is the constant monomial.  Coefficients are rational functions
+of the constants, so the algebra is exact.
 
-A first-order operator is data too: a tuple of ``(axis, exponent, factor)``, standing for the sum
-of ``factor eps^exponent d_axis``.  A lattice shift is the exponential of such an operator and the
+A first-order operator is a tuple of ``(axis, exponent, factor)``, representing the sum of
+``factor eps^exponent d_axis``.  A lattice shift is the exponential of such an operator, and the
 time derivative is such an operator.
 """
 
@@ -23,7 +23,7 @@ Operator = tuple[tuple[int, int, RationalFunction], ...]
 
 
 def raised(jet: Jet, axis: int, by: int = 1) -> Jet:
-    """The jet with ``by`` more derivatives along ``axis``.
+    """Return the jet with ``by`` more derivatives along ``axis``.
 
     >>> raised((1, 0), 1)
     (1, 1)
@@ -49,21 +49,21 @@ class DifferentialPolynomial:
     def collect(
         cls, field: RationalFunctions, items: Iterable[tuple[Monomial, RationalFunction]]
     ) -> DifferentialPolynomial:
-        """Sum the (monomial, coefficient) pairs, dropping what cancels."""
+        """Sum the (monomial, coefficient) pairs, dropping terms that cancel."""
         total: dict[Monomial, RationalFunction] = {}
         for monomial, coefficient in items:
-            known = total.get(monomial)
-            total[monomial] = coefficient if known is None else known + coefficient
+            previous = total.get(monomial)
+            total[monomial] = coefficient if previous is None else previous + coefficient
         return cls(field, {key: value for key, value in total.items() if value})
 
     @classmethod
     def monomial(cls, field: RationalFunctions, jets: Iterable[Jet]) -> DifferentialPolynomial:
-        """The product of the given jets with coefficient one."""
+        """Return the product of the given jets with coefficient one."""
         return cls(field, {tuple(sorted(jets)): field.one})
 
     @classmethod
     def zero(cls, field: RationalFunctions) -> DifferentialPolynomial:
-        """The zero polynomial."""
+        """Return the zero polynomial."""
         return cls(field, {})
 
     def __bool__(self) -> bool:
@@ -98,11 +98,11 @@ class DifferentialPolynomial:
         return self.collect(self.field, ((key, function(v)) for key, v in self.terms.items()))
 
     def select(self, keep: Callable[[Monomial], bool]) -> DifferentialPolynomial:
-        """The part whose monomials satisfy ``keep``."""
+        """Return the terms whose monomials satisfy ``keep``."""
         return DifferentialPolynomial(self.field, {m: v for m, v in self.terms.items() if keep(m)})
 
     def derivative(self, axis: int) -> DifferentialPolynomial:
-        """The total derivative along ``axis`` (Leibniz rule on the jets)."""
+        """Return the total derivative along ``axis`` (Leibniz rule on the jets)."""
         return self.collect(
             self.field,
             (
@@ -113,15 +113,15 @@ class DifferentialPolynomial:
         )
 
     def coefficient(self, *jets: Jet) -> RationalFunction:
-        """The coefficient of the product of ``jets``, zero when absent."""
+        """Return the coefficient of the product of ``jets``, zero if absent."""
         return self.terms.get(tuple(sorted(jets)), self.field.zero)
 
     def antiderivative(self, axis: int = 0) -> DifferentialPolynomial | None:
-        """The polynomial without constant term whose ``axis``-derivative this is, or None.
+        """Return the polynomial without constant term whose ``axis``-derivative this is, or None.
 
         Monomials are ranked by their jets in falling order.  The leading term of a derivative has
         its highest jet to the first power, and lowering that jet gives the leading term of the
-        antiderivative; when it cannot be lowered no antiderivative exists.
+        antiderivative; if it cannot be lowered there is no antiderivative.
 
         >>> from longwave.derive.symbols import K4
         >>> constants = RationalFunctions((K4,))
@@ -142,7 +142,7 @@ class DifferentialPolynomial:
 
 
 def _lowered(monomial: Monomial, axis: int) -> Monomial | None:
-    """The monomial with its highest jet lowered, or None if that is not its preimage."""
+    """Return the monomial with its highest jet lowered, or None if that is not its preimage."""
     if not monomial or monomial[-1][axis] == 0:
         return None
     jet = raised(monomial[-1], axis, -1)
@@ -153,7 +153,7 @@ def _lowered(monomial: Monomial, axis: int) -> Monomial | None:
 
 @dataclass(frozen=True)
 class EpsSeries:
-    """``{order: polynomial}`` with every order above ``limit`` cut off."""
+    """``{order: polynomial}``, truncated above the order ``limit``."""
 
     field: RationalFunctions
     limit: int
@@ -166,7 +166,7 @@ class EpsSeries:
         limit: int,
         items: Iterable[tuple[int, DifferentialPolynomial]],
     ) -> EpsSeries:
-        """Sum the (order, polynomial) pairs up to ``limit``, dropping what cancels."""
+        """Sum the (order, polynomial) pairs up to ``limit``, dropping terms that cancel."""
         total: dict[int, DifferentialPolynomial] = {}
         for order, part in items:
             if order <= limit:
@@ -194,7 +194,7 @@ class EpsSeries:
         )
 
     def apply(self, operator: Operator) -> EpsSeries:
-        """The first-order operator applied to every order."""
+        """Return the first-order operator applied to every order."""
         return self.collect(
             self.field,
             self.limit,
@@ -207,7 +207,7 @@ class EpsSeries:
         )
 
     def exponential(self, operator: Operator) -> EpsSeries:
-        """``exp(operator)`` applied: the sum of its powers over their factorials."""
+        """Return ``exp(operator)`` applied: the sum of its powers over their factorials."""
         total, power, count = self, self, 0
         while power.parts and operator:
             count += 1
@@ -216,39 +216,39 @@ class EpsSeries:
         return total
 
     def at(self, order: int) -> DifferentialPolynomial:
-        """The coefficient of ``eps^order``."""
+        """Return the coefficient of ``eps^order``."""
         return self.parts.get(order) or DifferentialPolynomial.zero(self.field)
 
     def upto(self, limit: int, since: int = 0) -> EpsSeries:
-        """The series cut off above ``eps^limit`` and below ``eps^since``."""
+        """Return the series truncated above ``eps^limit`` and below ``eps^since``."""
         items = (item for item in self.parts.items() if item[0] >= since)
         return self.collect(self.field, limit, items)
 
     def plus(self, order: int, part: DifferentialPolynomial) -> EpsSeries:
-        """The series and ``eps^order`` times a polynomial."""
+        """Return the series plus ``eps^order`` times a polynomial."""
         return self.collect(self.field, self.limit, [*self.parts.items(), (order, part)])
 
     def replaced(self, value: Callable[[Jet], EpsSeries | None]) -> EpsSeries:
-        """The series with other series in the places of jets; where that is None a jet stays."""
+        """Return the series with jets replaced by series ``value(jet)``; None keeps the jet."""
         total = EpsSeries(self.field, self.limit, {})
         for order, part in self.parts.items():
             for monomial, number in part.terms.items():
                 values = [(jet, value(jet)) for jet in monomial]
-                rest = tuple(jet for jet, found in values if found is None)
+                rest = tuple(jet for jet, replacement in values if replacement is None)
                 unchanged = DifferentialPolynomial(self.field, {rest: number})
                 product = self.collect(self.field, self.limit, [(order, unchanged)])
-                for _, found in values:
-                    product = product if found is None else product * found
+                for _, replacement in values:
+                    product = product if replacement is None else product * replacement
                 total = total + product
         return total
 
     def derivative(self, axis: int, times: int = 1) -> EpsSeries:
-        """``times`` derivatives along ``axis`` at unchanged order."""
+        """Return ``times`` derivatives along ``axis``, at unchanged order."""
         result = self
         for _ in range(times):
             result = result.apply(((axis, 0, self.field.one),))
         return result
 
     def delayed(self, by: int) -> EpsSeries:
-        """The series times ``eps^by``."""
+        """Return the series times ``eps^by``."""
         return self.collect(self.field, self.limit, ((i + by, p) for i, p in self.parts.items()))

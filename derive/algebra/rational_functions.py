@@ -1,9 +1,9 @@
 """Rational functions of a few symbols over Q, kept in lowest terms by FLINT.
 
-The coefficients of all expansions.  What is below the line is kept in irreducible factors: few of
-them come, with determinants that are divided by, and all sums have them in common.  A sum is
-reduced by dividing it by those that stand below both terms in the same power, a product by those
-of the other; a greatest common divisor, which takes a hundred times as long, is never asked for.
+They are the coefficients of all expansions.  Denominators are kept as irreducible factors: there
+are few, from determinants, and all sums share them.  A sum is reduced by dividing by the factors
+that both denominators have in the same power, a product by those of the other operand; a greatest
+common divisor, which is a hundred times slower, is never computed.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ from sympy import Expr, Integer, Rational, Symbol
 
 Exponents = tuple[int, ...]
 Terms = list[tuple[Exponents, int]]
-"""Of a polynomial: exponents of the symbols, and the coefficient."""
+"""Terms of a polynomial: exponents of the symbols, and the coefficient."""
 
 
 def _factored(polynomial: fmpz_mpoly) -> tuple[int, list[tuple[fmpz_mpoly, int]]]:
-    """The content and the irreducible factors with their powers.
+    """Return the content and the irreducible factors with their powers.
 
-    python-flint puts integer factors in the order of their coefficients, which must fit a machine's
-    word for that; rational ones have no such limit.
+    python-flint sorts integer factors by coefficients that must fit a machine word; rational
+    factors have no such limit.
     """
     try:
         content, parts = polynomial.factor()
@@ -36,15 +36,15 @@ def _factored(polynomial: fmpz_mpoly) -> tuple[int, list[tuple[fmpz_mpoly, int]]
         context = polynomial.context()
         rational = fmpq_mpoly_ctx.get(context.names(), context.ordering())
         _, over_q = rational.from_dict(polynomial.to_dict()).factor()
-        found = [(_primitive(part, context), int(times)) for part, times in over_q]
+        factors = [(_primitive(part, context), int(times)) for part, times in over_q]
         rest = int(polynomial.leading_coefficient())
-        for part, times in found:
+        for part, times in factors:
             rest //= int(part.leading_coefficient()) ** times
-        return rest, found
+        return rest, factors
 
 
 def _primitive(part: Any, context: fmpz_mpoly_ctx) -> fmpz_mpoly:
-    """The multiple of a rational polynomial with integers that have no divisor in common."""
+    """Return the multiple of a rational polynomial with coprime integer coefficients."""
     terms = part.to_dict()
     scale = math.lcm(*(int(value.denominator) for value in terms.values()))
     whole = {powers: int(value * scale) for powers, value in terms.items()}
@@ -65,7 +65,7 @@ class RationalFunctions:
     symbols: tuple[Symbol, ...]
 
     def __reduce__(self) -> tuple[type, tuple[tuple[Symbol, ...]]]:
-        """FLINT's rings do not pickle; the field of these symbols has but one."""
+        """Pickle the symbols only, because FLINT's rings do not pickle."""
         return RationalFunctions, (self.symbols,)
 
     @cached_property
@@ -75,33 +75,33 @@ class RationalFunctions:
 
     @cached_property
     def zero(self) -> RationalFunction:
-        """0."""
+        """The number 0."""
         return self(0)
 
     @cached_property
     def one(self) -> RationalFunction:
-        """1."""
+        """The number 1."""
         return self(1)
 
     def __call__(self, value: int | Symbol) -> RationalFunction:
-        """An integer or one of the symbols."""
+        """Return an integer or one of the symbols as an element."""
         ring = self.context
         if isinstance(value, Symbol):
             return self.polynomial(ring.gens()[self.symbols.index(value)])
         return self.polynomial(ring.constant(int(value)))
 
     def polynomial(self, value: fmpz_mpoly) -> RationalFunction:
-        """A polynomial of FLINT's."""
+        """Return a FLINT polynomial as an element."""
         return RationalFunction(self, value, 1, {})
 
     def from_terms(self, terms: Iterable[tuple[Exponents, int]]) -> RationalFunction:
-        """The polynomial with these terms; no two have the same exponents."""
+        """Return the polynomial with these terms; no two may have the same exponents."""
         return self.polynomial(self.context.from_dict(dict(terms)))
 
     def from_expr(
         self, value: Expr, images: Mapping[Symbol, RationalFunction] | None = None
     ) -> RationalFunction:
-        """A SymPy expression, with ``images`` in the places of some symbols."""
+        """Convert a SymPy expression, replacing symbols in ``images``."""
         known = images or {}
         if value.is_Symbol:
             return known[value] if value in known else self(value)
@@ -121,7 +121,7 @@ class RationalFunctions:
 
 
 class Factor:
-    """An irreducible polynomial whose first coefficient is positive; equal ones have one hash."""
+    """An irreducible polynomial with positive first coefficient; equal ones have equal hashes."""
 
     __slots__ = ("_hash", "polynomial", "terms")
 
@@ -144,7 +144,7 @@ class Factor:
         return _factor, (self.polynomial.context().names(), dict(self.terms))
 
     def taken_from(self, numer: fmpz_mpoly, most: int) -> tuple[fmpz_mpoly, int]:
-        """The polynomial less this factor as often as it is in it, and what is left of ``most``."""
+        """Divide ``numer`` by this factor up to ``most`` times; return it and the rest."""
         while most:
             try:
                 numer = numer / self.polynomial
@@ -161,7 +161,7 @@ Factors = Mapping[Factor, int]
 class RationalFunction:
     """A quotient of polynomials with integer coefficients, without a common factor.
 
-    ``content`` is the positive integer below the line, ``below`` the factors there.
+    ``content`` is the positive integer in the denominator, ``below`` the other factors there.
     """
 
     __slots__ = ("_parts", "below", "content", "field", "numer")
@@ -180,31 +180,31 @@ class RationalFunction:
 
     @property
     def denom(self) -> fmpz_mpoly:
-        """What is below the line, in one polynomial."""
-        found = self.field.context.constant(self.content)
+        """The denominator as one polynomial."""
+        denominator = self.field.context.constant(self.content)
         for factor, times in self.below.items():
-            found *= factor.polynomial**times
-        return found
+            denominator *= factor.polynomial**times
+        return denominator
 
     def _lowest(
         self, numer: fmpz_mpoly, content: int, below: Factors, among: Iterable[Factor]
     ) -> RationalFunction:
-        """The quotient in lowest terms; of the factors below, those ``among`` may be above, too."""
+        """Return the quotient in lowest terms; only ``among`` may divide the numerator."""
         if not numer:
             return self.field.zero
         numer, content = _without_content(numer, content)
-        left = dict(below)
+        remaining = dict(below)
         for factor in among:
-            numer, left[factor] = factor.taken_from(numer, left[factor])
-        return RationalFunction(self.field, numer, content, _there(left))
+            numer, remaining[factor] = factor.taken_from(numer, remaining[factor])
+        return RationalFunction(self.field, numer, content, _nonzero_powers(remaining))
 
     @property
-    def _above(self) -> tuple[int, dict[Factor, int]]:
-        """The content of the numerator, and its factors."""
+    def _numerator_factors(self) -> tuple[int, dict[Factor, int]]:
+        """Content and irreducible factors of the numerator."""
         if self._parts is None:
             content, parts = _factored(self.numer)
-            found = {Factor(part): int(times) for part, times in parts}
-            self._parts = int(content), found
+            factors = {Factor(part): int(times) for part, times in parts}
+            self._parts = int(content), factors
         return self._parts
 
     def _other(self, value: int | RationalFunction) -> RationalFunction:
@@ -216,9 +216,9 @@ class RationalFunction:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, int | RationalFunction):
             return NotImplemented
-        found = self._other(other)
-        same_below = self.content == found.content and self.below == found.below
-        return same_below and bool(self.numer == found.numer)
+        value = self._other(other)
+        same_below = self.content == value.content and self.below == value.below
+        return same_below and bool(self.numer == value.numer)
 
     def __hash__(self) -> int:
         return hash((str(self.numer), self.content, frozenset(self.below.items())))
@@ -227,66 +227,66 @@ class RationalFunction:
         return RationalFunction(self.field, -self.numer, self.content, self.below)
 
     def __add__(self, other: int | RationalFunction) -> RationalFunction:
-        found = self._other(other)
-        content = math.lcm(self.content, found.content)
+        addend = self._other(other)
+        content = math.lcm(self.content, addend.content)
         below = dict(self.below)
-        for factor, times in found.below.items():
+        for factor, times in addend.below.items():
             below[factor] = max(times, below.get(factor, 0))
-        # a factor in other powers is above in one of the terms alone, and in no sum
-        shared = [f for f in below if self.below.get(f) == found.below.get(f)]
-        numer = self._over(content, below) + found._over(content, below)
+        # a factor in different powers is in one expanded numerator only, so it divides no sum
+        shared = [f for f in below if self.below.get(f) == addend.below.get(f)]
+        numer = self._over(content, below) + addend._over(content, below)
         return self._lowest(numer, content, below, shared)
 
     def _over(self, content: int, below: Factors) -> fmpz_mpoly:
-        """The numerator over a multiple of what is below the line."""
+        """Return the numerator expanded to a common denominator."""
         numer = self.numer
         if content != self.content:
             numer = numer * (content // self.content)
         for factor, times in below.items():
-            more = times - self.below.get(factor, 0)
-            if more:
-                numer = numer * factor.polynomial**more
+            missing_power = times - self.below.get(factor, 0)
+            if missing_power:
+                numer = numer * factor.polynomial**missing_power
         return numer
 
     def __sub__(self, other: int | RationalFunction) -> RationalFunction:
         return self + -other
 
     def __mul__(self, other: int | RationalFunction) -> RationalFunction:
-        if not isinstance(other, int | RationalFunction):  # a polynomial or series takes it
+        if not isinstance(other, int | RationalFunction):  # polynomials and series handle it
             return NotImplemented
-        found = self._other(other)
-        if not (self.numer and found.numer):
+        factor_ = self._other(other)
+        if not (self.numer and factor_.numer):
             return self.field.zero
-        left, over = _without_content(self.numer, found.content)
-        right, content = _without_content(found.numer, self.content)
+        left, over = _without_content(self.numer, factor_.content)
+        right, content = _without_content(factor_.numer, self.content)
         below: dict[Factor, int] = {}
         for factor, times in self.below.items():
             right, below[factor] = factor.taken_from(right, times)
-        for factor, times in found.below.items():
+        for factor, times in factor_.below.items():
             left, rest = factor.taken_from(left, times)
             below[factor] = below.get(factor, 0) + rest
-        return RationalFunction(self.field, left * right, over * content, _there(below))
+        return RationalFunction(self.field, left * right, over * content, _nonzero_powers(below))
 
     def __truediv__(self, other: int | RationalFunction) -> RationalFunction:
-        found = self._other(other)
-        if not found:
+        divisor = self._other(other)
+        if not divisor:
             raise ZeroDivisionError("the divisor must not be 0, got 0")
         if not self:
             return self
-        whole, parts = found._above
-        numer, content = _without_content(self.numer, abs(whole))
-        common = math.gcd(self.content, found.content)
+        leading_content, parts = divisor._numerator_factors
+        numer, content = _without_content(self.numer, abs(leading_content))
+        common = math.gcd(self.content, divisor.content)
         below = dict(self.below)
         for factor, times in parts.items():
             numer, rest = factor.taken_from(numer, times)
             below[factor] = below.get(factor, 0) + rest
-        numer = numer * (found.content // common * (1 if whole > 0 else -1))
-        for factor, times in found.below.items():
-            gone = min(times, below.get(factor, 0))
-            numer = numer * factor.polynomial ** (times - gone)
-            below[factor] = below.get(factor, 0) - gone
+        numer = numer * (divisor.content // common * (1 if leading_content > 0 else -1))
+        for factor, times in divisor.below.items():
+            cancelled = min(times, below.get(factor, 0))
+            numer = numer * factor.polynomial ** (times - cancelled)
+            below[factor] = below.get(factor, 0) - cancelled
         content *= self.content // common
-        return RationalFunction(self.field, numer, content, _there(below))
+        return RationalFunction(self.field, numer, content, _nonzero_powers(below))
 
     __radd__, __rmul__ = __add__, __mul__
 
@@ -304,85 +304,85 @@ class RationalFunction:
 
     @property
     def is_number(self) -> bool:
-        """Whether no symbol is in it."""
+        """Whether the element contains no symbol."""
         return bool(self.numer.is_constant() and not self.below)
 
     @property
     def is_negative(self) -> bool:
-        """Whether it is printed behind a minus sign: by its first coefficient."""
+        """Whether it is printed with a minus sign, by its first coefficient."""
         return bool(self.numer.leading_coefficient() < 0)
 
     @property
     def size(self) -> int:
-        """The terms of the numerator and of the factors below the line."""
+        """Number of terms of the numerator and of the denominator's factors."""
         return len(self.numer) + sum(len(factor.polynomial) for factor in self.below)
 
     @property
     def is_polynomial(self) -> bool:
-        """Whether what is below the line is a number or one term."""
+        """Whether the denominator is a number or one term."""
         return all(len(factor.polynomial) == 1 for factor in self.below)
 
     def factors(self, *, below: bool = False) -> list[RationalFunction]:
-        """The irreducible polynomials in the numerator or ``below`` the line, each once."""
-        parts = self.below if below else self._above[1]
+        """Return the irreducible factors of the numerator, or of the denominator if ``below``."""
+        parts = self.below if below else self._numerator_factors[1]
         return [self.field.polynomial(factor.polynomial) for factor, _ in _sorted(parts)]
 
     def factored_terms(self, *, below: bool = False) -> list[tuple[Terms, int]]:
-        """The terms of each irreducible factor with its power, a number first."""
-        content, parts = (self.content, self.below) if below else self._above
+        """Return the terms of each irreducible factor with its power, after the content."""
+        content, parts = (self.content, self.below) if below else self._numerator_factors
         nothing = (0,) * len(self.field.symbols)
         rest = [(factor.terms, times) for factor, times in _sorted(parts)]
         return [([(nothing, content)], 1), *rest]
 
     def numerator(self) -> RationalFunction:
-        """The numerator."""
+        """Return the numerator as an element."""
         return self.field.polynomial(self.numer)
 
     def common(self, other: RationalFunction) -> RationalFunction:
-        """The greatest common divisor of both numerators."""
+        """Return the greatest common divisor of both numerators."""
         return self.field.polynomial(self.numer.gcd(other.numer))
 
     def diff(self, symbol: Symbol) -> RationalFunction:
-        """The derivative in one of the symbols."""
-        place = self.field.symbols.index(symbol)
-        slope = self.numer.derivative(place)
+        """Return the derivative in one of the symbols."""
+        index = self.field.symbols.index(symbol)
+        slope = self.numer.derivative(index)
         total = self._lowest(slope, self.content, self.below, self.below)
         for factor, times in self.below.items():
-            slope = self.numer * factor.polynomial.derivative(place) * -times
+            slope = self.numer * factor.polynomial.derivative(index) * -times
             below = {**self.below, factor: times + 1}
             total = total + self._lowest(slope, self.content, below, below)
         return total
 
     def terms(self, *, below: bool = False) -> Terms:
-        """Exponents and coefficients of the numerator or of what is ``below`` the line."""
+        """Return exponents and coefficients of the numerator, or ``below`` of the denominator."""
         return _terms(self.denom if below else self.numer)
 
     def mapped(
         self, image: Callable[[Terms], RationalFunction], known: dict[Factor, RationalFunction]
     ) -> RationalFunction:
-        """The image under a map of polynomials that keeps sums and products.
+        """Return the image under a map of polynomials that preserves sums and products.
 
-        ``known`` holds what is below the line in the images of factors, and gets those of new ones.
+        ``known`` caches the images of denominator factors, and is extended by new ones.
         """
-        found = image(self.terms()) / self.content
+        result = image(self.terms()) / self.content
         for factor, times in self.below.items():
             if factor not in known:
                 known[factor] = image(factor.terms)
             for _ in range(times):
-                found = found / known[factor]
-        return found
+                result = result / known[factor]
+        return result
 
     def as_expr(self) -> Expr:
-        """The quotient in SymPy."""
-        above, below = Integer(0), Integer(0)
+        """Return the quotient as a SymPy expression."""
+        numerator, denominator = Integer(0), Integer(0)
         for exponents, value in self.terms():
-            above += _product(self.field.symbols, exponents, value)
+            numerator += _product(self.field.symbols, exponents, value)
         for exponents, value in self.terms(below=True):
-            below += _product(self.field.symbols, exponents, value)
-        return above / below
+            denominator += _product(self.field.symbols, exponents, value)
+        return numerator / denominator
 
     def factored(self) -> Expr:
-        """The quotient in SymPy, both sides in factors.
+        """Return the quotient as a SymPy expression, both sides factored.
 
         >>> x, y = Symbol("x"), Symbol("y")
         >>> RationalFunctions((x, y)).from_expr((2 * x**2 - 2 * y**2) / y).factored()
@@ -398,16 +398,16 @@ class RationalFunction:
         return number * product
 
     def powers_of(self, symbol: Symbol) -> dict[int, RationalFunction]:
-        """The coefficients of a symbol's powers in the numerator."""
-        place = self.field.symbols.index(symbol)
+        """Return the coefficients of a symbol's powers in the numerator."""
+        index = self.field.symbols.index(symbol)
         parts: dict[int, Terms] = {}
         for exponents, value in self.terms():
-            others = (*exponents[:place], 0, *exponents[place + 1 :])
-            parts.setdefault(exponents[place], []).append((others, value))
+            others = (*exponents[:index], 0, *exponents[index + 1 :])
+            parts.setdefault(exponents[index], []).append((others, value))
         return {power: self.field.from_terms(terms) for power, terms in parts.items()}
 
     def solved_for(self, symbol: Symbol, power: int = 1) -> RationalFunction | None:
-        """The symbol's power where the quotient vanishes, if no other is in it; else None."""
+        """Return the symbol's power at which the quotient vanishes; None if other powers occur."""
         parts = self.powers_of(symbol)
         return -parts[0] / parts[power] if parts.keys() == {0, power} else None
 
@@ -418,12 +418,12 @@ def _quotient(
     content: int,
     below: Factors,
 ) -> RationalFunction:
-    """A pickled element: numerator and factors below the line as they were."""
+    """Rebuild a pickled element."""
     return RationalFunction(field, field.context.from_dict(above), content, below)
 
 
 def _factor(names: Sequence[str], terms: Mapping[Exponents, int]) -> Factor:
-    """A pickled factor."""
+    """Rebuild a pickled factor."""
     return Factor(fmpz_mpoly_ctx.get(names, "lex").from_dict(terms))
 
 
@@ -432,22 +432,22 @@ def _terms(polynomial: fmpz_mpoly) -> Terms:
 
 
 def _sorted(powers: Factors) -> list[tuple[Factor, int]]:
-    """The factors in FLINT's order: by their powers, exponents and coefficients."""
+    """Return the factors in FLINT's order: by powers, exponents and coefficients."""
 
-    def place(item: tuple[Factor, int]) -> tuple[Any, ...]:
+    def sort_key(item: tuple[Factor, int]) -> tuple[Any, ...]:
         exponents, values = zip(*item[0].terms, strict=True)
         return item[1], exponents, values
 
-    return sorted(powers.items(), key=place)
+    return sorted(powers.items(), key=sort_key)
 
 
-def _there(powers: Factors) -> Factors:
-    """The factors that are there at all."""
+def _nonzero_powers(powers: Factors) -> Factors:
+    """Return the factors with nonzero power."""
     return {factor: times for factor, times in powers.items() if times}
 
 
 def _without_content(numer: fmpz_mpoly, content: int) -> tuple[fmpz_mpoly, int]:
-    """Both less the greatest integer that divides both."""
+    """Divide numerator and content by their greatest common integer."""
     if content == 1:
         return numer, 1
     common = numer.gcd(numer.context().constant(content))
@@ -455,7 +455,7 @@ def _without_content(numer: fmpz_mpoly, content: int) -> tuple[fmpz_mpoly, int]:
 
 
 def _product(symbols: Sequence[Symbol], exponents: Exponents, value: int) -> Expr:
-    found = Integer(value)
+    result = Integer(value)
     for symbol, exponent in zip(symbols, exponents, strict=True):
-        found *= symbol**exponent
-    return found
+        result *= symbol**exponent
+    return result

@@ -10,7 +10,7 @@ Matrix = Sequence[Column]
 
 
 def determinant(matrix: Matrix) -> Any:
-    """The determinant, by the first row."""
+    """Return the determinant, expanded along the first row."""
     if len(matrix) == 1:
         return matrix[0][0]
     total = matrix[0][0].field.zero
@@ -22,23 +22,26 @@ def determinant(matrix: Matrix) -> Any:
 
 
 def inverse(matrix: Matrix) -> list[Column]:
-    """The inverse, by cofactors; the determinant is not 0."""
-    whole, count = determinant(matrix), len(matrix)
+    """Return the inverse, by cofactors; the determinant must be nonzero."""
+    full_determinant, count = determinant(matrix), len(matrix)
     if count == 1:
-        return [[1 / whole]]
+        return [[1 / full_determinant]]
     return [
-        [determinant(without(matrix, i, j)) * (-1) ** (i + j) / whole for i in range(count)]
+        [
+            determinant(without(matrix, i, j)) * (-1) ** (i + j) / full_determinant
+            for i in range(count)
+        ]
         for j in range(count)
     ]
 
 
 def without(matrix: Matrix, row: int | None, column: int | None) -> list[Column]:
-    """The matrix less a row and a column."""
+    """Return the matrix without one row and one column; None removes nothing."""
     return [[v for j, v in enumerate(r) if j != column] for i, r in enumerate(matrix) if i != row]
 
 
 def null_space(matrix: Matrix) -> list[Column]:
-    """A basis of the vectors that the matrix takes to 0; the first entry that is not 0 is 1.
+    """Return a basis of the null space; each vector's first nonzero entry is 1.
 
     >>> from sympy import Symbol
     >>> from longwave.derive.algebra.rational_functions import RationalFunctions
@@ -50,34 +53,34 @@ def null_space(matrix: Matrix) -> list[Column]:
     rows = [[*row] for row in matrix]
     pivots: list[int] = []
     for column in range(count):
-        place = next((i for i in range(len(pivots), count) if rows[i][column]), None)
-        if place is None:
+        row_index = next((i for i in range(len(pivots), count) if rows[i][column]), None)
+        if row_index is None:
             continue
         top = len(pivots)
-        rows[top], rows[place] = rows[place], rows[top]
+        rows[top], rows[row_index] = rows[row_index], rows[top]
         rows[top] = [value / rows[top][column] for value in rows[top]]
         for i in range(count):
             if i != top and rows[i][column]:
                 factor = rows[i][column]
                 rows[i] = [a - factor * b for a, b in zip(rows[i], rows[top], strict=True)]
         pivots.append(column)
-    found = []
+    basis = []
     for free in (j for j in range(count) if j not in pivots):
         vector = [field.zero] * count
         vector[free] = field.one
         for row, pivot in zip(rows, pivots, strict=False):
             vector[pivot] = -row[free]
         first = next(value for value in vector if value)
-        found.append([value / first for value in vector])
-    return found
+        basis.append([value / first for value in vector])
+    return basis
 
 
 def transposed(matrix: Matrix) -> list[Column]:
-    """The matrix with rows and columns exchanged."""
+    """Return the transposed matrix."""
     return [list(column) for column in zip(*matrix, strict=True)]
 
 
 def combined(weights: Column, rows: Sequence[Any], nothing: Any) -> Any:
-    """The rows, of whatever kind, each times its weight, in sum."""
+    """Return the sum of rows times weights; ``nothing`` is the zero of the rows' type."""
     pairs = zip(weights, rows, strict=True)
     return sum((weight * row for weight, row in pairs if weight and row), nothing)

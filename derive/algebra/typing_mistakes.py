@@ -1,8 +1,8 @@
 """Formulas as other systems and papers write them, rewritten in the grammar of `formula_text`.
 
-Rules are data: a pattern, what stands in its place, grouped in stages that are each applied until
-nothing changes. Nothing here decides what a formula means: the caller reads what comes out, and
-shows it only if it is of the grammar.
+Rules are data: a pattern and its replacement, grouped in stages that are each applied until nothing
+changes. Nothing here decides what a formula means: the caller parses the result, and shows it
+only if it follows the grammar.
 """
 
 from __future__ import annotations
@@ -28,13 +28,13 @@ from longwave.derive.algebra.typing_rules import (
 from longwave.support.known_names import close_names
 
 LONGEST_CORRECTED = 400
-"""Characters of a text that is rewritten, and of what comes out: an error is one line."""
+"""Longest text that is rewritten, in characters; the result has one line."""
 
 FUNCTIONS_BY_NAME = ("gamma", "beta", "zeta", "Gamma", "Delta", "delta", "O")
-"""Names that read as functions where a bracket follows, unless they are declared."""
+"""Names that read as functions before a bracket, unless they are declared."""
 
 ROUNDS = 40
-"""Most applications of a stage: each moves one sign further in."""
+"""Most applications of a stage: each moves one sign further inward."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class Spelling:
     declared: Collection[str] = ()
 
     def patterns(self) -> dict[str, str]:
-        """The patterns that the short names in rules stand for."""
+        """Return the patterns that the short names in rules represent."""
         unknown = _either(self.unknowns)
         derived = rf"(?<![\w.]){unknown}(?:_[{VARIABLES}]+)?(?![A-Za-z0-9_])(?:\[[^\[\]]*\])?"
         return {
@@ -66,7 +66,7 @@ class Spelling:
 
 
 def corrected(text: str, spelling: Spelling) -> str:
-    """The text with every rule applied; the text itself if it is too long.
+    """Return the text with every rule applied, or unchanged if it is too long.
 
     >>> corrected("2 k^2 Sech[k x]^2", Spelling({"sech"}))
     '2*k**2*sech(k*x)**2'
@@ -78,37 +78,37 @@ def corrected(text: str, spelling: Spelling) -> str:
     for stage in _stages(spelling):
         rules = [(_filled(pattern, patterns), replacement) for pattern, replacement in stage]
         for _ in range(ROUNDS):
-            before = text
+            previous = text
             for pattern, replacement in rules:
                 text = re.sub(pattern, replacement, text)
-            if text == before or len(text) > 4 * LONGEST_CORRECTED:
+            if text == previous or len(text) > 4 * LONGEST_CORRECTED:
                 break
     return balanced(text)
 
 
 def balanced(text: str) -> str:
-    """The text without closing brackets too many, and with the missing ones at its end.
+    """Return the text without surplus closing brackets, and with missing ones appended.
 
     >>> balanced("sech(k*(x - t)"), balanced("x)")
     ('sech(k*(x - t))', 'x')
     """
-    found, depth = [], 0
+    kept_characters, depth = [], 0
     for sign in text:
         depth += (sign == "(") - (sign == ")")
         if depth < 0:
             depth = 0
         else:
-            found.append(sign)
-    return "".join(found) + ")" * depth
+            kept_characters.append(sign)
+    return "".join(kept_characters) + ")" * depth
 
 
-def _nested(opening: str, closing: str, depth: int = 6) -> str:
-    """Brackets with brackets inside; possessive, so that no text takes long to be refused."""
-    inside = rf"[^{opening}{closing}]*+"
-    found = rf"{opening}{inside}{closing}"
+def _nested(open_: str, closing: str, depth: int = 6) -> str:
+    """Return a pattern of nested brackets; it is possessive, so that no match takes long."""
+    inside = rf"[^{open_}{closing}]*+"
+    pattern = rf"{open_}{inside}{closing}"
     for _ in range(depth):
-        found = rf"{opening}{inside}(?:{found}{inside})*+{closing}"
-    return found
+        pattern = rf"{open_}{inside}(?:{pattern}{inside})*+{closing}"
+    return pattern
 
 
 def _either(names: Collection[str]) -> str:
@@ -132,9 +132,9 @@ def _filled(pattern: str, patterns: dict[str, str]) -> str:
 
 
 def misread(name: str, spelling: Spelling, *, declared: bool = False) -> str | None:
-    """The spelling for a name that reads as a derivative, conjugate, index or product.
+    """Return the spelling for a name that reads as a derivative, conjugate, index or product.
 
-    None for a name of its own; one that is ``declared`` may look like a product.
+    None for any other name, and for a ``declared`` name that looks like a product.
 
     >>> misread("uxx", Spelling((), "u", "xt")), misread("x0", Spelling((), "u", "xt"))
     ('u_xx', None)
@@ -155,7 +155,7 @@ def misread(name: str, spelling: Spelling, *, declared: bool = False) -> str | N
 
 
 def _called(name: str, spelling: Spelling, declared: bool) -> str | None:
-    """The call that a name such as ``sin2x`` reads as, of a letter that occurs."""
+    """Return the call for a name such as ``sin2x``, if its letter is a variable or declared."""
     match = re.fullmatch(rf"({_either(spelling.functions)})(\d*)([A-Za-z])", name)
     if match is None or declared or match[3] not in {*spelling.variables, *spelling.declared}:
         return None
@@ -170,7 +170,7 @@ _READINGS: tuple[tuple[str, str], ...] = (
     (r"d\d?(?P<base><U>)", r"diff(\g<base>, x)"),
     (rf"(?P<base>[{VARIABLES}{SITE}])(?P<rest>[1-9]\d*)", ""),
 )
-"""Names that are refused though they are declared."""
+"""Readings that apply even to declared names."""
 
 _LOOSE_READINGS = (
     (r"(?P<base><U>)c", r"conjugate(\g<base>)"),
@@ -183,7 +183,7 @@ _LOOSE_READINGS = (
 
 
 def _free_name(digits: str, spelling: Spelling, base: str) -> str:
-    """A name that no other has, in the place of a variable's with an index."""
+    """Return an unused name with these digits, to replace a variable with an index."""
     letters = (letter for letter in "abcdfghpqrs" if letter != base)
     names = (f"{letter}{digits}" for letter in letters)
     return next(name for name in names if name not in spelling.declared)
@@ -199,16 +199,16 @@ def _stages(spelling: Spelling) -> Iterator[tuple[Rule, ...]]:
 
 
 def _differentiated(spelling: Spelling) -> Callable[[re.Match[str]], str]:
-    """``diff`` from ``D[u, {x, 2}]`` and the like; as a subscript where it can be."""
+    """Return a function that rewrites ``D[u, {x, 2}]`` and the like, as a subscript if possible."""
     unknown = re.compile(_either(spelling.unknowns))
 
-    def written(found: re.Match[str]) -> str:
-        name, inside = found["name"], found["inside"][1:-1]
+    def rewrite(match: re.Match[str]) -> str:
+        name, inside = match["name"], match["inside"][1:-1]
         if name in spelling.declared:
-            return found[0]
+            return match[0]
         first, *steps = _arguments(inside)
-        if found["method"]:
-            first, steps = found["method"], [s for s in (first, *steps) if s]
+        if match["method"]:
+            first, steps = match["method"], [s for s in (first, *steps) if s]
         letters = ""
         for step in ",".join(steps).replace("$", ",").replace("(", "").replace(")", "").split(","):
             plain = step.strip().strip("'")
@@ -217,12 +217,12 @@ def _differentiated(spelling: Spelling) -> Callable[[re.Match[str]], str]:
             elif plain in "123456789" and letters and plain:
                 letters += letters[-1] * (int(plain) - 1)
             else:
-                return found[0]
-        if unknown.fullmatch(first.strip()) and (name != "diff" or found["method"]):
+                return match[0]
+        if unknown.fullmatch(first.strip()) and (name != "diff" or match["method"]):
             return f"{first.strip()}_{letters}"
         return f"diff({first.strip()}, {', '.join(letters)})"
 
-    return written
+    return rewrite
 
 
 _DIFF = (
@@ -232,33 +232,33 @@ _DIFF = (
 
 
 def _arguments(text: str) -> list[str]:
-    """The arguments between commas that are in no brackets."""
-    found, depth = [""], 0
+    """Return the arguments between commas outside brackets."""
+    arguments, depth = [""], 0
     for sign in text:
         depth += (sign in "([{") - (sign in ")]}")
         if sign == "," and not depth:
-            found.append("")
+            arguments.append("")
         else:
-            found[-1] += sign
-    return found
+            arguments[-1] += sign
+    return arguments
 
 
 def _calls(spelling: Spelling) -> tuple[Rule, ...]:
-    """Functions by other names and in other brackets."""
+    """Return rules for functions with other names and other brackets."""
 
-    def named(found: re.Match[str]) -> str:
-        name = found[0]
+    def rename_function(match: re.Match[str]) -> str:
+        name = match[0]
         other = ALIASES.get(name, name.lower())
         taken = name in spelling.functions or name in spelling.declared
         return other if other in spelling.functions and not taken else name
 
     continuous = [letter for letter in spelling.variables if letter in VARIABLES]
 
-    def primed(found: re.Match[str]) -> str:
-        unknown, site, primes = found.groups()
+    def rewrite_primes(match: re.Match[str]) -> str:
+        unknown, site, primes = match.groups()
         letter = continuous[0] if continuous else "t" if site else ""
         if not letter or len(continuous) > 1:
-            return found[0]
+            return match[0]
         steps = [letter] * len(primes)
         return (
             f"diff({unknown}{site}, {', '.join(steps)})" if site else f"{unknown}_{''.join(steps)}"
@@ -266,8 +266,8 @@ def _calls(spelling: Spelling) -> tuple[Rule, ...]:
 
     return (
         (r"(?<![\w.])(<U>)('+)(\[[^\[\]]*\])", r"\1\3\2"),
-        (r"(?<![\w.])(<U>)(\[[^\[\]]*\])?('+)", primed),
-        (r"(?<![\w.])[A-Za-z]\w*(?=\s*(?:[\[(]|\*\*|\s[\w(-]))", named),
+        (r"(?<![\w.])(<U>)(\[[^\[\]]*\])?('+)", rewrite_primes),
+        (r"(?<![\w.])[A-Za-z]\w*(?=\s*(?:[\[(]|\*\*|\s[\w(-]))", rename_function),
         (r"(?<![\w.])(<F>(?:\*\*\w+)?)\s*\[((?:[^\[\]]|<[]>)*)\]", r"\1(\2)"),
         (r"(?<!\w)\[((?:[^\[\]]|<[]>)*)\]", r"(\1)"),
         (r"(?<![\w.])(?!<U>(?![A-Za-z0-9]))([A-Za-z]\w*)\s*\[((?:[^\[\]]|<[]>)*)\]", r"\1(\2)"),
@@ -275,25 +275,25 @@ def _calls(spelling: Spelling) -> tuple[Rule, ...]:
 
 
 def _products(spelling: Spelling) -> tuple[Rule, ...]:
-    """Functions without brackets, powers of functions, factors side by side, names."""
+    """Return rules for functions without brackets, powers, implied products and names."""
 
-    def read(found: re.Match[str]) -> str:
-        name = found[0]
+    def split_name(match: re.Match[str]) -> str:
+        name = match[0]
         if name in spelling.functions or name in spelling.declared or name in spelling.unknowns:
             return name
         return misread(name, spelling) or name
 
-    def multiplied(found: re.Match[str]) -> str:
-        name = found[1]
+    def rewrite_product(match: re.Match[str]) -> str:
+        name = match[1]
         if name in {*spelling.functions, "diff"}:
-            return found[0]
+            return match[0]
         free = len(name) > 2 and name not in {*spelling.declared, *GREEK}
-        meant = close_names(name, spelling.functions, 1) if free else []
-        if meant:
-            return found[0].replace(name, meant[0])
-        called = found[0] == name and found.string[found.end() :].startswith("(")
+        suggestions = close_names(name, spelling.functions, 1) if free else []
+        if suggestions:
+            return match[0].replace(name, suggestions[0])
+        is_call = match[0] == name and match.string[match.end() :].startswith("(")
         is_function = free or (name in FUNCTIONS_BY_NAME and name not in spelling.declared)
-        return found[0] if called and is_function else f"{name}*"
+        return match[0] if is_call and is_function else f"{name}*"
 
     atom = r"(?:\d+(?:\.\d+)?|(?!<F>\b)(?<![A-Za-z_])[A-Za-z]\w*|<()>)(?:\*\*(?:\w+|<()>))?"
     return (
@@ -310,9 +310,9 @@ def _products(spelling: Spelling) -> tuple[Rule, ...]:
             r"(?<![\w.])(?!0[xX]\d)(\d+(?:\.\d*)?|\.\d+)(?![\d.]|[eE][+-]?\d)\s*(?=[A-Za-z(])",
             r"\1*",
         ),
-        (r"(?<![\w.])((?!and\b|or\b)[A-Za-z]\w*)(?:\s+(?=[\w(])|(?=\())", multiplied),
+        (r"(?<![\w.])((?!and\b|or\b)[A-Za-z]\w*)(?:\s+(?=[\w(])|(?=\())", rewrite_product),
         (r"([\])])\s*(?=[\w(])", r"\1*"),
-        (r"(?<![\w.])[A-Za-z]\w*", read),
+        (r"(?<![\w.])[A-Za-z]\w*", split_name),
     )
 
 

@@ -10,9 +10,9 @@ SITE = "n"
 
 Replacement = str | Callable[[re.Match[str]], str]
 Rule = tuple[str, Replacement]
-"""A pattern and what stands in its place. In patterns ``<U>`` is an unknown, with derivatives
-and a site ``<D>``, ``<F>`` a function of the grammar, ``<A>`` an argument, ``<()>`` and ``<[]>``
-what stands in brackets, with these, ``<e>`` and ``<i>`` constants unless declared as names."""
+"""A pattern and its replacement. In patterns ``<U>`` is an unknown, ``<D>`` one with derivatives
+and a site, ``<F>`` a function of the grammar, ``<A>`` an argument, ``<()>`` and ``<[]>``
+bracketed text, with its brackets, ``<e>`` and ``<i>`` constants unless declared as names."""
 
 ALIASES = {
     "ln": "log",
@@ -61,7 +61,7 @@ ALIASES = {
     "ellipticE": "elliptic_e",
     **{f"jacobi{name}": f"jacobi_{name}" for name in ("sn", "cn", "dn")},
 }
-"""Names of functions; those that differ by capital letters alone need no line."""
+"""Other names of functions; names that differ only in capital letters need no entry."""
 
 CALLS: tuple[Rule, ...] = (
     *(
@@ -95,12 +95,12 @@ CALLS: tuple[Rule, ...] = (
     (r"(?<![\w.])(?:FullSimplify|Simplify|simplify|Expand|expand)\s*[\[(](<A>)[\])]", r"\1"),
     (r"(?<![\w.])Eq(?:uation|ual)?\s*[\[(]\s*(<A>),\s*(<A>)[\])]", r"\1 = \2"),
 )
-"""Calls whose arguments are written otherwise. ``<A>`` is an argument, ``<()>`` one in brackets."""
+"""Calls with other argument conventions. ``<A>`` is an argument, ``<()>`` one in brackets."""
 
 
-def _decimal(found: re.Match[str]) -> str:
-    """``0,5`` as ``0.5``, unless the comma parts arguments."""
-    calls = re.findall(r"(\w*)\s*[\[(]|([\])])", found.string[: found.start()])
+def _decimal(match: re.Match[str]) -> str:
+    """Return ``0,5`` as ``0.5``, unless the comma separates arguments."""
+    calls = re.findall(r"(\w*)\s*[\[(]|([\])])", match.string[: match.start()])
     opened: list[str] = []
     for name, closing in calls:
         if closing:
@@ -108,42 +108,44 @@ def _decimal(found: re.Match[str]) -> str:
         else:
             opened.append(name)
     of_two = r"(?:[scd]n|zeta|epsilon|diff|D|pow\w*|Rational)$"
-    parts = opened and re.search(of_two, opened[-1], re.I)
-    return found[0] if parts else f"{found[1]}.{found[2]}"
+    separates = opened and re.search(of_two, opened[-1], re.I)
+    return match[0] if separates else f"{match[1]}.{match[2]}"
 
 
-def _repeated(found: re.Match[str]) -> str:
-    """A subscript ``3x`` or ``x,x`` as ``xxx`` or ``xx``."""
-    inside = re.sub(r"(\d)([xyzt])", lambda m: m[2] * int(m[1]), found[1])
+def _repeated(match: re.Match[str]) -> str:
+    """Return a subscript ``3x`` or ``x,x`` as ``xxx`` or ``xx``."""
+    inside = re.sub(r"(\d)([xyzt])", lambda m: m[2] * int(m[1]), match[1])
     return "_" + re.sub(r"[\s,]", "", inside)
 
 
-def _at_its_variables(found: re.Match[str]) -> str:
-    """``u(x, t)`` as ``u``, unless the letters say more than where u is taken."""
-    at = re.findall(r"[xyzt]", found["at"])
-    lists = re.findall(rf"{re.escape(found['of'])}\s*[\[(]([xyzt_,\s]+)[\])]", found.string)
-    alike = {"".join(re.findall(r"[xyzt]", letters)) for letters in lists}
-    return found[0] if len(set(at)) < len(at) or len(alike) > 1 else found["of"]
+def _at_its_variables(match: re.Match[str]) -> str:
+    """Return ``u(x, t)`` as ``u``, unless u occurs with different arguments."""
+    letters_used = re.findall(r"[xyzt]", match["at"])
+    lists = re.findall(rf"{re.escape(match['of'])}\s*[\[(]([xyzt_,\s]+)[\])]", match.string)
+    distinct = {"".join(re.findall(r"[xyzt]", letters)) for letters in lists}
+    return (
+        match[0] if len(set(letters_used)) < len(letters_used) or len(distinct) > 1 else match["of"]
+    )
 
 
-def _joined(found: re.Match[str]) -> str:
-    """Subscripts with a comma between them, where that parts no arguments."""
-    before = found.string[: found.start()]
-    inside = any(before.count(a) > before.count(b) for a, b in ("()", "[]"))
-    return found[0] if inside else found[1] + found[2]
+def _joined(match: re.Match[str]) -> str:
+    """Join subscripts separated by a comma, unless the comma separates arguments."""
+    preceding = match.string[: match.start()]
+    is_inside = any(preceding.count(a) > preceding.count(b) for a, b in ("()", "[]"))
+    return match[0] if is_inside else match[1] + match[2]
 
 
-def _quotient(found: re.Match[str]) -> str:
-    """``du/dt``, ``d^2u/dx^2`` as ``u_t``, ``u_xx``; at a site with diff."""
-    steps = re.findall(r"([xyzt])[\s*(]*(\d?)", found["steps"])
+def _quotient(match: re.Match[str]) -> str:
+    """Return ``du/dt``, ``d^2u/dx^2`` as ``u_t``, ``u_xx``, or with diff at a site."""
+    steps = re.findall(r"([xyzt])[\s*(]*(\d?)", match["steps"])
     letters = "".join(letter * int(order or 1) for letter, order in steps)
-    return _derived(found["of"], letters)
+    return _derived(match["of"], letters)
 
 
-def _partial(found: re.Match[str]) -> str:
-    """``D_x u``, with a power, as ``u_x``."""
-    order = int(found["order"] or found["within"] or 1)
-    return _derived(found["of"], (found["many"] or found["one"]) * order)
+def _partial(match: re.Match[str]) -> str:
+    """Return ``D_x u``, with an optional power, as ``u_x``."""
+    order = int(match["order"] or match["within"] or 1)
+    return _derived(match["of"], (match["many"] or match["one"]) * order)
 
 
 def _derived(expression: str, letters: str) -> str:
@@ -191,7 +193,7 @@ LATEX: tuple[Rule, ...] = (
     (r"\^\s*\{([^{}]*)\}", r"**(\1)"),
     (r"\\partial\s*", " \\\\partial"),
 )
-"""LaTeX, innermost braces first."""
+"""LaTeX commands, innermost braces first."""
 
 BRACES: tuple[Rule, ...] = (
     (r"\{", "("),

@@ -1,1 +1,1 @@
-"""Lattices that ship, and the paper's reduction of one of them."""
+"""Lattices in the catalogue, and the paper's reduction of one of them."""

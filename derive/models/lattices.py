@@ -1,4 +1,4 @@
-"""The catalogue of lattices: adding one is one entry here, a line in ``LATTICES``."""
+"""Catalogue of lattices. To add one, add an entry here and a line in ``LATTICES``."""
 
 from dataclasses import replace
 
@@ -21,7 +21,7 @@ ONE = Integer(1)
 
 
 def cubic(*constants: Expr) -> Expr:
-    """The force ``K2 x + K3 x^2 + K4 x^3`` with these constants."""
+    """Return the force ``K2 x + K3 x^2 + K4 x^3`` with these constants."""
     return sum((value * x**power for power, value in enumerate(constants, 1)), Integer(0))
 
 
@@ -32,18 +32,18 @@ NEAREST = Bond(
     force=FORCE,
     action=(Stencil((1,)), Stencil((0,), -2), Stencil((-1,))),
 )
-"""The springs between neighbours of a chain, in its strain."""
+"""Springs between neighbours of a chain, in its strain."""
 
 NEXT_NEAREST = Bond(
     stretch=(Stencil((0,)), Stencil((1,))),
     force=cubic(L2, L3, L4),
     action=(Stencil((1,)), Stencil((0,), -1), Stencil((-1,), -1), Stencil((-2,))),
 )
-"""The springs from each mass to the next but one, in the strain between neighbours."""
+"""Springs between next-nearest neighbours, in the strain between neighbours."""
 
 
 def degenerate(*further: Expr) -> tuple[Bond, Bond]:
-    """Both springs where they cancel the dispersion of third order: what is left is of fifth.
+    """Return both springs with cancelled third-order dispersion, which leaves fifth order.
 
     ``further`` are K3, K4, L3, L4.
     """
@@ -52,21 +52,21 @@ def degenerate(*further: Expr) -> tuple[Bond, Bond]:
 
 
 def chain(name: str, title: str, force: Expr, *further: Bond, mass: Expr = ONE) -> Lattice:
-    """A chain of equal masses in their displacement, with further bonds or on-site forces."""
+    """Return a chain of equal masses in the displacement, with further bonds or on-site forces."""
     bonds = (spring(force, ((0,), 0), ((1,), 0)), *further)
     return Lattice(name, title, ("u",), (mass,), bonds)
 
 
 def cell(name: str, title: str, masses: tuple[Expr, ...], forces: tuple[Expr, ...]) -> Lattice:
-    """A chain of cells of several masses in a row, each with its spring to the next one."""
+    """Return a chain of cells with several masses, each with its spring to the next one."""
     count = len(masses)
-    places = [((0,), field) for field in range(count)] + [((1,), 0)]
-    bonds = tuple(spring(force, places[i], places[i + 1]) for i, force in enumerate(forces))
+    ends = [((0,), field) for field in range(count)] + [((1,), 0)]
+    bonds = tuple(spring(force, ends[i], ends[i + 1]) for i, force in enumerate(forces))
     return Lattice(name, title, ("u", "v", "w")[:count], masses, bonds)
 
 
 def strain(name: str, title: str, *bonds: Bond) -> Lattice:
-    """A chain of unit masses in its strain."""
+    """Return a chain of unit masses in the strain."""
     return Lattice(name, title, ("y",), (ONE,), bonds)
 
 
@@ -136,4 +136,4 @@ _ALL = (
 )
 
 LATTICES = NamedEntries("lattice", {lattice.name: lattice for lattice in _ALL})
-"""The lattices by name."""
+"""Lattices of the catalogue by name."""

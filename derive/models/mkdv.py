@@ -20,13 +20,13 @@ from longwave.derive.symbols import eps
 
 @lru_cache
 def mkdv_reduction() -> Reduction:
-    """The strain FPUT lattice under the paper's ansatz, through the paper's eq. (8)."""
+    """Return the reduction under the paper's ansatz, through the paper's eq. (8)."""
     scaling = Scaling()
     return reduce(FPUT_STRAIN, scaling, orders=scaling.leading_order)
 
 
 def mkdv_normal_form(K2: Number, K4: Number) -> NormalForm:
-    """The normal form of the mKdV equation at K2 > 0 and K4 != 0.
+    """Return the normal form of the mKdV equation at K2 > 0 and K4 != 0.
 
     Numbers are taken exactly (a float as its shortest decimal); symbols are allowed.
     Raises ValueError for K2 <= 0, K4 = 0, NaN and infinity.
@@ -49,15 +49,15 @@ def _normal_form(stiffness: Expr, cubic: Expr) -> NormalForm:
 
 
 def _velocity() -> EpsSeries:
-    """d/dt of the paper's ansatz."""
+    """Return d/dt of the paper's ansatz."""
     scaling = Scaling()
     return expand(FPUT_STRAIN, scaling, scaling.amplitude + scaling.time).velocity()
 
 
 def initial_velocity() -> Expr:
-    """s = dy/dt of the ansatz by the chain rule (the paper's eqs. (10), (11)).
+    """Return s = dy/dt of the ansatz by the chain rule (the paper's eqs. (10), (11)).
 
-    An expression in ``eps``, ``c`` and the symbols ``Y_X``, ``Y_T``.
+    It is an expression in ``eps``, ``c`` and the symbols ``Y_X``, ``Y_T``.
 
     >>> initial_velocity()
     Y_T*eps**4 - Y_X*c*eps**2
@@ -71,15 +71,15 @@ def initial_velocity() -> Expr:
 
 
 def initial_velocity_latex() -> str:
-    r"""The same in LaTeX, highest order first.
+    r"""Return the initial velocity in LaTeX, highest order first.
 
     >>> print(initial_velocity_latex())
     s = \epsilon^{4} Y_{T} - \epsilon^{2} c Y_{X}
     """
     orders = sorted(_velocity().parts.items(), reverse=True)
-    bodies = ((order, Notation().latex(part)) for order, part in orders)
+    formulas = ((order, Notation().latex(part)) for order, part in orders)
     result = signed_sum(
-        (body.startswith("-"), rf"\epsilon^{{{order}}} {body.removeprefix('-')}")
-        for order, body in bodies
+        (formula.startswith("-"), rf"\epsilon^{{{order}}} {formula.removeprefix('-')}")
+        for order, formula in formulas
     )
     return f"s = {result}"

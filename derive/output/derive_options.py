@@ -1,4 +1,4 @@
-"""Options of ``longwave derive``, and what they say of constants."""
+"""Options of ``longwave derive``, and the values of constants that they give."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from longwave.derive.symbols import constant_value
 
 @dataclass(frozen=True)
 class DeriveOptions:
-    """Options of the command line as text: None for one that is not given."""
+    """Options of the command line as text; None if an option is not given."""
 
     model: str | None = None
     constants: Mapping[str, str] = field(default_factory=dict)
@@ -32,13 +32,13 @@ class DeriveOptions:
 
 
 def given_constants(lattice: Lattice, options: DeriveOptions) -> dict[str, Expr]:
-    """The values of constants: those that the lattice was measured to have, then the options'."""
+    """Return the values of constants: the lattice's measured ones, overridden by the options."""
     typed = {name: constant_value(name, text) for name, text in options.constants.items()}
     return {**(dict(lattice.measured.values) if lattice.measured else {}), **typed}
 
 
 def count(option: str, text: str | None, most: int) -> int | None:
-    """The number of an option, None for none; ValueError unless it is one up to ``most``."""
+    """Return the number of an option, None if absent. Raises ValueError if it exceeds ``most``."""
     if text is None:
         return None
     if not (text.isascii() and text.isdigit() and len(text) < 4 and int(text) <= most):
@@ -49,23 +49,29 @@ def count(option: str, text: str | None, most: int) -> int | None:
     return int(text)
 
 
-def varied(
-    lattice: Lattice, left: Iterable[Symbol], values: Mapping[str, Expr], options: DeriveOptions
+def measured_with_options(
+    lattice: Lattice,
+    remaining: Iterable[Symbol],
+    values: Mapping[str, Expr],
+    options: DeriveOptions,
 ) -> tuple[Measured | None, str]:
-    """The lattice's constants as they were measured, what is typed exact, and a word on intervals.
+    """Return the measured constants, typed values being exact, and a note on the intervals.
 
-    None where there are none: a constant of those that are ``left`` in what is derived has no
-    value, or one that was measured had to be put in before the expansion.
+    None if there are no intervals: a constant that ``remaining`` contains has no value, or a
+    measured one was substituted before the expansion.
     """
     if lattice.measured is None:
         return None, ""
-    names = {str(symbol) for symbol in left}
+    names = {str(symbol) for symbol in remaining}
     uncertain = {name for name, deviation in lattice.measured.deviations.items() if deviation}
     uncertain -= {*options.constants, *map(str, lattice.unfelt_constants)}
-    if fixed := sorted(uncertain - names):
-        return None, f"(no intervals: {', '.join(fixed)} had to be put in before the expansion)"
+    if substituted := sorted(uncertain - names):
+        return (
+            None,
+            f"(no intervals: {', '.join(substituted)} had to be put in before the expansion)",
+        )
     if unknown := sorted(names - values.keys()):
         return None, f"(no intervals: {', '.join(unknown)} has no value)"
     exact = {name: value for name, value in values.items() if name not in uncertain}
-    word = "(with standard deviations and 95 % intervals, by the constants' covariance)"
-    return lattice.measured.with_exact(exact), word
+    note = "(with standard deviations and 95 % intervals, by the constants' covariance)"
+    return lattice.measured.with_exact(exact), note

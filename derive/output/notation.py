@@ -22,27 +22,27 @@ from longwave.derive.algebra.rational_functions import RationalFunction
 LONGEST_SUBSCRIPT = 4
 
 Printed: TypeAlias = Callable[[Expr], str]
-"""How a constant is written: `text_of` or `latex_of`."""
+"""Formatter of constants: `text_of` or `latex_of`."""
 
 LATEX_NAMES = {"ybar": r"\overline{y}", "eps": r"\epsilon"}
 
 
 class _TextPrinter(StrPrinter):
-    """Sums in their natural order, ``c^2 - K2``."""
+    """SymPy's text with sums in their natural order, ``c^2 - K2``."""
 
     def _print_Add(self, expr: Expr, order: str | None = None) -> str:
         return str(super()._print_Add(expr, order="none"))
 
 
 class _LatexPrinter(LatexPrinter):
-    """Sums in their natural order, symbols under the project's names."""
+    """SymPy's LaTeX with sums in their natural order and the project's names of symbols."""
 
     def _print_Symbol(self, expr: Expr, style: str = "plain") -> str:
         name = str(expr)
         if name.endswith("~"):
             letter, index = re.fullmatch(r"(.[a-z]*)(.*)~", name).groups()  # type: ignore[union-attr]
-            below = f"_{{{index}}}" if index else ""
-            return rf"\tilde{{{latex_of(Symbol(letter))}}}{below}"
+            subscript = f"_{{{index}}}" if index else ""
+            return rf"\tilde{{{latex_of(Symbol(letter))}}}{subscript}"
         return LATEX_NAMES.get(name) or str(super()._print_Symbol(expr, style))
 
     def _print_Add(self, expr: Expr, order: str | None = None) -> str:
@@ -50,7 +50,7 @@ class _LatexPrinter(LatexPrinter):
 
 
 def text_of(expression: Expr) -> str:
-    """A constant in plain text.
+    """Return a constant in plain text.
 
     >>> from longwave.derive.symbols import K4, c
     >>> text_of(3 * K4 / (2 * c))
@@ -60,7 +60,7 @@ def text_of(expression: Expr) -> str:
 
 
 def latex_of(expression: Expr) -> str:
-    """A constant in LaTeX, with the project's names."""
+    """Return a constant in LaTeX, with the project's names."""
     return str(_LatexPrinter().doprint(expression))
 
 
@@ -74,18 +74,18 @@ class Term:
 
     @property
     def negative(self) -> bool:
-        """Whether the coefficient is printed behind a minus sign."""
+        """Whether the coefficient is printed with a minus sign."""
         return self.coefficient.is_negative
 
     @property
     def size(self) -> Expr:
-        """The coefficient without its sign, in factors."""
+        """The coefficient without its sign, factored."""
         element = -self.coefficient if self.negative else self.coefficient
         return element.factored()
 
 
 def terms(polynomial: DifferentialPolynomial) -> list[Term]:
-    """The printable terms: time derivatives first, then by falling degree."""
+    """Return the printable terms: time derivatives first, then by falling degree."""
     ordered = sorted(polynomial.terms, key=_rank)
     result: list[Term] = []
     for _, group in groupby(ordered, key=lambda monomial: _rank(monomial)[:2]):
@@ -99,10 +99,12 @@ def _rank(monomial: Monomial) -> tuple[int, int, Monomial]:
 
 
 def _compact(part: DifferentialPolynomial) -> list[Term]:
-    """One term under outer derivatives if there is one, else the monomials themselves."""
+    """Return one term under outer derivatives if possible, else the monomials themselves."""
     inner, outer = part, 0
-    while len(next(iter(part.terms))) > 1 and (below := inner.antiderivative()) is not None:
-        inner, outer = below, outer + 1
+    while (
+        len(next(iter(part.terms))) > 1 and (antiderivative := inner.antiderivative()) is not None
+    ):
+        inner, outer = antiderivative, outer + 1
     if len(part.terms) > 1 and len(inner.terms) == 1:
         [(monomial, value)] = inner.terms.items()
         return [Term(value, monomial, outer)]
@@ -117,7 +119,7 @@ class Notation:
     unknown: str = "Y"
 
     def subscript(self, jet: Jet) -> str:
-        """``XXX``; from five derivatives on ``5X``.
+        """Return the subscript ``XXX``, or ``5X`` from five derivatives on.
 
         >>> Notation().subscript((3, 1)), Notation().subscript((6, 0))
         ('XXXT', '6X')
@@ -128,15 +130,15 @@ class Notation:
         )
 
     def text(self, polynomial: DifferentialPolynomial) -> str:
-        """One line of plain text, ``0`` for the zero polynomial."""
+        """Return one line of plain text, ``0`` for the zero polynomial."""
         return self.written(polynomial, text_of)
 
     def latex(self, polynomial: DifferentialPolynomial) -> str:
-        """LaTeX without delimiters, ``0`` for the zero polynomial."""
+        """Return LaTeX without delimiters, ``0`` for the zero polynomial."""
         return self.written(polynomial, latex_of)
 
     def written(self, polynomial: DifferentialPolynomial, printed: Printed) -> str:
-        """The same, in text or in LaTeX."""
+        """Return the polynomial, constants formatted by ``printed``: `text_of` or `latex_of`."""
         return signed_sum(
             (term.negative, _product(term.size, self._under(term, printed), printed))
             for term in terms(polynomial)
@@ -148,13 +150,13 @@ class Notation:
         return derived(product, outer, printed) if outer else product
 
     def monomial(self, monomial: Monomial, printed: Printed = text_of) -> str:
-        """A product of jets, ``Y^2 Y_X``."""
+        """Return a product of jets, ``Y^2 Y_X``."""
         opening, closing = ("", "") if printed is text_of else ("{", "}")
         factors = []
         for jet, repeated in groupby(monomial):
             power = len(list(repeated))
-            below = self.subscript(jet)
-            name = f"{self.unknown}_{opening}{below}{closing}" if below else self.unknown
+            subscript = self.subscript(jet)
+            name = f"{self.unknown}_{opening}{subscript}{closing}" if subscript else self.unknown
             factors.append(name if power == 1 else f"{name}^{opening}{power}{closing}")
         return " ".join(factors)
 
@@ -163,15 +165,15 @@ class Displayed:
     """Base of records with text and LaTeX: one line as the repr, a formula in notebooks."""
 
     def written(self, printed: Printed) -> str:
-        """What text and LaTeX are, with its constants as they are printed."""
+        """Return the record as text or LaTeX, with constants formatted by ``printed``."""
         raise NotImplementedError
 
     def text(self) -> str:
-        """Plain text in one line."""
+        """Return plain text in one line."""
         return self.written(text_of)
 
     def latex(self) -> str:
-        """LaTeX without delimiters."""
+        """Return LaTeX without delimiters."""
         return self.written(latex_of)
 
     def __repr__(self) -> str:
@@ -182,7 +184,7 @@ class Displayed:
 
 
 def signed_sum(signed: Iterable[tuple[bool, str]]) -> str:
-    """Bodies with whether each is negative, in text as in LaTeX; ``0`` for none."""
+    """Return a sum of (is negative, text) pairs, for text and LaTeX; ``0`` if there are none."""
     result = ""
     for negative, body in signed:
         if result:
@@ -193,7 +195,7 @@ def signed_sum(signed: Iterable[tuple[bool, str]]) -> str:
 
 
 def weighted_sum(parts: Iterable[tuple[int, str]]) -> str:
-    """Bodies with integer weights, in text as in LaTeX.
+    """Return a sum of (integer weight, text) pairs, for text and LaTeX.
 
     >>> weighted_sum([(-2, "x"), (1, "y"), (-1, "z")])
     '-2 x + y - z'
@@ -205,7 +207,7 @@ def weighted_sum(parts: Iterable[tuple[int, str]]) -> str:
 
 
 def power_of(symbol: Symbol, exponent: int, printed: Printed) -> str:
-    """A power as a factor, with the space behind it; nothing for the exponent 0.
+    """Return a power as a factor with a space after it; "" for the exponent 0.
 
     >>> power_of(Symbol("eps"), 3, latex_of) + "Y", power_of(Symbol("eps"), 0, text_of) + "Y"
     ('\\\\epsilon^{3} Y', 'Y')
@@ -214,19 +216,23 @@ def power_of(symbol: Symbol, exponent: int, printed: Printed) -> str:
 
 
 def idle_loss(kind: str, value: Expr) -> str:
-    """What is said of a loss without a term in the equation that is derived."""
+    """Return the message for a loss that contributes no term to the derived equation."""
     return f"{kind} loss {text_of(value)} does not enter at this order"
 
 
 def bracketed(expression: Expr, printed: Printed) -> str:
-    """A constant as a factor: a sum in brackets."""
+    """Return a constant as a factor, a sum in brackets."""
     text = printed(expression)
     return f"({text})" if expression.is_Add else text
 
 
-def derived(product: str, below: str, printed: Printed) -> str:
-    """A product in brackets, under derivatives."""
-    return f"({product})_{below}" if printed is text_of else rf"\left({product}\right)_{{{below}}}"
+def derived(product: str, subscript: str, printed: Printed) -> str:
+    """Return a product in brackets, with a subscript of derivatives."""
+    return (
+        f"({product})_{subscript}"
+        if printed is text_of
+        else rf"\left({product}\right)_{{{subscript}}}"
+    )
 
 
 def _product(size: Expr, monomial: str, printed: Printed) -> str:
@@ -240,6 +246,6 @@ def _product(size: Expr, monomial: str, printed: Printed) -> str:
 
 
 def aligned(rows: Sequence[tuple[str, str]]) -> str:
-    """A LaTeX ``aligned`` block of (label, equation) rows, the label before the ampersand."""
+    """Return a LaTeX ``aligned`` block of (label, equation) rows."""
     body = " \\\\\n".join(f"{label}&\\quad {equation}" for label, equation in rows)
     return f"\\begin{{aligned}}\n{body}\n\\end{{aligned}}"

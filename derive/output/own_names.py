@@ -1,4 +1,4 @@
-"""How constants are written: names of an output beside a lattice's own, powers joined."""
+"""Names in an output that avoid those of a lattice, and joined powers."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from sympy import Expr, Pow, powsimp
 
 
 def unused(name: str, taken: Collection[str]) -> str:
-    """A name of the output, with a tilde where a constant or field of the lattice has it.
+    """Return a name, with a tilde if a constant or field of the lattice has it.
 
     >>> unused("F2", {"K2"}), unused("F2", {"F2"})
     ('F2', 'F2~')
@@ -18,7 +18,7 @@ def unused(name: str, taken: Collection[str]) -> str:
 
 
 def marked(text: str, names: Iterable[str], taken: Collection[str]) -> str:
-    """A text of the output with its ``names`` `unused`.
+    """Return a text with its ``names`` made `unused`.
 
     >>> marked("Y(X, T) = h U(a X, b T)", "abh", {"a", "K"})
     'Y(X, T) = h U(a~ X, b T)'
@@ -29,7 +29,7 @@ def marked(text: str, names: Iterable[str], taken: Collection[str]) -> str:
 
 
 def joined_powers(value: Expr) -> Expr:
-    """The expression with powers of one symbol in one, where exponents are symbols.
+    """Return the expression with powers of one base combined, if exponents are symbolic.
 
     >>> from sympy import Symbol
     >>> d, p = Symbol("d", positive=True), Symbol("p", positive=True)

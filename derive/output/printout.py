@@ -30,7 +30,7 @@ from longwave.derive.output.derive_options import (
     DeriveOptions,
     count,
     given_constants,
-    varied,
+    measured_with_options,
 )
 from longwave.derive.output.notation import aligned, latex_of, text_of
 from longwave.derive.output.own_names import unused
@@ -45,11 +45,11 @@ from longwave.support.user_files import STANDARD_INPUT, shown
 MOST_ORDERS = 13
 
 LONG_RATIO = 1000
-"""Denominators of measured values beyond it are not printed as such."""
+"""Largest denominator of a measured value that is printed as a fraction."""
 
 
 def print_derivation(options: DeriveOptions) -> int:
-    """Print it; returns the exit status (1 if a check differs, 2 for wrong input)."""
+    """Print a derivation; return the exit status (1 if a check differs, 2 for wrong input)."""
     try:
         if options.check and options.form != "text":
             raise ValueError(f"--{options.form} must be left out with check, got it (it is text)")
@@ -85,24 +85,24 @@ def _lattice(model: str | None) -> Lattice:
 
 
 def _with_losses(lattice: Lattice, texts: Mapping[str, str]) -> Lattice:
-    """The lattice with losses by name: site and bond, site.u of a field, bond.2 of a bond."""
-    found: dict[str, Any] = {}
+    """Return the lattice with losses by name: site, bond, site.FIELD or bond.NUMBER."""
+    losses: dict[str, Any] = {}
     for name, value in texts.items():
-        kind, dot, of = name.partition(".")
-        if kind not in ("site", "bond") or (kind in found and not (dot and kind not in texts)):
+        kind, dot, part_name = name.partition(".")
+        if kind not in ("site", "bond") or (kind in losses and not (dot and kind not in texts)):
             raise ValueError(
                 f"--losses must name site and bond, or site.FIELD and bond.NUMBER, each once, got "
                 f"{shown(name)} (such as site=eps^3*gamma,bond=eps*eta)"
             )
-        found[kind] = {**found.get(kind, {}), of: value} if dot else value
-    return lattice.with_losses(**found) if found else lattice
+        losses[kind] = {**losses.get(kind, {}), part_name: value} if dot else value
+    return lattice.with_losses(**losses) if losses else lattice
 
 
 # long waves
 
 
 def _linear_lattice_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[str]:
-    """The waves of a linear chain: branches as formulas, and in numbers where all are given."""
+    """Yield the waves of a linear chain: branches as formulas, and numbers if all are given."""
     waves, given = LinearWaves.of(lattice), given_constants(lattice, options)
     known = {*map(str, lattice.basic_constants)} == {*given}
     if unknown := sorted({*given} - {*map(str, lattice.basic_constants)}):
@@ -112,7 +112,15 @@ def _linear_lattice_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[
         branches = [text_of(value) for value in waves.branches]
         data = {"lattice": lattice.name, "equations": list(lattice.equations())}
         data |= {"relation": waves.relation(), "omega_squared": branches}
-        yield json.dumps({**data, "waves": [[text_of(at), found] for at, found in rows]}, indent=2)
+        yield json.dumps(
+            {
+                **data,
+                "waves": [
+                    [text_of(wavenumber), branch_values] for wavenumber, branch_values in rows
+                ],
+            },
+            indent=2,
+        )
     elif options.form == "latex":
         yield aligned([("", line) for line in waves.lines(latex_of)])
     else:
@@ -120,11 +128,18 @@ def _linear_lattice_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[
         yield "a linear lattice has no reduced equation; its waves exp(i (k n - omega t)):"
         yield from (f"  {line}" for line in waves.lines())
         if rows:
-            places = range(len(rows[0][1]))
-            heads = ["k", *(h for i in places for h in (f"omega {i}", f"d omega {i}/dk"))]
+            branch_numbers = range(len(rows[0][1]))
+            heads = ["k", *(h for i in branch_numbers for h in (f"omega {i}", f"d omega {i}/dk"))]
             yield "  " + "  ".join(f"{head:>14}" for head in heads)
-        for at, found in rows:
-            cells = [text_of(at), *("meet" if v is None else f"{v:.10g}" for f in found for v in f)]
+        for wavenumber, branch_values in rows:
+            cells = [
+                text_of(wavenumber),
+                *(
+                    "meet" if entry is None else f"{entry:.10g}"
+                    for pair in branch_values
+                    for entry in pair
+                ),
+            ]
             yield "  " + "  ".join(f"{cell:>14}" for cell in cells)
 
 
@@ -134,7 +149,7 @@ def _reduction_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[str]:
         yield from _linear_lattice_lines(lattice, options)
         return
     try:
-        reduction, values, refused = _long_wave(lattice, options)
+        reduction, values, refusal = _long_wave(lattice, options)
     except ReductionError as error:
         if lattice.missing_energies:
             raise ReductionError(
@@ -156,9 +171,11 @@ def _reduction_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[str]:
         yield f"{lattice.name}: {reduction.pde.kind}: {reduction.pde.text()}"
         yield from map(Check.text, checks_of_reduction(reduction))
         return
-    measured, word = varied(lattice, reduction.lattice.basic_constants, values, options)
+    measured, note = measured_with_options(
+        lattice, reduction.lattice.basic_constants, values, options
+    )
     intervals = {} if measured is None else intervals_of_reduction(reduction, measured)
-    numbers = list(_number_lines(reduction, values, intervals, word))
+    numbers = list(_number_lines(reduction, values, intervals, note))
     is_paper = reduction.lattice == FPUT_STRAIN and reduction.scaling == Scaling()
     if options.form == "json":
         data = reduction_data(reduction, values)
@@ -180,44 +197,51 @@ def _reduction_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[str]:
             crest = unused("a", taken)
             yield f"amplitude law of a soliton's crest {crest}: {law.text_beside(taken)}"
         yield from numbers
-        if refused:
+        if refusal:
             scaling = reduction.scaling
             yield f"found: amplitude {scaling.amplitude}, time {scaling.time}, as the usual ansatz"
-            yield f"  is refused: {refused}"
+            yield f"  is refused: {refusal}"
 
 
 def _long_wave(
     lattice: Lattice, options: DeriveOptions
 ) -> tuple[Reduction, Mapping[str, Expr], str]:
-    """The reduction, the constants that are left in it with their values, and what was refused.
+    """Return the reduction, its remaining constants with values, and why the usual one failed.
 
-    Under the usual ansatz constants are symbols, but for those that are small.  Where the values
-    refuse it, all are put in beforehand, as a scene does, and what balances then is found.
+    Under the usual ansatz constants are symbols, except small ones.  If the values contradict it,
+    all are substituted first, as in a scene, and a balanced ansatz is searched.
     """
     given = given_constants(lattice, options)
-    space, along = _space(lattice, options, given)
+    space, direction_values = _space(lattice, options, given)
     unfelt = {*map(str, lattice.unfelt_constants)}
-    small = {n: value for n, value in given.items() if value.has(eps) or n in unfelt}
-    left = {**{name: value for name, value in given.items() if name not in small}, **along}
-    symbolic = _Ansatz.of(lattice, options, space, small)
-    usual, refused = None, ""
+    substituted = {n: value for n, value in given.items() if value.has(eps) or n in unfelt}
+    remaining = {
+        **{name: value for name, value in given.items() if name not in substituted},
+        **direction_values,
+    }
+    symbolic = _Ansatz.of(lattice, options, space, substituted)
+    usual, refusal = None, ""
     try:
         is_paper = options.model in (None, FPUT_STRAIN.name)
-        usual = _admitted(symbolic.usual(is_paper=is_paper), left)
+        usual = _admitted(symbolic.usual(is_paper=is_paper), remaining)
     except ValueError as error:
         if symbolic.is_stated or not given:
             raise
-        refused = str(error)
+        refusal = str(error)
     if usual is None or not (usual.is_balanced or symbolic.is_stated or not given):
         with suppress(ValueError):
-            return _Ansatz.of(lattice, options, space, given).found(along), along, refused
+            return (
+                _Ansatz.of(lattice, options, space, given).found(direction_values),
+                direction_values,
+                refusal,
+            )
     if usual is None:
-        raise ValueError(refused)
-    return usual, left, ""
+        raise ValueError(refusal)
+    return usual, remaining, ""
 
 
 def _admitted(reduction: Reduction, values: Mapping[str, Expr]) -> Reduction:
-    """The reduction; ValueError where it does not hold for the values."""
+    """Return the reduction. Raises ValueError if it does not hold for the values."""
     reduction.coefficients(**values)
     if reduction.has_normal_form:
         reduction.normal_form(**values)
@@ -226,7 +250,7 @@ def _admitted(reduction: Reduction, values: Mapping[str, Expr]) -> Reduction:
 
 @dataclass(frozen=True)
 class _Ansatz:
-    """A lattice about a mean, and what is stated of its ansatz: None where it is to be found."""
+    """A lattice about a mean, and what is given of its ansatz; None has to be found."""
 
     lattice: Lattice
     mean: Expr
@@ -243,7 +267,7 @@ class _Ansatz:
         space: tuple[SlowVariable, ...],
         constants: Mapping[str, Expr],
     ) -> _Ansatz:
-        """The ansatz that the options state, with constants put in."""
+        """Return the ansatz that the options give, with constants substituted."""
         return cls(
             *about_mean(lattice, options.background or 0, constants),
             space,
@@ -254,13 +278,13 @@ class _Ansatz:
 
     @property
     def is_stated(self) -> bool:
-        """Whether nothing is to be found."""
+        """Whether amplitude and time are given."""
         return self.amplitude is not None and self.time is not None
 
     def usual(self, *, is_paper: bool) -> Reduction:
-        """Under the paper's ansatz on its lattice, or else the first that balances.
+        """Reduce under the paper's ansatz on its lattice, else under the first balanced one.
 
-        Where one of amplitude and time is given the other is the usual one.
+        If only one of amplitude and time is given, the other has its usual value.
         """
         nothing_stated = self.amplitude is None and self.time is None
         if is_paper and nothing_stated and not self.mean:
@@ -268,8 +292,8 @@ class _Ansatz:
         _check_cost(self.lattice, FURTHER_ORDERS)
         if nothing_stated:
             further = FURTHER_ORDERS if self.orders is None else 0
-            found = best_balance(self.lattice, self.mean, further, self.space)
-            return found if self.orders is None else self._reduced(found.scaling)
+            balanced = best_balance(self.lattice, self.mean, further, self.space)
+            return balanced if self.orders is None else self._reduced(balanced.scaling)
         scaling = Scaling()
         if self.lattice.dimension > 1:
             scaling = best_balance(self.lattice, self.mean, space=self.space).scaling
@@ -279,9 +303,9 @@ class _Ansatz:
         return self._reduced(Scaling(amplitude, scaling.space, time, background))
 
     def found(self, values: Mapping[str, Expr]) -> Reduction:
-        """The first that balances and admits the values; ValueError if there is none."""
-        asked = (self.mean, self.amplitude, self.time)
-        for candidate in find_scaling(self.lattice, *asked, space=self.space):
+        """Return the first balanced reduction that admits the values. Raises ValueError if none."""
+        arguments = (self.mean, self.amplitude, self.time)
+        for candidate in find_scaling(self.lattice, *arguments, space=self.space):
             with suppress(ValueError):
                 return _admitted(self._reduced(candidate.scaling), values)
         raise ReductionError(f"no ansatz of {self.lattice.name} admits the constants")
@@ -295,14 +319,14 @@ class _Ansatz:
 def _space(
     lattice: Lattice, options: DeriveOptions, values: Mapping[str, Expr]
 ) -> tuple[tuple[SlowVariable, ...], Mapping[str, Expr]]:
-    """The slow variables of the direction that is asked for, and the values that it has."""
+    """Return the slow variables of the requested direction, and the values it determines."""
     if options.direction is None:
         return (), {}
-    space, along = slow_variables(lattice, read_direction(options.direction))
-    for name in (*along, *([str(DRIFT)] if along else [])):
+    space, direction_values = slow_variables(lattice, read_direction(options.direction))
+    for name in (*direction_values, *([str(DRIFT)] if direction_values else [])):
         if name in values:
             raise ValueError(f"{name} must not be given, got {values[name]} (--direction gives it)")
-    return space, along
+    return space, direction_values
 
 
 def _check_cost(lattice: Lattice, further: int) -> None:
@@ -323,7 +347,7 @@ def _linear_lines(reduction: Reduction) -> Iterator[str]:
 
 
 def _decay_lines(reduction: Reduction) -> Iterator[str]:
-    """Complex frequencies of a chain with losses, and of the reduced equation."""
+    """Yield complex frequencies of a chain with losses, and of the reduced equation."""
     if not reduction.lattice.has_losses or reduction.lattice.dimension > 1:
         return
     yield from _frequency_lines(reduction.lattice, reduction.scaling.mean)
@@ -336,7 +360,7 @@ def _decay_lines(reduction: Reduction) -> Iterator[str]:
 
 
 def _frequency_lines(lattice: Lattice, mean: Expr) -> Iterator[str]:
-    """Complex frequencies of a lattice with losses; their formula is that of one field."""
+    """Yield complex frequencies of a lattice with losses, as formulas for one field only."""
     yield ""
     yield "linear waves with losses, exp(i (k n - omega t)):"
     if len(lattice.fields) > 1:
@@ -356,18 +380,18 @@ def _has_finite_losses(lattice: Lattice) -> bool:
 
 
 def _number_lines(
-    reduction: Reduction, values: Mapping[str, Expr], intervals: Mapping[str, Interval], word: str
+    reduction: Reduction, values: Mapping[str, Expr], intervals: Mapping[str, Interval], note: str
 ) -> Iterator[str]:
     def written(name: str, value: Expr) -> str:
         return intervals[name].text() if name in intervals else text_of(value)
 
     coefficients = reduction.coefficients(**values)
-    shown_value = _decimal if word else str
-    given = ", ".join(f"{name} = {shown_value(value)}" for name, value in values.items())
+    format_value = _decimal if note else str
+    given = ", ".join(f"{name} = {format_value(value)}" for name, value in values.items())
     yield ""
     yield f"coefficients{' at ' + given if given else ''}:"
-    if word:
-        yield f"  {word}"
+    if note:
+        yield f"  {note}"
     yield f"  c = {written('c', coefficients.c)}"
     for name, value in coefficients.terms.items():
         yield f"  of {name}: {written(name, value)}"
@@ -379,6 +403,6 @@ def _number_lines(
 
 
 def _decimal(value: Expr) -> str:
-    """A value, in 6 digits where it is a ratio of long integers."""
+    """Format a value, with 6 digits if it is a ratio of long integers."""
     is_long = value.is_Rational and value.q > LONG_RATIO
     return f"{float(value):.6g}" if is_long else str(value)

@@ -1,6 +1,6 @@
 """A reduction as text, LaTeX and JSON.
 
-In JSON a polynomial is ``{"text": ..., "terms": [...]}``; a term holds its jets and its coefficient
+In JSON a polynomial is ``{"text": ..., "terms": [...]}``; a term has its jets and its coefficient
 as numerator and denominator, each a list of [exponents, "p/q"] over the document's ``generators``.
 """
 
@@ -29,7 +29,7 @@ Data = dict[str, Any]
 
 
 def text_report(reduction: ReducedEquation) -> str:
-    """Ansatz, orders, conditions, reduced equation, corrections, one a line."""
+    """Return ansatz, orders, conditions, reduced equation and corrections as lines of text."""
     return "\n".join(_lines(reduction))
 
 
@@ -58,14 +58,14 @@ def _lines(reduction: ReducedEquation) -> Iterator[str]:
 
 
 def head_lines(lattice: Lattice) -> Iterator[str]:
-    """Title, equations of motion, and a word on forces that are no energy's."""
+    """Yield title, equations of motion, and messages on forces without an energy."""
     yield lattice.title
     yield from (f"  {line}" for line in lattice.equations())
     yield from (f"  not an energy: {line}" for line in lattice.missing_energies)
 
 
 def _slaved_lines(reduction: ReducedEquation) -> Iterator[str]:
-    """The first slaved term of each field behind the first."""
+    """Yield the first slaved term of each field after the first."""
     notation = replace(reduction.notation, unknown=reduction.wave)
     field = reduction.pde.flow.field
     unit = DifferentialPolynomial.monomial(field, ((0,) * len(notation.axes),))
@@ -74,10 +74,10 @@ def _slaved_lines(reduction: ReducedEquation) -> Iterator[str]:
         return power_of(eps, power, text_of)
 
     for name, (share, series) in list(reduction.slaved.items())[1:]:
-        first = next(iter(series.parts.items()), None)
-        wave = small(reduction.scaling.amplitude) + notation.text(share * unit)
-        yield f"{name} = {wave}" + (
-            f" + {small(first[0])}({notation.text(first[1])}) + ..." if first else ""
+        first_term = next(iter(series.parts.items()), None)
+        wave_text = small(reduction.scaling.amplitude) + notation.text(share * unit)
+        yield f"{name} = {wave_text}" + (
+            f" + {small(first_term[0])}({notation.text(first_term[1])}) + ..." if first_term else ""
         )
 
 
@@ -97,7 +97,7 @@ def _beyond(reduction: ReducedEquation) -> Iterator[str]:
 
 
 def latex_report(reduction: ReducedEquation, constants: Mapping[str, Number]) -> str:
-    """Orders, conditions, reduced equation and coefficients as one ``aligned`` block."""
+    """Return orders, conditions, reduced equation and coefficients as one ``aligned`` block."""
     rows = [
         (rf"\epsilon^{{{order}}}:", equation.latex())
         for order, equation in reduction.orders.items()
@@ -128,7 +128,7 @@ def latex_report(reduction: ReducedEquation, constants: Mapping[str, Number]) ->
 def reduction_data(
     reduction: ReducedEquation, constants: Mapping[str, Number] | None = None
 ) -> Data:
-    """The document: ansatz, orders, conditions, reduced equation, corrections, normal form.
+    """Return the document: ansatz, orders, conditions, reduced equation, corrections, normal form.
 
     Coefficients and normal form are those at ``constants`` (names to values).
     """
@@ -189,7 +189,7 @@ def _scaling_data(reduction: ReducedEquation) -> Data:
 
 
 def _number_data(reduction: ReducedEquation, constants: Mapping[str, Number]) -> Data:
-    """The coefficients at ``constants``, and the normal form if the equation is mKdV."""
+    """Return the coefficients at ``constants``, and the normal form if the equation has one."""
     data: Data = {"constants": {name: str(value) for name, value in constants.items()}}
     values = reduction.coefficients(**constants)
     terms = {name: text_of(value) for name, value in values.terms.items()}
@@ -201,7 +201,7 @@ def _number_data(reduction: ReducedEquation, constants: Mapping[str, Number]) ->
 
 
 def form_data(form: NormalForm) -> Data:
-    """A normal form as JSON-ready data."""
+    """Return a normal form as JSON-ready data."""
     return {
         "equation": form.equation,
         "normal_form": NORMAL_EQUATIONS[form.equation].text,
@@ -211,7 +211,7 @@ def form_data(form: NormalForm) -> Data:
 
 
 def polynomial_data(polynomial: DifferentialPolynomial, notation: Notation) -> Data:
-    """One polynomial as JSON-ready data."""
+    """Return one polynomial as JSON-ready data."""
     return {
         "text": notation.text(polynomial),
         "terms": [

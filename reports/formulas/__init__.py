@@ -1,1 +1,1 @@
-"""Formulas on the page: SymPy expressions as LaTeX displays that fit the line."""
+"""LaTeX displays of SymPy expressions and of typed formulas that fit the line."""

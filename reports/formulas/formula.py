@@ -1,9 +1,9 @@
-r"""Formulas on the page: SymPy expressions as LaTeX displays that fit the line.
+r"""SymPy expressions as LaTeX displays that fit the line.
 
-What functions take as arguments is named first (phases $\phi$, exponents $\eta$), then the
-complementary modulus and the elliptic functions of a common phase. Of what is still too wide, the
-repeated parts are named, then the fraction's numerator $N$ and denominator $D$. Every row is
-written out of nested fractions, as a product where that is shorter, and broken at its terms.
+Arguments of functions are named first (phases $\phi$, exponents $\eta$), then the complementary
+modulus and the elliptic functions of a common phase. If that is still too wide, repeated parts are
+named, then the fraction's numerator $N$ and denominator $D$. Every row is written without nested
+fractions, as a product if that is shorter, and broken at its terms.
 """
 
 from collections import Counter
@@ -32,34 +32,34 @@ from longwave.solutions.functions.jacobi import JacobiFunction
 from longwave.solutions.symbols import complementary_modulus, k, xi
 
 HEAVY = 55.0
-"""A formula with a row wider than this has its repeated parts named."""
+"""Width of a row above which the repeated parts of a formula are named."""
 
 COMPANION = 25.0
-"""A denominator wider than this is named where the numerator is, and the other way about."""
+"""Width above which a denominator is named if the numerator is, and vice versa."""
 
 STATED = 45.0
-"""Widest phase that is stated in the sentence behind the display."""
+"""Widest phase that is defined in the sentence after the display."""
 
 MARK = "MARK"
 
 EXPONENTIALS = (sp.exp, sp.sinh, sp.cosh, sp.tanh, sp.sech)
 
 ARGUMENTS = {"phi": (JacobiFunction, sp.sin, sp.cos), "eta": EXPONENTIALS}
-"""The letters of the arguments of functions."""
+"""Letters that name arguments, with the functions they belong to."""
 
 OFTEN = 2
-"""A part of a wide formula gets a name if it occurs this many times."""
+"""Number of occurrences for which a part of a wide formula gets a name."""
 
 WORTH = 10.0
-"""Narrowest part that gets a name for being repeated."""
+"""Narrowest repeated part that gets a name."""
 
 
 class Naming:
-    """An expression in which parts have names: `first`, and `parts` by their names.
+    """An expression with named parts: `first` is the whole, `parts` maps names to parts.
 
-    The names are dummies, called after the letter of their kind: phi and eta for what functions
-    take as arguments, k' for the complementary modulus, N and D for a numerator and denominator,
-    z for a phase that is repeated, P for any other part, and the elliptic functions' own.
+    The names are dummies, called by the letter of their kind: phi and eta for arguments of
+    functions, k' for the complementary modulus, N and D for a numerator and denominator, z for a
+    repeated phase, P for any other part; elliptic functions keep their own names.
     """
 
     def __init__(self, expression: sp.Expr) -> None:
@@ -77,11 +77,11 @@ class Naming:
 
     @property
     def rows(self) -> list[sp.Expr]:
-        """The expression and the named parts."""
+        """The expression, followed by the named parts."""
         return [self.first, *self.parts.values()]
 
     def whole(self) -> sp.Expr:
-        """Return the expression with all named parts put back."""
+        """Return the expression with all names replaced by their parts."""
         expression = self.first
         while expression.free_symbols & set(self.parts):
             expression = expression.xreplace(self.parts)
@@ -92,7 +92,7 @@ class Naming:
         self.parts = {name: part.xreplace(changes) for name, part in self.parts.items()}
 
     def _name(self, part: sp.Expr, letter: str) -> sp.Dummy:
-        """Return the part's name in that letter; a part without one becomes a new row."""
+        """Return the name of a part, with that letter; a part without a name becomes a new row."""
         for name, known in self.parts.items():
             if known == part:
                 return name
@@ -101,7 +101,7 @@ class Naming:
         return name
 
     def _name_modulus(self) -> None:
-        """Put k' for the square root of 1 - k**2, and its powers for those of 1 - k**2."""
+        """Write powers of 1 - k**2 as powers of k', the name of the square root of 1 - k**2."""
         if not self.first.has(complementary_modulus):
             return
         name = sp.Dummy("k'", positive=True)
@@ -111,7 +111,7 @@ class Naming:
         self.parts[name] = complementary_modulus
 
     def _name_arguments(self) -> None:
-        """Name what functions take as arguments, up to sign and a constant shift."""
+        """Name the arguments of functions, up to sign and a constant shift."""
         for letter, kinds in ARGUMENTS.items():
             changes: dict[sp.Expr, sp.Expr] = {}
             bases: list[sp.Expr] = []
@@ -125,7 +125,7 @@ class Naming:
                 self._name_phase_in_sums(base, self._name(base, letter))
 
     def _name_phase_in_sums(self, phase: sp.Expr, name: sp.Dummy) -> None:
-        """Put the name for number multiples of the phase that are parts of sums."""
+        """Replace numerical multiples of a phase within sums by multiples of its name."""
         while changes := {
             total: changed
             for total in self.first.atoms(sp.Add)
@@ -134,7 +134,7 @@ class Naming:
             self.first = self.first.xreplace(changes)
 
     def _name_functions(self) -> None:
-        """Name the elliptic functions of which each kind has one argument."""
+        """Name each elliptic function that occurs with one argument only."""
         nodes = list(
             dict.fromkeys(node for row in self.rows for node in atoms(row, JacobiFunction))
         )
@@ -148,15 +148,15 @@ class Naming:
         self.parts |= {name: node for node, name in names.items()}
 
     def _name_what_is_repeated(self) -> None:
-        """Name the sums and roots that occur often, the widest first, in all rows."""
+        """Name the sums and roots that occur often in all rows, the widest first."""
         while True:
             counted: Counter[sp.Expr] = Counter()
             for row in self.rows:
                 counted.update(occurrences(row))
                 counted[row] -= 1
-            often = (part for part, times in counted.items() if times >= OFTEN)
-            worth = (part for part in often if is_wide(part, WORTH) or is_phase(part))
-            part = max(worth, key=size, default=None)
+            repeated = (part for part, times in counted.items() if times >= OFTEN)
+            wide_enough = (part for part in repeated if is_wide(part, WORTH) or is_phase(part))
+            part = max(wide_enough, key=size, default=None)
             if part is None:
                 return
             name = sp.Dummy("z" if is_phase(part) else "P", real=True)
@@ -180,11 +180,11 @@ class Naming:
     def _name_what_is_wide(self) -> None:
         """Name wide numerators, denominators and factors until every term fits the line."""
         self.first = self._shorten(self.first)
-        done: set[sp.Dummy] = set()
-        while rest := [name for name in self.parts if name not in done]:
+        finished: set[sp.Dummy] = set()
+        while rest := [name for name in self.parts if name not in finished]:
             for name in rest:
                 self.parts[name] = self._shorten(self.parts[name])
-                done.add(name)
+                finished.add(name)
 
     def _shorten(self, expression: sp.Expr) -> sp.Expr:
         terms = sp.Add.make_args(expression)
@@ -194,16 +194,16 @@ class Naming:
 
     def _shortened_term(self, term: sp.Expr) -> sp.Expr:
         """Name the term's sums, the widest first, until it fits; N and D in a fraction."""
-        below = sp.fraction(term, exact=True)[1]
+        denominator = sp.fraction(term, exact=True)[1]
         for part in sorted(sums(term), key=size, reverse=True):
-            whole_fraction = below != 1 and is_wide(part, COMPANION) and term.atoms(sp.Dummy)
+            whole_fraction = denominator != 1 and is_wide(part, COMPANION) and term.atoms(sp.Dummy)
             if is_wide(tidied(term), HEAVY) or whole_fraction:
-                letter = "D" if below.has(part) else "N" if below != 1 else "P"
+                letter = "D" if denominator.has(part) else "N" if denominator != 1 else "P"
                 term = term.xreplace({part: self._name(part, letter)})
         return term
 
     def _inline(self) -> None:
-        """Put back what is used once and leaves its row on one line."""
+        """Expand names that are used once if their row still fits one line."""
         for name in [name for name in self.parts if name.name == "P"]:
             users = [row for row in self.rows if row.has(name)]
             if len(users) == 1 and list(sp.preorder_traversal(users[0])).count(name) == 1:
@@ -214,7 +214,7 @@ class Naming:
 
 
 def shared_arguments(expression: sp.Expr) -> bool:
-    """Tell whether functions share an argument that is no symbol."""
+    """Return whether functions share an argument that is more than a symbol."""
     counted = Counter(
         node.args[0] for node in expression.atoms(sp.Function, sp.exp) if not node.args[0].is_Atom
     )
@@ -222,28 +222,30 @@ def shared_arguments(expression: sp.Expr) -> bool:
 
 
 Change = Callable[[sp.Dummy], sp.Expr]
-"""A function in terms of its argument's name."""
+"""Map from the name of a function's argument to the function."""
 
 
 def based(node: sp.Expr, bases: Iterable[sp.Expr]) -> tuple[sp.Expr, Change]:
-    """Return what to name in a function's argument, and the function in terms of the name."""
+    """Return the base to name in a function's argument, and the function in terms of the name."""
     argument, *rest = node.args
     shifts = ((base, sign, argument - sign * base) for base in bases for sign in (1, -1))
     number, factor = argument.as_coeff_Mul()
     if runs_left(factor):
         number, factor = -number, -factor
     unshifted = factor, number, sp.S.Zero
-    base, number, shift = next((one for one in shifts if not one[2].has(xi)), unshifted)
+    base, number, shift = next(
+        (shift_option for shift_option in shifts if not shift_option[2].has(xi)), unshifted
+    )
     return base, lambda name: node.func(number * name + shift, *rest)
 
 
 def atoms(expression: sp.Expr, *kinds: type[sp.Expr]) -> list[sp.Expr]:
-    """Return the parts of these kinds, in the same order each time."""
+    """Return the parts of these types, in a reproducible order."""
     return sorted(expression.atoms(*kinds), key=sp.default_sort_key)
 
 
 def with_phase(total: sp.Expr, phase: sp.Expr, name: sp.Dummy) -> sp.Expr | None:
-    """Return the sum with the name for a number times the phase; None if that is no part of it."""
+    """Return the sum with a multiple of the phase replaced by its name; None if it has none."""
     number = total.coeff(xi)
     scaled = {number * term for term in sp.Add.make_args(phase)}
     if not number or not number.is_number or not scaled <= set(total.args):
@@ -253,24 +255,24 @@ def with_phase(total: sp.Expr, phase: sp.Expr, name: sp.Dummy) -> sp.Expr | None
 
 @cache
 def occurrences(expression: sp.Expr) -> Counter[sp.Expr]:
-    """Count the sums and square roots in the expression that depend on something."""
-    found: Counter[sp.Expr] = Counter()
+    """Count the sums and square roots in the expression that contain symbols."""
+    counts: Counter[sp.Expr] = Counter()
     for arg in expression.args:
-        found.update(occurrences(arg))
+        counts.update(occurrences(arg))
     root = expression.is_Pow and expression.exp == sp.Rational(1, 2)
     if expression.free_symbols and (expression.is_Add or root):
-        found[expression] += 1
-    return found
+        counts[expression] += 1
+    return counts
 
 
 def sums(term: sp.Expr) -> list[sp.Expr]:
-    """Return the sums that are factors of the term, or below a factor's power."""
+    """Return the sums that are factors of the term, or bases of its factors."""
     bases = (factor.base if factor.is_Pow else factor for factor in sp.Mul.make_args(term))
     return [base for base in bases if base.is_Add]
 
 
 def product_roots(row: sp.Expr) -> Iterator[sp.Expr]:
-    """Yield the products of two sums or more whose power stands in the row."""
+    """Yield the products of at least two sums of which a power occurs in the row."""
     for node in atoms(row, sp.Mul):
         powers = node.as_coeff_Mul()[1].as_powers_dict()
         exponents = set(powers.values())
@@ -281,7 +283,7 @@ def product_roots(row: sp.Expr) -> Iterator[sp.Expr]:
 
 
 def divided(node: sp.Expr, product: sp.Expr, name: sp.Dummy) -> sp.Expr | None:
-    """Return the node with the product's power as that of the name; None if it is no factor."""
+    """Return the node with powers of the product replaced by the name; None if it is no factor."""
     powers = node.as_powers_dict()
     exponents = {powers.get(base, sp.S.Zero) for base in sp.Mul.make_args(product)}
     if len(exponents) != 1 or not (power := exponents.pop()).is_positive:
@@ -290,18 +292,17 @@ def divided(node: sp.Expr, product: sp.Expr, name: sp.Dummy) -> sp.Expr | None:
 
 
 class Formula:
-    """A formula in rows: the expression first, then the parts of it that were given names.
+    """A formula in rows: the expression first, then its named parts.
 
-    `stated` holds the parts by their names; putting them back into its first row restores the
-    expression. What is printed is `tidied` row by row, the same rational function of the names
-    and functions in it.
+    `stated` holds the parts by name; substituting them into its first row restores the expression.
+    Each row is printed as `tidied`: the same rational function of its names and functions.
     """
 
     def __init__(self, expression: sp.Expr) -> None:
         self.stated = Naming(expression)
 
     def latex(self, left: str) -> str:
-        r"""Return the display and, if parts are short, a sentence; `left` is the left-hand side.
+        r"""Return the display, and a sentence for short parts; `left` is the left-hand side.
 
         >>> x = sp.Symbol("x")
         >>> print(Formula(2 * x + 1).latex("U"))
@@ -311,14 +312,14 @@ class Formula:
         """
         rows = [(left, self.printed_first)]
         short, functions = [], []
-        for name, (letter, shown) in self.printed_parts.items():
+        for name, (letter, expression) in self.printed_parts.items():
             part = self.stated.parts[name]
             if isinstance(part, JacobiFunction):
-                functions.append((letter, shown))
+                functions.append((letter, expression))
             elif name.name not in "NDP" and width(part) < STATED:
-                short.append(f"${latex(letter)} = {latex(shown)}$")
+                short.append(f"${latex(letter)} = {latex(expression)}$")
             else:
-                rows.append((latex(letter), shown))
+                rows.append((latex(letter), expression))
         lines = [line for row in rows for line in _lines(*row)]
         clauses = [", ".join(short), *_functions_stated(functions)]
         where = "; ".join(filter(None, clauses))
@@ -326,12 +327,12 @@ class Formula:
 
     @property
     def printed_first(self) -> sp.Expr:
-        """What is printed for the expression."""
+        """The expression as it is printed, with its named parts as letters."""
         return tidied(self.stated.first).xreplace(self.letters)
 
     @property
     def printed_parts(self) -> dict[sp.Dummy, tuple[sp.Dummy, sp.Expr]]:
-        """Return for each part its printed name and what is printed for it, in reading order."""
+        """Return each part's printed letter and printed expression, in reading order."""
         return {
             name: (self.letters[name], tidied(part).xreplace(self.letters))
             for name, part in self._in_reading_order()
@@ -339,38 +340,40 @@ class Formula:
 
     @cached_property
     def letters(self) -> dict[sp.Dummy, sp.Dummy]:
-        """The names as printed: numbered where a letter stands for several parts.
+        """Printed letters of the names, numbered if a letter names several parts.
 
-        A letter that the expression has as a symbol gets a hat.
+        A letter that is also a symbol of the expression gets a hat.
         """
         order = [name for name, _ in self._in_reading_order()]
         counts = Counter(name.name for name in order)
         taken = {symbol.name for symbol in self.stated.whole().free_symbols}
-        seen: Counter[str] = Counter()
+        used: Counter[str] = Counter()
         letters = {}
         for name in order:
             letter = name.name
-            seen[letter] += 1
-            index = f"_{seen[letter]}" if counts[letter] > 1 else ""
+            used[letter] += 1
+            index = f"_{used[letter]}" if counts[letter] > 1 else ""
             hat = rf"\hat{{{letter}}}" if letter + index in taken else letter
             letters[name] = sp.Dummy(hat + index)
         return letters
 
     def _in_reading_order(self) -> Iterator[tuple[sp.Dummy, sp.Expr]]:
-        """Yield the parts in the order in which a reader meets their names."""
-        met: list[sp.Dummy] = []
+        """Yield names and parts in the order in which a reader meets the names."""
+        ordered: list[sp.Dummy] = []
         rows = [self.stated.first]
         while rows:
             row = rows.pop(0)
-            found = [name for name in self.stated.parts if name not in met and row.has(name)]
-            found.sort(key=lambda name: _place(name, row))
-            met += found
-            rows += [self.stated.parts[name] for name in found]
-        yield from ((name, self.stated.parts[name]) for name in met)
+            new_names = [
+                name for name in self.stated.parts if name not in ordered and row.has(name)
+            ]
+            new_names.sort(key=lambda name: _place(name, row))
+            ordered += new_names
+            rows += [self.stated.parts[name] for name in new_names]
+        yield from ((name, self.stated.parts[name]) for name in ordered)
 
 
 def _functions_stated(functions: list[tuple[sp.Dummy, sp.Expr]]) -> list[str]:
-    """Return which functions are taken at which argument."""
+    """Return clauses that say at which argument each elliptic function is taken."""
     arguments = dict.fromkeys(function.args[0] for _, function in functions)
     ordered = sorted(functions, key=lambda pair: FUNCTION_ORDER.index(pair[0].name))
     return [
@@ -381,13 +384,13 @@ def _functions_stated(functions: list[tuple[sp.Dummy, sp.Expr]]) -> list[str]:
 
 
 def _place(name: sp.Dummy, row: sp.Expr) -> int:
-    """Return where the name stands in the printed row."""
+    """Return the position of the name in the printed row."""
     marked = latex(tidied(row).xreplace({name: sp.Dummy(MARK)}))
     return marked.index(MARK)
 
 
 def _lines(left: str, expression: sp.Expr) -> Iterator[str]:
-    """Yield the lines of `left = expression`, a wide sum broken at its terms."""
+    """Yield the lines of `left = expression`; a wide sum is broken at its terms."""
     first, *rest = broken(expression)
     yield f"{left} &= {first}"
     for line in rest:
@@ -395,7 +398,7 @@ def _lines(left: str, expression: sp.Expr) -> Iterator[str]:
 
 
 def broken(expression: sp.Expr) -> list[str]:
-    """Return the expression's LaTeX in lines, a sum being broken before a term's sign."""
+    """Return the expression's LaTeX in lines; a sum is broken before the sign of a term."""
     if not expression.is_Add or not is_wide(expression):
         return [latex(expression)]
     lines: list[list[sp.Expr]] = [[]]

@@ -1,8 +1,8 @@
-r"""LaTeX of SymPy expressions as the field writes them, how wide it is, and narrower forms.
+r"""LaTeX of SymPy expressions in the field's notation, its width, and narrower forms.
 
 Sums begin with the phase's $\xi$ or the highest power; products put parameters before variables,
-functions last; derivatives are subscripts, and elliptic functions carry the modulus. A row of a
-formula is tidied to have no nested fractions, or to be a product where that is shorter.
+functions last; derivatives are subscripts, and elliptic functions show the modulus. A row of a
+formula is tidied: it has no nested fractions, or is a product if that is shorter.
 """
 
 import enum
@@ -16,11 +16,11 @@ from sympy.printing.latex import LatexPrinter
 from longwave.solutions.symbols import tau, xi
 
 FUNCTION_ORDER = (r"\mathrm{sn}", r"\mathrm{cn}", r"\mathrm{dn}", r"\mathcal{E}", r"\mathrm{Z}")
-"""Elliptic functions in the order in which they stand in a product; others follow."""
+"""Elliptic functions in their order within a product; others follow."""
 
 
 class Kind(enum.IntEnum):
-    """Kinds of factors in the order of a product."""
+    """Kinds of factors, in their order within a product."""
 
     NUMBER = enum.auto()
     PARAMETER = enum.auto()
@@ -40,7 +40,7 @@ def function_name(function: sp.Expr) -> str:
 
 
 def ordered_terms(total: sp.Expr) -> list[sp.Expr]:
-    """Return a sum's terms as they are printed, a positive one first where an end has one.
+    """Return a sum's terms in printing order; a positive term comes first if one is at an end.
 
     >>> k = sp.Symbol("k")
     >>> ordered_terms(k**2 - 1 + k), ordered_terms(1 - k**2), ordered_terms(tau * k + xi)
@@ -58,7 +58,7 @@ def ordered_terms(total: sp.Expr) -> list[sp.Expr]:
 
 
 def is_linear(total: sp.Expr) -> bool:
-    """Tell whether the expression is of first degree in xi and tau."""
+    """Return whether the expression is of first degree in xi and tau."""
     if not total.has(xi):
         return False
     slopes = [term.as_independent(xi, tau)[1] for term in sp.Add.make_args(total)]
@@ -66,17 +66,17 @@ def is_linear(total: sp.Expr) -> bool:
 
 
 def is_phase(total: sp.Expr) -> bool:
-    """Tell whether the expression is of first degree in xi and tau, without named parts."""
+    """Return whether the expression is of first degree in xi and tau, without named parts."""
     return is_linear(total) and not total.atoms(sp.Dummy)
 
 
 def runs_left(argument: sp.Expr) -> bool:
-    """Tell whether a sum falls with xi."""
+    """Return whether an argument is a sum in which xi has a negative coefficient."""
     return bool(argument.is_Add and argument.coeff(xi).is_negative)
 
 
 def _degree_rank(term: sp.Expr) -> tuple[object, ...]:
-    """Fractions last, a named phase first, then by falling powers of tau, of xi, of all."""
+    """Return a sort key of terms: fractions last, a named phase first, then falling powers."""
     numerator, denominator = sp.fraction(term, exact=True)
     powers = numerator.as_powers_dict()
     phase = any(isinstance(base, sp.Dummy) and base.name.startswith("phi") for base in powers)
@@ -85,7 +85,7 @@ def _degree_rank(term: sp.Expr) -> tuple[object, ...]:
 
 
 def _degree(expression: sp.Expr) -> float:
-    """Return the total degree, every function counting as one variable."""
+    """Return the total degree; every function counts as one variable."""
     if expression.is_Add:
         return max(_degree(term) for term in expression.args)
     if expression.is_Mul:
@@ -131,7 +131,7 @@ NAMES: dict[type[sp.Expr], str] = {
     sp.sin: r"\sin", sp.cos: r"\cos", sp.sinh: r"\sinh", sp.cosh: r"\cosh", sp.tanh: r"\tanh",
     sp.sech: r"\mathrm{sech}",
 }  # fmt: skip
-"""Names of functions that stand before a single symbol without brackets."""
+"""Functions written without brackets before a single symbol, and their LaTeX."""
 
 
 def latex(expression: sp.Basic) -> str:
@@ -146,7 +146,7 @@ def latex(expression: sp.Basic) -> str:
 
 
 def sum_latex(terms: Iterable[sp.Expr]) -> str:
-    """Return the LaTeX of the terms' sum, in the order given."""
+    """Return the LaTeX of the terms' sum, in the given order."""
     text = ""
     for term in terms:
         negative = bool(term.as_coeff_Mul()[0].is_negative)
@@ -157,7 +157,7 @@ def sum_latex(terms: Iterable[sp.Expr]) -> str:
 
 
 def is_even(function: sp.Expr) -> bool:
-    """Tell whether the function's sign does not depend on that of its first argument."""
+    """Return whether the function is even in its first argument."""
     parity = getattr(function, "parity", 0)
     return parity == 1 or isinstance(function, sp.cos | sp.cosh | sp.sech)
 
@@ -167,15 +167,15 @@ def _has_fraction(total: sp.Expr) -> bool:
 
 
 def _product(factors: list[str]) -> str:
-    """Return the factors side by side, a function's name with a space before it."""
+    """Return the factors side by side, with a space before a function's name."""
     return " ".join(
-        rf"\, {factor}" if place and factor.startswith((r"\mathrm", r"\mathcal")) else factor
-        for place, factor in enumerate(factors)
+        rf"\, {factor}" if index and factor.startswith((r"\mathrm", r"\mathcal")) else factor
+        for index, factor in enumerate(factors)
     )
 
 
 class _Printer(LatexPrinter):
-    """SymPy's printer with the field's order and names."""
+    """SymPy's LaTeX printer with the field's order and names."""
 
     printmethod = "_paper_latex"
 
@@ -195,14 +195,14 @@ class _Printer(LatexPrinter):
         return _product(texts if coefficient == 1 else [self._print(coefficient), *texts])
 
     def _fraction(self, numerator: sp.Expr, denominator: sp.Expr) -> str:
-        """A numerator's sums of fractions stand behind the fraction."""
+        """Return the LaTeX of a fraction; sums of fractions in its numerator stand after it."""
         if numerator.as_coeff_Mul()[0].is_negative:
             return f"- {self._fraction(-numerator, denominator)}"
         factors = sp.Mul.make_args(numerator)
-        behind = [factor for factor in factors if factor.is_Add and _has_fraction(factor)]
-        above = sp.Mul(*(factor for factor in factors if factor not in behind))
-        text = rf"\frac{{{self._print(above)}}}{{{self._print(denominator)}}}"
-        return " ".join([text, *map(self._factor, behind)])
+        fraction_sums = [factor for factor in factors if factor.is_Add and _has_fraction(factor)]
+        remaining_numerator = sp.Mul(*(factor for factor in factors if factor not in fraction_sums))
+        text = rf"\frac{{{self._print(remaining_numerator)}}}{{{self._print(denominator)}}}"
+        return " ".join([text, *map(self._factor, fraction_sums)])
 
     def _factor(self, factor: sp.Expr) -> str:
         text = str(self._print(factor))
@@ -241,14 +241,14 @@ class _Printer(LatexPrinter):
 
 
 def equation_latex(residual: sp.Expr, unknown: sp.Expr, time: sp.Symbol) -> str:
-    """Return ``residual = 0``: the time derivative first, then by falling degree."""
+    """Return the LaTeX of ``residual = 0``: time derivative first, then by falling degree."""
 
-    def rank(term: sp.Expr) -> tuple[bool, int]:
+    def sort_key(term: sp.Expr) -> tuple[bool, int]:
         powers = term.as_powers_dict()
         degree = sum(int(powers[base]) for base in powers if base.has(unknown.func))
         return not any(time in d.variables for d in term.atoms(sp.Derivative)), -degree
 
-    return f"{sum_latex(sorted(sp.Add.make_args(residual), key=rank))} = 0"
+    return f"{sum_latex(sorted(sp.Add.make_args(residual), key=sort_key))} = 0"
 
 
 def joined(lines: Sequence[str]) -> str:
@@ -257,13 +257,13 @@ def joined(lines: Sequence[str]) -> str:
 
 
 NARROW = 0.7
-"""Width of a character in a sub- or superscript."""
+"""Width of a character in a sub- or superscript, in characters."""
 
 _TOKEN = re.compile(r"\\[a-zA-Z]+|\\.|\S")
 
 
 def measure(text: str) -> float:
-    r"""Return about how many characters wide the LaTeX is when it is set.
+    r"""Return the approximate width of typeset LaTeX, in characters.
 
     >>> measure("x + y"), measure(r"\frac{x + y}{2}"), measure(r"\mathrm{sn}^{2}")
     (4.0, 4.0, 2.7)
@@ -281,7 +281,7 @@ def nesting(text: str) -> int:
 
 
 def _depth(tokens: list[str]) -> int:
-    """Return the depth of fractions in the tokens to the end of the group, using them up."""
+    """Return the depth of fractions up to the end of the group, consuming the tokens."""
     deepest = 0
     while tokens:
         token = tokens.pop(0)
@@ -298,7 +298,7 @@ def _depth(tokens: list[str]) -> int:
 
 
 def _measure(tokens: list[str]) -> float:
-    """Measure and use up the tokens to the end of the group."""
+    """Return the width up to the end of the group, consuming the tokens."""
     total = 0.0
     while tokens:
         token = tokens.pop(0)
@@ -309,7 +309,7 @@ def _measure(tokens: list[str]) -> float:
 
 
 def _width(token: str, tokens: list[str]) -> float:
-    """Measure one token, using up its arguments."""
+    """Return the width of one token, consuming its arguments."""
     if token == "{":
         return _measure(tokens)
     if token == r"\frac":
@@ -326,24 +326,24 @@ def _width(token: str, tokens: list[str]) -> float:
 
 
 LINE = 76.0
-"""Widest display line, in characters as `measure` counts them."""
+"""Widest line of a display, in characters as `measure` counts them."""
 
 HUGE = 200
-"""An expression of more nodes than this is wide; it is not printed to find out."""
+"""Number of nodes above which an expression is wide; it is not printed to measure it."""
 
 GAIN = 0.9
-"""A row is written in another form if that is narrower by this factor."""
+"""Factor by which another form of a row must be narrower to be chosen."""
 
 
 @cache
 def size(expression: sp.Expr) -> int:
-    """Return the number of nodes of the expression's tree."""
+    """Return the number of nodes in the expression's tree."""
     return 1 + sum(size(arg) for arg in expression.args)
 
 
 @cache
 def width(expression: sp.Expr) -> float:
-    """Return about how many characters wide the expression is when it is set.
+    """Return the approximate width of the typeset expression, in characters.
 
     >>> x, y = sp.symbols("x y")
     >>> width(x / (x + y))
@@ -353,13 +353,13 @@ def width(expression: sp.Expr) -> float:
 
 
 def is_wide(expression: sp.Expr, line: float = LINE) -> bool:
-    """Tell whether the expression needs more than one line."""
+    """Return whether the expression needs more than one line."""
     return size(expression) > HUGE or width(expression) > line
 
 
 @cache
 def tidied(row: sp.Expr) -> sp.Expr:
-    """Return the row, or an equal form of it with fewer nested fractions or less wide.
+    """Return the row, or an equal form that is narrower or has fewer nested fractions.
 
     Only rational operations on its symbols and functions are used.
     """
@@ -378,7 +378,7 @@ def tidied(row: sp.Expr) -> sp.Expr:
 
 
 def _tidied_inside(part: sp.Expr) -> sp.Expr:
-    """Return a term or factor with the sums in it tidied."""
+    """Return a term or factor with the sums inside it tidied."""
     if part.is_Add:
         return tidied(part)
     if part.is_Mul:
@@ -389,7 +389,7 @@ def _tidied_inside(part: sp.Expr) -> sp.Expr:
 
 
 def _content(factor: sp.Expr) -> tuple[sp.Expr, ...]:
-    """Return a sum's number factor, negative if all its terms are, and the rest."""
+    """Return a sum's numerical factor, negative if all its terms are, and the rest."""
     if not factor.is_Add:
         return (factor,)
     number, rest = factor.primitive()
@@ -399,12 +399,12 @@ def _content(factor: sp.Expr) -> tuple[sp.Expr, ...]:
 
 
 def _clumsiness(form: sp.Expr) -> tuple[int, float]:
-    """Return how deep fractions are nested, one level being none, and the width."""
+    """Return the nesting depth of fractions, at least 1, and the width; smaller is better."""
     return max(nesting(latex(form)), 1), width(form)
 
 
 def _forms(rational: sp.Expr) -> Iterator[sp.Expr]:
-    """Yield ways to write a rational expression; a sum's terms are not put on one fraction."""
+    """Yield equal forms of a rational expression; terms of a sum stay separate fractions."""
     if rational.is_polynomial():
         yield _factored(rational)
         content = _without_sign(sp.factor_terms(rational))
@@ -424,7 +424,7 @@ def _factored(rational: sp.Expr) -> sp.Expr:
 
 
 def _without_sign(product: sp.Expr) -> sp.Expr:
-    """Return the product with a minus sign moved into its sum, if that has more of them."""
+    """Return the product with its minus sign moved into a sum that is mostly negative."""
     for total in product.args if product.is_Mul else ():
         minus = sum(bool(term.as_coeff_Mul()[0].is_negative) for term in total.args)
         if total.is_Add and 2 * minus > len(total.args):

@@ -1,7 +1,7 @@
-r"""Formulas of texts as LaTeX, as they were typed: no term is moved, and lines break at signs.
+r"""LaTeX of typed formulas: terms keep their order, and lines break at plus and minus signs.
 
-Round brackets are no pair of \left and \right, so that TeX breaks a long formula at the plus and
-minus signs in them; a fraction, root or exponent that is too wide is written in one line instead.
+Round brackets are not \left and \right pairs, so that TeX can break a long formula at the signs
+inside them. A fraction, root or exponent that is too wide is written in one line instead.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from longwave.verify.proof.text_names import FUNCTIONS
 from longwave.verify.proof.typed_statement import Statement
 
 SUM, PRODUCT, POWER, ATOM = range(4)
-"""How strongly the outermost sign of a formula binds."""
+"""Binding strength of the outermost operation of a formula."""
 
 FRACTION, EXPONENT, ROOT = 48.0, 34.0, 34.0
 """Widest numerator, exponent and root, in characters; wider ones are written in one line."""
@@ -67,28 +67,28 @@ NAMES |= {
     "acosh": r"\operatorname{arcosh}",
     "atanh": r"\operatorname{artanh}",
 }
-"""Functions as LaTeX; another one-argument function is a letter of its own."""
+"""LaTeX of function names; other names are printed as symbols."""
 
 MODULAR = ("sn", "cn", "dn", "epsilon", "zeta", "eta", "theta")
-"""Jacobi functions, whose second argument is the parameter: of a square the modulus is written."""
+"""Jacobi functions whose second argument is the parameter; for k**2 the modulus k is printed."""
 
 LETTERS = {"I": "i", "pi": r"\pi", **{name: NAMES[f"jacobi_{name}"] for name in ("sn", "cn", "dn")}}
-"""Names that are not written as themselves."""
+"""LaTeX of names with a special meaning."""
 
 
 def typed_latex(formula: FormulaTree) -> str:
-    r"""The LaTeX of a formula.
+    r"""Return the LaTeX of a formula.
 
     >>> print(typed_text_latex("3*c**2/(1 - c**2)*sech(c*x/2)**2"))
     \frac{3 c^{2}}{1 - c^{2}} \operatorname{sech}^{2}\bigl(\frac{c x}{2}\bigr)
     >>> print(typed_text_latex("k*jacobi_cn(b*x, k**2)*exp(-I*t)"))
     k \operatorname{cn}(b x;k) e^{- i t}
     """
-    return _written(formula)[0]
+    return _latex_and_binding(formula)[0]
 
 
 def typed_text_latex(text: str) -> str:
-    """The LaTeX of a formula's text; raises FormulaError for what is none."""
+    """Return the LaTeX of a formula's text. Raises FormulaError if it cannot be parsed."""
     fields = {letter: sp.Function(letter)(*sp.symbols("x y z t")) for letter in "uvw"}
     variables = dict(zip("xyzt", sp.symbols("x y z t"), strict=True))
     words = Vocabulary(FUNCTIONS, variables=variables, fields=fields, unknown_name=sp.Symbol)
@@ -96,9 +96,9 @@ def typed_text_latex(text: str) -> str:
 
 
 def statement_parts(statement: Statement) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """The equations of a typed statement, with = 0 behind each, and its solutions.
+    """Return a typed statement's equations, each with "= 0", and its solutions, in LaTeX.
 
-    Behind the solutions are the names for parts of them.
+    The definitions of named parts follow the solutions. Both are empty without a typed text.
     """
     trees = statement.trees
     if trees is None:
@@ -111,8 +111,8 @@ def statement_parts(statement: Statement) -> tuple[tuple[str, ...], tuple[str, .
     return equations, (*solved, *named)
 
 
-def _written(formula: FormulaTree) -> tuple[str, int]:
-    """The LaTeX, and how strongly its outermost sign binds."""
+def _latex_and_binding(formula: FormulaTree) -> tuple[str, int]:
+    """Return the LaTeX, and the binding strength of its outermost operation."""
     match formula:
         case Number(value=value):
             return _number(value)
@@ -120,8 +120,8 @@ def _written(formula: FormulaTree) -> tuple[str, int]:
             return LETTERS.get(name) or symbol_latex(name), ATOM
         case Unknown(name=name, steps=steps, site=site, shift=shift):
             index = f"{site}{shift:+d}" if shift else site
-            below = ",".join(part for part in (index, "".join(steps)) if part)
-            return symbol_latex(name) + (f"_{{{below}}}" if below else ""), ATOM
+            subscript = ",".join(part for part in (index, "".join(steps)) if part)
+            return symbol_latex(name) + (f"_{{{subscript}}}" if subscript else ""), ATOM
         case Sum(parts=parts):
             return _sum(parts), SUM
         case Product(parts=parts):
@@ -136,19 +136,19 @@ def _written(formula: FormulaTree) -> tuple[str, int]:
 
 
 def _number(value: Fraction) -> tuple[str, int]:
-    over, under = abs(value.numerator), value.denominator
-    text = str(over) if under == 1 else rf"\frac{{{over}}}{{{under}}}"
+    numerator, denominator = abs(value.numerator), value.denominator
+    text = str(numerator) if denominator == 1 else rf"\frac{{{numerator}}}{{{denominator}}}"
     return (f"- {text}", SUM) if value < 0 else (text, ATOM)
 
 
 def _enclosed(formula: FormulaTree, binding: int) -> str:
-    """The LaTeX, in brackets where its outermost sign binds less than ``binding``."""
-    text, level = _written(formula)
+    """Return the LaTeX, in brackets if its outermost operation binds less than ``binding``."""
+    text, level = _latex_and_binding(formula)
     return text if level >= binding else _brackets(text)
 
 
 def _brackets(text: str) -> str:
-    """Round brackets of a fitting size, in which a line may break."""
+    """Enclose LaTeX in round brackets of a fitting size, in which a line may break."""
     big = r"\bigl", r"\bigr"
     opening, closing = big if r"\frac" in text or "(" in text else ("", "")
     return f"{opening}({text}{closing})"
@@ -157,7 +157,7 @@ def _brackets(text: str) -> str:
 def _sum(parts: tuple[FormulaTree, ...]) -> str:
     text = ""
     for part in parts:
-        term, level = _written(part)
+        term, level = _latex_and_binding(part)
         if level == SUM and isinstance(part, Sum):
             term = _brackets(term)
         if not text:
@@ -170,37 +170,37 @@ def _sum(parts: tuple[FormulaTree, ...]) -> str:
 
 
 def _product(parts: tuple[FormulaTree, ...]) -> str:
-    """Factors side by side; those before a division since the last one are its numerator."""
+    """Return a product; the factors between two divisions are the numerator of the second."""
     minus = False
     if _plain(parts):
         parts = tuple(sorted(parts, key=lambda part: not isinstance(part, Number)))
-    done: list[str] = []
-    above: list[FormulaTree] = []
-    below: list[FormulaTree] = []
+    texts: list[str] = []
+    numerator: list[FormulaTree] = []
+    denominator: list[FormulaTree] = []
 
-    def close() -> None:
-        nonlocal above, below
-        if below:
-            done.append(_fraction(above, below))
+    def close_fraction() -> None:
+        nonlocal numerator, denominator
+        if denominator:
+            texts.append(_fraction(numerator, denominator))
         else:
-            done.extend(_factors(above))
-        above, below = [], []
+            texts.extend(_factors(numerator))
+        numerator, denominator = [], []
 
     for part in parts:
         if part == MINUS_ONE:
             minus = not minus
         elif isinstance(part, Power) and part.parts[1] == MINUS_ONE:
-            below.append(part.parts[0])
+            denominator.append(part.parts[0])
         else:
-            if below:
-                close()
-            above.append(part)
-    close()
-    return ("- " if minus else "") + _beside(done or ["1"])
+            if denominator:
+                close_fraction()
+            numerator.append(part)
+    close_fraction()
+    return ("- " if minus else "") + _side_by_side(texts or ["1"])
 
 
 def _plain(parts: tuple[FormulaTree, ...]) -> bool:
-    """Whether nothing in a product is divided by."""
+    """Return whether a product has no division."""
     return not any(isinstance(p, Power) and p.parts[1] == MINUS_ONE for p in parts)
 
 
@@ -208,45 +208,55 @@ def _factors(parts: list[FormulaTree]) -> list[str]:
     return [_enclosed(part, PRODUCT if not isinstance(part, Number) else ATOM) for part in parts]
 
 
-def _beside(texts: list[str]) -> str:
-    """Factors with a dot before a number and nothing elsewhere."""
+def _side_by_side(texts: list[str]) -> str:
+    """Join factors with spaces, and with a dot between two digits."""
     text = texts[0]
     for further in texts[1:]:
         text += (r" \cdot " if further[0].isdigit() and text[-1].isdigit() else " ") + further
     return text
 
 
-def _fraction(above: list[FormulaTree], below: list[FormulaTree]) -> str:
-    """A fraction; of wide ones the numerator and denominator in one line."""
-    alone = len(above) == 1
-    top = typed_latex(above[0]) if alone else _beside(_factors(above)) if above else "1"
-    bottom = typed_latex(below[0]) if len(below) == 1 else _beside(_factors(below))
+def _fraction(numerator: list[FormulaTree], denominator: list[FormulaTree]) -> str:
+    """Return a fraction; a wide one is written in one line with a slash."""
+    single = len(numerator) == 1
+    top = (
+        typed_latex(numerator[0])
+        if single
+        else _side_by_side(_factors(numerator))
+        if numerator
+        else "1"
+    )
+    bottom = (
+        typed_latex(denominator[0])
+        if len(denominator) == 1
+        else _side_by_side(_factors(denominator))
+    )
     if max(measure(top), measure(bottom)) <= FRACTION:
         return rf"\frac{{{top}}}{{{bottom}}}"
-    top = _brackets(top) if alone and isinstance(above[0], Sum) else top
+    top = _brackets(top) if single and isinstance(numerator[0], Sum) else top
     return rf"{top} \Big/ {_brackets(bottom)}"
 
 
 def _power(base: FormulaTree, exponent: FormulaTree) -> tuple[str, int]:
     if exponent == MINUS_ONE:
         return _fraction([], [base]), PRODUCT
-    raised = _small(typed_latex(exponent))
+    raised = _exponent_latex(typed_latex(exponent))
     if isinstance(base, Call) and isinstance(exponent, Number) and base.name in NAMES:
         return _call(base.name, base.parts, f"^{{{raised}}}"), ATOM
     return f"{_enclosed(base, ATOM)}^{{{raised}}}", POWER
 
 
-def _small(text: str) -> str:
-    """What is written as an exponent: small fractions and brackets."""
+def _exponent_latex(text: str) -> str:
+    """Return LaTeX adapted for an exponent: small fractions and brackets."""
     return text.replace(r"\frac", r"\tfrac").replace(r"\bigl", "").replace(r"\bigr", "")
 
 
 def _call(name: str, parts: tuple[FormulaTree, ...], power: str) -> str:
-    """A function of its arguments, itself raised to a power that is written behind its name."""
+    """Return a function of its arguments; a power is written after the function's name."""
     inside = [typed_latex(part) for part in parts]
     first = inside[0]
     if name == "exp" and not power and measure(first) <= EXPONENT and nesting(first) < 2:
-        return f"e^{{{_small(first)}}}"
+        return f"e^{{{_exponent_latex(first)}}}"
     if name == "sqrt" and measure(first) <= ROOT:
         return rf"\sqrt{{{first}}}" if not power else rf"\bigl(\sqrt{{{first}}}\bigr){power}"
     if name == "sqrt":
@@ -287,18 +297,20 @@ _SIGNS = {"<=": r"\le", ">=": r"\ge", "!=": r"\ne", "<": "<", ">": ">", "=": "="
 
 
 def conditions_latex(parameters: str, domain: str) -> str:
-    r"""The domains of a statement's parameters and variables, without the names for parts.
+    r"""Return the domains of a statement's parameters and variables, without definitions.
 
     >>> print(conditions_latex("k: 0<k<1; b: real; p = k*b", "t > 0"))
     $0 < k < 1$, $b$ real, $t > 0$
     """
-    found = []
+    conditions = []
     for part in filter(None, (part.strip() for part in f"{parameters};{domain}".split(";"))):
         name, colon, words = part.partition(":")
         if not colon and re.fullmatch(r"\w+ *=[^=].*", part, re.DOTALL):
             continue
-        found += [_condition(name.strip() if colon else "", c) for c in (words or part).split(",")]
-    return ", ".join(found)
+        conditions += [
+            _condition(name.strip() if colon else "", c) for c in (words or part).split(",")
+        ]
+    return ", ".join(conditions)
 
 
 def _condition(name: str, text: str) -> str:
@@ -313,23 +325,23 @@ _RAISED = re.compile(r"(\w+)\*\*(\w+)")
 
 
 def prose_latex(text: str) -> str:
-    r"""A sentence with formulas in it as LaTeX: the longest pieces that are formulas, set as such.
+    r"""Return a sentence as LaTeX; the longest pieces that parse as formulas are set as formulas.
 
     >>> print(prose_latex("k**2 for 3*k**2 in the speed, a copy"))
     $k^{2}$ for $3 k^{2}$ in the speed, a copy
     """
-    words = [(found.start(), found.end()) for found in _WORD.finditer(text)]
-    told, place, first = "", 0, 0
+    words = [(match.start(), match.end()) for match in _WORD.finditer(text)]
+    latex, position, first = "", 0, 0
     while first < len(words):
         start = words[first][0]
-        told += escape(text[place:start])
-        place, last = start, first
+        latex += escape(text[position:start])
+        position, last = start, first
         for last in range(min(len(words) - 1, first + 12), first - 1, -1):
             piece = text[start : words[last][1]]
-            bare = piece.rstrip(",.;:")
-            shown = _formula_or_none(bare)
-            if shown:
-                told += f"${shown}$" + piece[len(bare) :]
+            formula_text = piece.rstrip(",.;:")
+            formula = _formula_or_none(formula_text)
+            if formula:
+                latex += f"${formula}$" + piece[len(formula_text) :]
                 break
         else:
             piece = text[start : words[first][1]]
@@ -338,22 +350,22 @@ def prose_latex(text: str) -> str:
                 rf"$\mathrm{{{a}}}^{{{b}}}$" for a, b in zip(parts[1::3], parts[2::3], strict=True)
             ]
             parts[::3] = (part.replace("*", " ") for part in parts[::3])
-            told += "".join(escape(p) + r for p, r in zip(parts[::3], [*raised, ""], strict=True))
+            latex += "".join(escape(p) + r for p, r in zip(parts[::3], [*raised, ""], strict=True))
             last = first
-        place, first = words[last][1], last + 1
-    return told + escape(text[place:])
+        position, first = words[last][1], last + 1
+    return latex + escape(text[position:])
 
 
 _BESIDE = re.compile(r"(?<=[\w)])\s+(?=[\w(])")
-"""Between factors that stand side by side."""
+"""Space between factors."""
 
 
 _DERIVED = re.compile(r"\(([^()]*)\)_([xyzt])$")
-"""A bracket with a derivative's subscript."""
+"""Bracket with a derivative's subscript."""
 
 
 def _formula_or_none(text: str) -> str | None:
-    """The LaTeX of a piece of a sentence that is a formula or a relation, and no word or number."""
+    """Return the LaTeX of a piece of text that is a formula or relation, else None."""
     names = [name.partition("_")[0] for name in re.findall(r"[A-Za-z_]+", text)]
     symbols = [name for name in names if name not in FUNCTIONS]
     if text in ("a", "I", "A") or not (symbols or "/" in text or names):

@@ -40,26 +40,29 @@ from longwave.support.request_limits import Announcer, ExpectedCost, check_reque
 Array = NDArray[np.float64]
 
 CHEAPER_RUN = "take a larger eps, end earlier or compare fewer sites"
-"""What to change of a run that costs too much."""
+"""The advice in the error message of a run that costs too much."""
 
 BOUNDS = {"duration": (0.2, 600.0), "fps": (1.0, 50.0), "dpi": (30.0, 400.0)}
-"""Seconds, frames a second (a GIF's are a whole number of 1/100 s) and pixels an inch."""
+"""Smallest and largest duration in seconds, frames per second and pixels per inch.
+
+A GIF's frames last a whole number of 1/100 s.
+"""
 
 MOST_FRAMES, MOST_NUMBERS = 3000, 2e7
-"""Frames of a film, and strains in all of them: a run holds four numbers for each."""
+"""Most frames of a film, and most strains in all of them: a run holds four numbers for each."""
 
 FEW = 25
-"""Frames of a run below which the film is said to have few."""
+"""Number of frames below which `draw_film` prints that the run has few snapshots."""
 
 LONGEST_TITLE = 100
-"""Characters of a film's title: it has one line."""
+"""Most characters of a film's title, which has one line."""
 
 
 @dataclass(frozen=True)
 class FilmOptions:
-    """How long a film is (seconds), its frames a second, pixels an inch, and which times it shows.
+    """Duration of a film in seconds, its frames per second, pixels per inch and range of times.
 
-    Raises ValueError in one line for what is out of bounds.
+    Raises ValueError for a number out of bounds.
     """
 
     duration: float = 6.0
@@ -85,7 +88,7 @@ class FilmOptions:
 
     @property
     def count(self) -> int:
-        """Frames of a scene that is run for the film."""
+        """Number of frames of a scene that is run for the film."""
         return max(2, round(self.duration * self.fps))
 
 
@@ -101,62 +104,67 @@ def animate(
 ) -> int:
     """Write a film of a run to ``output``, MP4 or GIF by its suffix; return its number of frames.
 
-    ``source`` is a run, the path of a file that holds one, or a scene, its TOML file or its name. A
-    run is shown at its snapshots, ``duration`` being shared among them; a scene is run for
-    ``duration * fps`` of them, from its start to its end, or between two ``times``. ``progress``
-    is told the share of the run and then of the film, ``announce`` the seconds of both.
+    ``source`` is a run, the path of a run's file, a scene, its TOML file or its name. A run is
+    shown at its snapshots, which share ``duration``. A scene is run for ``duration * fps``
+    snapshots, from its start to its end or between two ``times``. ``progress`` is called with the
+    finished share of the run and then of the film, ``announce`` with the expected seconds of both.
 
-    Raises ValueError in one line: source, suffix, numbers out of bounds, a run without snapshots,
-    and what is expected to take more than the limits allow.
-    OSError if ``output`` cannot be written; no part of it is left then.
+    Raises ValueError for an unknown source or suffix, a number out of bounds, a run without
+    snapshots, and a film that is expected to exceed the limits of time or memory. Raises OSError if
+    ``output`` cannot be written; no partial file is left.
     """
     path = film_path(output)
     options = FilmOptions(duration, fps, dpi, times)
-    told, progress = announce or (lambda _: None), progress or (lambda _: None)
-    found = read_source(source)
+    report, progress = announce or (lambda _: None), progress or (lambda _: None)
+    read = read_source(source)
     data: Labelled
-    if not isinstance(found, Scene):
-        data = found
+    if not isinstance(read, Scene):
+        data = read
     else:
-        scene = _scene_of_film(found, options)
-        told(_check_cost(scene.name, options, options.count, path, expected_cost(scene)))
+        scene = _scene_of_film(read, options)
+        report(_check_cost(scene.name, options, options.count, path, expected_cost(scene)))
         data = scene_run.run(scene, progress, announce)
-    shown = _within(data, options.times)
-    count = shown.sizes["time"]
-    told(_check_cost("the film", options, count, path, ExpectedCost()))
+    frames = _within(data, options.times)
+    count = frames.sizes["time"]
+    report(_check_cost("the film", options, count, path, ExpectedCost()))
     with styled():
-        film = film_of(shown, options.dpi)
+        film = film_of(frames, options.dpi)
         rate = min(options.fps, len(film) / options.duration)
         save_film(film, path, rate, progress)
     return count
 
 
 FRAME_SECONDS, PIXEL_SECONDS = 0.012, 3e-8
-"""To draw and write a frame, and for each of its pixels: 9 to 150 ms from 50 to 400 dpi, of the
-processor and with ffmpeg, on a 3 GHz server."""
+"""Seconds to draw and write a frame, and for each of its pixels.
+
+A frame takes 9 to 150 ms from 50 to 400 dpi, in processor time and with ffmpeg, on a 3 GHz server.
+"""
 
 FILM_BYTES, PIXEL_BYTES = 4e8, 120.0
-"""Of a process that draws, and for each pixel of a frame on its way."""
+"""Bytes of a process that draws, and bytes for each pixel of the frame that it draws."""
 
 
 def _check_cost(
-    what: str, options: FilmOptions, frames: int, path: Path, run: ExpectedCost
+    subject: str, options: FilmOptions, frames: int, path: Path, run: ExpectedCost
 ) -> float:
-    """The seconds that run and film are expected to take; TooMuchError beyond the limits."""
+    """Return the expected seconds of run and film; raise TooMuchError beyond the limits."""
     pixels = FILM_SIZE[0] * FILM_SIZE[1] * options.dpi**2
-    held = FILM_BYTES + PIXEL_BYTES * pixels + pixels * frames * (path.suffix == ".gif")
+    memory_bytes = FILM_BYTES + PIXEL_BYTES * pixels + pixels * frames * (path.suffix == ".gif")
     cost = ExpectedCost(
         run.seconds + frames * (FRAME_SECONDS + PIXEL_SECONDS * pixels),
-        max(run.memory_bytes, held),
+        max(run.memory_bytes, memory_bytes),
         run.steps,
     )
     cheaper = "take fewer frames or dpi"
-    check_request(what, cost, f"{CHEAPER_RUN}, or {cheaper}" if run.seconds else cheaper)
+    check_request(subject, cost, f"{CHEAPER_RUN}, or {cheaper}" if run.seconds else cheaper)
     return cost.seconds
 
 
 def _scene_of_film(scene: Scene, options: FilmOptions) -> Scene:
-    """The scene at the times of the film's frames, as many as it may have."""
+    """Return the scene with the times of the film's frames as its snapshots.
+
+    Raises ValueError if all frames together have more than ``MOST_NUMBERS`` sites.
+    """
     if scene.bench:
         sites = scene.bench.sites
     else:
@@ -179,18 +187,18 @@ def _scene_of_film(scene: Scene, options: FilmOptions) -> Scene:
         raise ValueError(f"times must begin at t0 = {begin:g} or later, got {first:g}")
     moments = _frames((first, last), options.count)
     if scene.bench:
-        watched = {"state": True, "energy": True}
-        return scene.changed(times=sorted({begin, *moments}), observables=watched)
+        observables = {"state": True, "energy": True}
+        return scene.changed(times=sorted({begin, *moments}), observables=observables)
     return scene.changed(slow_times=(), t0=begin, snapshots=moments, observables=("strain",))
 
 
 def _frames(times: Sequence[float], count: int) -> tuple[float, ...]:
-    """Moments, evenly spaced, from the first of the times to the last."""
+    """Return ``count`` evenly spaced times from the first to the last of the given ones."""
     return tuple(np.unique(np.linspace(times[0], times[-1], count)).tolist())
 
 
 def _within(source: Labelled, times: tuple[float, float] | None) -> LabelledArrays:
-    """The snapshots between two times that hold finite strains; ValueError if there are none."""
+    """Return the snapshots between two times whose strains are finite; ValueError if none is."""
     data = LabelledArrays.of(source)
     if SWEPT in data.attrs:
         raise ValueError(
@@ -206,21 +214,21 @@ def _within(source: Labelled, times: tuple[float, float] | None) -> LabelledArra
             )
     check_run(data)
     first, last = times or (-np.inf, np.inf)
-    at = data["time"].values
-    kept = np.flatnonzero((at >= first) & (at <= last))
+    times_of_frames = data["time"].values
+    selected = np.flatnonzero((times_of_frames >= first) & (times_of_frames <= last))
     for name in ("strain",) if "tracked" in data.attrs else ("strain", "analytic"):
-        rows = np.asarray(data[name].values, dtype=float).reshape(at.size, -1)
-        kept = kept[np.isfinite(rows[kept]).all(axis=1)]
-    if not kept.size:
+        rows = np.asarray(data[name].values, dtype=float).reshape(times_of_frames.size, -1)
+        selected = selected[np.isfinite(rows[selected]).all(axis=1)]
+    if not selected.size:
         raise ValueError(
             f"source must hold a finite snapshot between {first:g} and {last:g}, got "
             f"{data.sizes['time']} snapshots of which none is (run it with others)"
         )
-    return data.isel(time=kept)
+    return data.isel(time=selected)
 
 
 def bench_frames(data: Labelled) -> LabelledArrays:
-    """The displacements of a chain on a bench, of the first field, and its energy, for a film."""
+    """Return frames of a bench's chain: displacements of the first field, and its energy."""
     for name in ("displacement", "energy"):
         if name not in data.variables:
             raise ValueError(
@@ -228,27 +236,27 @@ def bench_frames(data: Labelled) -> LabelledArrays:
                 "energy)"
             )
     moved = data.variables["displacement"]
-    shown = at_places(moved, {"field": 0}).values
-    cells = np.broadcast_to(np.arange(shown.shape[1], dtype=float), shown.shape)
-    told = {"tracked": "energy", "wave": "", "along": "$n$", "drawn": "$u_n$"}
+    displacement = at_places(moved, {"field": 0}).values
+    cells = np.broadcast_to(np.arange(displacement.shape[1], dtype=float), displacement.shape)
+    attributes = {"tracked": "energy", "wave": "", "along": "$n$", "drawn": "$u_n$"}
     along = ("time", "site")
     frames = {
         "time": data.variables["time"],
         "site": LabelledArray(("site",), cells[0]),
-        "strain": LabelledArray(along, shown),
-        "analytic": LabelledArray(along, np.full(shown.shape, np.nan)),
+        "strain": LabelledArray(along, displacement),
+        "analytic": LabelledArray(along, np.full(displacement.shape, np.nan)),
         "offset": LabelledArray(along, cells),
         "n": LabelledArray(along, cells),
         "error": LabelledArray(("time",), data.variables["energy"].values),
     }
-    return LabelledArrays(frames, told | {"title": data.attrs.get("title", "")})
+    return LabelledArrays(frames, attributes | {"title": data.attrs.get("title", "")})
 
 
 def film_of(data: Labelled, dpi: float = 110.0, half_width: int | None = None) -> Film:
-    """The film of a run's snapshots: a chain's as lines, on two axes as maps.
+    """Return the film of a run's snapshots: lines on a chain, maps on a lattice with two axes.
 
-    ``half_width`` is how many sites are shown to either side of c t, by default those where the
-    wave is seen.
+    ``half_width`` is the number of sites to either side of c t, by default enough to show the wave
+    as far as it differs from its background.
     """
     run = LabelledArrays.of(data) if "tracked" in data.attrs else placed(data)
     title = one_line(data.attrs.get("title", ""))[:LONGEST_TITLE]
@@ -272,7 +280,8 @@ def draw_film(
 ) -> int:
     """Write the film and print its path; return the exit status: 0, 2 for wrong input, 130.
 
-    Without ``output`` it is an MP4 in the working folder, or a GIF where there is no ffmpeg.
+    The status is 130 after Ctrl-C. Without ``output`` the film is an MP4 in the working directory,
+    or a GIF if ffmpeg is not installed.
     """
     path = output or default_output(source, ".mp4" if has_ffmpeg() else ".gif")
     try:

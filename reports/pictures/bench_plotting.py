@@ -1,4 +1,4 @@
-"""A chain on a bench: what its sensors read and their spectra, its energies, its cells."""
+"""Pictures of a chain on a bench: sensor readings and spectra, energies, fluxes and cells."""
 
 from __future__ import annotations
 
@@ -22,16 +22,19 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 MOST_LINES = len(CURVES)
-"""Lines in a panel; of more some are drawn, evenly."""
+"""Most lines in a panel; of more lines, evenly spaced ones are drawn."""
 
 PANEL = 1.9
 """Height of a panel in inches."""
 
 LEAST_READINGS = 32
-"""Fewest evenly spaced readings of which a spectrum is drawn."""
+"""Fewest evenly spaced readings for which a spectrum is drawn."""
 
 LEAST_POWER = 1e-2
-"""Least amplitude of the first sensor, in units of its largest, to which others are compared."""
+"""Least amplitude of the first sensor at which ratios are drawn.
+
+It is in units of the largest amplitude of the other sensors.
+"""
 
 BALANCE = ("energy", "work", "heat")
 
@@ -42,7 +45,7 @@ def _readings(data: LabelledArrays) -> list[str]:
 
 @part(lambda data: 0.4 + PANEL * len(_readings(data)))
 def sensor_readings(figure: FigureBase, data: LabelledArrays) -> None:
-    """What each sensor read over time, a panel for each thing that was read."""
+    """Draw the readings of each sensor over time, in one panel for each quantity."""
     names = _readings(data)
     panels = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
     for ax, name in zip(panels, names, strict=True):
@@ -53,7 +56,7 @@ def sensor_readings(figure: FigureBase, data: LabelledArrays) -> None:
 
 @part(0.4 + 1.4 * PANEL)
 def energy_balance(figure: FigureBase, data: LabelledArrays) -> None:
-    """Energy, and since the start the work of walls and forces and the heat."""
+    """Draw the energy, and the work of walls and forces and the heat since the start, over time."""
     ax = figure.subplots()
     for name, look in zip(BALANCE, CURVES, strict=False):
         label = data[name].attrs["long_name"]
@@ -65,7 +68,7 @@ def energy_balance(figure: FigureBase, data: LabelledArrays) -> None:
 
 @part(0.4 + 2 * PANEL)
 def fluxes(figure: FigureBase, data: LabelledArrays) -> None:
-    """Power through bonds over time, and what went through."""
+    """Draw the power through bonds over time, and the energy transmitted until then."""
     panels = figure.subplots(2, 1, sharex=True)
     for ax, name in zip(panels, ("flux", "transmitted"), strict=True):
         _lines(ax, data, name, "cut")
@@ -74,43 +77,42 @@ def fluxes(figure: FigureBase, data: LabelledArrays) -> None:
 
 
 def has_spectra(data: LabelledArrays) -> bool:
-    """Whether sensors were read so often, and evenly, that a spectrum tells something."""
+    """Return whether there are `LEAST_READINGS` times or more, evenly spaced, as for a spectrum."""
     gaps = np.diff(data["time"].values)
     return gaps.size >= LEAST_READINGS and bool(np.ptp(gaps) <= 1e-6 * gaps.max())
 
 
 def amplitude_spectra(times: Array, values: Array) -> tuple[Array, Array]:
-    """Angular frequencies, and the amplitude of each sensor at them, (frequency, sensor).
+    """Return angular frequencies and the sensors' amplitudes at them, of shape (frequency, sensor).
 
-    The ``values`` are readings (time, sensor).
-
-    With Hann's window, less what is steady: a sine has its own amplitude.
+    ``values`` are readings of shape (time, sensor). Their weighted mean is subtracted and Hann's
+    window applied, scaled such that a sine keeps its amplitude.
     """
     window = np.sin(np.pi * np.arange(times.size) / times.size)[:, np.newaxis] ** 2
     window /= window.sum()
-    found = np.fft.rfft(window * (values - np.sum(window * values, axis=0)), axis=0)
-    return 2.0 * np.pi * np.fft.rfftfreq(times.size, times[1] - times[0]), 2.0 * np.abs(found)
+    spectrum = np.fft.rfft(window * (values - np.sum(window * values, axis=0)), axis=0)
+    return 2.0 * np.pi * np.fft.rfftfreq(times.size, times[1] - times[0]), 2.0 * np.abs(spectrum)
 
 
 @part(0.4 + 2 * PANEL)
 def sensor_spectra(figure: FigureBase, data: LabelledArrays) -> None:
-    """The amplitude that each sensor saw at a frequency, and its ratio to that of the first one."""
+    """Draw each sensor's amplitude over frequency, and its ratio to the first sensor's."""
     name = _readings(data)[0]
-    frequencies, amplitudes = _seen(
-        *amplitude_spectra(data["time"].values, _of_first(data[name], "time", "sensor"))
+    frequencies, amplitudes = _visible_part(
+        *amplitude_spectra(data["time"].values, _first_series(data[name], "time", "sensor"))
     )
     first = amplitudes[:, :1]
-    seen = first > LEAST_POWER * first[1:].max()
+    is_significant = first > LEAST_POWER * first[1:].max()
     with np.errstate(invalid="ignore", divide="ignore"):
-        ratios = np.where(seen, amplitudes / first, np.nan)
-    cells, told = data["sensor"].values, data[name].attrs
+        ratios = np.where(is_significant, amplitudes / first, np.nan)
+    cells, attributes = data["sensor"].values, data[name].attrs
     panels = figure.subplots(min(cells.size, 2), 1, sharex=True, squeeze=False)[:, 0]
-    panels[0].set_ylabel(f"amplitude of {told['long_name']}\n({told['units']})")
-    for count, place in enumerate(even_places(cells.size, MOST_LINES)):
+    panels[0].set_ylabel(f"amplitude of {attributes['long_name']}\n({attributes['units']})")
+    for count, index in enumerate(even_places(cells.size, MOST_LINES)):
         look = CURVES[count] | {"marker": ""}
-        panels[0].plot(frequencies[1:], amplitudes[1:, place], **look)
-        if place:
-            panels[1].plot(frequencies, ratios[:, place], **look | {"marker": "."})
+        panels[0].plot(frequencies[1:], amplitudes[1:, index], **look)
+        if index:
+            panels[1].plot(frequencies, ratios[:, index], **look | {"marker": "."})
             panels[1].set_ylabel(f"ratio to cell {cells[0]}")
     panels[-1].set_xlabel(r"frequency $\omega$  (per lattice time)")
     panels[0].set_xlim(0.0, frequencies[-1])
@@ -126,20 +128,20 @@ def sensor_spectra(figure: FigureBase, data: LabelledArrays) -> None:
     _name_lines(figure, panels[0], data, "sensor", "cell {}")
 
 
-UNSEEN = 1e-5
-"""Share of the largest amplitude below which frequencies are no longer shown."""
+LEAST_VISIBLE = 1e-5
+"""Share of the largest amplitude below which the last frequencies are cut off."""
 
 
-def _seen(frequencies: Array, amplitudes: Array) -> tuple[Array, Array]:
-    """Spectra up to the last frequency at which one can be seen."""
+def _visible_part(frequencies: Array, amplitudes: Array) -> tuple[Array, Array]:
+    """Return the spectra up to the last frequency with a visible amplitude (`LEAST_VISIBLE`)."""
     largest = amplitudes[1:].max(axis=1)
-    end = 2 + int(np.flatnonzero(largest >= UNSEEN * largest.max())[-1])
+    end = 2 + int(np.flatnonzero(largest >= LEAST_VISIBLE * largest.max())[-1])
     return frequencies[:end], amplitudes[:end]
 
 
 @part(0.4 + 1.4 * PANEL)
 def mode_energies(figure: FigureBase, data: LabelledArrays) -> None:
-    """The energies of the modes over time."""
+    """Draw the energies of the modes over time."""
     ax = figure.subplots()
     _lines(ax, data, "mode_energy", "mode")
     ax.set_xlabel("$t$")
@@ -148,29 +150,32 @@ def mode_energies(figure: FigureBase, data: LabelledArrays) -> None:
 
 @part(0.4 + 1.4 * PANEL)
 def cells_at_times(figure: FigureBase, data: LabelledArrays) -> None:
-    """The displacement of all cells at some times."""
+    """Draw the displacement of all cells at some times."""
     ax = figure.subplots()
     _lines(ax, data, "displacement", "time", along="cell")
     ax.set_xlabel("$n$")
     _name_lines(figure, ax, data, "time", "$t = {:g}$")
 
 
-def _of_first(values: LabelledValues, *kept: str) -> Array:
-    """Return the values over the dimensions ``kept``, of the first of several fields or bonds."""
-    first = at_places(values, dict.fromkeys(set(values.dims) - set(kept), 0))
-    return np.transpose(first.values, [first.dims.index(name) for name in kept])
+def _first_series(values: LabelledValues, *dimensions: str) -> Array:
+    """Return values over ``dimensions``, at index 0 of all other dimensions (fields or bonds)."""
+    first = at_places(values, dict.fromkeys(set(values.dims) - set(dimensions), 0))
+    return np.transpose(first.values, [first.dims.index(name) for name in dimensions])
 
 
 def _lines(ax: Axes, data: LabelledArrays, name: str, each: str, along: str = "time") -> None:
-    """A line for each place on a dimension; of several fields or bonds the first."""
-    values = _of_first(data[name], each, along)
-    bars = _of_first(data[f"{name}_error"], each, along) if f"{name}_error" in data else None
+    """Draw a line over ``along`` for each index of the dimension ``each``.
+
+    Of several fields or bonds the first is drawn. A variable NAME_error adds a band to the line.
+    """
+    values = _first_series(data[name], each, along)
+    bars = _first_series(data[f"{name}_error"], each, along) if f"{name}_error" in data else None
     axis = data[along].values if along in data else np.arange(values.shape[1])
-    for count, place in enumerate(even_places(len(values), MOST_LINES)):
+    for count, index in enumerate(even_places(len(values), MOST_LINES)):
         look = {key: value for key, value in CURVES[count].items() if key != "marker"}
-        line = values[place]
+        line = values[index]
         if bars is not None:
-            half = bars[place]
+            half = bars[index]
             ax.fill_between(axis, line - half, line + half, color=look["color"], alpha=0.2)
         ax.plot(axis, line, **look)
     ax.margins(x=0.0)
@@ -178,7 +183,7 @@ def _lines(ax: Axes, data: LabelledArrays, name: str, each: str, along: str = "t
 
 
 def _name_lines(figure: FigureBase, ax: Axes, data: LabelledArrays, each: str, label: str) -> None:
-    """One legend above all panels of lines for each place on a dimension."""
+    """Draw one legend above all panels, which names each line by its coordinate ``each``."""
     for line, place in zip(ax.lines, even_places(data.sizes[each], MOST_LINES), strict=True):
         line.set_label(label.format(data[each].values[place]))
     add_legend(figure, {str(line.get_label()): line for line in ax.lines})

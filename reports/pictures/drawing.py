@@ -36,12 +36,12 @@ def snapshot_panels(
     wave: str = "",
     of_one: bool = False,
 ) -> None:
-    """Two panels for each of `run_data.snapshots`, one row per run, lettered (A), (B), ... .
+    """Draw two panels for each of `run_data.snapshots`, a row per run, lettered (A), (B), ....
 
-    The strains, and below them the lattice less the wave on the band of the run's own error.
-    ``wave`` is what the legend calls the analytical strain, where the run's own word is not taken.
-    Rows have axes of their own, unless they are all ``of_one`` run. The legend stands in the place
-    that a shorter row leaves, and otherwise above.
+    The upper panel has the strains. The lower one has the lattice's strain minus the wave's, over
+    the band of the run's own error. ``wave`` is the label of the wave in the legend, by default
+    that of the run. Each row has its own axis limits, unless all rows are ``of_one`` run. The
+    legend stands in the gap of a shorter row, or else above the figure.
     """
     across = max(len(row) for row in rows)
     letters = map(chr, range(ord("A"), ord("Z") + 1))
@@ -51,9 +51,11 @@ def snapshot_panels(
     heights = (2, 1) * len(rows)
     grid = figure.subplots(len(heights), across, squeeze=False, height_ratios=heights)
     for row, panels in zip(rows, grid.reshape(len(rows), 2, across), strict=True):
-        alike = [at for row in rows for at in row] if of_one else row
-        limits = spread_limits([at[name].values for at in alike for name in ("strain", "analytic")])
-        largest = max(map(_largest_difference, alike))
+        compared = [at for row in rows for at in row] if of_one else row
+        limits = spread_limits(
+            [at[name].values for at in compared for name in ("strain", "analytic")]
+        )
+        largest = max(map(_largest_difference, compared))
         for column, at in enumerate(row):
             above, below = panels[:, column]
             above.sharex(below)
@@ -64,7 +66,7 @@ def snapshot_panels(
             below.tick_params(labelleft=column == 0)
         panels[0, 0].set_ylabel(field_label(row[0]))
         panels[1, 0].set_ylabel("difference")
-        free = _without(panels[:, len(row) :]) or free
+        free = _hide_axes(panels[:, len(row) :]) or free
         for ax in panels[1, : len(row)]:
             ax.set_xlabel(MOVING)
     figure.align_ylabels(grid[:, 0])
@@ -72,51 +74,51 @@ def snapshot_panels(
 
 
 SNAPSHOT = 2.2
-"""Height of a row of snapshots in inches."""
+"""Height of a row of snapshots, in inches."""
 
 MOVING = "$n - c\\,t$  (sites)"
-"""The label of the sites in the frame that moves along."""
+"""Axis label of the sites in the moving frame."""
 
 
-def _without(axes: NDArray[Any]) -> Axes | None:
-    """Take away axes that nothing is drawn in; the first, bare, stays for a legend."""
-    for place, ax in enumerate(axes.flat):
+def _hide_axes(axes: NDArray[Any]) -> Axes | None:
+    """Hide unused axes; return the first, which a legend may take, and remove the others."""
+    for index, ax in enumerate(axes.flat):
         ax.set_axis_off()
-        if place:
+        if index:
             ax.remove()
     return axes.flat[0] if axes.size else None
 
 
-def add_legend(place: FigureBase | Axes, signs: Mapping[str, Any]) -> None:
-    """The legend of these signs by their labels: in bare axes, or above a figure."""
-    if isinstance(place, Axes):
-        place.legend(signs.values(), signs.keys(), loc="center")
+def add_legend(axes_or_figure: FigureBase | Axes, signs: Mapping[str, Any]) -> None:
+    """Draw a legend with these handles by their labels, in empty axes or above a figure."""
+    if isinstance(axes_or_figure, Axes):
+        axes_or_figure.legend(signs.values(), signs.keys(), loc="center")
         return
     ncols = min(len(signs), max(1, int(page_width() / LEGEND_ENTRY)))
-    place.legend(signs.values(), signs.keys(), loc="outside upper right", ncols=ncols)
+    axes_or_figure.legend(signs.values(), signs.keys(), loc="outside upper right", ncols=ncols)
 
 
 LEGEND_ENTRY = 1.5
-"""Inches of an entry of a legend above a figure."""
+"""Width of an entry of the legend above a figure, in inches."""
 
 
 def even_places(count: int, most: int) -> list[int]:
-    """At most that many places of ``count``, evenly from the first to the last.
+    """Return at most ``most`` evenly spaced indices of ``count``, the first and last among them.
 
     >>> even_places(7, 3), even_places(2, 3), even_places(0, 3)
     ([0, 3, 6], [0, 1], [])
     """
-    return [round(place) for place in np.linspace(0, count - 1, min(count, most)).tolist()]
+    return [round(index) for index in np.linspace(0, count - 1, min(count, most)).tolist()]
 
 
 def _draw_snapshot(ax: Axes, at: LabelledArrays, letter: str, wave: str) -> dict[str, Any]:
-    """Draw one panel, the wave as a thin line on the lattice; return the signs by their labels.
+    """Draw one panel, the wave as a thin line on the lattice; return the handles by their labels.
 
-    Of a carrier whose waves are too many to be seen the envelopes are compared.
+    Of a carrier with too many waves to be seen the envelopes are drawn.
     """
     offset, beads = at["offset"].values, _are_beads(ax, at["strain"].size)
-    enveloped = at.get("strain_envelope")
-    if enveloped is not None and np.isfinite(enveloped.values).any() and not beads:
+    strain_envelope = at.get("strain_envelope")
+    if strain_envelope is not None and np.isfinite(strain_envelope.values).any() and not beads:
         signs = _draw_envelopes(ax, at)
     else:
         look = BEADS if beads else NUMERICAL
@@ -131,7 +133,7 @@ def _draw_snapshot(ax: Axes, at: LabelledArrays, letter: str, wave: str) -> dict
 
 
 def _draw_envelopes(ax: Axes, at: LabelledArrays) -> dict[str, Any]:
-    """Draw a carrier's strain, and its envelope and the wave's to either side of zero."""
+    """Draw a carrier's strain, and plus and minus the envelopes of the lattice and the wave."""
     offset = at["offset"].values
     (line,) = ax.plot(offset, at["strain"].values, color=LATTICE, linewidth=0.5, zorder=1)
     signs = {"lattice": line}
@@ -151,22 +153,22 @@ def _are_beads(ax: Axes, count: int) -> bool:
 
 
 def _largest_difference(at: LabelledArrays) -> float:
-    """What an axis of differences must hold."""
-    apart = np.abs(at["strain"].values - at["analytic"].values)
-    return max(float(np.max(apart[np.isfinite(apart)], initial=0.0)), _own(at) or 0.0)
+    """Return the larger of the largest |lattice - wave| and the run's own error, for the axis."""
+    difference = np.abs(at["strain"].values - at["analytic"].values)
+    return max(float(np.max(difference[np.isfinite(difference)], initial=0.0)), _own(at) or 0.0)
 
 
 def _own(at: LabelledArrays) -> float | None:
-    """A snapshot's own error; None where it was not measured."""
+    """Return the own error of a snapshot, None if it was not measured."""
     own = float(at["own"].values) if "own" in at else math.nan
     return own if math.isfinite(own) else None
 
 
 def _draw_difference(ax: Axes, at: LabelledArrays, largest: float) -> dict[str, Any]:
-    """Draw the lattice less the wave on the band of the own error; return signs and labels."""
+    """Draw lattice minus wave over the band of the own error; return the handles by label."""
     offset, own = at["offset"].values, _own(at)
-    apart = at["strain"].values - at["analytic"].values
-    (line,) = ax.plot(offset, apart, color="black", linewidth=0.8)
+    difference = at["strain"].values - at["analytic"].values
+    (line,) = ax.plot(offset, difference, color="black", linewidth=0.8)
     signs: dict[str, Any] = {"lattice $-$ wave": line}
     if own is not None:
         signs[OWN_ERROR] = ax.axhspan(-own, own, color=OWN, alpha=0.5, lw=0, zorder=0)
@@ -174,24 +176,24 @@ def _draw_difference(ax: Axes, at: LabelledArrays, largest: float) -> dict[str, 
     ax.set_ylim(-top, top)
     ax.locator_params(axis="y", nbins=3)
     ax.yaxis.set_major_formatter(PowerTicks(-2, 3))
-    ax.set_title(f"own error {told_error(own)}" if own else "", loc="right", fontsize=7.0, pad=2.0)
+    ax.set_title(f"own error {error_text(own)}" if own else "", loc="right", fontsize=7.0, pad=2.0)
     return signs
 
 
 OWN_ERROR = "own error of the run"
 
 
-def told_error(own: float) -> str:
-    """An error to one digit, as mathematics.
+def error_text(own: float) -> str:
+    """Return an error to one digit as LaTeX.
 
-    >>> told_error(3.2e-8), told_error(1e-3)
+    >>> error_text(3.2e-8), error_text(1e-3)
     ('$3\\\\times 10^{-8}$', '$0.001$')
     """
     return scientific(own, 1).replace(r"$1\times ", "$")
 
 
 def spread_limits(arrays: Sequence[Sites]) -> tuple[float, float]:
-    """An axis that holds all finite values with a margin, and is no point where all are equal.
+    """Return axis limits around all finite values, with a margin even if all are equal.
 
     >>> spread_limits([np.array([0.0, 100.0, np.nan])]), spread_limits([np.zeros(3)])
     ((-6.0, 106.0), (-1.0, 1.0))
@@ -206,12 +208,12 @@ def spread_limits(arrays: Sequence[Sites]) -> tuple[float, float]:
 
 
 ErrorPanels = Mapping[str, Mapping[str, ErrorCurve]]
-"""Curves of each title by their labels, which may hold mathematics in dollars."""
+"""Curves by their labels, for each panel's title; labels may have LaTeX in dollars."""
 
 
 @part(2.0)
 def error_panels(figure: FigureBase, panels: ErrorPanels) -> None:
-    """One panel of curves for each title, without markers but where there is one point alone."""
+    """Draw a panel of error curves for each title, with markers only for single points."""
     axes = figure.subplots(1, len(panels), squeeze=False)[0]
     for ax, (title, curves) in zip(axes, panels.items(), strict=True):
         ax.set_title(title, loc="left")
@@ -231,11 +233,11 @@ def error_panels(figure: FigureBase, panels: ErrorPanels) -> None:
 
 
 def _draw_own(ax: Axes, times: Sites, errors: Sites, own: Sites, colour: str) -> None:
-    """Draw a band about a curve, or bars where the run's own error is known at a few times.
+    """Draw a run's own error as a band, or as bars where it is known at few times.
 
-    It is often thinner than the line, so its label says how much it is.
+    The label states the largest own error, as the band is often thinner than the line.
     """
-    label = rf"own error $\leq$ {told_error(float(np.nanmax(own)))}"
+    label = rf"own error $\leq$ {error_text(float(np.nanmax(own)))}"
     known = np.isfinite(own)
     if known.sum() > BARS * own.size:
         ends = errors - own, errors + own
@@ -246,17 +248,17 @@ def _draw_own(ax: Axes, times: Sites, errors: Sites, own: Sites, colour: str) ->
 
 
 LEGEND_ROOM = 0.1
-"""Of the height of a panel, that an entry of its legend beyond the second takes."""
+"""Share of a panel's height that each legend entry beyond the second takes."""
 
 BARS = 0.5
-"""Share of the times at which the own error must be known for it to be a band."""
+"""Share of the times at which the own error must be known to be drawn as a band."""
 
 LEAST_CELLS = 24
-"""Fewest cells of sites that are shown."""
+"""Fewest cells of sites that a space-time map shows."""
 
 
 def field_label(run: LabelledArrays | LabelledValues, strain: str = "$y_n$") -> str:
-    """The axis label of what a run or one of its variables holds, ``strain`` unless told.
+    """Return the axis label of a run's or variable's field: "displacement", or else ``strain``.
 
     >>> field_label(LabelledArrays({}, {"field_kind": "displacement"}))
     'displacement'
@@ -267,41 +269,44 @@ def field_label(run: LabelledArrays | LabelledValues, strain: str = "$y_n$") -> 
 
 @part(2.6)
 def space_time_map(figure: FigureBase, run: LabelledArrays, half_width: int | None = None) -> None:
-    """The variable ``space_time`` of a run, over the time and the first sites of its cells.
+    """Draw the variable ``space_time`` of a run over time and sites, in the moving frame.
 
-    It is drawn on an even grid of times and of places in the moving frame, which passes the sites
-    one by one: the variable ``shift`` says how far from c t those are that stand at 0.
-    `half_width` is how many sites are shown to either side of c t; `LEAST_CELLS` at least.
+    The map is interpolated to even times and positions by `moving_grid`. At least `LEAST_CELLS`
+    cells and at most ``half_width`` sites to either side of c t are shown, by default all.
     """
-    times, place, values = moving_grid(run)
-    edges = time_edges(place)
+    times, position, values = moving_grid(run)
+    edges = time_edges(position)
     ax = figure.subplots()
     extent: Any = (*time_edges(times)[[0, -1]], *edges[[0, -1]])
     look: dict[str, Any] = {"origin": "lower", "aspect": "auto", "interpolation": "bilinear"}
-    drawn = ax.imshow(values.T, extent=extent, **look)
+    image = ax.imshow(values.T, extent=extent, **look)
     if half_width is not None:
         least = LEAST_CELLS / 2 * float(edges[1] - edges[0])
-        shown = min(max(half_width, least), float(edges[-1]))
-        ax.set_ylim(-shown, shown)
+        height = min(max(half_width, least), float(edges[-1]))
+        ax.set_ylim(-height, height)
     ax.set_xlabel("$t$")
     ax.set_ylabel(MOVING)
     strain = run["space_time"]
     label = field_label(strain)
     figure.colorbar(
-        drawn, ax=ax, label=f"envelope of {label}" if strain.attrs.get("carried") else label
+        image, ax=ax, label=f"envelope of {label}" if strain.attrs.get("carried") else label
     )
 
 
 def moving_grid(run: LabelledArrays) -> tuple[Sites, Sites, Sites]:
-    """Even times, even places in the moving frame, and the values (time, place) of a run's map.
+    """Return even times, even positions in the moving frame and a map's values (time, position).
+
+    The frame passes the sites one by one: the variable ``shift`` is the offset from c t of the site
+    that the map has at 0.
+
 
     >>> from longwave.support.labelled_arrays import LabelledArray
     >>> looks = {"look_time": np.array([0.0, 1.0]), "map_site": np.array([-1, 0, 1])}
-    >>> held = {name: LabelledArray((name,), values) for name, values in looks.items()}
+    >>> variables = {name: LabelledArray((name,), values) for name, values in looks.items()}
     >>> ramp = np.array([[0.0, 1.0, 2.0], [0.0, 1.0, 2.0]])
-    >>> held["space_time"] = LabelledArray(("look_time", "map_site"), ramp)
-    >>> held["shift"] = LabelledArray(("look_time",), np.array([0.0, 0.5]))
-    >>> moving_grid(LabelledArrays(held))[2]
+    >>> variables["space_time"] = LabelledArray(("look_time", "map_site"), ramp)
+    >>> variables["shift"] = LabelledArray(("look_time",), np.array([0.0, 0.5]))
+    >>> moving_grid(LabelledArrays(variables))[2]
     array([[0. , 1. , 2. ],
            [0. , 0.5, 1.5]])
     """
@@ -309,20 +314,20 @@ def moving_grid(run: LabelledArrays) -> tuple[Sites, Sites, Sites]:
     time, starts = (run[dimension].values for dimension in strain.dims)
     edges = cell_edges(starts)
     middles = (edges[1:] + edges[:-1]) / 2
-    place = np.linspace(middles[0], middles[-1], middles.size)
+    position = np.linspace(middles[0], middles[-1], middles.size)
     shift = run["shift"].values if "shift" in run else np.zeros(time.size)
     rows = zip(shift, strain.values, strict=True)
-    sheared = np.array([np.interp(place, middles + by, row) for by, row in rows])
+    sheared = np.array([np.interp(position, middles + by, row) for by, row in rows])
     even = np.linspace(time[0], time[-1], time.size)
     if time.size > 1 and np.all(np.diff(time) > 0.0):
         after = np.clip(np.searchsorted(time, even), 1, time.size - 1)
         share = ((even - time[after - 1]) / (time[after] - time[after - 1]))[:, np.newaxis]
         sheared = (1.0 - share) * sheared[after - 1] + share * sheared[after]
-    return even, place, sheared
+    return even, position, sheared
 
 
 def time_edges(times: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Edges half way between the times, the first and the last time in the middle of their cells.
+    """Return edges half way between the times; the outer times are in the middle of their cells.
 
     >>> time_edges(np.array([0.0, 2.0, 3.0]))
     array([-1. ,  1. ,  2.5,  3.5])
@@ -334,7 +339,7 @@ def time_edges(times: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def cell_edges(starts: NDArray[np.integer]) -> NDArray[np.float64]:
-    """Edges of the cells of sites that begin at `starts`; all sites lie evenly about 0.
+    """Return the edges of cells of sites that begin at ``starts`` and lie evenly about 0.
 
     >>> cell_edges(np.array([-4, -1, 2]))
     array([-4.5, -1.5,  1.5,  4.5])
@@ -348,16 +353,16 @@ LABELS = {"crest_position": "crest at " + MOVING, "crest_strain": "$y$ at the cr
 
 
 def _crest_rows() -> int:
-    """Panels of a crest's track below each other: both in one column of a journal."""
+    """Return the number of rows of crest panels: two in one column of a journal, else one."""
     return 1 if page_width() > len(LABELS) * 2.0 else len(LABELS)
 
 
 @part(lambda run: 0.3 + 1.7 * _crest_rows())
 def crest_track(figure: FigureBase, run: LabelledArrays) -> None:
-    """The crest's position and strain as points: a crest may give way to another one.
+    """Draw the crest's position and strain over time as points, as a crest may jump to another.
 
-    The wave's own, which a run that is `run_data.with_theory` has, and a soliton's strain by the
-    law of its losses are lines.
+    The wave's crest, of a run `run_data.with_theory`, and a soliton's strain by the law of its
+    losses are drawn as lines.
     """
     rows = _crest_rows()
     panels = figure.subplots(rows, len(LABELS) // rows, squeeze=False)
@@ -367,9 +372,9 @@ def crest_track(figure: FigureBase, run: LabelledArrays) -> None:
         every = max(1, -(-times.size // CREST_POINTS))
         ax.plot(times[::every], values.values[::every], label="lattice", **BEADS)
         if wave is not None:
-            told = run.attrs["wave"]
+            wave_label = run.attrs["wave"]
             steady = np.where(_is_steady(run[WAVES_CREST].values), wave.values, np.nan)
-            ax.plot(times, steady, label=told, **ANALYTICAL)
+            ax.plot(times, steady, label=wave_label, **ANALYTICAL)
         if name == "crest_strain" and "crest_law" in run:
             law = run["crest_law"].values
             ax.plot(times, law, label="law", color="black", linestyle="--", lw=0.9)
@@ -382,14 +387,14 @@ def crest_track(figure: FigureBase, run: LabelledArrays) -> None:
 
 
 CREST_POINTS = 50
-"""Most points of a crest's track that are drawn."""
+"""Most points that are drawn of a crest's track."""
 
 JUMP = 3.0, 8.0
-"""A crest gives way to another where it moves so many sites, and so many times the median step."""
+"""Sites, and multiples of the median step, beyond which a step is a jump to another crest."""
 
 
 def _is_steady(position: Sites) -> NDArray[np.bool_]:
-    """Where a crest has not given way to another one since the time before."""
+    """Return where the crest's step from the time before is no jump to another crest."""
     values = np.asarray(position, dtype=float)
     steps = np.abs(np.diff(values, prepend=values[:1]))
     known = steps[np.isfinite(steps)]
@@ -398,77 +403,77 @@ def _is_steady(position: Sites) -> NDArray[np.bool_]:
 
 
 MOST_SPECTRA = 6
-"""Most spectra."""
+"""Most times at which spectra are drawn."""
 
 DECADES = 1.0
-"""How far below the rounding the axis of amplitudes ends."""
+"""Powers of ten from the rounding error down to the lower end of the axis of amplitudes."""
 
 
 @part(lambda found: 1.9 * grid_shape(found.sizes["time"])[0] + 0.35)
 def spectrum_panels(figure: FigureBase, found: LabelledArrays) -> None:
-    """One panel for each time of `run_data.spectra`, all with the same axes.
+    """Draw a panel for each time of `run_data.spectra`, all with the same axes.
 
-    The run's own error is a line: amplitudes below it are not trusted, and can still be seen.
+    The run's own error is a line: amplitudes below it are drawn but may be wrong.
     """
     count = found.sizes["time"]
     amplitude = f"amplitude of {field_label(found, '$y$')}"
     grid, free = panel_grid(figure, count, "wavenumber  (1/site)", amplitude)
     signs: dict[str, Any] = {}
-    for place, ax in enumerate(grid):
-        signs |= _draw_spectrum(ax, found.isel(time=place))
+    for index, ax in enumerate(grid):
+        signs |= _draw_spectrum(ax, found.isel(time=index))
     grid[0].set_ylim(*_amplitude_limits(found))
     add_legend(free or figure, signs)
 
 
 LEAST_PANEL = 1.6
-"""Least width of a panel in inches."""
+"""Least width of a panel, in inches."""
 
 
 def grid_shape(count: int, most: int = 12) -> tuple[int, int]:
-    """Rows and columns of that many panels, at most ``most`` side by side.
+    """Return rows and columns of a grid of ``count`` panels, with at most ``most`` columns.
 
-    At most one place is left, in the last row, where the legend stands.
+    At most one cell is empty, in the last row, for the legend.
 
     >>> [grid_shape(count, 3) for count in (1, 3, 4, 5, 6, 7)]
     [(1, 1), (1, 3), (2, 2), (2, 3), (2, 3), (4, 2)]
     """
     widest = max(1, min(count, most, int(page_width() / LEAST_PANEL)))
     shapes = [(-(-count // across), across) for across in range(widest, 0, -1)]
-    return next((down, across) for down, across in shapes if down * across - count <= 1)
+    return next((rows, across) for rows, across in shapes if rows * across - count <= 1)
 
 
 def panel_grid(
     figure: FigureBase, count: int, x: str, y: str, most: int = 12
 ) -> tuple[list[Axes], Axes | None]:
-    """That many panels with the same axes, the lowest of each column and the left ones labelled.
+    """Return ``count`` panels with shared axes, labelled at the left and at the bottom.
 
-    With them come the bare axes that are left for a legend, if there are any.
+    The second value are empty axes for a legend, None if the grid is full.
     """
-    down, across = grid_shape(count, most)
-    grid = figure.subplots(down, across, squeeze=False, sharex=True, sharey=True)
+    rows, across = grid_shape(count, most)
+    grid = figure.subplots(rows, across, squeeze=False, sharex=True, sharey=True)
     panels = list(grid.flat)[:count]
     for ax in panels[-across:]:
         ax.set_xlabel(x)
         ax.tick_params(labelbottom=True)
     for ax in grid[:, 0]:
         ax.set_ylabel(y)
-    return panels, _without(grid.flat[count:])
+    return panels, _hide_axes(grid.flat[count:])
 
 
 WAVENUMBER_TICKS = [0.0, np.pi / 2, np.pi], ["0", r"$\pi/2$", r"$\pi$"]
-"""Of an axis of wavenumbers per site: places and texts."""
+"""Ticks and their texts on an axis of wavenumbers per site."""
 
 STABLE = "#d9d9d9"
-"""The colour of where plane waves are stable."""
+"""Colour of the region in which plane waves are stable."""
 
 
 def draw_grid(ax: Axes) -> None:
-    """Draw thin lines at the ticks."""
+    """Draw thin grid lines at the major ticks."""
     ax.grid(visible=True, which="major", linewidth=0.3, alpha=0.5)
 
 
 def _draw_spectrum(ax: Axes, at: LabelledArrays) -> dict[str, Any]:
-    """Draw the amplitudes at one time; return the signs by their labels."""
+    """Draw the amplitudes at one time; return the handles by their labels."""
     lattice, wave = (
         np.where(np.isfinite(values) & (values > 0.0), values, np.nan)
         for values in (at["lattice"].values, at["wave"].values)
@@ -493,24 +498,24 @@ def _draw_spectrum(ax: Axes, at: LabelledArrays) -> dict[str, Any]:
 
 
 def _amplitude_limits(found: LabelledArrays) -> tuple[float, float]:
-    """From below the rounding to above all amplitudes; some range where all is constant."""
-    every = np.concatenate([found["lattice"].values.ravel(), found["wave"].values.ravel()])
-    every = every[np.isfinite(every) & (every > 0.0)]
-    high = float(every.max()) if every.size else 1.0
+    """Return axis limits from below the rounding error to above all amplitudes."""
+    amplitudes = np.concatenate([found["lattice"].values.ravel(), found["wave"].values.ravel()])
+    amplitudes = amplitudes[np.isfinite(amplitudes) & (amplitudes > 0.0)]
+    high = float(amplitudes.max()) if amplitudes.size else 1.0
     floors = [floor for floor in found["rounding"].values.tolist() if 0.0 < floor < high]
     low = min([*floors, 0.1 * high]) / 10.0**DECADES
     return low, 3.0 * high
 
 
 LEGEND = 4
-"""Most entries of the legend side by side."""
+"""Most entries in a row of the legend."""
 
 COST_HEIGHT = 1.8
-"""Height of one row of panels, in inches."""
+"""Height of a row of panels, in inches."""
 
 
 CostPanels = Mapping[str, Mapping[str, Sequence[tuple[float, float]]]]
-"""For each title the curves by their labels: points (x, y), both positive."""
+"""Points (x, y), both positive, by each curve's label, for each panel's title."""
 
 
 def cost_figure(
@@ -523,13 +528,12 @@ def cost_figure(
     digits: Sequence[float] = (),
     cheapest: str = "",
 ) -> Figure:
-    """Draw the panels, at most ``across`` in a row of that height, with the same axes and one
-    legend.
+    """Return a figure of panels with shared axes and one legend, ``across`` in a row.
 
-    ``x_ticks`` are those of a logarithmic axis where they are not the usual ones. With ``digits``
-    the vertical axis is linear with these ticks, the last one its end. Where x is work and y an
-    error, ``cheapest`` says what the points are, such as "runs": lines join the `cheapest_places`
-    alone, as the legend says.
+    ``x_ticks`` replace the usual ticks of the logarithmic x axis. With ``digits`` the y axis is
+    linear, with these ticks, and ends at the last of them. ``cheapest`` is for work as x and errors
+    as y: it names the points in the legend, such as "runs", and lines join only the points of
+    `cheapest_places`.
     """
     down, _ = grid_shape(len(panels), across)
     figure = Figure((page_width(), height * down + 0.4), layout="constrained")
@@ -540,25 +544,29 @@ def cost_figure(
         _draw_costs(ax, curves, looks, bool(cheapest))
         ax.set_title(title, loc="left")
     first = grid[0]
-    shown = first.get_xlim()
-    if math.floor(math.log10(shown[1])) >= math.log10(shown[0]):  # a power of ten, which is told
+    limits = first.get_xlim()
+    if math.floor(math.log10(limits[1])) >= math.log10(
+        limits[0]
+    ):  # a power of ten is on the axis, labelled
         first.xaxis.set_minor_formatter(NullFormatter())
     if x_ticks:
         first.set_xticks(x_ticks, [f"{tick:g}" for tick in x_ticks])
         first.set_xticks([], minor=True)
-        first.set_xlim(shown)
+        first.set_xlim(limits)
     if digits:
         first.set_yscale("linear")
         first.set_ylim(0, digits[-1])
         first.set_yticks(digits)
     handles = {h.get_label(): h for ax in grid for h in ax.lines}
     ordered = [handles[label] for label in looks]
-    words: Any = {"title": CHEAPEST.format(cheapest), "title_fontsize": 8.0} if cheapest else {}
+    title_options: Any = (
+        {"title": CHEAPEST.format(cheapest), "title_fontsize": 8.0} if cheapest else {}
+    )
     if free:
-        free.legend(handles=ordered, loc="center", **words)
+        free.legend(handles=ordered, loc="center", **title_options)
     else:
         columns = min(len(ordered), LEGEND)
-        figure.legend(handles=ordered, loc="outside upper center", ncols=columns, **words)
+        figure.legend(handles=ordered, loc="outside upper center", ncols=columns, **title_options)
     return figure
 
 
@@ -566,9 +574,10 @@ CHEAPEST = "points: {}; lines: the cheapest\nfor an error (monotone envelope)"
 
 
 def cheapest_places(work: Sites, errors: Sites) -> NDArray[np.intp]:
-    """The places of the runs that no other one beats in both, in the order of their work.
+    """Return the indices of the runs that no other run beats in both work and error.
 
-    Their errors fall as the work grows: work that has no place on a line was done in vain.
+    They are sorted by work, and their errors fall; NaN is left out.
+
 
     >>> cheapest_places(np.array([1.0, 3.0, 2.0, 4.0]), np.array([0.1, 0.02, 0.2, np.nan]))
     array([0, 1])
@@ -585,13 +594,13 @@ def _draw_costs(
     looks: Mapping[str, dict[str, Any]],
     cheapest: bool,
 ) -> None:
-    """Draw one panel; points that are not finite and positive are left out."""
+    """Draw the curves of one panel; points that are not finite and positive are left out."""
     for label, points in curves.items():
         values = np.array([p for p in points if min(p) > 0 and np.all(np.isfinite(p))])
         x, y = values.reshape(-1, 2).T
         style = dict(looks[label], markersize=4.0)
         if cheapest:
             ax.loglog(x, y, **style | {"linestyle": "", "markersize": 2.5, "alpha": 0.5})
-        joined = cheapest_places(x, y) if cheapest else slice(None)
-        ax.loglog(x[joined], y[joined], label=label, **style)
+        best = cheapest_places(x, y) if cheapest else slice(None)
+        ax.loglog(x[best], y[best], label=label, **style)
     draw_grid(ax)

@@ -1,4 +1,4 @@
-"""An error over time as it is drawn."""
+"""The error of a run over time, as pictures draw it."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class ErrorCurve:
 
     @classmethod
     def of(cls, run: Labelled, name: str, own: Array | None = None) -> ErrorCurve:
-        """Return a run's variable along its own times."""
-        held = run.variables[name]
-        (along,) = held.dims
-        return cls(run.variables[along].values, held.values, own)
+        """Return the curve of a run's variable over its own dimension of time."""
+        variable = run.variables[name]
+        (along,) = variable.dims
+        return cls(run.variables[along].values, variable.values, own)

@@ -1,8 +1,8 @@
-"""Films of a run: each frame the lattice against the wave at a time, in the moving frame.
+"""Films of a run: each frame compares the lattice with the wave at a time, in the moving frame.
 
-Below it is the error against time, drawn as far as the film has come; of a chain on a bench, which
-has no wave, it is the energy. A frame is an image, rows of
-pixels of red, green and blue; `film_files.py` writes them.
+Below is the error over time, drawn up to the frame's time; a chain on a bench has no wave, and its
+energy is drawn in place of the error. A frame is an image: rows of pixels of red, green and blue.
+`film_files.py` writes the files.
 """
 
 from __future__ import annotations
@@ -24,22 +24,22 @@ Array = NDArray[np.float64]
 Image = NDArray[np.uint8]
 
 FILM_SIZE = (6.5, 3.9)
-"""Of a frame, in inches."""
+"""Width and height of a frame in inches."""
 
 BEADS = 420
-"""Most sites that are drawn as beads; of more the line alone can be seen."""
+"""Most sites that are drawn as beads; more are drawn as a line."""
 
 FILL, PAST = "#DDEFFA", "#BBBBBB"
-"""The colours of what lies under the lattice, and of the error that is still to come."""
+"""Colours of the area below the lattice, and of the error curve at all times."""
 
 CONTOURS = 5
-"""Lines of equal strain of the wave."""
+"""Number of contour lines of the wave's strain."""
 
 
 class Film:
-    """Frames of a placed run, one for each snapshot: time and error, and the strains of a subclass.
+    """Frames of a placed run, one for each snapshot; a subclass draws the strains.
 
-    The figure's layout is found once: every frame has the same places.
+    The layout of the figure is computed once, and all frames have it.
     """
 
     def __init__(self, run: LabelledArrays, title: str, dpi: float) -> None:
@@ -59,25 +59,25 @@ class Film:
         self.figure.suptitle(title, parse_math=False, fontsize="medium")
         self._draw_track()
         self._moving = [*self._begin(), self._draw_clock(), self._past, self._now]
-        self._settle()
+        self._fix_layout()
 
     def _begin(self) -> list[Artist]:
-        """Draw the first frame's strains; return what moves."""
+        """Draw the strains of the first frame; return the artists that change between frames."""
         raise NotImplementedError
 
-    def _show(self, place: int) -> None:
-        """Move the strains to those of a frame."""
+    def _show(self, index: int) -> None:
+        """Update the strains to those of a frame."""
         raise NotImplementedError
 
     def __len__(self) -> int:
         return len(self._times)
 
-    def frame(self, place: int) -> Image:
-        """The image of a frame."""
-        self._show(place)
-        self._text.set_text(self._clock[place])
-        self._past.set_data(self._times[: place + 1], self._errors[: place + 1])
-        self._now.set_data(self._times[place : place + 1], self._errors[place : place + 1])
+    def frame(self, index: int) -> Image:
+        """Return the image of a frame, an array of shape (height, width, 3)."""
+        self._show(index)
+        self._text.set_text(self._clock[index])
+        self._past.set_data(self._times[: index + 1], self._errors[: index + 1])
+        self._now.set_data(self._times[index : index + 1], self._errors[index : index + 1])
         self._agg.restore_region(self._still)
         for artist in self._moving:
             assert artist.axes is not None
@@ -85,7 +85,7 @@ class Film:
         return np.asarray(self._agg.buffer_rgba())[:, :, :3].copy()
 
     def _draw_track(self) -> None:
-        """The error over all times in grey, as far as the film has come in colour, and a dot."""
+        """Draw the error at all times in grey, an empty coloured line over it, and a dot."""
         ax, times = self._below, self._times
         ax.plot(times, self._errors, color=PAST, linewidth=1.0)
         (self._past,) = ax.plot([], [], color=LATTICE, linewidth=1.4)
@@ -100,15 +100,15 @@ class Film:
         ax.yaxis.set_major_formatter(PowerTicks())
 
     def _draw_clock(self) -> Artist:
-        """The text in the corner."""
+        """Draw the text in the corner: the time and the error."""
         box = {"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 2.0}
         look: dict[str, Any] = {"va": "top", "ha": "left", "fontsize": 11, "bbox": box}
-        place = {"transform": self._ax.transAxes}
-        self._text = self._ax.text(0.015, 0.97, self._clock[0], **place, **look)
+        anchor = {"transform": self._ax.transAxes}
+        self._text = self._ax.text(0.015, 0.97, self._clock[0], **anchor, **look)
         return self._text
 
-    def _settle(self) -> None:
-        """Find the layout, keep it, and draw once what does not move."""
+    def _fix_layout(self) -> None:
+        """Compute the layout, fix it, and draw the artists that do not change between frames."""
         self._agg.draw()
         self.figure.set_layout_engine("none")
         for artist in self._moving:
@@ -118,15 +118,17 @@ class Film:
 
 
 def clock(times: Array, errors: Array, tracked: str = "error") -> list[str]:
-    """The time and the error of each frame, the time to the digits that the frames need."""
+    """Return the text of each frame: its time, with as many digits as the step needs, and error."""
     step = float(np.min(np.diff(times))) if times.size > 1 else 1.0
     digits = max(0, min(6, 1 - int(np.floor(np.log10(step))))) if step < 10.0 else 0
-    told = [f"{tracked} {error:.3f}" if np.isfinite(error) else f"no {tracked}" for error in errors]
-    return [f"$t = {t:.{digits}f}$\n{error}" for t, error in zip(times, told, strict=True)]
+    texts = [
+        f"{tracked} {error:.3f}" if np.isfinite(error) else f"no {tracked}" for error in errors
+    ]
+    return [f"$t = {t:.{digits}f}$\n{error}" for t, error in zip(times, texts, strict=True)]
 
 
 class ChainFilm(Film):
-    """The lattice as beads, filled down to the attribute ``level``, and the wave as a line."""
+    """A film of a chain: the lattice as beads, filled to the attribute ``level``, and the wave."""
 
     def _begin(self) -> list[Artist]:
         run, ax = self._run, self._ax
@@ -150,25 +152,25 @@ class ChainFilm(Film):
             ax.legend(loc="upper right", handlelength=2.2)
         return [self._body, self._beads, self._line]
 
-    def _show(self, place: int) -> None:
-        self._body.set_xy(np.transpose(self._filled(place)))
-        self._beads.set_data(self._offset[place], self._strain[place])
-        self._line.set_data(self._offset[place], self._wave[place])
+    def _show(self, index: int) -> None:
+        self._body.set_xy(np.transpose(self._filled(index)))
+        self._beads.set_data(self._offset[index], self._strain[index])
+        self._line.set_data(self._offset[index], self._wave[index])
 
-    def _filled(self, place: int) -> tuple[Array, Array]:
-        """The outline of what lies between the lattice and the level."""
-        offset = np.pad(self._offset[place], 1, "edge")
-        return offset, np.pad(self._strain[place], 1, constant_values=self._level)
+    def _filled(self, index: int) -> tuple[Array, Array]:
+        """Return x and y of the outline of the area between the lattice and the level."""
+        offset = np.pad(self._offset[index], 1, "edge")
+        return offset, np.pad(self._strain[index], 1, constant_values=self._level)
 
     def _common(self) -> tuple[float, float]:
-        """The sites that all frames have, whatever part of a site the frame has moved."""
+        """Return the range of offsets that all frames have, though they move between sites."""
         first, last = self._offset[:, 0], self._offset[:, -1]
         left, right = float(first.max()), float(last.min())
         return (left, right) if left < right else (float(first[0]) - 0.5, float(last[0]) + 0.5)
 
 
 class PlaneFilm(Film):
-    """A map of the lattice's strain, with the wave's as dashed contour lines over it."""
+    """A film on two axes: a map of the lattice's strain under dashed contours of the wave's."""
 
     def _begin(self) -> list[Artist]:
         low, high = spread_limits([self._strain, self._wave])
@@ -185,14 +187,14 @@ class PlaneFilm(Film):
         self.figure.colorbar(self._mesh, ax=self._ax, label=field_label(self._run, "strain"))
         return [self._mesh, self._lines]
 
-    def _show(self, place: int) -> None:
-        self._mesh.set_array(self._strain[place].T)
-        old, self._lines = self._lines, self._contours(place)
+    def _show(self, index: int) -> None:
+        self._mesh.set_array(self._strain[index].T)
+        old, self._lines = self._lines, self._contours(index)
         self._moving[self._moving.index(old)] = self._lines
         old.remove()
         self._lines.set_animated(True)
 
-    def _contours(self, place: int) -> Any:
-        values = np.nan_to_num(self._wave[place].T)
+    def _contours(self, index: int) -> Any:
+        values = np.nan_to_num(self._wave[index].T)
         look: dict[str, Any] = {"colors": WAVE, "linestyles": "--", "linewidths": 0.9}
         return self._ax.contour(self._along, self._across, values, self._levels, **look)

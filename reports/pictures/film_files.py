@@ -21,31 +21,31 @@ from longwave.reports.pictures.film import Film, Image
 from longwave.support.atomic_file import write_atomically
 
 SUFFIXES = (".mp4", ".gif")
-"""Of films."""
+"""Suffixes of films."""
 
 COLOURS = 64
-"""Of a GIF: lines in four colours and what smooths their edges, or a map."""
+"""Number of colours of a GIF: enough for lines in four colours with smooth edges, or a map."""
 
 NEARLY_WHITE = 246
-"""Of 255."""
+"""Least red, green and blue, of 255, of a colour that becomes white."""
 
 PALETTE_FRAMES = 5
-"""Frames from which the colours of a GIF are taken."""
+"""Number of frames from which the colours of a GIF are taken."""
 
 MOST_GIF_PIXELS = 4e8
-"""Of all frames of a GIF, which are in memory together, a byte each."""
+"""Most pixels in all frames of a GIF, which are in memory together, a byte each."""
 
 Show = Callable[[float], object]
-"""Told the share of the frames that is written."""
+"""A function that is called with the share of the frames that is written."""
 
 
 def has_ffmpeg() -> bool:
-    """Whether there is an ffmpeg to write MP4."""
+    """Return whether ffmpeg, which writes MP4, is installed."""
     return shutil.which("ffmpeg") is not None
 
 
 def film_path(output: str | Path) -> Path:
-    """The path of a film that can be written here; ValueError says what to write instead."""
+    """Return the path of a film that can be written here; else ValueError suggests another."""
     path = Path(output)
     if path.suffix.lower() not in SUFFIXES:
         raise ValueError(
@@ -61,18 +61,19 @@ def film_path(output: str | Path) -> Path:
 
 
 def save_film(film: Film, path: Path, fps: float, show: Show = lambda _: None) -> None:
-    """Write a film to a path, MP4 or GIF by its suffix, ``show`` being told the share written.
+    """Write a film to a path, as MP4 or GIF by its suffix.
 
-    Raises OSError if it cannot be written, ValueError for a GIF that does not fit the memory.
+    ``show`` is called with the share of the frames that is written. Raises OSError if the file
+    cannot be written, ValueError for a GIF that does not fit into memory.
     """
     write = _write_gif if path.suffix.lower() == ".gif" else _write_mp4
     write_atomically(path, lambda draft: write(film, draft, fps, show))
 
 
 def _frames(film: Film, show: Show) -> Iterator[Image]:
-    for place in range(len(film)):
-        yield film.frame(place)
-        show((place + 1) / len(film))
+    for index in range(len(film)):
+        yield film.frame(index)
+        show((index + 1) / len(film))
 
 
 def _write_gif(film: Film, path: Path, fps: float, show: Show) -> None:
@@ -97,66 +98,71 @@ def _write_gif(film: Film, path: Path, fps: float, show: Show) -> None:
 
 
 def _palette(pixels: Image) -> PillowImage.Image:
-    """An image with the colours of a GIF: those of these pixels, and what is nearly white white.
+    """Return an image with a palette for a GIF: the colours of these pixels, near-white made white.
 
-    Pillow looks colours up to a few units: paper would have any of them.
+    Pillow maps colours to the palette with an error of a few units, so a white background could
+    become any near-white colour.
     """
-    found = PillowImage.fromarray(pixels).quantize(COLOURS)
-    colours = np.array(found.getpalette()).reshape(-1, 3)
+    image = PillowImage.fromarray(pixels).quantize(COLOURS)
+    colours = np.array(image.getpalette()).reshape(-1, 3)
     colours[colours.min(axis=1) >= NEARLY_WHITE] = 255
-    found.putpalette(colours.ravel().tolist())
-    return found
+    image.putpalette(colours.ravel().tolist())
+    return image
 
 
 def frame_milliseconds(count: int, fps: float) -> list[int]:
-    """How long each frame of a GIF stays, in the hundredths of a second that its format has.
+    """Return how long each frame of a GIF stays, in multiples of 10 ms, the unit of the format.
 
-    Rounding does not add up over the film.
+    The rounding errors do not add up over the film.
 
     >>> frame_milliseconds(4, 30.0)
     [30, 40, 30, 30]
     """
     ends = np.rint(100.0 * np.arange(count + 1) / fps).astype(int)
-    return [10 * max(1, int(part)) for part in np.diff(ends)]
+    return [10 * max(1, int(step)) for step in np.diff(ends)]
 
 
 def _write_mp4(film: Film, path: Path, fps: float, show: Show) -> None:
     frames = _frames(film, show)
     first = next(frames)
     height, width, _ = first.shape
-    words = [
+    command = [
         "ffmpeg", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24",
         "-s", f"{width}x{height}", "-r", f"{fps:.6g}", "-i", "-", "-an",
         "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white", "-pix_fmt", "yuv420p",
         "-fflags", "+bitexact", "-flags:v", "+bitexact", "-movflags", "+faststart",
         "-f", "mp4", str(path),
     ]  # fmt: skip
-    with tempfile.TemporaryFile() as said, ThreadPoolExecutor(1) as pool:
-        begun: list[subprocess.Popen[bytes]] = []
+    with tempfile.TemporaryFile() as messages, ThreadPoolExecutor(1) as pool:
+        processes: list[subprocess.Popen[bytes]] = []
 
-        def begin() -> None:  # in a session of its own: Ctrl-C is this process's, which ends ffmpeg
+        def start_encoder() -> None:  # in its own session: Ctrl-C reaches only this process
             encoder = subprocess.Popen(
-                words, stdin=subprocess.PIPE, stdout=said, stderr=said, start_new_session=True
+                command,
+                stdin=subprocess.PIPE,
+                stdout=messages,
+                stderr=messages,
+                start_new_session=True,
             )
-            begun.append(encoder)
+            processes.append(encoder)
 
         try:
-            # In a thread, as Ctrl-C within Popen would lose ffmpeg, which then makes the file.
-            pool.submit(begin).result()
-            _feed(begun[0], chain([first], frames))
-            status = begun[0].wait()
+            # In a thread, as Ctrl-C within Popen would lose the running ffmpeg.
+            pool.submit(start_encoder).result()
+            _feed(processes[0], chain([first], frames))
+            status = processes[0].wait()
         except BaseException:
             pool.shutdown()
-            for encoder in begun:
+            for encoder in processes:
                 encoder.kill()
                 encoder.communicate()
             raise
         if status != 0:
-            raise OSError(f"ffmpeg could not write it: {_last_line(said)}")
+            raise OSError(f"ffmpeg could not write it: {_last_line(messages)}")
 
 
 def _feed(encoder: subprocess.Popen[bytes], frames: Iterator[Image]) -> None:
-    """Give ffmpeg the frames; where it has ended early its own words say why."""
+    """Write the frames to ffmpeg's input; stop without an error if ffmpeg has ended."""
     assert encoder.stdin is not None
     try:
         with encoder.stdin as pipe:
@@ -166,7 +172,7 @@ def _feed(encoder: subprocess.Popen[bytes], frames: Iterator[Image]) -> None:
         return
 
 
-def _last_line(said: IO[bytes]) -> str:
-    said.seek(0)
-    lines = said.read().decode(errors="replace").split("\n")
+def _last_line(messages: IO[bytes]) -> str:
+    messages.seek(0)
+    lines = messages.read().decode(errors="replace").split("\n")
     return next((line for line in reversed(lines) if line.strip()), "it ended without a word")

@@ -1,7 +1,7 @@
-"""Growth rates: a sweep's over the carrier's wavenumber beside the map in theory, and a run's.
+"""Growth rates of a sweep over the carrier's wavenumber beside the map in theory, and of a run.
 
-Rates that were measured where plane waves are stable in theory are hollow; carriers of which none
-could be measured bear a cross on the axis.
+Rates measured where plane waves are stable in theory have hollow markers. A carrier without any
+measured rate has a cross on the axis.
 """
 
 from __future__ import annotations
@@ -34,37 +34,38 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 CARRIER = "envelope.k"
-"""The field over which rates are drawn."""
+"""The field over which rates are drawn: the carrier's wavenumber k."""
 
 RATE, BARS, THEORY = "growth_rate", "growth_rate_error", "growth_rate_theory"
 NEEDED = (RATE, BARS, THEORY, "carrier_k", "perturbation_kappa")
-"""What a picture is made of, beside the cells' status."""
+"""The variables that a picture is drawn from, besides the status of the cells."""
 
 MOST_ROWS = 6
-"""Rows in a picture, each with a map of its own."""
+"""Most rows in a picture; each has its own map."""
 
 WAVENUMBERS, KAPPAS = 400, 400
-"""Points of a map."""
+"""Number of points of a map along k and along kappa."""
 
 BEYOND = 1.25
-"""How far a map goes in kappa, in units of the largest that was run and grows."""
+"""Largest kappa of a map, in units of the largest kappa that was run and grows."""
 
 FREE = ("eps", "order", "tolerance")
 """Fields on which no theory depends; any other field may change a map."""
 
 CHOSEN = ("parameters.share", "parameters.kappa")
-"""Those on which a theory's curve depends, and its map does not."""
+"""Fields on which a curve in theory depends, but not its map."""
 
 BARE = ("lattice", "envelope.branch")
-"""Those whose values need no name."""
+"""Fields whose values stand in titles without their name."""
 
 
 def growth_panels(data: xr.Dataset, most_curves: int) -> Sequence[GrowthPanel]:
-    """The rates of a sweep's cells over k: a panel for each map, a curve for each other value.
+    """Return the panels of a sweep's growth rates over k: one for each map.
 
-    A map is of one lattice with its constants, branch and amplitude; what it does not depend on
-    has panels of its own where that leaves one dimension for the curves. Raises ValueError in one
-    line where the sweep is not over the carrier's k, or over too much.
+    A map is that of one lattice with its constants, branch and amplitude. A panel has a curve for
+    each value of the other swept fields; some of these have their own panels if that leaves one
+    dimension for the curves. Raises ValueError if the sweep is not over the carrier's k, or is over
+    too many values.
     """
     along = _carrier_dimension(data)
     rows, lines = _rows_and_lines(data, along)
@@ -77,7 +78,7 @@ def growth_panels(data: xr.Dataset, most_curves: int) -> Sequence[GrowthPanel]:
 
 
 def _rows_and_lines(data: xr.Dataset, along: str) -> tuple[list[str], list[str]]:
-    """The coordinates that tell panels apart, and those that tell a panel's curves apart."""
+    """Return the coordinates that differ between panels, and those that differ within a panel."""
     fields = {str(n): data[n].attrs["field"] for n in data.coords if "field" in data[n].attrs}
     swept = [name for name in fields if data[name].ndim == 1 and fields[name] != CARRIER]
     rows = [n for n in swept if not _is_free(data, fields[n]) and fields[n] not in CHOSEN]
@@ -90,39 +91,39 @@ def _rows_and_lines(data: xr.Dataset, along: str) -> tuple[list[str], list[str]]
     if not rows and len(others) > 1:
         rows = min(
             others.values(),
-            key=lambda own: (
-                not any(fields[n] in CHOSEN for n in own),
-                all(data[n].dtype.kind in "fiu" for n in own),
-                data[own[0]].size,
+            key=lambda names_of_dim: (
+                not any(fields[n] in CHOSEN for n in names_of_dim),
+                all(data[n].dtype.kind in "fiu" for n in names_of_dim),
+                data[names_of_dim[0]].size,
             ),
         )
     return rows, [name for name in lines if name not in rows]
 
 
 def _is_free(data: xr.Dataset, field: str) -> bool:
-    """Whether no theory depends on a field; it does on eps where constants are small with it."""
+    """Return whether no theory depends on a field; it depends on eps if a constant contains eps."""
     if field != "eps":
         return field in FREE
-    told = [
+    texts = [
         str(data[name].values.tolist()) for name in data.coords if data[name].dtype.kind in "UO"
     ]
     with suppress(ValueError, KeyError, TypeError):
-        told.append(str(json.loads(data.attrs["sweep"])["scene"]["constants"]))
-    return not any("eps" in one for one in told)
+        texts.append(str(json.loads(data.attrs["sweep"])["scene"]["constants"]))
+    return not any("eps" in one for one in texts)
 
 
 def _check_count(data: xr.Dataset, names: Sequence[str], most: int, along: str) -> None:
-    """Refuse more rows, or more curves, than a picture holds."""
-    found: dict[str, int] = {}
+    """Raise ValueError if a picture would have more than ``most`` rows or curves."""
+    sizes: dict[str, int] = {}
     for dim in dict.fromkeys(str(data[name].dims[0]) for name in names):
         columns = [data[name].values.tolist() for name in names if data[name].dims == (dim,)]
-        found[dim] = len(set(map(repr, zip(*columns, strict=True))))
-    count = math.prod(found.values())
+        sizes[dim] = len(set(map(repr, zip(*columns, strict=True))))
+    count = math.prod(sizes.values())
     if count <= most:
         return
     differing = [n for n in names if len(set(map(str, data[n].values.tolist()))) > 1]
-    name = max(differing, key=lambda name: found[str(data[name].dims[0])])
-    alone = list(found) == [along] and count == data.sizes[along]
+    name = max(differing, key=lambda name: sizes[str(data[name].dims[0])])
+    alone = list(sizes) == [along] and count == data.sizes[along]
     remedy = "take --kind values" if alone else f"choose with --at {name}=VALUE"
     raise ValueError(
         f"{' and '.join(differing)} must have at most {most} values beside k, got {count} "
@@ -131,61 +132,75 @@ def _check_count(data: xr.Dataset, names: Sequence[str], most: int, along: str) 
 
 
 def _groups(cells: xr.Dataset, names: Sequence[str]) -> list[tuple[dict[str, Any], xr.Dataset]]:
-    """The cells with the same values of these coordinates, in the order of the first of each."""
+    """Return groups of cells with the same values of ``names``, each with these values by name."""
     columns = [cells[name].values.tolist() for name in names]
-    found: dict[tuple[str, ...], list[int]] = {}
-    for place in range(cells.sizes["cell"]):
-        found.setdefault(tuple(repr(column[place]) for column in columns), []).append(place)
+    indices: dict[tuple[str, ...], list[int]] = {}
+    for index in range(cells.sizes["cell"]):
+        indices.setdefault(tuple(repr(column[index]) for column in columns), []).append(index)
     return [
-        ({n: c[at[0]] for n, c in zip(names, columns, strict=True)}, cells.isel(cell=at))
-        for at in found.values()
+        (
+            {n: c[positions[0]] for n, c in zip(names, columns, strict=True)},
+            cells.isel(cell=positions),
+        )
+        for positions in indices.values()
     ]
 
 
 def _carrier_dimension(data: xr.Dataset) -> str:
-    """The dimension of the carrier's k, if the cells, of any file, have all that is drawn."""
+    """Return the dimension of the carrier's k.
+
+    Raises ValueError if no field is k, or if a variable of `NEEDED` is missing or has other
+    dimensions.
+    """
     fields = {str(n): data[n].attrs.get("field") for n in data.coords if data[n].ndim == 1}
-    found = [name for name, field in fields.items() if field == CARRIER]
-    dims, own = data["status"].dims, (data.get(name) for name in NEEDED)
-    if not found or any(n is None or n.dims != dims or n.dtype.kind != "f" for n in own):
+    names = [name for name, field in fields.items() if field == CARRIER]
+    dims, variables = data["status"].dims, (data.get(name) for name in NEEDED)
+    if not names or any(n is None or n.dims != dims or n.dtype.kind != "f" for n in variables):
         swept = ", ".join(map(str, fields.values())) or "nothing"
         raise ValueError(
             f"growth_map must be of growth rates over {CARRIER}, got a sweep over {swept} (a scene "
             'with wave = "perturbed_plane", and its k in [grid])'
         )
-    return str(data[found[0]].dims[0])
+    return str(data[names[0]].dims[0])
 
 
 def _cells(data: xr.Dataset, dims: Sequence[str]) -> xr.Dataset:
-    """The numbers of all cells in a row, NaN but for k where there is no run; whether it is
-    ``done``, and whether an attempt ``failed``."""
+    """Return the variables of all cells in one dimension, NaN except for k where a cell has no run.
+
+    It has the variables ``done``, and ``failed`` where an attempt to run had no result.
+    """
     flat = data[["status", *NEEDED]].stack(cell=dims, create_index=False)
     done = flat["status"] == "done"
     coords = (flat[name] for name in flat.coords if flat[name].dims == ("cell",))
-    asked = next(held for held in coords if held.attrs.get("field") == CARRIER)
+    wavenumber = next(
+        coordinate for coordinate in coords if coordinate.attrs.get("field") == CARRIER
+    )
     numbers = flat[list(NEEDED)].where(done)
-    wavenumbers = np.array([_number(value) for value in asked.values.tolist()])
+    wavenumbers = np.array([_number(value) for value in wavenumber.values.tolist()])
     numbers["carrier_k"] = numbers["carrier_k"].where(done, wavenumbers)
     failed = flat["status"].isin(("refused", "failed", "blown up"))
     return numbers.assign(done=done, failed=failed).assign_attrs(data.attrs)
 
 
 def _titles(parts: Sequence[xr.Dataset], names: Sequence[str]) -> list[str]:
-    """What tells panels apart; tables only where lattices, branches and numbers do not."""
-    held = [{name: _first(part, name) for name in names} for part in parts]
+    """Return a title of each panel from the values that differ between panels.
+
+    Values that are tables stand in titles only if the titles would be equal without them.
+    """
+    values = [{name: _first(part, name) for name in names} for part in parts]
     scalar = [str(name) for name in parts[0].coords if parts[0][name].ndim == 0]
     fields = {name: parts[0][name].attrs.get("field", name) for name in (*names, *scalar)}
-    bare = [name for wanted in BARE for name in fields if fields[name] == wanted]
+    bare = [name for field in BARE for name in fields if fields[name] == field]
     short: list[dict[str, Any]] = []
     tables: list[dict[str, Any]] = []
-    for own in held:
-        entries = {name: _value(value) for name, value in own.items() if name not in bare}
+    for row in values:
+        entries = {name: _value(value) for name, value in row.items() if name not in bare}
         short.append({n: v for n, v in entries.items() if not isinstance(v, dict)})
         tables.append({k: v for e in entries.values() if isinstance(e, dict) for k, v in e.items()})
     prefixes = [", ".join(str(_first(part, name)) for name in bare) for part in parts]
-    titles = _joined(prefixes, [_told(one) for one in _differing(short)])
+    titles = _joined(prefixes, [_assignments(row) for row in _differing(short)])
     if len(set(titles)) < len(titles):
-        titles = _joined(titles, [_told(one) for one in _differing(tables)])
+        titles = _joined(titles, [_assignments(row) for row in _differing(tables)])
     return titles
 
 
@@ -197,15 +212,17 @@ def _first(part: xr.Dataset, name: str) -> Any:
     return part[name].values.ravel().tolist()[0]
 
 
-def _differing(held: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Of tables of values those entries that are not the same in all."""
-    names = dict.fromkeys(name for one in held for name in one)
-    wanted = [name for name in names if len({repr(one.get(name)) for one in held}) > 1]
-    return [{name: one[name] for name in wanted if name in one} for one in held]
+def _differing(tables: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Return the tables with only the entries that are not the same in all of them."""
+    names = dict.fromkeys(name for table in tables for name in table)
+    names_that_differ = [
+        name for name in names if len({repr(table.get(name)) for table in tables}) > 1
+    ]
+    return [{name: table[name] for name in names_that_differ if name in table} for table in tables]
 
 
-def _told(values: Mapping[str, Any]) -> str:
-    """Values with their names."""
+def _assignments(values: Mapping[str, Any]) -> str:
+    """Return values with their names, such as "eps = 0.1, order = 2"."""
     return ", ".join(
         f"{name} = {value:g}" if isinstance(value, int | float) else f"{name} = {value}"
         for name, value in values.items()
@@ -213,17 +230,19 @@ def _told(values: Mapping[str, Any]) -> str:
 
 
 def _panel(title: str, cells: xr.Dataset, lines: Sequence[str]) -> GrowthPanel:
-    """A panel of cells that have one map."""
+    """Return a panel of cells with the same map."""
     chosen = [name for name in lines if cells[name].attrs.get("field") in CHOSEN]
     curves = [
-        part.assign_attrs(label=_told(held), line=_told({name: held[name] for name in chosen}))
-        for held, part in _groups(cells, lines)
+        part.assign_attrs(
+            label=_assignments(values), line=_assignments({name: values[name] for name in chosen})
+        )
+        for values, part in _groups(cells, lines)
     ]
     return GrowthPanel(title, curves, _theory(curves))
 
 
 def _number(value: float | str) -> float:
-    """A wavenumber as a file says it; NaN for what is none."""
+    """Return a wavenumber written as number or expression in a file; NaN if it is not valid."""
     from longwave.derive.algebra.formula_expression import exact_value
 
     try:
@@ -233,10 +252,10 @@ def _number(value: float | str) -> float:
 
 
 def _theory(curves: Sequence[xr.Dataset]) -> xr.Dataset | None:
-    """The map of the cells' lattice; None where it has none, or is in a file of its own.
+    """Return the map in theory of the curves' lattice; None if no scene or map can be built.
 
-    Growth ``rates`` over ``kappa`` and ``k``, those of each ``line`` of measured kinds over k, and
-    the ``product`` p q, NaN where there is no equation.
+    It has the growth ``rates`` over ``kappa`` and ``k``, the ``lines`` of rates over k for the
+    measured kinds of perturbation, and the ``product`` p q, NaN where there is no equation.
     """
     from longwave.scenes.engines.sideband_growth import plane_wave_numbers
     from longwave.scenes.modulation import scene_modulation
@@ -263,8 +282,8 @@ def _theory(curves: Sequence[xr.Dataset]) -> xr.Dataset | None:
         for n in ("perturbation_kappa", THEORY)
     )
     growing = run[theory > 0.0]
-    shown = growing if growing.size else run[np.isfinite(run)]
-    largest = float(np.max(shown, initial=0.0)) or 1.0
+    kappas_run = growing if growing.size else run[np.isfinite(run)]
+    largest = float(np.max(kappas_run, initial=0.0)) or 1.0
     kappas = np.linspace(0.0, BEYOND * largest, KAPPAS)
     rates = _rates(grid.p, grid.q, amplitude, kappas[:, None])
     import xarray as xr  # a sweep is one already
@@ -280,7 +299,7 @@ def _theory(curves: Sequence[xr.Dataset]) -> xr.Dataset | None:
 
 
 def _rates(p: Array, q: Array, amplitude: float, kappa: Array | float) -> Array:
-    """Growth rates in T of perturbations, 0 of those that do not grow."""
+    """Return growth rates in T of perturbations, 0 where they do not grow."""
     from longwave.scenes.starts.perturbed_plane import squared_rate
 
     with np.errstate(all="ignore"):
@@ -288,7 +307,7 @@ def _rates(p: Array, q: Array, amplitude: float, kappa: Array | float) -> Array:
 
 
 def _scene(cell: xr.Dataset) -> Scene:
-    """The scene of one cell; ValueError if the file does not hold it."""
+    """Return the scene of one cell; ValueError if the file does not contain it."""
     from longwave.runs.sweep_scene import changed_document, make_scene
 
     try:
@@ -303,24 +322,27 @@ def _scene(cell: xr.Dataset) -> Scene:
         raise ValueError(f"sweep must hold its scene, got {error}") from None
 
 
-def _value(held: Any) -> Any:
-    """A field's value: lists and tables stand as JSON."""
-    if isinstance(held, str) and held[:1] in ("[", "{"):
-        return json.loads(held)
-    return held
+def _value(value: Any) -> Any:
+    """Return a field's value; lists and tables are parsed from JSON."""
+    if isinstance(value, str) and value[:1] in ("[", "{"):
+        return json.loads(value)
+    return value
 
 
 UNKNOWN = "#a6a6a6"
-"""The colour of where plane waves have no NLS equation."""
+"""Colour of the wavenumbers at which plane waves have no NLS equation."""
 
 LEGEND_LETTERS = 88
-"""In a line of the legend, with four curves side by side."""
+"""Letters in a row of the legend, over which up to four entries are spread."""
 
 
 @dataclass(frozen=True)
 class GrowthPanel:
-    """Measured rates, curves with a ``label`` and the ``line`` of theory that is theirs, beside the
-    one map of all their cells, None if it cannot be derived."""
+    """A panel: measured rates, and the map in theory that all its cells share.
+
+    Each curve has a ``label`` and the name of its ``line`` in theory. The map is None if it
+    cannot be derived.
+    """
 
     title: str
     curves: Sequence[xr.Dataset]
@@ -329,10 +351,10 @@ class GrowthPanel:
 
 @part(lambda panels: 2.3 * len(panels) + 0.45)
 def growth_map(figure: FigureBase, panels: Sequence[GrowthPanel]) -> None:
-    """A row for each of `growth_panels`: rates over k, and the map of all perturbations."""
+    """Draw a row for each of `growth_panels`: rates over k, and the map of all perturbations."""
     grid = figure.subplots(len(panels), 2, squeeze=False, sharex=True)
     labels = dict.fromkeys(curve.attrs["label"] for panel in panels for curve in panel.curves)
-    looks = {label: CURVES[place % len(CURVES)] for place, label in enumerate(labels)}
+    looks = {label: CURVES[index % len(CURVES)] for index, label in enumerate(labels)}
     for (left, right), panel in zip(grid, panels, strict=True):
         left.set_title(panel.title, loc="left", parse_math=False)
         left.set_ylabel("growth rate in $T$")
@@ -351,11 +373,11 @@ def growth_map(figure: FigureBase, panels: Sequence[GrowthPanel]) -> None:
 
 
 Looks = Mapping[str, Mapping[str, Any]]
-"""Colours, lines and markers of curves by their labels, the same in all panels."""
+"""Colour, line style and marker of each curve by its label, the same in all panels."""
 
 
 def _theory_looks(panel: GrowthPanel, looks: Looks) -> dict[str, dict[str, Any]]:
-    """Of each line of theory: black if it is the only one, else as the first curve it is of."""
+    """Return the look of each line in theory: black for a single line, else as its first curve."""
     first: dict[str, str] = {}
     for curve in panel.curves:
         first.setdefault(curve.attrs["line"], curve.attrs["label"])
@@ -368,7 +390,7 @@ def _theory_looks(panel: GrowthPanel, looks: Looks) -> dict[str, dict[str, Any]]
 
 
 def _draw_rates(ax: Axes, panel: GrowthPanel, looks: Looks) -> None:
-    """The measured rates and the theory's curves, on grey where plane waves are stable."""
+    """Draw the measured rates and the curves in theory, on grey where plane waves are stable."""
     theory = _theory_looks(panel, looks)
     for curve in panel.curves:
         colour, marker = (looks[curve.attrs["label"]][key] for key in ("color", "marker"))
@@ -381,8 +403,8 @@ def _draw_rates(ax: Axes, panel: GrowthPanel, looks: Looks) -> None:
                 "markerfacecolor": face,
                 "zorder": 3,
             }
-            places, rates, bars = (part[name].values for name in ("carrier_k", RATE, BARS))
-            ax.errorbar(places, rates, bars, linestyle="", color=colour, capsize=2.0, **look)
+            wavenumbers, rates, bars = (part[name].values for name in ("carrier_k", RATE, BARS))
+            ax.errorbar(wavenumbers, rates, bars, linestyle="", color=colour, capsize=2.0, **look)
         failed = curve["carrier_k"].values[curve["failed"].values]
         ax.plot(failed, 0.0 * failed, "kx", markersize=5.0, zorder=4)
         if panel.theory is None:
@@ -401,9 +423,9 @@ def _draw_rates(ax: Axes, panel: GrowthPanel, looks: Looks) -> None:
 
 
 def _set_rates(ax: Axes, panel: GrowthPanel) -> float:
-    """Have the axis show all rates that were measured, and the theory there; its upper end.
+    """Set the axis to the measured rates and their theory; return its upper end.
 
-    The theory's curve may go beyond any, beside a resonance.
+    The curve in theory may exceed it next to a resonance.
     """
     parts = [part for c in panel.curves for part in (c[RATE] + c[BARS], c[THEORY])]
     known = np.concatenate(parts)
@@ -414,14 +436,14 @@ def _set_rates(ax: Axes, panel: GrowthPanel) -> float:
 
 
 def _draw_map(figure: FigureBase, ax: Axes, panel: GrowthPanel, top: float) -> None:
-    """Rates of all perturbations in theory, and those measured as points in the same colours."""
+    """Draw a map of the growth rates in theory, and the measured ones as points in its colours."""
     assert panel.theory is not None
     k, kappa, rates = (panel.theory[name].values for name in ("k", "kappa", "rates"))
     ax.set_facecolor(STABLE)
     colours = Normalize(0.0, top)
     growing = np.ma.masked_where(~(rates > 0.0), rates)
     extent: Any = (0.0, float(k[-1]), 0.0, float(kappa[-1]))
-    drawn = ax.imshow(growing, norm=colours, extent=extent, origin="lower", aspect="auto")
+    image = ax.imshow(growing, norm=colours, extent=extent, origin="lower", aspect="auto")
     for curve in panel.curves:
         look: dict[str, Any] = {
             "norm": colours,
@@ -429,23 +451,25 @@ def _draw_map(figure: FigureBase, ax: Axes, panel: GrowthPanel, top: float) -> N
             "linewidths": 0.6,
             "zorder": 3,
         }
-        places, heights, rate = (
+        wavenumbers, heights, rate = (
             curve[name].values for name in ("carrier_k", "perturbation_kappa", RATE)
         )
-        ax.scatter(places, heights, 14.0, c=np.maximum(rate, 0.0), **look)
+        ax.scatter(wavenumbers, heights, 14.0, c=np.maximum(rate, 0.0), **look)
     ax.set_ylim(0.0, float(kappa[-1]))
     ax.set_ylabel(r"$\kappa$ of the perturbation")
     extend = "max" if np.nanmax(rates) > top else "neither"
-    figure.colorbar(drawn, ax=ax, label="growth rate in $T$", extend=extend)
+    figure.colorbar(image, ax=ax, label="growth rate in $T$", extend=extend)
 
 
 def _legend(panels: Sequence[GrowthPanel], looks: Looks) -> list[Line2D | Patch]:
-    """Each curve's marker, over its line of theory where a panel has several."""
+    """Return the handles of the legend: each curve's marker, on its line in theory."""
     handles: list[Line2D | Patch] = []
     several = [
         _theory_looks(p, looks) for p in panels if len({c.attrs["line"] for c in p.curves}) > 1
     ]
-    lines = {line: look for found in reversed(several) for line, look in found.items()}
+    lines = {
+        line: look for looks_of_lines in reversed(several) for line, look in looks_of_lines.items()
+    }
     for label, curve in {c.attrs["label"]: c for p in panels for c in p.curves}.items():
         colour, marker = looks[label]["color"], looks[label]["marker"]
         line = lines.get(curve.attrs["line"], {"color": colour, "linestyle": ""})
@@ -461,14 +485,14 @@ def _legend(panels: Sequence[GrowthPanel], looks: Looks) -> list[Line2D | Patch]
     if any(curve["failed"].any() for curve in curves):
         handles.append(Line2D([], [], linestyle="", marker="x", color="black", label="no run"))
     maps = [panel.theory for panel in panels if panel.theory is not None]
-    if any(found["product"].isnull().any() for found in maps):
+    if any(theory["product"].isnull().any() for theory in maps):
         handles.append(Patch(color=UNKNOWN, label="no NLS equation"))
     return handles
 
 
 @part(2.8)
 def sideband_sizes(figure: FigureBase, run: LabelledArrays, verdict: str) -> None:
-    """The two waves beside a carrier over the slow time, in a logarithm, and in theory."""
+    """Draw the sidebands, relative to the carrier, over the slow time: measured and in theory."""
     ax, slow_times = figure.subplots(), run["slow_time"].values
     look = CURVES[0] | {"linestyle": ""}
     ax.semilogy(slow_times, run["sideband_size"].values, label="lattice", **look)

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from longwave.reports.pictures.drawing import (
     STABLE,
     WAVENUMBER_TICKS,
+    error_text,
     even_places,
     field_label,
-    told_error,
 )
 from longwave.reports.pictures.style import CURVES, page_width, part
 
@@ -29,56 +29,56 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 ACROSS = 3
-"""Times of a scene side by side."""
+"""Number of times of a scene side by side."""
 
 
 def even_times(run: Labelled) -> list[int]:
-    """The places of ``ACROSS`` times from the first to the last."""
+    """Return the indices of at most ``ACROSS`` evenly spaced times, first and last included."""
     return even_places(run.sizes["time"], ACROSS)
 
 
 @part(4.6)
 def strain_maps(figure: FigureBase, run: LabelledArrays) -> None:
-    """Heat maps of a run on two axes: the lattice's strain, and its difference from the theory.
+    """Draw heat maps of a run on two axes: the lattice's strain, and lattice minus theory.
 
-    A run `run_data.with_own` has its own error beside the difference.
+    A run `run_data.with_own` has its own error in the titles of the second row.
     """
     places = even_times(run)
     panels = figure.subplots(2, len(places), squeeze=False, sharey=True)
     strain = run["strain"].values
-    apart = strain - run["analytic"].values
+    difference = strain - run["analytic"].values
     ends = float(np.fmin.reduce(strain, axis=None)), float(np.fmax.reduce(strain, axis=None))
-    largest = float(np.fmax.reduce(np.abs(apart), axis=None))
-    for axes, values, words, colours, (least, most) in (
+    largest = float(np.fmax.reduce(np.abs(difference), axis=None))
+    for axes, values, label, colours, (least, most) in (
         (panels[0], strain, field_label(run, "strain"), "viridis", ends),
-        (panels[1], apart, "lattice $-$ theory", "PuOr", (-largest, largest)),
+        (panels[1], difference, "lattice $-$ theory", "PuOr", (-largest, largest)),
     ):
         for place, ax in zip(places, axes, strict=True):
-            drawn = ax.pcolormesh(
+            image = ax.pcolormesh(
                 run["site"].values, run["row"].values, values[place].T,
                 cmap=colours, vmin=least, vmax=most, rasterized=True,
             )  # fmt: skip
             ax.set_title(f"$T={float(run['slow_time'].values[place]):.3g}$", loc="left")
             own = float(run["own"].values[place]) if "own" in run else np.nan
-            if values is apart and np.isfinite(own):
-                ax.set_title(f"own error {told_error(own)}", loc="right", fontsize=7.0)
+            if values is difference and np.isfinite(own):
+                ax.set_title(f"own error {error_text(own)}", loc="right", fontsize=7.0)
         axes[0].set_ylabel("$m$")
-        figure.colorbar(drawn, ax=list(axes), label=words)
+        figure.colorbar(image, ax=list(axes), label=label)
     for ax in panels[-1]:
         ax.set_xlabel("$n - c\\,t$  (cells)")
 
 
 RATE_HEIGHT, RATES_ACROSS = 2.3, 2
-"""Height of a row of panels of errors over eps, in inches, and panels in it."""
+"""Height of a row of panels of errors over eps, in inches, and most panels in a row."""
 
 TICKS_APART = 0.2
-"""Least distance of values of eps that are printed, in units of the axis."""
+"""Least distance of two printed values of eps, as a share of the axis's length."""
 
 
 def rate_figure(panels: Mapping[float, Mapping[str, Sequence[ConvergencePoint]]]) -> Figure:
-    """Errors over eps, both in logarithms, with the runs' own errors as bars.
+    """Return a figure of errors over eps, on logarithmic axes, with the runs' own errors as bars.
 
-    A panel is that of a power of eps, which a dotted line has, and of the curves by their labels.
+    ``panels`` has curves by their labels, for each power of eps that a panel's dotted line shows.
     """
     down = -(-len(panels) // RATES_ACROSS)
     figure = Figure((page_width(), RATE_HEIGHT * down), layout="constrained")
@@ -107,40 +107,45 @@ def _draw_errors(
 
 
 def _draw_power(ax: Axes, points: Sequence[ConvergencePoint], power: float) -> None:
-    """The line of slope ``power`` below all points, and ticks at round values of eps."""
+    """Draw a line of slope ``power`` below all points, and ticks at round values of eps."""
     ax.set_xscale("log")
     ax.set_yscale("log")
     factor = 0.5 * min(point.error / point.eps**power for point in points)
     ends = np.array([min(p.eps for p in points), max(p.eps for p in points)])
-    words = rf"$\propto\epsilon^{{{power:g}}}$"
-    ax.plot(ends, factor * ends**power, color="black", linestyle=":", linewidth=1.0, label=words)
+    label = rf"$\propto\epsilon^{{{power:g}}}$"
+    ax.plot(ends, factor * ends**power, color="black", linestyle=":", linewidth=1.0, label=label)
     ticks: list[float] = []
     for tick in (0.02, 0.05, 0.1, 0.2, 0.3, 0.5):
-        apart = math.inf if not ticks else math.log(tick / ticks[-1]) / math.log(ends[1] / ends[0])
-        if ends[0] <= tick <= ends[1] and apart > TICKS_APART:
+        distance = (
+            math.inf if not ticks else math.log(tick / ticks[-1]) / math.log(ends[1] / ends[0])
+        )
+        if ends[0] <= tick <= ends[1] and distance > TICKS_APART:
             ticks.append(tick)
     ax.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
     ax.set_xticks([], minor=True)
 
 
 def modulation_figure(grid: ModulationGrid, quadratic: Array) -> Figure:
-    """Growth rate over wavenumber and K3; grey where p q < 0, a black line between."""
+    """Return a figure of the growth rate over wavenumber and K3.
+
+    The region with p q < 0 is grey, with a black line at its boundary.
+    """
     figure = Figure((0.8 * page_width(), 3.0), layout="constrained")
     ax = figure.subplots()
     unstable = grid.product > 0
     stable = np.where(unstable, np.nan, 1.0)
     ax.pcolormesh(grid.k, quadratic, stable, cmap=ListedColormap([STABLE]), rasterized=True)
     growth = np.where(unstable, grid.growth_rate, np.nan)
-    drawn = ax.pcolormesh(grid.k, quadratic, growth, vmin=0.0, rasterized=True)
+    image = ax.pcolormesh(grid.k, quadratic, growth, vmin=0.0, rasterized=True)
     ax.contour(grid.k, quadratic, grid.product, [0.0], colors="black", linewidths=1.0)
-    for words, inside, colour in (
+    for text, inside, colour in (
         ("focusing, $pq>0$", unstable, "white"),
         ("defocusing, $pq<0$", ~unstable, "black"),
     ):
         x, y = (float(np.mean(axis[inside])) for axis in (grid.k, quadratic))
-        ax.text(x, y, words, color=colour, ha="center", va="center")
+        ax.text(x, y, text, color=colour, ha="center", va="center")
     ax.set_xlabel("carrier wavenumber $k$")
     ax.set_ylabel("$K_3$")
     ax.set_xticks(*WAVENUMBER_TICKS)
-    figure.colorbar(drawn, ax=ax, label=r"growth rate in $T$ of $|A|=1$")
+    figure.colorbar(image, ax=ax, label=r"growth rate in $T$ of $|A|=1$")
     return figure

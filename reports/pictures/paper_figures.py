@@ -1,4 +1,4 @@
-"""The paper's figures: which scenes each shows, and drawing them from the scenes' runs."""
+"""The paper's figures: the scenes that each shows, and functions that draw them from runs."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -16,8 +16,8 @@ from longwave.support.labelled_arrays import Labelled
 class SnapshotFigure:
     """A figure of the paper with one row of panels for each scene.
 
-    `half_width` is how many sites are shown to either side of the site nearest to c t; `label`
-    is the figure's label in the paper.
+    ``half_width`` is the number of sites to either side of the one nearest to c t; ``label`` is
+    the figure's label in the paper.
     """
 
     name: str
@@ -81,7 +81,7 @@ ERROR_FIGURES = (
 
 
 def paper_figures(runs: Mapping[str, Labelled]) -> Iterator[tuple[str, Figure]]:
-    """Every figure of the paper, drawn from the runs of its scenes, under its name."""
+    """Yield the name of every figure of the paper and the figure, drawn from its scenes' runs."""
     for figure in SNAPSHOT_FIGURES:
         rows = [snapshots(runs[name], figure.half_width) for name in figure.scenes]
         yield figure.name, snapshot_panels(rows).figure()

@@ -1,7 +1,7 @@
 """Pictures of a run: snapshots against the wave, space-time map, spectra, errors, crest track.
 
-`PICTURES` says which pictures there are, and which observable and variables each is drawn from.
-`plot` draws a run, or a scene that is run first; `draw` is the work of `longwave plot`.
+`PICTURES` maps each kind of picture to the observable and the variables that it is drawn from.
+`plot` draws a run, or a scene that it first runs; `draw` does the work of ``longwave plot``.
 """
 
 import sys
@@ -73,29 +73,34 @@ if TYPE_CHECKING:
 ALL, GROWTH = "all", "growth"
 
 ACROSS, MOST_PANELS = 3, 12
-"""Snapshots side by side, and most of them; of more snapshots some are taken, evenly."""
+"""Most snapshots side by side, and in all; of more, evenly spaced ones are drawn."""
 
 LETTERS = 12.9
-"""Of a title in an inch."""
+"""Letters of a title in an inch."""
 
-SHOWN, LEAST_SHOWN = 0.02, 20
-"""Share of the wave's largest deviation from its background that is still seen; fewest sites."""
+VISIBLE, LEAST_VISIBLE = 0.02, 20
+"""Share of the wave's largest deviation from its background that counts as visible, and the least
+half-width in sites."""
 
 MOST = 270
-"""Most characters of a figure's title."""
+"""Most characters of a line in a figure's title."""
 
 LOOKS, LATTICE_LOOKS = 201, 101
-"""Times of map and crest track where the scene does not state any; of a scene on any lattice, whose
-snapshots they are."""
+"""Number of times of map and crest track, if the scene states none; of a scene on any lattice,
+number of its snapshots."""
 
 Source = Labelled | Scene | str | Path
-"""A run, of which a data set is one, or what is run or read first."""
+"""A run (a data set is one), or a scene or file to be run or read first."""
 
 
 @dataclass(frozen=True)
 class Picture:
-    """One kind of picture: the observable ("" if no scene can ask for it) and the variables that it
-    is drawn from, the part of a figure that it is of a placed run, and whether a run fits."""
+    """A kind of picture.
+
+    ``observable`` is the one that a scene must ask for, "" if none; ``variables`` are those that a
+    run must have. ``part`` returns the part of a figure that draws a placed run; ``fits`` returns
+    whether a run that has the variables can be drawn.
+    """
 
     observable: str
     variables: Sequence[str]
@@ -115,19 +120,19 @@ def plot(
 ) -> ShownFigure:
     """Draw a run; write the figure to ``output`` (PNG, PDF or SVG by its suffix) if it is given.
 
-    ``source`` is a run, the path of a file that holds one (`save_run`), or a scene, its TOML file
-    or its name: a scene is run first, for what the pictures need and nothing else, ``progress``
-    and ``announce`` being told as `run` tells them. ``kind`` is one of `PICTURES`, or "all": what
-    the run holds of them, one below the other.
+    ``source`` is a run, the path of a run's file (`save_run`), a scene, its TOML file or its name.
+    A scene is run first, with only the observables that the pictures need; ``progress`` and
+    ``announce`` are called as `run` calls them. ``kind`` is one of `PICTURES`, or "all" for those
+    that the run has the variables of, one below the other.
 
-    It may be a sweep's data set or file as well: a ``variable`` of its cells is drawn over the
-    swept dimensions, and work against precision (`SWEEP_PICTURES`), where the fields of ``at`` have
-    these values.
+    ``source`` may also be the data set or the file of a sweep. Then a ``variable`` of its cells is
+    drawn over the swept dimensions, and work against precision (`SWEEP_PICTURES`), for the cells
+    whose fields have the values in ``at``.
 
-    ``columns`` of a journal are as wide as the figure: 1 or 2, 3.4 or 7 inches.
+    ``columns`` is the figure's width in columns of a journal: 1 or 2, which are 3.4 or 7 inches.
 
-    Raises ValueError in one line: source, kind, columns and suffix; a run without the variables.
-    OSError if ``output`` cannot be written.
+    Raises ValueError for an unknown source, kind, number of columns or suffix, and for a run
+    without the variables. Raises OSError if ``output`` cannot be written.
     """
     path = None if output is None else picture_path(output)
     if kind not in (ALL, *PICTURES, *SWEEP_PICTURES):
@@ -135,10 +140,10 @@ def plot(
         raise ValueError(f"kind must be a known one, got {kind!r} ({known})")
     if columns not in WIDTHS:
         raise ValueError(f"columns must be 1 or 2, got {shown(columns)} (of a journal)")
-    found = read_source(source)
-    of_sweep = not isinstance(found, Scene) and is_sweep(found)
+    content = read_source(source)
+    of_sweep = not isinstance(content, Scene) and is_sweep(content)
     _check_words(of_sweep, kind, at or {}, variable)
-    data = _run(found, kind, progress, announce) if isinstance(found, Scene) else found
+    data = _run(content, kind, progress, announce) if isinstance(content, Scene) else content
     with styled(WIDTHS[columns]), warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph .* missing from font")
         figure = _draw_sweep(data, kind, at or {}, variable) if of_sweep else _draw(data, kind)
@@ -148,7 +153,7 @@ def plot(
 
 
 def _check_words(of_sweep: bool, kind: str, at: Choice, variable: str) -> None:
-    """Refuse, before anything is run, what belongs to sweeps alone or to all but them."""
+    """Raise ValueError for arguments of sweeps given with a run, or kinds of runs with a sweep."""
     given = {"at": at, "variable": variable != "error", "kind": kind in SWEEP_PICTURES}
     wrong = [name for name, value in given.items() if value and not of_sweep]
     if wrong:
@@ -166,26 +171,33 @@ def _check_words(of_sweep: bool, kind: str, at: Choice, variable: str) -> None:
 def _run(
     scene: Scene, kind: str, progress: Progress | None, announce: Announce | None
 ) -> LabelledArrays:
-    """Run a scene for what the pictures need.
+    """Run a scene with what the pictures need, and return the run's data.
 
-    Where it has observables these are asked for; others are run at their own times and, where
-    curves are drawn, between them.
+    A scene with observables is run with those of the pictures. Another one is run at its own times,
+    and for curves over time also at `LATTICE_LOOKS` times between the first and the last.
     """
     if scene.bench:
         return record_scene(scene, progress, announce).arrays
     if scene.has_moving_wave:
         return record_scene(_for_pictures(scene, kind), progress, announce).arrays
-    named = "slow_times" if scene.slow_times else "snapshots"
-    own: tuple[float, ...] = getattr(scene, named)
-    if not own or kind in ("snapshots", "spectra"):
+    field = "slow_times" if scene.slow_times else "snapshots"
+    times_of_scene: tuple[float, ...] = getattr(scene, field)
+    if not times_of_scene or kind in ("snapshots", "spectra"):
         return record_scene(scene, progress, announce).arrays
-    times = tuple(sorted({*own, *np.linspace(own[0], own[-1], LATTICE_LOOKS).tolist()}))
-    made = record_scene(scene.changed(**{named: times}), progress, announce).arrays
-    return with_looks(placed(made)).isel(time=[times.index(t) for t in own])
+    all_times = tuple(
+        sorted(
+            {
+                *times_of_scene,
+                *np.linspace(times_of_scene[0], times_of_scene[-1], LATTICE_LOOKS).tolist(),
+            }
+        )
+    )
+    data = record_scene(scene.changed(**{field: all_times}), progress, announce).arrays
+    return with_looks(placed(data)).isel(time=[all_times.index(t) for t in times_of_scene])
 
 
 def read_source(source: Source) -> Labelled | Scene:
-    """The run or the scene that is meant; ValueError if it is neither, or cannot be read."""
+    """Return the run or scene of ``source``; ValueError if it is neither, or cannot be read."""
     if isinstance(source, Scene | Labelled):
         return source
     if not isinstance(source, str | Path):
@@ -203,45 +215,47 @@ def read_source(source: Source) -> Labelled | Scene:
 
 
 def _for_pictures(scene: Scene, kind: str) -> Scene:
-    """The scene with the observables that are drawn.
+    """Return the scene with the observables that pictures of that kind need.
 
-    Of all pictures the error curve is drawn only if the scene asks for it: a run that is asked for
-    it ends in an error where the wave cannot be told from its background. With it come the run's
-    own errors, if the scene asks for them.
+    With kind "all" the error curve is included only if the scene asks for it, as computing it
+    raises an error for a wave that cannot be distinguished from its background. With the error
+    curve come the run's own errors, if the scene asks for them.
     """
     if kind == GROWTH:
         raise ValueError(
             f'kind must not be {GROWTH} for the scene of a wave, got it (wave = "perturbed_plane" '
             "has its growth measured)"
         )
-    wanted = [p.observable for name, p in PICTURES.items() if kind in (ALL, name) and p.observable]
+    observables = [
+        p.observable for name, p in PICTURES.items() if kind in (ALL, name) and p.observable
+    ]
     if kind == ALL and "error_curve" not in scene.observables:
-        wanted.remove("error_curve")
-    if "error_curve" in wanted:
-        wanted += [name for name in MEASURED if name in scene.observables]
-    asked = tuple(dict.fromkeys(wanted))
-    return replace(scene, observables=asked, look_points=scene.look_points or LOOKS)
+        observables.remove("error_curve")
+    if "error_curve" in observables:
+        observables += [name for name in MEASURED if name in scene.observables]
+    observables_once = tuple(dict.fromkeys(observables))
+    return replace(scene, observables=observables_once, look_points=scene.look_points or LOOKS)
 
 
 def _draw(run: Labelled, kind: str) -> ShownFigure:
-    """Draw the pictures of that kind, one below the other, the run's title above them."""
+    """Draw the pictures of that kind, one below the other, under the run's title."""
     data = with_theory(with_looks(placed(run), LEAST_LOOKS if kind == ALL else 2))
-    drawn = _pictures(data, kind)
-    return _stacked(_title(data), [picture.part(data) for picture in drawn])
+    chosen_pictures = _pictures(data, kind)
+    return _stacked(_title(data), [picture.part(data) for picture in chosen_pictures])
 
 
 def _draw_sweep(data: Labelled, kind: str, at: Choice, variable: str) -> ShownFigure:
-    """Draw the pictures of a sweep, what was chosen of it in the title."""
+    """Draw the pictures of a sweep; the title includes the chosen values."""
     from longwave.reports.pictures.sweep_plotting import sweep_parts
 
-    where = one_line(", ".join(f"{name} = {value}" for name, value in at.items()))[:MOST]
-    title = "\n".join(filter(None, (_title(data), where)))
+    choice = one_line(", ".join(f"{name} = {value}" for name, value in at.items()))[:MOST]
+    title = "\n".join(filter(None, (_title(data), choice)))
     sweep = cast("xr.Dataset", data)
     return _stacked(title, sweep_parts(sweep, None if kind == ALL else kind, at, variable))
 
 
 def _stacked(title: str, parts: Sequence[Part]) -> ShownFigure:
-    """A figure with a title and the parts below it."""
+    """Return a figure with a title and the parts below it, one below the other."""
     heights = [part.height for part in parts]
     title = "\n".join(
         textwrap.fill(line, int(LETTERS * page_width())) for line in title.split("\n")
@@ -249,45 +263,55 @@ def _stacked(title: str, parts: Sequence[Part]) -> ShownFigure:
     size = page_width(), sum(heights) + 0.25 * (1 + title.count("\n"))
     figure = ShownFigure(size, layout="constrained")
     figure.suptitle(title, parse_math=False, fontsize="medium")
-    places = figure.subfigures(len(heights), 1, height_ratios=heights, squeeze=False)[:, 0]
-    for place, part in zip(places, parts, strict=True):
-        part.draw(place)
+    subfigures = figure.subfigures(len(heights), 1, height_ratios=heights, squeeze=False)[:, 0]
+    for subfigure, part in zip(subfigures, parts, strict=True):
+        part.draw(subfigure)
     return figure
 
 
 def _title(data: Labelled) -> str:
-    """The run's title, and a line on how it ended if it ended early, each cut and wrapped."""
+    """Return the title, with a line for a run that ended early, each line cut to `MOST` letters."""
     lines = [data.attrs.get("title", ""), data.attrs.get("blow_up"), data.attrs.get("unfinished")]
     short = (textwrap.shorten(one_line(line), MOST, placeholder=" ...") for line in lines if line)
     return "\n".join(short)
 
 
 def _pictures(data: LabelledArrays, kind: str) -> Sequence[Picture]:
-    """The pictures that can be drawn of the run; ValueError if there is none."""
-    wanted = PICTURES.values() if kind == ALL else [PICTURES[kind]]
-    found = [picture for picture in wanted if _has(data, picture)]
-    if not found:
-        missing = ", ".join(dict.fromkeys(name for picture in wanted for name in picture.variables))
-        asked = ", ".join(dict.fromkeys(p.observable for p in wanted if p.observable))
-        given = (n for n in data if data[n].dims != (n,) and n != "offset")
-        held = ", ".join(given) or "nothing"
-        remedy = f"the scene must ask for {asked}" if asked else "a chain on a bench watches it"
-        raise ValueError(f"source must hold what is drawn ({missing}), got {held} ({remedy})")
-    return found
+    """Return the pictures that can be drawn of the run; ValueError if there are none."""
+    candidates = PICTURES.values() if kind == ALL else [PICTURES[kind]]
+    drawable = [picture for picture in candidates if _has(data, picture)]
+    if not drawable:
+        missing = ", ".join(
+            dict.fromkeys(name for picture in candidates for name in picture.variables)
+        )
+        observables = ", ".join(dict.fromkeys(p.observable for p in candidates if p.observable))
+        names_of_data = (n for n in data if data[n].dims != (n,) and n != "offset")
+        names_in_run = ", ".join(names_of_data) or "nothing"
+        remedy = (
+            f"the scene must ask for {observables}"
+            if observables
+            else "a chain on a bench watches it"
+        )
+        raise ValueError(
+            f"source must hold what is drawn ({missing}), got {names_in_run} ({remedy})"
+        )
+    return drawable
 
 
 def _has(data: LabelledArrays, picture: Picture) -> bool:
-    """Whether the run has the picture's variables, and numbers in them, and fits."""
-    held = all(name in data and np.isfinite(data[name].values).any() for name in picture.variables)
-    return held and picture.fits(data)
+    """Return whether the run has the picture's variables, with finite numbers, and fits."""
+    has_numbers = all(
+        name in data and np.isfinite(data[name].values).any() for name in picture.variables
+    )
+    return has_numbers and picture.fits(data)
 
 
 def _snapshots(data: LabelledArrays) -> Part:
-    """Lattice against wave on a chain; on two axes maps of the strain and of the difference."""
+    """Return panels of lattice and wave on a chain, or maps of both on two axes."""
     if "row" in data.sizes:
         return strain_maps(with_own(data))
-    places = even_places(data.sizes["time"], MOST_PANELS)
-    panels = snapshots(data, shown_half_width(data), places)
+    indices = even_places(data.sizes["time"], MOST_PANELS)
+    panels = snapshots(data, shown_half_width(data), indices)
     _, across = grid_shape(len(panels), ACROSS)
     rows = [panels[i : i + across] for i in range(0, len(panels), across)]
     return snapshot_panels(rows, of_one=True)
@@ -298,9 +322,9 @@ def _spectra(data: LabelledArrays) -> Part:
 
 
 def shown_half_width(run: Labelled) -> int:
-    """Half-width in sites of what is shown: the wave as far as it differs from its background.
+    """Return the half-width in sites over which the wave differs from its background.
 
-    Every site that is compared, where the wave is its background, and without one.
+    Without a background, or a wave that differs from it, it is that of all compared sites.
     """
     data = LabelledArrays.of(run)
     sites = np.abs(data["site"].values)
@@ -309,14 +333,14 @@ def shown_half_width(run: Labelled) -> int:
     deviation = np.abs(data["analytic"].values - data["background"].values)
     others = tuple(axis for axis, name in enumerate(data["analytic"].dims) if name != "site")
     deviation = np.nan_to_num(deviation, posinf=0.0).max(axis=others)
-    seen = sites[deviation > SHOWN * deviation.max()]
-    return int(max(1.25 * seen.max(), LEAST_SHOWN)) if seen.size else int(sites.max())
+    visible = sites[deviation > VISIBLE * deviation.max()]
+    return int(max(1.25 * visible.max(), LEAST_VISIBLE)) if visible.size else int(sites.max())
 
 
 def _map(data: LabelledArrays) -> Part:
-    """The map about the sites that the snapshots show, if there are snapshots."""
-    shown = shown_half_width(data) if _has(data, PICTURES["snapshots"]) else None
-    return space_time_map(data, shown)
+    """Return the space-time map, over the sites of the snapshots if the run has any."""
+    half_width = shown_half_width(data) if _has(data, PICTURES["snapshots"]) else None
+    return space_time_map(data, half_width)
 
 
 def _errors(data: LabelledArrays) -> Part:
@@ -345,7 +369,7 @@ PICTURES: Mapping[str, Picture] = {
 
 
 def changed_source(source: str, changes: Mapping[str, Any]) -> str | Scene:
-    """A run's file or a scene's name, or the scene with the ``changes`` of `--set`."""
+    """Return ``source``, or its scene with the ``changes`` of `--set` if there are any."""
     if not changes:
         return source
     if names_a_run(source):
@@ -369,16 +393,17 @@ def draw(
     changes: Mapping[str, Any],
     columns: int = 2,
 ) -> int:
-    """Draw to the ``path`` and print it; return the exit status.
+    """Draw ``source`` to ``path`` and print the path; return the exit status.
 
-    0, 2 for wrong input, 130 after Ctrl-C, which ``program`` tells: what was run is drawn.
+    The status is 0, 2 for wrong input, or 130 after Ctrl-C; then the unfinished run is drawn if it
+    can be, and ``program`` is the name in the message.
     """
     try:
-        drawn = read_source(changed_source(source, changes))
-        if not isinstance(drawn, Scene) and (fault := strain_fault(drawn)):
+        content = read_source(changed_source(source, changes))
+        if not isinstance(content, Scene) and (fault := strain_fault(content)):
             print(f"{source}: {fault}", file=sys.stderr)
         with progress_bar(Path(source).name, source) as (advance, tell):
-            plot(drawn, path, kind, advance, Announcer(tell), at, variable, columns)
+            plot(content, path, kind, advance, Announcer(tell), at, variable, columns)
     except UnfinishedRun as stop:
         with suppress(ValueError, OSError):
             plot(stop.record.arrays, path, kind, columns=columns)

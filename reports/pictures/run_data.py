@@ -1,7 +1,7 @@
-"""A run of any lattice as pictures need it: placed in its frame, with looks, errors and spectra.
+"""Data of a run, on any lattice, for pictures: frame, own errors, spectra, map and crest.
 
-`placed` adds to a run what its scene says of it. `with_looks` adds to one that holds its snapshots
-alone the space-time map, the error over time and the track of the crest.
+`placed` adds numbers of the run's scene. `with_looks` adds, to a run that has only snapshots, the
+space-time map, the error over time and the track of the crest.
 """
 
 from __future__ import annotations
@@ -27,30 +27,31 @@ from longwave.support.user_files import shown
 Array = NDArray[np.float64]
 
 LEAST_LOOKS = 8
-"""Fewest snapshots of which a map or a curve over time is made."""
+"""Fewest snapshots for which a map or a curve over time is drawn."""
 
 CARRIED = 8
-"""Fewest sites in a cell of an envelope's map: a few carrier waves, except very long ones."""
+"""Fewest sites in a cell of an envelope's map: at least a few carrier waves, unless very long."""
 
 LARGEST_POWER = 20
-"""Of eps, in units of errors."""
+"""Largest power of eps in the unit of errors."""
 
 UNIT_ROUNDOFF = 2.0**-53
 """Half a unit in the last place of 1."""
 
 
 def placed(data: Labelled) -> LabelledArrays:
-    """Return a run with the attributes ``eps``, ``speed`` of its frame, ``unit`` of its errors, the
-    name of its ``wave``, ``carried`` for an envelope, and the variable ``offset`` n - c t in sites.
+    """Return a run with attributes of its scene, and the variable ``offset``, n - c t in sites.
 
-    Raises ValueError in one line if it is no run with a scene that can be read.
+    The attributes are ``eps``, ``speed`` of the frame, ``unit`` of the errors, the name of the
+    ``wave``, and ``carried`` (1 for an envelope, else 0). Raises ValueError for a run without a
+    readable scene.
     """
     data = LabelledArrays.of(data)
     check_run(data)
     try:
         scene = scene_of_run(data)
-        told = data.attrs if "n" in data else {"frame_speed": 0.0, "power": 0.0, **data.attrs}
-        speed, power = (float(told[name]) for name in ("frame_speed", "power"))
+        attributes = data.attrs if "n" in data else {"frame_speed": 0.0, "power": 0.0, **data.attrs}
+        speed, power = (float(attributes[name]) for name in ("frame_speed", "power"))
         if not 0.0 <= power <= LARGEST_POWER:
             raise ValueError(f"errors in units of eps^{power:g}")
     except (KeyError, TypeError, ValueError) as error:
@@ -68,27 +69,29 @@ def placed(data: Labelled) -> LabelledArrays:
     )
     if "n" not in run:
         return run
-    gone = speed * run["time"].values
-    return run.assign(offset=LabelledArray(SNAPSHOT, run["n"].values - gone[:, np.newaxis]))
+    shift = speed * run["time"].values
+    return run.assign(offset=LabelledArray(SNAPSHOT, run["n"].values - shift[:, np.newaxis]))
 
 
 def snapshots(
     run: Labelled, half_width: int, places: Iterable[int] | None = None
 ) -> list[LabelledArrays]:
-    """A run at all its times, or some, ``half_width`` sites to either side of that next to c t.
+    """Return the snapshots of a run, at the times ``places`` or all, near the site next to c t.
 
-    Each has the run's ``own`` error, NaN where it was not measured, and of a carrier what
-    `with_envelope` adds.
+    The sites are up to ``half_width`` to either side of it. Each snapshot has the run's ``own``
+    error, NaN where it was not measured, and that of a carrier the variables of `with_envelope`.
     """
-    found = LabelledArrays.of(run)
-    found = with_envelope(with_own(found if "offset" in found else placed(found)))
-    shown = within(found, half_width)
-    chosen = range(shown.sizes["time"]) if places is None else places
-    return [shown.isel(time=place) for place in chosen]
+    placed_run = LabelledArrays.of(run)
+    placed_run = with_envelope(
+        with_own(placed_run if "offset" in placed_run else placed(placed_run))
+    )
+    nearby = within(placed_run, half_width)
+    indices = range(nearby.sizes["time"]) if places is None else places
+    return [nearby.isel(time=place) for place in indices]
 
 
 def within(run: LabelledArrays, half_width: int) -> LabelledArrays:
-    """Return a run at the sites up to ``half_width`` to either side of that next to c t."""
+    """Return a run at the sites up to ``half_width`` to either side of the one next to c t."""
     return run.isel(site=np.flatnonzero(np.abs(run["site"].values) <= half_width))
 
 
@@ -114,20 +117,20 @@ DIMENSIONS: Mapping[str, tuple[str, ...]] = {
     "crest_strain": LOOK,
     "crest_law": LOOK,
 }
-"""Of what pictures are drawn from; strains may have the dimension ``row`` besides."""
+"""Dimensions of the variables that pictures use; strains may also have the dimension ``row``."""
 
 
 def check_run(data: Labelled) -> None:
-    """Raise ValueError in one line if a data set is not as those of runs are: it may be any file's.
+    """Raise ValueError if a data set, which any file may hold, has not the form of a run's.
 
-    Variables that pictures need not are not looked at; one that is missing is no fault.
+    Only variables of `DIMENSIONS` are checked; a missing one is no error.
     """
     used = {name: data.variables[name] for name in DIMENSIONS if name in data.variables}
-    for name, held in used.items():
-        dims = tuple(dim for dim in held.dims if dim != "row" or name == "n")
-        if dims != DIMENSIONS[name] or held.dtype.kind not in "fiu":
-            _refuse(f"{name} over {', '.join(map(str, held.dims))}")
-    for dim in {dim for held in used.values() for dim in held.dims}:
+    for name, variable in used.items():
+        dims = tuple(dim for dim in variable.dims if dim != "row" or name == "n")
+        if dims != DIMENSIONS[name] or variable.dtype.kind not in "fiu":
+            _refuse(f"{name} over {', '.join(map(str, variable.dims))}")
+    for dim in {dim for variable in used.values() for dim in variable.dims}:
         axis = data.variables.get(dim)
         if axis is None or axis.dtype.kind not in "fiu" or not np.isfinite(axis.values).all():
             _refuse(f"no finite numbers of {dim}")
@@ -147,9 +150,9 @@ def _refuse(what: str) -> NoReturn:
 
 
 def own_error(data: LabelledArrays) -> Array | None:
-    """The own error of a placed run in the strain, at each snapshot; None if it has none."""
-    found = scaled_own_error(data)
-    return None if found is None else data.attrs["unit"] * found
+    """Return the own error of a placed run's strain at each snapshot; None if it has none."""
+    scaled = scaled_own_error(data)
+    return None if scaled is None else data.attrs["unit"] * scaled
 
 
 def with_own(data: LabelledArrays) -> LabelledArrays:
@@ -163,22 +166,27 @@ def with_own(data: LabelledArrays) -> LabelledArrays:
 
 
 def with_envelope(data: LabelledArrays) -> LabelledArrays:
-    """A placed run of a carrier with the `envelope` of its strains, ``strain_envelope``, and of the
-    wave's, ``analytic_envelope``, where it has one; other runs stay as they are."""
+    """Return a placed run with its envelopes, or as it is if it has no carrier or two axes.
+
+    ``strain_envelope`` and ``analytic_envelope`` are the `envelope` of the lattice and of the wave.
+    """
     if not data.attrs["carried"] or "row" in data.sizes:
         return data
-    found = {f"{name}_envelope": data[name].values for name in ("strain", "analytic")}
-    rows = {name: [envelope(row) for row in values] for name, values in found.items()}
-    made = {name: np.array(row).reshape(found[name].shape) for name, row in rows.items()}
-    return data.assign(**{name: LabelledArray(SNAPSHOT, values) for name, values in made.items()})
+    strains = {f"{name}_envelope": data[name].values for name in ("strain", "analytic")}
+    rows = {name: [envelope(row) for row in values] for name, values in strains.items()}
+    envelopes = {name: np.array(row).reshape(strains[name].shape) for name, row in rows.items()}
+    return data.assign(
+        **{name: LabelledArray(SNAPSHOT, values) for name, values in envelopes.items()}
+    )
 
 
 def envelope(strain: Array) -> Array:
-    """The amplitude of the carrier in a strain at consecutive sites, in theory 2 eps |A|.
+    """Return the amplitude of the carrier in a strain at consecutive sites, in theory 2 eps |A|.
 
-    It is the modulus of what the wavenumbers about the largest amplitude make, without the mean and
-    the second harmonic. At a carrier of pi one moment does not tell amplitude from phase: it is the
-    part that is in phase. NaN next to the ends, and where no carrier stands apart from 0 and pi.
+    It is the modulus of the strain filtered to wavenumbers about that of the largest amplitude,
+    without mean and second harmonic. At a carrier of pi a single snapshot does not determine both
+    amplitude and phase; the result is the part in phase. It is NaN near the ends, and everywhere if
+    the carrier is close to 0 or, without being pi, close to pi.
 
     >>> n = np.arange(-100, 101)
     >>> found = envelope(np.cos(1.5 * n - 0.3) / np.cosh(n / 20))
@@ -191,33 +199,35 @@ def envelope(strain: Array) -> Array:
     spectrum = np.fft.fft(taper * np.nan_to_num(strain, posinf=0.0, neginf=0.0))
     wavenumber = 2.0 * np.pi * np.fft.fftfreq(count)
     carrier = abs(float(wavenumber[np.argmax(np.abs(spectrum))]))
-    apart, sides = min(carrier, np.pi - carrier), 2.0
+    distance, sides = min(carrier, np.pi - carrier), 2.0
     if np.pi - carrier < 4.0 * np.pi / count:
-        wavenumber, carrier, apart, sides = np.abs(wavenumber), np.pi, np.pi / 2, 1.0
-    if count < LEAST_CARRIED or apart < LEAST_APART:
+        wavenumber, carrier, distance, sides = np.abs(wavenumber), np.pi, np.pi / 2, 1.0
+    if count < LEAST_CARRIED or distance < LEAST_APART:
         return np.full(count, np.nan)
-    spectrum[np.abs(wavenumber - carrier) > BAND * apart] = 0.0
+    spectrum[np.abs(wavenumber - carrier) > BAND * distance] = 0.0
     with np.errstate(all="ignore"):
         return np.where(taper > BAND, sides * np.abs(np.fft.ifft(spectrum)) / taper, np.nan)
 
 
 ENDS, BAND = 0.125, 0.7
-"""Share of the sites next to each end where a strain is led to zero; of the wavenumbers between the
-carrier and 0 or pi those that its envelope has."""
+"""Share of the sites next to each end over which a strain is tapered to zero; width of the filter's
+band, as a share of the distance between the carrier and 0 or pi."""
 
 LEAST_CARRIED, LEAST_APART = 48, 0.3
-"""Fewest sites of which an envelope is made, and least distance of a carrier from 0 and pi."""
+"""Fewest sites of an envelope, and least distance of its carrier from 0 and pi."""
 
 
 def spectra(data: LabelledArrays, places: Sequence[int]) -> LabelledArrays:
-    """Amplitudes of ``lattice`` and ``wave`` over the compared sites at some snapshots.
+    """Return the amplitudes of ``lattice`` and ``wave`` over the compared sites at some snapshots.
 
-    ``rounding`` is the amplitude that rounding the strain to doubles has, on average, ``own`` what
-    the run's own error is at most: a strain whose error is at most e has amplitudes that err by at
-    most 2 e; NaN if it was not measured.
+    ``rounding`` is the mean amplitude of errors from rounding the strain to doubles. ``own`` is a
+    bound of the amplitudes' error: 2 e if the run's own error in the strain is at most e. It is NaN
+    if that was not measured.
     """
-    at = _middle_row(with_own(data).isel(time=list(places)))
-    strain, analytic = (np.asarray(at[name].values, dtype=float) for name in ("strain", "analytic"))
+    middle = _middle_row(with_own(data).isel(time=list(places)))
+    strain, analytic = (
+        np.asarray(middle[name].values, dtype=float) for name in ("strain", "analytic")
+    )
     sites = strain.shape[1]
     largest = np.nanmax(np.abs(strain), axis=1, initial=0.0)
     rounding = UNIT_ROUNDOFF / np.sqrt(3.0) * largest
@@ -225,28 +235,28 @@ def spectra(data: LabelledArrays, places: Sequence[int]) -> LabelledArrays:
     with np.errstate(all="ignore"):
         lattice, wave = (np.array(list(map(amplitudes, part))) for part in (strain, analytic))
     over = ("time", "wavenumber")
-    found = {
-        "time": at["time"],
+    variables = {
+        "time": middle["time"],
         "wavenumber": LabelledArray(("wavenumber",), wavenumber),
         "lattice": LabelledArray(over, lattice),
         "wave": LabelledArray(over, wave),
         "rounding": LabelledArray(TIME, 2.0 * rounding * np.sqrt(1.5 / sites)),
-        "own": LabelledArray(TIME, 2.0 * at["own"].values),
+        "own": LabelledArray(TIME, 2.0 * middle["own"].values),
     }
-    return LabelledArrays(found, _kind(data))
+    return LabelledArrays(variables, _kind(data))
 
 
 def _kind(data: LabelledArrays) -> dict[str, Any]:
-    """Return the attribute that says which field a run compares, if it says so."""
+    """Return the attribute ``field_kind``, the field that a run compares, if the run has it."""
     return {key: data.attrs[key] for key in ("field_kind",) if key in data.attrs}
 
 
 CURVES = {"error_curve": "over background", "error_curve_far_field": "over far field"}
-"""The errors over time, and against what of the wave they are measured."""
+"""Labels of the errors over time: the part of the wave that each is relative to."""
 
 
 def error_curves(data: LabelledArrays) -> dict[str, ErrorCurve]:
-    """Return the errors over time that a placed run holds, by their labels, with its own errors."""
+    """Return the error curves of a placed run by their labels, with the run's own errors."""
     known = data["own"].values if "own" in data else None
     return {
         label: ErrorCurve.of(data, name, _own(data, name) if known is None else known)
@@ -256,17 +266,17 @@ def error_curves(data: LabelledArrays) -> dict[str, ErrorCurve]:
 
 
 def _own(data: LabelledArrays, name: str) -> Array:
-    """Return the run's own error at each place of a variable, in its units."""
+    """Return the run's own error for each value of a variable, in that variable's units."""
     scene = scene_of_run(data)
     return np.array([own_error_at(data, scene, name, i) for i in range(data[name].size)])
 
 
 def with_looks(data: LabelledArrays, least: int = LEAST_LOOKS) -> LabelledArrays:
-    """Return a placed run with map, crest and errors over its snapshots.
+    """Return a placed run with map, crest and errors from its snapshots.
 
-    It needs ``least`` snapshots and no map; any other run is returned as it is. On two axes map and
-    crest are those of the row nearest to the middle. Of a carrier they are those of its `envelope`,
-    or, where it has none, of the largest modulus in some cells that it moves through.
+    A run with fewer than ``least`` snapshots, or with a map, is returned as it is. On two axes map
+    and crest are those of the row nearest to the middle. For a carrier they are those of its
+    `envelope`; without one, the map has the largest moduli in cells of `CARRIED` sites or more.
     """
     needed = {"strain", "background", "n", "error", "sup_error"} <= set(data.variables)
     if not needed or data.sizes.get("time", 0) < least or "space_time" in data:
@@ -292,14 +302,14 @@ def with_looks(data: LabelledArrays, least: int = LEAST_LOOKS) -> LabelledArrays
     starts = np.arange(0, strain.shape[1], width)
     looks = {"space_time": _farthest(strain, background, starts)}
     for end, values in (("", strain), ("_wave", analytic)):
-        place, looks[f"crest_strain{end}"] = _crests(values, background, sites)
-        looks[f"crest_position{end}"] = place - speed * times
+        position, looks[f"crest_strain{end}"] = _crests(values, background, sites)
+        looks[f"crest_position{end}"] = position - speed * times
     if "crest_law" in data:
         looks["crest_law"] = np.interp(times, data["look_time"].values, data["crest_law"].values)
     looks |= {"look_time": times, "shift": line["offset"].values[:, 0] - data["site"].values[0]}
-    told = {"space_time": {"carried": carried, **_kind(data)}}
+    attributes = {"space_time": {"carried": carried, **_kind(data)}}
     found = {
-        name: LabelledArray(DIMENSIONS.get(name, LOOK), values, told.get(name, {}))
+        name: LabelledArray(DIMENSIONS.get(name, LOOK), values, attributes.get(name, {}))
         for name, values in looks.items()
     }
     found["map_site"] = LabelledArray(("map_site",), data["site"].values[starts])
@@ -311,7 +321,7 @@ def with_looks(data: LabelledArrays, least: int = LEAST_LOOKS) -> LabelledArrays
 
 
 def _farthest(strain: Array, background: Array, starts: NDArray[np.intp]) -> Array:
-    """The strain farthest from the background in each cell of sites, at each time."""
+    """Return the strain farthest from the background in each cell of sites, at each time."""
     deviation = strain - background
     high = np.maximum.reduceat(deviation, starts, axis=1)
     low = np.minimum.reduceat(deviation, starts, axis=1)
@@ -322,17 +332,17 @@ def _farthest(strain: Array, background: Array, starts: NDArray[np.intp]) -> Arr
 
 
 def with_theory(data: LabelledArrays) -> LabelledArrays:
-    """Return a placed run with what its frame says of its map, and its wave of the crest.
+    """Return a placed run with the offset of its map and the crest of its wave.
 
-    ``shift`` is how far from c t the site is that stands in the middle of the map, the nearest one;
-    ``crest_position_wave`` and ``crest_strain_wave`` are the crest of the wave at the sites that
-    are compared.
+    ``shift`` is the offset from c t of the site nearest to it, which is the middle of the map.
+    ``crest_position_wave`` and ``crest_strain_wave`` are those of the wave's crest at the compared
+    sites.
     """
     if "look_time" not in data.sizes or "shift" in data:
         return data
     times = data["look_time"].values
-    gone = data.attrs["speed"] * times
-    data = data.assign(shift=LabelledArray(LOOK, np.floor(gone + 0.5) - gone))
+    distance = data.attrs["speed"] * times
+    data = data.assign(shift=LabelledArray(LOOK, np.floor(distance + 0.5) - distance))
     scene = scene_of_run(data)
     if "crest_position" not in data or not scene.has_moving_wave:
         return data
@@ -340,20 +350,22 @@ def with_theory(data: LabelledArrays) -> LabelledArrays:
     sites = np.array([moving.compared_sites(t) for t in times])
     rows = zip(sites, times, strict=True)
     strain = np.array([scene.eps * moving.wave.value_at(at, t, scene.eps) for at, t in rows])
-    place, top = _crests(strain, np.full_like(strain, moving.level), sites)
-    found = {"crest_position_wave": place - gone, "crest_strain_wave": top}
-    return data.assign(**{name: LabelledArray(LOOK, values) for name, values in found.items()})
+    position, top = _crests(strain, np.full_like(strain, moving.level), sites)
+    waves_crest = {"crest_position_wave": position - distance, "crest_strain_wave": top}
+    return data.assign(
+        **{name: LabelledArray(LOOK, values) for name, values in waves_crest.items()}
+    )
 
 
 def _crests(strain: Array, background: Array, sites: Array) -> tuple[Array, Array]:
-    """Sites and strains of the crests at all times."""
+    """Return the positions and the strains of the crests at all times."""
     crests = [_crest(*row) for row in zip(strain, background, sites, strict=True)]
     position, height = np.array(crests).T
     return position, height
 
 
 def _crest(strain: Array, background: Array, sites: Array) -> tuple[float, float]:
-    """Site and strain of the largest deviation from the background, between the sites as well."""
+    """Return position (between sites as well) and strain of the largest deviation."""
     deviation = strain - background
     if not np.isfinite(deviation).any() or np.isinf(deviation).any():
         return np.nan, np.nan
@@ -365,7 +377,7 @@ def _crest(strain: Array, background: Array, sites: Array) -> tuple[float, float
 
 
 def _middle_row(data: LabelledArrays) -> LabelledArrays:
-    """Return the row nearest to the middle, if there are rows."""
+    """Return the run at the row nearest to the middle, or as it is if it has no rows."""
     if "row" not in data.sizes:
         return data
     return data.isel(row=int(np.argmin(np.abs(data["row"].values))))

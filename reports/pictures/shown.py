@@ -1,4 +1,4 @@
-"""Pictures and films that show themselves where they are the last line of a notebook's cell."""
+"""Figures and films that a notebook shows if they are the last value of a cell."""
 
 from __future__ import annotations
 
@@ -13,32 +13,32 @@ from longwave.reports.pictures.style import styled
 from longwave.support.user_files import shown_path
 
 SHARPNESS = 2
-"""Pixels of a picture for each that a notebook shows it on: for dense screens."""
+"""Pixels of a picture for each pixel at which a notebook shows it, for dense screens."""
 
 NOTEBOOK_DPI = 96.0
-"""Pixels of a notebook for an inch of a figure."""
+"""Pixels of a notebook for each inch of a figure."""
 
 MOST_BYTES = 30_000_000
-"""Of a film that is put into a notebook; of a larger one the path is shown."""
+"""Most bytes of a film that is embedded in a notebook; of a larger one the path is shown."""
 
 
 class ShownFigure(Figure):
-    """A figure that a notebook shows, without pyplot and whatever its backend is."""
+    """A figure that a notebook shows without pyplot, whatever Matplotlib's backend is."""
 
     def _repr_png_(self) -> tuple[bytes, dict[str, int]]:
-        """The picture, and the size at which a notebook shows it."""
-        held = BytesIO()
+        """Return the picture as PNG, and the size in pixels at which a notebook shows it."""
+        buffer = BytesIO()
         with styled():
-            self.savefig(held, format="png", dpi=SHARPNESS * NOTEBOOK_DPI)
+            self.savefig(buffer, format="png", dpi=SHARPNESS * NOTEBOOK_DPI)
         width, height = (round(NOTEBOOK_DPI * inches) for inches in self.get_size_inches())
-        return held.getvalue(), {"width": width, "height": height}
+        return buffer.getvalue(), {"width": width, "height": height}
 
 
 @dataclass(frozen=True, repr=False)
 class ShownFilm:
-    """A film: how many ``frames`` it has, and the ``path`` of its file, None if it has none.
+    """A film: its number of ``frames`` and the ``path`` of its file, None if it has no file.
 
-    ``content`` are the bytes of a film without a file, whose suffix is ``suffix``.
+    ``content`` has the bytes of a film without a file, and ``suffix`` its format.
     """
 
     frames: int
@@ -51,7 +51,7 @@ class ShownFilm:
         return f"<Film of {self.frames} frames {where}>"
 
     def _repr_html_(self) -> str | None:
-        """The film itself; None, so that its path is shown, if it is gone or large."""
+        """Return the film as HTML; None if the file is missing or too large (its path is shown)."""
         try:
             content = self.path.read_bytes() if self.path else self.content
         except OSError:

@@ -1,6 +1,6 @@
-"""The style of all pictures: widths, letters, colours, and how they are written to files.
+"""The style of all pictures: sizes, fonts, colours, and writing to files.
 
-Colours can be told apart by colour-blind readers.
+Colour-blind readers can distinguish the colours.
 """
 
 import re
@@ -19,19 +19,19 @@ from matplotlib.ticker import ScalarFormatter
 
 from longwave.support.atomic_file import write_atomically
 
-Shown = ParamSpec("Shown")
+Arguments = ParamSpec("Arguments")
 
 TEXT_WIDTH = 6.5
-"""Width of the report's text, in inches; figures are drawn at the size at which they are set."""
+"""Width of the report's text, in inches; figures are drawn at the size at which they appear."""
 
 WIDTHS = {1: 3.4, 2: 7.0}
-"""Widths of pictures for one column and two columns of a journal, in inches."""
+"""Widths of pictures for one column and for two columns of a journal, in inches."""
 
 LATTICE, WAVE, OWN = "#56B4E9", "#D55E00", "#E69F00"
-"""The colours of the lattice, the wave in theory and a run's own error, everywhere."""
+"""Colours of the lattice, the wave in theory and a run's own error in all pictures."""
 
 NUMERICAL: dict[str, Any] = {"color": LATTICE, "linestyle": "-", "linewidth": 2.6}
-"""The lattice's own strain: a broad line, which a thin one on it does not hide."""
+"""Look of the lattice's strain: a broad line, which remains visible under a thin one."""
 
 BEADS: dict[str, Any] = {
     "color": LATTICE,
@@ -41,13 +41,13 @@ BEADS: dict[str, Any] = {
     "markeredgewidth": 0.5,
     "markeredgecolor": "#0072B2",
 }
-"""The same where its values can be told apart: each is a bead."""
+"""Look of the lattice's strain where single values can be distinguished: each is a bead."""
 
 ANALYTICAL: dict[str, Any] = {"color": WAVE, "linestyle": "-", "linewidth": 0.9}
-"""The wave in theory."""
+"""Look of the wave in theory."""
 
 BEADS_AN_INCH = 22.0
-"""Most values in an inch of a picture that are beads."""
+"""Most values per inch that are drawn as beads."""
 
 CURVES: tuple[dict[str, Any], ...] = (
     {"color": "#0072B2", "linestyle": "-", "marker": "o"},
@@ -59,7 +59,7 @@ CURVES: tuple[dict[str, Any], ...] = (
     {"color": "#E69F00", "linestyle": (0, (1, 1)), "marker": "X"},
     {"color": "#999999", "linestyle": (0, (8, 2)), "marker": "*"},
 )
-"""Okabe and Ito's colours, told apart by line and marker as well."""
+"""Colours of Okabe and Ito, each with its own line style and marker."""
 
 _SETTINGS: Any = {
     "font.size": 9.0,
@@ -91,59 +91,61 @@ _FONTS: Mapping[str, dict[str, Any]] = {
         "axes.formatter.use_mathtext": True,
     },
 }
-"""The letters of journals, which are Unicode and can be searched in a picture, and those of TeX."""
+"""Matplotlib settings of fonts: those of journals, in Unicode and searchable, and those of TeX."""
 
 _FAMILIES = "STIXGeneral, 'STIX Two Text', 'Times New Roman', Times, serif"
-"""What a browser shows the text of an SVG in: the first of these that it has."""
+"""Fonts of an SVG's text: a browser uses the first that it has."""
 
 _NOT_IN_TEX = re.compile(r'[<>_|{}"\\$]')
-"""Characters that TeX's letters have in other places."""
+"""Characters that TeX's fonts have at other positions."""
 
 
 @dataclass(frozen=True)
 class Part:
-    """A part of a figure: its height in inches, and what draws it."""
+    """A part of a figure: its height in inches, and the function that draws it."""
 
     height: float
     draw: Callable[[FigureBase], None]
 
     def figure(self, width: float | None = None) -> Figure:
-        """The part alone, as a figure of that width in inches; by default that of the style."""
-        made = Figure((width or page_width(), self.height), layout="constrained")
-        self.draw(made)
-        return made
+        """Return a figure of this part alone, ``width`` inches wide, by default as `styled` set."""
+        figure = Figure((width or page_width(), self.height), layout="constrained")
+        self.draw(figure)
+        return figure
 
 
 def part(
     height: float | Callable[..., float],
-) -> Callable[[Callable[Concatenate[FigureBase, Shown], None]], Callable[Shown, Part]]:
-    """Let the function below, which draws on a figure, return the `Part` that does so.
+) -> Callable[[Callable[Concatenate[FigureBase, Arguments], None]], Callable[Arguments, Part]]:
+    """Return a decorator by which a function that draws on a figure returns a `Part` instead.
 
-    The ``height``, in inches, may be a function of what is shown.
+    ``height``, in inches, may be a function of the drawing function's other arguments.
     """
 
-    def declare(draw: Callable[Concatenate[FigureBase, Shown], None]) -> Callable[Shown, Part]:
+    def declare(
+        draw: Callable[Concatenate[FigureBase, Arguments], None],
+    ) -> Callable[Arguments, Part]:
         @wraps(draw)
-        def made(*shown: Shown.args, **words: Shown.kwargs) -> Part:
-            inches = height(*shown, **words) if callable(height) else height
+        def build(*arguments: Arguments.args, **options: Arguments.kwargs) -> Part:
+            inches = height(*arguments, **options) if callable(height) else height
 
             def draw_on(figure: FigureBase) -> None:
-                draw(figure, *shown, **words)
+                draw(figure, *arguments, **options)
                 _leave_out_spines(figure)
 
             return Part(inches, draw_on)
 
-        return made
+        return build
 
     return declare
 
 
 def _leave_out_spines(figure: FigureBase) -> None:
-    """Have the search for the layout measure no spines, which takes a sixth of its time.
+    """Exclude spines from the layout computation, which takes a sixth less time without them.
 
-    Ticks point inwards, so that the four spines of axes end where the axes do.
+    The spines lie within the axes, as ticks point inwards.
     """
-    for ax in cast(Figure, figure).axes:  # SubFigure has them, too
+    for ax in cast(Figure, figure).axes:  # a SubFigure has axes, too
         for side in _SIDES & ax.spines.keys():
             ax.spines[side].set_in_layout(False)
 
@@ -152,10 +154,11 @@ _SIDES = {"left", "right", "bottom", "top"}
 
 
 class PowerTicks(ScalarFormatter):
-    """Labels of ticks less a power of ten, where it is not between two, which stands at the axis.
+    """Tick labels without their common power of ten, which stands at the end of the axis.
 
-    The power is mathematics and the digits are text, which is set in a tenth of the time; TeX's
-    letters have no minus sign in text, there digits are mathematics as well.
+    Powers between ``least`` and ``most`` are written out. The power is mathematics; the digits are
+    text, which is drawn in a tenth of the time. TeX's fonts have no minus sign in text, so there
+    the digits are mathematics, too.
     """
 
     def __init__(self, least: int = -3, most: int = 3) -> None:
@@ -164,7 +167,7 @@ class PowerTicks(ScalarFormatter):
         self._has_text = not mpl.rcParams["axes.formatter.use_mathtext"]
 
     def __call__(self, x: float, pos: int | None = None) -> str:
-        """The label of a tick."""
+        """Return the label of a tick."""
         label = str(super().__call__(x, pos))
         if not self._has_text:
             return label
@@ -172,15 +175,15 @@ class PowerTicks(ScalarFormatter):
 
 
 _CHANGING = {".pdf": "CreationDate", ".svg": "Date"}
-"""What a picture's metadata would say differently each time, by suffix."""
+"""Entry of a picture's metadata that would differ each time, by suffix."""
 
 
 @contextmanager
 def styled(width: float = WIDTHS[2], font: str = "times") -> Iterator[None]:
-    """Draw with the settings of all pictures, whatever the user's own are; nothing leaks out.
+    """Draw in this context with the settings of all pictures; the user's own are restored after it.
 
-    ``width`` is that of a page's text in inches, ``font`` the letters that stand around the
-    picture: "times", or "tex" for what is set in Computer Modern.
+    ``width`` is that of the page's text in inches, ``font`` that of the text around the picture:
+    "times", or "tex" for Computer Modern.
     """
     with mpl.rc_context():
         mpl.rcdefaults()
@@ -189,12 +192,12 @@ def styled(width: float = WIDTHS[2], font: str = "times") -> Iterator[None]:
 
 
 def page_width() -> float:
-    """The width in inches of what is drawn now."""
+    """Return the width of the page's text in inches, as `styled` set it."""
     return float(mpl.rcParams["figure.figsize"][0])
 
 
 def save(figure: Figure, path: Path) -> Path:
-    """Write the figure to the path, the same bytes for the same content; return the path."""
+    """Write the figure to the path, with the same bytes for the same content; return the path."""
     path.parent.mkdir(parents=True, exist_ok=True)
     if "cmr10" in mpl.rcParams["font.family"]:
         _set_in_tex(figure)
@@ -215,7 +218,7 @@ def _write(figure: Figure, path: Path) -> None:
 
 
 def _write_pixels(figure: Figure, path: Path) -> None:
-    """Write a PNG by one drawing, which lays the figure out as well: `savefig` draws it twice."""
+    """Write a PNG in one drawing, which computes the layout as well; `savefig` would draw twice."""
     canvas, dpi = figure.canvas, figure.dpi
     try:
         figure.dpi = mpl.rcParams["savefig.dpi"]
@@ -226,7 +229,7 @@ def _write_pixels(figure: Figure, path: Path) -> None:
 
 
 def _set_in_tex(figure: Figure) -> None:
-    """Set what TeX's letters lack outside of mathematics as mathematics."""
+    """Turn characters that TeX's text fonts lack into mathematics."""
     for text in figure.findobj(Text):
         words = text.get_text()
         parts = words.split("$") if text.get_parse_math() else [words]
@@ -237,15 +240,17 @@ def _set_in_tex(figure: Figure) -> None:
 
 
 def _as_mathematics(found: re.Match[str]) -> str:
-    """One such character in mathematics."""
+    """Return such a character as mathematics."""
     return {"$": r"\$", "\\": r"$\backslash$", '"': "''"}.get(
         found[0], rf"$\{found[0]}$" if found[0] in "_{}" else f"${found[0]}$"
     )
 
 
 def _with_numbered_clips(text: str) -> str:
-    """A picture whose clipping paths are numbered: Matplotlib names them after the last bits of a
-    layout, which differ from one drawing to the next."""
-    for place, name in enumerate(re.findall(r'<clipPath id="(p[0-9a-f]{10})">', text)):
-        text = text.replace(name, f"clip{place}")
+    """Return an SVG's text with numbered clipping paths.
+
+    Matplotlib names them after the last bits of a layout, which differ between drawings.
+    """
+    for index, name in enumerate(re.findall(r'<clipPath id="(p[0-9a-f]{10})">', text)):
+        text = text.replace(name, f"clip{index}")
     return text

@@ -1,8 +1,8 @@
-"""Curves, heat maps and panels of work against precision over what a sweep has swept.
+"""Curves, heat maps and panels of work against precision over the dimensions of a sweep.
 
-An axis is a swept dimension: numbers in their places, evenly spaced ones in the logarithm on a
-logarithmic axis, or texts side by side. Cells without a value are grey; those that were run and
-came to no end bear a cross; those whose value has a large error of its own are hatched.
+An axis is a swept dimension: numbers at their values, on a logarithmic axis if their logarithms are
+evenly spaced, or texts side by side. Cells without a value are grey; those that were run without a
+result have a cross; those whose value has a large error of its own are hatched.
 """
 
 from __future__ import annotations
@@ -37,43 +37,43 @@ Array = NDArray[np.float64]
 Cells = NDArray[np.bool_]
 
 HEAT_ACROSS = 3
-"""Heat maps side by side."""
+"""Most heat maps side by side."""
 
 WIDE = 30.0
-"""Ratio of the largest to the smallest of positive values from which colours are logarithmic."""
+"""Ratio of the largest to the smallest positive value from which scales are logarithmic."""
 
 EMPTY = "#d9d9d9"
-"""The colour of a cell without a value."""
+"""Colour of a cell without a value."""
 
-UNSURE, HATCH = 0.1, "////"
-"""Of a value in a heat map: it is hatched where its own error is more."""
+LARGE_ERROR, HATCH = 0.1, "////"
+"""Own error, as a share of the value, above which a heat map's cell is hatched, and the hatch."""
 
 DARK = 0.6
-"""Of the range of colours, below which they are dark: hatches are white there, else black."""
+"""Share of the colour range below which colours are dark; hatches are white there, else black."""
 
-BESIDE = 0.1
-"""How far points of several curves stand beside each other at a text."""
+OFFSET = 0.1
+"""Distance between the points of different curves at the same text, in units of the axis."""
 
-ROW = 0.04
-"""Height of a row of crosses, in the height of the axes."""
+ROW_HEIGHT = 0.04
+"""Height of a row of crosses, as a share of the axes' height."""
 
 NO_RESULT = "\N{MULTIPLICATION SIGN}: no result"
-"""What the crosses at the lower edge of curves are."""
+"""Explanation of the crosses at the lower edge of curves."""
 
 OF_ESTIMATE, OF_WAVE = "estimated", "relative to the wave"
 
 LETTER = re.compile(r"\\[a-z]+|[A-Za-z](_?[0-9A-Za-z])?")
-"""Names that are one letter, Greek ones as LaTeX's commands, with or without an index."""
+"""Pattern of names that are one letter (Greek ones as LaTeX commands), with or without an index."""
 
 LONGEST_TICK, LONGEST_BESIDE, LONGEST_ABOVE, LONGEST_IN_TWO = 16, 24, 80, 50
-"""Characters of a text beside a tick, in a legend beside a picture, as in the title of a map, above
-it, and there in two columns."""
+"""Most characters of a tick's text, of one in a legend beside a picture or in a map's title, of one
+in a legend above a picture, and of one there in two columns."""
 
 CUT = "..."
-"""What stands for the middle of a longer one."""
+"""Replacement of the middle of a text that is too long."""
 
 MOST_TICKS = 6
-"""Ticks of a logarithmic axis, which has them at its values."""
+"""Most ticks of a logarithmic axis; they stand at some of its values."""
 
 
 @dataclass(frozen=True)
@@ -85,17 +85,17 @@ class SweptAxis:
 
     @property
     def is_text(self) -> bool:
-        """Whether the values are texts, which have no distance."""
+        """Whether the values are texts, which are spaced evenly."""
         return any(isinstance(value, str) for value in self.values)
 
     @property
     def places(self) -> Array:
-        """Where the values are on the axis."""
+        """Positions of the values on the axis."""
         return np.asarray(range(len(self.values)) if self.is_text else self.values, dtype=float)
 
     @property
     def is_logarithmic(self) -> bool:
-        """Whether the values are more evenly spaced in their logarithms than themselves."""
+        """Whether the logarithms of the values are more evenly spaced than the values."""
         places = np.sort(self.places)
         if self.is_text or places.size < 3 or places[0] <= 0.0 or places[-1] < 4.0 * places[0]:
             return False
@@ -104,23 +104,23 @@ class SweptAxis:
 
     @property
     def order(self) -> NDArray[np.intp]:
-        """The cells in the order of their places."""
+        """Indices of the cells, sorted by position."""
         return np.argsort(self.places, kind="stable")
 
     @property
     def in_order(self) -> SweptAxis:
-        """The axis of cells that are in the order of their places."""
+        """The axis with its values sorted by position."""
         return SweptAxis(self.name, [self.values[place] for place in self.order])
 
     @property
     def edges(self) -> Array:
-        """Edges half way between the places, which must be in order."""
+        """Edges half way between the positions, which must be sorted."""
         if self.is_logarithmic:
             return np.exp(time_edges(np.log(self.places)))
         return time_edges(self.places)
 
     def set_on(self, ax: Axes, letter: str, labelled: bool = True) -> None:
-        """Name one of the two axes, with ticks at the values where they are few or texts."""
+        """Set label and ticks of the x or y axis; texts and log axes have ticks at the values."""
         letter_of_field = greek(self.name)
         label = f"${letter_of_field}$" if LETTER.fullmatch(letter_of_field) else self.name
         if labelled:
@@ -142,32 +142,35 @@ def swept_curves(
     axis: SweptAxis,
     curves: Mapping[str, xr.Dataset],
     joined: bool = True,
-    told: str = "",
+    caption: str = "",
 ) -> None:
-    """The curves of each label over a swept dimension, in logarithms where values are wide.
+    """Draw curves over a swept dimension, on a logarithmic axis if the values have a wide range.
 
-    A curve has a ``value``, how far its bars go ``low`` and ``high`` (NaN for none), maybe a
-    ``band`` to either side, and where what was run is ``faulty``. Points are ``joined`` by lines
-    where the axis has numbers. What is ``told`` stands above.
+    A curve has a ``value``, its bars' lengths ``low`` and ``high`` (NaN for none), optionally a
+    ``band`` to either side, and is ``faulty`` in cells that were run without a result. If
+    ``joined``, lines join the points on an axis of numbers. The text ``caption`` stands above.
     """
     ax, order, axis = figure.subplots(), axis.order, axis.in_order
     logarithmic = _is_wide(np.concatenate([curve["value"].values for curve in curves.values()]))
-    signs, rows = {}, 0
+    handles, rows = {}, 0
     for number, (label, cells) in enumerate(curves.items()):
         curve = cells.isel(dict.fromkeys(cells.dims, order))
         look: dict[str, Any] = CURVES[number % len(CURVES)] | {"markersize": 4.0}
         if axis.is_text or not joined:
             look["linestyle"] = ""
-        aside = BESIDE * (number - (len(curves) - 1) / 2) if axis.is_text else 0.0
+        aside = OFFSET * (number - (len(curves) - 1) / 2) if axis.is_text else 0.0
         places, known = axis.places + aside, np.isfinite(curve["value"].values)
         crosses = places[curve["faulty"].values & ~known]
         if crosses.size:
-            heights, transform = np.full(crosses.size, ROW * (rows + 0.5)), ax.get_xaxis_transform()
+            heights, transform = (
+                np.full(crosses.size, ROW_HEIGHT * (rows + 0.5)),
+                ax.get_xaxis_transform(),
+            )
             cross = {"color": look["color"], "markersize": 5.0, "transform": transform}
-            signs[label] = ax.plot(crosses, heights, "x", **cross)[0]
+            handles[label] = ax.plot(crosses, heights, "x", **cross)[0]
             rows += 1
         if known.any():
-            signs[label] = _draw_curve(ax, places, curve, look, logarithmic)
+            handles[label] = _draw_curve(ax, places, curve, look, logarithmic)
     if logarithmic:
         ax.set_yscale("log")
     else:
@@ -175,11 +178,11 @@ def swept_curves(
     _leave_room(ax, rows)
     axis.set_on(ax, "x")
     ax.set_ylabel(curve.attrs["label"])
-    ax.set_title("; ".join(filter(None, (told, NO_RESULT if rows else ""))), loc="left")
+    ax.set_title("; ".join(filter(None, (caption, NO_RESULT if rows else ""))), loc="left")
     draw_grid(ax)
     if len(curves) > 1:
         legend = ax.legend(
-            signs.values(), signs.keys(), loc="center left", bbox_to_anchor=(1.0, 0.5)
+            handles.values(), handles.keys(), loc="center left", bbox_to_anchor=(1.0, 0.5)
         )
         _plain_legend(legend, LONGEST_BESIDE)
 
@@ -187,11 +190,11 @@ def swept_curves(
 def _draw_curve(
     ax: Axes, places: Array, curve: xr.Dataset, look: dict[str, Any], logarithmic: bool
 ) -> Any:
-    """Draw the values with their bars and band; return what stands in a legend."""
+    """Draw the values with their bars and band; return the legend's handle."""
     values, low, high = (curve[name].values for name in ("value", "low", "high"))
     bars = np.array([np.minimum(low, 0.99 * values) if logarithmic else low, high])
     known = bars if np.isfinite(bars).any() else None
-    sign = ax.errorbar(places, values, known, capsize=3.0, **look)
+    handle = ax.errorbar(places, values, known, capsize=3.0, **look)
     if "band" in curve:
         band = np.nan_to_num(curve["band"].values)
         colour = {"color": look["color"], "alpha": 0.2}
@@ -199,13 +202,13 @@ def _draw_curve(
             ax.fill_between(places, values - band, values + band, linewidth=0.0, **colour)
         else:
             ax.vlines(places, values - band, values + band, linewidth=8.0, **colour)
-    return sign
+    return handle
 
 
 def _leave_room(ax: Axes, rows: int) -> None:
-    """Move the values out of the way of that many rows of crosses, which are on grey."""
+    """Extend the y axis downwards, in grey, by that many rows of crosses."""
     if rows:
-        share, scale = ROW * rows, ax.yaxis.get_transform()
+        share, scale = ROW_HEIGHT * rows, ax.yaxis.get_transform()
         low, high = scale.transform(np.array(ax.get_ylim()))
         ends = np.array([low - share / (1.0 - share) * (high - low), low])
         bottom, top = scale.inverted().transform(ends).tolist()
@@ -221,10 +224,10 @@ def _maps_height(axes: Mapping[str, SweptAxis], maps: Mapping[str, xr.Dataset]) 
 def heat_maps(
     figure: FigureBase, axes: Mapping[str, SweptAxis], maps: Mapping[str, xr.Dataset]
 ) -> None:
-    """The maps of each title over two dimensions, with the same axes and the same colours.
+    """Draw a heat map over two dimensions for each title, with shared axes and colours.
 
-    A map has a ``value`` of each cell, NaN where there is none, its ``own`` error, NaN where that
-    is not known, and says where it is ``faulty``.
+    A map has the ``value`` of each cell, NaN if it has none, its ``own`` error, NaN if that is not
+    known, and is ``faulty`` in cells that were run without a result.
     """
     grid, free = panel_grid(figure, len(maps), "", "", HEAT_ACROSS)
     norm = _colours(np.concatenate([cells["value"].values.ravel() for cells in maps.values()]))
@@ -233,37 +236,38 @@ def heat_maps(
         grid_shape(len(maps), HEAT_ACROSS)[1],
     )
     orders = {name: axis.order for name, axis in axes.items()}
-    told = []
+    has_unsure = []
     for place, (ax, (title, cells)) in enumerate(zip(grid, maps.items(), strict=True)):
         cells = cells.isel(orders).transpose(*reversed(list(axes)))
         values, own = cells["value"].values, np.nan_to_num(cells["own"].values)
-        unsure = np.isfinite(values) & (own > UNSURE * np.abs(np.nan_to_num(values)))
+        unsure = np.isfinite(values) & (own > LARGE_ERROR * np.abs(np.nan_to_num(values)))
         ax.set_facecolor(EMPTY)
-        shown = np.ma.masked_invalid(values)
-        drawn = ax.pcolormesh(x.edges, y.edges, shown, cmap="viridis", norm=norm, rasterized=True)
+        masked = np.ma.masked_invalid(values)
+        mesh = ax.pcolormesh(x.edges, y.edges, masked, cmap="viridis", norm=norm, rasterized=True)
         rows, columns = np.nonzero(cells["faulty"].values)
         ax.plot(x.places[columns], y.places[rows], "x", color="black", markersize=4.0)
-        dark = np.asarray(norm(shown) < DARK)
+        dark = np.asarray(norm(masked) < DARK)
         _hatch(ax, x.edges, y.edges, unsure & dark, "white")
         _hatch(ax, x.edges, y.edges, unsure & ~dark, "black")
         ax.set_title(_short(title, LONGEST_BESIDE), loc="left", parse_math=False)
         x.set_on(ax, "x", labelled=place >= len(maps) - across)
         y.set_on(ax, "y", labelled=place % across == 0)
         if np.isfinite(cells["own"]).any():
-            told.append(bool(unsure.any()))
-    figure.colorbar(drawn, ax=[*grid, *([free] if free else [])], label=cells.attrs["label"])
-    if told:
-        look: dict[str, Any] = {"hatch": HATCH} if any(told) else {"alpha": 0.0}
-        words = f"own error {'above' if any(told) else 'nowhere above'} {UNSURE:.0%} of the value"
-        sign = Patch(facecolor="none", edgecolor="black", linewidth=0.0, label=words, **look)
+            has_unsure.append(bool(unsure.any()))
+    figure.colorbar(mesh, ax=[*grid, *([free] if free else [])], label=cells.attrs["label"])
+    if has_unsure:
+        look: dict[str, Any] = {"hatch": HATCH} if any(has_unsure) else {"alpha": 0.0}
+        where = "above" if any(has_unsure) else "nowhere above"
+        text = f"own error {where} {LARGE_ERROR:.0%} of the value"
+        handle = Patch(facecolor="none", edgecolor="black", linewidth=0.0, label=text, **look)
         if free:
-            free.legend(handles=[sign], loc="center")
+            free.legend(handles=[handle], loc="center")
         else:
-            figure.legend(handles=[sign], loc="outside lower left")
+            figure.legend(handles=[handle], loc="outside lower left")
 
 
 def _hatch(ax: Axes, x: Array, y: Array, cells: Cells, colour: str) -> None:
-    """Hatch the cells, (y, x), between the edges."""
+    """Hatch cells, a mask of shape (y, x), between the given edges."""
     corners = [
         [(x[j], y[i]), (x[j + 1], y[i]), (x[j + 1], y[i + 1]), (x[j], y[i + 1])]
         for i, j in np.argwhere(cells)
@@ -274,7 +278,7 @@ def _hatch(ax: Axes, x: Array, y: Array, cells: Cells, colour: str) -> None:
 
 
 def _work_columns(labels: Collection[str]) -> int:
-    """Columns of the legend above the panels of work against precision."""
+    """Return the number of columns of the legend above the panels of work against precision."""
     longest = max(map(len, labels), default=0)
     return 2 if longest + len(f": {OF_WAVE}") <= LONGEST_IN_TWO else 1
 
@@ -283,11 +287,11 @@ def _work_columns(labels: Collection[str]) -> int:
 def work_precision(
     figure: FigureBase, curves: Mapping[str, xr.Dataset], joined: bool = True
 ) -> None:
-    """Errors against work, both in logarithms: seconds, and site updates, which repeat exactly.
+    """Draw errors against work, on logarithmic axes: against seconds, and against site updates.
 
-    A curve has ``seconds``, ``updates``, errors that were ``estimated``, those ``achieved`` against
-    the wave, and the ``own`` ones of these. Estimates are ``joined``, and where there are none what
-    was achieved.
+    Site updates are exactly reproducible. A curve has ``seconds``, ``updates``, ``estimated``
+    errors, errors ``achieved`` against the wave, and the ``own`` errors of these. If ``joined``,
+    lines join the estimates, or the achieved errors where there are no estimates.
     """
     panels = figure.subplots(1, 2, sharey=True)
     works = {"seconds": "seconds of the run", "updates": "site updates"}
@@ -296,11 +300,11 @@ def work_precision(
         look |= {} if joined else {"linestyle": ""}
         for ax, work in zip(panels, works, strict=True):
             _draw_work(ax, work, f"{label}: " if label else "", curve, look)
-    for ax, (work, words) in zip(panels, works.items(), strict=True):
-        ax.set_xlabel(words)
+    for ax, (work, x_label) in zip(panels, works.items(), strict=True):
+        ax.set_xlabel(x_label)
         ax.xaxis.set_minor_formatter(NullFormatter())
-        done = np.concatenate([np.ravel(curve[work]) for curve in curves.values()])
-        known = done[np.isfinite(done)]
+        values = np.concatenate([np.ravel(curve[work]) for curve in curves.values()])
+        known = values[np.isfinite(values)]
         if known.size and known.max() < 1.1 * known.min():  # the same work in all cells
             ax.set_xlim(known.min() / 2.0, 2.0 * known.max())
         low, high = ax.get_xlim()
@@ -322,8 +326,8 @@ def work_precision(
 def _draw_work(ax: Axes, along: str, name: str, curve: xr.Dataset, look: dict[str, Any]) -> None:
     work, own = (np.atleast_1d(curve[part]) for part in (along, "own"))
     estimated, values = (
-        np.where(held > 0.0, held, np.nan)
-        for held in (np.atleast_1d(curve[part]) for part in ("estimated", "achieved"))
+        np.where(errors > 0.0, errors, np.nan)
+        for errors in (np.atleast_1d(curve[part]) for part in ("estimated", "achieved"))
     )
     achieved = look | {"markerfacecolor": "none"}
     if np.isfinite(curve["estimated"]).any():
@@ -336,21 +340,21 @@ def _draw_work(ax: Axes, along: str, name: str, curve: xr.Dataset, look: dict[st
 
 
 def _join_cheapest(ax: Axes, work: Array, errors: Array, look: dict[str, Any], label: str) -> None:
-    """Draw all points, and a line through those that no other one beats in work and error."""
+    """Draw all points, and a line through those that no other point beats in work and error."""
     ax.loglog(work, errors, label=label, **look | {"linestyle": ""})
-    joined = cheapest_places(work, errors)
-    ax.loglog(work[joined], errors[joined], **look | {"marker": ""})
+    cheapest = cheapest_places(work, errors)
+    ax.loglog(work[cheapest], errors[cheapest], **look | {"marker": ""})
 
 
 def _plain_legend(legend: Any, longest: int) -> None:
-    """Show texts of a file as they are, if they are not longer than that."""
+    """Show a legend's texts literally, without LaTeX, each shortened to ``longest`` characters."""
     for text in legend.get_texts():
         text.set_parse_math(False)
         text.set_text(_short(text.get_text(), longest))
 
 
 def _short(text: str, longest: int) -> str:
-    """A text with its middle left out if it is longer: texts of one axis may begin alike."""
+    """Return a text shortened in its middle, as texts of one axis may begin alike."""
     if len(text) <= longest:
         return text
     half = (longest - len(CUT)) // 2
@@ -363,7 +367,7 @@ def _is_wide(values: Array) -> bool:
 
 
 def _colours(values: Array) -> Normalize:
-    """Logarithmic colours for wide positive values; some range where all are equal."""
+    """Return a logarithmic colour scale for positive values of a wide range, else a linear one."""
     known = values[np.isfinite(values)]
     if not known.size:
         return Normalize(0.0, 1.0)

@@ -1,4 +1,4 @@
-"""Names of the pictures of a sweep, and which data set is one: known before a sweep is drawn."""
+"""Names of the kinds of sweep pictures, and a test whether a data set is a sweep."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from longwave.support.labelled_arrays import Labelled
 
 VALUES, WORK_PRECISION, GROWTH_MAP = "values", "work_precision", "growth_map"
 SWEEP_PICTURES = (VALUES, WORK_PRECISION, GROWTH_MAP)
-"""The kinds of pictures of a sweep."""
+"""Kinds of pictures of a sweep."""
 
 Choice = Mapping[str, str | float]
-"""Values of swept fields at which a sweep is drawn."""
+"""Values of swept fields that choose the cells that are drawn."""
 
 
 def is_sweep(data: Labelled) -> bool:

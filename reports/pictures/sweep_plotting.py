@@ -1,8 +1,8 @@
-"""Pictures of a sweep: a number of each cell over the swept dimensions, and work against precision.
+"""Pictures of a sweep: a variable over the swept dimensions, and work against precision.
 
-Of one dimension curves are drawn, of two a heat map, of three several; samples and realisations of
-disorder are told by what they have in common. Of more dimensions, and of what has too many values
-to be told apart, some are to be chosen: ``at`` says where. `sweep_drawing` draws them.
+One dimension is drawn as curves, two as a heat map, three as several heat maps; samples and
+realisations of disorder are drawn by their median or mean. For more dimensions, or too many values
+for a picture, ``at`` must choose cells. `sweep_drawing` draws the pictures.
 """
 
 from __future__ import annotations
@@ -28,41 +28,41 @@ from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
 
 SAMPLE = "sample"
-"""The dimension of a random sample."""
+"""Dimension of random samples."""
 
 REALISATION = "disorder.seed"
-"""The field whose values are realisations of one disorder."""
+"""Field whose values are realisations of the same disorder."""
 
 MOST_CURVES, MOST_MAPS = 8, 12
-"""Curves that colours tell apart, and heat maps on one page."""
+"""Most curves in a picture, as many as colours distinguish, and most heat maps on a page."""
 
 LONGEST_LABEL = 50
-"""Characters of a long name that an axis has room for."""
+"""Most characters of a long name as an axis label; for a longer one the variable's name stands."""
 
 MOST_LISTED = 20
-"""Values that an error lists."""
+"""Most values that an error message lists."""
 
-TOLD = {"scheme.name": "scheme", "domain.kind": "domain", "disorder.of": "disorder of"}
-"""How fields are called in pictures whose last part says nothing alone."""
+FIELD_NAMES = {"scheme.name": "scheme", "domain.kind": "domain", "disorder.of": "disorder of"}
+"""Names in pictures of fields whose last part would not be clear alone."""
 
 OWN_ERRORS = {"error": "own_error", "growth_rate": "growth_rate_error"}
-"""Numbers that have an error of their own, in their own units."""
+"""Variables with own errors, and the variables with these, in the same units."""
 
 WORK = ("tolerance", "scheme.step", "step", "lattice.order", "order", "scheme.name", "scheme")
-"""Fields along which a run takes more work for less error: of two the first is drawn along."""
+"""Fields along which a run takes more work for less error, the preferred ones first."""
 
 ENDED = ("done", "blown up")
-"""Cells whose numbers are drawn."""
+"""Statuses of cells whose numbers are drawn."""
 
 PULSE = ("last_peak", "last_energy")
-"""What disorder left of a pulse, which is drawn before its error: a mere delay is one."""
+"""Peak and energy of a pulse at the end, drawn before its error, which a mere delay makes large."""
 
 
 def sweep_parts(data: xr.Dataset, kind: str | None, at: Choice, variable: str) -> list[Part]:
-    """The pictures of that kind, or all, of the cells that are ``at`` these values.
+    """Return the pictures of that kind, by default all, of the cells with the values in ``at``.
 
-    Raises ValueError in one line: what was chosen, what there is nothing of, and what is too much
-    for a picture.
+    Raises ValueError for an invalid choice, for a sweep that has nothing to draw, and for too many
+    values in a picture.
     """
     data = chosen(data, at)
     if kind == VALUES:
@@ -74,18 +74,18 @@ def sweep_parts(data: xr.Dataset, kind: str | None, at: Choice, variable: str) -
     if "growth_rate" in data and variable == "error":
         with suppress(ValueError):
             return [growth_map(growth_panels(data, MOST_CURVES))]
-    drawn = [name for name in PULSE if name in data and variable == "error"] + [variable]
-    found = [] if data["status"].ndim == 0 else [values_part(data, name) for name in drawn]
+    variables = [name for name in PULSE if name in data and variable == "error"] + [variable]
+    parts = [] if data["status"].ndim == 0 else [values_part(data, name) for name in variables]
     if work_dimension(data) is not None:
         with suppress(ValueError):
-            found.append(work_part(data))
-    return found or [values_part(data, variable)]
+            parts.append(work_part(data))
+    return parts or [values_part(data, variable)]
 
 
 def chosen(data: xr.Dataset, at: Choice) -> xr.Dataset:
-    """The cells where swept fields have these values, dimensions of one value left out.
+    """Return the cells with the values in ``at`` of swept fields, without dimensions of one value.
 
-    Raises ValueError in one line for a field that is not swept and a value that is not there.
+    Raises ValueError for a field that is not swept and for a value that does not occur.
     """
     for name, value in at.items():
         known = [str(field) for field in data.coords if data[field].ndim == 1]
@@ -98,26 +98,26 @@ def chosen(data: xr.Dataset, at: Choice) -> xr.Dataset:
     return data.squeeze()
 
 
-def _places(name: str, held: NDArray[Any], value: str | float) -> list[int]:
-    """Where a field has that value, or else the one that is printed so."""
-    for read in (str, _text):
-        places = [place for place, one in enumerate(held) if _same(one, value, read)]
-        found = list(dict.fromkeys(str(held[place]) for place in places))
-        if len(found) > 1 and read is _text:
+def _places(name: str, values: NDArray[Any], value: str | float) -> list[int]:
+    """Return the indices of the values equal to ``value``, or else of those printed as it is."""
+    for as_text in (str, _text):
+        places = [place for place, entry in enumerate(values) if _same(entry, value, as_text)]
+        matching = list(dict.fromkeys(str(values[place]) for place in places))
+        if len(matching) > 1 and as_text is _text:
             raise ValueError(
-                f"{name} must tell one value, got {shown(value)} (one of {_listed(found)})"
+                f"{name} must tell one value, got {shown(value)} (one of {_listed(matching)})"
             )
         if places:
             return places
-    known = _listed(list(dict.fromkeys(map(_text, held))))
+    known = _listed(list(dict.fromkeys(map(_text, values))))
     raise ValueError(f"{name} must be one of its values, got {shown(value)} (one of {known})")
 
 
-def _same(held: object, value: str | float, read: Callable[[object], str]) -> bool:
+def _same(entry: object, value: str | float, as_text: Callable[[object], str]) -> bool:
     try:
-        return bool(np.isclose(float(read(held)), float(value), rtol=1e-9, atol=0.0))
+        return bool(np.isclose(float(as_text(entry)), float(value), rtol=1e-9, atol=0.0))
     except (TypeError, ValueError):
-        return str(held) == str(value)
+        return str(entry) == str(value)
 
 
 def _listed(texts: Sequence[str]) -> str:
@@ -129,7 +129,7 @@ def _text(value: object) -> str:
 
 
 def values_part(data: xr.Dataset, variable: str) -> Part:
-    """A number of each cell over the dimensions that are left."""
+    """Return a picture of a variable over one to three dimensions; else raise ValueError."""
     cells = _cells(data, variable)
     dims = [str(name) for name in cells.dims]
     if not dims:
@@ -138,13 +138,13 @@ def values_part(data: xr.Dataset, variable: str) -> Part:
             f"{float(cells['value']):g}; sweep more values, or leave out an --at)"
         )
     repeats = _repeats(data, dims)
-    drawn = [name for name in dims if name not in repeats]
-    if len(dims) == 1 or (repeats and len(drawn) == 1):
+    plotted = [name for name in dims if name not in repeats]
+    if len(dims) == 1 or (repeats and len(plotted) == 1):
         return _curves(data, cells, repeats, [])
-    families = _families(data, drawn, bool(repeats))
-    if len(drawn) == 2 and families:
+    families = _families(data, plotted, bool(repeats))
+    if len(plotted) == 2 and families:
         return _curves(data, cells, repeats, families)
-    if len(drawn) in (2, 3) and not repeats:
+    if len(plotted) in (2, 3) and not repeats:
         return _maps(data, cells)
     sizes = ", ".join(f"{data.sizes[name]} {name}" for name in dims)
     condition = (
@@ -156,19 +156,20 @@ def values_part(data: xr.Dataset, variable: str) -> Part:
 
 
 def _cells(data: xr.Dataset, variable: str) -> xr.Dataset:
-    """Of each cell the ``value`` of a variable, its ``own`` error, and whether it is ``faulty``.
+    """Return each cell's ``value`` of a variable, its ``own`` error, and whether it is ``faulty``.
 
-    NaN where it came to no end or is not known; faulty is what was run, to no good end or value.
+    A value is NaN if the cell has no result or the value is not known. A cell is faulty if it was
+    run without a usable value.
     """
     values = _numbers(data, variable)
     settled = data["status"].isin(("done", "missing")) | np.isfinite(values)
     attrs = {"label": _label(variable, data[variable].attrs)}
-    found = {"value": values, "own": _own_error(data, values), "faulty": ~settled}
-    return xr.Dataset({name: part.variable for name, part in found.items()}, attrs=attrs)
+    variables = {"value": values, "own": _own_error(data, values), "faulty": ~settled}
+    return xr.Dataset({name: part.variable for name, part in variables.items()}, attrs=attrs)
 
 
 def _numbers(data: xr.Dataset, variable: str, needed: bool = True) -> xr.DataArray:
-    """A number of each cell that came to an end, NaN of the others; some if it is ``needed``."""
+    """Return a variable of the ended cells, NaN elsewhere; ValueError if ``needed`` and all NaN."""
     dims = data["status"].dims
     known = [str(n) for n in data if data[n].dtype.kind in "fiu" and data[n].dims == dims]
     if variable not in known:
@@ -192,58 +193,59 @@ def _own_error(data: xr.Dataset, values: xr.DataArray) -> xr.DataArray:
 
 
 def _label(name: str, attrs: Mapping[str, Any]) -> str:
-    told, units = attrs.get("long_name", ""), attrs.get("units", "1")
-    words = told if 0 < len(told) <= LONGEST_LABEL else name.replace("_", " ")
-    return words if units in ("1", "") else f"{words}  ({units})"
+    long_name, units = attrs.get("long_name", ""), attrs.get("units", "1")
+    text = long_name if 0 < len(long_name) <= LONGEST_LABEL else name.replace("_", " ")
+    return text if units in ("1", "") else f"{text}  ({units})"
 
 
 def _repeats(data: xr.Dataset, dims: Sequence[str]) -> list[str]:
-    """The dimension of samples, or of realisations, along which nothing is drawn."""
+    """Return the dimension of samples, or of realisations of disorder, as a list; empty if none."""
     seeds = [n for n in dims if n in data.coords and data[n].attrs.get("field") == REALISATION]
     return [name for name in dims if name == SAMPLE] or seeds
 
 
 def _families(data: xr.Dataset, drawn: Sequence[str], repeated: bool) -> list[str]:
-    """The dimension with a curve for each value, if they are few.
+    """Return the dimension with a curve for each value, as a list; empty for too many values.
 
-    It is the one with texts, and of repeats, which have no heat map, else the smallest one.
+    It is the dimension with texts. With repeats, for which there are no heat maps, the shortest
+    dimension is taken if there are no texts.
     """
-    found = [name for name in drawn if axis_of(data, name).is_text]
-    if repeated and not found:
-        found = sorted(drawn, key=lambda name: data.sizes[name])
-    return found[:1] if found and data.sizes[found[0]] <= MOST_CURVES else []
+    families = [name for name in drawn if axis_of(data, name).is_text]
+    if repeated and not families:
+        families = sorted(drawn, key=lambda name: data.sizes[name])
+    return families[:1] if families and data.sizes[families[0]] <= MOST_CURVES else []
 
 
 def axis_of(data: xr.Dataset, name: str) -> SweptAxis:
-    """A dimension as an axis; that of a list or sample by the field that tells its cells apart."""
+    """Return a dimension as an axis: by its field, or by one with different values in all cells."""
     fields = [data[name]] if name in data.coords else []
     fields += [data[c] for c in data.coords if data[c].dims == (name,) and c != name]
     for field in fields:
-        held = field.values
-        if len({str(one) for one in held}) == held.size:
-            told = TOLD.get(field.attrs.get("field", ""), str(field.name))
-            numbers = held.dtype.kind in "fiu"
-            return SweptAxis(told, held.astype(float if numbers else str).tolist())
+        values = field.values
+        if len({str(entry) for entry in values}) == values.size:
+            name_on_axis = FIELD_NAMES.get(field.attrs.get("field", ""), str(field.name))
+            numbers = values.dtype.kind in "fiu"
+            return SweptAxis(name_on_axis, values.astype(float if numbers else str).tolist())
     return SweptAxis(name, [float(place) for place in range(data.sizes[name])])
 
 
 def _titles(axis: SweptAxis, bare: bool = False) -> list[str]:
-    """Each value with the axis's name; texts that need none alone."""
+    """Return each value with the axis's name, or texts alone if ``bare``."""
     return [_text(v) if bare and axis.is_text else f"{axis.name} = {_text(v)}" for v in axis.values]
 
 
 def _curves(
     data: xr.Dataset, cells: xr.Dataset, repeats: Sequence[str], families: Sequence[str]
 ) -> Part:
-    """Curves along one dimension: one, one for each value of another, or of all repeats."""
+    """Return curves along a dimension: a single one, one for each value of another, or means."""
     rest = [str(name) for name in cells.dims if name not in families]
     along = min(rest, key=lambda name: name in repeats)
-    told = _own_told(cells)
+    caption = _error_caption(cells)
     if len(rest) == 2:
-        common, told = (_medians, BY_MEDIAN) if repeats == [SAMPLE] else (_means, BY_MEAN)
+        common, caption = (_medians, BY_MEDIAN) if repeats == [SAMPLE] else (_means, BY_MEAN)
         counts = cells["value"].notnull().sum(repeats).values
         ends = dict.fromkeys(map(str, (counts[counts > 0].min(), counts.max())))
-        told = told.format(" to ".join(ends))
+        caption = caption.format(" to ".join(ends))
         cells = common(cells, repeats[0]).assign(faulty=cells["faulty"].any(repeats))
     else:
         cells = cells.assign(low=cells["own"], high=cells["own"])
@@ -252,16 +254,16 @@ def _curves(
     if families:
         titles = _titles(axis_of(data, families[0]), bare=True)
         curves = {title: cells.isel({families[0]: i}) for i, title in enumerate(titles)}
-    return swept_curves(axis, curves, joined, told)
+    return swept_curves(axis, curves, joined, caption)
 
 
 BY_MEDIAN = "median of {}, bars to the quartiles"
 BY_MEAN = "mean of {}, bars: standard error, band: standard deviation"
-"""How repeats are told."""
+"""Captions of repeats: how their values are summarised."""
 
 
-def _own_told(cells: xr.Dataset) -> str:
-    """How large the errors of the values themselves are, which may be too small to be seen."""
+def _error_caption(cells: xr.Dataset) -> str:
+    """Return a caption with the largest relative own error; bars may be too small to see."""
     size = abs(cells["value"])
     known = np.isfinite(cells["own"]) & (size > 0.0)
     if not known.any():
@@ -272,28 +274,28 @@ def _own_told(cells: xr.Dataset) -> str:
 
 
 def _medians(cells: xr.Dataset, repeats: str) -> xr.Dataset:
-    """The median, and how far down and up the quartiles are."""
+    """Return the median over repeats, and its distances ``low`` and ``high`` to the quartiles."""
     known = cells["value"].notnull().any(repeats)
     values = cells["value"].where(known, 0.0).quantile([0.25, 0.5, 0.75], repeats).where(known)
     first, middle, third = (values.isel(quantile=place, drop=True) for place in range(3))
-    found = {"value": middle, "low": middle - first, "high": third - middle}
-    return xr.Dataset(found, attrs=cells.attrs)
+    variables = {"value": middle, "low": middle - first, "high": third - middle}
+    return xr.Dataset(variables, attrs=cells.attrs)
 
 
 def _means(cells: xr.Dataset, repeats: str) -> xr.Dataset:
-    """The mean, its standard error down and up, and the standard deviation as ``band``."""
+    """Return the mean over repeats, its standard error, and the standard deviation as ``band``."""
     values = cells["value"]
     count = values.notnull().sum(repeats)
     with np.errstate(all="ignore"):
         mean = values.sum(repeats) / count
         band = np.sqrt(((values - mean) ** 2).sum(repeats) / (count - 1))
         error = band / np.sqrt(count)
-    found = {"value": mean, "low": error, "high": error, "band": band}
-    return xr.Dataset(found, attrs=cells.attrs)
+    variables = {"value": mean, "low": error, "high": error, "band": band}
+    return xr.Dataset(variables, attrs=cells.attrs)
 
 
 def _maps(data: xr.Dataset, cells: xr.Dataset) -> Part:
-    """A heat map over two dimensions, or one for each value of the third."""
+    """Return a heat map over two dimensions, or one for each value of the third."""
     names = [str(name) for name in cells.dims]
     over = ""
     if len(names) == 3:
@@ -314,16 +316,17 @@ def _maps(data: xr.Dataset, cells: xr.Dataset) -> Part:
 
 
 def work_dimension(data: xr.Dataset) -> str | None:
-    """The dimension along which more work is done, None if there is none."""
+    """Return the dimension along which more work is done, None if there is none."""
     names = [str(name) for name in data["status"].dims]
     fields = {data[n].attrs.get("field", n) if n in data.coords else n: n for n in names}
     return next((fields[field] for field in WORK if field in fields), None)
 
 
 def work_part(data: xr.Dataset) -> Part:
-    """Errors against work along the tolerance, step or order, a curve for each other cell.
+    """Return a picture of errors against work along the tolerance, step or order.
 
-    Texts, such as schemes, have a curve each where they are few.
+    There is a curve for each combination of the other dimensions' values. Texts along the dimension
+    of work, such as schemes, have a curve each if they are few.
     """
     along = work_dimension(data)
     if along is None:
@@ -332,12 +335,12 @@ def work_part(data: xr.Dataset) -> Part:
             f"{', '.join(map(str, data['status'].dims)) or 'one cell'} (sweep the tolerance)"
         )
     numbers = _work_numbers(data)
-    held = numbers["estimated"].notnull() | numbers["achieved"].notnull()
-    others = [str(name) for name in held.dims if name != along]
+    has_errors = numbers["estimated"].notnull() | numbers["achieved"].notnull()
+    others = [str(name) for name in has_errors.dims if name != along]
     joined = not axis_of(data, along).is_text
-    if not joined and int(held.sum()) <= MOST_CURVES:
-        others = [str(name) for name in held.dims]
-    drawn = held.any([name for name in held.dims if name not in others])
+    if not joined and int(has_errors.sum()) <= MOST_CURVES:
+        others = [str(name) for name in has_errors.dims]
+    drawn = has_errors.any([name for name in has_errors.dims if name not in others])
     count = int(drawn.sum())
     if count > MOST_CURVES:
         raise ValueError(
@@ -355,8 +358,10 @@ def work_part(data: xr.Dataset) -> Part:
 
 
 def _work_numbers(data: xr.Dataset) -> xr.Dataset:
-    """The ``seconds`` and site ``updates`` of all cells, the errors that were ``estimated``, and
-    those ``achieved`` against the wave with their ``own``."""
+    """Return the ``seconds``, site ``updates`` and errors of all cells.
+
+    The errors are ``estimated``, and ``achieved`` against the wave with their ``own`` errors.
+    """
     seconds, evaluations, sites = (
         _numbers(data, name) for name in ("seconds", "force_evaluations", "sites")
     )

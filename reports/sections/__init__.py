@@ -1,1 +1,1 @@
-"""What each section of the report prints, gathered from the objects of the other rooms."""
+"""Content of each section of the report, built from the results of the other rooms."""

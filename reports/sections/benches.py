@@ -1,4 +1,4 @@
-"""What the report shows of chains on a bench: what acts on each, how exactly, and what it took."""
+"""Tables and figures of chains on a bench: ends, forces, accuracy and cost."""
 
 from __future__ import annotations
 
@@ -30,41 +30,42 @@ from longwave.support.labelled_arrays import LabelledArrays
 
 
 def bench_table(runs: Mapping[str, SceneRun]) -> str:
-    """Each chain: its ends and what acts on it, its size, tolerance, estimate, steps and time."""
+    """Return the table of bench runs: ends, effects, cells, tolerance, own error, steps, time."""
     head = ["ends and effects", "cells", "tolerance", "own error", "steps", "time (s)"]
     lines: list[Row] = []
-    for name, found in runs.items():
-        lines.append(titled(prose_latex(found.scene.title or name), name, found.fault))
-        lines += [] if found.run is None else [_bench_cells(found, found.run)]
-    caption = "Chains on a bench: what acts on each, and the largest error of what is watched."
+    for name, entry in runs.items():
+        lines.append(titled(prose_latex(entry.scene.title or name), name, entry.fault))
+        lines += [] if entry.run is None else [_bench_cells(entry, entry.run)]
+    caption = "Chains on a bench: what acts on each, and the largest error of its observables."
     return table("benches", caption, "L{62mm}rlllr", head, lines)
 
 
-def _bench_cells(found: SceneRun, run: xr.Dataset) -> list[str]:
-    told = run.attrs
+def _bench_cells(entry: SceneRun, run: xr.Dataset) -> list[str]:
+    attributes = run.attrs
     return [
-        escape(effects(found.scene.own_bench, found.scene.losses)),
-        f"${told['sites']}$",
-        scientific(found.scene.target.tolerance),
-        scientific(float(told["error_estimate"])) + ("" if found.kept else " (TOO LARGE)"),
-        f"${told['steps']}$",
-        scientific(float(told["seconds"] + told["planning_seconds"])),
+        escape(effects(entry.scene.own_bench, entry.scene.losses)),
+        f"${attributes['sites']}$",
+        scientific(entry.scene.target.tolerance),
+        scientific(float(attributes["error_estimate"]))
+        + ("" if entry.within_tolerance else " (TOO LARGE)"),
+        f"${attributes['steps']}$",
+        scientific(float(attributes["seconds"] + attributes["planning_seconds"])),
     ]
 
 
 def balance_table(runs: Mapping[str, SceneRun]) -> str:
-    """The energy balance at the end of each chain that was followed, and its largest defect."""
+    """Return the table of energy balances: final values of each run, and the largest defect."""
     head = ["chain", "energy gained", "work", "heat", "defect", "allowed"]
     lines = []
-    for name, found in runs.items():
-        if found.run is not None and "work" in found.run:
-            run = found.run
+    for name, entry in runs.items():
+        if entry.run is not None and "work" in entry.run:
+            run = entry.run
             gained = run["energy"] - run["energy"][0]
             defect = float(abs(gained - run["work"] + run["heat"]).max())
             ends = (float(each[-1]) for each in (gained, run["work"], run["heat"]))
-            told = (*(scientific(end, 4) for end in ends), scientific(defect))
+            final_values = (*(scientific(end, 4) for end in ends), scientific(defect))
             allowed = scientific(3.0 * float(run.attrs["error_estimate"]))
-            lines.append([rf"\texttt{{{escape(name)}}}", *told, allowed])
+            lines.append([rf"\texttt{{{escape(name)}}}", *final_values, allowed])
     caption = (
         "Energy balance at the end of each chain; defect: the largest of gained $-$ work $+$ heat "
         "at any time; allowed: three times the run's own error."
@@ -73,7 +74,7 @@ def balance_table(runs: Mapping[str, SceneRun]) -> str:
 
 
 def effects(bench: Bench, losses: Losses | None = None) -> str:
-    """What acts on a chain, in words.
+    """Return a description of a chain's ends and effects.
 
     >>> effects(Bench(8, ("fixed", "free"), energy=True), Losses(site=0.1))
     'ends: fixed, free; losses of cells'
@@ -91,7 +92,7 @@ def effects(bench: Bench, losses: Losses | None = None) -> str:
 
 
 def effect_table(costs: Mapping[str, EffectCost]) -> str:
-    """Each effect: what it costs a cell and stage, and a run with it to each tolerance."""
+    """Return the table of effects: cost for a cell and stage, and of a run to each tolerance."""
     head = ["effect", "operations", "time (ns)", r"share (\%)"]
     for tolerance in TOLERANCES:
         head += [f"error to {scientific(tolerance)}", "(s)"]
@@ -114,19 +115,19 @@ def effect_table(costs: Mapping[str, EffectCost]) -> str:
 
 
 def bench_laws(runs: Mapping[str, SceneRun], struck: Sequence[tuple[float, float]]) -> str:
-    """What is known of these chains, and what the runs give, in a table."""
+    """Return the table of known values for these chains beside the measured ones."""
     lines = []
     fput = runs.get("fput_1955")
     if fput is not None and fput.run is not None:
-        found = mode_return(fput.run)
-        when = uncertain(found.periods, found.reading / 2)
+        recurrence = mode_return(fput.run)
+        when = uncertain(recurrence.periods, recurrence.reading / 2)
         lines.append(["first return of mode 1 (FPUT, 32 springs), in periods", "147", *when])
         own = fput.run.attrs["error_estimate"] / float(fput.run.mode_energy[0, 0])
-        share = uncertain(100 * found.share, 100 * float(own))
+        share = uncertain(100 * recurrence.share, 100 * float(own))
         lines.append([r"energy of mode 1 then (\%)", "98", *share])
     for slope, error in struck:
-        told = uncertain(slope, error)
-        lines.append(["exponent of the speed of struck grains in the velocity", "$1/5$", *told])
+        measured = uncertain(slope, error)
+        lines.append(["exponent of the speed of struck grains in the velocity", "$1/5$", *measured])
     head = ["quantity", "known", "measured", "own error"]
     caption = (
         "Known numbers of these chains. Own error: half the time between readings, the run's "
@@ -141,21 +142,22 @@ DRAWN = {
     "crest_law": crest_track,
     "strain": lambda run: PICTURES["snapshots"].part(placed(run)),
 }
-"""What is drawn of a run that holds a variable: modes, readings, a crest with its law, a wave."""
+"""Plot of a run by the variable it contains: modes, sensors, a crest with its law, the strain.
+The first match is drawn."""
 
 
 def bench_figures(runs: Mapping[str, SceneRun]) -> Iterator[tuple[str, Figure]]:
-    """Each figure under its name, of what ran: what `DRAWN` has first of it."""
-    for name, found in runs.items():
-        if found.run is not None:
-            draw = next(draw for held, draw in DRAWN.items() if held in found.run.variables)
-            yield f"bench_{name}", draw(LabelledArrays.of(found.run)).figure()
+    """Yield the name and figure of each run that succeeded, drawn by the first match in `DRAWN`."""
+    for name, entry in runs.items():
+        if entry.run is not None:
+            draw = next(draw for variable, draw in DRAWN.items() if variable in entry.run.variables)
+            yield f"bench_{name}", draw(LabelledArrays.of(entry.run)).figure()
 
 
 def bench_pictures(runs: Mapping[str, SceneRun]) -> str:
-    """The figures in LaTeX."""
+    """Return the LaTeX that includes the figures of `bench_figures`."""
     return "\n".join(
-        picture_latex(f"bench_{name}", f"{prose_latex(found.scene.title)}.", "H")
-        for name, found in runs.items()
-        if found.run is not None
+        picture_latex(f"bench_{name}", f"{prose_latex(entry.scene.title)}.", "H")
+        for name, entry in runs.items()
+        if entry.run is not None
     )

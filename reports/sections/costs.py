@@ -1,4 +1,4 @@
-"""What the report prints of evaluation, costs on the lattice, hard cases and estimates."""
+"""Tables and figures of evaluation accuracy, costs, hard cases and error estimates."""
 
 from __future__ import annotations
 
@@ -41,14 +41,14 @@ if TYPE_CHECKING:
     from longwave.reports.studies.hard_cases import HardCase
 
 TABULATED = ("double-double", "balls, 40 digits", "mpmath, 15 digits", "mpmath, 60 digits")
-"""The arithmetics of the table; the figure has them all."""
+"""Arithmetics in the cost table; the figure shows all of them."""
 
 ERROR_UNIT = 1e-16
-"""The table of accuracy gives errors in this unit."""
+"""Unit of the errors in the accuracy table."""
 
 
 def accuracy_table(results: Iterable[Accuracy]) -> str:
-    """The worst errors of Y, Y_X, Y_T of each wave, and where the worst of all is."""
+    """Return the table of each wave's worst errors of Y, Y_X, Y_T, and the point of the largest."""
     rows = [
         [
             escape(closed_form(result.name).title),
@@ -67,15 +67,17 @@ def accuracy_table(results: Iterable[Accuracy]) -> str:
 
 
 def _where(text: str) -> tuple[str, str, str]:
-    """Return the parameters, the site and the time of a point as LaTeX."""
-    found = dict(re.findall(r"(\w+) = ((?:1 - )?[^\s,]+)", text))
-    site, time = (_value(found.pop(name)) if name in found else "" for name in ("n", "t"))
-    parameters = ", ".join(f"${symbol_latex(name)}={_value(v)[1:-1]}$" for name, v in found.items())
+    """Return the parameters, the site and the time in a description of a point, as LaTeX."""
+    fields = dict(re.findall(r"(\w+) = ((?:1 - )?[^\s,]+)", text))
+    site, time = (_value(fields.pop(name)) if name in fields else "" for name in ("n", "t"))
+    parameters = ", ".join(
+        f"${symbol_latex(name)}={_value(v)[1:-1]}$" for name, v in fields.items()
+    )
     return parameters or DASH, site, time
 
 
 def _value(text: str) -> str:
-    r"""Return a value with three digits; one near 1 by its distance from it.
+    r"""Format a number with three digits; a value written "1 - d" is printed as 1 - d.
 
     >>> _value("160149996.8"), _value("1 - 1e-12"), _value("-9.2")
     ('$1.6\\times 10^{8}$', '$1-10^{-12}$', '$-9.2$')
@@ -90,17 +92,17 @@ def _value(text: str) -> str:
 
 
 def cost_table(costs: Iterable[EvaluationCost]) -> str:
-    """Digits and time of a point in each of the tabulated arithmetics, one row a wave."""
+    """Return the table of digits and microseconds a point: a row a wave, columns by arithmetic."""
     rows = []
     for wave, group in groupby(costs, attrgetter("wave")):
-        found = {cost.arithmetic: cost for cost in group}
-        chosen = [found[name] for name in TABULATED]
+        by_arithmetic = {cost.arithmetic: cost for cost in group}
+        chosen = [by_arithmetic[name] for name in TABULATED]
         cells = [
             cell
             for cost in chosen
             for cell in (digits(cost.digits), scientific(1e6 * cost.seconds))
         ]
-        ratio = found["mpmath, 15 digits"].seconds / found["double-double"].seconds
+        ratio = by_arithmetic["mpmath, 15 digits"].seconds / by_arithmetic["double-double"].seconds
         title = escape(closed_form(wave).title)
         rows.append([title, *cells, f"{float(f'{ratio:.2g}'):.0f}"])
     head = ["wave", *(cell for name in SHORT_NAMES for cell in (name, r"\textmu s")), "ratio"]
@@ -113,11 +115,11 @@ def cost_table(costs: Iterable[EvaluationCost]) -> str:
 
 
 SHORT_NAMES = ("dd", "balls", "mp 15", "mp 60")
-"""Heads of the columns of digits."""
+"""Column heads for the arithmetics in `TABULATED`."""
 
 
 def digits(value: float) -> str:
-    """Return a number of digits with one decimal; an exact value has no end of them.
+    """Format a number of correct digits with one decimal; infinity is printed as "exact".
 
     >>> digits(15.62), digits(float("inf"))
     ('15.6', 'exact')
@@ -126,50 +128,50 @@ def digits(value: float) -> str:
 
 
 def panels(points: Iterable[tuple[str, str, tuple[float, float]]]) -> CostPanels:
-    """Points as curves in panels: by the title of a panel, and the label of a curve in it.
+    """Group (panel title, curve label, point) triples into panels of curves.
 
     >>> panels([("smooth", "RK4", (1.0, 0.1)), ("smooth", "RK4", (2.0, 0.01))])
     {'smooth': {'RK4': [(1.0, 0.1), (2.0, 0.01)]}}
     """
-    found: dict[str, dict[str, list[tuple[float, float]]]] = {}
+    grouped: dict[str, dict[str, list[tuple[float, float]]]] = {}
     for title, label, point in points:
-        found.setdefault(title, {}).setdefault(label, []).append(point)
-    return found
+        grouped.setdefault(title, {}).setdefault(label, []).append(point)
+    return grouped
 
 
 def cost_panels(costs: Iterable[EvaluationCost]) -> CostPanels:
-    """One panel a wave: digits against seconds for each family of arithmetics."""
+    """Return one panel a wave: digits against seconds for each family of arithmetics."""
     return panels(
         (c.wave.replace("_", " "), c.arithmetic.partition(",")[0], (c.seconds, c.digits))
         for c in costs
     )
 
 
-WANTED = (1e-2, 1e-4, 1e-6)
-"""Errors for which the cheapest run of each series is tabulated."""
+ERROR_LEVELS = (1e-2, 1e-4, 1e-6)
+"""Error levels for which the table gives each series' fastest run."""
 
 
 def precision_table(points: Sequence[CostPoint]) -> str:
-    """The seconds of each series' cheapest run within each of the wanted errors.
+    """Return the table of the seconds of each series' fastest run within each of `ERROR_LEVELS`.
 
-    The ring has a second row, in which making its data counts.
+    The spectral ring has a second row that includes the time to compute its initial data.
     """
     rows: list[Row] = []
-    for problem, mine in groupby(points, attrgetter("problem")):
+    for problem, of_problem in groupby(points, attrgetter("problem")):
         rows.append(escape(problem))
-        for series, group in groupby(mine, attrgetter("series")):
-            found = list(group)
-            rows.append(_precision_row(PRINTED[series], found))
+        for series, group in groupby(of_problem, attrgetter("series")):
+            runs = list(group)
+            rows.append(_precision_row(PRINTED[series], runs))
             if series == SPECTRAL:
-                whole = [replace(p, seconds=p.seconds + p.data_seconds) for p in found]
+                whole = [replace(p, seconds=p.seconds + p.data_seconds) for p in runs]
                 rows.append(_precision_row(f"{PRINTED[series]}, with its data", whole))
-    head = ["problem and method", *(rf"error $\le$ {_power(e)} (s)" for e in WANTED)]
+    head = ["problem and method", *(rf"error $\le$ {_power(e)} (s)" for e in ERROR_LEVELS)]
     caption = r"Measured time in s of each method's cheapest run within an error of $y/\epsilon$."
     return table("precision", caption, "lrrr", head, rows)
 
 
 def _precision_row(name: str, points: Sequence[CostPoint]) -> list[str]:
-    return [escape(name), *(_cheapest(points, error) for error in WANTED)]
+    return [escape(name), *(_cheapest(points, error) for error in ERROR_LEVELS)]
 
 
 def _power(value: float) -> str:
@@ -182,12 +184,12 @@ def _cheapest(points: Iterable[CostPoint], error: float) -> str:
 
 
 def precision_panels(points: Iterable[CostPoint]) -> CostPanels:
-    """One panel a problem: error against seconds for each series."""
+    """Return one panel a problem: error against seconds for each series."""
     return panels((p.problem, PRINTED[p.series], (p.seconds, p.error)) for p in points)
 
 
 def scaling_table(points: Sequence[ScalingPoint]) -> str:
-    """What was measured of each series against eps, with its fitted exponent."""
+    """Return the table of fully timed series against eps, with fitted exponents."""
     caption = (
         r"Measured to the peak of $Y_2$: time of the whole run in s, its error, and the exponent "
         "fitted."
@@ -196,7 +198,7 @@ def scaling_table(points: Sequence[ScalingPoint]) -> str:
 
 
 def extrapolated_table(points: Sequence[ScalingPoint]) -> str:
-    """The seconds of those series of which a part was run, with the exponent fitted to them."""
+    """Return the table of series extrapolated from part of a run, with fitted exponents."""
     caption = (
         rf"Extrapolated to the peak of $Y_2$: time in s, scaled from {STEPS} steps to the whole "
         "run, and the exponent fitted to these numbers."
@@ -205,18 +207,18 @@ def extrapolated_table(points: Sequence[ScalingPoint]) -> str:
 
 
 def _scaling(name: str, caption: str, points: Sequence[ScalingPoint]) -> str:
-    found = scaling_laws(points)
+    laws = scaling_laws(points)
     epsilons = sorted({_eps(point) for point in points}, reverse=True)
     rows = []
     for series in dict.fromkeys(point.series for point in points):
-        mine = {_eps(point): point for point in points if point.series == series}
+        by_eps = {_eps(point): point for point in points if point.series == series}
         unit = "" if series in (REDUCTION, TRUE_ERROR) else " (s)"
-        rows.append([escape(series) + unit, *(scientific(mine[eps].value) for eps in epsilons)])
+        rows.append([escape(series) + unit, *(scientific(by_eps[eps].value) for eps in epsilons)])
         variable = r"\epsilon" if series == REDUCTION else r"1/\epsilon"
-        law = found.get(series)
+        law = laws.get(series)
         rows[-1].append(DASH if law is None else f"$({variable})^{{{law:.2f}}}$")
-        if any(point.own for point in mine.values()):
-            rows.append(["its own error", *(scientific(mine[eps].own) for eps in epsilons), DASH])
+        if any(point.own for point in by_eps.values()):
+            rows.append(["its own error", *(scientific(by_eps[eps].own) for eps in epsilons), DASH])
     head = ["", *(rf"$\epsilon={eps:g}$" for eps in epsilons), "law"]
     return table(name, caption, "l" + "r" * len(epsilons) + "l", head, rows)
 
@@ -226,15 +228,15 @@ def _eps(point: ScalingPoint) -> float:
 
 
 def scaling_panels(points: Iterable[ScalingPoint]) -> CostPanels:
-    """Seconds against 1/eps for each way; a way of which a part was timed says so."""
+    """Return seconds against 1/eps for each method; extrapolated ones are labelled "(scaled)"."""
     ways = (p for p in points if p.series not in (REDUCTION, TRUE_ERROR))
     return panels(("", p.series + " (scaled)" * p.scaled, (p.x, p.value)) for p in ways)
 
 
 def rk4_table(points: Iterable[ScalingPoint]) -> str:
-    """The error figure by RK4's step, and how much of it is the step's."""
-    found = {point.x: point.value for point in points}
-    exact = found[0.0]
+    """Return the table of the paper's error figure by RK4 step, and the share due to the step."""
+    errors = {point.x: point.value for point in points}
+    exact = errors[0.0]
     rows = [
         [
             f"${step:g}$" if step else "exact flow",
@@ -242,15 +244,15 @@ def rk4_table(points: Iterable[ScalingPoint]) -> str:
             scientific(abs(value - exact)) if step else "--",
             f"{100 * (value - exact) / value:.1f}",
         ]
-        for step, value in found.items()
+        for step, value in errors.items()
     ]
     head = [r"$\Delta t$", r"$L^\infty_\epsilon$ at $t=0$", "error by the step", r"share (\%)"]
-    caption = "The paper's error figure by the time step of RK4, and how much of it is the step's."
+    caption = "The paper's error figure by the time step of RK4, and the share due to the step."
     return table("rk4", caption, "lrrr", head, rows)
 
 
 def window_table(points: Sequence[ScalingPoint]) -> str:
-    """The window's error by its number of sites, with the fitted exponent."""
+    """Return the table of the window's error by its number of sites, with the fitted exponent."""
     rows = [[f"{point.x:.0f}", scientific(point.value)] for point in points]
     rows.append(["law", rf"$N^{{{fit_power((p.x, p.value) for p in points):.1f}}}$"])
     head = ["sites $N$", r"error of $y/\epsilon$"]
@@ -258,10 +260,10 @@ def window_table(points: Sequence[ScalingPoint]) -> str:
 
 
 def hard_case_table(cases: Iterable[HardCase]) -> str:
-    """What each hard case measured against its bound."""
+    """Return the table of hard cases: measured value, bound and verdict."""
     rows = [
         [
-            mathematics(case.what),
+            mathematics(case.setup),
             mathematics(case.criterion),
             scientific(case.measured),
             scientific(case.bound),
@@ -274,14 +276,14 @@ def hard_case_table(cases: Iterable[HardCase]) -> str:
 
 
 def message_table(cases: Iterable[HardCase]) -> str:
-    """What the program says where a case must be refused or stopped."""
-    rows = [[mathematics(case.what), escape(case.message)] for case in cases if case.message]
+    """Return the table of messages printed when a request is refused or a run is stopped."""
+    rows = [[mathematics(case.setup), escape(case.message)] for case in cases if case.message]
     caption = "Messages of the program where it must refuse or stop."
     return table("messages", caption, "L{56mm}L{88mm}", ["case", "message"], rows, gap="0.5ex")
 
 
 def estimate_table(rows: Sequence[EstimateRow]) -> str:
-    """Counts of verdicts and quantiles of true/estimate by wave and engine; "" without rows."""
+    """Return the table of verdict counts and quantiles of true error over estimate; "" if empty."""
     if not rows:
         return ""
     names = {0.5: "median", 1.0: "largest"}
@@ -292,14 +294,14 @@ def estimate_table(rows: Sequence[EstimateRow]) -> str:
     return table("estimates", caption, columns, head, map(_row, rows))
 
 
-def _row(found: EstimateRow) -> list[str]:
-    quantiles = ["--" if q != q else scientific(q) for q in found.quantiles.values()]
-    counts = [str(count) if count else "--" for count in found.verdicts.values()]
-    return [escape(found.name), str(found.count), *counts, *quantiles, scientific(found.seconds)]
+def _row(row: EstimateRow) -> list[str]:
+    quantiles = ["--" if q != q else scientific(q) for q in row.quantiles.values()]
+    counts = [str(count) if count else "--" for count in row.verdicts.values()]
+    return [escape(row.name), str(row.count), *counts, *quantiles, scientific(row.seconds)]
 
 
 def reason_table(judged: Sequence[Judged]) -> str:
-    """The reasons for which scenes were refused, without their numbers, and how often."""
-    counts = Counter(found.kind for found in judged if found.reason)
+    """Return the table of reasons for refusal, numbers removed, with their counts."""
+    counts = Counter(scene.kind for scene in judged if scene.reason)
     cells = [[str(count), escape(kind)] for kind, count in counts.most_common()]
     return table("reasons", "Reasons of refusals.", "rL{120mm}", ["scenes", "reason"], cells)

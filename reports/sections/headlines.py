@@ -1,4 +1,4 @@
-"""The report's main results, as its first page and its conclusion tell them."""
+"""Main results of the report, printed on its first page and in its conclusion."""
 
 from __future__ import annotations
 
@@ -17,34 +17,34 @@ if TYPE_CHECKING:
     from longwave.reports.studies.claims import Claim
 
 
-class Found(Protocol):
-    """What the jobs of a report found, by kind."""
+class ReportFindings(Protocol):
+    """Results of the report's jobs, accessed by kind."""
 
     @property
     def runs(self) -> MeasuredRuns:
-        """The runs of the paper's scenes."""
+        """Runs of the paper's scenes."""
 
     @property
     def claims(self) -> list[Claim]:
-        """The paper's statements with their verdicts."""
+        """Statements of the paper with their verdicts."""
 
     @property
     def accuracy(self) -> list[Accuracy]:
-        """The worst errors of each wave."""
+        """Worst evaluation errors of each wave."""
 
     def of(self, kind: str) -> dict[Any, Any]:
-        """The findings of a kind by their subjects."""
+        """Return the results of one kind, keyed by subject."""
 
     def all(self, kind: str) -> list[Any]:
-        """The findings of a kind."""
+        """Return the results of one kind as a list."""
 
     def rows(self, kind: str) -> list[Any]:
-        """The findings of a kind whose findings are lists."""
+        """Return the concatenated results of a kind whose jobs return lists."""
 
 
 @dataclass(frozen=True)
 class Headline:
-    """A result: its quantity, its value and own error in LaTeX, and the section that tells more."""
+    """One main result: quantity, value and own error in LaTeX, and the section with the details."""
 
     quantity: str
     value: str
@@ -57,19 +57,20 @@ EXACT = "exact"
 THIRD = "rational_3_eps_0.05"
 
 
-def headlines(found: Found) -> dict[str, Headline]:
-    """The results that there are, by their names in the conclusion."""
-    results = _verdicts(found) | _errors(found) | _counts(found) | _laws(found)
-    return {name: Headline(*told) for name, told in results.items()}
+def headlines(findings: ReportFindings) -> dict[str, Headline]:
+    """Return the main results that are available, keyed by the names used in the conclusion."""
+    results = _verdicts(findings) | _errors(findings) | _counts(findings) | _laws(findings)
+    return {name: Headline(*fields) for name, fields in results.items()}
 
 
 def headline_table(results: Iterable[Headline]) -> str:
-    """The results with their errors and sections."""
+    """Return the table of main results with their own errors and sections."""
     rows = [
-        [told.quantity, told.value, told.error, rf"\ref{{sec:{told.section}}}"] for told in results
+        [result.quantity, result.value, result.error, rf"\ref{{sec:{result.section}}}"]
+        for result in results
     ]
     caption = (
-        "Main results. Own error: what time step, domain and sampling may change; a count of "
+        "Main results. Own error: estimated error by time step, domain and sampling; a count of "
         "verdicts is exact."
     )
     return table(
@@ -77,16 +78,20 @@ def headline_table(results: Iterable[Headline]) -> str:
     )
 
 
-Told = dict[str, tuple[str, str, str, str]]
+HeadlineFields = dict[str, tuple[str, str, str, str]]
 
 
 def _share(holds: Sequence[bool]) -> str:
     return f"{sum(holds)} of {len(holds)}"
 
 
-def _verdicts(found: Found) -> Told:
-    """The counts of verdicts: of closed forms, their misprints, and published formulas."""
-    proofs, counts, library = found.all("proof"), found.all("mutants"), found.rows("library")
+def _verdicts(findings: ReportFindings) -> HeadlineFields:
+    """Return counts of verdicts on closed forms, their misprints and published formulas."""
+    proofs, counts, library = (
+        findings.all("proof"),
+        findings.all("mutants"),
+        findings.rows("library"),
+    )
     refuted = f"{sum(c.refuted for c in counts)} of {sum(c.mutants for c in counts)}"
     right, wrong = (
         [v.outcome is expect for v in library if v.text.expect == expect]
@@ -109,11 +114,11 @@ def _verdicts(found: Found) -> Told:
     }
 
 
-def _errors(found: Found) -> Told:
-    """The worst error of evaluation, and the paper's relative error of its lattice's waves."""
-    runs = found.runs
-    top, rk4 = runs.largest_error(THIRD)[0], runs.largest_error(rk4_name(3))[0]
-    worst = max((max(each.errors) for each in found.accuracy), default=0.0)
+def _errors(findings: ReportFindings) -> HeadlineFields:
+    """Return the worst evaluation error, and relative errors of the paper's lattice runs."""
+    runs = findings.runs
+    third_order, rk4 = runs.largest_error(THIRD)[0], runs.largest_error(rk4_name(3))[0]
+    worst = max((max(each.errors) for each in findings.accuracy), default=0.0)
     norm = r"$L^\infty_\epsilon$, $\epsilon=0.05$:"
     return {
         "evaluation": (
@@ -127,7 +132,7 @@ def _errors(found: Found) -> Told:
             *uncertain(*runs.relative_error(SPLIT, 0.0)),
             "runs",
         ),
-        "third": (rf"{norm} $Y_3$, largest", *uncertain(*top), "runs"),
+        "third": (rf"{norm} $Y_3$, largest", *uncertain(*third_order), "runs"),
         "rk4": (rf"the same by RK4 with $\Delta t={RK4_STEP}$", *uncertain(*rk4), "runs"),
         "shift": (
             r"distance of the lattice's crest from that of $Y_2$, in sites",
@@ -137,34 +142,34 @@ def _errors(found: Found) -> Told:
     }
 
 
-def _counts(found: Found) -> Told:
-    """How many statements, scenes, rates and hard cases hold."""
-    rulings = Counter(claim.ruling.value for claim in found.claims)
+def _counts(findings: ReportFindings) -> HeadlineFields:
+    """Return counts of confirmed statements, and of scenes, rates and cases within their bounds."""
+    rulings = Counter(claim.ruling.value for claim in findings.claims)
     claims = f"{rulings['confirmed']} of {rulings.total()}"
-    open_ = f"{rulings['depends']} and {rulings['not confirmed']}"
-    scenes = [scene.kept for kind in ("scene", "bench") for scene in found.all(kind)]
-    rates = [rate.reached for rate in found.all("rate")]
-    hard = [case.passed for case in found.all("hard")]
+    not_confirmed = f"{rulings['depends']} and {rulings['not confirmed']}"
+    scenes = [scene.within_tolerance for kind in ("scene", "bench") for scene in findings.all(kind)]
+    rates = [rate.reached for rate in findings.all("rate")]
+    hard = [case.passed for case in findings.all("hard")]
     words = "of them depending on a choice, and not confirmed"
     expected = r"rates of convergence with the power of $\epsilon$ that is expected"
     return {
         "claims": ("statements of the paper confirmed", claims, EXACT, "claims"),
-        "open": (words, open_, EXACT, "claims"),
+        "open": (words, not_confirmed, EXACT, "claims"),
         "scenes": ("runs of other lattices within tolerance", _share(scenes), EXACT, "lattices"),
         "rates": (expected, _share(rates), EXACT, "lattices"),
         "hard": ("hard cases within their bound", _share(hard), EXACT, "costs"),
     }
 
 
-def _laws(found: Found) -> Told:
-    """The numbers that are known of chains on a bench."""
-    told: Told = {}
-    chain = found.of("bench").get("fput_1955")
+def _laws(findings: ReportFindings) -> HeadlineFields:
+    """Return the measured values of known quantities of chains on a bench."""
+    results: HeadlineFields = {}
+    chain = findings.of("bench").get("fput_1955")
     if chain is not None and chain.run is not None:
         back = mode_return(chain.run)
         words = "first return of mode 1 of the FPUT chain of 1955, in its periods"
-        told["return"] = (words, *uncertain(back.periods, back.reading / 2), "benches")
-    for slope, error in found.all("struck"):
+        results["return"] = (words, *uncertain(back.periods, back.reading / 2), "benches")
+    for slope, error in findings.all("struck"):
         words = "exponent of the speed of struck grains in the velocity ($1/5$ expected)"
-        told["struck"] = (words, *uncertain(slope, error), "benches")
-    return told
+        results["struck"] = (words, *uncertain(slope, error), "benches")
+    return results

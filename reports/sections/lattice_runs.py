@@ -1,4 +1,4 @@
-"""What the report shows of runs on other lattices: scenes with their errors, rates over eps."""
+"""Tables and figures of runs on other lattices: errors of scenes, and rates over eps."""
 
 from __future__ import annotations
 
@@ -37,11 +37,11 @@ if TYPE_CHECKING:
 
 
 def scene_table(runs: Mapping[str, SceneRun]) -> str:
-    """Each scene: wave and equation, size, the largest error after the start, what it took."""
+    """Return the table of scenes: equation, eps, largest errors after the start, cells, time."""
     lines: list[Row] = []
-    for name, found in runs.items():
-        lines.append(titled(prose_latex(found.scene.title or name), name, found.fault))
-        lines += [] if found.run is None else [_scene_cells(found, found.run)]
+    for name, entry in runs.items():
+        lines.append(titled(prose_latex(entry.scene.title or name), name, entry.fault))
+        lines += [] if entry.run is None else [_scene_cells(entry, entry.run)]
     head = [
         *("equation", r"$\epsilon$", r"error$\,/\,\epsilon^p$", "own error"),
         *("relative error", "own error", "cells", "time (s)"),
@@ -53,56 +53,56 @@ def scene_table(runs: Mapping[str, SceneRun]) -> str:
     return table("scenes", caption, "L{30mm}lllllrr", head, lines)
 
 
-def _scene_cells(found: SceneRun, run: xr.Dataset) -> list[str]:
-    """The cells of a scene that ran; the errors are the largest after the first time."""
+def _scene_cells(entry: SceneRun, run: xr.Dataset) -> list[str]:
+    """Return the cells of a finished scene; errors are the largest after the first snapshot."""
     sup, relative = (run[name].values[1:] for name in ("sup_error", "error"))
     own = float(run.attrs["error_estimate"])
-    place = int(sup.argmax())
-    share = relative[place] / sup[place] if sup[place] else 0.0
-    lost = "" if found.kept else " (TOO LARGE)"
-    sup_shown, sup_own = uncertain(float(sup[place]), own)
+    worst = int(sup.argmax())
+    share = relative[worst] / sup[worst] if sup[worst] else 0.0
+    warning = "" if entry.within_tolerance else " (TOO LARGE)"
+    sup_shown, sup_own = uncertain(float(sup[worst]), own)
     return [
         escape(str(run.attrs["equation"]).partition(":")[0]),
-        f"${found.scene.eps:g}$",
+        f"${entry.scene.eps:g}$",
         sup_shown,
-        sup_own + lost,
-        *uncertain(float(relative[place]), own * float(share)),
+        sup_own + warning,
+        *uncertain(float(relative[worst]), own * float(share)),
         f"${run.attrs['sites']:,}$".replace(",", r"\,"),
         scientific(float(run.attrs["seconds"] + run.attrs["planning_seconds"])),
     ]
 
 
-def is_map(found: SceneRun) -> bool:
-    """Whether a scene ran on two axes."""
-    return found.run is not None and "row" in found.run.dims
+def is_map(entry: SceneRun) -> bool:
+    """Return whether a scene ran on a plane lattice (two axes)."""
+    return entry.run is not None and "row" in entry.run.dims
 
 
 def scene_maps(runs: Mapping[str, SceneRun]) -> str:
-    """The figures of the scenes that ran on two axes."""
+    """Return the LaTeX of the figures of scenes on plane lattices."""
     what = "strain along $n$, and its distance from theory."
     return "\n".join(
-        picture_latex(f"scene_{name}", f"{prose_latex(found.scene.title)}: {what}")
-        for name, found in runs.items()
-        if is_map(found)
+        picture_latex(f"scene_{name}", f"{prose_latex(entry.scene.title)}: {what}")
+        for name, entry in runs.items()
+        if is_map(entry)
     )
 
 
 def rate_table(rates: Iterable[SceneConvergence]) -> str:
-    """Each lattice with its numbers; below it each case with its expected and fitted rate."""
+    """Return the table of rates: under each lattice its cases with expected and fitted power."""
     head = ["equation", "wave", "data", "expected", "fitted", "limit (extrapolated)"]
     rows: list[Row] = []
     for title, cases in _by_lattice(rates):
         rows.append(title)
         rows += [
             [
-                escape(found.equation),
-                _wave(found.scene),
-                found.scene.order,
-                f"${found.theory}$",
-                f"${found.rate.value:.2f}$",
-                f"${interval(found.rate)}$" + ("" if found.reached else " (NOT REACHED)"),
+                escape(case.equation),
+                _wave(case.scene),
+                case.scene.order,
+                f"${case.theory}$",
+                f"${case.rate.value:.2f}$",
+                f"${interval(case.rate)}$" + ("" if case.reached else " (NOT REACHED)"),
             ]
-            for found in cases
+            for case in cases
         ]
     caption = (
         r"Rates of convergence: the power of $\epsilon$ expected and fitted. The last column is "
@@ -112,15 +112,15 @@ def rate_table(rates: Iterable[SceneConvergence]) -> str:
 
 
 def rate_errors(rates: Iterable[SceneConvergence]) -> str:
-    """The error at every eps of each case with the run's own error, two of them in a row."""
+    """Return the table of errors at every eps of each case, two points to a row."""
     rows: list[Row] = []
     for title, cases in _by_lattice(rates):
-        for found in cases:
-            name = f"{title.partition(':')[0]}: {escape(found.equation)}, {found.scene.order} data"
-            rows.append(f"{name}, {_wave(found.scene)}")
+        for case in cases:
+            name = f"{title.partition(':')[0]}: {escape(case.equation)}, {case.scene.order} data"
+            rows.append(f"{name}, {_wave(case.scene)}")
             cells = [
                 [f"${point.eps:g}$", *uncertain(point.error, point.discretisation)]
-                for point in found.points
+                for point in case.points
             ]
             cells += [[""] * 3] * (len(cells) % 2)
             rows += [[*left, *right] for left, right in zip(cells[::2], cells[1::2], strict=True)]
@@ -131,7 +131,7 @@ def rate_errors(rates: Iterable[SceneConvergence]) -> str:
 def _by_lattice(
     rates: Iterable[SceneConvergence],
 ) -> Iterator[tuple[str, list[SceneConvergence]]]:
-    for title, cases in groupby(rates, lambda found: rate_title(found.scene)):
+    for title, cases in groupby(rates, lambda case: rate_title(case.scene)):
         yield title, list(cases)
 
 
@@ -140,12 +140,12 @@ def _wave(scene: Scene) -> str:
 
 
 def interval(rate: FittedRate) -> str:
-    """The interval of a rate's limit, its ends rounded outwards."""
+    """Return the interval of a rate's limit in LaTeX, its ends rounded outwards to 0.1."""
     return rf"{floor(10 * rate.low) / 10:.1f}\ldots {ceil(10 * rate.high) / 10:.1f}"
 
 
 def rate_title(scene: Scene) -> str:
-    """Number, lattice and its numbers, in LaTeX."""
+    """Return a case's heading in LaTeX: its number, the lattice and the values of its constants."""
     lattice = scene.symbolic_lattice
     numbers = [*scene.constants]
     numbers += [(str(ybar), scene.background)] if scene.background else []
@@ -161,31 +161,36 @@ def rate_title(scene: Scene) -> str:
 def rate_panels(
     rates: Iterable[SceneConvergence],
 ) -> dict[float, dict[str, tuple[ConvergencePoint, ...]]]:
-    """For each expected rate its curves, by the name of the case in the table."""
+    """Return curves of error against eps in panels by expected rate: {rate: {case: points}}."""
     panels: dict[float, dict[str, tuple[ConvergencePoint, ...]]] = {}
-    for found in sorted(rates, key=lambda one: one.theory or 0):
-        curves = panels.setdefault(found.theory or 0, {})
-        curves[found.scene.name] = found.points
+    for case in sorted(rates, key=lambda one: one.theory or 0):
+        curves = panels.setdefault(case.theory or 0, {})
+        curves[case.scene.name] = case.points
     return panels
 
 
 ROGUES = ("alpha_beta_rogue", "dimer_rogue")
-"""The scenes beside the paper's, which is the same wave on its own lattice."""
+"""Scenes with the paper's rogue wave on other lattices."""
 
 PEREGRINES = ("fput_peregrine", "dimer_peregrine", "granular_peregrine")
 
 ROGUE_CELLS, PEREGRINE_CELLS, NEAR = 120, 180, 16
-"""Cells shown to either side of c t: of rogue waves, of envelopes, and of their carriers."""
+"""Cells shown on either side of c t: of rogue waves, of envelopes, and of their carriers."""
 
 
 def lattice_figures(
     scenes: Mapping[str, SceneRun], papers: xr.Dataset, rates: Iterable[SceneConvergence]
 ) -> Iterator[tuple[str, Figure]]:
-    """Each figure under its name, of scenes that ran, and of the paper's own run of their wave."""
+    """Yield the name and figure of each picture of other lattices; skip scenes that did not run.
+
+    ``papers`` is the paper's own run of the rogue wave.
+    """
     ran = {name: found.run for name, found in scenes.items() if found.run is not None}
-    own = snapshots(papers, ROGUE_CELLS)
-    rogues = [snapshots(ran[n], ROGUE_CELLS, even_times(ran[n])) for n in ROGUES if n in ran]
-    yield "lattice_rogues", snapshot_panels([own, *rogues], "theory").figure()
+    paper_snapshots = snapshots(papers, ROGUE_CELLS)
+    rogues = [
+        snapshots(ran[name], ROGUE_CELLS, even_times(ran[name])) for name in ROGUES if name in ran
+    ]
+    yield "lattice_rogues", snapshot_panels([paper_snapshots, *rogues], "theory").figure()
     peregrines = [_peregrine_row(ran[name]) for name in PEREGRINES if name in ran]
     yield "lattice_peregrines", snapshot_panels(peregrines, "theory").figure()
     for name, run in ran.items():
@@ -195,7 +200,7 @@ def lattice_figures(
 
 
 def _peregrine_row(run: xr.Dataset) -> list[LabelledArrays]:
-    """The wave at its crest, and its carrier there and at the end."""
+    """Return snapshots of the envelope at its crest, and its carrier there and at the end."""
     crest = int(np.argmin(np.abs(run["time"].values)))
     wide = snapshots(run, PEREGRINE_CELLS, (crest,))
     return [*wide, *snapshots(run, NEAR, (crest, -1))]

@@ -1,4 +1,4 @@
-"""What the report prints of the library of published solutions: a summary, and every formula."""
+"""Tables of the library of published solutions: a summary, and every formula."""
 
 import re
 from collections import Counter
@@ -13,18 +13,18 @@ from longwave.verify.problem_file import ProblemText
 from longwave.verify.verdict import Outcome
 
 NO_TEXT = r"$^*$"
-"""Behind a source of which no text was at hand."""
+"""Mark after a source that was cited without its text at hand."""
 
 
-def library_counts(found: Sequence[PublishedVerdict]) -> str:
-    """How many right and wrong statements have each verdict, and the seconds of a decision."""
+def library_counts(verdicts: Sequence[PublishedVerdict]) -> str:
+    """Return the table of verdicts on right and wrong statements, and the seconds of a decision."""
     rows = []
     for kind, expect in (("right", Outcome.PROVED), ("wrong", Outcome.REFUTED)):
-        mine = [verdict for verdict in found if verdict.text.expect == expect]
-        counts = Counter(verdict.outcome for verdict in mine)
+        of_kind = [verdict for verdict in verdicts if verdict.text.expect == expect]
+        counts = Counter(verdict.outcome for verdict in of_kind)
         outcomes = (Outcome.PROVED, Outcome.REFUTED, Outcome.UNDECIDED)
-        if mine:
-            seconds = [verdict.seconds for verdict in mine]
+        if of_kind:
+            seconds = [verdict.seconds for verdict in of_kind]
             times = [scientific(median(seconds)), scientific(max(seconds))]
             rows.append([kind, *(str(counts[outcome]) for outcome in outcomes), *times])
     head = ["formulas", "proved", "refuted", "undecided", "median (s)", "slowest (s)"]
@@ -32,9 +32,9 @@ def library_counts(found: Sequence[PublishedVerdict]) -> str:
     return table("library", caption, "lrrrrr", head, rows)
 
 
-def library_equations(found: Iterable[PublishedVerdict]) -> str:
-    """The equations of the library, each with how many of its formulas are proved and refuted."""
-    counts = Counter((v.text.equation_name, v.outcome) for v in found)
+def library_equations(verdicts: Iterable[PublishedVerdict]) -> str:
+    """Return the table of equations in the library with their proved and refuted formulas."""
+    counts = Counter((v.text.equation_name, v.outcome) for v in verdicts)
     names = list(dict.fromkeys(name for name, _ in counts))
     cells = [
         [escape(name), *(str(counts[name, o]) for o in (Outcome.PROVED, Outcome.REFUTED))]
@@ -48,10 +48,10 @@ def library_equations(found: Iterable[PublishedVerdict]) -> str:
     return table("equations", caption, "L{54mm}rrL{54mm}rr", head, rows)
 
 
-def found_misprints(found: Iterable[PublishedVerdict]) -> str:
-    """The formulas that were found wrong in print: where, as printed, verdict, what is wrong."""
+def found_misprints(verdicts: Iterable[PublishedVerdict]) -> str:
+    """Return the table of misprints: place, formula as printed, verdict and what is wrong."""
     rows: list[Row] = []
-    for verdict in found:
+    for verdict in verdicts:
         text = verdict.text
         if text.misprint_in:
             rows.append(rf"\textbf{{{escape(text.equation_name)}}}: {escape(text.misprint_in)}")
@@ -63,11 +63,11 @@ def found_misprints(found: Iterable[PublishedVerdict]) -> str:
     return table("found_misprints", caption, "L{88mm}lL{54mm}", head, rows)
 
 
-def library_conditions(found: Iterable[PublishedVerdict]) -> str:
-    """The remarks on right formulas: equation, name and note."""
+def library_conditions(verdicts: Iterable[PublishedVerdict]) -> str:
+    """Return the table of conditions noted for right formulas: equation, solution and note."""
     rows = [
         [escape(verdict.text.equation_name), _title(verdict.text), prose_latex(verdict.text.note)]
-        for verdict in found
+        for verdict in verdicts
         if verdict.text.expect == Outcome.PROVED and verdict.text.note
     ]
     head = ["equation", "solution", "condition"]
@@ -75,27 +75,27 @@ def library_conditions(found: Iterable[PublishedVerdict]) -> str:
     return table("conditions", caption, "L{40mm}L{38mm}L{72mm}", head, rows)
 
 
-def library_formulas(found: Sequence[PublishedVerdict]) -> str:
-    """Every right formula by equation: title, source, formula, domain, verdict, wrong variants."""
+def library_formulas(verdicts: Sequence[PublishedVerdict]) -> str:
+    """Return the LaTeX of all right formulas by equation, with source, verdict, wrong variants."""
     variants: dict[str, list[PublishedVerdict]] = {}
-    for verdict in found:
+    for verdict in verdicts:
         if verdict.text.variant_of:
             variants.setdefault(verdict.text.variant_of, []).append(verdict)
-    right = [verdict for verdict in found if verdict.text.expect == Outcome.PROVED]
+    right = [verdict for verdict in verdicts if verdict.text.expect == Outcome.PROVED]
     parts = []
     for equation, group in groupby(right, lambda verdict: verdict.text.equation_name):
-        shown: tuple[str, ...] = ()
+        current: tuple[str, ...] = ()
         parts.append(rf"\libraryequation{{{escape(equation)}}}")
         for verdict in group:
-            if verdict.equations != shown:
-                shown = verdict.equations
-                parts.append(rf"\libraryline{{{_mathematics(shown)}}}")
+            if verdict.equations != current:
+                current = verdict.equations
+                parts.append(rf"\libraryline{{{_mathematics(current)}}}")
             parts.append(_entry(verdict, variants.get(verdict.text.name, [])))
     return "\n".join(parts)
 
 
 def _entry(verdict: PublishedVerdict, wrong: Sequence[PublishedVerdict]) -> str:
-    """One formula with what is to be said of it."""
+    """Return the LaTeX of one formula with its source, domain, verdict and wrong variants."""
     text = verdict.text
     publication, semicolon, remark = text.source.partition(";")
     source = escape(publication) + semicolon + prose_latex(remark)
@@ -112,7 +112,7 @@ def _entry(verdict: PublishedVerdict, wrong: Sequence[PublishedVerdict]) -> str:
 
 
 def _variant(verdict: PublishedVerdict) -> str:
-    """A wrong variant by its note; the verdict is said where it is not that it is refuted."""
+    """Return a wrong variant's note, with its verdict if that is not "refuted"."""
     note = prose_latex(verdict.text.note or verdict.text.name.replace("_", " "))
     printed = r" \textbf{(in print)}" if verdict.text.misprint_in else ""
     other = (
@@ -130,7 +130,7 @@ def _mathematics(formulas: Iterable[str]) -> str:
 
 
 def _title(text: ProblemText) -> str:
-    """A statement's name without the words and the initials of its equation.
+    """Return a statement's name without the words and initials of its equation.
 
     >>> from longwave.verify.published import chosen
     >>> [_title(text) for text in chosen(["kdv_cnoidal_wave", "burgers_shock"])]
@@ -138,5 +138,5 @@ def _title(text: ProblemText) -> str:
     """
     words = re.findall(r"[a-z]+", text.equation_name.lower())
     known = {*words, "".join(word[0] for word in words), "nls"}
-    kept = [word for word in text.name.split("_") if word not in known]
-    return escape(" ".join(kept or text.name.split("_")))
+    remaining = [word for word in text.name.split("_") if word not in known]
+    return escape(" ".join(remaining or text.name.split("_")))

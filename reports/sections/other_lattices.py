@@ -1,4 +1,4 @@
-"""What the report prints of other lattices: their equations, envelopes and closed forms."""
+"""Tables of other lattices: equations, envelopes and closed forms."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import groupby
@@ -23,24 +23,24 @@ from longwave.solutions import CATALOGUE, closed_form
 from longwave.support.processes import Job, Key
 from longwave.verify.verdict import Verdict
 
-PAPERS = "mKdV"
-"""The equation whose waves have sections of their own."""
+PAPER_EQUATION = "mKdV"
+"""Equation of the paper; its waves have sections of their own."""
 
 
 def model_jobs() -> dict[Key, Job]:
-    """The derivations of the tables, a job a lattice."""
+    """Return the jobs that derive the rows of the tables, one for each lattice."""
     kinds = (("model", model_rows, lattice_models()), ("envelope", envelope_row, ENVELOPES))
     return {
-        (kind, place): Job(rows, (place,), 0.3)
+        (kind, index): Job(rows, (index,), 0.3)
         for kind, rows, cases in kinds
-        for place, _ in enumerate(cases)
+        for index, _ in enumerate(cases)
     }
 
 
-def model_rows(place: int) -> list[tuple[str, list[str]]]:
-    """The long waves of one of `lattice_models`: the lattice in words, and cells, all in LaTeX."""
-    model = list(lattice_models())[place]
-    return [(_model(model, found), _cells(found)) for found in model.reductions()]
+def model_rows(index: int) -> list[tuple[str, list[str]]]:
+    """Return the rows of one of `lattice_models`, (lattice in words, cells) in LaTeX."""
+    model = list(lattice_models())[index]
+    return [(_model(model, reduction), _cells(reduction)) for reduction in model.reductions()]
 
 
 def _model(model: LatticeModel, reduction: Reduction) -> str:
@@ -56,7 +56,7 @@ def _model(model: LatticeModel, reduction: Reduction) -> str:
 
 
 def _cells(reduction: Reduction) -> list[str]:
-    """Kind, power of eps of the strain, equation with speed and conditions, closed forms."""
+    """Return a row's cells: kind, power of eps, equation, speed, conditions, closed forms."""
     scaling, kind = reduction.scaling, reduction.pde.kind.replace(" or generalised ", " or ")
     size = scaling.amplitude + (scaling.space[0].exponent if reduction.is_displacement else 0)
     speed = rf"\newline\rule{{0pt}}{{2.7ex}}$c^{{2}} = {latex_of(reduction.speed_squared)}$"
@@ -70,7 +70,7 @@ def _cells(reduction: Reduction) -> list[str]:
 
 
 def _equation_latex(reduction: Reduction) -> str:
-    """The reduced equation with each coefficient as short as it can be written."""
+    """Return the LaTeX of the reduced equation, each coefficient in its shortest form."""
     masses = {symbol for mass in reduction.lattice.masses for symbol in mass.free_symbols}
     text = reduction.pde.latex()
     for part in (reduction.pde.polynomial, reduction.pde.transverse):
@@ -80,7 +80,7 @@ def _equation_latex(reduction: Reduction) -> str:
 
 
 def shortest(value: sp.Expr, symbols: Iterable[sp.Symbol]) -> str:
-    """The LaTeX of a factored value, its factors collected by the symbols if that is shorter.
+    """Return the LaTeX of a factored value, factors collected by the symbols if that is shorter.
 
     >>> a, b, m = sp.symbols("a b m")
     >>> shortest(sp.expand(m**2 * (a + b) ** 3 + a * m), [m])
@@ -94,7 +94,7 @@ def shortest(value: sp.Expr, symbols: Iterable[sp.Symbol]) -> str:
 
 
 def model_table(rows: Iterable[tuple[str, list[str]]]) -> str:
-    """Each lattice once, in words across the table, with its long waves below."""
+    """Return the table of long waves, each lattice once as a heading across the columns."""
     lines: list[Row] = []
     for model, group in groupby(rows, itemgetter(0)):
         lines.append(model)
@@ -105,7 +105,7 @@ def model_table(rows: Iterable[tuple[str, list[str]]]) -> str:
 
 
 def wave_names(names: Sequence[str]) -> str:
-    """The waves without the name of their equation; those of the paper's by their number.
+    """Return the names of waves without their equation's name; mKdV waves only as a count.
 
     >>> wave_names(["kp_line_soliton", "kp_lump"]), wave_names([])
     ('line soliton, lump', 'none')
@@ -113,7 +113,7 @@ def wave_names(names: Sequence[str]) -> str:
     if not names:
         return "none"
     equation = CATALOGUE.equation(names[0])
-    if equation == PAPERS:
+    if equation == PAPER_EQUATION:
         return rf"the {len(names)} of section~\ref{{sec:solutions}}"
     prefix = equation.lower().replace(" ", "_")
     words = [name.removeprefix(f"{prefix}_").replace("_", " ") for name in names]
@@ -121,38 +121,40 @@ def wave_names(names: Sequence[str]) -> str:
 
 
 COEFFICIENTS = ("v", "p", "q")
-"""What a row of envelopes shows."""
+"""Coefficients shown for each envelope."""
 
 
-def envelope_row(place: int) -> list[str]:
-    """Lattice, wavenumber, group velocity, p and q of one of `ENVELOPES`, in LaTeX.
+def envelope_row(index: int) -> list[str]:
+    """Return one of `ENVELOPES` as a table row in LaTeX: lattice, wavenumber, v, p and q.
 
     The letters s and C are sine and cosine of k/2.
     """
-    name, wavenumber = ENVELOPES[place]
-    found = envelope(LATTICES[name], k=wavenumber)
+    name, wavenumber = ENVELOPES[index]
+    result = envelope(LATTICES[name], k=wavenumber)
     short = {sp.sin(k / 2): sp.Symbol("s"), sp.cos(k / 2): sp.Symbol("C")}
-    parts = (latex_of(found.expressions[part].subs(short)) for part in COEFFICIENTS)
+    parts = (latex_of(result.expressions[part].subs(short)) for part in COEFFICIENTS)
     return [
-        title_latex(found.lattice.title),
+        title_latex(result.lattice.title),
         "$k$" if wavenumber is None else f"${latex_of(wavenumber)}$",
         *(rf"$\displaystyle {text}$" for text in parts),
     ]
 
 
 def envelope_table(rows: Iterable[list[str]]) -> str:
-    """The table of each `envelope_row`."""
+    """Return the table of envelopes from its rows."""
     head = ["lattice", "at", *(f"${name}$" for name in COEFFICIENTS)]
     caption = "Envelopes: group velocity, dispersion $p$ and nonlinearity $q$."
     return table("envelopes", caption, "L{44mm}llll", head, rows, gap="0.8ex")
 
 
-FURTHER_FORMS = tuple(name for name in CATALOGUE.names if CATALOGUE.equation(name) != PAPERS)
-"""The closed forms of other equations than the paper's."""
+FURTHER_FORMS = tuple(
+    name for name in CATALOGUE.names if CATALOGUE.equation(name) != PAPER_EQUATION
+)
+"""Names of the closed forms of other equations than the paper's."""
 
 
 def normal_equations() -> list[tuple[str, str]]:
-    """Names and LaTeX of the normal forms that they solve, in their order."""
+    """Return (name, LaTeX) of the normal forms that `FURTHER_FORMS` solve, in catalogue order."""
     names = dict.fromkeys(map(CATALOGUE.equation, FURTHER_FORMS))
     return [(name, NORMAL_EQUATIONS[name].latex) for name in names]
 
@@ -160,9 +162,9 @@ def normal_equations() -> list[tuple[str, str]]:
 def form_table(
     proofs: Iterable[ProofRecord], residuals: Mapping[str, Verdict], accuracy: Iterable[Accuracy]
 ) -> str:
-    """The further closed forms: equation, domains, verdict, residual and worst error."""
+    """Return the table of further closed forms: domains, verdict, residual and worst error."""
     proved = {record.name: record for record in proofs}
-    worst = {found.name: max(found.errors) for found in accuracy}
+    worst = {accuracy_record.name: max(accuracy_record.errors) for accuracy_record in accuracy}
     rows = []
     for form in map(closed_form, FURTHER_FORMS):
         record, residual = proved.get(form.name), residuals.get(form.name)

@@ -1,7 +1,4 @@
-"""What the report prints of the runs: errors, the paper's statements, and the full report's more.
-
-The full report has all eps, the split wave and long times.
-"""
+"""Tables and figures of the runs: errors, the paper's statements, split wave and long runs."""
 
 from __future__ import annotations
 
@@ -37,7 +34,7 @@ if TYPE_CHECKING:
 
 
 def claim_table(claims: Iterable[Claim]) -> str:
-    """Each statement with its verdict, and below it a row a number, with its own error."""
+    """Return the table of the paper's statements: verdict, then a row for each measured number."""
     rows: list[Row] = []
     for number, claim in enumerate(claims, 1):
         rows.append(
@@ -55,21 +52,21 @@ def claim_table(claims: Iterable[Claim]) -> str:
 
 
 def _measured(measurements: Iterable[Measurement]) -> list[list[str]]:
-    """The measurements: equal ones of several cases in one row."""
+    """Return rows of measurements, equal values of several cases merged in one row."""
     cases: dict[tuple[str, tuple[str, str]], list[str]] = {}
     for measurement in measurements:
         case, colon, what = measurement.of.partition(": ")
-        shown = uncertain(measurement.value, measurement.error)
-        key = (what, shown) if colon else (measurement.of, shown)
+        number = uncertain(measurement.value, measurement.error)
+        key = (what, number) if colon else (measurement.of, number)
         cases.setdefault(key, []).append(case if colon else "")
     return [
-        [mathematics(": ".join(filter(None, (", ".join(found), what)))), *shown]
-        for (what, shown), found in cases.items()
+        [mathematics(": ".join(filter(None, (", ".join(names), what)))), *number]
+        for (what, number), names in cases.items()
     ]
 
 
 def run_table(evidence: MeasuredRuns) -> str:
-    """The runs: scheme, step, sites, and at each snapshot the errors and what they are made of."""
+    """Return the table of runs: description, then errors and their parts at each snapshot."""
     rows = [row for name in evidence.runs for row in _run_rows(evidence, name)]
     head = [
         "$t$",
@@ -92,8 +89,8 @@ def _run_rows(evidence: MeasuredRuns, name: str) -> list[Row]:
     columns = ("error_far_field", "time_step_error", "domain_error")
     rows: list[Row] = [_description(name, evidence.scenes[name])]
     for time in run["time"].values:
-        at = run.sel(time=time)
-        measures = [scientific(float(at[key])) if key in run else "--" for key in columns]
+        snapshot = run.sel(time=time)
+        measures = [scientific(float(snapshot[key])) if key in run else "--" for key in columns]
         error = uncertain(*evidence.relative_error(name, float(time)))
         rows.append([f"${time:g}$", *error, *measures])
     return rows
@@ -110,7 +107,7 @@ def _description(name: str, scene: Scene) -> str:
 
 
 def figure_entries(scenes: Mapping[str, Scene]) -> list[dict[str, Any]]:
-    """The figures: file, caption from the scenes, label in the paper."""
+    """Return the data of the figures for the template: file name, label in the paper, captions."""
     snapshots = [
         {
             "name": figure.name,
@@ -127,7 +124,7 @@ def figure_entries(scenes: Mapping[str, Scene]) -> list[dict[str, Any]]:
 
 
 def caption_part(scene: Scene) -> str:
-    """Return the scene's wave, parameters and constants as LaTeX, and the time it starts from."""
+    """Return a scene's wave with its parameters, constants and start time as LaTeX."""
     constants = {"K2": scene.model.K2, "K4": scene.model.K4, "eps": scene.eps, "t_0": scene.t0}
     values = ", ".join(
         f"${symbol_latex(name)}={escape(value) if isinstance(value, str) else f'{value:g}'}$"
@@ -138,23 +135,23 @@ def caption_part(scene: Scene) -> str:
 
 
 SPLIT_HALF_WIDTH = 150
-"""Sites shown of the split wave to either side of c t."""
+"""Sites of the split wave shown on either side of c t."""
 
-ACROSS = 3
-"""Snapshots of the split wave in a row."""
+SNAPSHOTS_PER_ROW = 3
+"""Snapshots of the split wave in one row of the figure."""
 
 
 def peak_table(points: Iterable[PeakError]) -> str:
-    """The reduction's error by order and eps, its law, and what each point took."""
-    found = list(points)
-    laws = peak_laws(found)
+    """Return the table of the reduction's error by order and eps: value, own error, engine, law."""
+    all_points = list(points)
+    laws = peak_laws(all_points)
     rows = []
     for order, law in laws.items():
-        mine = sorted((p for p in found if p.order == order), key=lambda p: -p.eps)
-        for place, point in enumerate(mine):
-            name = f"$Y_{order}$" if place == 0 else ""
+        of_order = sorted((p for p in all_points if p.order == order), key=lambda p: -p.eps)
+        for index, point in enumerate(of_order):
+            name = f"$Y_{order}$" if index == 0 else ""
             power = "--" if law is None else rf"$\epsilon^{{{law:.2f}}}$"
-            rows.append([name, f"${point.eps:g}$", *_peak(point), "" if place else power])
+            rows.append([name, f"${point.eps:g}$", *_peak(point), "" if index else power])
     head = [
         "",
         r"$\epsilon$",
@@ -172,7 +169,7 @@ def peak_table(points: Iterable[PeakError]) -> str:
 
 
 def _peak(point: PeakError) -> list[str]:
-    """Value, its own error, engine and time; in the value's place why there is none."""
+    """Return value, own error, engine and time; if the run failed, its reason as the value."""
     time = scientific(point.seconds) if np.isfinite(point.seconds) else "--"
     if point.fault:
         return [f"did not run: {escape(point.fault)}", "--", point.engine or "--", time]
@@ -181,7 +178,7 @@ def _peak(point: PeakError) -> list[str]:
 
 
 def peak_panels(points: Iterable[PeakError]) -> CostPanels:
-    """The resolved errors against eps, a curve an order, and eps squared through the last."""
+    """Return the resolved errors against eps, a curve an order, with a line of slope eps**2."""
     curves: dict[str, list[tuple[float, float]]] = {}
     for point in points:
         if point.resolved:
@@ -194,16 +191,19 @@ def peak_panels(points: Iterable[PeakError]) -> CostPanels:
 
 
 def split_rows(runs: Mapping[str, xr.Dataset]) -> list[list[LabelledArrays]]:
-    """The snapshots of the split wave's run, in rows of ``ACROSS``."""
+    """Return snapshots of the split wave's run in rows of ``SNAPSHOTS_PER_ROW``."""
     rows = []
     for run in runs.values():
-        seen = snapshots(run, SPLIT_HALF_WIDTH)
-        rows += [seen[i : i + ACROSS] for i in range(0, len(seen) - ACROSS + 1, ACROSS)]
+        frames = snapshots(run, SPLIT_HALF_WIDTH)
+        rows += [
+            frames[i : i + SNAPSHOTS_PER_ROW]
+            for i in range(0, len(frames) - SNAPSHOTS_PER_ROW + 1, SNAPSHOTS_PER_ROW)
+        ]
     return rows
 
 
 def split_table(runs: Mapping[str, xr.Dataset]) -> str:
-    """Lowest and highest strain of lattice and wave, and the error, at each snapshot."""
+    """Return the table of the split wave's extreme strains and its error at each snapshot."""
     rows = [row for name, run in runs.items() for row in _split_rows(run, load_scene(name).eps)]
     head = [
         *("$t$", "lowest: lattice", "wave", "highest: lattice", "wave", "own error"),
@@ -216,23 +216,23 @@ def split_table(runs: Mapping[str, xr.Dataset]) -> str:
 def _split_rows(run: xr.Dataset, eps: float) -> list[list[str]]:
     rows = []
     for time in run["time"].values:
-        at = run.sel(time=time)
+        snapshot = run.sel(time=time)
         ends = [
-            f"${float(end(at[part])) / eps:.3f}$"
+            f"${float(end(snapshot[part])) / eps:.3f}$"
             for end in (np.min, np.max)
             for part in ("strain", "analytic")
         ]
-        height = float(np.max(np.abs(at["analytic"] - at["background"]))) / eps
+        height = float(np.max(np.abs(snapshot["analytic"] - snapshot["background"]))) / eps
         own = float(run.attrs["error_estimate"])
-        strain, error = scientific(own), uncertain(float(at["error"]), own / height)
+        strain, error = scientific(own), uncertain(float(snapshot["error"]), own / height)
         rows.append([f"${time:g}$", *ends, strain, *error])
     return rows
 
 
 def long_table(runs: Mapping[str, LongRun]) -> str:
-    """One row a long run: its errors in time, its estimate, the other engine's word, the times."""
+    """Return the table of long runs: errors, own error, difference between engines, times."""
     times = _times(runs)
-    rows = [_long_row(name, found) for name, found in runs.items()]
+    rows = [_long_row(name, long_run) for name, long_run in runs.items()]
     head = [
         r"$L^\infty_\epsilon$ at $t=$",
         *(f"${time:g}$" for time in times),
@@ -250,19 +250,19 @@ def long_table(runs: Mapping[str, LongRun]) -> str:
 
 
 def _times(runs: Mapping[str, LongRun]) -> list[float]:
-    """The times of the first run; all have the same."""
-    return [float(t) for found in list(runs.values())[:1] for t in found.ring["time"].values]
+    """Return the snapshot times of the first run; all runs have the same."""
+    return [float(t) for long_run in list(runs.values())[:1] for t in long_run.ring["time"].values]
 
 
-def _long_row(name: str, found: LongRun) -> list[str]:
-    attributes = found.ring.attrs
-    judged = scientific(float(found.differences.max(skipna=False)))
+def _long_row(name: str, long_run: LongRun) -> list[str]:
+    attributes = long_run.ring.attrs
+    difference = scientific(float(long_run.differences.max(skipna=False)))
     return [
         escape(name.split("_k_")[0].replace("_", " ")),
-        *(f"{error:.4f}" for error in found.ring["error"].values),
+        *(f"{error:.4f}" for error in long_run.ring["error"].values),
         scientific(float(attributes["error_estimate"])),
-        judged if found.kept else f"{judged} (TOO LARGE)",
-        scientific(found.own, 1),
+        difference if long_run.within_tolerance else f"{difference} (TOO LARGE)",
+        scientific(long_run.own, 1),
         scientific(float(attributes["seconds"] + attributes["planning_seconds"])),
-        scientific(float(found.fine.attrs["seconds"])),
+        scientific(float(long_run.fine.attrs["seconds"])),
     ]

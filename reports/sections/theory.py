@@ -1,4 +1,4 @@
-"""What the report prints of the derivation, the closed forms, their proofs and misprints."""
+"""Tables and formulas of the derivation, closed forms, proofs and misprints."""
 
 import re
 from collections.abc import Iterable, Mapping
@@ -26,34 +26,34 @@ DERIVATION_ORDERS = 7
 
 
 def derivation() -> dict[str, Any]:
-    """The reduction order by order, its coefficients, the dispersion relation, the velocity."""
-    shown = reduce(mkdv_reduction().lattice, mkdv_reduction().scaling, orders=DERIVATION_ORDERS)
-    relation = dispersion_relation(shown.lattice)
-    coefficients, form = shown.coefficients(), shown.normal_form()
+    """Return the template's data on the reduction: orders, coefficients, dispersion, velocity."""
+    reduction = reduce(mkdv_reduction().lattice, mkdv_reduction().scaling, orders=DERIVATION_ORDERS)
+    relation = dispersion_relation(reduction.lattice)
+    coefficients, form = reduction.coefficients(), reduction.normal_form()
     return {
-        "force": sp.latex(shown.lattice.bonds[0].force),
-        "orders": [(order, equation.latex()) for order, equation in shown.orders.items()],
-        "sound": sp.latex(shown.sound_condition),
+        "force": sp.latex(reduction.lattice.bonds[0].force),
+        "orders": [(order, equation.latex()) for order, equation in reduction.orders.items()],
+        "sound": sp.latex(reduction.sound_condition),
         "conditions": [
             (condition.latex(), condition.order, condition.equation.latex())
-            for condition in shown.conditions
+            for condition in reduction.conditions
         ],
-        "pde": shown.pde.latex(),
-        "remainders": [shown.latex_remainder(order) for order in shown.remainders],
-        "corrections": [shown.latex_correction(power) for power in shown.corrections],
+        "pde": reduction.pde.latex(),
+        "remainders": [reduction.latex_remainder(order) for order in reduction.remainders],
+        "corrections": [reduction.latex_correction(power) for power in reduction.corrections],
         "coefficient_table": coefficient_table(
             (name, sp.latex(getattr(coefficients, name)))
             for name in ("c", "nonlinear", "dispersive")
         ),
         "normal_form": [(name, sp.latex(getattr(form, name))) for name in ("a", "b", "s")],
         "dispersion": relation.latex(),
-        "dispersion_agrees": agrees_with_reduction(shown.lattice, shown),
+        "dispersion_agrees": agrees_with_reduction(reduction.lattice, reduction),
         "velocity": initial_velocity_latex(),
     }
 
 
 def solution_table(forms: Iterable[ClosedForm] = PAPER_FORMS) -> str:
-    """The closed forms: name, sign, domains, background, equation of the paper and source."""
+    """Return the table of closed forms: sign, domains, background, paper's equation and source."""
     rows = [
         [
             rf"\hyperref[form:{form.name}]{{{escape(form.title)}}}",
@@ -70,7 +70,7 @@ def solution_table(forms: Iterable[ClosedForm] = PAPER_FORMS) -> str:
 
 
 def coefficient_table(coefficients: Iterable[tuple[str, str]]) -> str:
-    """The coefficients of the reduced equation by their names in `derivation`."""
+    """Return the table of the reduced equation's coefficients from (name, LaTeX) pairs."""
     words = {
         "c": "sound speed $c$",
         "nonlinear": "coefficient of $Y^2Y_X$",
@@ -82,7 +82,7 @@ def coefficient_table(coefficients: Iterable[tuple[str, str]]) -> str:
 
 
 def formulas(forms: Iterable[ClosedForm] = PAPER_FORMS) -> list[dict[str, str]]:
-    """Every closed form as a display made from its expression, with its background."""
+    """Return every closed form's display, far fields and citation as template data."""
     return [
         {
             "name": form.name,
@@ -99,7 +99,7 @@ def formulas(forms: Iterable[ClosedForm] = PAPER_FORMS) -> list[dict[str, str]]:
 
 
 def equations(forms: Iterable[ClosedForm] = PAPER_FORMS) -> list[tuple[str, str]]:
-    """The equations that the forms solve: name and LaTeX, each once."""
+    """Return name and LaTeX of each equation that the forms solve, without duplicates."""
     return sorted({(form.equation.name, _equation(form.equation)) for form in forms})
 
 
@@ -109,19 +109,19 @@ def _equation(equation: Equation) -> str:
 
 
 METHODS = {"differential algebra": "A", "exact at more points than the degree": "P"}
-"""The letters by which the table calls the methods; the text above it says them."""
+"""One-letter codes of the proof methods in the table; the text above it explains them."""
 
 _OUTERMOST = re.compile(r"\((?:[^()]|\((?:[^()]|\((?:[^()]|\([^()]*\))*\))*\))*\)")
-"""A bracket with up to three levels of brackets in it, as deep as descriptions go."""
+"""Pattern of a bracket with up to three levels of nested brackets."""
 
-SHOWN = 20
-"""Most characters of a misprinted part that are shown."""
+LONGEST_PART = 20
+"""Longest misprinted part that is printed in full, in characters."""
 
 
 def proof_table(records: Iterable[ProofRecord], residuals: Mapping[str, Verdict]) -> str:
-    """Solution, verdict, method, certificate, seconds to prove and to check, residual.
+    """Return the table of proofs: verdict, method, certificate, times and numerical residual.
 
-    The residual is that of mpmath, independent of the proof; a form without one has a dash.
+    The residual is computed by mpmath, independently of the proof; a dash if there is none.
     """
     rows = [
         [
@@ -148,51 +148,51 @@ def proof_table(records: Iterable[ProofRecord], residuals: Mapping[str, Verdict]
 
 
 def form_title(name: str) -> str:
-    """The title of a closed form of that name, in LaTeX."""
+    """Return the title of the closed form of that name, in LaTeX."""
     return escape(closed_form(name).title)
 
 
 def mutation_table(counts: Iterable[MutationCount]) -> str:
-    """How many misprints of each form are refuted, proved and undecided, and in how long."""
-    found = list(counts)
+    """Return the table of misprints: refuted, proved and undecided counts by form, and the time."""
+    all_counts = list(counts)
     rows = [
         [
             form_title(count.name),
             *map(str, (count.mutants, count.refuted, count.proved, count.undecided)),
             f"{count.seconds:.1f}",
         ]
-        for count in found
+        for count in all_counts
     ]
     together = [
-        str(sum(getattr(count, name) for count in found))
+        str(sum(getattr(count, name) for count in all_counts))
         for name in ("mutants", "refuted", "proved", "undecided")
     ]
-    rows.append(["all solutions", *together, f"{sum(count.seconds for count in found):.1f}"])
+    rows.append(["all solutions", *together, f"{sum(count.seconds for count in all_counts):.1f}"])
     head = ["solution", "misprints", "refuted", "proved", "undecided", "time (s)"]
     caption = "Misprinted formulas by the verdict on them."
     return table("misprints", caption, "lrrrrr", head, rows)
 
 
 def survivor_table(counts: Iterable[MutationCount]) -> str:
-    """The misprints that are not refuted, the same change with the same reason in one row."""
-    found: dict[tuple[str, str, str, str], list[str]] = {}
+    """Return the table of misprints not refuted, equal changes with equal reasons in one row."""
+    changes_by_part: dict[tuple[str, str, str, str], list[str]] = {}
     for count in counts:
         for survivor in count.survivors:
             part, change = _part_and_change(survivor.description)
             key = (count.name, part, _reason(survivor), survivor.outcome.value)
-            found.setdefault(key, []).append(change)
+            changes_by_part.setdefault(key, []).append(change)
     merged: dict[tuple[str, str, str], list[tuple[str, str]]] = {}
-    for (name, part, why, verdict), changes in found.items():
-        merged.setdefault((", ".join(changes), why, verdict), []).append((name, part))
+    for (name, part, reason, verdict), changes in changes_by_part.items():
+        merged.setdefault((", ".join(changes), reason, verdict), []).append((name, part))
     rows = [
         [
             ", ".join(dict.fromkeys(part for _, part in places)),
             change,
-            why,
+            reason,
             verdict.lower(),
             ", ".join(dict.fromkeys(form_title(name) for name, _ in places)),
         ]
-        for (change, why, verdict), places in merged.items()
+        for (change, reason, verdict), places in merged.items()
     ]
     head = ["part", "change", "reason", "verdict", "solutions"]
     caption = "Misprints that are not refuted, and the reason: these solve the equation as well."
@@ -200,11 +200,11 @@ def survivor_table(counts: Iterable[MutationCount]) -> str:
 
 
 def _part_and_change(description: str) -> tuple[str, str]:
-    """Return the part that a description names, what lies deep in it as dots, and its change."""
+    """Return the part that a description names, deep brackets as dots, and its change; in LaTeX."""
     words, _, change = description.rpartition(": ")
     text = words.partition(" ")[2]
     change = escape(change.replace("coefficient times 101/100", "1 % more"))
-    if "..." not in text and len(text) <= SHOWN:
+    if "..." not in text and len(text) <= LONGEST_PART:
         return f"${_mathematics(text)}$", change
     outer = _OUTERMOST.sub(r"(\\cdots)", text)
     if "/" in outer:
@@ -213,7 +213,7 @@ def _part_and_change(description: str) -> tuple[str, str]:
 
 
 def _mathematics(text: str) -> str:
-    r"""Return a short part's text as LaTeX.
+    r"""Return the text of a short part as LaTeX.
 
     >>> _mathematics("-6*tau + xi"), _mathematics("k*jacobi_sn(\\cdots)")
     ('-6 \\tau + \\xi', 'k \\mathrm{sn}(\\cdots)')
@@ -224,7 +224,7 @@ def _mathematics(text: str) -> str:
 
 
 def _reason(survivor: Survivor) -> str:
-    """Return why it is a solution, its symbols in mathematics."""
+    """Return the reason why a misprint is still a solution, symbols in LaTeX."""
     signs = survivor.reason.replace("U to -U", "$U\\to-U$")
     return re.sub(r"another value of (\w+)", r"another value of $\1$", signs)
 

@@ -1,1 +1,1 @@
-"""Studies: how exact an evaluation is, what hard cases do, what proofs and accuracy cost."""
+"""Studies behind the report: evaluation accuracy, costs, hard cases, proofs and lattice runs."""

@@ -1,4 +1,4 @@
-"""What two chains on a bench are known for: a mode that returns, the speed of struck grains."""
+"""Known laws of two chains on a bench: the return of a mode, the speed of struck grains."""
 
 from __future__ import annotations
 
@@ -16,15 +16,17 @@ from longwave.support.processes import Job, Key
 Array = NDArray[np.float64]
 
 VELOCITIES = (0.0125, 0.05, 0.2, 0.8)
-"""Of the first grain. The speed of the wave goes as the fifth root (Nesterenko 1983)."""
+"""Velocities of the first grain. The wave's speed grows as their fifth root (Nesterenko 1983)."""
 
 FIRST, SECOND = 20, 40
 """Cells between which the wave is timed."""
 
 
 class Return(NamedTuple):
-    """When a mode comes back, in units of its period at small amplitudes, and with how much of its
-    energy; ``reading`` is the time between two readings in that unit."""
+    """First return of a mode: its time in periods at small amplitude, its share of the energy.
+
+    ``reading`` is the time between two readings in the same unit.
+    """
 
     periods: float
     share: float
@@ -32,26 +34,30 @@ class Return(NamedTuple):
 
 
 def mode_return(run: xr.Dataset) -> Return:
-    """The first return of a run's first mode after it has lost half of its energy."""
+    """Return the first return of a run's first mode after it has lost half of its energy."""
     energy, times = run.mode_energy.values[:, 0], run.time.values
-    lost = int(np.argmax(energy < 0.5 * energy[0]))
-    back = lost + int(np.argmax(energy[lost:]))
+    half_lost = int(np.argmax(energy < 0.5 * energy[0]))
+    returned = half_lost + int(np.argmax(energy[half_lost:]))
     cells = load_scene("fput_1955").own_bench.sites
     period = math.pi / math.sin(0.5 * math.pi / (cells + 1))
-    when, most = _peak(times, energy, back)
-    return Return(when / period, most / energy[0], float(times[back] - times[back - 1]) / period)
+    time, energy_then = _peak(times, energy, returned)
+    return Return(
+        time / period,
+        energy_then / energy[0],
+        float(times[returned] - times[returned - 1]) / period,
+    )
 
 
-def _peak(times: Array, values: Array, place: int) -> tuple[float, float]:
-    """The time and the height of the parabola through a largest reading and those beside it."""
-    bend, slope, level = np.polyfit([-1.0, 0.0, 1.0], values[place - 1 : place + 2], 2)
-    moved = -0.5 * slope / bend
-    spacing = times[place + 1] - times[place]
-    return float(times[place] + moved * spacing), float(level + 0.5 * slope * moved)
+def _peak(times: Array, values: Array, index: int) -> tuple[float, float]:
+    """Return time and height of the parabola through the value at ``index`` and its neighbours."""
+    quadratic, linear, constant = np.polyfit([-1.0, 0.0, 1.0], values[index - 1 : index + 2], 2)
+    offset = -0.5 * linear / quadratic
+    spacing = times[index + 1] - times[index]
+    return float(times[index] + offset * spacing), float(constant + 0.5 * linear * offset)
 
 
 def struck_exponent() -> tuple[float, float]:
-    """The exponent of the wave's speed in the velocity of the grain, and its standard error."""
+    """Return the fitted exponent of wave speed in the grain's velocity, and its standard error."""
     scene, speeds = load_scene("struck_grains"), []
     for velocity in VELOCITIES:
         scale = (0.1 / velocity) ** 0.2
@@ -61,13 +67,16 @@ def struck_exponent() -> tuple[float, float]:
             times=[0, round(90.0 * scale, 1)],
             tolerance=1e-3 * velocity,
         ).run()
-        read = run.sensor_velocity.values
-        peaks = [_peak(run.time.values, one, int(np.argmax(one)))[0] for one in read.T]
+        readings = run.sensor_velocity.values
+        peaks = [
+            _peak(run.time.values, velocity_of_cell, int(np.argmax(velocity_of_cell)))[0]
+            for velocity_of_cell in readings.T
+        ]
         speeds.append((SECOND - FIRST) / (peaks[1] - peaks[0]))
     fitted = stats.linregress(np.log(VELOCITIES), np.log(speeds))
     return float(fitted.slope), float(fitted.stderr)
 
 
 def bench_law_jobs() -> dict[Key, Job]:
-    """The runs of struck grains; the mode's is that of a shipped scene."""
+    """Return the job that runs the struck grains; the mode's run is that of a shipped scene."""
     return {("struck", ""): Job(struck_exponent, (), 4.0)}

@@ -1,7 +1,7 @@
-"""The paper's quantitative and comparative statements, with what was measured for them.
+"""The paper's quantitative and comparative statements, with the numbers measured for them.
 
-Adding one is one function. Texts hold mathematics between
-dollars, in plain names ($eps = 0.05$), for whoever prints them.
+To add a statement, add one function with the decorator `claim`. Its texts hold mathematics
+between dollars, in plain names ($eps = 0.05$).
 """
 
 import enum
@@ -23,7 +23,7 @@ from longwave.verify.proof.rational_proofs import RationalFacts, rational_facts
 
 
 class Ruling(enum.StrEnum):
-    """What the measured numbers say of a statement."""
+    """Verdict on a statement by the measured numbers."""
 
     CONFIRMED = "confirmed"
     NOT_CONFIRMED = "not confirmed"
@@ -31,7 +31,7 @@ class Ruling(enum.StrEnum):
 
 
 class Measurement(NamedTuple):
-    """A number: of what, its value, and its discretisation error (0 if it is exact)."""
+    """A measured number: its name, value and discretisation error (0 if it is exact)."""
 
     of: str
     value: float
@@ -42,8 +42,8 @@ class Measurement(NamedTuple):
 class Claim:
     """One statement of the paper.
 
-    ``depends_on`` names the parameters on which the verdict rests, with the reading of words that
-    the paper leaves open.
+    ``depends_on`` names the parameters on which the verdict rests, and how words that the paper
+    leaves open were interpreted.
     """
 
     name: str
@@ -54,7 +54,7 @@ class Claim:
 
 
 def ruling(*holds: bool) -> Ruling:
-    """All hold, none does, or it depends.
+    """Return CONFIRMED if all conditions hold, NOT_CONFIRMED if none does, else DEPENDS.
 
     >>> str(ruling(True, False))
     'depends'
@@ -64,27 +64,29 @@ def ruling(*holds: bool) -> Ruling:
     return Ruling.DEPENDS if any(holds) else Ruling.NOT_CONFIRMED
 
 
-Found = tuple[Iterable[Measurement], Iterable[bool]]
-"""What was measured for a statement, and what must hold for it to be confirmed."""
+ClaimEvidence = tuple[Iterable[Measurement], Iterable[bool]]
+"""Measurements for a statement, and the conditions for it to be confirmed."""
 
 CLAIMS: list[Callable[[MeasuredRuns], Claim]] = []
-"""Every statement, in the order in which they are declared below."""
+"""Functions that evaluate each statement, in the order of declaration."""
 
 
 def claim(
     statement: str, depends_on: str
-) -> Callable[[Callable[[MeasuredRuns], Found]], Callable[[MeasuredRuns], Claim]]:
-    """Declare the function below as what is measured for a statement of its name."""
+) -> Callable[[Callable[[MeasuredRuns], ClaimEvidence]], Callable[[MeasuredRuns], Claim]]:
+    """Decorate a function that measures a statement; its name is the statement's name."""
 
-    def declare(measure: Callable[[MeasuredRuns], Found]) -> Callable[[MeasuredRuns], Claim]:
+    def declare(
+        measure: Callable[[MeasuredRuns], ClaimEvidence],
+    ) -> Callable[[MeasuredRuns], Claim]:
         @wraps(measure)
-        def made(evidence: MeasuredRuns) -> Claim:
-            found, holds = measure(evidence)
+        def evaluated(evidence: MeasuredRuns) -> Claim:
+            measurements, holds = measure(evidence)
             name = measure.__name__
-            return Claim(name, statement, tuple(found), ruling(*holds), depends_on)
+            return Claim(name, statement, tuple(measurements), ruling(*holds), depends_on)
 
-        CLAIMS.append(made)
-        return made
+        CLAIMS.append(evaluated)
+        return evaluated
 
     return declare
 
@@ -92,15 +94,15 @@ def claim(
 ORDERS = range(2, 9)
 ROGUE_MODULI = (0.1, 0.3, 0.5, 0.7, 0.9, 0.99)
 LATE = 1e4
-"""The slow time at which the rational waves are looked at again."""
+"""Late slow time at which the rational waves are evaluated again."""
 
 SEARCH = 401
-"""Points along each axis of a search."""
+"""Points along each axis in a search for a maximum."""
 
 
 @cache
 def facts(order: int) -> RationalFacts:
-    """The exact facts about the rational solution of that order."""
+    """Return the exact facts about the rational solution of that order."""
     return rational_facts(order)
 
 
@@ -108,29 +110,32 @@ def facts(order: int) -> RationalFacts:
     "$Y_2$ and $Y_3$ have the maximum 5 and 7, $Y_j$ in general $2j+1$, at the origin",
     f"nothing: exact, for $j$ from {ORDERS[0]} to {ORDERS[-1]}",
 )
-def peaks(_: MeasuredRuns) -> Found:
-    """The value 2j + 1 at the origin, exactly."""
-    found = tuple(Measurement(f"$Y_{j}$", float(facts(j).peak)) for j in ORDERS)
-    return found, (facts(j).peak == 2 * j + 1 for j in ORDERS)
+def peaks(_: MeasuredRuns) -> ClaimEvidence:
+    """Return the exact maximum of the rational wave of each order, which should be 2j + 1."""
+    found = tuple(Measurement(f"$Y_{order}$", float(facts(order).peak)) for order in ORDERS)
+    return found, (facts(order).peak == 2 * order + 1 for order in ORDERS)
 
 
 @claim(
     "The denominator has two powers more than the numerator",
     "nothing: exact, in $X$, for the wave less its background",
 )
-def degrees(_: MeasuredRuns) -> Found:
-    """Two powers more in the denominator than in the numerator, over the background."""
+def degrees(_: MeasuredRuns) -> ClaimEvidence:
+    """Return the excess of the denominator's degree over the numerator's, background subtracted."""
     excess = {j: _excess(j) for j in (2, 3)}
-    found = tuple(
-        Measurement(f"$Y_{j}$: degree {facts(j).degree} over {facts(j).degree - excess[j]}, by", e)
+    measurements = tuple(
+        Measurement(
+            f"$Y_{j}$: degree {facts(j).degree} over {facts(j).degree - excess[j]}, by",
+            e,
+        )
         for j, e in excess.items()
     )
-    return found, (e == 2 for e in excess.values())
+    return measurements, (e == 2 for e in excess.values())
 
 
-def _excess(order: int) -> int:
-    """How much faster the denominator grows in xi than the numerator of U - background."""
-    form = closed_form(f"rational_{order}")
+def _excess(j: int) -> int:
+    """Return the degree in xi of the denominator minus that of the numerator of U - background."""
+    form = closed_form(f"rational_{j}")
     x = form.equation.xi
     above, below = sp.fraction(sp.cancel(form.expression - form.background))
     return int(sp.degree(below, x) - sp.degree(above, x))
@@ -140,27 +145,29 @@ def _excess(order: int) -> int:
     "The rational waves are localised on the backgrounds $+1$ and $-1$: in space",
     "nothing: exact, at every fixed time",
 )
-def localised_in_space(_: MeasuredRuns) -> Found:
-    """The same limit on both sides at every time."""
-    found = tuple(Measurement(f"$Y_{j}$, background", float(facts(j).background)) for j in (2, 3))
-    return found, [facts(2).background == 1, facts(3).background == -1]
+def localised_in_space(_: MeasuredRuns) -> ClaimEvidence:
+    """Return the far-field limits of Y_2 and Y_3, the same on both sides at every time."""
+    measurements = tuple(
+        Measurement(f"$Y_{j}$, background", float(facts(j).background)) for j in (2, 3)
+    )
+    return measurements, [facts(2).background == 1, facts(3).background == -1]
 
 
 @claim(
     "The rational waves are localised (rogue waves): in time too",
     "nothing: extrema at distance 4 from the background persist and separate like $t^{1/3}$",
 )
-def localised_in_time(_: MeasuredRuns) -> Found:
-    """The largest distance from the background long after the peak."""
-    found = tuple(
+def localised_in_time(_: MeasuredRuns) -> ClaimEvidence:
+    """Return the largest distance from the background long after the peak."""
+    measurements = tuple(
         Measurement(f"$Y_{j}$, largest distance at $T={LATE:g}$", _late_amplitude(j))
         for j in (2, 3)
     )
-    return found, (item.value < 0.1 for item in found)
+    return measurements, (item.value < 0.1 for item in measurements)
 
 
 def _late_amplitude(order: int) -> float:
-    """max |Y - background| at the time LATE, searched where the extrema have gone."""
+    """Return max |Y - background| at the time LATE, searched where the extrema have moved."""
     wave = Wave(closed_form(f"rational_{order}"), mkdv_normal_form(K2=4, K4=1))
     a, b = (float(getattr(wave.normal_form, name)) for name in ("a", "b"))
     tau = b * LATE
@@ -171,8 +178,8 @@ def _late_amplitude(order: int) -> float:
 
 
 @claim("Higher-order rational solutions have larger maximum amplitudes", "nothing: exact")
-def higher_orders(_: MeasuredRuns) -> Found:
-    """Higher orders exist, with larger peaks."""
+def higher_orders(_: MeasuredRuns) -> ClaimEvidence:
+    """Return the peak of the highest order; the condition is that peaks grow with the order."""
     j = ORDERS[-1]
     wave = Wave(rational(j), mkdv_normal_form(K2=4, K4=1))
     return (Measurement(f"$Y_{j}$ at the origin", float(wave(0.0, 0.0).Y)),), [
@@ -185,24 +192,24 @@ def higher_orders(_: MeasuredRuns) -> Found:
     f"$k$; a search over {SEARCH} by {SEARCH} points of 8 wavelengths and $|tau|$ to 40, and "
     "closer to the origin, finds nothing larger",
 )
-def rogue_maximum(_: MeasuredRuns) -> Found:
-    """No value of the cn rogue wave exceeds that at the origin."""
-    found, holds = [], []
+def rogue_maximum(_: MeasuredRuns) -> ClaimEvidence:
+    """Return the value at the origin for each modulus; no value found elsewhere may exceed it."""
+    measurements, holds = [], []
     for k in ROGUE_MODULI:
         peak, elsewhere = _rogue_search(k)
-        found.append(Measurement(f"$k={k}$: at the origin, in units of $k$", peak / k))
+        measurements.append(Measurement(f"$k={k}$: at the origin, in units of $k$", peak / k))
         holds.append(elsewhere <= peak * (1 + 1e-12))
-    return found, holds
+    return measurements, holds
 
 
 def _rogue_search(k: float) -> tuple[float, float]:
-    """The value at the origin, and the largest modulus found."""
+    """Return the value at the origin, and the largest |Y| found by the search."""
     wave = Wave(closed_form("rogue_cn"), mkdv_normal_form(K2=4, K4=1), k=k)
     a, b = (float(getattr(wave.normal_form, name)) for name in ("a", "b"))
-    far = 4.0 * (wave.wavelength or 1.0)
+    half_width = 4.0 * (wave.wavelength or 1.0)
     line = np.linspace(-1.0, 1.0, SEARCH)
     largest = 0.0
-    for x, t in ((far, 40.0 / b), (1.0 / a, 1.0 / b)):
+    for x, t in ((half_width, 40.0 / b), (1.0 / a, 1.0 / b)):
         X, T = np.meshgrid(x * line, t * line)
         largest = max(largest, float(np.max(np.abs(wave(X, T).Y))))
     return float(wave(0.0, 0.0).Y), largest
@@ -218,12 +225,12 @@ EPSILONS = ("0.05", "0.075")
     "the time step, the crest's place in its cell (here on site 0); 'reasonably' is read as "
     "below 20 %",
 )
-def second_order_crest(evidence: MeasuredRuns) -> Found:
-    """Second order at t = 0, with an accurate scheme and with RK4's step."""
+def second_order_crest(evidence: MeasuredRuns) -> ClaimEvidence:
+    """Return the error of Y_2 at t = 0, with an accurate scheme and with RK4's step."""
     names = {"": "rational_2_eps_0.05", f"RK4, $dt={RK4_STEP}$, ": rk4_name(2)}
-    tops = {words: evidence.relative_error(name, 0.0) for words, name in names.items()}
-    return (Measurement(f"{words}$t=0$", *top) for words, top in tops.items()), [
-        tops[""].value < TWENTY_PERCENT
+    errors = {words: evidence.relative_error(name, 0.0) for words, name in names.items()}
+    return (Measurement(f"{words}$t=0$", *error) for words, error in errors.items()), [
+        errors[""].value < TWENTY_PERCENT
     ]
 
 
@@ -231,22 +238,22 @@ def second_order_crest(evidence: MeasuredRuns) -> Found:
     "The error is largest around the time of the largest amplitude ($t=0$)",
     "$t_0$, $eps$; 'around' is read as within 10 % of the time shown",
 )
-def peak_of_the_error(evidence: MeasuredRuns) -> Found:
-    """The time of the largest error of each rational run, and what it is at the peak of one."""
-    found, near = [], []
+def peak_of_the_error(evidence: MeasuredRuns) -> ClaimEvidence:
+    """Return the largest error of each rational run with its time, and its parts at one peak."""
+    measurements, near = [], []
     for j in RUN_ORDERS:
         for eps in EPSILONS:
             name = f"rational_{j}_eps_{eps}"
             largest, time = evidence.largest_error(name)
             scene = evidence.scenes[name]
             near.append(abs(time) < 0.1 * (scene.end - scene.t0))
-            found.append(Measurement(f"$Y_{j}$, $eps={eps}$, at $t={time:.0f}$", *largest))
-    found += _split(evidence)
-    return found, near
+            measurements.append(Measurement(f"$Y_{j}$, $eps={eps}$, at $t={time:.0f}$", *largest))
+    measurements += _split(evidence)
+    return measurements, near
 
 
 def _split(evidence: MeasuredRuns) -> list[Measurement]:
-    """The error of one run at its peak, taken apart: where the lattice's crest is, and the rest."""
+    """Return one run's error at its peak, split into the shift of the crest and the other parts."""
     parts = evidence.split(SPLIT, 0.0)
     words = "$Y_2$, $eps=0.05$, $t=0$, the lattice's wave is shifted by sites"
     shares = (Measurement(f"there, part by {name}", *parts[name]) for name in PARTS)
@@ -257,36 +264,36 @@ def _split(evidence: MeasuredRuns) -> list[Measurement]:
     "The error is higher, the higher the order",
     "the time: it may hold for the largest error and not at every moment",
 )
-def error_against_order(evidence: MeasuredRuns) -> Found:
-    """Third-order against second-order error, at all times and at their largest."""
-    found, always = [], []
+def error_against_order(evidence: MeasuredRuns) -> ClaimEvidence:
+    """Return the largest errors of both orders, and the share of times with Y_3's error higher."""
+    measurements, always = [], []
     for eps in EPSILONS:
         names = [f"rational_{j}_eps_{eps}" for j in RUN_ORDERS]
         second, third = (evidence.runs[name]["error_curve"].values for name in names)
         higher = second < third
-        tops = [evidence.largest_error(name)[0] for name in names]
-        always += [tops[0].value < tops[1].value, bool(higher.all())]
-        found += [
-            Measurement(f"$eps={eps}$, $Y_{j}$, largest", *top)
-            for j, top in zip(RUN_ORDERS, tops, strict=True)
+        errors = [evidence.largest_error(name)[0] for name in names]
+        always += [errors[0].value < errors[1].value, bool(higher.all())]
+        measurements += [
+            Measurement(f"$eps={eps}$, $Y_{j}$, largest", *error)
+            for j, error in zip(RUN_ORDERS, errors, strict=True)
         ]
-        own = sum(top.error for top in tops)
-        open_ = max(float((abs(third - second) <= own).mean()), 1.0 / higher.size)
+        own_error = sum(error.error for error in errors)
+        undecided = max(float((abs(third - second) <= own_error).mean()), 1.0 / higher.size)
         words = f"$eps={eps}$, % of the times at which $Y_3$ is higher"
-        found.append(Measurement(words, 100 * float(higher.mean()), 100 * open_))
-    return found, always
+        measurements.append(Measurement(words, 100 * float(higher.mean()), 100 * undecided))
+    return measurements, always
 
 
 @claim(
     "The error of $Y_3$ does not exceed 20 % at $eps=0.05$",
     "the time step, of which the paper states none",
 )
-def twenty_percent(evidence: MeasuredRuns) -> Found:
-    """Third order at eps = 0.05, with an accurate scheme and with RK4's step."""
+def twenty_percent(evidence: MeasuredRuns) -> ClaimEvidence:
+    """Return the largest error of Y_3 at eps = 0.05, with an accurate scheme and RK4's step."""
     names = {"": "rational_3_eps_0.05", f"RK4, $dt={RK4_STEP}$, ": rk4_name(3)}
-    tops = {words: evidence.largest_error(name)[0] for words, name in names.items()}
-    return (Measurement(f"{words}largest", *top) for words, top in tops.items()), (
-        top.value < TWENTY_PERCENT for top in tops.values()
+    errors = {words: evidence.largest_error(name)[0] for words, name in names.items()}
+    return (Measurement(f"{words}largest", *error) for words, error in errors.items()), (
+        error.value < TWENTY_PERCENT for error in errors.values()
     )
 
 
@@ -294,14 +301,14 @@ def twenty_percent(evidence: MeasuredRuns) -> Found:
     "Very good agreement of $Y_3$, at $eps=0.05$ and also at $0.075$",
     "$eps$, and what 'very good' means; here read as below 20 %",
 )
-def third_order_agreement(evidence: MeasuredRuns) -> Found:
-    """Third order at both eps."""
-    found, good = [], []
+def third_order_agreement(evidence: MeasuredRuns) -> ClaimEvidence:
+    """Return the largest error of Y_3 at both eps."""
+    measurements, good = [], []
     for eps in EPSILONS:
         largest, time = evidence.largest_error(f"rational_3_eps_{eps}")
-        found.append(Measurement(f"$eps={eps}$, largest, at $t={time:.0f}$", *largest))
+        measurements.append(Measurement(f"$eps={eps}$, largest, at $t={time:.0f}$", *largest))
         good.append(largest.value < TWENTY_PERCENT)
-    return found, good
+    return measurements, good
 
 
 BREATHER_MODULI = ("0.5", "0.6", "0.7")
@@ -312,22 +319,22 @@ ROGUE, SOLITON = "rogue_cn_k_0.5", "soliton_dn_k_0.7"
     "On the sn background the agreement is better for larger $k$",
     "$alpha$ (here $K/2$), the time step",
 )
-def breather_and_modulus(evidence: MeasuredRuns) -> Found:
-    """The dark breather's largest error at the three moduli."""
-    tops = {k: evidence.largest_error(f"breather_sn_k_{k}")[0] for k in BREATHER_MODULI}
-    falls = all(a.value > b.value for a, b in pairwise(tops.values()))
-    return (Measurement(f"$k={k}$, largest", *top) for k, top in tops.items()), [falls]
+def breather_and_modulus(evidence: MeasuredRuns) -> ClaimEvidence:
+    """Return the dark breather's largest error at the three moduli."""
+    errors = {k: evidence.largest_error(f"breather_sn_k_{k}")[0] for k in BREATHER_MODULI}
+    falls = all(a.value > b.value for a, b in pairwise(errors.values()))
+    return (Measurement(f"$k={k}$, largest", *error) for k, error in errors.items()), [falls]
 
 
 @claim("The dn soliton fits very well", "$|t| <= 100$; 'very well' is read as below 20 %")
-def dn_fit(evidence: MeasuredRuns) -> Found:
-    """The dn soliton's errors, with both denominators."""
-    last = evidence.scenes[SOLITON].end
-    bare = evidence.relative_error(SOLITON, last)
-    far = evidence.relative_error(SOLITON, last, "error_far_field")
+def dn_fit(evidence: MeasuredRuns) -> ClaimEvidence:
+    """Return the dn soliton's last error, over the bare wave and over the far field."""
+    end = evidence.scenes[SOLITON].end
+    bare = evidence.relative_error(SOLITON, end)
+    far = evidence.relative_error(SOLITON, end, "error_far_field")
     return (
-        Measurement(f"$t={last:g}$, over the bare wave", *bare),
-        Measurement(f"$t={last:g}$, over the far field", *far),
+        Measurement(f"$t={end:g}$, over the bare wave", *bare),
+        Measurement(f"$t={end:g}$, over the far field", *far),
     ), [bare.value < TWENTY_PERCENT]
 
 
@@ -335,17 +342,17 @@ def dn_fit(evidence: MeasuredRuns) -> Found:
     "On the cn background the lattice's maximum of $y_n/eps$ is always below the wave's",
     "the time; at $t_0$ the two are equal",
 )
-def cn_maximum(evidence: MeasuredRuns) -> Found:
-    """The largest strain of lattice and wave on the cn background at the later snapshots."""
-    found, below = [], []
+def cn_maximum(evidence: MeasuredRuns) -> ClaimEvidence:
+    """Return the largest strain of lattice and wave on the cn background at the later snapshots."""
+    measurements, below = [], []
     for time in evidence.scenes[ROGUE].snapshots[1:]:
         lattice, wave = evidence.peaks(ROGUE, time)
         below.append(lattice.value + lattice.error < wave)
-        found += [
+        measurements += [
             Measurement(f"$t={time:g}$, lattice", *lattice),
             Measurement(f"$t={time:g}$, wave", wave),
         ]
-    return found, below
+    return measurements, below
 
 
 @claim(
@@ -353,16 +360,16 @@ def cn_maximum(evidence: MeasuredRuns) -> Found:
     "good fits on sn and dn from their stability",
     "the time shown, 200 units: read as a growth of the fastest perturbation by more than 2",
 )
-def modulational_instability(evidence: MeasuredRuns) -> Found:
-    """By how much the fastest perturbation of each background grows within the time shown."""
-    found = []
+def modulational_instability(evidence: MeasuredRuns) -> ClaimEvidence:
+    """Return the growth of each background's fastest perturbation within the time shown."""
+    measurements = []
     for name in (ROGUE, SOLITON, "breather_sn_k_0.7"):
         scene = evidence.scenes[name]
         growth = math.exp(trust_in(scene, USUAL_TOLERANCE).rate * (scene.end - scene.t0))
-        found.append(Measurement(f"{name.split('_')[1]} background, growth", growth))
-    return found, [found[0].value > 2.0]
+        measurements.append(Measurement(f"{name.split('_')[1]} background, growth", growth))
+    return measurements, [measurements[0].value > 2.0]
 
 
 def all_claims(evidence: MeasuredRuns) -> list[Claim]:
-    """Every statement with the numbers of these runs."""
-    return [made(evidence) for made in CLAIMS]
+    """Return every statement with the numbers measured in these runs."""
+    return [check(evidence) for check in CLAIMS]

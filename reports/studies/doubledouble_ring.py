@@ -1,4 +1,4 @@
-"""The lattice in double-double arithmetic (about 32 digits), to find what rounding does."""
+"""The lattice in double-double arithmetic (about 32 digits), to measure rounding errors."""
 
 from fractions import Fraction
 from itertools import pairwise, repeat
@@ -16,10 +16,10 @@ Array = NDArray[np.float64]
 
 @njit()
 def _axpy(y: Array, weight: Array, s: Array) -> None:
-    """y += weight s; numbers are pairs along the last axis."""
+    """Add weight * s to y in place; numbers are pairs along the last axis."""
     for i in range(y.shape[0]):
-        moved = add((y[i, 0], y[i, 1]), multiply((weight[0], weight[1]), (s[i, 0], s[i, 1])))
-        y[i, 0], y[i, 1] = moved
+        total = add((y[i, 0], y[i, 1]), multiply((weight[0], weight[1]), (s[i, 0], s[i, 1])))
+        y[i, 0], y[i, 1] = total
 
 
 @njit()
@@ -32,7 +32,7 @@ def _forces(y: Array, f: Array, K2: float, K3: float, K4: float) -> None:
 
 
 @njit()
-def _bends(f: Array, g: Array) -> None:
+def _second_differences(f: Array, g: Array) -> None:
     size = f.shape[0]
     for i in range(size):
         left, right = f[i - 1], f[(i + 1) % size]
@@ -53,31 +53,31 @@ def _advance(
     K3: float,
     K4: float,
 ) -> None:
-    """``f`` and ``g`` are space."""
+    """Advance (y, s) by a number of steps in place; ``f`` and ``g`` are work arrays."""
     for _ in range(steps):
         for i in range(kicks.shape[0]):
             _axpy(y, drifts[i], s)
             _forces(y, f, K2, K3, K4)
-            _bends(f, g)
+            _second_differences(f, g)
             _axpy(s, kicks[i], g)
         _axpy(y, drifts[kicks.shape[0]], s)
 
 
 def doubled(values: Array) -> Array:
-    """The values as pairs (value, 0), along a last axis."""
+    """Return the values as double-double pairs (value, 0) along a new last axis."""
     return np.stack([values, np.zeros_like(values)], axis=-1)
 
 
 def advance_doubled(
     scheme: Composition, y: Array, s: Array, h: float, steps: int, constants: Model
 ) -> None:
-    """Advance the ring of pairs (y, s) in place, with the coefficients' 26 digits."""
+    """Advance the ring of pairs (y, s) in place; the coefficients have 26 digits."""
     kicks = [Fraction(gamma) * Fraction(h) for gamma in scheme.gammas]
     ends = [Fraction(0), *kicks, Fraction(0)]
     drifts = [(a + b) / 2 for a, b in pairwise(ends)]
-    space = np.empty_like(y), np.empty_like(y)
-    given = _pairs(drifts), _pairs(kicks), steps, constants.K2, constants.K3, constants.K4
-    _advance(y, s, *space, *given)
+    work = np.empty_like(y), np.empty_like(y)
+    arguments = _pairs(drifts), _pairs(kicks), steps, constants.K2, constants.K3, constants.K4
+    _advance(y, s, *work, *arguments)
 
 
 def _pairs(numbers: list[Fraction]) -> Array:

@@ -1,7 +1,7 @@
-"""What each effect of a chain on a bench costs, alone and to a tolerance.
+"""Cost of each effect of a chain on a bench: per cell and stage, and of a run to a tolerance.
 
-The beta chain of 4096 cells in displacements, with nothing but one effect: what it does not ask for
-is not in its machine code. Operations are those of `StagePlan`, a fused multiply-add counted once.
+The beta chain of 4096 cells in displacements, with one effect at a time. Code is generated for
+requested effects only. Operations are those of `StagePlan`, a fused multiply-add counted once.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ TOLERANCES = (1e-6, 1e-10)
 
 @cache
 def effects() -> dict[str, NumericLattice]:
-    """The chain with each effect."""
+    """Return the chain with each effect, by the effect's name."""
     chain = numeric_lattice(LATTICES["beta_fput"], {"K2": 1, "K4": 2})
     push = SiteForce(3, time_function("force", "0.3*cos(9*t/10)"))
     shaken = time_function("wall", "0.05*sin(13*t/10)")
@@ -49,8 +49,11 @@ def effects() -> dict[str, NumericLattice]:
 
 @dataclass(frozen=True)
 class EffectCost:
-    """Operations and seconds a cell and stage, and their share of the multiply-adds that the core
-    does alone; the error estimate and seconds of a run to each of `TOLERANCES`."""
+    """Cost of an effect: operations and seconds for a cell and stage, and error and time of runs.
+
+    ``share`` is the rate of operations over the core's multiply-add rate, ``runs`` the error
+    estimate and seconds of a run to each of `TOLERANCES`.
+    """
 
     operations: int
     seconds: float
@@ -59,36 +62,38 @@ class EffectCost:
 
 
 def effect_cost(name: str) -> EffectCost:
-    """The cost of one of `effects`, on one core."""
+    """Measure the cost of one of `effects` on one core."""
     lattice = effects()[name]
     ordered, variation, _ = lattice.cellwise
     operations = varied_stage_plan(ordered, variation).flow.operations
     seconds = _stage_seconds(lattice)
     share = operations / seconds / multiply_add_rate()
-    _run(lattice, TOLERANCES[0])  # which compiles
-    return EffectCost(operations, seconds, share, tuple(_run(lattice, to) for to in TOLERANCES))
+    _run(lattice, TOLERANCES[0])  # compiles the kernels
+    return EffectCost(
+        operations, seconds, share, tuple(_run(lattice, tolerance) for tolerance in TOLERANCES)
+    )
 
 
 def _stage_seconds(lattice: NumericLattice) -> float:
-    """The least of some rounds, a cell and stage."""
+    """Return the seconds for a cell and stage, the smallest of several rounds."""
     random = np.random.default_rng(0)
-    dynamics, spent = Dynamics(lattice), []
+    dynamics, times = Dynamics(lattice), []
     state = lattice.with_walls(State(0.0, *(0.1 * random.standard_normal((2, 1, CELLS)))))
     for number in range(ROUNDS):
-        begun = time.perf_counter()
+        start = time.perf_counter()
         dynamics.advance(REDUCED_PHASE_6, state.f, state.v, STEP, STEPS, number * STEPS * STEP)
-        spent.append(time.perf_counter() - begun)
-    return min(spent) / (STEPS * REDUCED_PHASE_6.stages * CELLS)
+        times.append(time.perf_counter() - start)
+    return min(times) / (STEPS * REDUCED_PHASE_6.stages * CELLS)
 
 
 def _run(lattice: NumericLattice, tolerance: float) -> tuple[float, float]:
-    """The error estimate, and the seconds of the run and of the search for its step."""
+    """Return a run's error estimate, and its seconds including the search for the step."""
     f = np.exp(-((np.arange(CELLS) / WIDTH - 10.0) ** 2))[np.newaxis]
-    begun = time.perf_counter()
-    found = integrate(lattice, State(0.0, f, np.zeros_like(f)), [END], tolerance=tolerance)
-    return found.error_estimate, time.perf_counter() - begun
+    start = time.perf_counter()
+    result = integrate(lattice, State(0.0, f, np.zeros_like(f)), [END], tolerance=tolerance)
+    return result.error_estimate, time.perf_counter() - start
 
 
 def effect_jobs() -> dict[Key, Job]:
-    """A job for each effect."""
+    """Return a job for each effect."""
     return {("effect", name): Job(effect_cost, (name,), 3.0) for name in effects()}

@@ -1,6 +1,6 @@
-"""What the search for dishonest estimates found: its records, and the rows of their table.
+"""Records of the search for dishonest error estimates, and the rows of their table.
 
-`python -m searches.estimates --output FILE` writes a line for each random scene that it judges.
+`python -m searches.estimates --output FILE` writes one line for each random scene.
 """
 
 import json
@@ -16,26 +16,27 @@ from longwave.support.processes import Key
 from longwave.support.user_files import read_text
 
 GOOD = 0.1
-"""The reference's error, in units of the estimate, that is good enough."""
+"""Largest error of the reference, in units of the estimate, for a reliable ratio."""
 
 MOST_BYTES = 100_000_000
-"""Bytes of a file of records."""
+"""Largest accepted file of records, in bytes."""
 
 VERDICTS = ("honest", "dishonest", "undecided", "refused", "false alarm", "no answer")
-"""What is said of a scene.
+"""Verdicts on a scene.
 
-``undecided``: the reference is not good enough. ``refused``: a reason of one line and no estimate.
-``false alarm``: the reason is a blow-up that the reference does not have. ``no answer``: anything
-else, such as an estimate that is not finite, another exception than ValueError, or no end.
+``undecided``: the reference is not accurate enough. ``refused``: no estimate but a reason in one
+line. ``false alarm``: a blow-up is reported that the reference does not have. ``no answer``:
+anything else, such as an estimate that is not finite, an exception other than ValueError, or a
+run that does not end.
 """
 
 
 @dataclass(frozen=True)
 class Judged:
-    """What was found about the scene (seed, index); numbers are NaN where there are none.
+    """Record of the random scene (seed, index); numbers are NaN if they do not exist.
 
-    ``own`` is the reference's error, ``seconds`` the processor time of run and reference, ``scene``
-    the scene as JSON.
+    ``asked`` is the requested engine, ``own`` the reference's error, ``seconds`` the processor time
+    of run and reference, ``scene`` the scene as JSON.
     """
 
     seed: int
@@ -62,47 +63,50 @@ class Judged:
         return math.inf if self.true > 0 else 0.0
 
     @property
-    def told(self) -> bool:
-        """Whether the reference is so good that the ratio means something."""
+    def is_reliable(self) -> bool:
+        """Whether the scene is honest and its reference accurate enough for a meaningful ratio."""
         return self.verdict == "honest" and self.own <= GOOD * self.estimate
 
     @property
     def kind(self) -> str:
-        """The reason without its numbers."""
+        """The reason without its numbers, to group equal reasons."""
         return re.sub(r"-?\d[\d.e+-]*", "N", self.reason)[:100]
 
     @property
     def sound(self) -> bool:
-        """Whether nothing speaks against the run."""
+        """Whether the verdict is not a fault of the run."""
         return self.verdict in ("honest", "refused", "undecided")
 
     def json(self) -> str:
-        """One line."""
+        """Return the record as one line of JSON."""
         return json.dumps(asdict(self))
 
 
 def judged_scenes(path: Path) -> list[Judged]:
-    """The records of a file; ValueError in one line if it holds anything else."""
+    """Read the records of a file. Raises ValueError, in one line, if it holds anything else."""
     try:
         lines = read_text(path, "file", MOST_BYTES).splitlines()
         return [Judged(**json.loads(line)) for line in lines]
     except (OSError, TypeError, ValueError) as error:
         reason = " ".join(str(error).split())[:150]
         raise ValueError(
-            f"--estimates must be what `python -m searches.estimates --output` wrote, got {path}: "
-            f"{reason}"
+            "--estimates must be a file written by `python -m searches.estimates --output`, got "
+            f"{path}: {reason}"
         ) from None
 
 
 def judged_findings(path: Path | None) -> dict[Key, Judged]:
-    """The records of a file under the keys of a report's findings; of no file none."""
-    found = [] if path is None else judged_scenes(path)
-    return {("estimate", one.index): one for one in sorted(found, key=lambda one: one.index)}
+    """Return a file's records under the keys of a report's findings; empty without a file."""
+    records = [] if path is None else judged_scenes(path)
+    return {
+        ("estimate", record.index): record
+        for record in sorted(records, key=lambda record: record.index)
+    }
 
 
 @dataclass(frozen=True)
 class EstimateRow:
-    """Counts, and quantiles of true/estimate where that is told, of a wave's or engine's scenes."""
+    """Counts of verdicts and quantiles of reliable ratios for the scenes of one wave or engine."""
 
     name: str
     count: int
@@ -112,31 +116,33 @@ class EstimateRow:
 
 
 QUANTILES = (0.05, 0.5, 0.95, 1.0)
-"""The quantiles of a row."""
+"""Probabilities of the quantiles in a row."""
 
 
 def estimate_rows(found: Iterable[Judged]) -> list[EstimateRow]:
-    """One row a wave, one for each engine, asked for and chosen, and one for all scenes."""
+    """Return a row for each wave, for each engine (requested or chosen), and for all scenes."""
     judged = list(found)
     if not judged:
         return []
-    waves = sorted({one.wave for one in judged})
-    groups = {wave: [one for one in judged if one.wave == wave] for wave in waves}
-    for engine in sorted({one.engine for one in judged} - {""}):
-        for how, asked in (("by name", engine), ("chosen", "")):
-            title = f"{engine}, {how}"
-            groups[title] = [j for j in judged if j.engine == engine and j.asked == asked]
+    waves = sorted({scene.wave for scene in judged})
+    groups = {wave: [scene for scene in judged if scene.wave == wave] for wave in waves}
+    for engine in sorted({scene.engine for scene in judged} - {""}):
+        for selection, asked in (("by name", engine), ("chosen", "")):
+            title = f"{engine}, {selection}"
+            groups[title] = [
+                scene for scene in judged if scene.engine == engine and scene.asked == asked
+            ]
     groups["all"] = judged
     return [_row(name, group) for name, group in groups.items()]
 
 
 def _row(name: str, group: Sequence[Judged]) -> EstimateRow:
-    ratios = [one.ratio for one in group if one.verdict == "dishonest" or one.told]
+    ratios = [scene.ratio for scene in group if scene.verdict == "dishonest" or scene.is_reliable]
     quantiles = np.quantile(ratios, QUANTILES, method="lower") if ratios else [math.nan] * 4
     return EstimateRow(
         name,
         len(group),
-        {verdict: sum(one.verdict == verdict for one in group) for verdict in VERDICTS},
-        {share: float(found) for share, found in zip(QUANTILES, quantiles, strict=True)},
-        sum(one.seconds + one.reference_seconds for one in group),
+        {verdict: sum(scene.verdict == verdict for scene in group) for verdict in VERDICTS},
+        {share: float(value) for share, value in zip(QUANTILES, quantiles, strict=True)},
+        sum(scene.seconds + scene.reference_seconds for scene in group),
     )

@@ -1,17 +1,16 @@
-"""How exact the evaluation is: worst errors of Y, Y_X, Y_T over the stated domain.
+"""Accuracy of the evaluation: worst errors of Y, Y_X, Y_T over the stated domain.
 
 ``all_cases`` has the ends of every parameter's domain at ordinary constants, and cases drawn from
 the whole domain: k and every other bounded parameter down to 1e-8 from one end and 1e-12 from the
 other, amplitudes from 1e-3 to 1e3, K2 and |K4| from 1e-4 to 1e4, eps from 1e-3 to 1/2, sites to
 1e8, four of them at the corners of K2 and K4; rational solutions up to order 8 with and without
-free shifts. Waves of other equations than mKdV are taken on the scales of the same lattice, the
-other way in time and with h = -K4.
+free shifts. Waves of equations other than mKdV use the scales of the same lattice, with reversed
+time and h = -K4.
 
-The points are given as (site, time, eps), as a lattice run gives them: crests, the smallest values
-of each of the three, zeros of Y_T to the last bit of the site, steep slopes, far tails and random
-ones. Errors are in units of max(1, |value|). The reference is mpmath at 60 digits: it evaluates
-the canonical expression, with differences for derivatives, and doubles its digits until two
-results agree.
+Points are (site, time, eps), as in a lattice run: crests, the smallest values of each of the
+three, zeros of Y_T to the last bit of the site, steep slopes, far tails and random ones. Errors
+are in units of max(1, |value|). The reference is mpmath at 60 digits: it evaluates the canonical
+expression, with differences for derivatives, and doubles its digits until two results agree.
 """
 
 import random
@@ -60,13 +59,13 @@ _SOLITONS = {
     "nls_akhmediev a": "1e-8; 1/8; 1/4; 0.49999999; 0.4999999999995",
     "nls_kuznetsov_ma a": "0.5000000000005; 0.50000001; 1; 40; 1000",
 }
-"""Waves without modulus and their parameters: values at the ends of the domains, and between."""
+"""Parameters of waves without a modulus: values at the ends of the domains, and between."""
 
 SOLITON_VALUES: dict[str, tuple[tuple[tuple[str, sp.Rational], ...], ...]] = {
     name: tuple(tuple(zip(names, _rationals(row), strict=True)) for row in rows.split(";"))
     for (name, *names), rows in ((head.split(), rows) for head, rows in _SOLITONS.items())
 }
-"""For each wave its cases; a case is names with exact values."""
+"""Cases of each wave in `_SOLITONS`; a case is a tuple of (name, exact value)."""
 
 
 MODULI = _rationals("1e-8 1/100 1/2 9/10 99/100 0.9999 0.99999999 0.999999999999")
@@ -79,7 +78,7 @@ TIMES = (0, 2960, 800_000, 80_000_000, -80_000_000)
 """Lattice times: T = 0, 0.37, 100, 1e4 and -1e4 at eps = 1/20."""
 
 DRAWN = 24
-"""Cases drawn for each wave."""
+"""Number of random cases for each wave."""
 
 FARTHEST_SITE = 1e8
 SMALLEST, BELOW_ONE = 1e-8, 1e-12
@@ -110,9 +109,9 @@ def _rational(order: int, *free: int) -> ClosedForm:
 
 @dataclass(frozen=True)
 class WaveCase:
-    """A wave by its name (``rational_j`` for any j) with exact parameter values.
+    """A wave, by name (``rational_j`` for any j), with exact parameter values.
 
-    ``K4`` is a size: its sign is that of the wave's equation.
+    ``K4`` is an absolute value: its sign is that of the wave's equation.
     """
 
     name: str
@@ -124,7 +123,7 @@ class WaveCase:
 
     @property
     def form(self) -> ClosedForm:
-        """The closed form; rational solutions keep the shifts that have values as parameters."""
+        """Closed form; rational solutions keep the shifts that have values as parameters."""
         if self.name in CATALOGUE.names:
             return closed_form(self.name)
         order = int(self.name.removeprefix("rational_"))
@@ -132,45 +131,45 @@ class WaveCase:
 
     @property
     def normal_form(self) -> NormalForm:
-        """By default K2 = 4 for the focusing waves and K2 = 1 for the others."""
+        """Normal form; by default K2 = 4 for the focusing waves and K2 = 1 for the others."""
         equation, sign = self.form.equation, self.sign
         K2 = (4 if sign > 0 else 1) if self.K2 is None else self.K2
-        found = mkdv_normal_form(K2=K2, K4=sign * self.K4)
+        normal_form = mkdv_normal_form(K2=K2, K4=sign * self.K4)
         if equation.normal == "mKdV":
-            return found
-        across = found.a if equation.has_across else sp.S.Zero
-        rest = equation.normal, -self.K4, across, equation.r
-        return NormalForm(found.a, -found.b, sp.Integer(sign), found.c, *rest)
+            return normal_form
+        transverse_scale = normal_form.a if equation.has_across else sp.S.Zero
+        further = equation.normal, -self.K4, transverse_scale, equation.r
+        return NormalForm(normal_form.a, -normal_form.b, sp.Integer(sign), normal_form.c, *further)
 
     @property
     def sign(self) -> int:
-        """The sign of K4, which is the equation's; 1 where it has either."""
+        """Sign of K4, which is that of the equation; 1 if the equation allows both."""
         return 1 if self.form.equation.free_sign else int(self.form.equation.s)
 
     def wave(self) -> Wave:
-        """The wave itself."""
+        """Return the wave with the case's numbers."""
         return Wave(self.form, self.normal_form, **dict(self.parameters))
 
     def __str__(self) -> str:
-        shown = self.parameters
+        settings = self.parameters
         if self.K2 is not None:
-            shown += (("K2", self.K2), ("K4", self.sign * self.K4), ("eps", self.eps))
-        return ", ".join(f"{name} = {_short(value)}" for name, value in shown)
+            settings += (("K2", self.K2), ("K4", self.sign * self.K4), ("eps", self.eps))
+        return ", ".join(f"{name} = {_short(value)}" for name, value in settings)
 
 
 def wave_names() -> list[str]:
-    """The catalogue's names and the rational solutions of higher order."""
+    """Return the catalogue's names and those of the rational solutions of higher order."""
     higher = range(4, LARGEST_ORDER + 1)
     return list(CATALOGUE.names) + [f"rational_{order}" for order in higher]
 
 
 def all_cases(name: str, drawn: int = DRAWN) -> Iterator[WaveCase]:
-    """The cases of one wave: ends of domains, then ``drawn`` from the whole.
+    """Yield the cases of one wave: ends of domains, then ``drawn`` random ones.
 
     >>> [str(case) for case in all_cases("kink")][:3]
     ['A = 0.001', 'A = 0.1', 'A = 1']
 
-    Raises ValueError for a name that is no wave of the study.
+    Raises ValueError for a name that is no wave of this study.
     """
     if name not in wave_names():
         raise ValueError(f"name must be a wave, got {name!r} ({one_of(name, wave_names())})")
@@ -189,24 +188,24 @@ def all_cases(name: str, drawn: int = DRAWN) -> Iterator[WaveCase]:
 
 
 def drawn_cases(name: str, count: int, seed: int = 1) -> Iterator[WaveCase]:
-    """Random cases of one wave from the whole domain, the second to fifth at ``CORNERS``.
+    """Yield random cases of one wave from the whole domain, the second to fifth at ``CORNERS``.
 
     >>> [str(case) for case in drawn_cases("kink", 1)]
     ['A = 24.02, K2 = 0.8219, K4 = -73.21, eps = 0.006092']
     """
     rng = random.Random(f"{name} {seed}")
     for index in range(count):
-        values = _drawn_values(name, rng)
+        values = _random_values(name, rng)
         K2, K4 = (_logarithmic(rng, WEAKEST, STRONGEST) for _ in range(2))
         eps = _logarithmic(rng, FINEST, COARSEST)
         if 0 < index <= len(CORNERS):
             K2, K4, eps = CORNERS[index - 1]
         latest = FARTHEST_SITE / float(sp.sqrt(K2))
-        late = rng.choice((-1, 1)) * float(_logarithmic(rng, 1e-6 * latest, latest))
-        yield WaveCase(name, values, K2, K4, eps, (0, late, -latest))
+        random_time = rng.choice((-1, 1)) * float(_logarithmic(rng, 1e-6 * latest, latest))
+        yield WaveCase(name, values, K2, K4, eps, (0, random_time, -latest))
 
 
-def _drawn_values(name: str, rng: random.Random) -> Values:
+def _random_values(name: str, rng: random.Random) -> Values:
     values: dict[sp.Symbol, sp.Expr] = {}
     for parameter in WaveCase(name).form.parameters:
         lower = parameter.lower.value if parameter.lower is not None else sp.S.Zero
@@ -222,7 +221,7 @@ def _drawn_values(name: str, rng: random.Random) -> Values:
 
 
 def _between(rng: random.Random) -> sp.Rational:
-    """A fraction of a bounded domain: near 0, near 1 or anywhere."""
+    """Return a random fraction of a bounded domain: near 0, near 1 or anywhere."""
     near_end = rng.choice((None, SMALLEST, BELOW_ONE))
     if near_end is None:
         return sp.Rational(rng.randrange(1, 10**6), 10**6)
@@ -231,7 +230,7 @@ def _between(rng: random.Random) -> sp.Rational:
 
 
 def _logarithmic(rng: random.Random, low: float, high: float) -> sp.Rational:
-    """A rational number of six digits, its logarithm uniform."""
+    """Return a random rational number of six digits, uniform in its logarithm."""
     return sp.Rational(f"{low * (high / low) ** rng.random():.5e}")
 
 
@@ -251,7 +250,7 @@ def _shifts(order: int) -> Values:
 
 
 def _short(value: sp.Expr) -> str:
-    """A few digits; values near 1 by their distance from it."""
+    """Format a number with a few digits; one near 1 as 1 minus its distance."""
     near = 1 - value
     if value != 1 and abs(near) < sp.Rational(1, 1000):
         return f"1 - {float(near):.3g}"
@@ -259,14 +258,14 @@ def _short(value: sp.Expr) -> str:
 
 
 PROMISED_ERROR = 1e-13
-"""The promised bound on every error."""
+"""Promised bound on every error."""
 
 REFERENCE_DIGITS = 60
 WIDTHS = (4.0, 60.0)
-"""Half-widths, in units of xi, of the places that are searched for points."""
+"""Half-widths, in units of xi, of the intervals searched for points."""
 
 CASE_SECONDS = {False: 0.2, True: 2.0}
-"""About the time of a case, by whether the wave's background is periodic: its reference values are
+"""Expected seconds of a case, by whether its background is periodic: the reference values are
 elliptic functions then."""
 
 GRID = 2001
@@ -275,7 +274,7 @@ BISECTIONS = 60
 
 @dataclass(frozen=True)
 class Accuracy:
-    """The worst errors of Y, Y_X, Y_T over some points of one wave, and where they occur."""
+    """Worst errors of Y, Y_X, Y_T over some points of one wave, and the point of the worst."""
 
     name: str
     points: int
@@ -284,11 +283,11 @@ class Accuracy:
 
     @property
     def passed(self) -> bool:
-        """Whether every error is within the promised bound (NaN is not)."""
+        """Whether every error is within the promised bound; False for NaN."""
         return all(error <= PROMISED_ERROR for error in self.errors)
 
     def json(self) -> dict[str, object]:
-        """The record as JSON data."""
+        """Return the record as JSON data."""
         errors = dict(zip(("Y", "Y_X", "Y_T"), self.errors, strict=True))
         return {"wave": self.name, "points": self.points, "errors": errors, "worst": self.worst}
 
@@ -296,66 +295,73 @@ class Accuracy:
 def measure_accuracy(
     case: WaveCase, times: Iterable[float] | None = None, per_time: int = 9, grid: int = GRID
 ) -> Accuracy:
-    """The worst errors of one case at ``per_time`` points for each lattice time.
+    """Return the worst errors of one case at ``per_time`` points for each lattice time.
 
-    ``grid`` sites on either scale around a centre are searched for these points. ``times`` are
-    the case's own if None.
+    The points are chosen among ``grid`` sites on either scale around each centre. ``times``
+    default to those of the case.
 
-    Raises FloatingPointError if NumPy sees an overflow, a division by zero or a NaN.
+    Raises FloatingPointError if NumPy meets an overflow, a division by zero or a NaN.
     """
     wave, eps = case.wave(), float(case.eps)
     rng = np.random.default_rng(1)
-    worst, where, count = np.zeros(3), "", 0
+    worst, worst_point, count = np.zeros(3), "", 0
     with np.errstate(over="raise", divide="raise", invalid="raise"):
         for t in case.times if times is None else times:
-            across = _place_across(wave, rng)
-            for n in sample_sites(wave, t, eps, rng, grid, **across)[:per_time]:
-                errors = errors_at(wave, n, t, eps, **across)
+            transverse_site = _random_transverse_site(wave, rng)
+            for n in sample_sites(wave, t, eps, rng, grid, **transverse_site)[:per_time]:
+                errors = errors_at(wave, n, t, eps, **transverse_site)
                 if not np.max(errors) <= np.max(worst):
-                    told = "".join(f", m = {m!r}" for m in across.values())
-                    where = f"{case} n = {n!r}, t = {t:.12g}{told}".strip()
+                    transverse = "".join(f", m = {m!r}" for m in transverse_site.values())
+                    worst_point = f"{case} n = {n!r}, t = {t:.12g}{transverse}".strip()
                 worst = np.maximum(worst, errors)
                 count += 1
-    return Accuracy(case.name, count, _three(worst), where)
+    return Accuracy(case.name, count, _three(worst), worst_point)
 
 
-def _place_across(wave: Wave, rng: np.random.Generator) -> dict[str, float]:
-    """A site across, near or far, where there are any."""
+def _random_transverse_site(wave: Wave, rng: np.random.Generator) -> dict[str, float]:
+    """Return a random site on the transverse axis, near or far; empty if the wave has none."""
     if not wave.numbers.is_planar:
         return {}
     return {"m": float(rng.normal(scale=rng.choice((1.0, 1e3, FARTHEST_SITE))))}
 
 
 def sample_sites(
-    wave: Wave, t: float, eps: float, rng: np.random.Generator, grid: int, **across: float
+    wave: Wave, t: float, eps: float, rng: np.random.Generator, grid: int, **transverse_site: float
 ) -> list[float]:
-    """A zero of Y_T, the smallest of |Y_X| and |Y|, crest, steepest slope, random and far sites.
+    """Choose sites: zero of Y_T, smallest |Y_X| and |Y|, crest, steepest slope, random and far.
 
-    They are found on a grid around every place where a phase of the wave vanishes.
+    The search uses a grid around every point where a phase of the wave vanishes.
     """
     rate = float(wave.normal_form.a) * eps
     centre = float(wave.normal_form.c) * t
-    places = [z for z in wave.phase_zeros(t, eps, **across) if abs(z) <= 2 * FARTHEST_SITE]
-    centres = [centre, *places]
+    phase_zeros = [
+        z for z in wave.phase_zeros(t, eps, **transverse_site) if abs(z) <= 2 * FARTHEST_SITE
+    ]
+    centres = [centre, *phase_zeros]
     sharpest = max(1.0, *(abs(float(value)) for value in wave.parameters.values()), 1.0)
     widths = [width / rate / scale for width in WIDTHS for scale in {1.0, sharpest}]
     offsets = np.concatenate([width * np.linspace(-1, 1, grid) for width in widths])
-    sites = np.concatenate([place + offsets for place in centres])
-    found = [np.abs(part) for part in wave.at(sites, t, eps, **across)]
-    zero = _last_zero(wave, t, eps, np.sort(sites), **across)
-    chosen = (np.argmin(found[1]), np.argmax(found[2]), np.argmin(found[0]), np.argmax(found[0]))
+    sites = np.concatenate([centre_of_grid + offsets for centre_of_grid in centres])
+    values = [np.abs(part) for part in wave.at(sites, t, eps, **transverse_site)]
+    zero_of_rate = _last_zero(wave, t, eps, np.sort(sites), **transverse_site)
+    chosen = (
+        np.argmin(values[1]),
+        np.argmax(values[2]),
+        np.argmin(values[0]),
+        np.argmax(values[0]),
+    )
     near = float(rng.choice(sites))
     scattered = near, float(round(near)), centre + float(rng.normal(scale=1e3 / rate))
     far = FARTHEST_SITE * (-1.0) ** rng.integers(2)
-    return [zero, *(float(sites[i]) for i in chosen), *scattered, float(far)]
+    return [zero_of_rate, *(float(sites[i]) for i in chosen), *scattered, float(far)]
 
 
-def _last_zero(wave: Wave, t: float, eps: float, sites: Array, **across: float) -> float:
-    """The site, to the last bit, at which Y_T changes its sign; the smallest |Y_T| if none does.
+def _last_zero(wave: Wave, t: float, eps: float, sites: Array, **transverse_site: float) -> float:
+    """Return the site, to the last bit, where Y_T changes sign, or the smallest |Y_T| if none does.
 
-    Of a complex one, its real part.
+    A complex Y_T is replaced by its real part.
     """
-    rates = wave.at(sites, t, eps, **across).Y_T.real
+    rates = wave.at(sites, t, eps, **transverse_site).Y_T.real
     turns = np.flatnonzero(rates[1:] * np.sign(rates[:-1]) < 0)
     if turns.size == 0:
         return float(sites[np.argmin(abs(rates))])
@@ -363,21 +369,21 @@ def _last_zero(wave: Wave, t: float, eps: float, sites: Array, **across: float) 
     low, high, sign = float(sites[turn]), float(sites[turn + 1]), np.sign(rates[turn])
     for _ in range(BISECTIONS):
         middle = low + (high - low) / 2
-        if np.sign(wave.at(middle, t, eps, **across).Y_T.real) == sign:
+        if np.sign(wave.at(middle, t, eps, **transverse_site).Y_T.real) == sign:
             low = middle
         else:
             high = middle
     return low
 
 
-def errors_at(wave: Wave, n: float, t: float, eps: float, **across: float) -> Array:
-    """The errors of Y, Y_X, Y_T at one site and time, in units of max(1, |value|).
+def errors_at(wave: Wave, n: float, t: float, eps: float, **transverse_site: float) -> Array:
+    """Return the errors of Y, Y_X, Y_T at one site and time, in units of max(1, |value|).
 
-    Y_Z counts with Y_X. Real and imaginary part are judged each by itself.
+    The error of Y_Z is included in that of Y_X. Real and imaginary part are compared separately.
     """
-    exact = wave.mp_at(n, t, eps, REFERENCE_DIGITS, **across)
-    found = wave.at(n, t, eps, **across)
-    errors = [_error(value, reference) for value, reference in zip(found, exact, strict=True)]
+    exact = wave.mp_at(n, t, eps, REFERENCE_DIGITS, **transverse_site)
+    computed = wave.at(n, t, eps, **transverse_site)
+    errors = [_error(value, reference) for value, reference in zip(computed, exact, strict=True)]
     return np.array([errors[0], max(errors[1], *errors[3:], 0.0), errors[2]])
 
 
@@ -387,12 +393,12 @@ def _error(value: Any, exact: Any) -> float:
 
 
 def worst_of(results: Iterable[Accuracy]) -> Accuracy:
-    """The cases of one wave in one record."""
+    """Merge the records of one wave into one record of its worst errors."""
     all_results = list(results)
-    top = max(all_results, key=lambda result: max(result.errors))
+    largest_error = max(all_results, key=lambda result: max(result.errors))
     errors = np.max([result.errors for result in all_results], axis=0)
     count = sum(result.points for result in all_results)
-    return Accuracy(top.name, count, _three(errors), top.worst)
+    return Accuracy(largest_error.name, count, _three(errors), largest_error.worst)
 
 
 def _three(errors: Array) -> tuple[float, float, float]:
@@ -400,7 +406,7 @@ def _three(errors: Array) -> tuple[float, float, float]:
 
 
 def accuracy_jobs(full: bool) -> dict[Key, Job]:
-    """The cases of every wave; for the short report the first, middle and last, at a few points."""
+    """Return the jobs of every wave; the short report takes three cases of each at a few points."""
     jobs: dict[Key, Job] = {}
     for name in wave_names():
         cases = list(all_cases(name))

@@ -1,9 +1,9 @@
-"""Evaluation: digits against seconds, for each wave in each arithmetic.
+"""Evaluation: correct digits against seconds, for each wave in each arithmetic.
 
-A point costs the wave and both its derivatives. Double-doubles are timed on arrays, mpmath and
-balls (python-flint's acb) one point at a time. The digits are those of the worst of the
-three over the points, relative to max(1, |value|): measured against mpmath with more digits, but
-for balls, whose own radius proves them.
+The cost of a point includes the wave and both its derivatives. Double-doubles are timed on
+arrays, mpmath and balls (python-flint's acb) one point at a time. The digits are those of the
+worst of the three values over the points, relative to max(1, |value|). The reference is mpmath
+with more digits; for balls the proved radius is the error.
 """
 
 import math
@@ -26,23 +26,23 @@ from longwave.solutions.symbols import tau, xi
 from longwave.support.processes import Job, Key
 from longwave.verify.proof.balls import BallEvaluator, JetShape
 
-PLACES: tuple[sp.Rational, ...] = tuple(sp.Rational(7 * i - 24, 16) for i in range(8))
-"""X (or xi) of the points: doubles, and so the same in every arithmetic."""
+POINTS: tuple[sp.Rational, ...] = tuple(sp.Rational(7 * i - 24, 16) for i in range(8))
+"""X (or xi) of the points: exact as doubles, so the same in every arithmetic."""
 
 TIME = sp.Rational(5, 16)
 """T (or tau) of the points."""
 
 ARRAY = 20_000
-"""Points of an array that is timed."""
+"""Number of points in a timed array."""
 
 REPEATS = 3
 EXACT_DIGITS = 120
-"""Digits of the values that errors are measured against."""
+"""Digits of the reference values."""
 
 _ORDINARY = {"k": "7/10", "alpha": "1/2", "A": "1", "X_0": "0", "p": "6/5", "q": "4/5"}
 _ORDINARY |= {"A_1": "7/5", "A_2": "3/5", "kappa": "9/10", "U_0": "1/2"}
 ORDINARY = {name: sp.Rational(value) for name, value in _ORDINARY.items()}
-"""Values of parameters at which nothing is special."""
+"""Generic values of the parameters."""
 
 Errors = Iterable[float]
 Row = Sequence[Any]
@@ -51,7 +51,7 @@ Measure = Callable[[WaveCase], tuple[Errors, float]]
 
 @dataclass(frozen=True)
 class EvaluationCost:
-    """Worst correct decimal digits over the points, and seconds a point."""
+    """Worst number of correct decimal digits over the points, and seconds a point."""
 
     wave: str
     arithmetic: str
@@ -60,7 +60,7 @@ class EvaluationCost:
 
 
 def ordinary_case(name: str) -> WaveCase:
-    """The wave with ordinary rational parameters.
+    """Return the wave with generic rational parameters.
 
     >>> str(ordinary_case("breather_sn"))
     'k = 0.7, alpha = 0.5, X_0 = 0'
@@ -72,17 +72,17 @@ def ordinary_case(name: str) -> WaveCase:
 
 
 def evaluation_costs(name: str) -> list[EvaluationCost]:
-    """Every arithmetic on one wave."""
+    """Measure digits and seconds of every arithmetic on one wave."""
     case = ordinary_case(name)
-    found = []
+    costs = []
     for arithmetic, measure in ARITHMETICS.items():
         errors, seconds = measure(case)
-        found.append(EvaluationCost(name, arithmetic, correct_digits(errors), seconds))
-    return found
+        costs.append(EvaluationCost(name, arithmetic, correct_digits(errors), seconds))
+    return costs
 
 
 def correct_digits(errors: Errors) -> float:
-    """The digits that the worst error leaves.
+    """Return the number of correct digits for the worst error; infinity if it is 0.
 
     >>> correct_digits([1e-3, 1e-5])
     3.0
@@ -92,7 +92,7 @@ def correct_digits(errors: Errors) -> float:
 
 
 def least_seconds(function: Callable[[], object], repeats: int = REPEATS) -> float:
-    """The least time of several calls."""
+    """Return the least time of several calls."""
     best = math.inf
     for _ in range(repeats):
         start = time.perf_counter()
@@ -102,58 +102,62 @@ def least_seconds(function: Callable[[], object], repeats: int = REPEATS) -> flo
 
 
 def measure_array(case: WaveCase) -> tuple[Errors, float]:
-    """Double-doubles, at n and t with eps = 1, for which X and T are exact."""
+    """Measure double-doubles, at n and t with eps = 1, for which X and T are exact."""
     wave = case.wave()
     speed = int(wave.normal_form.c)
-    rows = [wave.pairs_at(float(x + speed * TIME), float(TIME), 1.0) for x in PLACES]
-    found = [[np.atleast_1d(part) for part in row] for row in rows]
+    rows = [wave.pairs_at(float(x + speed * TIME), float(TIME), 1.0) for x in POINTS]
+    values = [[np.atleast_1d(part) for part in row] for row in rows]
     n = np.linspace(-50.0, 50.0, ARRAY)
     seconds = least_seconds(lambda: wave.pairs_at(n, float(TIME), 1.0)) / ARRAY
-    return _errors(found, exact_values(case)), seconds
+    return _errors(values, exact_values(case)), seconds
 
 
 def measure_mpmath(digits: int, case: WaveCase) -> tuple[Errors, float]:
-    """mpmath working with so many digits on the canonical form and its derivatives."""
+    """Measure mpmath with that many digits on the canonical form and its derivatives."""
     exact = exact_values(case)
     start = time.perf_counter()
-    found = _mp_values(case, digits)
-    seconds = (time.perf_counter() - start) / len(PLACES)
-    return _errors([[[value] for value in row] for row in found], exact), seconds
+    values = _mp_values(case, digits)
+    seconds = (time.perf_counter() - start) / len(POINTS)
+    return _errors([[[value] for value in row] for row in values], exact), seconds
 
 
 def measure_balls(digits: int, case: WaveCase) -> tuple[Errors, float]:
-    """Ball arithmetic with so many digits; the errors are the balls' radii."""
+    """Measure ball arithmetic with that many digits; the errors are the balls' radii."""
     bits = math.ceil(digits * math.log2(10))
-    form, given = case.form, dict(case.wave().parameters)
+    form, parameter_values = case.form, dict(case.wave().parameters)
 
     def values() -> list[acb]:
         with ctx.workprec(bits):
-            return [ball for place in PLACES for ball in _balls(form.expression, given, place)]
+            return [
+                ball
+                for point in POINTS
+                for ball in _balls(form.expression, parameter_values, point)
+            ]
 
     balls = values()
     errors = [float(ball.real.rad()) / max(1.0, abs(float(ball.real.mid()))) for ball in balls]
-    return errors, least_seconds(values, 1) / len(PLACES)
+    return errors, least_seconds(values, 1) / len(POINTS)
 
 
 def _balls(
-    U: sp.Expr, parameters: Mapping[sp.Symbol, sp.Expr], place: sp.Rational
+    U: sp.Expr, parameters: Mapping[sp.Symbol, sp.Expr], point: sp.Rational
 ) -> tuple[acb, ...]:
-    """U, U_xi, U_tau at one point."""
+    """Return U, U_xi, U_tau at one point."""
     shape = JetShape([(1, 0), (0, 1)])
-    point = {**parameters, xi: place, tau: TIME}
-    coefficients: tuple[acb, ...] = BallEvaluator(shape, (xi, tau), point).jet(U).coefficients
+    values = {**parameters, xi: point, tau: TIME}
+    coefficients: tuple[acb, ...] = BallEvaluator(shape, (xi, tau), values).jet(U).coefficients
     return coefficients
 
 
 @lru_cache(maxsize=1)
 def exact_values(case: WaveCase) -> list[Row]:
-    """Y, Y_X, Y_T at the points to `EXACT_DIGITS` digits."""
+    """Return Y, Y_X, Y_T at the points to `EXACT_DIGITS` digits."""
     return _mp_values(case, EXACT_DIGITS)
 
 
 @lru_cache(maxsize=1)
 def _mp_program(case: WaveCase) -> tuple[Any, MpmathFormula]:
-    """A private context, and U, U_xi, U_tau as a function of (xi, tau, *parameters) in it."""
+    """Return a private context, and in it U, U_xi, U_tau as functions of (xi, tau, *parameters)."""
     context, tape = mpmath.MPContext(), Tape()
     value = tape.record(case.form.expression)
     entries = [value, *(tape.derivative(value, variable) for variable in (xi, tau))]
@@ -162,28 +166,28 @@ def _mp_program(case: WaveCase) -> tuple[Any, MpmathFormula]:
 
 
 def _mp_values(case: WaveCase, digits: int) -> list[Row]:
-    """Y, Y_X, Y_T at the points, working with so many digits."""
+    """Return Y, Y_X, Y_T at the points, computed with that many digits."""
     wave = case.wave()
     context, formula = _mp_program(case)
     with context.workdps(digits):
-        given = [context.mpf(value.p) / value.q for value in (*wave.parameters.values(), TIME)]
-        a, b = (_long(context, getattr(wave.normal_form, name)) for name in ("a", "b"))
+        numbers = [context.mpf(value.p) / value.q for value in (*wave.parameters.values(), TIME)]
+        a, b = (_to_mpf(context, getattr(wave.normal_form, name)) for name in ("a", "b"))
         rows = [
-            formula(context, a * context.mpf(place.p) / place.q, b * given[-1], *given[:-1])
-            for place in PLACES
+            formula(context, a * context.mpf(point.p) / point.q, b * numbers[-1], *numbers[:-1])
+            for point in POINTS
         ]
         return [(row[0], a * row[1], b * row[2]) for row in rows]
 
 
-def _long(context: Any, exact: sp.Expr) -> Any:
+def _to_mpf(context: Any, exact: sp.Expr) -> Any:
     return context.mpf(exact._to_mpmath(context.prec))
 
 
-def _errors(found: Sequence[Sequence[Any]], exact: Sequence[Row]) -> list[float]:
-    """Errors relative to max(1, |value|); a value is the sum of its parts."""
+def _errors(values: Sequence[Sequence[Any]], exact: Sequence[Row]) -> list[float]:
+    """Return errors relative to max(1, |value|); a value is the sum of its parts."""
     context = mpmath.MPContext()
     context.dps = EXACT_DIGITS
-    pairs = ((v, e) for row in zip(found, exact, strict=True) for v, e in zip(*row, strict=True))
+    pairs = ((v, e) for row in zip(values, exact, strict=True) for v, e in zip(*row, strict=True))
     return [float(abs(context.fsum(map(context.mpf, v)) - e) / max(1, abs(e))) for v, e in pairs]
 
 
@@ -192,10 +196,10 @@ ARITHMETICS: Mapping[str, Measure] = {
     **{f"balls, {digits} digits": partial(measure_balls, digits) for digits in (20, 40, 80)},
     **{f"mpmath, {digits} digits": partial(measure_mpmath, digits) for digits in (15, 30, 60)},
 }
-"""How the errors and seconds of each arithmetic are measured; before the comma its family."""
+"""Measurement function of each arithmetic; the text before the comma names its family."""
 
 
 def evaluation_cost_jobs() -> dict[Key, Job]:
-    """Every closed form of mKdV."""
+    """Return a job for every closed form of the mKdV equation."""
     names = CATALOGUE.of("mKdV").names
     return {("cost", name): Job(evaluation_costs, (name,), 1.0) for name in names}

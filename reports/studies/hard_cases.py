@@ -1,6 +1,6 @@
-"""The hard cases that must stay stable. Adding one is one function.
+"""Hard cases in which the code must stay stable. To add a case, add one function.
 
-The periodic waves are the lattice's own travelling waves, so that nothing but the seed is a
+The periodic waves are the lattice's own travelling waves, so the seeded mode is the only
 perturbation.
 """
 
@@ -48,19 +48,18 @@ CN_STEP = 0.25
 
 
 Reading = float | tuple[float, str]
-"""The number that a hard case is judged by, and what the program said if the case is about that."""
+"""Number that a hard case is judged by, optionally with the message that it produced."""
 
 
 @dataclass(frozen=True)
 class HardCase:
-    """A hard case: ``what`` is done, and the ``criterion``, a number to be bounded.
+    """A hard case: a ``setup``, and a ``criterion``, which is a number with an upper bound.
 
-    Texts hold mathematics between dollars, as claims do. ``slow`` ones take more than about two
-    seconds. Once it is run, the number ``measured`` and what the program told its user, if the case
-    is about that.
+    Texts hold mathematics between dollars, as claims do. ``slow`` cases take more than about 2 s.
+    A finished case has the number ``measured``, and the ``message`` to the user if there is one.
     """
 
-    what: str
+    setup: str
     criterion: str
     bound: float
     measured: float = math.nan
@@ -69,23 +68,23 @@ class HardCase:
 
     @property
     def passed(self) -> bool:
-        """Whether the number is within its bound; NaN is not."""
+        """Whether the number is within its bound; False for NaN."""
         return self.measured <= self.bound
 
 
 HARD_CASES: dict[str, HardCase] = {}
 MEASURES: dict[str, Callable[[], Reading]] = {}
-"""The cases, and what measures them, by name in the order in which they are declared."""
+"""Hard cases, and the functions that measure them, by name in the order of declaration."""
 
 
 def hard_case(
-    what: str, criterion: str, bound: float, slow: bool = False
+    setup: str, criterion: str, bound: float, slow: bool = False
 ) -> Callable[[Callable[[], Reading]], Callable[[], Reading]]:
-    """Declare the function below as the measurement of a hard case of its name."""
+    """Decorate a function that measures a hard case; its name is the name of the case."""
 
     def declare(measure: Callable[[], Reading]) -> Callable[[], Reading]:
         name = measure.__name__.lstrip("_")
-        HARD_CASES[name] = HardCase(what, criterion, bound, slow=slow)
+        HARD_CASES[name] = HardCase(setup, criterion, bound, slow=slow)
         MEASURES[name] = measure
         return measure
 
@@ -94,28 +93,31 @@ def hard_case(
 
 @hard_case(
     "each scheme with a step $10^{-6}$ past its linear stability limit",
-    "relative difference of the limit told and the one observed (infinite unless refused)",
+    "relative difference of the reported limit and the observed one (infinite unless refused)",
     1e-3,
 )
 def _step_limit() -> Reading:
-    """Refusal just past the limit, none just below, and the limit against the kernels' own."""
-    worst, told = 0.0, []
+    """Return the largest relative distance between the stated limit and that of the kernels.
+
+    Infinite unless a step just past the limit is refused; one just below must be accepted.
+    """
+    worst, messages = 0.0, []
     for scheme in SCHEMES:
         limit = stability_limit(scheme) / LINEAR.highest_frequency(np.zeros(1))
         check_step(limit * (1.0 - 1e-6), scheme, LINEAR.highest_frequency(np.zeros(1)))
         try:
             check_step(limit * (1.0 + 1e-6), scheme, LINEAR.highest_frequency(np.zeros(1)))
         except ValueError as error:
-            told.append(str(error))
+            messages.append(str(error))
         worst = max(worst, abs(_observed_limit(scheme, limit) / limit - 1.0))
-    return (worst if len(told) == len(SCHEMES) else math.inf), told[0]
+    return (worst if len(messages) == len(SCHEMES) else math.inf), messages[0]
 
 
 def _observed_limit(scheme: Scheme, limit: float) -> float:
-    """The step at which zone-boundary noise starts to grow in the kernels, by bisection.
+    """Return the step at which zone-boundary noise starts to grow in the kernels, by bisection.
 
     Past its limit a scheme may be unstable in a narrow resonance only, so the search ends close
-    above the limit; infinity if the noise does not grow there.
+    above the limit. Returns infinity if the noise does not grow there.
     """
     low, high = 0.98 * limit, 1.0002 * limit
     if not _noise_grows(scheme, high):
@@ -133,7 +135,7 @@ def _noise_grows(scheme: Scheme, step: float) -> bool:
 
 
 def soft_scene() -> Scene:
-    """A steep sn wave, 7 sites long, whose strains come near 1/sqrt(3), where V'' = 0."""
+    """Return a steep sn wave, 7 sites long, with strains near 1/sqrt(3), where V'' = 0."""
     scene = Scene.of(
         name="soft",
         wave="wave_sn",
@@ -154,24 +156,24 @@ def soft_scene() -> Scene:
 
 @hard_case(
     "a wave that crosses $V''=0$: the lattice goes soft",
-    "steps between the time told and a double-double run's",
+    "steps between the reported time and a double-double run's",
     1.0,
 )
 def _soft_lattice() -> Reading:
     scene = soft_scene()
-    measured = run(scene)
-    text = str(measured.attrs["blow_up"]).partition(" (")[0]
-    kept = measured.time.values.tolist() == [-20.0, -10.0] and np.isfinite(measured.strain).all()
+    result = run(scene)
+    text = str(result.attrs["blow_up"]).partition(" (")[0]
+    is_sound = result.time.values.tolist() == [-20.0, -10.0] and np.isfinite(result.strain).all()
     t, site = _first_soft_site(scene)
     expected = f"blow-up: a bond is stretched to where waves grow at t = {t:g}, site {site}"
-    reported = float(text.split("t = ")[1].split(",")[0]) if "t = " in text else math.nan
-    sound = kept and f"site {site}," in f"{text}," and text[:50] == expected[:50]
-    steps = abs(reported - t) / scene.discretisation.step
+    reported_time = float(text.split("t = ")[1].split(",")[0]) if "t = " in text else math.nan
+    sound = is_sound and f"site {site}," in f"{text}," and text[:50] == expected[:50]
+    steps = abs(reported_time - t) / scene.discretisation.step
     return (steps if sound else math.inf), text
 
 
 def _first_soft_site(scene: Scene) -> tuple[float, int]:
-    """When and where V'' <= 0 is first met, in double-double arithmetic and step by step."""
+    """Return the time and site at which V'' <= 0 first occurs in a double-double run."""
     from longwave.scenes.engines.lattice_run import domain_plan
     from longwave.scenes.engines.stepped_cells import SteppedCells
 
@@ -195,14 +197,14 @@ def _zone_boundary_noise() -> Reading:
     wave = travelling_wave("wave_dn", 0.5, 27, 1, 1)
     n = np.arange(float(8 * wave.period))
     alternating = np.where(n % 2 == 0, 1.0, -1.0)
-    grown = []
-    for scheme in (found for found in SCHEMES if isinstance(found, Composition)):
+    growths = []
+    for scheme in (scheme for scheme in SCHEMES if isinstance(scheme, Composition)):
         y, s = wave.strain(n) + NOISE * alternating, wave.velocity(n)
         h = 0.99 * stability_limit(scheme) / wave.constants.highest_frequency(y)
         for _ in range(20):
             advance(scheme, y[None], s[None], h, math.ceil(500.0 / h), wave.constants.lattice)
-            grown.append(abs(float(np.mean(alternating * y))) / NOISE)
-    return max(grown)
+            growths.append(abs(float(np.mean(alternating * y))) / NOISE)
+    return max(growths)
 
 
 @hard_case(
@@ -216,28 +218,28 @@ def _wrong_feed() -> Reading:
 
     scene = replace(load_scene("rational_2_eps_0.05"), t0=-400.0, snapshots=(0.0,))
     scene = scene.changed(sites=2048, compared=500)
-    found, stated = [], scene.discretisation
+    ends, settings = [], scene.discretisation
     for factor in (1.0, 1.001):
         _, domains = domain_plan(scene)
-        window = Window(FedWave(domains, stated.sites), stated.sites)
+        window = Window(FedWave(domains, settings.sites), settings.sites)
         state = window.start()
         amplitude = float(np.max(np.abs(state.f)))
         domains.wave = replace(moving_wave(scene), eps=factor * scene.eps)
-        run = Stepper(state, stated.table, scene.model.lattice, window, stated.step, amplitude)
-        found.append((sum(1 for _ in run.stops([0.0])), run.blow_up))
-    (sound_moves, sound_end), (moves, end) = found
+        run = Stepper(state, settings.table, scene.model.lattice, window, settings.step, amplitude)
+        ends.append((sum(1 for _ in run.stops([0.0])), run.blow_up))
+    (sound_moves, sound_end), (moves, end) = ends
     stopped = end is not None and sound_end is None and sound_moves > 1
     return (float(moves + 1) if stopped else math.inf), str(end)
 
 
 def deviations(wave: TravellingWave, y: Array, s: Array, h: float, times: Array) -> Array:
-    """sup |y_n(t) - f(n - v t)| / eps at the times (multiples of h) of a run from (y, s)."""
-    n, t, found = np.arange(float(y.size)), 0.0, []
+    """Return sup |y_n(t) - f(n - v t)| / eps at the times (multiples of h) of a run from (y, s)."""
+    n, t, results = np.arange(float(y.size)), 0.0, []
     for later in times:
         advance(KAHAN_LI_8, y[None], s[None], h, round((later - t) / h), wave.constants.lattice)
         t = float(later)
-        found.append(float(np.max(np.abs(y - wave.strain(n - wave.speed * t)))) / wave.eps)
-    return np.array(found)
+        results.append(float(np.max(np.abs(y - wave.strain(n - wave.speed * t)))) / wave.eps)
+    return np.array(results)
 
 
 @hard_case(
@@ -250,15 +252,15 @@ def _cn_growth() -> Reading:
     mode = fastest_mode(wave, CN_WAVELENGTHS)
     y, s = (1e-9 * wave.eps * part for part in mode.at(n))
     times = np.linspace(25.0, 5500.0, 220)
-    found = deviations(wave, wave.strain(n) + y, wave.velocity(n) + s, CN_STEP, times)
-    window = (found > 1e-8) & (found < 1e-5)
-    rate = float(np.polyfit(times[window], np.log(found[window]), 1)[0])
+    deviation = deviations(wave, wave.strain(n) + y, wave.velocity(n) + s, CN_STEP, times)
+    window = (deviation > 1e-8) & (deviation < 1e-5)
+    rate = float(np.polyfit(times[window], np.log(deviation[window]), 1)[0])
     return abs(rate / mode.rate.real - 1.0)
 
 
 @hard_case(
     "unstable cn wave, rounding alone",
-    "relative difference of the time at which $10^{-4}eps$ is lost and the horizon told",
+    "relative difference of the time at which $10^{-4}eps$ is lost and the predicted horizon",
     0.35,
     slow=True,
 )
@@ -267,10 +269,10 @@ def _cn_horizon() -> Reading:
     rate = fastest_mode(wave, CN_WAVELENGTHS).rate.real
     predicted = predictability_time(rate, 1e-4, UNIT_ROUNDOFF)
     times = 50.0 * np.arange(1.0, math.ceil(1.6 * predicted / 50.0))
-    found = deviations(wave, wave.strain(n), wave.velocity(n), CN_STEP, times)
-    passed = np.flatnonzero(found > 1e-4)
-    reached = float(times[passed[0]]) if passed.size else math.inf
-    return abs(reached / predicted - 1.0)
+    deviation = deviations(wave, wave.strain(n), wave.velocity(n), CN_STEP, times)
+    crossings = np.flatnonzero(deviation > 1e-4)
+    crossing_time = float(times[crossings[0]]) if crossings.size else math.inf
+    return abs(crossing_time / predicted - 1.0)
 
 
 @hard_case(
@@ -303,16 +305,16 @@ def _growth(form: str, K4: int) -> Reading:
 def energy_errors(
     scheme: Scheme, h: float, steps: Iterable[int], model: Model, y: Array, s: Array
 ) -> Array:
-    """Relative energy errors of the ring (y, s), advanced in place, after so many steps each."""
-    initial, found = model.energy(State(0.0, y[None], s[None])), []
+    """Return relative energy errors of the ring (y, s), advanced in place, for each step count."""
+    initial_energy, errors = model.energy(State(0.0, y[None], s[None])), []
     for count in steps:
         advance(scheme, y[None], s[None], h, int(count), model.lattice)
-        found.append(model.energy(State(0.0, y[None], s[None])) / initial - 1.0)
-    return np.array(found)
+        errors.append(model.energy(State(0.0, y[None], s[None])) / initial_energy - 1.0)
+    return np.array(errors)
 
 
 def drift(scheme: Scheme, h: float, steps: int, sites: int = 32) -> float:
-    """Root mean square energy error of the last tenth of a noisy ring's run over that of the first.
+    """Return the rms energy error in the last tenth of a noisy ring's run over that in the first.
 
     About 1 if the error stays bounded, about 16 if it grows linearly.
     """
@@ -348,22 +350,22 @@ def _energy_drift() -> Reading:
     0.75,
 )
 def _rounding_growth() -> Reading:
-    """Exponent p of the energy's rounding error, t^p: 1/2 if unbiased, 1 if biased.
+    """Return the exponent p of the energy's rounding error, t^p: 1/2 if unbiased, 1 if biased.
 
-    Root mean square over 12 runs of an sn wave that differ in phase; the step is so small that
-    nothing but rounding is left.
+    The error is the root mean square over 12 runs of an sn wave that differ in phase. The step is
+    so small that only rounding is left.
     """
     wave = travelling_wave("wave_sn", 0.5, 27, 1, -1)
-    marks = np.array([300, 1000, 3000, 10_000, 30_000])
+    step_counts = np.array([300, 1000, 3000, 10_000, 30_000])
     rows = []
     for phase in np.arange(12) * 0.77:
         x = np.arange(float(2 * wave.period)) + phase
         y, s = wave.strain(x), wave.velocity(x)
         s -= np.mean(s)
-        steps = np.diff(marks, prepend=0)
+        steps = np.diff(step_counts, prepend=0)
         rows.append(energy_errors(KAHAN_LI_8, 0.1, steps, wave.constants, y, s))
-    size = np.sqrt(np.mean(np.square(rows), axis=0))
-    return float(np.polyfit(np.log(marks), np.log(size), 1)[0])
+    errors = np.sqrt(np.mean(np.square(rows), axis=0))
+    return float(np.polyfit(np.log(step_counts), np.log(errors), 1)[0])
 
 
 @hard_case("double against double-double, to $t=500$", "largest difference of $y/eps$", 1e-12)
@@ -387,11 +389,11 @@ def _time_reversal() -> Reading:
     scene = load_scene("rogue_cn_k_0.5")
     measured = run(replace(scene, observables=("state",), snapshots=(0.0,)))
     y, s = measured.state_y.values[0].copy(), measured.state_s.values[0].copy()
-    before = y.copy()
+    initial_strain = y.copy()
     for _ in range(2):
         advance(KAHAN_LI_8, y[None], s[None], 0.5, 400, scene.model.lattice)
         s *= -1.0
-    return float(np.max(np.abs(y - before))) / scene.eps
+    return float(np.max(np.abs(y - initial_strain))) / scene.eps
 
 
 @hard_case("a restart from a snapshot", "values that differ by a bit", 0.0)
@@ -401,24 +403,24 @@ def _restart() -> Reading:
     differing, compared = 0, 0
     for scene in (ring, window):
         scene = replace(scene, observables=("state", "strain"))
-        whole = run(scene)
-        resumed = resume(whole, at=scene.snapshots[0])
+        full = run(scene)
+        resumed = resume(full, at=scene.snapshots[0])
         for name in ("state_y", "state_s", "strain"):
-            unequal = resumed[name].values[-1] != whole[name].values[-1]
+            unequal = resumed[name].values[-1] != full[name].values[-1]
             differing += int(np.sum(unequal))
             compared += unequal.size
     return float(differing) if compared else math.inf
 
 
 def run_hard_case(name: str) -> HardCase:
-    """Run the case of that name."""
+    """Run the case of that name and return it with its measured number and message."""
     reading = MEASURES[name]()
     measured, message = reading if isinstance(reading, tuple) else (reading, "")
     return replace(HARD_CASES[name], measured=measured, message=message)
 
 
 def hard_case_jobs(full: bool) -> dict[Key, Job]:
-    """The cases, the slow ones if ``full``."""
+    """Return the jobs of the cases; the slow ones only if ``full``."""
     return {
         ("hard", name): Job(run_hard_case, (name,), 2.0 if case.slow else 1.0)
         for name, case in HARD_CASES.items()

@@ -1,9 +1,10 @@
-"""What accuracy costs on the lattice: by scheme and engine, by eps, by sites, by RK4's step.
+"""Cost of accuracy on the lattice: by scheme and engine, by eps, by sites and by RK4's step.
 
-Errors are sup errors of y/eps over the compared sites at the scene's end. The stencil is judged by
-the spectral ring, the ring by the stencil: never a method by itself. Seconds are those of the march
-from data that are there already; what making them takes a ring, whose circumference closes them, is
-told beside. The error of the reduction itself is that of Y_j at its peak against eps.
+Errors are sup errors of y/eps over the compared sites at the scene's end. The stencil engine is
+compared with the spectral ring and the ring with the stencil, never a method with itself. Seconds
+are those of the time integration from existing data. The ring's initial data take extra time,
+because its circumference has to close the wave; that time is recorded separately. The error of
+the reduction itself is that of Y_j at its peak against eps.
 """
 
 import math
@@ -31,7 +32,7 @@ from longwave.support.processes import Job, Key
 Array = NDArray[np.float64]
 
 SHARES = (0.95, 0.6, 0.4, 0.25, 0.15)
-"""Steps, as shares of the largest stable one."""
+"""Time steps as shares of the largest stable one."""
 
 RING_TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
 FINEST_TOLERANCE = 1e-7
@@ -39,7 +40,7 @@ FINEST_SHARE = 0.1
 SPECTRAL = "spectral"
 REPEATS = 3
 MEDIANS = f"medians of {REPEATS} runs"
-"""How often a run of work against precision is timed, and what its seconds are."""
+"""Number of timed repeats, and how the seconds are summarised."""
 
 COMPARED = 200
 SITES = 3072
@@ -47,9 +48,9 @@ SITES = 3072
 
 @dataclass(frozen=True)
 class CostPoint:
-    """One run: its series, its sup error of y/eps, the seconds of its march.
+    """One run: its series, its sup error of y/eps, and the seconds of its time integration.
 
-    ``data_seconds`` is what making the initial data took, if that counts (the spectral ring).
+    ``data_seconds`` is the time to compute the initial data, for the spectral ring only.
     """
 
     problem: str
@@ -64,12 +65,12 @@ PROBLEMS = {
     "crest": ("rational_2_eps_0.05", -125.0, 125.0),
     "periodic": ("rogue_cn_k_0.5", -400.0, 400.0),
 }
-"""Y2 long before its peak, a weak, wide wave, and through it; the cn rogue wave through its peak:
-the shipped scene, and the times between which it is run."""
+"""Problems: the shipped scene, start and end. Y_2 long before its peak, where it is weak and wide,
+Y_2 through its peak, and the cn rogue wave through its peak."""
 
 
 def problem_scene(problem: str) -> Scene:
-    """One of the problems on a ring whose seam no compared site hears of."""
+    """Return a problem's scene on a ring so long that its seam affects no compared site."""
     name, t0, end = PROBLEMS[problem]
     return load_scene(name).changed(
         t0=t0,
@@ -82,7 +83,7 @@ def problem_scene(problem: str) -> Scene:
 
 
 def work_precision(problem: str) -> list[CostPoint]:
-    """All schemes and the spectral engine on one problem."""
+    """Measure error and seconds of all schemes and the spectral engine on one problem."""
     scene = problem_scene(problem)
     by_stencil = _strain(_timed(by_scheme(scene, "kahan_li_8", FINEST_SHARE)))
     by_ring = _strain(_timed(spectral(scene, FINEST_TOLERANCE)))
@@ -92,64 +93,64 @@ def work_precision(problem: str) -> list[CostPoint]:
     for name, variants in series.items():
         reference = by_stencil if name == SPECTRAL else by_ring
         for variant in variants:
-            found = _timed(variant)
-            error = float(np.max(np.abs(_strain(found) - reference))) / scene.eps
-            again = [found, *(_timed(variant) for _ in range(REPEATS - 1))]
-            whole = march = median(float(one.attrs["seconds"]) for one in again)
+            result = _timed(variant)
+            error = float(np.max(np.abs(_strain(result) - reference))) / scene.eps
+            repeats = [result, *(_timed(variant) for _ in range(REPEATS - 1))]
+            total = march = median(float(repeat.attrs["seconds"]) for repeat in repeats)
             if name == SPECTRAL:
-                march = median(march_seconds(variant, found) for _ in again)
-            points.append(CostPoint(problem, name, error, march, max(0.0, whole - march)))
+                march = median(march_seconds(variant, result) for _ in repeats)
+            points.append(CostPoint(problem, name, error, march, max(0.0, total - march)))
     return points
 
 
 def by_scheme(scene: Scene, name: str, share: float) -> Scene:
-    """The scene with a scheme at a share of its largest stable step."""
+    """Return the scene with a scheme at a share of its largest stable step."""
     fastest = 2.0 * scene.model.sound_speed(scene.eps * 5.0)
     return scene.changed(scheme=name, step=share * stability_limit(scheme_named(name)) / fastest)
 
 
 def spectral(scene: Scene, tolerance: float) -> Scene:
-    """The scene by the spectral engine, which finds its own step, sampling and circumference."""
+    """Return the scene for the spectral engine, which chooses step, sampling and circumference."""
     return replace(scene, numerics=Tolerance(tolerance, "spectral"), observables=("strain",))
 
 
 @cache
 def warmed(scheme: str) -> None:
-    """Compile a scheme's kernel (or the ring's), so that no run is charged for it."""
+    """Compile a scheme's kernel (the ring's if ``scheme`` is ""), so that no timing includes it."""
     scene = problem_scene("smooth")
     short = replace(scene, snapshots=(scene.t0 + 1.0,))
     run(by_scheme(short, scheme, SHARES[0]) if scheme else spectral(short, RING_TOLERANCES[0]))
 
 
-def march_seconds(scene: Scene, found: xr.Dataset) -> float:
-    """Seconds of a ring's last march, done once more from data that are there already."""
+def march_seconds(scene: Scene, result: xr.Dataset) -> float:
+    """Measure the seconds of a ring's time integration, repeated from existing initial data."""
     data = spectral_start(moving_wave(scene), scene.tolerance or FINEST_TOLERANCE)
-    ring = SpectralDomain(float(found.attrs["circumference"]))
-    state, step = data.state(ring, int(found.attrs["sites"])), float(found.attrs["step"])
-    begun = time.perf_counter()
+    ring = SpectralDomain(float(result.attrs["circumference"]))
+    state, step = data.state(ring, int(result.attrs["sites"])), float(result.attrs["step"])
+    start = time.perf_counter()
     SpectralRing(scene.model, state, step, absorbed=data.absorbed).at(scene.end)
-    return time.perf_counter() - begun
+    return time.perf_counter() - start
 
 
 def _timed(scene: Scene) -> xr.Dataset:
-    """The run, compiled beforehand."""
+    """Run the scene after compiling its kernels."""
     warmed("" if scene.tolerance else scene.discretisation.scheme)
     return run(scene)
 
 
-def _strain(found: xr.Dataset) -> Array:
-    """The strains at the end."""
-    return np.asarray(found["strain"].values[-1])
+def _strain(result: xr.Dataset) -> Array:
+    """Return the strains at the end."""
+    return np.asarray(result["strain"].values[-1])
 
 
 SLOW_TIME = 1.25
-"""T runs from minus this to 0, the peak."""
+"""T starts at minus this value and ends at 0, the peak."""
 
 SPECTRAL_TOLERANCE, FINER_SPECTRAL_TOLERANCE = 1e-3, 1e-4
 WINDOW_SCHEME = "reduced_phase_6"
 WINDOW_STEP, RK4_STEP = 1.0, 0.1
 STEPS = 400
-"""Steps of a run that is timed, where the whole is too long."""
+"""Number of steps that are timed if the whole run is too long."""
 
 WINDOW_COMPARED = 400
 COMPARED_X = 10.0
@@ -157,16 +158,16 @@ WINDOW_X = 200.0
 """Half-width compared, and width of a window, in X."""
 
 FITTED = 3
-"""Points at the small-eps end through which a law is fitted."""
+"""Number of points, at the small-eps end, through which a law is fitted."""
 
 REDUCTION, TRUE_ERROR = "error of the reduction", "error of the spectral run"
 
 
 @dataclass(frozen=True)
 class ScalingPoint:
-    """A quantity at one abscissa; ``scaled`` if only a fraction of the run was timed.
+    """A quantity at one abscissa; ``scaled`` if it is extrapolated from part of a run.
 
-    ``own`` is its discretisation error, where that has a meaning.
+    ``own`` is its discretisation error, 0 if that has no meaning.
     """
 
     series: str
@@ -177,7 +178,7 @@ class ScalingPoint:
 
 
 def fit_power(points: Iterable[tuple[float, float]]) -> float:
-    """The exponent of the power law through the points (x, value).
+    """Return the exponent of the power law fitted to the points (x, value).
 
     >>> fit_power([(1.0, 3.0), (2.0, 12.0)])
     2.0
@@ -187,31 +188,31 @@ def fit_power(points: Iterable[tuple[float, float]]) -> float:
 
 
 def scaling_laws(points: Iterable[ScalingPoint]) -> dict[str, float]:
-    """The power of each series, fitted where eps is smallest; what a tolerance sets has none."""
+    """Return each series' exponent at the smallest eps; errors set by a tolerance have none."""
     series: dict[str, list[tuple[float, float]]] = {}
     for point in points:
         if point.series != TRUE_ERROR:
             series.setdefault(point.series, []).append((point.x, point.value))
     return {
-        name: fit_power(sorted(found, key=lambda pair: max(pair[0], 1 / pair[0]))[-FITTED:])
-        for name, found in series.items()
+        name: fit_power(sorted(values, key=lambda pair: max(pair[0], 1 / pair[0]))[-FITTED:])
+        for name, values in series.items()
     }
 
 
-def at_eps(eps: float, judged: bool) -> list[ScalingPoint]:
-    """Seconds of each way, and the reduction's error, for Y2 to its peak at one eps.
+def measure_at_eps(eps: float, with_reference: bool) -> list[ScalingPoint]:
+    """Measure each method's seconds, and the reduction's error, for Y_2 to its peak at one eps.
 
-    From one to the next a way changes one thing: RK4 on as many sites as sound travels (the
-    paper's), RK4 in a window, a scheme of order 6 in that window, the exponential method on the
-    spectral ring. All but the last are timed for a number of steps and scaled. If ``judged``, the
-    last one's distance to a run with a tenth of its tolerance is measured, too.
+    Each method changes one thing: RK4 on as many sites as sound travels (as in the paper), RK4 in a
+    window, a scheme of order 6 in that window, the exponential method on the spectral ring. All but
+    the last are timed for a number of steps and scaled. ``with_reference`` adds the last one's
+    difference to a run with a tenth of its tolerance.
     """
     for scheme in ("", WINDOW_SCHEME, "rk4"):
         warmed(scheme)
     end = SLOW_TIME / eps**3
     base = replace(to_peak(-end), eps=eps, compared=round(COMPARED_X / eps))
-    found = run(spectral(base, SPECTRAL_TOLERANCE))
-    whole = float(found.attrs["seconds"] + found.attrs["planning_seconds"])
+    result = run(spectral(base, SPECTRAL_TOLERANCE))
+    seconds = float(result.attrs["seconds"] + result.attrs["planning_seconds"])
     wide = 2 * round(base.model.sound_speed() * (base.end - base.t0)) + 2 * base.compared
     sites = max(2048, round(WINDOW_X / eps))
     rk4 = _scaled(base, "rk4", RK4_STEP, sites)
@@ -221,42 +222,42 @@ def at_eps(eps: float, judged: bool) -> list[ScalingPoint]:
         ScalingPoint(
             "order 6, window", 1 / eps, _scaled(base, WINDOW_SCHEME, WINDOW_STEP, sites), True
         ),
-        ScalingPoint("spectral", 1 / eps, whole),
-        ScalingPoint(REDUCTION, eps, float(found["error"][-1]), own=_own_error(found, eps)),
+        ScalingPoint("spectral", 1 / eps, seconds),
+        ScalingPoint(REDUCTION, eps, float(result["error"][-1]), own=_own_error(result, eps)),
     ]
-    if judged:
-        finer = run(spectral(base, FINER_SPECTRAL_TOLERANCE))["strain"] - found["strain"]
-        points.append(ScalingPoint(TRUE_ERROR, eps, float(abs(finer).max()) / eps))
+    if with_reference:
+        change = run(spectral(base, FINER_SPECTRAL_TOLERANCE))["strain"] - result["strain"]
+        points.append(ScalingPoint(TRUE_ERROR, eps, float(abs(change).max()) / eps))
     return points
 
 
-def _own_error(found: xr.Dataset, eps: float) -> float:
-    """The run's own error over the denominator of its relative error."""
-    height = float(np.max(np.abs(found["analytic"] - found["background"]))) / eps
-    return float(found.attrs["error_estimate"]) / height
+def _own_error(result: xr.Dataset, eps: float) -> float:
+    """Return the run's own error over the denominator of its relative error."""
+    height = float(np.max(np.abs(result["analytic"] - result["background"]))) / eps
+    return float(result.attrs["error_estimate"]) / height
 
 
 def _scaled(base: Scene, scheme: str, step: float, sites: int) -> float:
-    """Seconds of the whole run in a window of ``sites``, from STEPS steps of it."""
-    part = base.changed(
+    """Return the seconds of the whole run in a window of ``sites``, scaled from STEPS steps."""
+    partial_scene = base.changed(
         scheme=scheme,
         step=step,
         sites=sites,
         compared=min(base.compared, 200),
         snapshots=(base.t0 + STEPS * step,),
     )
-    seconds = float(run(part).attrs["seconds"])
+    seconds = float(run(partial_scene).attrs["seconds"])
     return seconds * (base.end - base.t0) / (STEPS * step)
 
 
 def to_peak(t0: float) -> Scene:
-    """Y2 at eps = 0.05 up to its peak."""
+    """Return the scene of Y_2 at eps = 0.05 from t0 up to its peak."""
     scene = load_scene("rational_2_eps_0.05")
     return replace(scene, t0=t0, snapshots=(0.0,), observables=("strain",))
 
 
 def window_error(sites: Sequence[int], t0: float = -10000.0) -> list[ScalingPoint]:
-    """Sup error of y/eps at the peak of Y2 by the window's size, against the largest of them."""
+    """Return the sup error of y/eps at Y_2's peak by window size, against the largest window."""
     scene = replace(to_peak(t0), compared=WINDOW_COMPARED)
     strains = [run(scene.changed(sites=count))["strain"].values[-1] for count in sites]
     return [
@@ -266,7 +267,7 @@ def window_error(sites: Sequence[int], t0: float = -10000.0) -> list[ScalingPoin
 
 
 def rk4_share(steps: Sequence[float], t0: float = -10000.0) -> list[ScalingPoint]:
-    """The paper's error figure of Y2 at t = 0 by RK4's step; x = 0 stands for an exact flow."""
+    """Return the paper's error figure of Y_2 at t = 0 by RK4's step; x = 0 means an exact flow."""
     scene = to_peak(t0)
     variants = {step: scene.changed(scheme="rk4", step=step) for step in steps}
     return [
@@ -276,21 +277,21 @@ def rk4_share(steps: Sequence[float], t0: float = -10000.0) -> list[ScalingPoint
 
 
 HALF_WIDTH = 25.0
-"""Half-width compared, in X: all extrema of Y_2 .. Y_5 from the family's first slow time on."""
+"""Half-width compared, in X: covers all extrema of Y_2 .. Y_5 from the first slow time on."""
 
 PEAK_TOLERANCES = {2: 1e-4, 3: 2e-4, 4: 1e-3, 5: 2e-3}
-"""Sup error of y/eps allowed, by order: the higher the order, the larger the error to be shown."""
+"""Tolerance of y/eps by order: the higher the order, the larger the error that is measured."""
 
 RESOLVED = 0.1
-"""Most of a value that its discretisation error may be."""
+"""Largest ratio of discretisation error to value for a resolved value."""
 
 
 @dataclass(frozen=True)
 class PeakError:
-    """The relative sup error of one member of the family at T = 0.
+    """Relative sup error of one member of the rational family at T = 0.
 
-    ``own`` is the estimated discretisation error over the same denominator, ``seconds`` the run
-    with its planning. ``fault`` tells why there is no value, if there is none.
+    ``own`` is the estimated discretisation error over the same denominator, ``seconds`` the time of
+    the run with its planning. ``fault`` is the reason if there is no value.
     """
 
     order: int
@@ -303,7 +304,7 @@ class PeakError:
 
     @property
     def resolved(self) -> bool:
-        """Whether the value is the reduction's and not the discretisation's.
+        """Whether the value is the error of the reduction rather than of the discretisation.
 
         >>> PeakError(2, 0.1, 0.35, 1e-4).resolved, PeakError(2, 0.1, fault="blow-up").resolved
         (True, False)
@@ -312,55 +313,55 @@ class PeakError:
 
 
 def peak_scene(order: int, eps: float) -> Scene:
-    """The member of the family up to its peak, by whichever engine is cheaper."""
+    """Return the scene of a family member up to its peak, by whichever engine is cheaper."""
     (scene,) = rational_family_scenes((order,), (eps,), PEAK_TOLERANCES[order]).values()
     return replace(scene, snapshots=(0.0,), compared=round(HALF_WIDTH / eps))
 
 
 def peak_error(order: int, eps: float) -> PeakError:
-    """Run one member; a run that does not come to its end is a record, too."""
+    """Run one member of the family; a failed run is returned as a record with a fault."""
     scene = peak_scene(order, eps)
     try:
-        found = run(scene)
+        result = run(scene)
     except ValueError as error:
         return PeakError(order, eps, fault=str(error))
-    seconds = float(found.attrs["seconds"] + found.attrs["planning_seconds"])
-    engine, fault = str(found.attrs["engine"]), str(found.attrs["blow_up"])
+    seconds = float(result.attrs["seconds"] + result.attrs["planning_seconds"])
+    engine, fault = str(result.attrs["engine"]), str(result.attrs["blow_up"])
     if fault:
         return PeakError(order, eps, seconds=seconds, engine=engine, fault=fault)
-    own = _own_error(found, eps)
-    return PeakError(order, eps, float(found["error"][-1]), own, seconds, engine)
+    own = _own_error(result, eps)
+    return PeakError(order, eps, float(result["error"][-1]), own, seconds, engine)
 
 
 def peak_laws(points: Iterable[PeakError]) -> dict[int, float | None]:
-    """For each order the power of eps through its smallest resolved eps; None below two points."""
+    """Return each order's power of eps, fitted to the smallest resolved eps; None below two."""
     orders: dict[int, list[tuple[float, float]]] = {}
     for point in points:
         orders.setdefault(point.order, []).extend([(point.eps, point.value)] * point.resolved)
     return {
-        order: fit_power(sorted(found)[:FITTED]) if len(found) > 1 else None
-        for order, found in sorted(orders.items())
+        order: fit_power(sorted(values)[:FITTED]) if len(values) > 1 else None
+        for order, values in sorted(orders.items())
     }
 
 
 EPSILONS, MORE_EPSILONS = (0.1, 0.05, 0.025, 0.0125), (0.00625,)
 RK4_STEPS, MORE_RK4_STEPS = (0.4, 0.25, 0.125), (0.0625,)
 WINDOWS, MORE_WINDOWS = (2048, 4096, 8192), (16384, 32768)
-"""What the short report shows, and what the full one adds."""
+"""Values in the short report, and those added in the full one."""
 
 PEAK_SECONDS, WIDE_PEAK_SECONDS = {2: 5.0, 3: 20.0, 4: 45.0, 5: 75.0}, 3.0
-"""About what a member of the family takes: by its order below ``NARROW``, and from there on."""
+"""Expected seconds of a family member: by order for eps below ``NARROW``, else the second."""
 
 NARROW = 0.02
 
 
 def lattice_cost_jobs(full: bool) -> dict[Key, Job]:
-    """Work and precision, scaling, RK4's share, windows; the error of the reduction if ``full``."""
+    """Return the jobs of all cost studies; the errors of the reduction only if ``full``."""
     jobs: dict[Key, Job] = {}
     for problem in PROBLEMS:
         jobs["precision", problem] = Job(work_precision, (problem,), 5.0 * REPEATS)
     for eps in EPSILONS + MORE_EPSILONS * full:
-        jobs["scaling", eps] = Job(at_eps, (eps, full), 3.0)
+        jobs["scaling", eps] = Job(measure_at_eps, (eps, full), 3.0)
     jobs["rk4", ""] = Job(rk4_share, (RK4_STEPS + MORE_RK4_STEPS * full,), 10.0)
     jobs["windows", ""] = Job(window_error, (WINDOWS + MORE_WINDOWS * full,), 7.0)
     for order, eps in product(ORDERS, EPS) if full else ():

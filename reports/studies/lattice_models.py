@@ -1,7 +1,7 @@
-"""Which lattices the tables of long waves and envelopes hold: the catalogue, and cases of it.
+"""Lattices in the tables of long waves and envelopes: the catalogue, and special cases of it.
 
-A case is a lattice of the catalogue with constants that are small or tied to each other, about a
-mean strain, or with further springs.
+A special case is a lattice of the catalogue with constants that are small or tied to each other,
+about a mean strain, or with further springs.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ C2, D2, SMALL = Symbol("C2", positive=True), Symbol("d2", real=True), Symbol("k3
 
 @dataclass(frozen=True)
 class LatticeModel:
-    """A lattice whose long waves are derived: ``values`` of constants put in, about a ``mean``.
+    """A lattice whose long waves are derived, with constants set to ``values``, about a ``mean``.
 
-    ``case`` says in words what is special about it.
+    ``case`` describes what is special about it.
     """
 
     lattice: Lattice
@@ -34,19 +34,23 @@ class LatticeModel:
     mean: Expr = S.Zero
 
     def reductions(self) -> tuple[Reduction, ...]:
-        """The balances of nonlinearity and dispersion with a normal form.
+        """Return the reductions that have a normal form and conditions that can be met.
 
-        None where there is no long wave, and none whose condition its constants cannot meet.
+        Empty if the lattice has no long wave.
         """
         try:
-            found = find_scaling(self.lattice.with_values(dict(self.values)), self.mean)
+            scalings = find_scaling(self.lattice.with_values(dict(self.values)), self.mean)
         except ValueError:
             return ()
-        return tuple(r for r in found if r.has_normal_form and _can_be_met(r))
+        return tuple(
+            reduction
+            for reduction in scalings
+            if reduction.has_normal_form and _can_be_met(reduction)
+        )
 
 
 def _can_be_met(reduction: Reduction) -> bool:
-    """Whether no condition asks what cannot vanish to vanish."""
+    """Return whether no condition requires a nonzero expression to vanish."""
     defined = dict(reduction.lattice.definitions)
     return not any(
         condition.expression.xreplace(defined).is_zero is False
@@ -55,16 +59,18 @@ def _can_be_met(reduction: Reduction) -> bool:
 
 
 def lattice_models() -> Iterator[LatticeModel]:
-    """The catalogue, then the cases."""
+    """Yield the lattices of the catalogue, then the special cases."""
     for lattice in LATTICES.values():
         yield LatticeModel(lattice)
-    chain, far, square = (LATTICES[name] for name in ("fput_strain", "next_nearest", "square"))
+    chain, next_nearest, square = (
+        LATTICES[name] for name in ("fput_strain", "next_nearest", "square")
+    )
     yield LatticeModel(chain, "with a small quadratic force", (("K3", eps * SMALL),))
     yield LatticeModel(chain, "about a mean strain", mean=ybar)
     vanishing = (("K2", (4 * C2 - eps**2 * D2) / 3), ("L2", (eps**2 * D2 - C2) / 12))
     odd = (("K3", Integer(0)), ("L3", Integer(0)))
-    yield LatticeModel(far, "nearly without dispersion", vanishing)
-    yield LatticeModel(far, "nearly without dispersion, odd forces", (*vanishing, *odd))
+    yield LatticeModel(next_nearest, "nearly without dispersion", vanishing)
+    yield LatticeModel(next_nearest, "nearly without dispersion, odd forces", (*vanishing, *odd))
     further = spring(cubic(L2, L3, L4), ((0, 0), 0), ((2, 0), 0))
     yield LatticeModel(
         replace(square, bonds=(*square.bonds, further)), "with springs to the next but one along n"
@@ -72,7 +78,7 @@ def lattice_models() -> Iterator[LatticeModel]:
 
 
 def closed_waves(reduction: Reduction) -> tuple[str, ...]:
-    """The names of the closed forms that solve the reduced equation, with signs where it has any.
+    """Return the names of closed forms that solve the reduced equation, signs compared if known.
 
     >>> from longwave.derive import LATTICES, find_scaling
     >>> closed_waves(find_scaling(LATTICES["toda"])[0])
@@ -83,8 +89,8 @@ def closed_waves(reduction: Reduction) -> tuple[str, ...]:
         form.name
         for form in CATALOGUE.of(normal.equation)
         if all(
-            own == there or not (isinstance(own, int) and S(there).is_number)
-            for own, there in ((form.equation.s, normal.s), (form.equation.r, normal.r))
+            required == actual or not (isinstance(required, int) and S(actual).is_number)
+            for required, actual in ((form.equation.s, normal.s), (form.equation.r, normal.r))
         )
     )
 
@@ -97,16 +103,16 @@ ENVELOPES: tuple[tuple[str, Expr | None], ...] = (
     ("klein_gordon", pi),
     ("mass_dimer", pi),
 )
-"""Lattices and wavenumbers, or None for all, whose envelope has short coefficients, the same on
-every branch."""
+"""Lattices and wavenumbers (None: any) whose envelope has short coefficients, the same on every
+branch."""
 
 
 LARGEST_K3, POINTS = 1.5, 240
-"""Of the map of plane carrier waves, and its points along each axis."""
+"""Largest K3 in the map of plane carrier waves, and its points along each axis."""
 
 
 def modulation_plane(points: int = POINTS) -> tuple[ModulationGrid, np.ndarray]:
-    """The alpha+beta FPUT lattice over k (second axis) and K3 (first axis), K2 = K4 = 1; and K3.
+    """Return the modulation grid of the alpha+beta FPUT lattice over (K3, k), K2 = K4 = 1, and K3.
 
     >>> grid, quadratic = modulation_plane(4)
     >>> grid.product.shape, quadratic.shape

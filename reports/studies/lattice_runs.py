@@ -1,4 +1,4 @@
-"""The shipped scenes of further lattices and the rates at which lattices come near their waves."""
+"""Shipped scenes of further lattices, and rates at which lattices converge to their waves."""
 
 from __future__ import annotations
 
@@ -23,22 +23,22 @@ USUAL = 1.0
 
 @dataclass(frozen=True)
 class SceneRun:
-    """A scene's run, or in words why there is none."""
+    """A scene with its run, or with the reason (``fault``) why it did not run."""
 
     scene: Scene
     run: xr.Dataset | None
     fault: str = ""
 
     @property
-    def kept(self) -> bool:
-        """Whether it came to its end within its tolerance, by its own estimate."""
+    def within_tolerance(self) -> bool:
+        """Whether the run finished within its tolerance, by its own estimate."""
         if self.run is None:
             return False
         return float(self.run.attrs["error_estimate"]) <= self.scene.target.tolerance
 
 
 def scene_run(name: str, progress: Progress = lambda _: None) -> SceneRun:
-    """Run the shipped scene of that name; what it refuses is kept as the fault."""
+    """Run the shipped scene of that name; if it is refused, return the message as the fault."""
     scene = load_scene(name)
     try:
         return SceneRun(scene, scene.run(progress))
@@ -47,7 +47,7 @@ def scene_run(name: str, progress: Progress = lambda _: None) -> SceneRun:
 
 
 def scene_run_jobs() -> dict[Key, Job]:
-    """A job a scene, of waves and of chains on a bench."""
+    """Return a job for each shipped scene of waves and of chains on a bench."""
     return {
         (kind, name): Job(scene_run, (name,), SECONDS.get(name, USUAL), tells=True)
         for kind, folder in (("scene", "lattices"), ("bench", "bench"))
@@ -56,13 +56,13 @@ def scene_run_jobs() -> dict[Key, Job]:
 
 
 RATE_SECONDS = {"leading": 1.0, "slaved": 3.0, "corrected": 15.0}
-"""About the processor time of a case by the order of its data; a long one takes ``LONGER``."""
+"""Processor seconds of a case by the order of its data; a long case takes ``LONGER`` times that."""
 
 LONGER = 10.0
 
 
 def measured_rate(name: str, order: str) -> SceneConvergence:
-    """Measure one of the `rate_cases` with data of an order.
+    """Measure one of the `rate_cases`, started from data of an order.
 
     >>> found = measured_rate("2", "leading")
     >>> found.equation, found.theory, found.reached
@@ -72,7 +72,7 @@ def measured_rate(name: str, order: str) -> SceneConvergence:
 
 
 def rate_jobs(full: bool) -> dict[Key, Job]:
-    """The short cases with their simplest data; if ``full`` all cases, and with the next order."""
+    """Return the jobs of short cases with leading data; if ``full``, of all cases and orders."""
     return {
         ("rate", (name, order)): Job(
             measured_rate, (name, order), RATE_SECONDS[order] * (LONGER if case.is_long else 1.0)

@@ -1,8 +1,8 @@
-"""Long runs about periodic backgrounds on the spectral ring, judged by the stencil site by site.
+"""Long runs on periodic backgrounds on the spectral ring, compared with the stencil engine.
 
-The stencil runs on a ring of whole sites that does not close; it is so wide that no signal from its
-seam reaches a compared site. So its domain makes no error, and that of its step is measured by a
-second run with a shorter one.
+The stencil runs on a ring of whole sites that does not close. It is so wide that no signal from
+its seam reaches a compared site, so its domain causes no error. The error of its step is measured
+by a second run with a shorter step.
 """
 
 from collections.abc import Mapping
@@ -23,12 +23,12 @@ LONG_SCENES = ("breather_sn_k_0.7_long", "rogue_cn_k_0.5_long", "soliton_dn_k_0.
 SPLIT_SCENE = "split_rational_3"
 
 SHARES = (0.6, 0.45)
-"""Steps of the runs site by site, in units of the longest tried; the second run is the judge."""
+"""Time steps of the stencil runs, in units of the longest allowed; the second is the reference."""
 
 
 @dataclass(frozen=True)
 class LongRun:
-    """A run to a tolerance, and two of the same scene site by site, the second with less step."""
+    """One scene on the spectral ring, and twice on the stencil: ``fine`` has the shorter step."""
 
     ring: xr.Dataset
     coarse: xr.Dataset
@@ -36,41 +36,43 @@ class LongRun:
 
     @property
     def differences(self) -> xr.DataArray:
-        """Sup of y/eps between the two engines on the compared sites, at each snapshot."""
-        return self._apart(self.ring)
+        """Sup difference of y/eps between the engines on the compared sites, at each snapshot."""
+        return self._difference(self.ring)
 
     @property
     def own(self) -> float:
-        """Sup of y/eps between the two runs site by site: more than the second one's error."""
-        return float(self._apart(self.coarse).max(skipna=False))
+        """Sup difference of y/eps between the stencil runs, which bounds the finer one's error."""
+        return float(self._difference(self.coarse).max(skipna=False))
 
     @property
-    def kept(self) -> bool:
-        """Whether the ring keeps its tolerance even if the judge errs against it; no NaN does."""
-        wanted = len(scene_of(self.ring).snapshots)
-        whole = all(part.sizes["time"] == wanted for part in (self.ring, self.coarse, self.fine))
+    def within_tolerance(self) -> bool:
+        """Whether the ring meets its tolerance, the reference's error added; False with any NaN."""
+        snapshots = len(scene_of(self.ring).snapshots)
+        complete = all(
+            part.sizes["time"] == snapshots for part in (self.ring, self.coarse, self.fine)
+        )
         worst = float(self.differences.max(skipna=False)) + self.own
-        return whole and worst <= float(self.ring.attrs["tolerance"])
+        return complete and worst <= float(self.ring.attrs["tolerance"])
 
-    def _apart(self, other: xr.Dataset) -> xr.DataArray:
+    def _difference(self, other: xr.Dataset) -> xr.DataArray:
         eps = scene_of(self.ring).eps
         difference = abs(other["strain"] - self.fine["strain"])
-        found: xr.DataArray = difference.max("site", skipna=False) / eps
-        return found
+        difference_over_eps: xr.DataArray = difference.max("site", skipna=False) / eps
+        return difference_over_eps
 
 
 def by_ring(name: str, progress: Progress | None = None) -> xr.Dataset:
-    """The scene to its own tolerance on the spectral ring."""
+    """Run the scene to its own tolerance on the spectral ring."""
     return run(load_scene(name).changed(engine="spectral"), progress)
 
 
 def by_sites(name: str, share: float, progress: Progress | None = None) -> xr.Dataset:
-    """The scene site by site, at a share of the longest step."""
+    """Run the scene on the stencil, with a share of the longest step."""
     return run(site_by_site(load_scene(name), share), progress)
 
 
 def site_by_site(scene: Scene, share: float) -> Scene:
-    """The scene on a ring of whole sites whose seam is out of hearing, with its step stated."""
+    """Return the scene on a ring whose seam cannot affect compared sites, with a stated step."""
     from longwave.scenes.engines.domain_plan import SCHEME, longest_step, sites_of
     from longwave.scenes.engines.lattice_run import domain_plan
 
@@ -81,7 +83,7 @@ def site_by_site(scene: Scene, share: float) -> Scene:
 
 
 def long_run_jobs() -> dict[Key, Job]:
-    """The long runs on both engines, and the run of the split wave."""
+    """Return the jobs of the long runs on both engines, and the run of the split wave."""
     jobs: dict[Key, Job] = {}
     jobs["split", SPLIT_SCENE] = Job(run, (load_scene(SPLIT_SCENE),), 4.0, tells=True)
     for name in LONG_SCENES:
@@ -91,10 +93,10 @@ def long_run_jobs() -> dict[Key, Job]:
     return jobs
 
 
-def long_runs(found: Mapping[Key, Any]) -> dict[str, LongRun]:
-    """The long runs among the results of jobs."""
+def long_runs(results: Mapping[Key, Any]) -> dict[str, LongRun]:
+    """Collect the long runs from the results of jobs, by scene."""
     return {
-        name: LongRun(found["ring", name], *(found["sites", (name, share)] for share in SHARES))
+        name: LongRun(results["ring", name], *(results["sites", (name, share)] for share in SHARES))
         for name in LONG_SCENES
-        if ("ring", name) in found
+        if ("ring", name) in results
     }

@@ -1,4 +1,4 @@
-"""Numbers read off runs, each with its own discretisation error."""
+"""Numbers measured in runs, each with its discretisation error."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -15,16 +15,16 @@ from longwave.scenes.observed.observables import measured_error
 from longwave.support.processes import Job
 
 RK4_STEP = 0.25
-"""A time step at which the paper's scheme is stable and yet part of the error shown."""
+"""RK4 time step that is stable but contributes to the error shown."""
 
 SPLIT = "rational_2_eps_0.05"
-"""The run whose error is split."""
+"""Name of the run whose error is split into parts."""
 
 PARTS = ("position", "amplitude", "shape")
 
 
 class UncertainNumber(NamedTuple):
-    """A measured number and the largest change that step and domain could make to it."""
+    """A measured number and the largest error that step and domain could cause in it."""
 
     value: float
     error: float
@@ -32,49 +32,50 @@ class UncertainNumber(NamedTuple):
 
 @dataclass(frozen=True)
 class MeasuredRuns:
-    """The runs of a report and their scenes, under the same names."""
+    """Runs of a report and their scenes, under the same names."""
 
     runs: Mapping[str, xr.Dataset]
     scenes: Mapping[str, Scene]
 
     def discretisation(self, name: str) -> xr.DataArray:
-        """Return what y/eps may be off by step and domain together, at each snapshot.
+        """Return the discretisation error of y/eps by step and domain together, at each snapshot.
 
-        A run that measured only one of the two counts that one.
+        If a run measured only one of the two, that one is returned.
         """
-        found = measured_error(self.runs[name])
-        assert found is not None, f"{name} measured no error"
-        return xr.DataArray(found, {"time": self.runs[name]["time"].values}, "time")
+        error = measured_error(self.runs[name])
+        assert error is not None, f"{name} measured no error"
+        return xr.DataArray(error, {"time": self.runs[name]["time"].values}, "time")
 
     def relative_error(self, name: str, time: float, variable: str = "error") -> UncertainNumber:
         """Return the relative sup error at a snapshot.
 
-        Its denominator is exact, so its own error is that of y over the same denominator.
+        The denominator is exact, so the number's error is that of y over the same denominator.
         """
         value = float(self.runs[name][variable].sel(time=time))
-        own = self.discretisation(name).sel(time=time) / self.amplitude(name).sel(time=time)
-        return UncertainNumber(value, float(own))
+        own_error = self.discretisation(name).sel(time=time) / self.amplitude(name).sel(time=time)
+        return UncertainNumber(value, float(own_error))
 
     def largest_error(self, name: str) -> tuple[UncertainNumber, float]:
         """Return the largest relative error of the run's error curve and its time."""
         curve = self.runs[name]["error_curve"]
-        own = (self.discretisation(name) / self.amplitude(name)).max()
+        own_error = (self.discretisation(name) / self.amplitude(name)).max()
         time = float(curve["curve_time"].values[np.argmax(curve.values)])
-        return UncertainNumber(float(curve.max()), float(own)), time
+        return UncertainNumber(float(curve.max()), float(own_error)), time
 
     def split(self, name: str, time: float) -> dict[str, UncertainNumber]:
         """Return the shift in sites, and the error's parts by position, amplitude and shape.
 
-        The parts have the error's denominator and so its own error. A change of y/eps by at most d
-        moves a least-squares shift by at most d sum |Y_n| / sum Y_n^2, Y_n the slope in n.
+        The parts have the error's denominator, so they share its discretisation error. A change of
+        y/eps by at most d changes a least-squares shift by at most d sum |Y_n| / sum Y_n^2, with
+        Y_n the slope in n.
         """
-        at = self.runs[name].sel(time=time)
-        own = float(self.discretisation(name).sel(time=time))
-        slope = np.gradient(at["analytic"].values / self.scenes[name].eps)
-        shift = own * float(np.sum(np.abs(slope)) / np.sum(slope**2))
-        share = own / float(self.amplitude(name).sel(time=time))
-        parts = {part: UncertainNumber(float(at[f"error_{part}"]), share) for part in PARTS}
-        return {"shift": UncertainNumber(float(at["shift"]), shift)} | parts
+        snapshot = self.runs[name].sel(time=time)
+        own_error = float(self.discretisation(name).sel(time=time))
+        slope = np.gradient(snapshot["analytic"].values / self.scenes[name].eps)
+        shift = own_error * float(np.sum(np.abs(slope)) / np.sum(slope**2))
+        share = own_error / float(self.amplitude(name).sel(time=time))
+        parts = {part: UncertainNumber(float(snapshot[f"error_{part}"]), share) for part in PARTS}
+        return {"shift": UncertainNumber(float(snapshot["shift"]), shift)} | parts
 
     def amplitude(self, name: str) -> xr.DataArray:
         """Return the largest distance of Y from its bare background, at each snapshot."""
@@ -84,17 +85,17 @@ class MeasuredRuns:
 
     def peaks(self, name: str, time: float) -> tuple[UncertainNumber, float]:
         """Return the largest y/eps of the lattice and of the wave on the sites at a snapshot."""
-        at, eps = self.runs[name].sel(time=time), self.scenes[name].eps
+        snapshot, eps = self.runs[name].sel(time=time), self.scenes[name].eps
         lattice = UncertainNumber(
-            float(at["strain"].max()) / eps, float(self.discretisation(name).sel(time=time))
+            float(snapshot["strain"].max()) / eps, float(self.discretisation(name).sel(time=time))
         )
-        return lattice, float(at["analytic"].max()) / eps
+        return lattice, float(snapshot["analytic"].max()) / eps
 
 
 def report_scenes() -> dict[str, Scene]:
-    """Return all shipped scenes, and those that show what RK4's step does to the error figure.
+    """Return all shipped scenes, and two that show the effect of RK4's step on the error figure.
 
-    One of them splits its error into shift, amplitude and shape.
+    The scene `SPLIT` also splits its error into shift, amplitude and shape.
     """
     scenes = {name: load_scene(name) for name in shipped_scenes()}
     for order in (2, 3):
@@ -102,8 +103,8 @@ def report_scenes() -> dict[str, Scene]:
         scenes[rk4_name(order)] = base.changed(
             scheme="rk4", step=RK4_STEP, observables=("strain", "error_curve", "time_step_error")
         )
-    asked = (*scenes[SPLIT].observables, "error_split")
-    scenes[SPLIT] = replace(scenes[SPLIT], observables=asked)
+    observables = (*scenes[SPLIT].observables, "error_split")
+    scenes[SPLIT] = replace(scenes[SPLIT], observables=observables)
     return scenes
 
 
@@ -113,5 +114,5 @@ def rk4_name(order: int) -> str:
 
 
 def scene_job(scene: Scene) -> Job:
-    """The run of a scene that states its step."""
+    """Return the job that runs a scene with a stated step."""
     return Job(run, (scene,), expected_cost(scene).seconds, tells=True)

@@ -1,4 +1,4 @@
-"""The core's multiply-add rate, measured: independent accumulators that stay in registers."""
+"""Measured multiply-add rate of one core, with independent accumulators kept in registers."""
 
 import time
 from collections.abc import Callable
@@ -16,18 +16,18 @@ WIDTHS = (4, 8)
 """Doubles in a vector: AVX2 has registers for the first only, AVX-512 runs the second faster."""
 
 ACCUMULATORS = 12
-"""Independent chains: two units of latency 4 need 8; 16 registers hold them and a constant."""
+"""Independent chains: two units of latency 4 need 8; 16 registers fit these and a constant."""
 
 ROUNDS = 3_000_000
 
 
 @cache
 def _loop(width: int) -> Callable[[int], float]:
-    """A kernel of a number of rounds on vectors of ``width`` doubles."""
+    """Compile a kernel that runs a number of rounds on vectors of ``width`` doubles."""
 
     @intrinsic
     def multiply_add(_context: Any, rounds: Any) -> Any:
-        """Each round x <- x / 2 + 1/2 on every accumulator; their sum, so that all are needed."""
+        """Compute x <- x / 2 + 1/2 on every accumulator each round; return a sum that needs all."""
 
         def codegen(_target: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
             kind = ir.VectorType(ir.DoubleType(), width)
@@ -54,7 +54,7 @@ def _loop(width: int) -> Callable[[int], float]:
 
 
 def multiply_add_rate() -> float:
-    """Multiply-adds a second (each counted once) of this thread's core, at its better width."""
+    """Measure multiply-adds per second (each counted once) on this core, at the faster width."""
     rates = []
     for width in WIDTHS:
         run = _loop(width)

@@ -1,4 +1,4 @@
-"""What the proofs of closed forms cost, and the verdicts on the library of published solutions."""
+"""Cost of proving the closed forms, and verdicts on the library of published solutions."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from longwave.verify.verdict import Outcome
 
 @dataclass(frozen=True)
 class ProofRecord:
-    """One form's proof.  Sizes in bytes of JSON; None where there is no certificate.
+    """Proof of one form: times in seconds, size in bytes of JSON; None without a certificate.
 
-    ``accepted`` is the separate checker's answer.
+    ``accepted`` is the answer of the separate checker.
     """
 
     name: str
@@ -34,15 +34,15 @@ class ProofRecord:
 
 
 def proof_record(name: str) -> ProofRecord:
-    """Prove the form called ``name`` and check its certificate; raises ValueError as `prove_named`.
+    """Prove the form called ``name`` and check its certificate. Raises ValueError as `prove_named`.
 
     >>> record = proof_record("kink")
     >>> print(record.outcome, record.accepted)
     PROVED True
     """
     verdict = prove_named(name)
-    found = verdict.certificate
-    accepted, seconds = (None, None) if found is None else _checked(json.dumps(found))
+    certificate = verdict.certificate
+    accepted, seconds = (None, None) if certificate is None else _checked(json.dumps(certificate))
     return ProofRecord(
         verdict.name,
         verdict.method,
@@ -55,7 +55,7 @@ def proof_record(name: str) -> ProofRecord:
 
 
 def _checked(certificate: str) -> tuple[bool, float]:
-    """The checker's answer on the text of a certificate, and the seconds it took."""
+    """Return whether the checker accepts a certificate's text, and the seconds it took."""
     start = time.perf_counter()
     try:
         check_certificate(json.loads(certificate))
@@ -65,20 +65,20 @@ def _checked(certificate: str) -> tuple[bool, float]:
 
 
 def proof_jobs() -> dict[Key, Job]:
-    """Every proof of the report."""
+    """Return the jobs of every proof in the report."""
     return {("proof", name): Job(proof_record, (name,), 0.5) for name in NAMES}
 
 
 LIMIT = 60.0
-"""Seconds of the processor for a statement."""
+"""Time limit for one statement, in processor seconds."""
 
 STATEMENT_WEIGHT = 0.1
-"""Seconds for a statement on average: 343 took 37 s with eight processes on two cores."""
+"""Expected seconds for one statement: 343 took 37 s with eight processes on two cores."""
 
 
 @dataclass(frozen=True)
 class PublishedVerdict:
-    """A statement of the library, the verdict on it, and its equations and formulas in LaTeX."""
+    """Statement of the library with its verdict, and its equations and formulas in LaTeX."""
 
     text: ProblemText
     outcome: Outcome
@@ -93,7 +93,7 @@ class PublishedVerdict:
 
 
 def published_verdicts(equation_name: str) -> list[PublishedVerdict]:
-    """Decide the library's statements on one equation; raises ValueError as `chosen`.
+    """Decide the library's statements on one equation. Raises ValueError as `chosen`.
 
     >>> found = published_verdicts("thin film")
     >>> [(verdict.text.name, verdict.expected) for verdict in found]
@@ -112,7 +112,7 @@ def _decided(text: ProblemText) -> PublishedVerdict:
 
 
 def library_jobs() -> dict[Key, Job]:
-    """The library, a job for each equation."""
+    """Return the jobs that decide the library, one for each equation."""
     names = [text.equation_name for text in published()]
     return {
         ("library", name): Job(published_verdicts, (name,), STATEMENT_WEIGHT * names.count(name))

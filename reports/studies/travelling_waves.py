@@ -6,7 +6,7 @@ q = 2 pi j / P
     v^2 q^2 f_q = 4 sin^2(q/2) V'(f)_q.
 
 The mean and the first mode are those of the wave of the reduced equation; v and the other modes
-follow by Newton's method. Even waves only.
+follow by Newton's method. The waves are even.
 
 A perturbation e^{lambda t} W(x), x = n - v t, of that wave obeys
 
@@ -37,7 +37,7 @@ MODES = 24
 NEWTON_STEPS = 12
 
 OVERSAMPLING = 8
-"""Samples for each mode in the products; V' is cubic and V'' quadratic, so nothing is aliased."""
+"""Samples per mode in products; V' is cubic and V'' quadratic, so nothing is aliased."""
 
 
 @dataclass(frozen=True)
@@ -55,35 +55,35 @@ class TravellingWave:
         return 2.0 * np.pi * np.arange(self.modes.size) / self.period
 
     def strain(self, x: Array) -> Array:
-        """f(x)."""
+        """Return the strain f(x)."""
         weights = np.where(np.arange(self.modes.size) == 0, 1.0, 2.0) * self.modes
         waves = np.cos(np.multiply.outer(x, self._wavenumbers))
-        found: Array = np.sum(waves * weights, axis=-1)
-        return found
+        strain: Array = np.sum(waves * weights, axis=-1)
+        return strain
 
     def velocity(self, x: Array) -> Array:
-        """dy_n/dt = -v f'(x)."""
+        """Return the velocity dy_n/dt = -v f'(x)."""
         weights = 2.0 * self.modes * self._wavenumbers
         waves = np.sin(np.multiply.outer(x, self._wavenumbers))
-        found: Array = self.speed * np.sum(waves * weights, axis=-1)
-        return found
+        velocity: Array = self.speed * np.sum(waves * weights, axis=-1)
+        return velocity
 
     def shape_deviation(self, y: Array, t: float) -> tuple[float, float]:
-        """Root mean square deviation of a ring from the best shifted wave, and that shift.
+        """Return a ring's root mean square deviation from the best shifted wave, and the shift.
 
-        By Gauss-Newton; ``y`` are the ring's strains at time ``t``.
+        The shift is fitted by Gauss-Newton; ``y`` are the ring's strains at time ``t``.
         """
         n, shift = np.arange(float(y.size)), 0.0
         for _ in range(4):
             x = n - self.speed * t - shift
             slope = self.velocity(x) / self.speed
             shift += float(slope @ (y - self.strain(x)) / (slope @ slope))
-        missed = y - self.strain(n - self.speed * t - shift)
-        return float(np.sqrt(np.mean(missed**2))), shift
+        remainder = y - self.strain(n - self.speed * t - shift)
+        return float(np.sqrt(np.mean(remainder**2))), shift
 
 
 def travelling_wave(form: str, k: float, period: int, K2: float, K4: float) -> TravellingWave:
-    """The lattice's own wave next to the bare wave ``form`` with a period of ``period`` sites.
+    """Compute the lattice's own wave next to the bare wave ``form``, with that period in sites.
 
     eps follows from the period. Raises ValueError if Newton's method does not converge, or if the
     profile needs more modes.
@@ -102,17 +102,17 @@ def travelling_wave(form: str, k: float, period: int, K2: float, K4: float) -> T
         change = np.linalg.solve(slopes, -residual)
         squared_speed += float(change[0])
         modes = modes + np.concatenate([[0.0, 0.0], change[1:]])
-    miss, tail = float(np.max(np.abs(residual))), float(np.max(np.abs(modes[-3:])))
-    if not (max(miss, tail) < 1e-12 and squared_speed > 0.0):
+    residual_norm, last_modes = float(np.max(np.abs(residual))), float(np.max(np.abs(modes[-3:])))
+    if not (max(residual_norm, last_modes) < 1e-12 and squared_speed > 0.0):
         raise ValueError(
-            f"period must give a smooth profile, got {period} with residual {miss:.1e} "
-            f"and last modes {tail:.1e} (take a longer one)"
+            f"period must give a smooth profile, got {period} with residual {residual_norm:.1e} "
+            f"and last modes {last_modes:.1e} (take a longer one)"
         )
     return TravellingWave(constants, modes, math.sqrt(squared_speed), period, eps)
 
 
 def _cosine_modes(wave: Wave, eps: float, period: int) -> Array:
-    """Modes of the bare wave, centred on its crest."""
+    """Return the cosine modes of the bare wave, centred on its crest."""
     count = OVERSAMPLING * MODES
     samples = period * np.arange(count) / count
     crest = samples[np.argmax(wave.at(samples, 0.0, eps).Y)]
@@ -121,7 +121,7 @@ def _cosine_modes(wave: Wave, eps: float, period: int) -> Array:
 
 
 def profile(modes: Array) -> Array:
-    """The profile at OVERSAMPLING * MODES equidistant points of its period."""
+    """Return the profile at OVERSAMPLING * MODES equidistant points of its period."""
     count = OVERSAMPLING * MODES
     samples: Array = np.fft.irfft(np.pad(modes, (0, count // 2 + 1 - modes.size)), count) * count
     return samples
@@ -130,9 +130,9 @@ def profile(modes: Array) -> Array:
 def _linearised(
     modes: Array, squared_speed: float, constants: Model, period: int
 ) -> tuple[Array, Array]:
-    """v^2 f_q - (sin(q/2)/(q/2))^2 V'(f)_q for the modes 1 .. MODES, and its slopes.
+    """Return v^2 f_q - (sin(q/2)/(q/2))^2 V'(f)_q for the modes 1 .. MODES, and its Jacobian.
 
-    The unknowns are v^2 and the modes 2 .. MODES; the product with V''(f) couples the modes i and j
+    The unknowns are v^2 and the modes 2 .. MODES. The product with V''(f) couples the modes i and j
     of an even function through those of V'' at i - j and i + j.
     """
     j = np.arange(1, MODES + 1)
@@ -149,7 +149,7 @@ def _linearised(
 
 @dataclass(frozen=True)
 class Mode:
-    """An eigenvalue ``rate`` (complex, per lattice time) at Bloch wavenumber ``kappa``.
+    """A linear mode: eigenvalue ``rate`` (complex, per lattice time) at Bloch wavenumber ``kappa``.
 
     ``strain`` and ``velocity`` are its Fourier coefficients at the wavenumbers ``q``.
     """
@@ -161,7 +161,7 @@ class Mode:
     velocity: Complex
 
     def at(self, x: Array) -> tuple[Array, Array]:
-        """Real parts of strain and velocity at x, the largest strain being 1."""
+        """Return the real parts of strain and velocity at x, scaled to a largest strain of 1."""
         waves = np.exp(1j * np.multiply.outer(x, self.q))
         y, s = waves @ self.strain, waves @ self.velocity
         scale = complex(y[np.argmax(np.abs(y))])
@@ -169,10 +169,10 @@ class Mode:
 
 
 def lattice_mode(wave: TravellingWave, kappa: float) -> Mode:
-    """The fastest growing perturbation of the lattice's wave with the Bloch wavenumber kappa.
+    """Return the fastest growing perturbation of the wave with the Bloch wavenumber kappa.
 
-    On the sites, W and W e^{2 pi i x} are the same perturbation; of such copies the one whose mean
-    wavenumber lies in -pi .. pi is taken, which the truncation leaves whole.
+    On the sites, W and W e^{2 pi i x} are the same perturbation. Of these copies the one with its
+    mean wavenumber in -pi .. pi is returned, which the truncation does not cut.
     """
     q, matrix = _lattice_problem(wave, kappa)
     rates, vectors = np.linalg.eig(matrix)
@@ -184,9 +184,9 @@ def lattice_mode(wave: TravellingWave, kappa: float) -> Mode:
 
 
 def fastest_mode(wave: TravellingWave, wavelengths: int) -> Mode:
-    """The fastest growing perturbation on a ring of that many wavelengths.
+    """Return the fastest growing perturbation on a ring of that many wavelengths.
 
-    Bloch wavenumbers above pi / P are left out: they repeat those below as complex conjugates.
+    Bloch wavenumbers above pi / P are skipped: they repeat those below as complex conjugates.
     """
     spacing = 2.0 * math.pi / (wavelengths * wave.period)
     kappas = [spacing * count for count in range(wavelengths // 2 + 1)]
@@ -195,10 +195,10 @@ def fastest_mode(wave: TravellingWave, wavelengths: int) -> Mode:
 
 
 def _lattice_problem(wave: TravellingWave, kappa: float) -> tuple[Array, Complex]:
-    """Wavenumbers q, and the matrix of (W, (lambda - v d/dx) W) in their Fourier modes."""
+    """Return the wavenumbers q, and the matrix of (W, (lambda - v d/dx) W) in Fourier modes."""
     j = np.arange(-MODES, MODES + 1)
     q = kappa + 2.0 * np.pi * j / wave.period
     coupling = multiplication(wave.constants.stiffness(profile(wave.modes)), j)
     drift = np.diag(1j * wave.speed * q)
-    bend = -4.0 * np.sin(0.5 * q)[:, None] ** 2 * coupling
-    return q, np.block([[drift, np.eye(j.size)], [bend, drift]])
+    force = -4.0 * np.sin(0.5 * q)[:, None] ** 2 * coupling
+    return q, np.block([[drift, np.eye(j.size)], [force, drift]])

@@ -1,1 +1,1 @@
-"""From a closed form's expression to a program for the machine: value and both derivatives."""
+"""Compilation of a closed form's expression to a machine program for value and derivatives."""

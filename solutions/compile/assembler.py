@@ -1,6 +1,6 @@
-"""From SymPy statements to bytecode for the machine, one operation an instruction.
+"""Assembly of SymPy expressions into bytecode, one operation an instruction.
 
-Everything constant is folded into the pool.
+Constant subexpressions are evaluated once and kept in the pool.
 """
 
 from collections.abc import Sequence
@@ -33,7 +33,7 @@ class Assembler(Code):
         self._fixed: dict[sp.Expr, sp.Expr] = {}
 
     def define(self, symbol: sp.Symbol, expression: sp.Expr) -> None:
-        """Let ``symbol`` stand for ``expression`` in what follows."""
+        """Let ``symbol`` stand for ``expression`` in later expressions."""
         expression = expression.xreplace(self._fixed)
         if self._is_constant(expression):
             self._fixed[symbol] = expression
@@ -41,7 +41,7 @@ class Assembler(Code):
             self._values[symbol] = self._value(expression)
 
     def value(self, expression: sp.Expr) -> int:
-        """The number of the value that holds ``expression``."""
+        """Return the number of the value that holds ``expression``."""
         return self._value(expression.xreplace(self._fixed))
 
     def _value(self, expression: sp.Expr) -> int:
@@ -114,10 +114,10 @@ class Assembler(Code):
         return self.emit(Operation.MULTIPLY, *sorted((base, square)))
 
     def _split(self, expression: sp.Expr) -> tuple[sp.Expr, list[sp.Expr]]:
-        """The constant part of a sum or product, and the other arguments."""
-        fixed = [part for part in expression.args if self._is_constant(part)]
+        """Return the constant part of a sum or product, and the other arguments."""
+        constant_parts = [part for part in expression.args if self._is_constant(part)]
         varying = [part for part in expression.args if not self._is_constant(part)]
-        return expression.func(*fixed), varying
+        return expression.func(*constant_parts), varying
 
     def _is_constant(self, expression: sp.Expr) -> bool:
         return not any(symbol in self._values for symbol in expression.free_symbols)
@@ -129,5 +129,5 @@ class Assembler(Code):
 
 
 def _is_power_of_two(number: sp.Rational) -> bool:
-    """Whether multiplication by ``number`` rounds nothing."""
+    """Return whether multiplication by ``number`` is exact."""
     return min(abs(number.p), number.q) == 1 and max(abs(number.p), number.q).bit_count() == 1

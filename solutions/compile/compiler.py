@@ -1,9 +1,9 @@
-"""The evaluation of a closed form as a program: value and derivatives, of both parts if complex.
+"""Compilation of a closed form to a program: value and derivatives, of both parts if complex.
 
 The lowered expression (``solutions.compile.lowering``) becomes a tape with derivatives
-(``solutions.compile.tape``), and the tape bytecode for the machine. A program is kept on disk
-(``solutions.data_store``) under the name of the closed form, whose expression need not be made
-then; for others than the catalogue's, the expression is the key.
+(``solutions.compile.tape``), and the tape becomes bytecode for the machine. Programs are cached
+on disk (``solutions.data_store``) by the name of the closed form, so that its expression need not
+be built; forms outside the catalogue are cached by their expression.
 """
 
 from __future__ import annotations
@@ -24,22 +24,23 @@ from longwave.solutions.run.program import Program
 Parameters = tuple[sp.Symbol, ...]
 
 
-def kept_program(
+def cached_program(
     form: ClosedForm,
     part: str,
     expressions: Callable[[], Sequence[sp.Expr]],
     parameters: Parameters,
 ) -> Program:
-    """The program of a part of a closed form: from disk, or compiled and kept there.
+    """Return the program of a part of a closed form, from the disk cache or compiled.
 
-    ``expressions`` makes the part's real expressions; it is not called if the program is there.
+    ``expressions`` returns the part's real expressions; it is called only to compile the program,
+    and to identify a form outside the catalogue.
     """
     if form.module:
         key = f"{form.name} {part} {parameters}"
     else:
         key = f"{sp.srepr(tuple(expressions()))} {sp.srepr(parameters)}"
-    across = form.equation.has_across
-    return kept_data(__name__, key, lambda: compile_program(expressions(), parameters, across))
+    is_planar = form.equation.has_across
+    return kept_data(__name__, key, lambda: compile_program(expressions(), parameters, is_planar))
 
 
 def compile_program(
@@ -47,7 +48,7 @@ def compile_program(
 ) -> Program:
     """Compile real ``expressions`` in xi, tau, zeta and ``parameters``.
 
-    Without zeta there is no derivative in it, either: ``has_across`` is the equation's.
+    The program has zeta derivatives only if the equation ``has_across``, a transverse variable.
     """
     lowering = Lowering()
     tape, outputs = tape_of(
@@ -59,18 +60,18 @@ def compile_program(
     for symbol, right in tape.lines:
         assembler.define(symbol, right)
     bytecode = assembler.assemble([assembler.value(output) for output in outputs])
-    back = {symbol: constant for constant, symbol in lowering.constants.items()}
+    to_constants = {symbol: constant for constant, symbol in lowering.constants.items()}
     used = set().union(*(right.free_symbols for _, right in tape.lines))
     fixed = [
-        *(entry.xreplace(back) for entry in bytecode.pool),
+        *(entry.xreplace(to_constants) for entry in bytecode.pool),
         *(c for phase in phases for c in phase[1:]),
         *(call.m for call in calls),
     ]
-    places = [phase.symbol for phase in phases]
+    phase_symbols = [phase.symbol for phase in phases]
     return Program(
         phases=len(phases),
-        calls=[places.index(call.phase) for call in calls],
-        wanted=[[s in used for s in call.symbols] for call in calls],
+        calls=[phase_symbols.index(call.phase) for call in calls],
+        requested=[[s in used for s in call.symbols] for call in calls],
         bytecode=replace(bytecode, pool=()),
         fixed=MpmathFormula.of(parameters, fixed),
     )

@@ -1,10 +1,10 @@
-"""From a closed form's stable expression to what is computed at each point.
+"""Lowering of a closed form's stable expression to what is computed at each point.
 
-Everything free of xi, tau and zeta becomes a named constant (evaluated once, to many digits). A
-sum's part linear in them becomes one phase ``p xi + q tau + r + w zeta``, formed accurately
-outside; the secular part ``(E/K) u`` of the epsilon function joins it, so that nothing cancels.
-All Jacobi functions of one phase become the symbols of one call; sin and cos are sn and cn at
-m = 0.
+Subexpressions free of xi, tau and zeta become named constants, evaluated once to many digits. The
+part of a sum that is linear in them becomes one phase ``p xi + q tau + r + w zeta``, which is
+computed accurately elsewhere. It includes the secular part ``(E/K) u`` of the epsilon function, so
+that nothing cancels. All Jacobi functions of one phase become the symbols of one call; sin and cos
+are sn and cn at m = 0.
 """
 
 from collections.abc import Iterable
@@ -32,7 +32,7 @@ JACOBI_FUNCTIONS: tuple[type[sp.Function], ...] = (
 
 
 class Phase(NamedTuple):
-    """``symbol = p xi + q tau + r + w zeta`` with coefficients in the parameters."""
+    """``symbol = p xi + q tau + r + w zeta``; coefficients are expressions in the parameters."""
 
     symbol: sp.Symbol
     p: sp.Expr
@@ -52,7 +52,7 @@ class JacobiCall(NamedTuple):
     symbols: tuple[sp.Symbol, ...]
 
     def derivatives(self, mean: sp.Expr) -> dict[sp.Symbol, sp.Expr]:
-        """Each symbol's derivative with respect to the phase; ``mean`` is E/K."""
+        """Return each symbol's derivative with respect to the phase; ``mean`` is E/K."""
         z = sp.Dummy("z", real=True)
         m = sp.Dummy("m", positive=True)
         functions = {f(z, m): self.symbol_of(f) for f in JACOBI_FUNCTIONS}
@@ -64,24 +64,24 @@ class JacobiCall(NamedTuple):
         return rates
 
     def symbol_of(self, function: type[sp.Function]) -> sp.Symbol:
-        """The symbol that stands for ``function`` of the phase."""
+        """Return the symbol of ``function`` of the phase."""
         return self.symbols[JACOBI_FUNCTIONS.index(function)]
 
 
 _AT_PARAMETER_ZERO = {sp.sin: jacobi_sn, sp.cos: jacobi_cn}
 
 
-MOVING = (xi, tau, zeta)
+SPACE_TIME_VARIABLES = (xi, tau, zeta)
 
 Parts = tuple[sp.Expr, sp.Expr]
 """Real and imaginary part."""
 
 Terms = dict[sp.Expr | None, list[sp.Expr]]
-"""A sum by its coefficients of xi, tau, 1 and zeta; under None are the other terms."""
+"""Terms of a sum by their factor xi, tau, 1 or zeta; None is the key of all other terms."""
 
 
 def _total(parts: Iterable[tuple[sp.Expr, Terms]]) -> Terms:
-    """The sum of sums, each times a factor."""
+    """Return the sum of (factor, terms) pairs, each sum multiplied by its factor."""
     total: Terms = {}
     for factor, terms in parts:
         for variable, coefficients in terms.items():
@@ -90,7 +90,7 @@ def _total(parts: Iterable[tuple[sp.Expr, Terms]]) -> Terms:
 
 
 class Lowering:
-    """Collects the phases, Jacobi calls and constants of the expressions it lowers."""
+    """Lowering of expressions, which collects their phases, Jacobi calls and constants."""
 
     def __init__(self) -> None:
         self.phases: dict[tuple[sp.Expr, ...], Phase] = {}
@@ -100,13 +100,13 @@ class Lowering:
         self._varies: dict[sp.Expr, bool] = {}
 
     def lower(self, expression: sp.Expr) -> sp.Expr:
-        """``expression`` in phases, symbols of Jacobi calls and constants."""
+        """Return ``expression`` in terms of phases, symbols of Jacobi calls and constants."""
         if expression not in self._lowered:
             self._lowered[expression] = self._lower(expression)
         return self._lowered[expression]
 
     def constant(self, expression: sp.Expr) -> sp.Expr:
-        """The symbol of a constant; rational numbers stay as they are."""
+        """Return the symbol of a constant; rational numbers are returned unchanged."""
         if expression.is_Rational:
             return expression
         name = f"C_{len(self.constants)}"
@@ -124,21 +124,23 @@ class Lowering:
             call = self._call(expression.args[0], sp.S.Zero)
             return call.symbol_of(_AT_PARAMETER_ZERO[expression.func])
         if expression.is_Mul:
-            fixed, varying = self._split(expression)
-            return sp.Mul(self.constant(fixed), *(self.lower(factor) for factor in varying))
+            constant_factors, varying = self._split(expression)
+            return sp.Mul(
+                self.constant(constant_factors), *(self.lower(factor) for factor in varying)
+            )
         if expression.is_Pow:
             return self.lower(expression.base) ** self.constant(expression.exp)
         return expression.func(*(self.lower(argument) for argument in expression.args))
 
     def _lower_sum(self, expression: sp.Expr) -> sp.Expr:
         terms = self._sum(expression)
-        rest = [self.lower(term) for term in terms.get(None, ())]
-        if not terms.keys() & MOVING:
-            return sp.Add(self.constant(sp.Add(*terms.get(sp.S.One, ()))), *rest)
-        return sp.Add(self._phase(terms), *rest)
+        other_terms = [self.lower(term) for term in terms.get(None, ())]
+        if not terms.keys() & SPACE_TIME_VARIABLES:
+            return sp.Add(self.constant(sp.Add(*terms.get(sp.S.One, ()))), *other_terms)
+        return sp.Add(self._phase(terms), *other_terms)
 
     def _phase(self, terms: Terms) -> sp.Symbol:
-        """The symbol of the phase with these summed coefficients."""
+        """Return the symbol of the phase with these coefficients."""
         key = tuple(sp.Add(*terms.get(part, ())) for part in (xi, tau, sp.S.One, zeta))
         if key not in self.phases:
             symbol = sp.Symbol(f"phi_{len(self.phases)}", real=True)
@@ -146,10 +148,10 @@ class Lowering:
         return self.phases[key].symbol
 
     def _sum(self, expression: sp.Expr) -> Terms:
-        """Split a sum; constant factors are multiplied out where a linear part is inside."""
+        """Split a sum into terms; constant factors are expanded over a linear part."""
         if not self._is_varying(expression):
             return {sp.S.One: [expression]}
-        if expression in MOVING:
+        if expression in SPACE_TIME_VARIABLES:
             return {expression: [sp.S.One]}
         if expression.func is jacobi_epsilon:
             z, m = expression.args
@@ -158,10 +160,10 @@ class Lowering:
         if expression.is_Add:
             return _total((sp.S.One, self._sum(term)) for term in expression.args)
         if expression.is_Mul:
-            fixed, varying = self._split(expression)
+            constant_factors, varying = self._split(expression)
             inner = self._sum(varying[0]) if len(varying) == 1 else {}
-            if inner.keys() & MOVING:
-                return _total([(fixed, inner)])
+            if inner.keys() & SPACE_TIME_VARIABLES:
+                return _total([(constant_factors, inner)])
         return {None: [expression]}
 
     def _call(self, z: sp.Expr, m: sp.Expr) -> JacobiCall:
@@ -178,22 +180,24 @@ class Lowering:
 
     def _split(self, product: sp.Expr) -> tuple[sp.Expr, list[sp.Expr]]:
         varying = [factor for factor in product.args if self._is_varying(factor)]
-        fixed = [factor for factor in product.args if not self._is_varying(factor)]
-        return sp.Mul(*fixed), varying
+        constant_factors = [factor for factor in product.args if not self._is_varying(factor)]
+        return sp.Mul(*constant_factors), varying
 
     def _is_varying(self, expression: sp.Expr) -> bool:
         if expression not in self._varies:
-            self._varies[expression] = expression in MOVING or any(
+            self._varies[expression] = expression in SPACE_TIME_VARIABLES or any(
                 self._is_varying(argument) for argument in expression.args
             )
         return self._varies[expression]
 
 
 def complex_parts(expression: sp.Expr) -> Parts:
-    """Real and imaginary part of sums, products and powers of real expressions, I and exp(I ...).
+    """Return real and imaginary part of a complex expression.
 
-    Nothing is expanded or simplified, and every symbol and function without I in it is taken for
-    real. Raises ValueError where I stands in another function or in a divisor.
+    It may have sums, products and powers of real expressions, I and exp(I ...). Nothing is expanded
+    or simplified; symbols and functions without I are taken as real. Raises ValueError for I in
+    another function or in a divisor.
+
 
     >>> x, y = sp.symbols("x y", real=True)
     >>> complex_parts((1 + 2 * sp.I * x) / (1 + x**2) * sp.exp(sp.I * y))[1]
@@ -214,13 +218,13 @@ def complex_parts(expression: sp.Expr) -> Parts:
         growth, angle = complex_parts(expression.args[0])
         return sp.exp(growth) * sp.cos(angle), sp.exp(growth) * sp.sin(angle)
     raise ValueError(
-        f"I must stand in sums, products and exponentials alone, got {expression} "
+        f"I must occur only in sums, products and exponentials, got {expression} "
         "(write the real and the imaginary part)"
     )
 
 
 def _product(product: sp.Expr) -> Parts:
-    """The real factors stay together; the others are multiplied one by one."""
+    """Return the parts of a product; real factors stay together, others are multiplied in turn."""
     real = sp.Mul(*(factor for factor in product.args if not factor.has(sp.I)))
     re, im = real, sp.S.Zero
     for factor in product.args:

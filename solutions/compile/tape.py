@@ -2,7 +2,7 @@
 
 The derivative of a line follows from SymPy's derivative of that line alone by the chain rule. A
 third derivative is then a few times the size of the expression, where the expanded SymPy tree is
-hundreds of times as large. The machine's programs and the residuals are both made from a tape.
+hundreds of times as large. The machine's programs and the residuals are both built from a tape.
 """
 
 from __future__ import annotations
@@ -15,20 +15,20 @@ from longwave.solutions.compile.lowering import Lowering
 from longwave.solutions.functions.multiprecision import MpmathFormula
 from longwave.solutions.symbols import xi, zeta
 
-_ALONG = sp.Dummy("along")
-"""The direction in which the carrier phase, that of the first Jacobi call, stays fixed:
+_CARRIER_DIRECTION = sp.Dummy("along")
+"""Direction in which the carrier phase, that of the first Jacobi call, is constant:
 ``d/dtau - drift d/dxi``. Most derivatives in it vanish identically."""
 
 
 class UnknownDerivativeError(ValueError):
-    """A function on the tape has no derivative that SymPy knows."""
+    """A function on the tape has no derivative known to SymPy."""
 
 
 class Tape:
     """Lines ``symbol = operation`` in order of evaluation; equal operations share one line.
 
-    An entry is what stands for a value: a symbol with a number as factor, or a number. The
-    derivatives in ``directions`` follow every line at once, others when they are asked for.
+    A value is represented by an entry: a number, or a symbol times a number. Derivatives in
+    ``directions`` are recorded after every line, others when they are requested.
 
     >>> from mpmath import mp
     >>> x = sp.Symbol("x")
@@ -50,15 +50,15 @@ class Tape:
         self._depth = 0
 
     def seed(self, symbol: sp.Symbol, direction: sp.Symbol, rate: sp.Expr) -> None:
-        """Say the derivative of an input; lines of ``rate`` wait until all inputs have theirs."""
+        """Set the derivative of an input; lines of ``rate`` are not differentiated yet."""
         self._depth += 1
         self._derivative[symbol, direction] = self.record(rate)
         self._depth -= 1
 
     def record(self, expression: sp.Basic) -> sp.Expr:
-        """Append what is new in ``expression``; return the entry of its value.
+        """Append the new operations of ``expression``; return the entry of its value.
 
-        Entries that earlier calls returned may stand in ``expression``.
+        Entries from earlier calls may occur in ``expression``.
         """
         if not expression.args or _is_negated_symbol(expression):
             return expression
@@ -74,14 +74,14 @@ class Tape:
         return self._line(expression.func(*map(self._term, expression.args)))
 
     def _term(self, argument: sp.Basic) -> sp.Expr:
-        """A term of a sum keeps its numerical factor."""
+        """Record a term of a sum without its numerical factor; return both multiplied."""
         if not isinstance(argument, sp.Expr):
             return self.record(argument)
         number, rest = argument.as_coeff_Mul()
         return number * self.record(rest)
 
     def _product(self, factors: Sequence[sp.Expr]) -> sp.Expr:
-        """Two factors at a time, constant ones first: the product rule for many is slow."""
+        """Record a product two factors at a time, constants first: SymPy's product rule is slow."""
         ordered = sorted(factors, key=self._is_varying)
         result = self.record(ordered[0])
         for factor in ordered[1:]:
@@ -116,9 +116,9 @@ class Tape:
         return self._recorded[operation]
 
     def derivative(self, entry: sp.Expr, variable: sp.Symbol) -> sp.Expr:
-        """The entry of the derivative of ``entry`` with respect to the real ``variable``.
+        """Return the entry of the derivative of ``entry`` with respect to the real ``variable``.
 
-        Raises UnknownDerivativeError where SymPy leaves the derivative of a function unevaluated.
+        Raises UnknownDerivativeError if SymPy leaves the derivative of a function unevaluated.
         """
         number, symbol = entry.as_coeff_Mul()
         if symbol == variable:
@@ -144,7 +144,7 @@ class Tape:
         return sp.Add(*products)
 
     def _partial(self, symbol: sp.Symbol, operation: sp.Expr, inner: sp.Symbol) -> sp.Expr:
-        """``d operation/d inner``; that of tanh as sech**2, for ``1 - tanh**2`` cancels."""
+        """Return ``d operation/d inner``; for tanh as sech**2, because ``1 - tanh**2`` cancels."""
         if operation.func is sp.tanh:
             argument = operation.args[0]
             return sp.sech(argument) ** 2 * sp.diff(argument, inner)
@@ -157,7 +157,7 @@ class Tape:
         return partial.subs(operation, symbol)
 
     def formula(self, arguments: Sequence[sp.Symbol], entries: Sequence[sp.Expr]) -> MpmathFormula:
-        """The values of ``entries`` as a formula in ``arguments``, for any mpmath context."""
+        """Return a formula of ``entries`` as functions of ``arguments``, for any mpmath context."""
         return MpmathFormula.of(arguments, entries, self.lines)
 
 
@@ -168,12 +168,12 @@ def _is_negated_symbol(expression: sp.Basic) -> bool:
 def tape_of(
     lowering: Lowering, values: Sequence[sp.Expr], has_across: bool
 ) -> tuple[Tape, list[sp.Expr]]:
-    """A tape of lowered expressions; entries of each one's value, xi and tau derivative.
+    """Return a tape of lowered expressions, and the entries of values, xi and tau derivatives.
 
-    The derivative in zeta follows where the equation has it.
+    With ``has_across`` there are zeta derivatives too.
     """
-    across = [zeta] if has_across else []
-    tape = Tape((xi, _ALONG, *across))
+    transverse = [zeta] if has_across else []
+    tape = Tape((xi, _CARRIER_DIRECTION, *transverse))
     drift = _seed(tape, lowering)
     replacements, results = sp.cse(values, symbols=sp.numbered_symbols("y_", real=True))
     recorded: dict[sp.Expr, sp.Expr] = {}
@@ -182,37 +182,42 @@ def tape_of(
     outputs: list[sp.Expr] = []
     for result in results:
         output = tape.record(result.xreplace(recorded))
-        rate, along = (tape.derivative(output, direction) for direction in (xi, _ALONG))
-        outputs += [output, rate, along + drift * rate]
-        outputs += [tape.derivative(output, direction) for direction in across]
+        rate, carrier_rate = (
+            tape.derivative(output, direction) for direction in (xi, _CARRIER_DIRECTION)
+        )
+        outputs += [output, rate, carrier_rate + drift * rate]
+        outputs += [tape.derivative(output, direction) for direction in transverse]
     return tape, outputs
 
 
 def _seed(tape: Tape, lowering: Lowering) -> sp.Expr:
     """Set the derivatives of phases and Jacobi functions; return the carrier's drift q/p.
 
-    The carrier's p is 0 at no values of the parameters; without one, the drift is 0.
+    The carrier's p is nonzero for all parameters; without a carrier, the drift is 0.
     """
     phases = {phase.symbol: phase for phase in lowering.phases.values()}
     calls = list(lowering.calls.values())
-    carrying = [phases[call.phase] for call in calls] + list(phases.values())
-    carrier = next((phase for phase in carrying if phase.p.is_nonzero), None)
+    candidates = [phases[call.phase] for call in calls] + list(phases.values())
+    carrier = next((phase for phase in candidates if phase.p.is_nonzero), None)
     rates = {}
     for phase in phases.values():
-        along = phase.q
+        carrier_rate = phase.q
         if carrier is not None:
-            along -= phase.p * carrier.q / carrier.p
+            carrier_rate -= phase.p * carrier.q / carrier.p
             if (phase.p, phase.q) in ((carrier.p, carrier.q), (-carrier.p, -carrier.q)):
-                along = sp.S.Zero
-        rates[phase.symbol] = {xi: lowering.constant(phase.p), _ALONG: lowering.constant(along)}
+                carrier_rate = sp.S.Zero
+        rates[phase.symbol] = {
+            xi: lowering.constant(phase.p),
+            _CARRIER_DIRECTION: lowering.constant(carrier_rate),
+        }
         if phase.w != 0:
             rates[phase.symbol][zeta] = lowering.constant(phase.w)
     for call in calls:
         mean = lowering.constant(sp.elliptic_e(call.m) / sp.elliptic_k(call.m))
-        fixed = {call.m: lowering.constant(call.m)}
+        to_constant = {call.m: lowering.constant(call.m)}
         for symbol, rate in call.derivatives(mean).items():
             rates[symbol] = {
-                direction: of_phase * rate.xreplace(fixed)
+                direction: of_phase * rate.xreplace(to_constant)
                 for direction, of_phase in rates[call.phase].items()
             }
     for symbol, in_directions in rates.items():

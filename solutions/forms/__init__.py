@@ -1,1 +1,1 @@
-"""The closed forms: each is made by the function of its name (``solutions.catalogue``)."""
+"""The closed forms: each is built by the function of its name (``solutions.catalogue``)."""

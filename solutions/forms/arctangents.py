@@ -18,18 +18,18 @@ _f, _g, _r = sp.symbols("f g r", positive=True)
 
 
 def _slope(tangent: sp.Expr) -> sp.Expr:
-    """``2 d/dxi arctan(tangent)``."""
+    """Return ``2 d/dxi arctan(tangent)``."""
     return 2 * sp.diff(sp.atan(tangent), xi)
 
 
 def _bounded_slope(tangent: sp.Expr) -> sp.Expr:
-    """The same with every ``1/cosh`` written ``sech``, so that nothing grows exponentially."""
+    """Return `_slope` with every ``1/cosh`` as ``sech``, so that nothing grows exponentially."""
     bounded = tangent.replace(sp.cosh, lambda z: 1 / sp.sech(z))
     return 2 * sp.diff(bounded, xi) / (1 + bounded**2)
 
 
 def breather() -> ClosedForm:
-    """The breather on zero: a soliton bound to its negative, its carrier sin(p ...)."""
+    """Return the breather on zero: a bound soliton and antisoliton with the carrier sin(p ...)."""
     p, q = sp.symbols("p q", positive=True)
     carrier = p * (xi + (p**2 - 3 * q**2) * tau)
     envelope = q * (xi + (3 * p**2 - q**2) * tau + X_0)
@@ -50,7 +50,7 @@ def breather() -> ClosedForm:
 
 
 def double_pole() -> ClosedForm:
-    """The double-pole soliton: a soliton and its negative that part like log|T|.
+    """Return the double-pole soliton: a soliton and an antisoliton that separate like log|T|.
 
     M. Wadati and K. Ohkuma, Multiple-pole solutions of the modified Korteweg-de Vries equation,
     J. Phys. Soc. Jpn. 51 (1982) 2029.
@@ -71,7 +71,7 @@ def double_pole() -> ClosedForm:
 
 
 def two_soliton() -> ClosedForm:
-    """Two sech solitons of different amplitudes, one overtaking the other.
+    """Return two sech solitons of different amplitudes, one overtaking the other.
 
     R. Hirota, Exact solution of the modified Korteweg-de Vries equation for multiple collisions of
     solitons, J. Phys. Soc. Jpn. 33 (1972) 1456.
@@ -100,7 +100,7 @@ def _tangent(f: sp.Expr, g: sp.Expr, r: sp.Expr) -> sp.Expr:
 
 
 def _fraction() -> tuple[sp.Poly, sp.Poly]:
-    """Numerator and denominator of the wave, polynomials in r f and r g (called f and g)."""
+    """Return numerator and denominator of the wave, polynomials in r f and r g (called f and g)."""
     tangent = _tangent(_f, _g, _r)
     slope = _A_1 * _f * sp.diff(tangent, _f) + _A_2 * _g * sp.diff(tangent, _g)
     wave = sp.cancel((2 * slope / (1 + tangent**2)).subs({_f: _f / _r, _g: _g / _r}))
@@ -109,15 +109,16 @@ def _fraction() -> tuple[sp.Poly, sp.Poly]:
 
 
 def _divided(polynomial: sp.Poly, tanhs: list[sp.Symbol], sechs: list[sp.Symbol]) -> sp.Expr:
-    """``polynomial`` divided by ``(1 + f**2) (1 + g**2)``, up to a factor 4."""
+    """Return ``polynomial`` divided by ``(1 + f**2) (1 + g**2)``, up to a factor 4."""
     weights = [(1 - t, s, 1 + t) for t, s in zip(tanhs, sechs, strict=True)]
     return sp.expand(sum(c * weights[0][i] * weights[1][j] for (i, j), c in polynomial.terms()))
 
 
 def without_cancellation(t: Sequence[sp.Symbol], s: Sequence[sp.Symbol]) -> sp.Expr:
-    """``gap = 1 - t_1 t_2``, where it is small from ``1 - (t_1 t_2)**2``, a sum of squares.
+    """Return ``gap = 1 - t_1 t_2``, computed from ``1 - (t_1 t_2)**2``, a sum of squares, if small.
 
-    ``gap = (gap**2 + 1 - (t_1 t_2)**2)/2`` squares an error in the gap; twice leaves none.
+    ``gap = (gap**2 + 1 - (t_1 t_2)**2)/2`` squares an error of the gap; applied twice it leaves
+    none.
     """
     gap = 1 - t[0] * t[1]
     for _ in range(2):
@@ -126,7 +127,7 @@ def without_cancellation(t: Sequence[sp.Symbol], s: Sequence[sp.Symbol]) -> sp.E
 
 
 def _stable_solitons() -> sp.Expr:
-    """Divided by the growing exponentials; ``log r`` joins the phases; a positive denominator."""
+    """Return the wave without growing exponentials; ``log r`` is in the phases, denominator > 0."""
     t, s = list(sp.symbols("t_1 t_2", real=True)), list(sp.symbols("s_1 s_2", positive=True))
     gap = sp.Symbol("gap", positive=True)
     numerator, denominator = (_divided(part, t, s) for part in _fraction())

@@ -2,7 +2,7 @@
 
 Each solves ``U'' = v U - 2 s U**3`` with phase ``xi - v tau``; speed and amplitude follow from
 the second derivative of the Jacobi function. They are the backgrounds of the localised waves,
-which take phase and wave from here.
+which import phase and wave from this module.
 """
 
 import sympy as sp
@@ -24,7 +24,7 @@ DN_WAVE: sp.Expr = jacobi_dn(DN_PHASE, k**2)
 
 
 def shifted_area(u: sp.Expr) -> sp.Expr:
-    """``epsilon(u + K) - E``, the integral of ``k'**2/dn**2`` from 0 to u; small as k goes to 1.
+    """Return ``epsilon(u + K) - E``, the integral of ``k'**2/dn**2`` from 0 to u; small as k -> 1.
 
     By the addition theorem ``epsilon(u) = shifted_area(u) + k**2 sn(u) cn(u)/dn(u)``.
     """
@@ -33,7 +33,7 @@ def shifted_area(u: sp.Expr) -> sp.Expr:
 
 
 def modulus(at_zero: str, at_one: str) -> Parameter:
-    """``0 < k < 1`` with the limits at both ends in words."""
+    """Return the parameter ``0 < k < 1``, with the limits at both ends in words."""
     return Parameter(k, lower=Bound(sp.S.Zero, at_zero), upper=Bound(sp.S.One, at_one))
 
 
@@ -58,18 +58,18 @@ def _bare(
 
 
 def wave_sn() -> ClosedForm:
-    """The snoidal wave (K4 < 0)."""
+    """Return the snoidal wave (K4 < 0)."""
     source = Reference("mucalica2024dark", "subsec: Dark breathers on snoidal waves")
     return _bare("s", SN_WAVE, DEFOCUSING_MKDV, ("the zero solution", "the kink"), source)
 
 
 def wave_cn() -> ClosedForm:
-    """The cnoidal wave (K4 > 0)."""
+    """Return the cnoidal wave (K4 > 0)."""
     limits = "the zero solution", "the sech soliton"
     return _bare("c", CN_WAVE, FOCUSING_MKDV, limits, Reference("chen2018rogue", "(27)"))
 
 
 def wave_dn() -> ClosedForm:
-    """The dnoidal wave (K4 > 0)."""
+    """Return the dnoidal wave (K4 > 0)."""
     limits = "the constant 1", "the sech soliton"
     return _bare("d", DN_WAVE, FOCUSING_MKDV, limits, Reference("chen2018rogue", "(24)"), 2)

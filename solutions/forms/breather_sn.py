@@ -1,9 +1,9 @@
 """The dark breather on the sn wave, as printed in the paper's eqs. (21) and (29) (K4 < 0).
 
 ``H`` and ``Theta`` are the first and fourth theta functions of ``pi u/(2 K)``, ``Z`` is Jacobi's
-zeta function. In floating point, ``H(u) = sqrt(k) sn(u) Theta(u)`` and the addition theorem
-``Theta(xi+2a) Theta(xi-2a) = gamma**2 Theta(xi)**2 (1 - k**2 sn(xi)**2 sn(2a)**2)`` leave sn and
-the logarithm of one theta quotient, which shifts the phase eta.
+zeta function. For floating point, ``H(u) = sqrt(k) sn(u) Theta(u)`` and the addition theorem
+``Theta(xi+2a) Theta(xi-2a) = gamma**2 Theta(xi)**2 (1 - k**2 sn(xi)**2 sn(2a)**2)`` reduce it to
+sn and the logarithm of one theta quotient, which shifts the phase eta.
 """
 
 import sympy as sp
@@ -49,7 +49,7 @@ _grow, _g = sp.symbols("grow gamma", positive=True)
 
 
 def _fraction() -> tuple[sp.Expr, sp.Expr]:
-    """The printed numerator and denominator; ``grow`` is exp(2 eta), gamma one symbol."""
+    """Return the printed numerator and denominator; ``grow`` is exp(2 eta), gamma is a symbol."""
     beta = _beta_over_gamma * _g
     numerator = _H_ahead / _grow + _H_behind * _grow + 2 * beta * _H_here
     denominator = _T_ahead / _grow + _T_behind * _grow + 2 * _g * _T_here
@@ -72,14 +72,14 @@ def _printed() -> sp.Expr:
 
 
 def _bounded(sides: sp.Expr, tanh: sp.Expr, sech: sp.Expr) -> sp.Expr:
-    """``sides`` divided by ``grow + 1/grow``."""
+    """Return ``sides`` divided by ``grow + 1/grow``."""
     terms = sp.collect(sp.expand(sides), _grow, evaluate=False)
     weights = {_grow: (1 + tanh) / 2, 1 / _grow: (1 - tanh) / 2, sp.S.One: sech / 2}
     return sum((terms[power] * weights[power] for power in terms), sp.S.Zero)
 
 
 def _stable() -> sp.Expr:
-    """H in sn; the theta quotient moved into the phase; divided by its growing exponentials."""
+    """Return the wave in sn, with the theta quotient in the phase and no growing exponentials."""
     numerator, denominator = _fraction()
     quotient, product = sp.symbols("quotient product", positive=True)
     sn = {u: jacobi_sn(u, _m) for u in (_AHEAD, _BEHIND, _HERE)}
@@ -92,19 +92,19 @@ def _stable() -> sp.Expr:
     }
     logarithm = sp.log(jacobi_theta(_AHEAD, _m)) - sp.log(jacobi_theta(_BEHIND, _m))
     shifted = 2 * _eta - logarithm / 2
-    across = jacobi_dn(_HERE, _m) ** 2 + (k * sn[_HERE] * jacobi_cn(2 * alpha, _m)) ** 2
+    square = jacobi_dn(_HERE, _m) ** 2 + (k * sn[_HERE] * jacobi_cn(2 * alpha, _m)) ** 2
     tanh, sech = sp.symbols("tanh sech", real=True)
     parts = [
         _bounded(part.xreplace(etas).xreplace(thetas).subs(_grow, _grow * quotient), tanh, sech)
         for part in (numerator, denominator)
     ]
-    values = {tanh: sp.tanh(shifted), sech: sp.sech(shifted), product: sp.sqrt(across)}
-    with sp.evaluate(False):  # SymPy would ask for seconds whether tanh and sech are finite
+    values = {tanh: sp.tanh(shifted), sech: sp.sech(shifted), product: sp.sqrt(square)}
+    with sp.evaluate(False):  # SymPy would spend seconds on whether tanh and sech are finite
         return (parts[0] / parts[1]).xreplace(values)
 
 
 def breather_sn() -> ClosedForm:
-    """The dark breather on the snoidal wave (K4 < 0)."""
+    """Return the dark breather on the snoidal wave (K4 < 0)."""
     return ClosedForm(
         name="breather_sn",
         title="dark breather on the snoidal wave",

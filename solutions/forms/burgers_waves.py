@@ -1,4 +1,4 @@
-"""Shocks of the KdV and mKdV equations with a Burgers term: fronts that losses hold together."""
+"""Shocks of the KdV and mKdV equations with a Burgers term: steady fronts with losses."""
 
 import sympy as sp
 
@@ -11,7 +11,7 @@ _SIXTH = sp.Rational(1, 6)
 
 
 def kdv_burgers_shock() -> ClosedForm:
-    """The shock from U_0 + 2/25 down to U_0 (s = 1): the only height that has this shape."""
+    """Return the shock from U_0 + 2/25 down to U_0 (s = 1); only this height has a closed form."""
     front = sp.tanh((xi - (6 * _level + sp.Rational(6, 25)) * tau) / 10)
     return ClosedForm(
         name="kdv_burgers_shock",
@@ -25,7 +25,7 @@ def kdv_burgers_shock() -> ClosedForm:
 
 
 def mkdv_burgers_shock() -> ClosedForm:
-    """The undercompressive shock from 1/6 - kappa up to 1/6 + kappa (s = 1, r = -1)."""
+    """Return the undercompressive shock from 1/6 - kappa up to 1/6 + kappa (s = 1, r = -1)."""
     front = sp.tanh(kappa * (xi + (2 * kappa**2 + _SIXTH) * tau))
     return ClosedForm(
         name="mkdv_burgers_shock",

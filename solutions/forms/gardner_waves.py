@@ -1,6 +1,6 @@
-"""Waves of the Gardner and Kawahara equations, and of modified Kawahara: solitons and a front.
+"""Waves of the Gardner, Kawahara and modified Kawahara equations: solitons and a front.
 
-Divided by ``cosh(phase/2)**2`` a denominator ``a + b cosh(phase)`` neither overflows nor cancels
+A denominator ``a + b cosh(phase)`` divided by ``cosh(phase/2)**2`` neither overflows nor cancels
 (`solutions.forms.solitons`).
 """
 
@@ -21,7 +21,7 @@ _SOURCE = Reference("J. W. Miles, Tellus 31 (1979) 456")
 
 
 def _soliton(name: str, title: str, parameter: Parameter, sign: int) -> ClosedForm:
-    """``sign kappa**2 / (sign + root cosh)``, on zero; s = 1 unless kappa is below 1."""
+    """Return ``sign kappa**2 / (sign + root cosh)``; s = -1 if kappa has an upper bound, else 1."""
     is_bounded = parameter.upper is not None
     root = sp.sqrt((1 - kappa) * (1 + kappa) if is_bounded else 1 + kappa**2)
     divisor = sign + root * sp.cosh(_PHASE)
@@ -38,26 +38,26 @@ def _soliton(name: str, title: str, parameter: Parameter, sign: int) -> ClosedFo
 
 
 def gardner_soliton() -> ClosedForm:
-    """The positive soliton (s = 1)."""
+    """Return the positive soliton (s = 1)."""
     parameter = Parameter(kappa, lower=Bound(sp.S.Zero, "the zero solution"))
     return _soliton("gardner_soliton", "Gardner soliton", parameter, 1)
 
 
 def gardner_negative_soliton() -> ClosedForm:
-    """The negative soliton (s = 1), at least 2 deep; algebraic as its width grows."""
+    """Return the negative soliton (s = 1), at least 2 deep; it tends to an algebraic soliton."""
     parameter = Parameter(kappa, lower=Bound(sp.S.Zero, "the algebraic soliton"))
     return _soliton("gardner_negative_soliton", "negative Gardner soliton", parameter, -1)
 
 
 def gardner_table_soliton() -> ClosedForm:
-    """The soliton with s = -1: lower than 1, a table with steep ends as kappa goes to 1."""
+    """Return the soliton with s = -1: lower than 1, a plateau with steep ends as kappa -> 1."""
     upper = Bound(sp.S.One, "two fronts infinitely far apart")
     parameter = Parameter(kappa, Bound(sp.S.Zero, "the zero solution"), upper)
     return _soliton("gardner_table_soliton", "Gardner table soliton", parameter, 1)
 
 
 def gardner_kink() -> ClosedForm:
-    """The front from 1/2 + A down to 1/2 - A (s = -1); by default into what is at rest."""
+    """Return the front from 1/2 + A down to 1/2 - A (s = -1); by default into a medium at rest."""
     half = sp.Rational(1, 2)
     speed = sp.Rational(3, 2) - 2 * A**2
     return ClosedForm(
@@ -72,7 +72,7 @@ def gardner_kink() -> ClosedForm:
 
 
 def kawahara_soliton() -> ClosedForm:
-    """The sech**4 soliton (s = 1): the only one of this shape."""
+    """Return the sech**4 soliton (s = 1), which exists with one amplitude only."""
     phase = (xi - sp.Rational(36, 169) * tau) / sp.sqrt(52)
     return ClosedForm(
         name="kawahara_soliton",
@@ -85,7 +85,7 @@ def kawahara_soliton() -> ClosedForm:
 
 
 def modified_kawahara_soliton() -> ClosedForm:
-    """The sech**2 soliton (r = s = 1): the only one of this shape."""
+    """Return the sech**2 soliton (r = s = 1), which exists with one amplitude only."""
     phase = (xi - sp.Rational(4, 25) * tau) / sp.sqrt(20)
     return ClosedForm(
         name="modified_kawahara_soliton",

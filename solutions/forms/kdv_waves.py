@@ -14,7 +14,7 @@ _rates = sp.symbols("kappa_1 kappa_2", positive=True)
 
 
 def kdv_soliton() -> ClosedForm:
-    """The soliton on zero, of height 2 kappa**2."""
+    """Return the soliton on zero, of height 2 kappa**2."""
     return ClosedForm(
         name="kdv_soliton",
         title="KdV soliton",
@@ -26,7 +26,7 @@ def kdv_soliton() -> ClosedForm:
 
 
 def kdv_two_soliton() -> ClosedForm:
-    """Two solitons, the faster overtaking the other."""
+    """Return two solitons, the faster overtaking the other."""
     first, second = _rates
     phases = (
         first * (xi - 4 * first**2 * tau),
@@ -54,7 +54,7 @@ def kdv_two_soliton() -> ClosedForm:
 
 
 def _bounded(one: sp.Expr, other: sp.Expr) -> sp.Expr:
-    """Divided by ``cosh(one)**2 cosh(other)**2``, the divisor a sum of positive terms."""
+    """Return the wave with a positive denominator, divided by ``cosh(one)**2 cosh(other)**2``."""
     first, second = _rates
     t, s = list(sp.symbols("t_1 t_2", real=True)), list(sp.symbols("s_1 s_2", positive=True))
     height = 2 * (first**2 - second**2) * ((first * s[0]) ** 2 + (second * t[0] * s[1]) ** 2)
@@ -64,7 +64,7 @@ def _bounded(one: sp.Expr, other: sp.Expr) -> sp.Expr:
 
 
 def kdv_cnoidal() -> ClosedForm:
-    """The cnoidal wave with troughs at U_0."""
+    """Return the cnoidal wave with troughs at U_0."""
     speed = 6 * _level + 4 * kappa**2 * (2 * k**2 - 1)
     wave = _level + 2 * (kappa * k * jacobi_cn(kappa * (xi - speed * tau), k**2)) ** 2
     return ClosedForm(

@@ -10,7 +10,7 @@ _q = sp.Symbol("q", real=True)
 
 
 def kp_line_soliton() -> ClosedForm:
-    """The soliton along a line, constant where ``xi + q zeta`` is; for either sign."""
+    """Return the line soliton, constant where ``xi + q zeta`` is constant; for either sign."""
     phase = kappa * (xi + _q * zeta - (4 * kappa**2 + 3 * s * _q**2) * tau)
     return ClosedForm(
         name="kp_line_soliton",
@@ -29,7 +29,7 @@ def kp_line_soliton() -> ClosedForm:
 
 
 def kp_lump() -> ClosedForm:
-    """The lump of KP-I, of height 4 kappa**2; askew where q is not 0."""
+    """Return the lump of KP-I, of height 4 kappa**2; oblique if q is not 0."""
     along = xi + _q * zeta - 3 * (kappa**2 - _q**2) * tau
     across = kappa * (zeta + 6 * _q * tau)
     size = across**2 + 1 / kappa**2

@@ -1,7 +1,7 @@
 """Waves of NLS on a plane wave (s = 1): Peregrine's, second order, Akhmediev, Kuznetsov and Ma.
 
-They stand on ``A exp(2 i A**2 tau)``, with ``x = A xi`` and ``t = A**2 tau``. The two breathers
-have one parameter a, below and above 1/2, where both are Peregrine's wave.
+The background is ``A exp(2 i A**2 tau)``, with ``x = A xi`` and ``t = A**2 tau``. The two breathers
+have one parameter a, below and above 1/2; both tend to Peregrine's wave at 1/2.
 """
 
 import sympy as sp
@@ -28,7 +28,7 @@ def _on_plane_wave(
     stable: sp.Expr | None = None,
     period: sp.Expr | None = None,
 ) -> ClosedForm:
-    """The plane wave times ``1 + change``."""
+    """Return the plane wave times ``1 + change``."""
     bounded = _BACKGROUND * (1 + (change if stable is None else stable))
     end = _BACKGROUND if period is None else bounded
     return ClosedForm(
@@ -46,7 +46,7 @@ def _on_plane_wave(
 
 
 def nls_peregrine() -> ClosedForm:
-    """Peregrine's wave: three times as high as the plane wave, once."""
+    """Return Peregrine's wave, which is once three times as high as the plane wave."""
     return _on_plane_wave(
         "nls_peregrine",
         "Peregrine wave",
@@ -57,7 +57,7 @@ def nls_peregrine() -> ClosedForm:
 
 
 def nls_rogue_2() -> ClosedForm:
-    """The rational wave of second order: five times as high as the plane wave, once."""
+    """Return the second-order rational wave, which is once five times as high as the plane wave."""
     t = 2 * _t
     square, part = _x**2 + t**2, sp.Rational(3, 4)
     real = (square + part) * (_x**2 + 5 * t**2 + part) - part
@@ -73,16 +73,16 @@ def nls_rogue_2() -> ClosedForm:
 
 
 def nls_akhmediev() -> ClosedForm:
-    """Akhmediev's breather: periodic in xi, it grows out of the plane wave and decays, once.
+    """Return Akhmediev's breather: periodic in xi, it grows out of the plane wave and decays once.
 
-    In floating point everything is divided by the hyperbolic cosine, and nothing cancels next to
+    The floating-point form is divided by the hyperbolic cosine, so that nothing cancels near
     Peregrine's wave.
     """
     root, wavenumber = sp.sqrt(2 * _a), 2 * sp.sqrt(1 - 2 * _a)
     growth = root * wavenumber
     z, place = 2 * growth * _t, wavenumber * _x
     t, s = sp.tanh(z / 2), sp.sech(z / 2)
-    near = 1 - root + 2 * root * sp.sin(place / 2) ** 2
+    nearby_part = 1 - root + 2 * root * sp.sin(place / 2) ** 2
     return _on_plane_wave(
         "nls_akhmediev",
         "Akhmediev breather",
@@ -90,24 +90,24 @@ def nls_akhmediev() -> ClosedForm:
         _SOURCE,
         (2 * (1 - 2 * _a) * sp.cosh(z) + sp.I * growth * sp.sinh(z))
         / (root * sp.cos(place) - sp.cosh(z)),
-        -2 * ((1 - 2 * _a) * (1 + t**2) + sp.I * growth * t) / (2 * t**2 + near * s**2),
+        -2 * ((1 - 2 * _a) * (1 + t**2) + sp.I * growth * t) / (2 * t**2 + nearby_part * s**2),
         period=2 * sp.pi / (wavenumber * A),
     )
 
 
 def nls_kuznetsov_ma() -> ClosedForm:
-    """The breather of Kuznetsov and Ma: localised in xi, it comes back again and again."""
+    """Return the breather of Kuznetsov and Ma: localised in xi and periodic in time."""
     root, width = sp.sqrt(2 * _a), 2 * sp.sqrt(2 * _a - 1)
     frequency = root * width
     angle, z = 2 * frequency * _t, width * _x
     t, s = sp.tanh(z / 2), sp.sech(z / 2)
     height = 2 * (1 - 2 * _a) * sp.cos(angle) - sp.I * frequency * sp.sin(angle)
-    near = root - 1 + 2 * sp.sin(angle / 2) ** 2
+    nearby_part = root - 1 + 2 * sp.sin(angle / 2) ** 2
     return _on_plane_wave(
         "nls_kuznetsov_ma",
         "Kuznetsov-Ma breather",
         (Parameter(_a, Bound(_HALF, "the Peregrine wave")),),
         _SOURCE,
         height / (root * sp.cosh(z) - sp.cos(angle)),
-        height * s**2 / (2 * root * t**2 + near * s**2),
+        height * s**2 / (2 * root * t**2 + nearby_part * s**2),
     )

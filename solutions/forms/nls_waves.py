@@ -15,12 +15,12 @@ _SOURCE = Reference("V. E. Zakharov and A. B. Shabat, Sov. Phys. JETP 34 (1972) 
 
 
 def plane_wave(frequency: sp.Expr, wavenumber: sp.Expr = sp.S.Zero) -> sp.Expr:
-    """``exp(i (wavenumber xi + frequency tau))``."""
+    """Return ``exp(i (wavenumber xi + frequency tau))``."""
     return sp.exp(sp.I * (wavenumber * xi + frequency * tau))
 
 
 def nls_plane() -> ClosedForm:
-    """The plane wave of amplitude A and wavenumber q, for either sign."""
+    """Return the plane wave of amplitude A and wavenumber q, for either sign."""
     wave = A * plane_wave(2 * s * A**2 - _wavenumber**2, _wavenumber)
     parameters = (AMPLITUDE, Parameter(_wavenumber, default=sp.S.Zero))
     return ClosedForm(
@@ -36,7 +36,7 @@ def nls_plane() -> ClosedForm:
 
 
 def nls_bright() -> ClosedForm:
-    """The bright soliton of amplitude A and speed v (s = 1)."""
+    """Return the bright soliton of amplitude A and speed v (s = 1)."""
     wave = A * sp.sech(A * (xi - _speed * tau)) * plane_wave(A**2 - _speed**2 / 4, _speed / 2)
     return ClosedForm(
         name="nls_bright",
@@ -49,7 +49,7 @@ def nls_bright() -> ClosedForm:
 
 
 def nls_dark() -> ClosedForm:
-    """The dark soliton of speed v, black where v = 0, on sqrt(kappa**2 + v**2/4) (s = -1)."""
+    """Return the dark soliton of speed v, black if v = 0, on sqrt(kappa**2 + v**2/4) (s = -1)."""
     carrier = plane_wave(-2 * (kappa**2 + _speed**2 / 4))
     rest = sp.I * _speed / 2
     ends = (carrier * (side * kappa + rest) for side in (-1, 1))
@@ -68,13 +68,13 @@ def nls_dark() -> ClosedForm:
 
 
 def nls_dn() -> ClosedForm:
-    """The dn wave of amplitude A (s = 1)."""
+    """Return the dn wave of amplitude A (s = 1)."""
     wave = A * jacobi_dn(A * xi, k**2) * plane_wave(A**2 * (2 - k**2))
     return _periodic("nls_dn", "dn wave", "the plane wave", wave, 2 * QUARTER_PERIOD / A)
 
 
 def nls_cn() -> ClosedForm:
-    """The cn wave of amplitude k A (s = 1)."""
+    """Return the cn wave of amplitude k A (s = 1)."""
     wave = k * A * jacobi_cn(A * xi, k**2) * plane_wave(A**2 * (2 * k**2 - 1))
     return _periodic("nls_cn", "cn wave", "the zero solution", wave, 4 * QUARTER_PERIOD / A)
 

@@ -1,4 +1,4 @@
-"""The rational solutions of every order; the first three as the literature prints them.
+"""The rational solutions of every order; the first three as printed in the literature.
 
 ``U_j = (-1)**j [1 - 2 (arg f_j)_x]`` with ``f_j = A + i B`` from
 ``solutions.forms.tau_polynomials`` and ``x = xi - 6 tau``.
@@ -20,7 +20,7 @@ CO_MOVING: sp.Expr = xi - 6 * tau
 
 
 def horner_form(order: int, free: tuple[int, ...] = ()) -> sp.Expr:
-    """``(-1)**j [1 - 2 (A B_x - A_x B)/(A**2 + B**2)]``, each polynomial in Horner form."""
+    """Return ``(-1)**j [1 - 2 (A B_x - A_x B)/(A**2 + B**2)]``, each polynomial in Horner form."""
     family = rational_tau(order, free)
     parts = [
         sp.horner(_to_sympy(part, *family.symbols), *family.symbols) for part in _parts(family)
@@ -30,10 +30,10 @@ def horner_form(order: int, free: tuple[int, ...] = ()) -> sp.Expr:
 
 
 def rational(order: int, free: Iterable[int] = ()) -> ClosedForm:
-    """The rational solution of any order; ``free`` lists the shifts tau_5, ... left as parameters.
+    """Return the rational solution of an order; ``free`` lists its parameters tau_5, ....
 
-    Peak ``2 order + 1`` at the origin on the background ``(-1)**order`` (with all shifts zero).
-    Source: the paper's Ref. ankiewicz2018rogue. Raises ValueError as ``rational_tau`` does.
+    Its peak is ``2 order + 1`` at the origin on the background ``(-1)**order``, if all shifts are
+    0. Source: the paper's Ref. ankiewicz2018rogue. Raises ValueError as ``rational_tau`` does.
 
     >>> rational(3, free=[5]).parameters[0].name
     'tau_5'
@@ -54,7 +54,7 @@ def rational(order: int, free: Iterable[int] = ()) -> ClosedForm:
         stabilise=lambda: horner_form(order, shifts),
         evaluator=lambda values: _evaluator(family, values),
     )
-    return form.found_by(rational, order, shifts)
+    return form.with_pickle_call(rational, order, shifts)
 
 
 def _evaluator(family: RationalTau, shifts: Mapping[sp.Symbol, sp.Expr]) -> Any:
@@ -64,7 +64,7 @@ def _evaluator(family: RationalTau, shifts: Mapping[sp.Symbol, sp.Expr]) -> Any:
 
 
 def _parts(family: RationalTau) -> list[fmpq_mpoly]:
-    """A, B, A_x and B_x."""
+    """Return A, B, A_x and B_x."""
     return [family.A, family.B, family.A.derivative("x"), family.B.derivative("x")]
 
 
@@ -73,7 +73,7 @@ def _wave(order: int, A: sp.Expr, B: sp.Expr, A_x: sp.Expr, B_x: sp.Expr) -> sp.
 
 
 def _to_sympy(polynomial: fmpq_mpoly, *generators: sp.Expr) -> sp.Expr:
-    """The expanded polynomial in these generators."""
+    """Return the expanded polynomial in these generators."""
     powers = [[sp.S.One] for _ in generators]
     for row, generator, degree in zip(powers, generators, polynomial.degrees(), strict=True):
         row.extend(generator**n for n in range(1, degree + 1))
@@ -130,13 +130,13 @@ def _third(bX: sp.Expr, cT: sp.Expr) -> sp.Expr:
 
 
 def _printed(order: int, title: str, expression: sp.Expr, label: str) -> ClosedForm:
-    """A solution of the family without shifts, in the words and the formula of its source."""
+    """Return a solution without shifts, with the title and the formula of its source."""
     reference = Reference("ankiewicz2018rogue", label)
     return replace(rational(order), title=title, expression=expression, reference=reference)
 
 
 def rational_1() -> ClosedForm:
-    """The first-order rational solution: a Lorentzian travelling wave on -1 (K4 > 0)."""
+    """Return the first-order rational solution: a Lorentzian travelling wave on -1 (K4 > 0)."""
     return _printed(
         1,
         "first-order rational solution (Lorentzian)",
@@ -146,20 +146,20 @@ def rational_1() -> ClosedForm:
 
 
 def rational_2() -> ClosedForm:
-    """The second-order rational solution Y2, as in the paper's eqs. (12) and (13) (K4 > 0).
+    """Return the second-order rational solution Y2, as in the paper's eqs. (12) and (13) (K4 > 0).
 
-    The paper's letters, of the paper's eq. (14): ``b X`` is ``2 xi`` and ``a T`` is ``-2 tau``,
-    because ``b = sqrt(24 K4/K2) = 2 sqrt(6 K4/K2)`` and ``a = b**3 gamma_3/4`` with ``gamma_3``
-    minus the dispersive coefficient.
+    In the letters of the paper's eq. (14), ``b X`` is ``2 xi`` and ``a T`` is ``-2 tau``, because
+    ``b = sqrt(24 K4/K2) = 2 sqrt(6 K4/K2)`` and ``a = b**3 gamma_3/4`` with ``gamma_3`` minus the
+    dispersive coefficient.
     """
     expression = _second(aT=-2 * tau, bX=2 * xi)
     return _printed(2, "second-order rational solution", expression, "mKdV 2-order soln")
 
 
 def rational_3() -> ClosedForm:
-    """The third-order rational solution Y3, as in the paper's eqs. (17) and (18) (K4 > 0).
+    """Return the third-order rational solution Y3, as in the paper's eqs. (17) and (18) (K4 > 0).
 
-    The paper's letters: ``b X`` is ``2 xi`` and ``c T`` is ``24 tau``, because
+    In the paper's letters, ``b X`` is ``2 xi`` and ``c T`` is ``24 tau``, because
     ``c = -3 b**3 gamma_3`` is 24 times the rate of tau; hence ``z = (2 b X - c T)/4 = xi - 6 tau``.
     """
     expression = _third(bX=2 * xi, cT=24 * tau)

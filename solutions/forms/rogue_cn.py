@@ -1,11 +1,11 @@
 """The rogue wave on the cn wave of the paper's eqs. (26) to (28), in real and imaginary parts.
 
-The integral in theta is written out in real parts; that it equals the printed one is a test.
-With N, M, S the printed combinations ``(1 + theta**2) y - theta y'/lambda`` and so on, the
-denominator ``G_2 = (1 - 2 k**2) |N|**2 + |M|**2 + |S|**2`` cancels as k goes to 1. Because
-``N**2 = M**2 + S**2``, it is also ``2 k'**2 |N|**2 + 4 Im(M conj S)**2/(|M|**2+|S|**2+|N|**2)``,
-a sum of squares: that is evaluated in floating point, after division by ``1 + |theta|**2``.
-Likewise theta is evaluated without the poles of its integral, which cancel identically.
+The integral in theta is replaced by a closed form in real parts; a test compares it with the
+printed one. With N, M, S the printed combinations ``(1 + theta**2) y - theta y'/lambda`` and so
+on, the denominator ``G_2 = (1 - 2 k**2) |N|**2 + |M|**2 + |S|**2`` cancels as k goes to 1. Because
+``N**2 = M**2 + S**2``, it is also ``2 k'**2 |N|**2 + 4 Im(M conj S)**2/(|M|**2+|S|**2+|N|**2)``, a
+sum of squares, which is evaluated in floating point after division by ``1 + |theta|**2``. Likewise
+theta is evaluated without the poles of its integral, which cancel identically.
 """
 
 import sympy as sp
@@ -35,13 +35,13 @@ Parts = tuple[sp.Expr, sp.Expr]
 
 
 def integrand(u: sp.Expr) -> sp.Expr:
-    """The (complex) integrand of the printed integral in theta_cn."""
+    """Return the (complex) integrand of the printed integral in theta_cn."""
     y = k * jacobi_cn(u, k**2)
     return y**2 / (y**2 + sp.I * k * complementary_modulus) ** 2
 
 
 def integral(u: sp.Expr) -> Parts:
-    """Real and imaginary part of the integral of ``integrand`` from 0 to ``u``."""
+    """Return real and imaginary part of the integral of ``integrand`` from 0 to ``u``."""
     z = sp.Dummy("z", real=True)
     square = k**2 * complementary_modulus**2
     speed = 2 * k**2 - 1
@@ -52,18 +52,18 @@ def integral(u: sp.Expr) -> Parts:
 
 
 def _pole(z: sp.Symbol) -> Parts:
-    """``y = k cn`` and ``y y'/Q`` with ``Q = y**4 + k**2 k'**2``."""
+    """Return ``y = k cn`` and ``y y'/Q`` with ``Q = y**4 + k**2 k'**2``."""
     y = k * jacobi_cn(z, k**2)
     return y, y * sp.diff(y, z) / (y**4 + k**2 * complementary_modulus**2)
 
 
 def _area(z: sp.Symbol) -> sp.Expr:
-    """``S``, the integral of y**2."""
+    """Return ``S``, the integral of y**2."""
     return jacobi_epsilon(z, k**2) - complementary_modulus**2 * z
 
 
 def theta() -> Parts:
-    """Real and imaginary part of theta_cn in xi, tau and k: the paper's eq. (28)."""
+    """Return real and imaginary part of theta_cn in xi, tau and k: the paper's eq. (28)."""
     real, imaginary = sp.symbols("integral_re integral_im", real=True)
     printed = -4 * _lambda * _weight * (real + sp.I * imaginary)
     integral_re, integral_im = integral(CN_PHASE)
@@ -73,9 +73,9 @@ def theta() -> Parts:
 
 
 def _stable_theta() -> Parts:
-    """``theta`` with the poles ``Q = 0`` divided out, and epsilon through ``shifted_area``.
+    """Return ``theta`` with the poles ``Q = 0`` divided out, and epsilon by ``shifted_area``.
 
-    In the printed form terms of order 1 cancel to k'**2 as k goes to 1; here nothing does.
+    In the printed form terms of order 1 cancel to k'**2 as k goes to 1; here nothing cancels.
     """
     kp, square = complementary_modulus, CN_WAVE**2
     sn, cn, dn = (f(CN_PHASE, k**2) for f in (jacobi_sn, jacobi_cn, jacobi_dn))
@@ -90,14 +90,14 @@ def _background_values() -> dict[sp.Expr, sp.Expr]:
 
 
 def _parts(polynomial: sp.Expr) -> Parts:
-    """Real and imaginary part of a polynomial in real symbols and I."""
+    """Return real and imaginary part of a polynomial in real symbols and I."""
     expanded = sp.Poly(sp.expand(polynomial), sp.I)
     powers = {power: coefficient for (power,), coefficient in expanded.terms()}
     return sp.factor(powers.get(0, sp.S.Zero)), sp.factor(powers.get(1, sp.S.Zero))
 
 
 def _combinations(one: sp.Expr, theta: sp.Expr, square: sp.Expr) -> list[Parts]:
-    """N, M, S of the printed formula with 1, theta, theta**2 replaced by the arguments."""
+    """Return N, M, S of the printed formula, with the arguments for 1, theta and theta**2."""
     N = (one + square) * _y - _inverse_lambda * theta * _slope
     M = (one - square) * _weight
     S = _inverse_lambda / 2 * (one + square) * _slope - 2 * theta * _y
@@ -109,7 +109,7 @@ def _squared(z: Parts) -> sp.Expr:
 
 
 def _in_xi_tau(fraction: sp.Expr, theta: Parts, weights: dict[sp.Expr, sp.Expr]) -> sp.Expr:
-    """``y + fraction`` with theta put into ``weights`` and everything in xi, tau and k."""
+    """Return ``y + fraction`` in xi, tau and k, with ``theta`` substituted in ``weights``."""
     angles = {_theta_re: theta[0], _theta_im: theta[1]}
     inner = {symbol: value.xreplace(angles) for symbol, value in weights.items()}
     return (_y + fraction).xreplace(inner | angles | _background_values())
@@ -123,22 +123,22 @@ def _printed() -> sp.Expr:
 
 
 def _stable() -> sp.Expr:
-    """Sum-of-squares denominator, everything divided by powers of ``1 + |theta|**2``.
+    """Return the wave over a sum of squares, all divided by powers of ``1 + |theta|**2``.
 
-    ``w_i`` are 1, theta and theta**2 so divided; ``n_i`` are theta's coordinates on the unit
-    sphere, in which the imaginary parts in G_1 and G_2 are polynomials. As k goes to 1 their terms
-    cancel in 20 digits. By ``y'**2 = (k**2 - y**2) (y**2 + k'**2)`` they are sums of products of
-    ``near``, which vanishes with them, and ``far``, which never does.
+    ``w_i`` are 1, theta and theta**2 after that division. ``n_i`` are theta's coordinates on the
+    unit sphere, in which the imaginary parts in G_1 and G_2 are polynomials. As k goes to 1 their
+    terms cancel in 20 digits. By ``y'**2 = (k**2 - y**2) (y**2 + k'**2)`` they are sums of products
+    of ``small_factor``, which vanishes with them, and ``large_factor``, which never vanishes.
     """
     one, re, im, square_re, square_im = w = sp.symbols("w_:5", real=True)
     n = sp.symbols("n_:3", real=True)
     N, M, S = _combinations(one, re + sp.I * im, square_re + sp.I * square_im)
     sn, dn = (f(CN_PHASE, k**2) for f in (jacobi_sn, jacobi_dn))
-    near = dn * _y * n[2] - k * _kp * sn * n[0]
-    far = k * (dn + sn * _y * n[1])
+    small_factor = dn * _y * n[2] - k * _kp * sn * n[0]
+    large_factor = k * (dn + sn * _y * n[1])
     rest = _kp * _y * n[0] - k * sn * dn * (_y**2 - _kp**2) * n[2]
-    G_1 = 4 * k * _kp * (far * rest - (_y**4 + k**2 * _kp**2) * near * n[1]) / dn
-    G_2 = 2 * _kp**2 * _squared(N) + 4 * (near * far) ** 2 / (
+    G_1 = 4 * k * _kp * (large_factor * rest - (_y**4 + k**2 * _kp**2) * small_factor * n[1]) / dn
+    G_2 = 2 * _kp**2 * _squared(N) + 4 * (small_factor * large_factor) ** 2 / (
         _squared(M) + _squared(S) + _squared(N)
     )
     size = _theta_re**2 + _theta_im**2
@@ -152,7 +152,7 @@ def _stable() -> sp.Expr:
 
 
 def rogue_cn() -> ClosedForm:
-    """The rogue wave on the cnoidal wave (K4 > 0)."""
+    """Return the rogue wave on the cnoidal wave (K4 > 0)."""
     far_field = -CN_WAVE
     return ClosedForm(
         name="rogue_cn",

@@ -1,8 +1,8 @@
 """The algebraic soliton on the dn wave, as printed in the paper's eqs. (23) to (25) (K4 > 0).
 
-The integral in theta is written out: ``E`` is the Jacobi epsilon function (``E' = dn**2``). That
-it equals the printed integral is a test. In floating point, the wave is evaluated with
-``cos f = (1 - theta**2)/(1 + theta**2)`` and ``sin f = 2 theta/(1 + theta**2)``.
+The integral in theta is replaced by a closed form; a test compares it with the printed one.
+``E`` is the Jacobi epsilon function (``E' = dn**2``). In floating point, the wave is evaluated
+with ``cos f = (1 - theta**2)/(1 + theta**2)`` and ``sin f = 2 theta/(1 + theta**2)``.
 """
 
 from collections.abc import Callable
@@ -27,12 +27,12 @@ _lambda = (1 + complementary_modulus) / 2
 
 
 def integrand(u: sp.Expr) -> sp.Expr:
-    """The integrand of the printed integral in theta_dn."""
+    """Return the integrand of the printed integral in theta_dn."""
     return jacobi_dn(u, k**2) ** 2 / (jacobi_dn(u, k**2) ** 2 + complementary_modulus) ** 2
 
 
 def integral(u: sp.Expr) -> sp.Expr:
-    """The integral of ``integrand`` from 0 to ``u``, in closed form."""
+    """Return the integral of ``integrand`` from 0 to ``u``, in closed form."""
     z = sp.Dummy("z", real=True)
     y = jacobi_dn(z, k**2)
     periodic = y * sp.diff(y, z) / (complementary_modulus * (y**2 + complementary_modulus))
@@ -41,7 +41,7 @@ def integral(u: sp.Expr) -> sp.Expr:
 
 
 def _stable_integral(u: sp.Expr) -> sp.Expr:
-    """``integral`` with E through ``shifted_area``, what divides by k' cancelled."""
+    """Return ``integral`` with E by ``shifted_area`` and divisions by k' cancelled."""
     s, c, d, kp, E = sp.symbols("s c d k_prime E", positive=True)
     z = sp.Dummy("z", real=True)
     functions = {f(z, k**2): v for f, v in zip(_FUNCTIONS, (s, c, d, E), strict=True)}
@@ -49,24 +49,26 @@ def _stable_integral(u: sp.Expr) -> sp.Expr:
     slope = sp.diff(symbolic, E)
     rest = sp.factor(sp.cancel((symbolic - symbolic.subs({s: 0, E: 0})).subs(E, k**2 * s * c / d)))
     total = slope * E + symbolic.subs({s: 0, E: 0}) + rest
-    back = {symbol: function for function, symbol in functions.items()} | {E: shifted_area(z)}
-    return total.subs(back).subs(kp, complementary_modulus).subs(z, u)
+    to_functions = {symbol: function for function, symbol in functions.items()} | {
+        E: shifted_area(z)
+    }
+    return total.subs(to_functions).subs(kp, complementary_modulus).subs(z, u)
 
 
 def theta(integral: Callable[[sp.Expr], sp.Expr] = integral) -> sp.Expr:
-    """theta_dn in xi, tau and k: the paper's eq. (25)."""
+    """Return theta_dn in xi, tau and k: the paper's eq. (25)."""
     weight = DN_WAVE**2 + complementary_modulus
     return -4 * _lambda * weight * (integral(DN_PHASE) - tau)
 
 
 def _fraction() -> tuple[sp.Expr, sp.Expr]:
-    """Numerator and denominator of what is printed beside Y_dn, in y, y' and theta."""
+    """Return numerator and denominator of the fraction added to Y_dn, in y, y' and theta."""
     numerator = (1 - _theta**2) * (_y**2 + complementary_modulus)
     return numerator, (1 + _theta**2) * _y - _theta * _slope / _lambda
 
 
 def _bounded(quadratic: sp.Expr) -> sp.Expr:
-    """A quadratic in theta divided by ``1 + theta**2``, in cos f and sin f."""
+    """Return a quadratic in theta divided by ``1 + theta**2``, in cos f and sin f."""
     halves = {0: (1 + _cos) / 2, 1: _sin / 2, 2: (1 - _cos) / 2}
     polynomial = sp.Poly(quadratic, _theta)
     return sp.expand(sum(c * halves[power] for (power,), c in polynomial.terms()))
@@ -89,7 +91,7 @@ def _stable() -> sp.Expr:
 
 
 def soliton_dn() -> ClosedForm:
-    """The algebraic soliton on the dnoidal wave (K4 > 0)."""
+    """Return the algebraic soliton on the dnoidal wave (K4 > 0)."""
     far_field = -jacobi_dn(DN_PHASE + QUARTER_PERIOD, k**2)
     return ClosedForm(
         name="soliton_dn",

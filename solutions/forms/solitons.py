@@ -1,7 +1,7 @@
 """Solitons and kinks: on zero, on a constant, and a kink with its antikink.
 
-Where a wave stands on a constant, its denominator is ``a + b cosh(phase)``; divided by
-``cosh(phase/2)**2`` it neither overflows nor cancels.
+A wave on a constant has a denominator ``a + b cosh(phase)``, which divided by
+``cosh(phase/2)**2`` neither overflows nor cancels.
 """
 
 import sympy as sp
@@ -12,7 +12,7 @@ from longwave.solutions.symbols import A, kappa, tau, xi
 
 
 def by_tanh(total: sp.Expr, phase: sp.Expr) -> sp.Expr:
-    """``(a + b) + (b - a) tanh(phase/2)**2``: nothing cancels where ``|a| <= b``.
+    """Return ``(a + b) + (b - a) tanh(phase/2)**2``: nothing cancels if ``|a| <= b``.
 
     >>> z = sp.Symbol("z")
     >>> by_tanh(3 + 5 * sp.cosh(z), z)
@@ -23,7 +23,7 @@ def by_tanh(total: sp.Expr, phase: sp.Expr) -> sp.Expr:
 
 
 def by_sech(total: sp.Expr, phase: sp.Expr) -> sp.Expr:
-    """``2 b + (a - b) sech(phase/2)**2``: nothing cancels where ``a >= b >= 0``.
+    """Return ``2 b + (a - b) sech(phase/2)**2``: nothing cancels if ``a >= b >= 0``.
 
     >>> z = sp.Symbol("z")
     >>> by_sech(5 + 3 * sp.cosh(z), z)
@@ -39,7 +39,7 @@ def _coefficients(total: sp.Expr, phase: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
 
 
 def soliton_sech() -> ClosedForm:
-    """The sech soliton on zero (K4 > 0)."""
+    """Return the sech soliton on zero (K4 > 0)."""
     return ClosedForm(
         name="soliton_sech",
         title="sech soliton",
@@ -51,7 +51,7 @@ def soliton_sech() -> ClosedForm:
 
 
 def kink() -> ClosedForm:
-    """The kink between -A and A (K4 < 0)."""
+    """Return the kink between -A and A (K4 < 0)."""
     return ClosedForm(
         name="kink",
         title="kink",
@@ -64,7 +64,7 @@ def kink() -> ClosedForm:
 
 
 def soliton_background() -> ClosedForm:
-    """The soliton on a constant background (K4 > 0); algebraic as its width grows without bound."""
+    """Return the soliton on a constant background (K4 > 0); it tends to an algebraic soliton."""
     level = sp.Symbol("U_0", real=True)
     phase = kappa * (xi - (6 * level**2 + kappa**2) * tau)
     denominator = 2 * level + sp.sqrt(4 * level**2 + kappa**2) * sp.cosh(phase)
@@ -86,7 +86,7 @@ def soliton_background() -> ClosedForm:
 
 
 def kink_antikink() -> ClosedForm:
-    """A kink and an antikink (K4 < 0): dark solitons on a constant, as wide as wanted."""
+    """Return a kink and an antikink (K4 < 0): a dark soliton on a constant, of any width."""
     phase = kappa * (xi + (6 * A**2 - kappa**2) * tau)
     denominator = 2 * A + sp.sqrt(4 * A**2 - kappa**2) * sp.cosh(phase)
     return ClosedForm(

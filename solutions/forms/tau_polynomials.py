@@ -6,7 +6,7 @@ written as a Schur-type determinant) is::
     P(z) = exp[z x - 4 z**3 t + sum_{odd k} tau_k z**k - (i/2) arctan z] = sum_n p_n z**n
 
 ``f_j = det[p_{2m-1-r}]`` (rows m = 1..j, columns r = 0..j-1) is a real constant times
-``A + i B`` with real polynomials A and B. Everything here is exact, on python-flint's polynomials
+``A + i B`` with real polynomials A and B. The arithmetic is exact, in python-flint's polynomials
 over the rationals.
 """
 
@@ -36,7 +36,7 @@ class GaussianPolynomial:
         )
 
     def scaled(self, factor: fmpq) -> "GaussianPolynomial":
-        """The product with a rational number."""
+        """Return the product with a rational number."""
         return GaussianPolynomial(self.re * factor, self.im * factor)
 
 
@@ -44,7 +44,7 @@ SPACE_TIME: tuple[sp.Symbol, sp.Symbol] = (
     sp.Symbol("x", real=True),
     sp.Symbol("t", real=True),
 )
-"""The polynomials' first generators: ``xi - 6 tau`` and ``tau``."""
+"""First generators of the polynomials: ``xi - 6 tau`` and ``tau``."""
 
 
 @dataclass(frozen=True)
@@ -62,15 +62,16 @@ class RationalTau:
 
     @property
     def symbols(self) -> tuple[sp.Symbol, ...]:
-        """The SymPy symbols of the generators, ``x`` and ``t`` first."""
+        """SymPy symbols of the generators, ``x`` and ``t`` first."""
         return (*SPACE_TIME, *(shift_symbol(index) for index in self.free))
 
 
 @lru_cache(maxsize=32, typed=True)
 def rational_tau(order: int, free: tuple[int, ...] = ()) -> RationalTau:
-    """``A`` and ``B`` of order ``order``; ``free`` lists the shifts tau_5, tau_7, ... kept.
+    """Return ``A`` and ``B`` of an order; ``free`` lists the symbolic shifts tau_5, tau_7, ...
 
-    Raises ValueError if ``order`` is no positive integer or a shift does not occur at it.
+    Raises ValueError if ``order`` is not a positive integer or a shift does not occur at that
+    order.
 
     >>> first = rational_tau(1)
     >>> print(first.A, first.B)
@@ -99,9 +100,9 @@ def _check_order(order: int, free: tuple[int, ...]) -> None:
 def _exponents(
     context: fmpq_mpoly_ctx, count: int, free: tuple[int, ...]
 ) -> dict[int, GaussianPolynomial]:
-    """The odd coefficients ``e_k`` of the exponent of P."""
+    """Return the odd coefficients ``e_k`` of the exponent of P."""
     generators = context.gens()
-    real = {index: generators[2 + place] for place, index in enumerate(free)}
+    real = {index: generators[2 + position] for position, index in enumerate(free)}
     real |= {1: generators[0], 3: -4 * generators[1]}
     zero = context.constant(0)
     exponents = {}
@@ -115,7 +116,7 @@ def _exponents(
 def _generating_coefficients(
     count: int, exponents: dict[int, GaussianPolynomial]
 ) -> list[GaussianPolynomial]:
-    """``p_0 .. p_{count-1}`` by ``n p_n = sum k e_k p_{n-k}``."""
+    """Return ``p_0 .. p_{count-1}`` by ``n p_n = sum k e_k p_{n-k}``."""
     one = exponents[1].re.context().constant(1)
     p = [GaussianPolynomial(one, 0 * one)]
     for n in range(1, count):
@@ -127,7 +128,7 @@ def _generating_coefficients(
 
 
 def _determinant(p: list[GaussianPolynomial], order: int) -> GaussianPolynomial:
-    """``det[p_{2m-1-r}]`` by minors: row after row, keyed by the set of columns used."""
+    """Return ``det[p_{2m-1-r}]`` by minors: row after row, keyed by the set of columns used."""
     zero = p[0].scaled(fmpq(0))
     minors = {0: p[0]}
     for row in range(1, order + 1):
@@ -145,9 +146,9 @@ def _determinant(p: list[GaussianPolynomial], order: int) -> GaussianPolynomial:
 
 
 def _content(f: GaussianPolynomial) -> fmpq:
-    """The common rational content of both parts, with the sign of A's leading x power."""
+    """Return the common rational content of both parts, with the sign of A's leading x power."""
     values = [c for part in (f.re, f.im) for c in part.coeffs()]
     leading = max(f.re.terms(), key=lambda term: term[0])[1]
-    above = math.gcd(*(int(value.p) for value in values))
-    below = math.lcm(*(int(value.q) for value in values))
-    return fmpq(above if leading > 0 else -above, below)
+    numerator = math.gcd(*(int(value.p) for value in values))
+    denominator = math.lcm(*(int(value.q) for value in values))
+    return fmpq(numerator if leading > 0 else -numerator, denominator)

@@ -1,7 +1,7 @@
-"""Special functions SymPy lacks, as SymPy functions of (z, m) with m = k**2.
+"""Special functions that SymPy lacks, as SymPy functions of (z, m) with m = k**2.
 
-Their values: `solutions.functions.multiprecision` (any precision), `solutions.run.program`
-(NumPy arrays, about 30 digits) and `solutions.functions.numpy_values` (as `lambdify` finds them).
+They are evaluated in `solutions.functions.multiprecision` (any precision), `solutions.run.program`
+(NumPy arrays, about 30 digits) and `solutions.functions.numpy_values` (for `lambdify`).
 """
 
 from typing import TYPE_CHECKING

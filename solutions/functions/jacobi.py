@@ -1,7 +1,7 @@
 """sn, cn, dn, Jacobi's epsilon and zeta, H and Theta as SymPy functions of (z, m).
 
 Convention: SymPy, mpmath and SciPy take the parameter `m`; the papers take the modulus `k`, with
-`m = k**2`.  LaTeX prints f(z; k) where m is literally a square k**2 and f(z | m) otherwise.
+`m = k**2`.  LaTeX prints f(z; k) if m is literally a square k**2, and f(z | m) otherwise.
 
 H(z) = theta_1(pi z / (2 K), q) and Theta(z) = theta_4(pi z / (2 K), q), not normalised, as in the
 paper's eqs. (19) and (20), so H = sqrt(k) sn Theta.
@@ -21,7 +21,7 @@ _CONTEXT = MPContext()
 
 
 class ParameterDerivativeError(ArgumentIndexError):
-    """The derivative of a Jacobi function with respect to its parameter m was asked for."""
+    """A derivative of a Jacobi function in its parameter m, which is not defined here."""
 
     def __init__(self, function: Function, argindex: int) -> None:
         super().__init__(function, argindex)
@@ -37,9 +37,9 @@ class ParameterDerivativeError(ArgumentIndexError):
 class JacobiFunction(Function):
     """Base of sn, cn, dn, epsilon, zeta, eta and theta of (z, m), with m = k**2.
 
-    A subclass says its parity, its LaTeX symbol and its derivative, and its values at m = 0,
-    m = 1 and z = 0.  Derivatives are with respect to z; `fdiff(2)` raises
-    `ParameterDerivativeError`, which `diff` turns into an unevaluated `Derivative`.
+    A subclass defines its parity, its LaTeX symbol, its derivative, and its values at m = 0, m = 1
+    and z = 0.  Derivatives are with respect to z; `fdiff(2)` raises `ParameterDerivativeError`,
+    which `diff` turns into an unevaluated `Derivative`.
     """
 
     nargs = 2
@@ -48,11 +48,11 @@ class JacobiFunction(Function):
     at_parameter_zero: ClassVar[Any]
     at_parameter_one: ClassVar[Any]
     at_origin: ClassVar[Expr | None] = S.Zero
-    """Values, or functions of z; None is left as it is."""
+    """Values, or functions of z; None leaves the function unevaluated."""
 
     @classmethod
     def eval(cls, z: Expr, m: Expr) -> Expr | None:
-        """Return the elementary value at m = 0, m = 1 and z = 0, and move a sign out of z."""
+        """Return the elementary value at m = 0, m = 1 and z = 0; extract a minus sign from z."""
         if m.is_zero:
             return cls._value(cls.at_parameter_zero, z)
         if m is S.One:
@@ -90,7 +90,7 @@ class JacobiFunction(Function):
         return Expr._from_mpmath(value, prec)
 
     def _mpmath_arguments(self, prec: int) -> list[Any]:
-        """Return z and m with bits added for a large z, a small m and a small 1 - m."""
+        """Return z and m with extra bits for a large z, a small m and a small 1 - m."""
         z, m = self.args
         context = _CONTEXT
         coarse = [context.convert(x._to_mpmath(prec + 10)) for x in (z, m, 1 - m)]
@@ -233,7 +233,7 @@ class jacobi_eta(_RealBelowOne):
 class jacobi_theta(_RealBelowOne):
     """Jacobi's Theta(z | m) = theta_4(pi z / (2 K), q), the paper's eq. (20).
 
-    Theta(0) is left as it is.
+    Theta(0) is left unevaluated.
 
     >>> from sympy import symbols
     >>> z, m = symbols("z m")

@@ -1,8 +1,8 @@
 """Functions with independent derivatives: arbitrary ones of one argument, and theta functions.
 
-The derivatives of ``f(z)`` in z are ``f'(z)``, ``f''(z)``, ..., each a SymPy function of its own.
-Theta functions of (z, q), with the nome q, are those of Jacobi: ``jacobi_theta_3(z, q)`` is the sum
-of q**(n**2) cos(2 n z) over all integers n; they satisfy the heat equation -4 q f_q = f_zz.
+The derivatives of ``f(z)`` in z are ``f'(z)``, ``f''(z)``, ..., each a SymPy function. Theta
+functions of (z, q), with the nome q, are those of Jacobi: ``jacobi_theta_3(z, q)`` is the sum of
+q**(n**2) cos(2 n z) over all integers n; they satisfy the heat equation -4 q f_q = f_zz.
 """
 
 from __future__ import annotations
@@ -17,22 +17,22 @@ THETA = {"jacobi_theta_1": -1, "jacobi_theta_2": 1, "jacobi_theta_3": 1, "jacobi
 
 
 class JetFunction(Function):
-    """A derivative in z of the function ``label``, of the order ``order``."""
+    """Derivative in z of the function ``label``, of order ``order``."""
 
     label: ClassVar[str]
     order: ClassVar[int]
 
     @classmethod
     def eval(cls, z: Expr, *nome: Expr) -> Expr | None:
-        """Move a sign out of a theta function's z."""
+        """Extract a minus sign from a theta function's z."""
         if not nome or not z.could_extract_minus_sign():
             return None
         return THETA[cls.label] * (-1) ** cls.order * cls(-z, *nome)
 
     def fdiff(self, argindex: int = 1) -> Expr:
         """Return the derivative in z, or in the nome by the heat equation."""
-        further = jet_function(self.label, self.order + argindex)(*self.args)
-        return further if argindex == 1 else -further / (4 * self.args[1])
+        derivative = jet_function(self.label, self.order + argindex)(*self.args)
+        return derivative if argindex == 1 else -derivative / (4 * self.args[1])
 
     def _eval_is_extended_real(self) -> bool | None:
         z, *nome = self.args
@@ -47,13 +47,13 @@ class JetFunction(Function):
     def _latex(self, printer: Any, exp: str | None = None) -> str:
         theta = rf"\theta_{{{self.label[-1]}}}"
         symbol = (theta if self.label in THETA else self.label) + "'" * self.order
-        shown = f"{symbol}\\left({', '.join(map(printer._print, self.args))}\\right)"
-        return shown if exp is None else rf"\left[{shown}\right]^{{{exp}}}"
+        latex = f"{symbol}\\left({', '.join(map(printer._print, self.args))}\\right)"
+        return latex if exp is None else rf"\left[{latex}\right]^{{{exp}}}"
 
 
 @cache
 def jet_function(label: str, order: int = 0) -> type[JetFunction]:
-    """The derivative of the order ``order`` of a function, as a SymPy function.
+    """Return the derivative of order ``order`` of a function, as a SymPy function.
 
     >>> from sympy import symbols
     >>> x, t = symbols("x t")

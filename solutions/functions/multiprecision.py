@@ -1,8 +1,8 @@
 """Jacobi functions of (z, m) to any precision, in an mpmath context that the caller passes.
 
 The parameter is `m = k**2` (mpmath's order of arguments).  Every function works at the context's
-precision, takes complex arguments, and raises the working precision inside for large `z` and for
-`m` near 0 and 1; the global mpmath context is never touched.
+precision, takes complex arguments, and raises the working precision for large `z` and for `m`
+near 0 and 1; the global mpmath context is not used.
 
 >>> from mpmath import MPContext
 >>> ctx = MPContext()
@@ -26,15 +26,15 @@ if TYPE_CHECKING:
     from sympy import Expr
 
 Number = Any
-"""An `mpf` or `mpc` of some context, or anything its `convert` takes."""
+"""An `mpf` or `mpc` of some context, or anything its `convert` accepts."""
 
 _GUARD_BITS = 20
-_KEPT = 512
+_CACHE_SIZE = 512
 
 
 @contextmanager
 def _guarded(ctx: Any, z: Number, m: Number) -> Iterator[tuple[Number, Number]]:
-    """Raise the precision by what a large `z`, a small `m` or a small `1 - m` costs."""
+    """Raise the precision by the bits that a large `z`, a small `m` or a small `1 - m` costs."""
     z, m = ctx.convert(z), ctx.convert(m)
     m1 = ctx.one - m
     extra = _GUARD_BITS + (max(0, ctx.mag(z)) if z else 0)
@@ -53,17 +53,18 @@ def _theta_argument(ctx: Any, z: Number, m: Number) -> tuple[Number, Number]:
     return ctx.pi * z / (2 * K), q
 
 
-@lru_cache(maxsize=_KEPT)
+@lru_cache(maxsize=_CACHE_SIZE)
 def _integral_and_nome(ctx: Any, precision: int, m: Number) -> tuple[Number, Number]:
     """Return K and the nome at the context's precision."""
     return ctx.ellipk(m), ctx.qfrom(m=m)
 
 
-@lru_cache(maxsize=_KEPT)
+@lru_cache(maxsize=_CACHE_SIZE)
 def _theta(ctx: Any, precision: int, n: int, v: Number, q: Number, derivative: int = 0) -> Number:
     """Return a theta function at the context's precision.
 
-    A wave takes sn, cn, dn and epsilon of one phase, and of the same constants at every point.
+    Cached, because sn, cn, dn and epsilon of one phase share theta functions, and all points share
+    the constants.
     """
     return ctx.jtheta(n, v, q, derivative)
 
@@ -82,17 +83,17 @@ def _ellipfun(ctx: Any, kind: str, z: Number, m: Number) -> Number:
 
 
 def sn(ctx: Any, z: Number, m: Number) -> Number:
-    """Jacobi's sn(z | m)."""
+    """Return Jacobi's sn(z | m)."""
     return _ellipfun(ctx, "sn", z, m) if z else ctx.zero
 
 
 def cn(ctx: Any, z: Number, m: Number) -> Number:
-    """Jacobi's cn(z | m)."""
+    """Return Jacobi's cn(z | m)."""
     return _ellipfun(ctx, "cn", z, m)
 
 
 def dn(ctx: Any, z: Number, m: Number) -> Number:
-    """Jacobi's dn(z | m)."""
+    """Return Jacobi's dn(z | m)."""
     return _ellipfun(ctx, "dn", z, m)
 
 
@@ -105,14 +106,14 @@ def _zeta(ctx: Any, z: Number, m: Number) -> Number:
 
 
 def zeta(ctx: Any, z: Number, m: Number) -> Number:
-    """Jacobi's zeta function Z(z | m) = Theta'(z) / Theta(z), of period 2 K."""
+    """Return Jacobi's zeta function Z(z | m) = Theta'(z) / Theta(z), of period 2 K."""
     with _guarded(ctx, z, m) as (z, m):
         value = _zeta(ctx, z, m)
     return +value
 
 
 def epsilon(ctx: Any, z: Number, m: Number) -> Number:
-    """Jacobi's epsilon function, the integral of dn^2 from 0 to z, as Z(z) + z E / K."""
+    """Return Jacobi's epsilon function, the integral of dn^2 from 0 to z, as Z(z) + z E / K."""
     with _guarded(ctx, z, m) as (z, m):
         slope = 0 if m == 1 else ctx.ellipe(m) / _integral_and_nome(ctx, ctx.prec, m)[0]
         value = _zeta(ctx, z, m) + slope * z
@@ -120,7 +121,7 @@ def epsilon(ctx: Any, z: Number, m: Number) -> Number:
 
 
 def eta(ctx: Any, z: Number, m: Number) -> Number:
-    """Jacobi's H(z | m) = theta_1(pi z / (2 K), q).
+    """Return Jacobi's H(z | m) = theta_1(pi z / (2 K), q).
 
     Raises:
         ValueError: at m = 1, where the nome is 1.
@@ -131,7 +132,7 @@ def eta(ctx: Any, z: Number, m: Number) -> Number:
 
 
 def theta(ctx: Any, z: Number, m: Number) -> Number:
-    """Jacobi's Theta(z | m) = theta_4(pi z / (2 K), q).
+    """Return Jacobi's Theta(z | m) = theta_4(pi z / (2 K), q).
 
     Raises:
         ValueError: at m = 1, where the nome is 1.
@@ -155,7 +156,7 @@ IMPLEMENTATIONS: dict[str, Callable[[Any, Number, Number], Number]] = {
 
 @lru_cache(maxsize=32)
 def _functions(ctx: Any) -> dict[str, Callable[..., Number]]:
-    """The functions of a context under SymPy's names."""
+    """Return the functions of a context by SymPy's names."""
     names = {name: getattr(ctx, name) for name in dir(ctx) if not name.startswith("_")}
     names |= {"elliptic_k": ctx.ellipk, "elliptic_e": ctx.ellipe, "Abs": ctx.fabs}
     names |= {"conjugate": ctx.conj}
@@ -164,10 +165,10 @@ def _functions(ctx: Any) -> dict[str, Callable[..., Number]]:
 
 @dataclass(frozen=True)
 class MpmathFormula:
-    """Expressions as straight-line code in any mpmath context: the house's way from SymPy to it.
+    """Expressions as straight-line code that runs in any mpmath context.
 
-    An instruction is an operation and its operands: numbers of earlier values (the arguments are
-    the first), or integers. All of it is plain data. No value is formed outside the context.
+    An instruction is an operation and its operands: integers, or indices of earlier values (the
+    arguments come first). All of it is plain data. All values are computed inside the context.
 
     >>> from mpmath import MPContext
     >>> from sympy import Rational, symbols, sqrt
@@ -190,25 +191,25 @@ class MpmathFormula:
         expressions: Sequence[Expr],
         statements: Iterable[tuple[Expr, Expr]] = (),
     ) -> MpmathFormula:
-        """The formula of ``expressions``, in which symbols stand for the earlier ``statements``."""
-        places: dict[Expr, int] = {argument: n for n, argument in enumerate(arguments)}
+        """Return the formula of ``expressions``; symbols may stand for earlier ``statements``."""
+        indices: dict[Expr, int] = {argument: n for n, argument in enumerate(arguments)}
         code: list[Sequence[Any]] = []
 
-        def place(node: Expr) -> int:
-            if node not in places:
-                instruction = _instruction(node, place)
-                places[node] = len(arguments) + len(code)
+        def index_of(node: Expr) -> int:
+            if node not in indices:
+                instruction = _instruction(node, index_of)
+                indices[node] = len(arguments) + len(code)
                 code.append(instruction)
-            return places[node]
+            return indices[node]
 
         for symbol, expression in statements:
-            places[symbol] = place(expression)
-        return cls(len(arguments), code, [place(expression) for expression in expressions])
+            indices[symbol] = index_of(expression)
+        return cls(len(arguments), code, [index_of(expression) for expression in expressions])
 
     def __call__(self, ctx: Any, *values: Number) -> list[Number]:
-        """The values of the expressions at the context's precision.
+        """Return the values of the expressions at the context's precision.
 
-        Raises NameError for a function that has no implementation.
+        Raises NameError for a function without an implementation.
         """
         functions, known = _functions(ctx), list(values)
         for operation, *operands in self.code:
@@ -216,22 +217,22 @@ class MpmathFormula:
         return [known[place] for place in self.results]
 
 
-def _instruction(node: Expr, place: Callable[[Expr], int]) -> Sequence[Any]:
+def _instruction(node: Expr, index_of: Callable[[Expr], int]) -> Sequence[Any]:
     if node.is_Rational:
         return "rational", int(node.p), int(node.q)
     if node.is_Float:
         return "float", *map(int, node._mpf_)
     if node.is_Add or node.is_Mul:
-        return "+" if node.is_Add else "*", *map(place, node.args)
+        return "+" if node.is_Add else "*", *map(index_of, node.args)
     if node.is_Pow and node.exp.is_Integer:
-        return "integer power", place(node.base), int(node.exp)
+        return "integer power", index_of(node.base), int(node.exp)
     if node.is_Pow and node.exp.is_Rational and node.exp.q == 2:
-        return "half power", place(node.base), int(node.exp.p)
+        return "half power", index_of(node.base), int(node.exp.p)
     if node.is_Pow:
-        return "power", *map(place, node.args)
+        return "power", *map(index_of, node.args)
     if node.is_Atom:
         return "constant", str(node)
-    return node.func.__name__, *map(place, node.args)
+    return node.func.__name__, *map(index_of, node.args)
 
 
 def _value(

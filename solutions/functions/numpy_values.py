@@ -1,6 +1,6 @@
-"""The Jacobi functions of (z, m) in NumPy, as `lambdify` finds them.
+"""The Jacobi functions of (z, m) in NumPy, for `lambdify`.
 
-Their arguments are doubles: phases that are large or near k = 1 are a `Wave`'s matter.
+Arguments are doubles; a `Wave` handles phases that are large or near k = 1.
 
 >>> jacobi_sn([0.0, 1.0], 0.25).tolist()
 [0.0, 0.8226355781298...]
@@ -20,8 +20,8 @@ from longwave.solutions.run.program import jacobi_program
 _CONTEXT = mpmath.MPContext()
 
 
-def _jacobi(place: int, z: ArrayLike, m: float) -> Array:
-    """sn, cn, dn, zeta or Theta (``place`` 0 to 4) at z.
+def _jacobi(index: int, z: ArrayLike, m: float) -> Array:
+    """Return sn, cn, dn, zeta or Theta (``index`` 0 to 4) at z.
 
     Raises ValueError for m outside [0, 1], and for Theta at m = 1, where the nome is 1.
     """
@@ -32,12 +32,12 @@ def _jacobi(place: int, z: ArrayLike, m: float) -> Array:
     phase[0] = arguments.ravel()
     with _CONTEXT.workprec(1200):  # 1 - m is exact
         exact = _CONTEXT.mpf(m)
-        program = jacobi_program(exact, 1 - exact, tuple(place == other for other in range(5)))
-    return program(phase)[place, 0].reshape(arguments.shape)
+        program = jacobi_program(exact, 1 - exact, tuple(index == other for other in range(5)))
+    return program(phase)[index, 0].reshape(arguments.shape)
 
 
 jacobi_sn, jacobi_cn, jacobi_dn, jacobi_zeta, jacobi_theta = (
-    partial(_jacobi, place) for place in range(5)
+    partial(_jacobi, index) for index in range(5)
 )
 
 

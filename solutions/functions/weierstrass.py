@@ -1,6 +1,6 @@
 """Weierstrass' elliptic function and its derivative as SymPy functions of (z, g2, g3).
 
-Any invariants are taken, also those of a degenerate lattice.  Derivatives are with respect to z.
+Invariants may be any, also those of a degenerate lattice.  Derivatives are with respect to z.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from sympy.core.function import ArgumentIndexError
 
 
 class WeierstrassFunction(Function):
-    """Base of p, even in z, and p', odd; both are real where all arguments are."""
+    """Base of p (even in z) and p' (odd); both are real for real arguments."""
 
     nargs = 3
     parity = 1
@@ -20,11 +20,11 @@ class WeierstrassFunction(Function):
 
     @classmethod
     def eval(cls, z: Expr, g2: Expr, g3: Expr) -> Expr | None:
-        """Move a sign out of z."""
+        """Extract a minus sign from z."""
         return cls.parity * cls(-z, g2, g3) if z.could_extract_minus_sign() else None
 
     def fdiff(self, argindex: int = 1) -> Expr:
-        """Return the derivative in z; raises ArgumentIndexError for those in the invariants."""
+        """Return the derivative in z. Raises ArgumentIndexError for one in the invariants."""
         if argindex != 1:
             raise ArgumentIndexError(self, argindex)
         return self._slope(*self.args)

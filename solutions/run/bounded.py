@@ -1,8 +1,8 @@
 """Double-double numbers with bounds of their absolute errors: arithmetic for compiled loops.
 
-A number is (hi, lo, bound): the true one differs from hi + lo by at most the bound, which an
-operation makes of its operands' bounds and of its own rounding. An infinite or NaN bound says that
-nothing is known.
+A number is (hi, lo, bound): the true value differs from hi + lo by at most the bound. An operation
+computes its bound from the operands' bounds and its own rounding. An infinite or NaN bound means
+that the error is unknown.
 """
 
 from __future__ import annotations
@@ -16,16 +16,16 @@ from longwave.support.compiled.jit import njit
 Bounded = tuple[float, float, float]
 
 PARTS = 3
-"""Numbers are stored as high part, low part and bound."""
+"""Number of parts of a stored number: high part, low part and bound."""
 
 BLOCK = 128
-"""Numbers in a block: an array of as many high parts, then low parts, then bounds."""
+"""Numbers in a block, which is an array of all high parts, then all low parts, then all bounds."""
 
 UNIT = 2.0**-99
-"""Bound of the relative error of every operation, and of the rounding of a constant besides."""
+"""Bound of the relative error of every operation, and of the rounding of a constant."""
 
 TINY = 2.0**-960
-"""Bound of what underflow of a low part or of an exponential loses."""
+"""Bound of the error by underflow of a low part or of an exponential."""
 
 
 @njit()
@@ -48,13 +48,13 @@ def load_pair(block: Array, i: int) -> Pair:
 
 @njit()
 def store_pair(block: Array, i: int, value: Pair) -> None:
-    """Set the i-th number of a block, its bound left as it is."""
+    """Set the high and low part of the i-th number of a block, keeping its bound."""
     block[i], block[i + BLOCK] = value
 
 
 @njit()
 def rounded(value: Pair, error: float) -> Bounded:
-    """Return the result of an operation whose operands' errors amount to `error`."""
+    """Return a result with its bound: `error`, due to the operands, plus its own rounding."""
     return value[0], value[1], error + (UNIT * abs(value[0]) + TINY)
 
 
@@ -92,7 +92,7 @@ def scale(a: Bounded, c: float) -> Bounded:
 
 @njit()
 def relative_error(d: float) -> float:
-    """Return d / (1 - d), infinite for d > 1/2: that of a quotient whose divisor has d."""
+    """Return d / (1 - d), the relative error of 1/x if x has d; infinite for d > 1/2."""
     return d / (1.0 - d) if d <= 0.5 else math.inf
 
 

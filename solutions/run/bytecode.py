@@ -1,4 +1,4 @@
-"""Programs for the machine: what an instruction is, and writing them on numbered values."""
+"""Programs for the machine: the format of instructions, and writing them on numbered values."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 
 class Operation(IntEnum):
-    """What an instruction does with registers ``a``, ``b`` and the constant ``c``."""
+    """Semantics of each instruction: result from registers ``a``, ``b`` and constant ``c``."""
 
     ADD = 0  # a + b
     SUBTRACT = 1  # a - b
@@ -47,9 +47,9 @@ WITH_CONSTANT = (
 class Bytecode:
     """Instructions ``(operation, target, a, b, c)``, one a row.
 
-    ``a`` and ``b`` are registers, ``c`` is a constant or, of CHOOSE, a register. The inputs are in
-    registers ``0 .. inputs - 1`` at the start; ``outputs`` are the registers of the results.
-    ``pool`` holds the constants: exact numbers, or expressions of which they will be made.
+    ``a`` and ``b`` are registers, ``c`` is a constant or, for CHOOSE, a register. At the start the
+    inputs are in registers ``0 .. inputs - 1``; ``outputs`` are the registers of the results.
+    ``pool`` holds the constants: exact numbers, or expressions to be evaluated.
     """
 
     code: NDArray[np.int64]
@@ -59,7 +59,7 @@ class Bytecode:
     pool: tuple[Any, ...]
 
     def only(self, outputs: Sequence[int]) -> tuple[Bytecode, frozenset[int]]:
-        """Return the code for these registers alone, and the inputs that it reads.
+        """Return the code that computes these registers only, and the inputs that it reads.
 
         >>> code = Code(inputs=2)
         >>> x, y = Value(code, 0), Value(code, 1)
@@ -80,7 +80,7 @@ class Bytecode:
 
 
 class Code:
-    """Instructions on numbered values, equal ones shared; the inputs are the first values."""
+    """Builder of instructions on numbered values; equal ones are shared, inputs come first."""
 
     def __init__(self, inputs: int) -> None:
         self._inputs = inputs
@@ -89,7 +89,7 @@ class Code:
         self._pool: dict[Any, int] = {}
 
     def emit(self, operation: Operation, a: int = 0, b: int | None = None, c: int = 0) -> int:
-        """The number of the result; ``b`` is ``a`` where there is one operand."""
+        """Append an instruction and return the number of its result; ``b`` defaults to ``a``."""
         key = (operation, a, a if b is None else b, c)
         if key not in self._numbered:
             self._numbered[key] = self._inputs + len(self._instructions)
@@ -97,29 +97,29 @@ class Code:
         return self._numbered[key]
 
     def with_constant(self, operation: Operation, constant: Any, a: int = 0) -> int:
-        """The result of an operation with a constant."""
+        """Append an operation with a constant and return the number of its result."""
         return self.emit(operation, a, None, self._pool.setdefault(constant, len(self._pool)))
 
     def assemble(self, outputs: Sequence[int]) -> Bytecode:
-        """The code for these values, without what none of them needs."""
+        """Return the code for these values, without instructions that none of them needs."""
         operands = [_operands(*instruction) for instruction in self._instructions]
-        kept, place, registers = allocate(self._inputs, operands, outputs)
+        live, registers_of, registers = allocate(self._inputs, operands, outputs)
         rows = []
-        for index in kept:
+        for index in live:
             operation, a, b, c = self._instructions[index]
             if operation is Operation.CONSTANT:
                 first, second = 0, 0
             else:
-                first, second = place[a], place[b]
-            third = place[c] if operation is Operation.CHOOSE else c
-            rows.append((operation, place[self._inputs + index], first, second, third))
+                first, second = registers_of[a], registers_of[b]
+            third = registers_of[c] if operation is Operation.CHOOSE else c
+            rows.append((operation, registers_of[self._inputs + index], first, second, third))
         code = np.array(rows, dtype=np.int64).reshape(-1, 5)
-        found = tuple(place[value] for value in outputs)
-        return Bytecode(code, registers, self._inputs, found, tuple(self._pool))
+        output_registers = tuple(registers_of[value] for value in outputs)
+        return Bytecode(code, registers, self._inputs, output_registers, tuple(self._pool))
 
 
 def _operands(operation: Operation, a: int, b: int, c: int) -> tuple[int, ...]:
-    """The values that an instruction reads."""
+    """Return the values that an instruction reads."""
     if operation is Operation.CONSTANT:
         return ()
     if operation is Operation.CHOOSE:
@@ -128,9 +128,9 @@ def _operands(operation: Operation, a: int, b: int, c: int) -> tuple[int, ...]:
 
 
 class Value:
-    """A value in a program that is being written with Python's operators.
+    """A value of a program that is written with Python's operators.
 
-    Numbers are exact (mpf or int); what they make trivial takes no instruction.
+    Numbers are exact (mpf or int); trivial operations with them take no instruction.
 
     >>> code = Code(inputs=1)
     >>> x = Value(code, 0)
@@ -143,27 +143,27 @@ class Value:
         self.code = code
         self.number = number
 
-    def made(self, operation: Operation, *others: Value) -> Value:
-        """The result of an operation on this value and others."""
+    def apply(self, operation: Operation, *others: Value) -> Value:
+        """Return the result of an operation on this value and others."""
         numbers = [value.number for value in others]
         return Value(self.code, self.code.emit(operation, self.number, *numbers))
 
     def __add__(self, other: Any) -> Value:
         if isinstance(other, Value):
-            return self.made(Operation.ADD, other)
+            return self.apply(Operation.ADD, other)
         return self if other == 0 else self._fixed(Operation.ADD_CONSTANT, other)
 
     def __sub__(self, other: Any) -> Value:
-        return self.made(Operation.SUBTRACT, other) if isinstance(other, Value) else self + -other
+        return self.apply(Operation.SUBTRACT, other) if isinstance(other, Value) else self + -other
 
     def __mul__(self, other: Any) -> Any:
         if isinstance(other, Value):
-            return self.made(Operation.MULTIPLY, other)
+            return self.apply(Operation.MULTIPLY, other)
         if other in (0, 1):
             return self if other == 1 else 0
         mantissa, _ = math.frexp(other)
-        exact = abs(mantissa) == 0.5 and float(other) == other
-        return self._fixed(Operation.SCALE if exact else Operation.MULTIPLY_CONSTANT, other)
+        is_exact = abs(mantissa) == 0.5 and float(other) == other
+        return self._fixed(Operation.SCALE if is_exact else Operation.MULTIPLY_CONSTANT, other)
 
     def __rsub__(self, other: Any) -> Value:
         return self._fixed(Operation.FROM_CONSTANT, other)
@@ -177,37 +177,37 @@ class Value:
 def allocate(
     inputs: int, operands: Sequence[tuple[int, ...]], outputs: Sequence[int]
 ) -> tuple[list[int], dict[int, int], int]:
-    """Drop dead instructions and give every value a register, reused after its last use.
+    """Drop dead instructions and assign registers to values, reused after their last use.
 
     Value ``i < inputs`` is an input, value ``inputs + n`` the result of instruction n with the
-    values ``operands[n]``. Returns the kept instructions in order, the register of every live
-    value and the number of registers. No instruction writes to a register it reads, so that its
-    loop over points has no overlap.
+    values ``operands[n]``. Returns the live instructions in order, the register of every live
+    value and the number of registers. No instruction writes to a register that it reads, so that
+    its loop over points has no overlap.
 
     >>> allocate(1, [(0,), (0,), (1,), (3,)], [4])
     ([0, 2, 3], {0: 0, 1: 1, 3: 0, 4: 1}, 2)
     """
     last = _last_uses(inputs, operands, outputs)
-    place = {value: value for value in range(inputs)}
+    register_of = {value: value for value in range(inputs)}
     free = [value for value in range(inputs) if value not in last]
-    count, kept = inputs, []
+    count, live = inputs, []
     for index, used in enumerate(operands):
         if inputs + index not in last:
             continue
-        kept.append(index)
+        live.append(index)
         if free:
-            place[inputs + index] = free.pop()
+            register_of[inputs + index] = free.pop()
         else:
-            place[inputs + index] = count
+            register_of[inputs + index] = count
             count += 1
-        free += [place[value] for value in used if last[value] == index]
-    return kept, place, count
+        free += [register_of[value] for value in used if last[value] == index]
+    return live, register_of, count
 
 
 def _last_uses(
     inputs: int, operands: Sequence[tuple[int, ...]], outputs: Sequence[int]
 ) -> dict[int, int]:
-    """The last instruction that needs each live value; outputs live to the end."""
+    """Return the last instruction that needs each live value; outputs live to the end."""
     last = {value: len(operands) for value in outputs}
     for index in range(len(operands) - 1, -1, -1):
         if inputs + index in last:

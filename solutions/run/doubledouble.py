@@ -2,7 +2,7 @@
 
 The functions are numba-compiled primitives on pairs (hi, lo) with |lo| <= ulp(hi) / 2: Dekker's and
 Knuth's algorithms, with a fused multiply-add for the exact product.  They are meant to be called
-from compiled loops; from Python each call works too, on single numbers.
+from compiled loops, but also work from Python on single numbers.
 
 >>> multiply((1.0 + 2.0**-30, 0.0), (1.0 - 2.0**-30, 0.0)) == (1.0, -(2.0**-60))
 True
@@ -64,7 +64,7 @@ def split_three(number: Any) -> Three:
 
 
 def check_range(number: Any) -> Any:
-    """Return `number`, which float pairs and triples can hold.
+    """Return `number` if pairs and triples of floats can represent it.
 
     Raises:
         OverflowError: unless it is 0 or within 1e-250 .. 1e250.

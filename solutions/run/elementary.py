@@ -1,11 +1,10 @@
 """Sine, cosine, exponential, logarithm, tanh and sech of blocks of bounded numbers.
 
 Each fills the block ``z`` from the block ``x``; ``scratch`` is an array of ``SCRATCH`` blocks. All
-but sine and cosine are made from exp(-|x|), which `decay_of` leaves in ``scratch``: the machine
-calls it in one place, for LLVM compiles it anew wherever it is called.
-Loops over a block have no branch and call nothing but the primitives of `doubledouble`: LLVM then
-runs them on vectors.  Taylor series have their first terms in double-double and the tail, which is
-below 1e-16 of the sum, in double.
+but sine and cosine use exp(-|x|), which `decay_of` leaves in ``scratch``. The machine calls
+`decay_of` in one place only, because LLVM compiles it anew for each call. Loops over a block have
+no branch and call only the primitives of `doubledouble`, so that LLVM vectorises them. Taylor
+series have their first terms in double-double and the tail, below 1e-16 of the sum, in double.
 """
 
 from __future__ import annotations
@@ -46,9 +45,9 @@ _TERMS = 14
 _PAIRS = 9
 _HALVINGS = 4
 _LOG2 = (0.6931471805599453, 2.3190468138462996e-17)
-_FARTHEST = 708.0  # exp(-w) is taken as 0 beyond
+_FARTHEST = 708.0  # exp(-w) is replaced by 0 beyond
 
-_GONE = 680.0
+_NEGLIGIBLE = 680.0
 """``2 exp(-_GONE)`` is below ``TINY``."""
 
 
@@ -80,7 +79,7 @@ def _polynomial(coefficients: Array, z: Array, total: Array) -> None:
 
 @njit()
 def sine_or_cosine(x: Array, is_sine: bool, z: Array, scratch: Array) -> None:
-    """Fill ``z`` with sin(x), of full relative precision, or cos(x), |x| <= 0.79."""
+    """Fill ``z`` with sin(x), of full relative precision, or cos(x), for |x| <= 0.79."""
     square, series = scratch[0], scratch[1]
     for i in range(BLOCK):
         high, low = multiply(load_pair(x, i), load_pair(x, i))
@@ -121,23 +120,23 @@ def decay(w: Array, x: Array, power: Array, fall: Array, rise: Array) -> None:
 
 
 @njit()
-def _is_gone(x: Array, i: int) -> bool:
-    """Whether exp(-|x|) is below ``TINY`` for certain."""
-    return abs(x[i]) - x[i + 2 * BLOCK] > _GONE
+def _is_negligible(x: Array, i: int) -> bool:
+    """Return whether exp(-|x|) is certainly below ``TINY``."""
+    return abs(x[i]) - x[i + 2 * BLOCK] > _NEGLIGIBLE
 
 
 @njit()
 def _store_exponential(z: Array, i: int, value: Pair, x: Array, is_falling: bool) -> None:
-    """Store a multiple of exp(x) or of what has no larger logarithmic derivative."""
+    """Store a multiple of exp(x), or a value whose logarithmic derivative is no larger."""
     e, size = x[i + 2 * BLOCK], abs(x[i])
-    moved = 2.0 * e + UNIT * (1.0 + size) if e <= 0.5 else math.inf
-    error = TINY if is_falling and _is_gone(x, i) else value[0] * moved + TINY
+    input_error = 2.0 * e + UNIT * (1.0 + size) if e <= 0.5 else math.inf
+    error = TINY if is_falling and _is_negligible(x, i) else value[0] * input_error + TINY
     store(z, i, (value[0], value[1], error))
 
 
 @njit()
 def decay_of(x: Array, factor: float, scratch: Array) -> None:
-    """Fill scratch[3] with exp(-factor |x|), scratch[4] with 1 minus that."""
+    """Fill scratch[3] with exp(-factor |x|) and scratch[4] with 1 minus that."""
     for i in range(BLOCK):
         store_pair(scratch[0], i, scale(load_pair(x, i), factor if x[i] >= 0.0 else -factor))
     decay(scratch[0], scratch[1], scratch[2], scratch[3], scratch[4])
@@ -163,13 +162,13 @@ def start_logarithm(x: Array, start: Array) -> None:
 
 @njit()
 def logarithm(x: Array, start: Array, power: Array, z: Array) -> None:
-    """Fill ``z`` with log(x): one Newton step from ``start``, ``power`` being exp(start)."""
+    """Fill ``z`` with log(x): one Newton step from ``start``; ``power`` is exp(start)."""
     for i in range(BLOCK):
         rest = subtract(multiply(load_pair(x, i), load_pair(power, i)), (1.0, 0.0))
         rest = subtract(rest, scale(multiply(rest, rest), 0.5))
         high, low = add((-start[i], 0.0), rest)
-        moved = relative_error(x[i + 2 * BLOCK] / x[i])
-        store(z, i, (high, low, moved + UNIT * (1.0 + abs(high))))
+        input_error = relative_error(x[i + 2 * BLOCK] / x[i])
+        store(z, i, (high, low, input_error + UNIT * (1.0 + abs(high))))
 
 
 @njit()
@@ -181,8 +180,8 @@ def tanh(x: Array, z: Array, scratch: Array) -> None:
         high, low = scale(value, 1.0 if x[i] >= 0.0 else -1.0)
         e = x[i + 2 * BLOCK]
         slope = min(1.0, 12.0 * fall[i]) if e <= 0.5 else 1.0  # sech**2 <= 4 exp(1) fall nearby
-        moved = 0.0 if _is_gone(x, i) else slope * e
-        store(z, i, (high, low, moved + (UNIT * abs(high) + TINY)))
+        input_error = 0.0 if _is_negligible(x, i) else slope * e
+        store(z, i, (high, low, input_error + (UNIT * abs(high) + TINY)))
 
 
 @njit()

@@ -27,25 +27,25 @@ if TYPE_CHECKING:
 
 
 class PointEvaluator(Protocol):
-    """What a wave asks of an evaluator: phases, and values with their derivatives."""
+    """Interface of an evaluator: phases, and values with their derivatives."""
 
     def phases(self, variables: Variables) -> list[LinearPhase]:
-        """The phases in the caller's variables."""
+        """Return the phases in the caller's variables."""
 
     def __call__(self, phases: list[LinearPhase], *points: Array) -> Array:
-        """Values at the points (x, t) or (x, t, z): an array (rows, 3, points).
+        """Return values at the points (x, t) or (x, t, z): an array (rows, 3, points).
 
-        The rows are the value and its derivatives in xi, tau and, with z, zeta; those of the real,
-        then of the imaginary part where the value is complex. The second axis is high part, low
+        The rows are the value and its derivatives in xi, tau and, with z, zeta; if the value is
+        complex, those of the real, then of the imaginary part. The second axis is high part, low
         part and bound of the error.
         """
 
 
 class Evaluator:
-    """The values and their derivatives by a program with exact parameters put in.
+    """Values and derivatives computed by a program at exact parameters.
 
-    The result is scaled by nothing: the caller multiplies by the normal form's rates. Raises
-    OverflowError for a constant of the program beyond 1e-250 .. 1e250.
+    The result is not scaled: the caller multiplies by the normal form's rates. Raises OverflowError
+    for a constant of the program beyond 1e-250 .. 1e250.
     """
 
     def __init__(self, program: Program, parameters: Sequence[Expr]) -> None:
@@ -56,23 +56,23 @@ class Evaluator:
         )
         self._coefficients = numbers.coefficients
         self._moduli = [check_range(m) for m in numbers.moduli]
-        self._wanted = [tuple(wanted) for wanted in program.wanted]
+        self._requested = [tuple(requested) for requested in program.requested]
         self._functions = [
-            jacobi_program(m, check_range(1 - m), wanted)
-            for m, wanted in zip(self._moduli, self._wanted, strict=True)
+            jacobi_program(m, check_range(1 - m), requested)
+            for m, requested in zip(self._moduli, self._requested, strict=True)
         ]
 
     def phases(self, variables: Variables) -> list[LinearPhase]:
-        """The program's phases in the caller's variables."""
+        """Return the program's phases in the caller's variables."""
         return [variables.phase(*coefficients) for coefficients in self._coefficients]
 
     def __call__(self, phases: list[LinearPhase], *points: Array) -> Array:
-        """Values and derivatives at the points (x, t) or (x, t, z): an array (rows, 3, points)."""
-        found = [phase(*points) for phase in phases]
-        rows = [as_pairs(phase)[None] for phase in found]
+        """Return values and derivatives at points (x, t) or (x, t, z), shape (rows, 3, points)."""
+        phase_values = [phase(*points) for phase in phases]
+        rows = [as_pairs(phase)[None] for phase in phase_values]
         rows += [
-            functions(found[place])
-            for place, functions in zip(self._calls, self._functions, strict=True)
+            functions(phase_values[index])
+            for index, functions in zip(self._calls, self._functions, strict=True)
         ]
         out = np.empty((len(self._bytecode.outputs), PARTS, points[0].size))
         inputs = np.concatenate(rows) if rows else np.empty((0, PARTS, points[0].size))
@@ -80,37 +80,41 @@ class Evaluator:
         return out
 
     def only(self, rows: Sequence[int]) -> Evaluator:
-        """Return what evaluates some of the rows alone, to the same bits."""
-        made = copy(self)
-        made._bytecode, read = self._bytecode.only([self._bytecode.outputs[row] for row in rows])
-        made._functions, first = [], len(self._coefficients)
+        """Return an evaluator of some of the rows only, with the same bits."""
+        evaluator = copy(self)
+        evaluator._bytecode, read_inputs = self._bytecode.only(
+            [self._bytecode.outputs[row] for row in rows]
+        )
+        evaluator._functions, first = [], len(self._coefficients)
         for functions in self._functions:
             count = len(functions.bytecode.outputs)
-            made._functions.append(functions.only([first + i in read for i in range(count)]))
+            evaluator._functions.append(
+                functions.only([first + i in read_inputs for i in range(count)])
+            )
             first += count
-        return made
+        return evaluator
 
     def taylor(self, rows: Sequence[int], highest: int) -> Evaluator:
-        """What evaluates the Taylor coefficients in xi, 0 to ``highest``, of some of the rows."""
+        """Return an evaluator of some rows' Taylor coefficients in xi, 0 to ``highest``."""
         constants = [LONG.mpf(high) + LONG.mpf(low) for high, low in self._constants.tolist()]
-        made = copy(self)
-        made._bytecode, made._constants = taylor_bytecode(
+        evaluator = copy(self)
+        evaluator._bytecode, evaluator._constants = taylor_bytecode(
             self._bytecode, constants, self._series, rows, highest
         )
-        made._functions = [
+        evaluator._functions = [
             jacobi_program(m, 1 - m, (True, True, True, zeta or theta, theta))
-            for m, (*_, zeta, theta) in zip(self._moduli, self._wanted, strict=True)
+            for m, (*_, zeta, theta) in zip(self._moduli, self._requested, strict=True)
         ]
-        return made
+        return evaluator
 
     def _series(self, code: Code, count: int) -> list[Series]:
-        """The Taylor series of the bytecode's inputs: phases, then the functions of each call."""
+        """Return the Taylor series of the bytecode's inputs: phases, then each call's functions."""
         phases: list[Series] = []
         for number, (rate, *_) in enumerate(self._coefficients):
             phases.append([Value(code, number), rate, *[LONG.zero] * count][:count])
-        found = list(phases)
-        for place, m in zip(self._calls, self._moduli, strict=True):
+        series = list(phases)
+        for index, m in zip(self._calls, self._moduli, strict=True):
             with LONG.workdps(CONSTANT_DIGITS):
                 mean = LONG.ellipe(m) / LONG.ellipk(m) if m < 1 else LONG.zero
-            found += jacobi_series(code, len(found), phases[place], m, mean, count)
-        return found
+            series += jacobi_series(code, len(series), phases[index], m, mean, count)
+        return series

@@ -1,8 +1,8 @@
 """Linear phases ``p x + q t + r + w z`` as sums of three floats, at arrays of points.
 
-The coefficients are sums of three floats, too. ``p x`` and ``q t`` may be 10^15 and cancel: the sum
-still has the precision of double-double. And a phase of 10^25, as at late times under a strong
-force, still has the digits that say where in its period it is.
+The coefficients are sums of three floats as well. If ``p x`` and ``q t`` are 1e15 and cancel, the
+sum still has double-double precision. A phase of 1e25, as at late times with strong forces, still
+has the digits of its position in its period.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ OF_TERMS = 2.0**-150
 
 @njit()
 def _three(c: Three, x: float) -> Three:
-    """``c x`` as three floats."""
+    """Return ``c x`` as three floats."""
     high, e = two_prod(c[0], x)
     middle, f = two_prod(c[1], x)
     middle, e = two_sum(middle, e)
@@ -47,15 +47,15 @@ def _plus(a: Three, b: Three) -> Three:
 
 @njit(cache=True, examples=[(THREE, doubles(1), doubles(2))])
 def _add_across(w: Three, z: Array, out: Array) -> None:
-    """Add ``w z`` to what `_fill` made."""
+    """Add ``w z`` to the phase in ``out``, which `_fill` has computed."""
     for i in range(z.size):
-        across = _three(w, z[i])
-        high, middle, low = _plus((out[0, i], out[1, i], out[2, i]), across)
+        transverse_term = _three(w, z[i])
+        high, middle, low = _plus((out[0, i], out[1, i], out[2, i]), transverse_term)
         high, middle = two_sum(high, middle)
         middle, low = two_sum(middle, low)
         out[0, i], middle = two_sum(high, middle)
         out[1, i], out[2, i] = two_sum(middle, low)
-        out[3, i] += OF_TERMS * abs(across[0])
+        out[3, i] += OF_TERMS * abs(transverse_term[0])
 
 
 @njit(cache=True, examples=[(THREE, THREE, THREE, doubles(1), doubles(1), doubles(2))])
@@ -71,7 +71,7 @@ def _fill(p: Three, q: Three, r: Three, x: Array, t: Array, out: Array) -> None:
 
 
 def as_pairs(phase: Array) -> Array:
-    """High part, low part and bound of the error of what a phase returned: (3, points).
+    """Return high part, low part and error bound of the values of a phase: (3, points).
 
     >>> as_pairs(np.array([[1.0], [2.0**-54], [-(2.0**-108)], [0.0]]))[2] == 2.0**-108
     array([ True])
@@ -83,7 +83,7 @@ def as_pairs(phase: Array) -> Array:
 
 
 class LinearPhase:
-    """``p x + q t + r + w z`` with coefficients made from exact or long numbers.
+    """``p x + q t + r + w z`` with exact or long coefficients.
 
     Raises OverflowError for a coefficient beyond 1e-250 .. 1e250.
 
@@ -97,7 +97,7 @@ class LinearPhase:
     def __init__(self, p: Any, q: Any, r: Any, w: Any = 0) -> None:
         p, q, r, w = (split_three(check_range(coefficient)) for coefficient in (p, q, r, w))
         self._coefficients: tuple[Three, Three, Three] = p, q, r
-        self._across: Three = w
+        self._transverse: Three = w
 
     @property
     def rate(self) -> float:
@@ -105,43 +105,43 @@ class LinearPhase:
         return self._coefficients[0][0]
 
     def zero(self, t: float, z: float = 0.0) -> float | None:
-        """The x at which the phase vanishes at time t, None if it does not depend on x.
+        """Return the x at which the phase vanishes at time t, None if it does not depend on x.
 
         >>> LinearPhase(2, -6, 3).zero(1.0)
         1.5
         """
         p, q, r = (coefficient[0] for coefficient in self._coefficients)
-        return None if p == 0 else -(q * t + r + self._across[0] * z) / p
+        return None if p == 0 else -(q * t + r + self._transverse[0] * z) / p
 
-    def __call__(self, x: Array, t: Array, *across: Array) -> Array:
-        """The phase at the points (x, t), or (x, t, z), flat and of one size: (4, points).
+    def __call__(self, x: Array, t: Array, *transverse: Array) -> Array:
+        """Return the phase at the points (x, t), or (x, t, z), flat and of one size: (4, points).
 
-        Rows are three floats, each below the rounding of the one before, and a bound of the error
-        of their sum.
+        The first three rows are floats to be added, each below the rounding of the one before; the
+        last row is a bound of the error of their sum.
         """
         out = np.empty((4, x.size))
         _fill(*self._coefficients, x, t, out)
-        for z in across:
-            _add_across(self._across, z, out)
+        for z in transverse:
+            _add_across(self._transverse, z, out)
         return out
 
 
 CONSTANT_DIGITS = 120
 
 LONG: Any = mpmath.MPContext()
-"""What long numbers are made in."""
+"""mpmath context of long numbers, with CONSTANT_DIGITS digits."""
 LONG.dps = CONSTANT_DIGITS
 
 
 def long_number(exact: Expr | Fraction) -> Any:
-    """An exact number as an mpf of the constants' precision."""
+    """Return an exact number as an mpf of the constants' precision."""
     if isinstance(exact, Fraction):
         return LONG.mpf(exact.numerator) / exact.denominator
     return LONG.mpf(exact._to_mpmath(LONG.prec))
 
 
 def long_of(parts: tuple[int, int, int, int]) -> Any:
-    """The mpf of a sign, mantissa, exponent and count of bits, as mpmath has them."""
+    """Return the mpf of a sign, mantissa, exponent and bit count, mpmath's internal format."""
     sign, mantissa, exponent, bits = parts
     return LONG.make_mpf((sign, mpmath.libmp.MPZ(mantissa), exponent, bits))
 
@@ -151,9 +151,10 @@ copyreg.pickle(LONG.mpf, lambda number: (long_of, (tuple(map(int, number._mpf_))
 
 @dataclass(frozen=True)
 class Variables:
-    """``xi = a x + d t``, ``tau = b t``, ``zeta = e z``: a closed form's variables in the caller's.
+    """A closed form's variables: ``xi = a x + d t``, ``tau = b t``, ``zeta = e z``.
 
-    These are long numbers; ``eps`` is what they were made of, None for X, T and Z.
+    The coefficients are long numbers. ``eps`` is set if x and t are site and lattice time, and None
+    if they are X and T.
     """
 
     a: Any
@@ -163,7 +164,9 @@ class Variables:
     e: Any = 0
 
     def phase(self, p: Any, q: Any, r: Any, w: Any = 0) -> LinearPhase:
-        """``p xi + q tau + r + w zeta`` in the caller's variables; p, q, r, w are long numbers.
+        """Return ``p xi + q tau + r + w zeta`` as a phase in the caller's variables.
+
+        The coefficients p, q, r, w are long numbers.
 
         Raises OverflowError for a coefficient out of a double's range.
         """

@@ -56,8 +56,8 @@ def _binary(operation: int, x: Array, y: Array, z: Array) -> None:
 def _choose(chosen: Array, x: Array, y: Array, z: Array) -> None:
     for part in range(PARTS):
         for i in range(BLOCK):
-            place = part * BLOCK + i
-            z[place] = x[place] if chosen[i] == 1.0 else y[place]
+            index = part * BLOCK + i
+            z[index] = x[index] if chosen[i] == 1.0 else y[index]
 
 
 @njit()
@@ -95,7 +95,7 @@ def _unary(operation: int, x: Array, z: Array, scratch: Array) -> None:
 
 @njit()
 def _exponential(operation: int, x: Array, z: Array, scratch: Array) -> None:
-    """What is made from exp(-|x|); a logarithm from exp of its negative in double."""
+    """Compute functions based on exp(-|x|); a logarithm uses exp of its negative in double."""
     source, power = x, z
     if operation == Operation.LOGARITHM:
         source, power = scratch[5], scratch[6]
@@ -127,15 +127,15 @@ def _run(
     scratch: Array,
     out: Array,
 ) -> None:
-    """Block after block; the points beyond the last are copies of it."""
+    """Run the code block after block; the last block is padded with copies of its last point."""
     points = inputs.shape[2]
     for start in range(0, points, BLOCK):
         count = min(BLOCK, points - start)
         for row in range(inputs.shape[0]):
             for part in range(PARTS):
                 for i in range(BLOCK):
-                    place = start + min(i, count - 1)
-                    registers[row, part * BLOCK + i] = inputs[row, part, place]
+                    source = start + min(i, count - 1)
+                    registers[row, part * BLOCK + i] = inputs[row, part, source]
         for line in range(code.shape[0]):
             operation, z, x = code[line, 0], registers[code[line, 1]], registers[code[line, 2]]
             if operation <= Operation.MULTIPLY:

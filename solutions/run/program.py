@@ -1,13 +1,13 @@
-"""Programs for the machine: plain data, and the Jacobi functions.
+"""Programs for the machine as plain data, and the programs of the Jacobi functions.
 
-The Jacobi functions sn, cn, dn, zeta and Theta are such programs, made from the modulus. The
-argument is reduced to u = j K + r, |r| <= K/2, so that no function is evaluated near a
-cancellation; u and K are sums of three floats there, for u may be 1e28 and must keep its place in
-the period.  For m <= 1/2 the theta series run in sines and cosines of v = pi r / (2K) with the nome
-q; for m > 1/2 Jacobi's imaginary transformation turns the same four series into hyperbolic
-functions of w = pi r / (2K') with the nome q', down to m1 = 0 (q' = 0: tanh and sech).  Either nome
-is below 0.0433.  Errors are below 1e-30 of max(1, |value|), plus 1e-45 |u| from the period; each
-value comes with its bound.  Sources: DLMF 20.2, 20.7(viii), 22.2, 22.16(iii).
+The programs of sn, cn, dn, zeta and Theta are generated from the modulus. The argument is reduced
+to u = j K + r, |r| <= K/2, so that no function is evaluated near a cancellation. There u and K are
+sums of three floats, because u may be 1e28 and must keep its position in the period.  For m <= 1/2
+the theta series use sines and cosines of v = pi r / (2K) with the nome q. For m > 1/2 Jacobi's
+imaginary transformation turns the same four series into hyperbolic functions of w = pi r / (2K')
+with the nome q', down to m1 = 0 (q' = 0: tanh and sech).  Either nome is below 0.0433.  Errors are
+below 1e-30 of max(1, |value|), plus 1e-45 |u| from the period; each value comes with its bound.
+Sources: DLMF 20.2, 20.7(viii), 22.2, 22.16(iii).
 """
 
 from __future__ import annotations
@@ -43,16 +43,16 @@ _PRECISE: Any = mpmath.MPContext()
 _PRECISE.prec = 240
 
 _PERIOD, _REST = 2.0**-150, 2.0**-104
-"""Bounds of the error of the reduced argument, relative to the argument and to itself."""
+"""Error bounds of the reduced argument, relative to the argument and to itself."""
 
 _FARTHEST = 2.0**100
-"""From as many quarter periods on, the quotient has more bits than two doubles."""
+"""Number of quarter periods at which the quotient has more bits than two doubles."""
 
 
 class JacobiProgram(NamedTuple):
-    """The functions for one modulus: from what `reduced` makes, sn, cn, dn, zeta and Theta.
+    """The functions sn, cn, dn, zeta and Theta for one modulus, on the inputs from `reduced`.
 
-    ``quarter`` is K as three floats, 0 for an infinite one.
+    ``quarter`` is K as three floats, 0 if K is infinite.
     """
 
     quarter: Three
@@ -60,24 +60,29 @@ class JacobiProgram(NamedTuple):
     constants: Array
 
     def __call__(self, phase: Array) -> Array:
-        """The values (functions, 3, points) at a phase (4, points): three floats and a bound."""
+        """Return values (functions, 3, points) at a phase (4, points): three floats and a bound."""
         out = np.empty((len(self.bytecode.outputs), 3, phase.shape[1]))
         run_pairs(self.bytecode, self.constants, reduced(phase, self.quarter), out)
         return out
 
-    def only(self, wanted: Sequence[bool]) -> JacobiProgram:
-        """Return what evaluates the wanted functions alone; what others are is undefined."""
+    def only(self, requested: Sequence[bool]) -> JacobiProgram:
+        """Return a program of the requested functions only; the values of others are undefined."""
         outputs = self.bytecode.outputs
-        spare = next((o for o, is_wanted in zip(outputs, wanted, strict=True) if is_wanted), 0)
-        kept = [o if is_wanted else spare for o, is_wanted in zip(outputs, wanted, strict=True)]
-        return self._replace(bytecode=self.bytecode.only(kept)[0])
+        substitute = next(
+            (o for o, is_requested in zip(outputs, requested, strict=True) if is_requested), 0
+        )
+        requested_outputs = [
+            o if is_requested else substitute
+            for o, is_requested in zip(outputs, requested, strict=True)
+        ]
+        return self._replace(bytecode=self.bytecode.only(requested_outputs)[0])
 
 
 @lru_cache(maxsize=256)
-def jacobi_program(m: Any, m1: Any, wanted: tuple[bool, ...] = (True,) * 5) -> JacobiProgram:
-    """The program for long numbers m and m1 = 1 - m, mpf of any context.
+def jacobi_program(m: Any, m1: Any, requested: tuple[bool, ...] = (True,) * 5) -> JacobiProgram:
+    """Return the program for long numbers m and m1 = 1 - m, mpf of any context.
 
-    Of sn, cn, dn, zeta and Theta those that are not ``wanted`` are 0.
+    Functions among sn, cn, dn, zeta and Theta that are not ``requested`` are 0.
 
     Raises ValueError for Theta at m = 1, where the nome is 1.
 
@@ -88,14 +93,16 @@ def jacobi_program(m: Any, m1: Any, wanted: tuple[bool, ...] = (True,) * 5) -> J
     """
     ctx = _PRECISE
     m, m1 = ctx.convert(m), ctx.convert(m1)
-    if wanted[-1] and m1 == 0:
+    if requested[-1] and m1 == 0:
         raise ValueError("m must satisfy m < 1, got 1 (Theta has no limit as m -> 1)")
     K, K1 = _quarter_period(m1), _quarter_period(m)
     ratio = K1 / K if m <= 0.5 else K / K1
     nome = ctx.exp(-ctx.pi * ratio)
     code = Code(inputs=5)
     values = (_circular if m <= 0.5 else _hyperbolic)(code, m, m1, K, K1, nome)
-    needed = (value if is_wanted else 0 for value, is_wanted in zip(values, wanted, strict=True))
+    needed = (
+        value if is_requested else 0 for value, is_requested in zip(values, requested, strict=True)
+    )
     bytecode = code.assemble([_number(code, value) for value in needed])
     quarter = split_three(K) if ctx.isfinite(K) else (0.0, 0.0, 0.0)
     constants = np.array([split(number) for number in bytecode.pool]).reshape(-1, 2)
@@ -103,7 +110,7 @@ def jacobi_program(m: Any, m1: Any, wanted: tuple[bool, ...] = (True,) * 5) -> J
 
 
 def _quarter_period(m1: Any) -> Any:
-    """K for the parameter whose complement is m1."""
+    """Return K for the parameter with the complement m1."""
     ctx = _PRECISE
     return ctx.inf if m1 == 0 else ctx.pi / (2 * ctx.agm(1, ctx.sqrt(m1)))
 
@@ -131,7 +138,7 @@ class _Series(NamedTuple):
 
 
 def _series(q: Any, b1: Any) -> _Series:
-    """The series, every multiple of the angle with its power of the nome: ``b_n <= q**(n/2)``."""
+    """Sum the series; each multiple of the angle has its power of the nome: ``b_n <= q**(n/2)``."""
     square = q * q
     b2 = b1 * b1 - 2 * square
     b3 = b1 * (b2 - square)
@@ -160,25 +167,25 @@ def _series(q: Any, b1: Any) -> _Series:
 
 
 def _inverse(value: Any) -> Any:
-    return value.made(Operation.RECIPROCAL) if isinstance(value, Value) else 1 / value
+    return value.apply(Operation.RECIPROCAL) if isinstance(value, Value) else 1 / value
 
 
 def _choose(odd: Value, one: Any, other: Any) -> Any:
-    """``one`` on odd quarter periods, ``other`` on even ones; either may be a number."""
+    """Return ``one`` for an odd number of quarter periods, else ``other``; both may be numbers."""
     if not isinstance(one, Value) and one == other:
         return one
     first, second = (Value(odd.code, _number(odd.code, value)) for value in (one, other))
-    return first.made(Operation.CHOOSE, second, odd)
+    return first.apply(Operation.CHOOSE, second, odd)
 
 
 def _circular(code: Code, m: Any, m1: Any, K: Any, _: Any, q: Any) -> list[Any]:
     ctx = _PRECISE
-    r, odd, sn_sign, cn_sign, zeta_sign = (Value(code, place) for place in range(5))
+    r, odd, sn_sign, cn_sign, zeta_sign = (Value(code, index) for index in range(5))
     root = ctx.root(m1, 4)
     sn_scale = 2 * ctx.root(q / m, 4) if m else ctx.one
     rate = ctx.pi / (2 * K)
     v = rate * r
-    s, c = v.made(Operation.SINE), v.made(Operation.COSINE)
+    s, c = v.apply(Operation.SINE), v.apply(Operation.COSINE)
     sums = _series(q, q * (2 - 4 * (s * s)))
     sine, cosine = s * sums.sine, c * sums.cosine
     theta = _choose(odd, sums.theta3, sums.theta4)
@@ -195,13 +202,13 @@ def _circular(code: Code, m: Any, m1: Any, K: Any, _: Any, q: Any) -> list[Any]:
 
 def _hyperbolic(code: Code, m: Any, m1: Any, K: Any, K1: Any, q: Any) -> list[Any]:
     ctx = _PRECISE
-    r, odd, sn_sign, cn_sign, zeta_sign = (Value(code, place) for place in range(5))
+    r, odd, sn_sign, cn_sign, zeta_sign = (Value(code, index) for index in range(5))
     rate = ctx.pi / (2 * K1)
     sn_scale = 1 / ctx.root(m, 4)
     on_even, on_odd = ctx.root(m1 / q, 4) / 2 if m1 else ctx.one, 2 * ctx.root(q * m1, 4)
     w = rate * r
-    tanh, sech = w.made(Operation.TANH), w.made(Operation.SECH)
-    cosh = sech.made(Operation.RECIPROCAL)
+    tanh, sech = w.apply(Operation.TANH), w.apply(Operation.SECH)
+    cosh = sech.apply(Operation.RECIPROCAL)
     square = cosh * cosh
     sums = _series(q, q * (4 * square - 2))
     inverse = _inverse(_choose(odd, sums.theta3, sums.cosine))
@@ -209,7 +216,7 @@ def _hyperbolic(code: Code, m: Any, m1: Any, K: Any, K1: Any, q: Any) -> list[An
     slope = tanh * _choose(odd, 8 * q * square * sums.fall3, sums.rise)
     zeta_rate = -ctx.pi / (2 * K * K1)
     scale = ctx.sqrt(K / K1) if m1 else ctx.zero
-    fall = (-ctx.pi / (4 * K * K1) * (r * r)).made(Operation.EXPONENTIAL) if m1 else 0
+    fall = (-ctx.pi / (4 * K * K1) * (r * r)).apply(Operation.EXPONENTIAL) if m1 else 0
     half = 2 * ctx.root(q, 4) * scale * (cosh * sums.cosine)
     return [
         sn_sign * (sn_scale * _choose(odd, sums.theta4, tanh * sums.sine) * inverse),
@@ -239,7 +246,7 @@ def _without(u: Three, j: float, quarter: Three) -> Three:
 
 @njit(cache=True, examples=[(doubles(2), THREE, doubles(3))])
 def _reduce(phase: Array, K: Three, out: Array) -> None:
-    """A quotient of more than 53 bits takes the second step."""
+    """Reduce phases by quarter periods; a second step handles quotients of more than 53 bits."""
     quarter = K[0] if K[0] != 0.0 else np.inf
     for i in range(phase.shape[1]):
         u, middle = two_sum(phase[0, i], phase[1, i])
@@ -251,21 +258,21 @@ def _reduce(phase: Array, K: Three, out: Array) -> None:
         j = first - 4.0 * np.floor(0.25 * first) + (second - 4.0 * np.floor(0.25 * second))
         j -= 4.0 * np.floor(0.25 * j)
         odd = j == 1.0 or j == 3.0
-        turned, side = 1.0 if j < 2.0 else -1.0, 1.0 if high >= 0.0 else -1.0
+        half_turn_sign, sign = 1.0 if j < 2.0 else -1.0, 1.0 if high >= 0.0 else -1.0
         e = (phase[3, i] + _PERIOD * abs(u) + _REST * abs(high)) * (1.0 + 2.0**-50)
-        out[0, 0, i], out[0, 1, i] = side * high, side * low
+        out[0, 0, i], out[0, 1, i] = sign * high, sign * low
         out[0, 2, i] = math.inf if abs(first) + abs(second) > _FARTHEST else e
         out[1, 0, i] = 1.0 if odd else 0.0
-        out[2, 0, i] = turned if odd else turned * side
-        out[3, 0, i] = -turned * side if odd else turned
-        out[4, 0, i] = side
+        out[2, 0, i] = half_turn_sign if odd else half_turn_sign * sign
+        out[3, 0, i] = -half_turn_sign * sign if odd else half_turn_sign
+        out[4, 0, i] = sign
 
 
 def reduced(phase: Array, quarter: Three) -> Array:
-    """A phase (4, points) without its quarter periods: the inputs (5, 3, points) of the program.
+    """Reduce a phase (4, points) by quarter periods: the inputs (5, 3, points) of the program.
 
-    |r| with the bound of its error; whether their number is odd, as 1 or 0; the signs of sn, cn and
-    zeta.
+    They are |r| with the bound of its error, the parity of the number of quarter periods (1 if
+    odd), and the signs of sn, cn and zeta.
     """
     out = np.zeros((5, 3, phase.shape[1]))
     _reduce(phase, quarter, out)
@@ -273,11 +280,11 @@ def reduced(phase: Array, quarter: Three) -> Array:
 
 
 AGREEMENT = 1e-50
-"""Relative difference of a constant from the same with twice the digits; three floats hold 48."""
+"""Largest relative change of a constant at twice the digits; three floats hold 48 digits."""
 
 
 class Numbers(NamedTuple):
-    """What a program takes from the parameters' values, as mpf."""
+    """Numbers of a program at the parameters' values, as mpf."""
 
     constants: list[Any]
     coefficients: list[tuple[Any, Any, Any, Any]]
@@ -288,35 +295,37 @@ class Numbers(NamedTuple):
 class Program:
     """Values, xi and tau derivatives as a function of phases, Jacobi values, constants.
 
-    The bytecode's inputs are the phases, then sn, cn, dn, zeta, theta of each call; ``calls`` has
-    the place of each call's phase, and ``wanted`` which of the five it reads. ``fixed`` takes the
-    parameters and gives the bytecode's constants, p, q, r, w of each of the ``phases``, then m of
-    each call.
+    The bytecode's inputs are the phases, then sn, cn, dn, zeta, theta of each call. ``calls`` has
+    the index of each call's phase, ``requested`` which of the five functions it reads. ``fixed``
+    returns, from the parameters, the bytecode's constants, then p, q, r, w of each of the
+    ``phases``, then m of each call.
     """
 
     phases: int
     calls: Sequence[int]
-    wanted: Sequence[Sequence[bool]]
+    requested: Sequence[Sequence[bool]]
     bytecode: Bytecode
     fixed: MpmathFormula
 
     def numbers(self, parameters: Sequence[Expr]) -> Numbers:
-        """The numbers at these exact parameters, with so many digits that more change nothing."""
-        digits, found = CONSTANT_DIGITS, self._fixed_with(CONSTANT_DIGITS, parameters)
+        """Return the numbers at exact parameters; digits are doubled until nothing changes."""
+        digits, numbers = CONSTANT_DIGITS, self._fixed_with(CONSTANT_DIGITS, parameters)
         while True:
-            digits, before = 2 * digits, found
-            found = self._fixed_with(digits, parameters)
+            digits, previous = 2 * digits, numbers
+            numbers = self._fixed_with(digits, parameters)
             zero = LONG.mpf(10) ** (-digits // 4)
-            found = [
+            numbers = [
                 0 * new if max(abs(old), abs(new)) < zero and not _agree(old, new) else new
-                for old, new in zip(before, found, strict=True)
+                for old, new in zip(previous, numbers, strict=True)
             ]
-            if all(new == 0 or _agree(old, new) for old, new in zip(before, found, strict=True)):
+            if all(
+                new == 0 or _agree(old, new) for old, new in zip(previous, numbers, strict=True)
+            ):
                 break
-        second = len(found) - len(self.calls)
-        first = second - 4 * self.phases
-        coefficients = zip(*(iter(found[first:second]),) * 4, strict=True)
-        return Numbers(found[:first], list(coefficients), found[second:])
+        first_modulus = len(numbers) - len(self.calls)
+        first_coefficient = first_modulus - 4 * self.phases
+        coefficients = zip(*(iter(numbers[first_coefficient:first_modulus]),) * 4, strict=True)
+        return Numbers(numbers[:first_coefficient], list(coefficients), numbers[first_modulus:])
 
     def _fixed_with(self, digits: int, parameters: Sequence[Expr]) -> list[Any]:
         with LONG.workdps(digits):

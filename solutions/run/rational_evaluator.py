@@ -1,11 +1,11 @@
 """The rational solutions with numbers in, from their polynomials A and B, in double-double.
 
-Two bivariate Horner schemes with their derivatives: A and B of ``f = A + i B`` have degree d when x
+Two bivariate Horner schemes with their derivatives: A and B of ``f = A + i B`` have degree d if x
 counts 1 and t counts 3. Their rows, polynomials in t, are summed once for points that share t. The
 sums over rows run on blocks of points, with x divided by a power of two S and a term of degree
 ``d - n`` by ``S**n``, so that no power overflows. A row of the workspace holds ``BLOCK`` high
-parts, then as many low parts. Beside each row runs the sum of the terms' sizes in double: times the
-number of roundings in a term it bounds the error.
+parts, then low parts, then the sums of the terms' absolute values in double. That sum times the
+number of roundings in a term bounds the error.
 """
 
 from __future__ import annotations
@@ -37,18 +37,18 @@ if TYPE_CHECKING:
 
     from longwave.solutions.forms.tau_polynomials import RationalTau
 
-Space = tuple[Array, Array, Array, Array, Array, Array, Array, Array, Array]
+Workspace = tuple[Array, Array, Array, Array, Array, Array, Array, Array, Array]
 
 _VALUE, _X, _XX, _T, _XT = 0, 1, 2, 3, 4
-"""Rows of a polynomial's workspace: it and its derivatives (_XX is half the second)."""
+"""Rows of a polynomial's workspace: value and derivatives (_XX is half the second)."""
 
 _STEPS = np.array([[_XX, _X], [_X, _VALUE], [_VALUE, -1], [_XT, _T], [_T, -1]])
-"""What each row takes in a step: another row, or the polynomial in t (-1)."""
+"""Source of each row in a Horner step: another row, or the polynomial in t (-1)."""
 
 
 @njit()
 def _step(z: Array, x: Array, y: Array, weight: Array) -> None:
-    """``z = z x + y weight``, the weights being powers of two; the same of the sizes."""
+    """Compute ``z = z x + y weight``, the weights being powers of two; likewise for the sizes."""
     for i in range(BLOCK):
         low, size = i + BLOCK, i + 2 * BLOCK
         product = multiply((z[i], z[low]), (x[i], x[low]))
@@ -60,24 +60,24 @@ def _step(z: Array, x: Array, y: Array, weight: Array) -> None:
 def _prepare(x: Array, t: Array, scales: Array, weights: Array) -> None:
     """Divide x by S, with ``|x| <= S`` and ``|t| <= S**3``; fill ``weights[n] = S**-n``.
 
-    ``scales`` holds 1/S. The errors of x and t become sizes, of which they are at most a fraction
-    UNIT/4.
+    ``scales`` holds 1/S. The sizes of x and t are set so that their errors are at most UNIT/4 of
+    them.
     """
     degree = weights.shape[0] - 1
     for i in range(BLOCK):
-        size, down = i + 2 * BLOCK, scales[i]
-        x[size] = max(abs(x[i]), 4.0 / UNIT * x[size]) * down
+        size, scale_inverse = i + 2 * BLOCK, scales[i]
+        x[size] = max(abs(x[i]), 4.0 / UNIT * x[size]) * scale_inverse
         t[size] = max(abs(t[i]), 4.0 / UNIT * t[size])
-        x[i], x[i + BLOCK] = x[i] * down, x[i + BLOCK] * down
+        x[i], x[i + BLOCK] = x[i] * scale_inverse, x[i + BLOCK] * scale_inverse
         weight = 1.0
         for n in range(degree + 1):
             weights[n, i] = weight
-            weight *= down
+            weight *= scale_inverse
 
 
 @njit()
 def _row(c: Array, first: int, step: int, t: Pair, square: Pair) -> tuple[Pair, Pair]:
-    """The row ``sum c[j] t**j`` and its derivative, over j = first, first + step, ..."""
+    """Return the row ``sum c[j] t**j`` and its derivative, over j = first, first + step, ..."""
     variable = square if step == 2 else t
     value = slope = (0.0, 0.0)
     top = c.shape[0] - 1
@@ -94,7 +94,7 @@ def _row(c: Array, first: int, step: int, t: Pair, square: Pair) -> tuple[Pair, 
 
 @njit()
 def _row_sizes(c: Array, t: float) -> tuple[float, float]:
-    """The sums of the sizes of a row's terms, and of those of its derivative."""
+    """Return the sums of absolute values of a row's terms, and of those of its derivative."""
     value = slope = 0.0
     for j in range(c.shape[0] - 1, -1, -1):
         slope = slope * t + value
@@ -104,7 +104,7 @@ def _row_sizes(c: Array, t: float) -> tuple[float, float]:
 
 @njit()
 def _rows(c: Array, parity: int, t: Array, values: Array, slopes: Array) -> None:
-    """Fill the lanes of each row; ``c[i, j]`` belongs to x^i t^j.
+    """Fill each row for all points of a block; ``c[i, j]`` belongs to x^i t^j.
 
     ``parity`` is the common parity of ``i + j``, or -1 if there is none.
     """
@@ -134,32 +134,32 @@ def _polynomial(values: Array, slopes: Array, x: Array, weights: Array, out: Arr
             if source >= 0:
                 _step(out[target], x, out[source], weights[0])
             else:
-                given = values[i] if target == _VALUE else slopes[i]
-                _step(out[target], x, given, weights[degree - i])
+                coefficients = values[i] if target == _VALUE else slopes[i]
+                _step(out[target], x, coefficients, weights[degree - i])
 
 
 @njit()
 def _cross(A: Bounded, b: Bounded, a: Bounded, B: Bounded) -> Bounded:
-    """``A b - a B``."""
+    """Return ``A b - a B``."""
     return bounded.subtract(bounded.multiply(A, b), bounded.multiply(a, B))
 
 
 @njit()
 def _dot(A: Bounded, a: Bounded, B: Bounded, b: Bounded) -> Bounded:
-    """``A a + B b``."""
+    """Return ``A a + B b``."""
     return bounded.add(bounded.multiply(A, a), bounded.multiply(B, b))
 
 
 @njit()
 def _lane(rows: Array, row: int, i: int, rounding: float) -> Bounded:
-    """One lane of a flat workspace."""
+    """Return the number of point ``i`` in a row of a flat workspace."""
     high, low, size = bounded.load(rows[3 * BLOCK * row : 3 * BLOCK * (row + 1)], i)
     return high, low, rounding * size
 
 
 @njit()
 def _wave(A: Array, B: Array, weights: Array, e: float, sign: float, out: Array) -> None:
-    """U, U_xi, U_tau (flat, as the workspaces are) from the angle of A + i B and its rates.
+    """Compute U, U_xi, U_tau from A + i B and its derivatives, in flat workspaces.
 
     ``e`` is the error of a term relative to its size.
     """
@@ -171,11 +171,11 @@ def _wave(A: Array, B: Array, weights: Array, e: float, sign: float, out: Array)
         )  # fmt: skip
         inverse = bounded.reciprocal(_dot(a, a, b, b))
         w_x = bounded.multiply(_cross(a, b_x, a_x, b), inverse)
-        turned = bounded.multiply(w_x, _dot(a, a_x, b, b_x))
-        w_xx = bounded.subtract(_cross(a, b_xx, a_xx, b), turned)
+        product_term = bounded.multiply(w_x, _dot(a, a_x, b, b_x))
+        w_xx = bounded.subtract(_cross(a, b_xx, a_xx, b), product_term)
         mixed = bounded.add(_cross(a, b_xt, a_xt, b), _cross(a_t, b_x, a_x, b_t))
-        turned = bounded.multiply(w_x, _dot(a, a_t, b, b_t))
-        w_xt = bounded.subtract(mixed, bounded.scale(turned, 2.0))
+        product_term = bounded.multiply(w_x, _dot(a, a_t, b, b_t))
+        w_xt = bounded.subtract(mixed, bounded.scale(product_term, 2.0))
         down, inverse = weights[i], bounded.scale(inverse, sign * weights[i])
         w_xx = bounded.scale(bounded.multiply(w_xx, inverse), 4.0 * down)
         w_xt = bounded.scale(bounded.multiply(w_xt, inverse), 2.0)
@@ -204,52 +204,52 @@ def rational_loop(
     x: Array,
     t: Array,
     scales: Array,
-    space: Space,
+    work: Workspace,
     out: Array,
 ) -> None:
     """Fill ``out`` (3, 3, points) with U, U_xi, U_tau from ``x`` and ``t`` (3, points).
 
     The axis of three is high part, low part and bound of the error. ``tables`` holds the
     coefficients of A and B (2, degree + 1, degree // 3 + 1, 2); ``sign`` is the background; ``x``
-    is ``xi - 6 tau``; ``scales`` are those of `scales_of`, ``space`` is that of `workspace`.
+    is ``xi - 6 tau``; ``scales`` are those of `scales_of`, ``work`` is a `workspace`.
     """
     degree, points = tables.shape[1] - 1, x.shape[1]
     rounding = 4.0 * (degree + 1.0) * UNIT
-    place, time, down, weights, values, slopes, rows, flat, found = space
+    x_block, t_block, inverse_scales, weights, values, slopes, rows, flat, result = work
     for start in range(0, points, BLOCK):
         count = min(BLOCK, points - start)
         for part in range(3):
             for i in range(BLOCK):
                 source = start + min(i, count - 1)
-                place[part * BLOCK + i] = x[part, source]
-                time[part * BLOCK + i] = t[part, source]
+                x_block[part * BLOCK + i] = x[part, source]
+                t_block[part * BLOCK + i] = t[part, source]
         for i in range(BLOCK):
-            down[i] = scales[start + min(i, count - 1)]
-        _prepare(place, time, down, weights)
-        for which in range(2):
-            _rows(tables[which], parities[which], time, values, slopes)
-            _polynomial(values, slopes, place, weights, rows[which])
-        _wave(flat[0], flat[1], weights[1], rounding, sign, found)
+            inverse_scales[i] = scales[start + min(i, count - 1)]
+        _prepare(x_block, t_block, inverse_scales, weights)
+        for polynomial_index in range(2):
+            _rows(tables[polynomial_index], parities[polynomial_index], t_block, values, slopes)
+            _polynomial(values, slopes, x_block, weights, rows[polynomial_index])
+        _wave(flat[0], flat[1], weights[1], rounding, sign, result)
         for row in range(3):
             for part in range(3):
                 for i in range(count):
-                    out[row, part, start + i] = found[(3 * row + part) * BLOCK + i]
+                    out[row, part, start + i] = result[(3 * row + part) * BLOCK + i]
 
 
 def scales_of(x: Array, t: Array) -> Array:
-    """1/S at each point: S is the least power of two, not below 1, of `_prepare`."""
+    """Return 1/S at each point; S is the least power of two >= 1 that `_prepare` allows."""
     exponents = np.maximum(np.frexp(x)[1], np.ceil(np.frexp(t)[1] / 3.0)).astype(np.int64)
     return np.ldexp(1.0, -np.maximum(exponents, 0))
 
 
-def workspace(degree: int) -> Space:
-    """What `rational_loop` writes to, a block at a time; the same memory once more flat."""
+def workspace(degree: int) -> Workspace:
+    """Return the buffers of `rational_loop` for one block, with a flat view of the rows."""
     rows = np.empty((2, 5, 3 * BLOCK))
-    place, time, found = np.empty(3 * BLOCK), np.empty(3 * BLOCK), np.empty(9 * BLOCK)
+    x_block, t_block, result = np.empty(3 * BLOCK), np.empty(3 * BLOCK), np.empty(9 * BLOCK)
     weights = np.empty((degree + 1, BLOCK))
     values, slopes = np.empty((degree + 1, 3 * BLOCK)), np.empty((degree + 1, 3 * BLOCK))
     flat = rows.reshape(2, -1)
-    return place, time, np.empty(BLOCK), weights, values, slopes, rows, flat, found
+    return x_block, t_block, np.empty(BLOCK), weights, values, slopes, rows, flat, result
 
 
 class RationalEvaluator:
@@ -267,21 +267,21 @@ class RationalEvaluator:
         self._sign = float((-1) ** family.order)
 
     def phases(self, variables: Variables) -> list[LinearPhase]:
-        """``x = xi - 6 tau`` and ``t = tau`` in the caller's variables."""
+        """Return ``x = xi - 6 tau`` and ``t = tau`` in the caller's variables."""
         return [variables.phase(1, -6, 0), variables.phase(0, 1, 0)]
 
     def __call__(self, phases: list[LinearPhase], *points: Array) -> Array:
-        """Value, xi derivative and tau derivative at the points (x, t): an array (3, 3, points)."""
-        place, time = (as_pairs(phase(*points)) for phase in phases)
+        """Return value, xi and tau derivative at the points (x, t): an array (3, 3, points)."""
+        x_pairs, t_pairs = (as_pairs(phase(*points)) for phase in phases)
         out = np.empty((3, PARTS, points[0].size))
-        space = workspace(self._tables.shape[1] - 1)
-        scales = scales_of(place[0], time[0])
-        rational_loop(self._tables, self._parities, self._sign, place, time, scales, space, out)
+        work = workspace(self._tables.shape[1] - 1)
+        scales = scales_of(x_pairs[0], t_pairs[0])
+        rational_loop(self._tables, self._parities, self._sign, x_pairs, t_pairs, scales, work, out)
         return out
 
 
 def _coefficients(part: fmpq_mpoly, shifts: list[sp.Expr]) -> dict[tuple[int, int], Any]:
-    """The exact coefficients of ``x**i t**j``, the shifts put in."""
+    """Return the exact coefficients of ``x**i t**j`` with the shifts substituted."""
     import sympy as sp
 
     table: dict[tuple[int, int], Any] = {}
@@ -294,9 +294,9 @@ def _coefficients(part: fmpq_mpoly, shifts: list[sp.Expr]) -> dict[tuple[int, in
 
 
 def _parity(table: Mapping[tuple[int, int], Any]) -> int:
-    """The common parity of ``i + j``, or -1."""
-    found = {(i + j) % 2 for i, j in table}
-    return found.pop() if len(found) == 1 else -1
+    """Return the common parity of ``i + j``, or -1 if there is none."""
+    parities = {(i + j) % 2 for i, j in table}
+    return parities.pop() if len(parities) == 1 else -1
 
 
 def _pairs(table: Mapping[tuple[int, int], Any], degree: int) -> Array:

@@ -21,7 +21,7 @@ LARGEST = sp.Integer(10) ** 1000
 
 @lru_cache(maxsize=64)
 def _formula(expression: sp.Expr, parameters: tuple[sp.Symbol, ...]) -> tuple[Any, MpmathFormula]:
-    """A private context, and ``expression`` in (xi, tau, zeta, *parameters)."""
+    """Return a private context, and ``expression`` as a formula in (xi, tau, zeta, *parameters)."""
     return mpmath.MPContext(), MpmathFormula.of([xi, tau, zeta, *parameters], [expression])
 
 
@@ -36,64 +36,76 @@ def evaluate_mp(
     drift: sp.Expr = sp.S.Zero,
     highest: int | None = None,
 ) -> tuple[Any, ...]:
-    """U and its xi, tau and zeta derivatives times the ``rates``, to ``digits`` digits, as mpf.
+    """Return U and its xi, tau and zeta derivatives times ``rates``, to ``digits`` digits, as mpf.
 
-    From the third, ``drift`` times the second is subtracted. With ``highest`` they are U and its xi
-    derivatives up to that order instead.
-    ``point`` is (x, t) or (x, t, z); xi = a x + d t, tau = b t and zeta = e z for ``variables``
-    (a, b, d, e). Where U is complex the values are mpc. Derivatives are by differences, which know
-    nothing of the derivative rules and so are a check of these. The working precision is doubled
-    until two results agree: the printed forms cancel near the ends of their parameters' domains.
+    ``drift`` times the second value is subtracted from the third. With ``highest``, return U and
+    its xi derivatives up to that order instead. ``point`` is (x, t) or (x, t, z); xi = a x + d t,
+    tau = b t and zeta = e z for ``variables`` (a, b, d, e). Values of a complex U are mpc.
+    Derivatives are computed by differences: they use no derivative rules and so check these. The
+    working precision is doubled until two results agree, because the printed forms cancel near the
+    ends of their parameters' domains.
     """
     context, formula = _formula(expression, tuple(parameters))
-    along, later, moving, across = variables
+    space_rate, time_rate, frame_rate, transverse_rate = variables
     x, t, *z = point
-    exact = along * x + moving * t, later * t, across * z[0] if z else sp.S.Zero
-    guard, before = GUARD_DIGITS, None
+    exact = (
+        space_rate * x + frame_rate * t,
+        time_rate * t,
+        transverse_rate * z[0] if z else sp.S.Zero,
+    )
+    guard, previous = GUARD_DIGITS, None
     while True:
         with context.workdps(digits + guard):
-            given = [_convert(context, number) for number in parameters.values()]
-            place = [_convert(context, number) for number in exact]
+            numbers = [_convert(context, number) for number in parameters.values()]
+            coordinates = [_convert(context, number) for number in exact]
             if highest is None:
-                values = _with_differences(context, formula, place, len(point), given)
+                values = _with_differences(context, formula, coordinates, len(point), numbers)
             else:
-                values = _along(context, formula, place, given, highest)
+                values = _along(context, formula, coordinates, numbers, highest)
             scales = [_convert(context, rate) for rate in rates]
-            found = [rate * value for rate, value in zip(scales, values, strict=True)]
+            results = [rate * value for rate, value in zip(scales, values, strict=True)]
             if highest is None:
-                found[2] -= _convert(context, drift) * found[1]
-        agree = before is not None and _agree(context, found, before, digits)
+                results[2] -= _convert(context, drift) * results[1]
+        agree = previous is not None and _agree(context, results, previous, digits)
         if agree:
             with context.workdps(digits):
-                return tuple(+value for value in found)
-        guard, before = 2 * guard, found
+                return tuple(+value for value in results)
+        guard, previous = 2 * guard, results
 
 
 def _with_differences(
-    context: Any, formula: MpmathFormula, place: list[Any], directions: int, given: list[Any]
+    context: Any,
+    formula: MpmathFormula,
+    coordinates: list[Any],
+    directions: int,
+    parameters: list[Any],
 ) -> list[Any]:
-    """Value and slopes, the latter from values at more than twice their precision."""
+    """Return value and slopes, the slopes by differences at more than twice the precision."""
     step = context.ldexp(1, -context.prec)
-    size = max(1, *(context.mag(coordinate) for coordinate in place))
+    size = max(1, *(context.mag(coordinate) for coordinate in coordinates))
     with context.workprec(2 * context.prec + size):
-        (value,) = formula(context, *place, *given)
-        found = [value]
+        (value,) = formula(context, *coordinates, *parameters)
+        slopes = [value]
         for direction in range(directions):
-            moved = list(place)
-            moved[direction] += step
-            found.append((formula(context, *moved, *given)[0] - value) / step)
-    return found
+            shifted = list(coordinates)
+            shifted[direction] += step
+            slopes.append((formula(context, *shifted, *parameters)[0] - value) / step)
+    return slopes
 
 
 def _along(
-    context: Any, formula: MpmathFormula, place: list[Any], given: list[Any], highest: int
+    context: Any,
+    formula: MpmathFormula,
+    coordinates: list[Any],
+    parameters: list[Any],
+    highest: int,
 ) -> list[Any]:
-    """The value and its xi derivatives."""
+    """Return the value and its xi derivatives."""
 
     def value(x: Any) -> Any:
-        return formula(context, x, *place[1:], *given)[0]
+        return formula(context, x, *coordinates[1:], *parameters)[0]
 
-    return list(context.diffs(value, place[0], highest))
+    return list(context.diffs(value, coordinates[0], highest))
 
 
 def _agree(context: Any, one: Sequence[Any], other: Sequence[Any], digits: int) -> bool:
@@ -102,9 +114,9 @@ def _agree(context: Any, one: Sequence[Any], other: Sequence[Any], digits: int) 
 
 
 def exact_point(name: str, value: object) -> sp.Expr:
-    """The exact number of a position or time; a float is the binary number it is.
+    """Return the exact number of a position or time; a float keeps its exact binary value.
 
-    Raises ValueError for what is no real number, and beyond ``LARGEST``.
+    Raises ValueError for a value that is not a real number, and beyond ``LARGEST``.
     """
     if isinstance(value, float | np.floating) and np.isfinite(value):
         exact: sp.Expr = sp.Rational(*map(int, value.as_integer_ratio()))
@@ -118,10 +130,10 @@ def exact_point(name: str, value: object) -> sp.Expr:
 
 
 def check_digits(digits: object) -> int:
-    """``digits`` if it is a number of digits, else a ValueError."""
+    """Return ``digits`` as an integer. Raises ValueError if it is not a valid number of digits."""
     is_whole = isinstance(digits, int | np.integer) and not isinstance(digits, bool)
-    if is_whole and 1 <= (found := int(digits)) <= MOST_DIGITS:  # type: ignore[call-overload]
-        return found
+    if is_whole and 1 <= (count := int(digits)) <= MOST_DIGITS:  # type: ignore[call-overload]
+        return count
     raise ValueError(
         f"digits must be a whole number from 1 to {MOST_DIGITS}, got {shown(digits)} (50 is usual)"
     )

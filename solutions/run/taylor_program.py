@@ -1,8 +1,7 @@
-"""Taylor coefficients in xi by the same machine: a program for a value becomes one for its series.
+"""Taylor coefficients in xi on the machine: a value's program expanded into one for its series.
 
 Every instruction is replaced by those of its series' coefficients; the Jacobi functions of a phase
-follow from their differential equations. All of it is double-double with bounds of the errors, as
-the value itself.
+follow from their differential equations. All arithmetic is double-double with error bounds.
 """
 
 from __future__ import annotations
@@ -30,48 +29,50 @@ def taylor_bytecode(
     outputs: Sequence[int],
     highest: int,
 ) -> tuple[Bytecode, Array]:
-    """The program for the coefficients 0 .. ``highest`` of the results ``outputs``, one by one.
+    """Return the program for coefficients 0 .. ``highest`` of some outputs, and its constants.
 
-    ``constants`` are the long numbers of the bytecode's pool; ``inputs`` gives the series of its
-    inputs, which are the new program's inputs, too. Returned with it are its constants as pairs.
+    ``constants`` are the long numbers of the bytecode's pool; the returned ones are pairs.
+    ``inputs`` returns the series of the bytecode's inputs, which are also the new program's inputs.
     """
     code = Code(bytecode.inputs)
     registers: list[Series] = inputs(code, highest + 1)
     registers += [[]] * (bytecode.registers - len(registers))
-    made = _Expansion(code, highest + 1)
+    expansion = _Expansion(code, highest + 1)
     for operation, target, a, b, c in _needed(bytecode, outputs):
-        registers[target] = made.series(
+        registers[target] = expansion.series(
             Operation(operation), registers[a], registers[b], constants[c] if constants else None
         )
-    found = [registers[bytecode.outputs[row]][n] for row in outputs for n in range(highest + 1)]
-    program = code.assemble([made.value(coefficient).number for coefficient in found])
+    coefficients = [
+        registers[bytecode.outputs[row]][n] for row in outputs for n in range(highest + 1)
+    ]
+    program = code.assemble([expansion.value(coefficient).number for coefficient in coefficients])
     pairs = np.array([split(number) for number in program.pool]).reshape(-1, 2)
     return replace(program, pool=()), pairs
 
 
 def _needed(bytecode: Bytecode, outputs: Sequence[int]) -> list[list[int]]:
-    """The instructions that some output depends on."""
+    """Return the instructions that some output depends on."""
     live = {bytecode.outputs[row] for row in outputs}
-    kept = []
+    needed = []
     for row in reversed(bytecode.code.tolist()):
         operation, target, a, b, _ = row
         if target in live:
             live.remove(target)
             if operation != Operation.CONSTANT:
                 live |= {a, b} if operation in _BINARY else {a}
-            kept.append(row)
-    return kept[::-1]
+            needed.append(row)
+    return needed[::-1]
 
 
 def jacobi_series(
     code: Code, first: int, phase: Series, m: Any, mean: Any, count: int
 ) -> list[Series]:
-    """The series of sn, cn, dn, zeta and Theta, inputs ``first`` to ``first + 4``, of a phase.
+    """Return a phase's series of sn, cn, dn, zeta and Theta, inputs ``first`` to ``first + 4``.
 
     ``m`` is their parameter and ``mean`` is E/K.
     """
     rate = phase[1] if count > 1 else 0
-    sn, cn, dn, zeta, theta = found = [[Value(code, first + n)] for n in range(5)]
+    sn, cn, dn, zeta, theta = all_series = [[Value(code, first + n)] for n in range(5)]
     for n in range(1, count):
         part = rate / n
         sn.append(_of_product(cn, dn, n - 1) * part)
@@ -80,11 +81,11 @@ def jacobi_series(
         square = _of_product(dn, dn, n - 1)
         zeta.append((square - mean if n == 1 else square) * part)
         theta.append(_of_product(zeta, theta, n - 1) * part)
-    return found
+    return all_series
 
 
 def _of_product(x: Series, y: Series, n: int) -> Any:
-    """The n-th coefficient of a product; of a square, every pair once."""
+    """Return the n-th coefficient of a product; a square uses every pair once."""
     if x is not y:  # one series twice is a square
         return sum((x[i] * y[n - i] for i in range(n + 1)), LONG.zero)
     pairs = sum((x[i] * x[n - i] for i in range((n + 1) // 2)), LONG.zero) * 2
@@ -92,19 +93,19 @@ def _of_product(x: Series, y: Series, n: int) -> Any:
 
 
 class _Expansion:
-    """The series of results from those of operands, ``count`` coefficients each."""
+    """Series of results from those of operands, ``count`` coefficients each."""
 
     def __init__(self, code: Code, count: int) -> None:
         self._code, self._count = code, count
 
     def value(self, coefficient: Any) -> Value:
-        """A coefficient as a value."""
+        """Return a coefficient as a value of the program."""
         if isinstance(coefficient, Value):
             return coefficient
         return Value(self._code, self._code.with_constant(Operation.CONSTANT, coefficient))
 
     def series(self, operation: Operation, x: Series, y: Series, c: Any) -> Series:
-        """The series of an instruction's result."""
+        """Return the series of an instruction's result."""
         match operation:
             case Operation.MULTIPLY_CONSTANT | Operation.SCALE:
                 return [term * c for term in x]
@@ -135,21 +136,21 @@ class _Expansion:
         raise ValueError(f"operation must have a series, got {operation.name} (add one)")
 
     def _reciprocal(self, x: Series) -> Series:
-        found: Series = [self.value(x[0]).made(Operation.RECIPROCAL)]
+        found: Series = [self.value(x[0]).apply(Operation.RECIPROCAL)]
         for n in range(1, self._count):
             total = sum((x[j] * found[n - j] for j in range(1, n + 1)), LONG.zero)
             found.append(total * found[0] * -1)
         return found
 
     def _exponential(self, x: Series) -> Series:
-        found: Series = [self.value(x[0]).made(Operation.EXPONENTIAL)]
+        found: Series = [self.value(x[0]).apply(Operation.EXPONENTIAL)]
         for n in range(1, self._count):
             found.append(_chain(x, found, n))
         return found
 
     def _square_root(self, x: Series) -> Series:
-        root = self.value(x[0]).made(Operation.SQUARE_ROOT)
-        found, half = [root], root.made(Operation.RECIPROCAL) * LONG.mpf(0.5)
+        root = self.value(x[0]).apply(Operation.SQUARE_ROOT)
+        found, half = [root], root.apply(Operation.RECIPROCAL) * LONG.mpf(0.5)
         for n in range(1, self._count):
             known = sum((found[j] * found[n - j] for j in range(1, n)), LONG.zero)
             found.append((x[n] - known) * half)
@@ -157,17 +158,17 @@ class _Expansion:
 
     def _logarithm(self, x: Series) -> Series:
         start = self.value(x[0])
-        found, inverse = [start.made(Operation.LOGARITHM)], start.made(Operation.RECIPROCAL)
+        found, inverse = [start.apply(Operation.LOGARITHM)], start.apply(Operation.RECIPROCAL)
         for n in range(1, self._count):
             known = (found[j] * (LONG.mpf(j) / n) * x[n - j] for j in range(1, n))
             found.append((x[n] - sum(known, LONG.zero)) * inverse)
         return found
 
     def _hyperbolic(self, x: Series) -> tuple[Series, Series]:
-        """tanh and sech, whose derivatives are sech**2 and -tanh sech."""
+        """Return the series of tanh and sech, whose derivatives are sech**2 and -tanh sech."""
         start = self.value(x[0])
-        tanh: Series = [start.made(Operation.TANH)]
-        sech: Series = [start.made(Operation.SECH)]
+        tanh: Series = [start.apply(Operation.TANH)]
+        sech: Series = [start.apply(Operation.SECH)]
         for n in range(1, self._count):
             rises = [_of_product(sech, sech, j) for j in range(n)]
             falls = [_of_product(tanh, sech, j) for j in range(n)]
@@ -177,6 +178,6 @@ class _Expansion:
 
 
 def _chain(x: Series, outer: Series, n: int) -> Any:
-    """The n-th coefficient of a function of x whose derivative has the series ``outer``."""
+    """Return the n-th coefficient of a function of x whose derivative has the series ``outer``."""
     terms = (x[j] * (LONG.mpf(j) / n) * outer[n - j] for j in range(1, n + 1))
     return sum(terms, LONG.zero)

@@ -1,6 +1,6 @@
 """Envelopes of carrier waves in closed form, found without this program.
 
-Each entry gives what comes out otherwise, as text: nothing where all is symbolically equal.
+Each entry returns the differing coefficients as text: none where all are symbolically equal.
 """
 
 from __future__ import annotations
@@ -41,39 +41,39 @@ CHAIN = {
 
 @cache
 def of(name: str) -> Envelope:
-    """The envelope of a lattice of the catalogue, at all wavenumbers and constants."""
+    """Return the envelope of a lattice of the catalogue, at all wavenumbers and constants."""
     return envelope(LATTICES[name])
 
 
 def vanishes(difference: Expr) -> bool:
-    """Whether a rational function of symbols is 0."""
+    """Return whether a rational function of symbols is 0."""
     field = RationalFunctions(tuple(sorted(difference.free_symbols, key=str)))
     return not field.from_expr(difference)
 
 
 def unlike(found: Mapping[str, Expr], known: Mapping[str, Expr]) -> Iterator[str]:
-    """The names whose expressions differ, where omega, s and C are those of the carrier."""
+    """Yield name and found expression where it differs from the known one in omega, s and C."""
     for name, value in known.items():
         if not vanishes((found[name].subs(HALF) - value).subs(UNIT)):
             yield f"{name}: {found[name]}"
 
 
 def chain() -> Iterator[str]:
-    """The FPUT chain in its strain."""
+    """Yield the differences for the FPUT chain in its strain."""
     yield from unlike(of("fput_strain").expressions, CHAIN)
 
 
 def third_order() -> Iterator[str]:
-    """The parts of the chain's field at eps^3, in A_1 = -i A_X."""
+    """Yield the differences in the chain's field at eps^3, in A_1 = -i A_X."""
     part = of("fput_strain").carrier
     A, B, A_X, B_X = (0, 0), (0, 1), (1, 0), (1, 1)
     field, mean = part.parts[0].parts[3], part.means[1]
-    wanted = K3 / STIFFNESS * C / s**3
+    expected = K3 / STIFFNESS * C / s**3
     turn = {z: (C + I * s) ** 2, w: I * omega}
     for name, element, known in (
-        ("A A_1", field.coefficient(A, A_X), I * wanted),
-        ("A_1 conj A", mean.coefficient(B, A_X), -I * wanted),
-        ("A conj A_1", mean.coefficient(A, B_X), I * wanted),
+        ("A A_1", field.coefficient(A, A_X), I * expected),
+        ("A_1 conj A", mean.coefficient(B, A_X), -I * expected),
+        ("A conj A_1", mean.coefficient(A, B_X), I * expected),
     ):
         if cancel((element.as_expr().subs(turn) - known).subs(UNIT)) != 0:
             yield f"{name}: {element}"
@@ -90,7 +90,7 @@ def displacement() -> Iterator[str]:
 
 
 def pinned() -> Iterator[str]:
-    """The Klein-Gordon chain."""
+    """Yield the differences for the Klein-Gordon chain."""
     tie = omega**2 - 4 * K2 * s**2
     v = 2 * K2 * s * C / omega
     M = 3 * tie + 16 * K2 * s**4
@@ -110,7 +110,7 @@ def pinned() -> Iterator[str]:
 
 
 def toda() -> Iterator[str]:
-    """In the strain, K3 = 1/2, K4 = 1/6, c = 1: q = 1/(2 s) and p q = -1/8 at all k."""
+    """Yield the differences for Toda's chain in its strain: q = 1/(2 s), p q = -1/8 at all k."""
     values = {K3: STIFFNESS / 2, K4: STIFFNESS / 6}
     found = {n: v.subs(HALF).subs(values) for n, v in of("fput_strain").expressions.items()}
     product = found["p"] * found["q"] / STIFFNESS
@@ -119,7 +119,7 @@ def toda() -> Iterator[str]:
 
 
 def zone_boundary() -> Iterator[str]:
-    """k = pi."""
+    """Yield the differences at k = pi."""
     c = omega / 2
     known = {
         **dict.fromkeys(("v", "second", "a3", "a1", "a2"), 0 * c),

@@ -44,7 +44,7 @@ Terms = Mapping[str, Expr]
 
 @dataclass(frozen=True)
 class Row:
-    """What a lattice is known to reduce to."""
+    """A known reduction of a lattice."""
 
     name: str
     kind: str
@@ -54,11 +54,11 @@ class Row:
     terms: Terms
 
     def reduced(self) -> Reduction:
-        """The derivation, as far as the equation."""
+        """Return the derivation, as far as the equation."""
         return reduce(self.lattice, self.scaling, self.scaling.leading_order)
 
     def differences(self) -> Iterator[str]:
-        """What comes out otherwise, symbolically; nothing where all is equal."""
+        """Return the symbolic differences from the derived coefficients, none if all are equal."""
         reduction = self.reduced()
         found = reduction.coefficients().terms
         squared = self.squared.subs(UNIT)
@@ -73,14 +73,14 @@ class Row:
 
 
 def _with_speed(reduction: Reduction, name: str) -> Expr:
-    """The coefficient with c as a symbol."""
+    """Return the coefficient with c as a symbol."""
     polynomial = reduction.pde.polynomial + reduction.pde.transverse
     terms = {reduction.notation.monomial(m): v for m, v in polynomial.terms.items()}
     return terms[name].as_expr() if name in terms else Integer(0)
 
 
 def same(difference: Expr, squared: Expr) -> bool:
-    """Whether an expression in c vanishes where c^2 is ``squared``."""
+    """Return whether an expression in c vanishes where c^2 is ``squared``."""
     odd_even = [Integer(0), Integer(0)]
     above = fraction(together(difference))[0]
     for (power,), value in above.as_poly(c).terms() if above.has(c) else [((0,), above)]:
@@ -89,7 +89,7 @@ def same(difference: Expr, squared: Expr) -> bool:
 
 
 def strain_chain(forces: Mapping[int, Expr]) -> Lattice:
-    """Springs of several ranges, in the strain between neighbours."""
+    """Return a chain with springs of several ranges, in the strain between neighbours."""
     bonds = []
     for reach, force in forces.items():
         stretch = tuple(Stencil((i,)) for i in range(reach))
@@ -100,7 +100,7 @@ def strain_chain(forces: Mapping[int, Expr]) -> Lattice:
 
 
 def with_values(lattice: Lattice, values: Mapping[Symbol, Expr]) -> Lattice:
-    """The lattice with values in the places of constants."""
+    """Return the lattice with values in place of constants."""
     bonds = tuple(replace(bond, force=bond.force.subs(values)) for bond in lattice.bonds)
     return replace(lattice, bonds=bonds)
 
@@ -118,7 +118,7 @@ AXIS, OBLIQUE, DRIFTING = (
 
 
 def size(scaling: Scaling, amplitude: int) -> Scaling:
-    """The ansatz at another amplitude."""
+    """Return the ansatz with another power of the amplitude."""
     return replace(scaling, amplitude=amplitude)
 
 
@@ -314,11 +314,11 @@ ROWS = (
         K2, {"Y Y_X": K3 / c, "Y_XX": -DASHPOT / 2},
     ),
 )  # fmt: skip
-"""The rows; those of any range are made by `of_range`."""
+"""The table's rows; `of_range` builds those of springs of any range."""
 
 
 def of_range(reaches: tuple[int, ...], *, odd: bool) -> Row:
-    """Springs between all masses so far apart: sums over their ranges."""
+    """Return the row of springs of several ranges, whose coefficients are sums over these."""
     named = {r: symbols(f"P{r} Q{r} R{r}", real=True) for r in reaches}
     forces = {r: p * x + (0 if odd else q) * x**2 + s * x**3 for r, (p, q, s) in named.items()}
 
@@ -339,6 +339,6 @@ def of_range(reaches: tuple[int, ...], *, odd: bool) -> Row:
 
 
 def all_rows() -> tuple[Row, ...]:
-    """The rows of the table, and springs up to the fifth neighbour."""
+    """Return the rows of the table, and rows of springs up to the fifth neighbour."""
     ranges = ((1, 2, 3), (1, 2, 3, 4, 5), (2, 3))
     return (*ROWS, *(of_range(r, odd=odd) for r in ranges for odd in (False, True)))

@@ -17,7 +17,7 @@ SPRING = {"K2": 1, "K3": Rational(1, 3), "K4": Rational(1, 5)}
 
 
 def row(masses: tuple[Expr, ...], forces: tuple[Expr, ...]) -> Lattice:
-    """A chain of cells of masses in a row, each with its spring to the next one."""
+    """Return a chain with cells of several masses, each with its spring to the next one."""
     count = len(masses)
     ends = [((0,), field) for field in range(count)] + [((1,), 0)]
     bonds = tuple(spring(force, ends[i], ends[i + 1]) for i, force in enumerate(forces))
@@ -25,17 +25,17 @@ def row(masses: tuple[Expr, ...], forces: tuple[Expr, ...]) -> Lattice:
 
 
 def hertz_dimer() -> Lattice:
-    """Two beads in turn under the precompression d."""
+    """Return a chain of two alternating beads under the precompression d."""
     return row(MASSES[:2], (LATTICES["granular"].bonds[0].force,) * 2)
 
 
 def four_masses() -> Lattice:
-    """Four masses in turn, equal springs."""
+    """Return a chain of four alternating masses and equal springs."""
     return row(MASSES, (cubic(K2, K3, K4),) * 4)
 
 
 def four_springs() -> Lattice:
-    """Four masses and four springs in turn, all with constants of their own."""
+    """Return a chain of four alternating masses and springs, all with their own constants."""
     names = ([f"{letter}{power}" for power in (2, 3, 4)] for letter in "KHLJ")
     forces = [
         cubic(Symbol(first, positive=True), *(Symbol(name, real=True) for name in others))
@@ -45,27 +45,27 @@ def four_springs() -> Lattice:
 
 
 def hertz_numbers() -> Envelope:
-    """The optical envelope of a Hertz dimer in numbers, whose forces have sqrt(2/3)."""
+    """Return the optical envelope of a Hertz dimer in numbers, whose forces have sqrt(2/3)."""
     return envelope(hertz_dimer().with_values({"A": 1, "d": "2/3"}), 1, "optical", **PAIR)
 
 
 def hertz_symbols() -> Envelope:
-    """The same in symbols, at any wavenumber."""
+    """Return the optical envelope of a Hertz dimer in symbols, at any wavenumber."""
     return envelope(hertz_dimer(), branch="optical")
 
 
 def four_numbers() -> Envelope:
-    """The envelope of four masses in turn, all in numbers."""
+    """Return the envelope of four alternating masses, all in numbers."""
     return envelope(four_masses(), 1, **FOUR, **SPRING)
 
 
 def four_constants() -> Envelope:
-    """The same with symbols for the spring's constants."""
+    """Return the envelope of four alternating masses with symbols for the spring's constants."""
     return envelope(four_masses(), 1, **FOUR)
 
 
 def long_waves() -> Reduction:
-    """Long waves of four masses and four springs, all in symbols."""
+    """Return the reduction of four masses and four springs, all in symbols."""
     return best_balance(four_springs(), Integer(0), 2)
 
 

@@ -85,7 +85,7 @@ def test_along_an_axis_nothing_drifts() -> None:
         ("fput --envelope k --direction 1", "--direction must be left out with --envelope"),
     ],
 )
-def test_what_is_no_direction_is_refused_in_one_line(
+def test_an_invalid_direction_is_refused_in_one_line(
     words: str, message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(words.split()) == 2

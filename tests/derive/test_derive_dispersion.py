@@ -45,7 +45,7 @@ def test_lattice_and_reduced_equation_agree() -> None:
     assert expand(long_wave_of_reduction(mkdv_reduction()) - sqrt(K2) * (k - k**3 / 24)) == 0
 
 
-def test_disagreement_is_seen() -> None:
+def test_a_disagreement_is_detected() -> None:
     stiffer = replace(FPUT, bonds=(replace(FPUT.bonds[0], force=2 * K2 * x),))
     assert not agrees_with_reduction(stiffer, mkdv_reduction())
 
@@ -76,7 +76,7 @@ def test_background_is_where_the_linear_waves_are() -> None:
     assert agrees_with_reduction(FPUT, reduction)
 
 
-def test_what_the_comparison_of_linear_waves_does_not_know_is_refused() -> None:
+def test_a_lattice_without_comparison_of_linear_waves_is_refused() -> None:
     gardner = reduce(FPUT, Scaling(background=((1, ybar),)), orders=5)
     with pytest.raises(ValueError, match=r"background must be of order one"):
         agrees_with_reduction(FPUT, gardner)

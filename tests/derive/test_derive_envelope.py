@@ -37,7 +37,7 @@ def test_a_shifted_carrier_gives_the_next_order(name: str) -> None:
     assert all(check.passed for check in checks)
 
 
-def test_a_mistake_in_the_next_order_is_seen(strain: Envelope) -> None:
+def test_a_mistake_in_the_next_order_is_detected(strain: Envelope) -> None:
     broken = replace(strain)
     wrong: dict[str, Any] = {**strain.parts, "a2": strain.parts["a2"] * 101 / 100}
     broken.__dict__["parts"] = wrong
@@ -61,8 +61,8 @@ def test_equal_masses_in_turn_are_a_chain() -> None:
     cells = dimer.coefficients(1, m1=1, m2=1, **constants)
     powers = {"omega": 0, "v": 1, "p": 2, "q": 0, "a3": 3, "a1": 1, "a2": 1, "second": 0}
     for name, power in powers.items():
-        got, wanted = getattr(cells, name) * 2**power, getattr(chain, name)
-        assert abs(got - wanted) < 1e-12, name
+        got, expected = getattr(cells, name) * 2**power, getattr(chain, name)
+        assert abs(got - expected) < 1e-12, name
 
 
 def test_the_optical_branch_of_a_dimer() -> None:
@@ -149,7 +149,7 @@ def test_a_carrier_without_dispersion_is_refused() -> None:
     low, high = Rational(1, 2), Integer(2)
     assert found.coefficients(low, **values).p > 0 > found.coefficients(high, **values).p
     # K2 cos k omega^2 = K2^2 sin^2 k with omega^2 = 4 - 2 cos k
-    with pytest.raises(EnvelopeError, match="no zero of the dispersion p"):
+    with pytest.raises(EnvelopeError, match="not be a zero of the dispersion p"):
         found.coefficients(acos(2 - sqrt(3)), **values)
 
 
@@ -167,7 +167,7 @@ def test_a_lattice_in_numbers_has_the_envelope_of_the_one_in_symbols(name: str, 
 
 
 def test_a_large_cell_needs_numbers_and_says_so_at_once() -> None:
-    """In symbols it went on for more than a minute without a word."""
+    """Catches: symbols that take more than a minute without a message."""
     numbers: Any = {"m1": 1, "m2": 2, "m3": 3, "m4": 4, "K2": 1, "K3": Rational(1, 4), "K4": 1}
     with pytest.raises(EnvelopeError, match=r"4 fields must be few, got K2, K3.*as K2=1\)$"):
         envelope(four_masses())
@@ -199,7 +199,7 @@ WRONG: dict[str, tuple[Any, str]] = {
 
 
 @pytest.mark.parametrize("name", WRONG)
-def test_what_has_no_envelope_is_refused_in_one_line(name: str) -> None:
+def test_a_carrier_without_envelope_is_refused_in_one_line(name: str) -> None:
     build, message = WRONG[name]
     with pytest.raises(ValueError, match=message) as refused:
         build()

@@ -1,4 +1,4 @@
-"""Carriers at k = 0 and pi, and fields at rest there, against hand calculations and a search."""
+"""Carriers at k = 0 and pi, and fields at rest there, against hand calculations."""
 
 import json
 from typing import Any
@@ -71,7 +71,7 @@ def test_a_carrier_that_leaves_the_first_field_at_rest_is_that_of_the_next(
     assert leading == [[], [1]]
 
 
-def test_a_true_resonance_at_the_zone_boundary_is_told_as_that(
+def test_a_true_resonance_at_the_zone_boundary_is_reported_as_one(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     """2 omega(pi) = omega(2 pi) of the optical branch where one mass is three times the other."""
@@ -84,14 +84,14 @@ def test_formulas_at_the_zone_boundary_say_of_which_wave_they_are(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     """Catches: formulas of one wave under the name of a branch that depends on the constants."""
-    said = []
+    output = []
     for branch in ("acoustic", "optical"):
         assert main(["mass_dimer", "--envelope", "k=pi", "--branch", branch]) == 0
-        said.append(capsys.readouterr().out)
-    assert "carrier: u_n = " in said[0]
-    assert "of the wave with omega^2 = 2 K2/m1, one of 2" in said[0]
-    assert "carrier: v_n = " in said[1]
-    assert "of the wave with omega^2 = 2 K2/m2, one of 2" in said[1]
+        output.append(capsys.readouterr().out)
+    assert "carrier: u_n = " in output[0]
+    assert "of the wave with omega^2 = 2 K2/m1, one of 2" in output[0]
+    assert "carrier: v_n = " in output[1]
+    assert "of the wave with omega^2 = 2 K2/m2, one of 2" in output[1]
 
 
 @pytest.mark.parametrize("name", ["klein_gordon", "pinned dimer", "optical"])
@@ -123,8 +123,8 @@ def test_formulas_at_k_zero_are_those_of_a_single_oscillator() -> None:
     """u'' = -g1 u - g2 u^2 - g3 u^3 in step: Lindstedt's frequency, omega = sqrt(g1)."""
     found = envelope(LATTICES["klein_gordon"], k=0).expressions
     g2, g3 = Symbol("g2", real=True), Symbol("g3", real=True)
-    wanted = (10 * g2**2 / (3 * omega**2) - 3 * g3) / (2 * omega)
-    assert simplify(found["q"] - wanted) == 0
+    expected = (10 * g2**2 / (3 * omega**2) - 3 * g3) / (2 * omega)
+    assert simplify(found["q"] - expected) == 0
 
 
 def test_a_wave_without_frequency_is_refused_with_what_to_do() -> None:

@@ -10,7 +10,7 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from longwave.derive.algebra.bounded_building import (
-    BITS,
+    MOST_BITS,
     TooLarge,
     applied,
     power,
@@ -91,7 +91,7 @@ WORDS = Vocabulary(
         ("q_t[n-1]", q.subs(n, n - 1).diff(t)),
     ],
 )
-def test_it_is_read_as_in_python_and_exactly(text: str, expected: sp.Expr) -> None:
+def test_a_formula_is_read_as_in_python_and_exactly(text: str, expected: sp.Expr) -> None:
     assert read_formula(text, WORDS) == expected
 
 
@@ -149,17 +149,17 @@ def test_an_error_names_the_place_and_what_was_expected(text: str, column: int, 
     assert str(error).endswith(f"(column {column})")
     assert words in str(error)
     assert "\n" not in str(error)
-    shown, caret = error.picture.split("\n")
+    line, caret = error.picture.split("\n")
     assert caret.index("^") - 4 == column - 1
-    assert len(shown) == len(text) + 4
+    assert len(line) == len(text) + 4
 
 
 def test_the_picture_of_a_long_text_is_cut_around_the_place() -> None:
     with pytest.raises(FormulaError) as caught:
         read_formula("x + " * 500 + "? + x" + " + x" * 500, WORDS)
-    shown, caret = caught.value.picture.split("\n")
-    assert len(shown) < 80
-    assert shown[caret.index("^")] == "?"
+    line, caret = caught.value.picture.split("\n")
+    assert len(line) < 80
+    assert line[caret.index("^")] == "?"
     assert caught.value.__notes__ == [caught.value.picture]
 
 
@@ -169,7 +169,7 @@ def test_depth_is_limited_wherever_it_grows(opened: str) -> None:
         read_formula(opened * (LONGEST // len(opened)), WORDS)
 
 
-def test_depth_is_told_apart_from_length() -> None:
+def test_errors_of_depth_and_of_length_differ() -> None:
     assert read_formula("(" * (DEEPEST - 1) + "x" + ")" * (DEEPEST - 1), WORDS) == x
     assert read_formula(" + ".join(["x"] * 4000), WORDS) == 4000 * x
     assert read_formula("-" * 10_000 + "x", WORDS) == x
@@ -193,8 +193,8 @@ def test_no_number_is_ever_built_that_is_larger_than_the_limit() -> None:
     ):
         with pytest.raises(TooLarge):
             build()
-    assert (9**300).bit_length() < BITS
-    assert math.log10(2) * BITS > 300
+    assert (9**300).bit_length() < MOST_BITS
+    assert math.log10(2) * MOST_BITS > 300
 
 
 ELEMENTARY = """exp log sqrt sin cos tan cot sec csc sinh cosh tanh coth sech csch asin acos atan

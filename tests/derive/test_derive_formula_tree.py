@@ -1,4 +1,4 @@
-"""Catches: a tree of something else than the text, and a text of something else than the tree."""
+"""Catches: a tree whose meaning differs from the text's, and a text that differs from the tree."""
 
 from fractions import Fraction
 

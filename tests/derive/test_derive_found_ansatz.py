@@ -1,4 +1,4 @@
-"""What `longwave derive` finds for values of the constants: what a scene with them finds."""
+"""For values of the constants `longwave derive` finds the same ansatz as a scene."""
 
 import json
 from typing import Any
@@ -45,7 +45,7 @@ def words(lattice: str, constants: dict[str, Any], ansatz: dict[str, Any]) -> li
 
 
 @pytest.mark.parametrize("name", family(CASES, slow=("Kawahara",)))
-def test_it_finds_what_a_scene_finds(name: str, capsys: Output) -> None:
+def test_the_command_finds_the_same_ansatz_as_a_scene(name: str, capsys: Output) -> None:
     """Catches: a formula, an ansatz or a background that one of the two reads in another way."""
     lattice, constants, ansatz, wave = CASES[name]
     given: dict[str, Any] = {"name": "one", "lattice": lattice, "constants": constants}
@@ -75,7 +75,7 @@ def test_a_slower_time_is_found_where_dispersion_vanishes(
     assert "  Y_T + (1/c) Y Y_X - (1/(240 c)) Y_5X = 0\n" in out
 
 
-def test_what_is_found_is_printed_with_what_was_refused(capsys: Output) -> None:
+def test_the_chosen_ansatz_is_printed_with_the_refused_ones(capsys: Output) -> None:
     assert main(["--k3", "1/2"]) == 0
     out = capsys.readouterr().out
     assert "  F(x) = K2 x + 1/2 x^2 + K4 x^3\n" in out
@@ -112,7 +112,7 @@ def test_an_envelope_takes_a_small_constant(capsys: Output) -> None:
         (["granular", "--set", "A=1,d=0"], "a sonic vacuum without linear waves to expand about: "),
     ],
 )
-def test_what_cannot_be_found_is_refused(
+def test_an_ansatz_that_cannot_be_found_is_refused(
     arguments: list[str], message: str, capsys: Output
 ) -> None:
     assert main(arguments) == 2

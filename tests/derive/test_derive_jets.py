@@ -38,7 +38,7 @@ def test_antiderivative_inverts_the_derivative(polynomial: DifferentialPolynomia
 @pytest.mark.parametrize(
     "monomial", [((1, 0), (1, 0)), ((0, 0),), ((0, 0), (0, 0), (2, 0)), ((0, 0), (3, 1)), ()]
 )
-def test_what_is_no_derivative_has_no_antiderivative(monomial: Monomial) -> None:
+def test_a_polynomial_that_is_no_derivative_has_no_antiderivative(monomial: Monomial) -> None:
     assert DifferentialPolynomial.monomial(CONSTANTS, monomial).antiderivative() is None
 
 

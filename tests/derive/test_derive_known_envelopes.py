@@ -16,7 +16,7 @@ def test_the_known_envelope_comes_out(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", CHAIN)
-def test_another_coefficient_is_seen(name: str) -> None:
+def test_another_coefficient_is_detected(name: str) -> None:
     wrong = {name: CHAIN[name] * 101 / 100}
     assert list(unlike(of("fput_strain").expressions, wrong))
 

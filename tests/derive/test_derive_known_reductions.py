@@ -20,6 +20,6 @@ def changed(row: Row) -> Row:
 
 
 @pytest.mark.parametrize("name", ["1", "6d", "7h"])
-def test_another_coefficient_is_seen(name: str) -> None:
+def test_another_coefficient_is_detected(name: str) -> None:
     assert len(list(changed(ROWS[name]).differences())) == 1
     assert list(replace(ROWS[name], squared=ROWS[name].squared * 2).differences())

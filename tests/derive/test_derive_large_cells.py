@@ -25,10 +25,10 @@ def test_the_envelope_of_a_hertz_dimer_holds_in_numbers_and_in_symbols() -> None
     for found in (numbers, symbols):
         assert all(check.passed for check in checks_of_envelope(found))
     values: Any = {"A": 1, "d": Rational(2, 3), "m1": 1, "m2": 3}
-    wanted = symbols.coefficients(1, **values)
-    assert numbers.coefficients(m1=1, m2=3) == wanted
+    expected = symbols.coefficients(1, **values)
+    assert numbers.coefficients(m1=1, m2=3) == expected
     stiffness = float(3 * sqrt(Rational(2, 3)) / 2)
-    squared = wanted.omega**2 / stiffness
+    squared = expected.omega**2 / stiffness
     assert abs(3 * squared**2 - 8 * squared + 2 - 2 * 0.5403023058681398) < 1e-14
     assert [str(s) for s, _ in hertz_dimer().expanded(4).definitions] == [
         f"F{power}a" for power in range(5)

@@ -1,4 +1,4 @@
-"""Lattices from files: what they mean, and that nothing else is read, evaluated or left hanging."""
+"""Lattices from files: their meaning; nothing else is read or evaluated, and none hangs."""
 
 from pathlib import Path
 from typing import Any
@@ -69,7 +69,7 @@ def test_masses_are_numbers_as_they_are_written(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("force", ["-A*contact(-x)**(3/2)", "A*x**3"])
-def test_what_has_no_sound_is_told_so(force: str, tmp_path: Path) -> None:
+def test_a_lattice_without_sound_is_refused(force: str, tmp_path: Path) -> None:
     """Catches: grains without compression, of which the conditions of the expansion were told."""
     spring = f'[[spring]]\nbetween = ["u[n]", "u[n+1]"]\nforce = "{force}"\n'
     found = read_lattice(written(tmp_path, f'fields = ["u"]\npositive = ["A"]\n{spring}'))
@@ -152,7 +152,7 @@ HOSTILE: dict[str, tuple[str, str]] = {
 
 
 @pytest.mark.parametrize("name", HOSTILE)
-def test_what_is_no_lattice_is_told_in_one_line(
+def test_an_invalid_lattice_is_refused_in_one_line(
     name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     text, message = HOSTILE[name]
@@ -192,7 +192,9 @@ COMMANDS: dict[str, tuple[list[str], str]] = {
 
 
 @pytest.mark.parametrize("name", COMMANDS)
-def test_wrong_words_are_told_in_one_line(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_wrong_arguments_are_refused_in_one_line(
+    name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     words, message = COMMANDS[name]
     assert main(words) == 2
     error = capsys.readouterr().err
@@ -232,13 +234,13 @@ def test_a_constant_may_be_called_as_any_of_the_carriers_own(name: str) -> None:
 
 def test_maps_and_orders_are_printed_in_every_form(capsys: pytest.CaptureFixture[str]) -> None:
     words = ["fput", "--envelope", "k", "--map", "2", "--set", "K2=1,K3=0,K4=1"]
-    for form, wanted in (
+    for form, fragment in (
         ([], "growth rate"),
         (["--json"], '"focusing": true'),
         (["--latex"], "tabular"),
     ):
         assert main([*words, *form]) == 0
-        assert wanted in capsys.readouterr().out
+        assert fragment in capsys.readouterr().out
     at = ["fput", "--envelope", "k=pi", "--set", "K2=1,K3=0,K4=1", "--order", "3"]
     for form in ([], ["--json"], ["--latex"]):
         assert main([*at, *form]) == 0

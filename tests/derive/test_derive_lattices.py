@@ -37,7 +37,7 @@ Forces = Mapping[int, Expr]
 
 
 def chain(forces: Forces, mass: Expr = S.One) -> Lattice:
-    """The lattice in the strain: the spring from n to n + r pulls at both its ends."""
+    """Return the lattice in the strain: the spring from n to n + r pulls at both its ends."""
     bonds = []
     for reach, force in forces.items():
         stretch = tuple(Stencil((i,)) for i in range(reach))
@@ -48,12 +48,12 @@ def chain(forces: Forces, mass: Expr = S.One) -> Lattice:
 
 
 def stress_slope(forces: Forces, strain: Expr) -> Expr:
-    """sigma'(E): each spring of range r is stretched by r E and pulls on r cells."""
+    """Return sigma'(E): each spring of range r is stretched by r E and pulls on r cells."""
     return sum(r**2 * force.diff(x).subs(x, r * strain) for r, force in forces.items())
 
 
 def plane_wave(forces: Forces, strain: Expr) -> Expr:
-    """m omega^2 of exp(i (k n - omega t)) about a uniform strain."""
+    """Return m omega^2 of exp(i (k n - omega t)) about a uniform strain."""
     return sum(
         4 * force.diff(x).subs(x, r * strain) * sin(r * k / 2) ** 2 for r, force in forces.items()
     )
@@ -74,7 +74,7 @@ small = st.fractions(-3, 3, max_denominator=4).map(lambda q: Rational(q.numerato
 
 @st.composite
 def cases(draw: Any) -> Case:
-    """KdV, mKdV and Gardner scalings; springs of one or two ranges; both directions."""
+    """Draw cases of KdV, mKdV and Gardner scalings, of one or two ranges, in both directions."""
     kind = draw(st.sampled_from(["kdv", "mkdv", "gardner", "mean"]))
     reaches = draw(st.sampled_from([(1,), (1, 2), (1, 3), (2, 3)]))
     quadratic = {"mkdv": Integer(0), "gardner": eps}.get(kind, Integer(1))
@@ -96,7 +96,7 @@ def cases(draw: Any) -> Case:
 
 
 def speed_expansion(case: Case, speed: Expr, order: int) -> Expr:
-    """The speed of a long wave on the background plus eps^p Y, less c, to ``eps^order``."""
+    """Return the speed of a long wave on the background plus eps^p Y, minus c, to ``eps^order``."""
     strain = case.mean + eps**case.scaling.amplitude * Y
     squared = expand(stress_slope(case.forces, strain).subs(K2, case.values["K2"]) / case.mass)
     rest = squared - squared.subs(eps, 0)
@@ -118,11 +118,11 @@ def test_coefficients_are_those_of_stress_law_and_plane_wave(case: Case) -> None
     found = reduction.coefficients(**case.values)
     assert found.c == sqrt(squared) * (-1 if scaling.speed == -c else 1)
     moving = speed_expansion(case, found.c, scaling.time - 1)
-    wanted = {power: value for (power,), value in Poly(moving / eps**2, Y).terms() if value != 0}
+    expected = {power: value for (power,), value in Poly(moving / eps**2, Y).terms() if value != 0}
     names = {0: "Y_X", 1: "Y Y_X", 2: "Y^2 Y_X"}
     terms = {name: value for name, value in found.terms.items() if name != "Y_XXX"}
-    assert set(terms) == {names[power] for power in wanted}
-    for power, value in wanted.items():
+    assert set(terms) == {names[power] for power in expected}
+    for power, value in expected.items():
         assert expand(terms[names[power]] - value) == 0
     waves = series(plane_wave(case.forces, zero).subs(eps, 0).subs(K2, 9), k, 0, 6).removeO()
     fourth = expand(waves).coeff(k, 4) / case.mass
@@ -130,7 +130,7 @@ def test_coefficients_are_those_of_stress_law_and_plane_wave(case: Case) -> None
 
 
 def outputs(reduction: Reduction, **values: Expr) -> dict[str, Any]:
-    """All that a reduction can say, parsed where it can be."""
+    """Return all outputs of a reduction, parsed where they can be."""
     data = json.loads(reduction.json(**values))
     assert reduction.latex(**values).startswith(r"\begin{aligned}")
     assert reduction.pde.text() in reduction.text()
@@ -253,7 +253,7 @@ def test_a_mean_without_inflection_is_refused() -> None:
         reduction.coefficients(K2=1, K3=2, K4=1)
 
 
-def test_what_cannot_vanish_is_no_condition() -> None:
+def test_a_term_that_cannot_vanish_is_no_condition() -> None:
     """With p and q positive, (p + q) (Y^2)_XX = 0 has no solution in the constants."""
     p, q = Symbol("p", positive=True), Symbol("q", positive=True)
     with pytest.raises(ReductionError, match="must be solvable by a condition on the constants"):
@@ -319,12 +319,12 @@ ANSATZ = {
 
 
 def pinned() -> Lattice:
-    """A chain whose sites are tied to their places."""
+    """Return a chain with on-site springs."""
     return Lattice("pinned", "pinned", ("u",), (1,), (*SPRINGS, on_site(K3 * x)))
 
 
 def two_chains() -> Lattice:
-    """Two fields that nothing ties together."""
+    """Return a lattice of two fields that do not interact."""
     bonds = tuple(spring(K2 * x, ((0,), field), ((1,), field)) for field in (0, 1))
     return Lattice("two", "two chains", ("u", "v"), (1, 2), bonds)
 
@@ -334,7 +334,7 @@ def _frame(speed: Any) -> Scaling:
 
 
 @pytest.mark.parametrize("name", ANSATZ)
-def test_what_the_reduction_does_not_know_is_refused_in_one_line(name: str) -> None:
+def test_an_unsupported_lattice_is_refused_in_one_line(name: str) -> None:
     build, message = ANSATZ[name]
     with pytest.raises(ValueError, match=message) as refused:
         build()

@@ -22,7 +22,7 @@ TWO_SPRINGS = (
 
 @pytest.fixture
 def chain(tmp_path: Any) -> str:
-    """Two equal masses, springs C and 5 C."""
+    """Write the file of a chain with two equal masses and springs C and 5 C; return its path."""
     path = tmp_path / "textbook.toml"
     path.write_text(TWO_SPRINGS)
     return str(path)
@@ -33,9 +33,9 @@ def test_a_linear_lattice_prints_its_dispersion_relation(
 ) -> None:
     """Catches: "its waves are in the dispersion relation alone", which is not shown."""
     assert main([chain]) == 0
-    said = capsys.readouterr().out
-    assert said.startswith("textbook\n")
-    assert "  omega^2 = 6 C - C sqrt(36 - 20 sin(k/2)^2)\n" in said
+    output = capsys.readouterr().out
+    assert output.startswith("textbook\n")
+    assert "  omega^2 = 6 C - C sqrt(36 - 20 sin(k/2)^2)\n" in output
     assert main([chain, "--latex"]) == 0
     assert r"\omega^{2} = 6 C + C \sqrt{36" in capsys.readouterr().out
     assert main([chain, "--json", "--set", "C=1"]) == 0
@@ -56,7 +56,7 @@ def test_the_branches_are_the_textbooks() -> None:
 
 
 def document() -> dict[str, Any]:
-    """The tables of the same chain."""
+    """Return the tables of the same chain."""
     springs = [("u[n]", "v[n]", "C*x"), ("v[n]", "u[n+1]", "5*C*x")]
     return {
         "fields": ["u", "v"],
@@ -69,13 +69,13 @@ def test_an_envelope_of_a_linear_lattice_is_linear(
     chain: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main([chain, "--envelope", "k=pi", "--set", "C=1", "--branch", "optical"]) == 0
-    said = capsys.readouterr().out
-    assert "  omega = 3.16227766017\n" in said
-    assert "q = 0: waves do not interact" in said
+    output = capsys.readouterr().out
+    assert "  omega = 3.16227766017\n" in output
+    assert "q = 0: waves do not interact" in output
 
 
 @pytest.mark.parametrize("words", [["--set", "D=1"], ["--set", "C=-1"], ["--set", "C=eps"]])
-def test_wrong_constants_are_told_in_one_line(
+def test_wrong_constants_are_refused_in_one_line(
     chain: str, words: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main([chain, *words]) == 2
@@ -88,9 +88,9 @@ def test_random_chains_have_the_frequencies_of_an_eigenproblem(seed: int) -> Non
     case = random_case(seed)
     rows = LinearWaves.of(case.lattice).table(case.constants)
     for at, found in rows:
-        wanted = omegas(case, float(at))
-        assert [own for own, _ in found] == pytest.approx(list(wanted), abs=1e-6)
+        expected = omegas(case, float(at))
+        assert [own for own, _ in found] == pytest.approx(list(expected), abs=1e-6)
         slopes = (omegas(case, float(at) + 1e-5) - omegas(case, float(at) - 1e-5)) / 2e-5
         for (own, speed), slope in zip(found, slopes, strict=True):
-            if own > 1e-3 and speed is not None and abs(wanted[1] - wanted[0]) > 1e-3:
+            if own > 1e-3 and speed is not None and abs(expected[1] - expected[0]) > 1e-3:
                 assert np.isclose(speed, slope, atol=1e-5)

@@ -127,7 +127,7 @@ def test_frequencies_are_printed_with_losses(capsys: pytest.CaptureFixture[str])
 
 
 @pytest.mark.parametrize("losses", [{"site": "2*eps^3*gamma"}, {"bond": "3*eps*eta"}])
-def test_other_losses_are_seen_by_the_checks(losses: dict[str, str]) -> None:
+def test_the_checks_detect_other_losses(losses: dict[str, str]) -> None:
     """The checks read the lattice: one whose losses are not those of the equation differs."""
     found = reduce(ALPHA.with_losses(**LOSSES), Scaling(1), 5)
     other = replace(found, lattice=ALPHA.with_losses(**{**LOSSES, **losses}))
@@ -159,7 +159,7 @@ def test_a_dashpot_of_a_tie_is_refused_as_a_loss() -> None:
         reduce(tied, Scaling(1))
 
 
-def test_losses_that_come_later_are_told(capsys: pytest.CaptureFixture[str]) -> None:
+def test_losses_of_later_orders_are_reported(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["fput_strain", "--losses", "site=eps^4*gamma,bond=eps*eta"]) == 0
     out = capsys.readouterr().out
     assert "  site loss eps^4 gamma does not enter at this order" in out.splitlines()

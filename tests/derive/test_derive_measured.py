@@ -80,7 +80,7 @@ def test_values_and_covariance_come_with_the_lattice_and_leave_it_in_symbols(
         ),
     ],
 )
-def test_wrong_tables_are_told(changed: dict[str, Any], message: str) -> None:
+def test_wrong_tables_are_refused(changed: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         lattice_of(tables(**changed))
 
@@ -118,7 +118,7 @@ def test_samples_are_taken_where_derivatives_are_not_good() -> None:
     assert found.by_derivatives[0] == pytest.approx(math.sqrt(0.5) - WIDE * 0.1 / math.sqrt(0.5))
 
 
-def test_samples_without_the_number_are_told() -> None:
+def test_samples_without_the_number_are_reported() -> None:
     loose = Measured.of({"K4": 0.2}, {"K4": {"K4": 0.04}})
     real = Symbol("K4", real=True)
     found = Intervals(loose, [real]).of(sqrt(real))
@@ -157,7 +157,7 @@ def test_a_value_of_the_command_line_is_exact(tmp_path: Path, capsys: Output) ->
     assert data["Y^2 Y_X"]["deviation"] == pytest.approx(1.05 * 0.005 / 1.0021**1.5, rel=1e-3)
 
 
-def test_where_there_are_no_intervals_it_is_told_why(tmp_path: Path, capsys: Output) -> None:
+def test_missing_intervals_have_a_reason(tmp_path: Path, capsys: Output) -> None:
     with_mass = f'masses = ["m"]\n{CHAIN}'
     assert "(no intervals: m has no value)" in derived(tmp_path, capsys, with_mass)
     assert "  c = 1.0010 +- " in derived(tmp_path, capsys, with_mass, "--set", "m=1")

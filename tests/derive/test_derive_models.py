@@ -33,7 +33,7 @@ OBLIQUE = (SlowVariable("X", 1, (C, S), c), SlowVariable("Z", 2, (-S, C), drift)
 
 
 def test_numbers_may_be_put_in_beforehand() -> None:
-    """Where they make dispersion vanish nothing is left at T = eps^3 t, and a slower time fits."""
+    """Numbers for which dispersion vanishes need a slower time than T = eps^3 t."""
     values = {"K2": "4/3", "K3": "1", "K4": "0", "L2": "-1/12", "L3": "0", "L4": "0"}
     exact = {name: Rational(text) for name, text in values.items()}
     numeric = LATTICES["next_nearest"].with_values(exact)
@@ -62,7 +62,7 @@ def test_a_value_that_fits_no_constant_is_refused(values: dict[str, Expr]) -> No
 
 
 def without(lattice: Lattice, values: dict[Symbol, Expr]) -> Lattice:
-    """The lattice with values in the places of constants."""
+    """Return the lattice with values in place of constants."""
     bonds = tuple(replace(bond, force=bond.force.subs(values)) for bond in lattice.bonds)
     return replace(lattice, bonds=bonds)
 
@@ -176,7 +176,7 @@ force = "K2*x + K3*x**2 + eps*K4*x**3"
 
 
 def tampered(reduction: Reduction, change: str) -> Reduction:
-    """The reduction with a mistake of one part in a hundred somewhere."""
+    """Return the reduction with a relative error of 1/100 in one of its parts."""
     factor = reduction.pde.flow.field(101) / 100
     if change == "slaved":
         share, series = reduction.slaved["v"]
@@ -196,13 +196,13 @@ def tampered(reduction: Reduction, change: str) -> Reduction:
     ("flow", ["static stress law"]),
     ("order", ["dispersion determinant", "manufactured wave"]),
 ])  # fmt: skip
-def test_a_mistake_is_seen(change: str, names: list[str]) -> None:
+def test_a_mistake_is_detected(change: str, names: list[str]) -> None:
     reduction = tampered(reduce(LATTICES["mass_dimer"], Scaling(1)), change)
     differing = [check.name for check in checks_of_reduction(reduction) if not check.passed]
     assert differing == names
 
 
-def test_units_are_told() -> None:
+def test_units_are_stated() -> None:
     assert reduce(LATTICES["mass_dimer"], Scaling(0), 4).units.startswith("Y = W_X: u is W")
     assert "less its mean" in reduce(LATTICES["fput_strain"]).units
 

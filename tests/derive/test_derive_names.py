@@ -38,7 +38,7 @@ TURNED: dict[str, Any] = {
 
 
 def chain_file(tmp_path: Any, text: str) -> str:
-    """A lattice file of that text."""
+    """Write a lattice file with that text; return its path."""
     path = tmp_path / "chain.toml"
     path.write_text(text)
     return str(path)
@@ -53,9 +53,9 @@ def test_no_name_of_an_output_is_a_constants_too(name: str) -> None:
 def test_names_that_are_taken_are_marked(tmp_path: Any, capsys: pytest.CaptureFixture[str]) -> None:
     path = chain_file(tmp_path, document("h", "power", pinned=False))
     assert main([path]) == 0
-    said = capsys.readouterr().out
-    assert "Y(X, T) = h~ U(a X, b T):" in said
-    assert "\n  h~ = " in said
+    output = capsys.readouterr().out
+    assert "Y(X, T) = h~ U(a X, b T):" in output
+    assert "\n  h~ = " in output
     assert main([path, "--latex"]) == 0
     assert r"\tilde{h} = " in capsys.readouterr().out
     assert main(["toda"]) == 0
@@ -77,7 +77,7 @@ def test_a_field_is_no_constant(kind: str) -> None:
         lattice_of({**CHAIN, **changes[kind]}).with_losses(site="eps^3*u")
 
 
-def test_a_reserved_name_is_told_with_its_meaning() -> None:
+def test_a_reserved_name_is_refused_with_its_meaning() -> None:
     """Catches: a spring constant k refused with a bracket on other names."""
     spring_of_k = {**CHAIN["spring"][0], "force": "k*x + x**3"}
     with pytest.raises(ValueError, match=r"got k \(k is the wavenumber: .* such as k1\)$"):
@@ -103,7 +103,7 @@ def test_a_force_is_printed_without_a_factor_of_one() -> None:
     assert on_site(x - 1).force == x - 1
 
 
-def test_an_action_that_is_no_mirror_of_its_stretch_is_told(
+def test_an_action_that_is_no_mirror_of_its_stretch_is_reported(
     tmp_path: Any, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Catches: a sign slip that derives an equation without a word."""
@@ -127,7 +127,7 @@ def test_an_action_that_is_no_mirror_of_its_stretch_is_told(
     assert word in capsys.readouterr().out
 
 
-def test_springs_that_push_and_pull_unequally_are_told_where_they_are_refused(
+def test_springs_that_push_and_pull_unequally_are_named_where_refused(
     tmp_path: Any, capsys: pytest.CaptureFixture[str]
 ) -> None:
     head = 'fields = ["u"]\n[[bond]]\nstretch = "u[n+1] - u[n]"\nforce = "x + x**3"\n'
@@ -146,7 +146,7 @@ def test_every_lattice_of_the_catalogue_has_an_energy(name: str) -> None:
     assert LATTICES[name].missing_energies == ()
 
 
-def test_a_sign_slip_in_strains_is_told() -> None:
+def test_a_sign_slip_in_strains_is_reported() -> None:
     """Catches: a common stencil that is taken for positive or symmetric without a look."""
     strains = {"fields": ["y"], "bond": [{"stretch": "y[n]", "force": "x + x**2"}]}
     for action in ("-F[n+1] + 2*F[n] - F[n-1]", "F[n+1] - F[n] + F[n-1]", "F[n+1] - F[n]"):

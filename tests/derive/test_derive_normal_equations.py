@@ -23,7 +23,7 @@ Shape = Callable[[Expr, Expr, Expr], Expr]
 
 
 def unknown(name: str, across: int = 0, along: int = 2, **kind: bool) -> Shape:
-    """A polynomial of these degrees across and along, and 1 in time, with free derivatives."""
+    """Return a polynomial of these degrees across, along and (1) in time, with free derivatives."""
     indices = list(product(range(along + 1), range(across + 1), range(2)))
     jets = {key: Symbol(name + "_".join(map(str, key)), **kind) for key in indices}
 
@@ -40,7 +40,7 @@ def unknown(name: str, across: int = 0, along: int = 2, **kind: bool) -> Shape:
 
 
 def reduced(coefficients: Mapping[str, Expr], Y: Expr) -> Expr:
-    """The reduced equation's left-hand side."""
+    """Return the reduced equation's left-hand side."""
     terms = {
         "Y_X": lambda: Y.diff(X),
         "Y Y_X": lambda: Y * Y.diff(X),
@@ -86,12 +86,12 @@ CASES = [
 
 @cache
 def normal_side(name: str, s: Expr, r: Expr) -> Expr:
-    """The normal form's left-hand side of any solution, at the origin."""
+    """Return the normal form's left-hand side of any solution, at the origin."""
     return reduced(NORMAL[name](s, r, S.One), unknown("u", *degrees(name))(X, Z, T)).subs(ORIGIN)
 
 
 def degrees(name: str) -> tuple[int, int]:
-    """The orders of the equation's derivatives, across and along."""
+    """Return the orders of the equation's derivatives, across and along."""
     terms = NORMAL_EQUATIONS[name].terms
     if "Y_ZZ" in terms:
         return 2, 4
@@ -187,8 +187,8 @@ def test_an_envelope_has_an_exact_normal_form_or_digits() -> None:
     dimer = envelope(LATTICES["mass_dimer"], m2=1, **values)
     cells = dimer.normal_form(2 * pi / 3, "acoustic", m1=1, m2=1, **values)
     assert cells.digits == 60
-    for got, wanted in ((4 * cells.b, exact.b), (2 * cells.c, exact.c), (2 * cells.h, exact.h)):
-        assert abs((got - wanted).evalf(70)) < 1e-59
+    for got, expected in ((4 * cells.b, exact.b), (2 * cells.c, exact.c), (2 * cells.h, exact.h)):
+        assert abs((got - expected).evalf(70)) < 1e-59
     assert chain.normal_form().b == chain.expressions["p"]
 
 
@@ -207,7 +207,7 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
 
 
 @pytest.mark.parametrize("name", WRONG)
-def test_what_is_no_map_is_refused(name: str) -> None:
+def test_an_invalid_map_is_refused(name: str) -> None:
     change, message = WRONG[name]
     with pytest.raises(ValueError, match=message):
         NormalForm(1, 1, 1, 1, **change)

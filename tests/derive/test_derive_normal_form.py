@@ -86,7 +86,7 @@ def test_every_spelling_of_a_tenth_is_a_tenth(value: Any) -> None:
     ],
     ids=repr,
 )
-def test_what_is_no_number_is_refused(value: Any) -> None:
+def test_an_invalid_number_is_refused(value: Any) -> None:
     with pytest.raises(ValueError, match="K4 must"):
         mkdv_normal_form(4, value)
 

@@ -15,7 +15,7 @@ from longwave.derive.output.notation import Notation
 
 
 def polynomial_from_data(data: Any, field: RationalFunctions) -> DifferentialPolynomial:
-    """The polynomial that is written, over the same field."""
+    """Return the polynomial of its JSON data, over the same field."""
     items = (
         (
             tuple(tuple(jet) for jet in term["jets"]),
@@ -159,7 +159,7 @@ def test_import_is_light(imported: str, unwanted: str) -> None:
 
 def test_objects_show_themselves_in_one_line_and_as_formulas(mkdv: Reduction) -> None:
     """A whole tree of records would fill the screen."""
-    shown: list[tuple[Any, str]] = [
+    objects: list[tuple[Any, str]] = [
         (
             mkdv,
             "Reduction(fput_strain: Y_T + (3 K4/(2 c)) Y^2 Y_X + (c/24) Y_XXX = 0, c^2 = K2, "
@@ -176,7 +176,7 @@ def test_objects_show_themselves_in_one_line_and_as_formulas(mkdv: Reduction) ->
         (mkdv.orders[4], "OrderEquation(K3 (Y^2)_XX = 0)"),
         (mkdv.normal_form(K2=4, K4=1), "NormalForm(a=sqrt(6)/2, b=sqrt(6)/16, s=1, c=2)"),
     ]
-    for thing, line in shown:
+    for thing, line in objects:
         assert repr(thing) == line
         formula = thing._repr_latex_()
         assert formula.startswith(r"$\displaystyle ")

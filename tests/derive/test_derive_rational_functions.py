@@ -33,8 +33,8 @@ expressions = st.recursive(
 @given(expressions, expressions)
 def test_arithmetic_is_that_of_sympy(left: Any, right: Any) -> None:
     a, b = FIELD.from_expr(left), FIELD.from_expr(right)
-    for found, wanted in ((a + b, left + right), (a - b, left - right), (a * b, left * right)):
-        assert KNOWN.from_expr(found.as_expr()) == KNOWN.from_expr(wanted)
+    for found, expected in ((a + b, left + right), (a - b, left - right), (a * b, left * right)):
+        assert KNOWN.from_expr(found.as_expr()) == KNOWN.from_expr(expected)
     if b:
         quotient = (a / b).as_expr()
         assert KNOWN.from_expr(quotient) == KNOWN.from_expr(left) / KNOWN.from_expr(right)
@@ -66,7 +66,7 @@ def test_images_stand_for_symbols() -> None:
     assert FIELD.from_expr(x * y + z, image).as_expr() == z + 1
 
 
-def test_what_is_no_rational_function_is_refused() -> None:
+def test_a_function_that_is_not_rational_is_refused() -> None:
     with pytest.raises(ValueError, match="value must be a rational function, got"):
         FIELD.from_expr(sqrt(x))
     with pytest.raises(ZeroDivisionError, match="the divisor must not be 0"):

@@ -1,4 +1,4 @@
-"""Rational functions of z and w in sines: what is printed is what was derived."""
+"""Rational functions of z and w in sines: the printed form equals the derived one."""
 
 import cmath
 import math

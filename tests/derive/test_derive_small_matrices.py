@@ -24,7 +24,7 @@ matrices = st.integers(1, 3).flatmap(
 
 @settings(max_examples=10)
 @given(rows=matrices)
-def test_it_is_that_of_sympy(rows: Any) -> None:
+def test_small_matrices_agree_with_sympy(rows: Any) -> None:
     own = [[FIELD.from_expr(Matrix([[v]])[0]) for v in row] for row in rows]
     known = Matrix(rows)
     assert cancel(determinant(own).as_expr() - known.det()) == 0

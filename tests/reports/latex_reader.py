@@ -1,4 +1,4 @@
-"""A reader of the report's LaTeX: a recursive descent that gives the expression back."""
+"""A parser of the report's LaTeX: a recursive descent that returns the SymPy expression."""
 
 import re
 from collections.abc import Mapping
@@ -28,7 +28,7 @@ TOKEN = re.compile(r"\\math(?:rm|cal)\{\w+\}|\\[a-zA-Z]+|\d+|[a-zA-Z]|[{}()^_+;'
 
 
 class Reader:
-    """Reads one expression; `names` are the symbols by their LaTeX."""
+    """A parser of one expression; `names` maps LaTeX names to symbols."""
 
     def __init__(self, text: str, names: Mapping[str, sp.Symbol]) -> None:
         clean = text.replace(r"\,", " ").replace(r"\left(", "{").replace(r"\right)", "}")

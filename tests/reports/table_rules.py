@@ -1,18 +1,18 @@
-"""What is asked of the report's LaTeX: numbered tables, mathematics, floats, margins."""
+"""Rules for the report's LaTeX: numbered tables, mathematics, floats, margins."""
 
 import re
 
 TABLE = re.compile(r"\\begin\{longtable\}.*?\\end\{longtable\}", re.DOTALL)
 
 SYNTAX = re.compile(r"\*\*|\w\*\w|(?<!\\)\b(?:sqrt|exp|diff|abs)\(|jacobi_")
-"""What the grammar of formulas has and mathematics has not."""
+"""Pattern of the syntax of formulas as text, which must not appear in mathematics."""
 
 WIDEST = 5.0
-"""Points by which a line may stand out."""
+"""Largest width, in points, by which a line may exceed the margin."""
 
 
 def faults_of_tables(tex: str) -> list[str]:
-    """What is wrong with the tables of a source."""
+    """Return the faults of the tables in a LaTeX source."""
     found = [] if not re.search(r"\\begin\{tabular", tex) else ["a table without a number"]
     labels = re.findall(r"\\label\{(tab:\w+)\}", tex)
     found += [f"{label} twice" for label in {*labels} if labels.count(label) > 1]
@@ -34,7 +34,7 @@ def faults_of_tables(tex: str) -> list[str]:
 
 
 def faults_of_floats(tex: str) -> list[str]:
-    """The floats that are forced to float to no place but one, or lack a caption.
+    """Return the floats that have only one allowed position, or lack a caption.
 
     [H] is no float: it stands in the text as a paragraph does.
     """
@@ -47,7 +47,7 @@ def faults_of_floats(tex: str) -> list[str]:
 
 
 def faults_of_log(log: str) -> list[str]:
-    """The lines beyond the margin and the references to nothing."""
+    """Return the lines beyond the margin and the undefined references of a LaTeX log."""
     wide = re.findall(r"Overfull \\hbox \(([\d.]+)pt.*", log)
     found = [f"{points} pt too wide" for points in wide if float(points) > WIDEST]
     return found + re.findall(r"LaTeX Warning: Reference.*undefined.*", log)

@@ -26,21 +26,25 @@ def found() -> SceneRun:
     return scene_run("driven_chain")
 
 
-def test_the_table_tells_what_acts_and_what_it_took(found: SceneRun) -> None:
-    assert found.kept
+def test_the_table_states_each_effect_and_its_cost(found: SceneRun) -> None:
+    assert found.within_tolerance
     assert found.run is not None
     text = bench_table({"driven_chain": found})
-    told = found.run.attrs
+    attributes = found.run.attrs
     assert "ends: fixed, fixed; losses of cells; forces" in text
     assert "(\\texttt{driven\\_chain})" in text
-    for part in (f"${told['steps']}$", scientific(1e-10), scientific(told["error_estimate"])):
+    for part in (
+        f"${attributes['steps']}$",
+        scientific(1e-10),
+        scientific(attributes["error_estimate"]),
+    ):
         assert part in text
-    assert scientific(told["seconds"] + told["planning_seconds"]) in text
+    assert scientific(attributes["seconds"] + attributes["planning_seconds"]) in text
     late = SceneRun(found.scene, found.run.assign_attrs(error_estimate=1e-3))
     assert "TOO LARGE" in bench_table({"driven_chain": late})
 
 
-def test_the_balance_of_energy_is_told(found: SceneRun) -> None:
+def test_the_balance_of_energy_is_stated(found: SceneRun) -> None:
     assert found.run is not None
     text = balance_table({"driven_chain": found, "other": replace(found, run=None)})
     heat = found.run["heat"]
@@ -59,7 +63,7 @@ def test_a_chain_that_did_not_run_says_why_and_has_no_picture(found: SceneRun) -
     assert bench_pictures(runs).count("includegraphics") == 1
 
 
-def test_every_effect_has_its_word() -> None:
+def test_every_effect_has_a_name() -> None:
     ends = {"displacement": "sin(t)"}, "free"
     bench = Bench(8, ends, (), (Push(0, "t"),), noise=Noise(1.0), energy=True)
     losses = Losses(site=(("u", 0.1),), bond=0.2)
@@ -67,10 +71,10 @@ def test_every_effect_has_its_word() -> None:
     assert effects(bench, losses) == words
 
 
-def test_the_cost_of_an_effect_is_told_at_every_tolerance() -> None:
+def test_the_cost_of_an_effect_is_stated_at_every_tolerance() -> None:
     text = effect_table({"a force": EffectCost(8, 3.1e-10, 0.81, ((1e-7, 0.02), (1e-11, 0.07)))})
-    for told in ("a force", "$8$", "$0.31$", "$81$", scientific(1e-11), scientific(0.07)):
-        assert told in text
+    for entry in ("a force", "$8$", "$0.31$", "$81$", scientific(1e-11), scientific(0.07)):
+        assert entry in text
 
 
 def test_an_effect_adds_operations_and_is_run_to_its_tolerances() -> None:

@@ -27,7 +27,7 @@ def findings(
     library: Outcome = Outcome.PROVED,
     scenes: dict[str, SceneRun] | None = None,
 ) -> dict[Key, Any]:
-    """What a report found: one proof, run, count of misprints and published solution."""
+    """Return findings of a report: one proof, run, count of misprints and published solution."""
     survivors = (Survivor("term", Outcome.UNDECIDED, "too hard"),) * undecided
     (text,) = chosen(["kdv_one_soliton"])
     found: dict[Key, Any] = {
@@ -42,7 +42,7 @@ def findings(
 
 @pytest.fixture
 def without_work(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nothing is computed or drawn; the source is one line."""
+    """Replace computing and drawing, such that the source is one line."""
     monkeypatch.setattr(build, "run_jobs", lambda *_: findings())
     monkeypatch.setattr(build, "all_jobs", lambda *_: {})
     monkeypatch.setattr(build, "write_figures", lambda *_: [])
@@ -67,7 +67,7 @@ def test_an_older_report_is_overwritten_if_that_is_asked_for(
     assert (tmp_path / "longwave.tex").read_text() == "source"
 
 
-def test_it_ends_with_the_path(
+def test_the_output_ends_with_the_path(
     without_work: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["--output", str(tmp_path)]) == 0
@@ -87,7 +87,7 @@ def test_without_latex_the_source_is_left_and_one_line_says_what_to_install(
 ) -> None:
     assert main(["--output", str(tmp_path)]) == 1
     assert capsys.readouterr().err == (
-        "error: no LaTeX engine: install latexmk; the source alone is written\n"
+        "error: no LaTeX engine: install latexmk; only the source is written\n"
     )
     assert (tmp_path / "longwave.tex").exists()
 
@@ -112,7 +112,7 @@ def test_what_it_takes_is_refused_before_an_engine_is_looked_for(
     ],
     ids=["form", "blow-up", "misprint", "hard case", "published solution", "other lattice"],
 )
-def test_what_does_not_stand_fails_the_report(
+def test_a_failed_finding_fails_the_report(
     without_work: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, found: dict[Key, Any]
 ) -> None:
     monkeypatch.setattr(build, "run_jobs", lambda *_: found)

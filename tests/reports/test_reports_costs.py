@@ -61,7 +61,7 @@ def test_laws_are_fitted_at_small_eps() -> None:
     assert r"$(\epsilon)^{2.00}$" in text
 
 
-def test_what_is_extrapolated_stands_apart_from_what_is_measured() -> None:
+def test_extrapolated_and_measured_values_have_separate_tables() -> None:
     """Catches a time that was scaled from a part of a run in the table of measured ones."""
     points = [ScalingPoint("RK4, window", 1 / e, 123.0, scaled=True) for e in EPSILONS]
     points += [ScalingPoint("spectral", 1 / e, 45.0) for e in EPSILONS]
@@ -82,7 +82,7 @@ def test_the_share_of_the_step() -> None:
     assert r"exact flow & 0.10000 & -- & 0.0" in text
 
 
-def test_a_hard_case_that_fails_is_seen() -> None:
+def test_a_failed_hard_case_is_reported() -> None:
     """Catches a message cut short, and one of a case that says nothing."""
     words = "step must satisfy step <= 0.5, got 0.6 " + 20 * "(take a smaller step) "
     cases = [
@@ -135,5 +135,5 @@ def test_labels_between_powers_of_ten_stand_where_there_is_none(most: float, bet
     """Side by side they overlap."""
     figure = cost_figure({"one": {"RK4": [(2e-3, 1e-2), (most, 1e-4)]}}, "seconds", "error")
     figure.draw_without_rendering()
-    told = [label.get_text() for label in figure.axes[0].get_xticklabels(minor=True)]
-    assert any(told) is between
+    labels = [label.get_text() for label in figure.axes[0].get_xticklabels(minor=True)]
+    assert any(labels) is between

@@ -1,4 +1,4 @@
-"""The LaTeX engine: that nothing is installed, what is said, that shell escape stays off."""
+"""The LaTeX engine: nothing is installed, errors quote the log, shell escape stays off."""
 
 import subprocess
 from pathlib import Path

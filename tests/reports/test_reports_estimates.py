@@ -57,4 +57,6 @@ def test_another_file_is_refused_before_anything_is_run(
     path.write_text(text)
     assert main(["--output", str(tmp_path / "report"), "--estimates", str(path)]) == 2
     (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith("error: --estimates must be what `python -m searches.estimates")
+    assert line.startswith(
+        "error: --estimates must be a file written by `python -m searches.estimates"
+    )

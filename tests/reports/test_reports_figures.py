@@ -8,6 +8,7 @@ import pytest
 import xarray as xr
 
 from longwave.reports.pictures.drawing import error_panels, snapshot_panels
+from longwave.reports.pictures.error_curve import ErrorCurve
 from longwave.reports.pictures.style import CURVES, LATTICE, WAVE, save, styled
 
 SITES = np.arange(-20.0, 21.0)
@@ -40,8 +41,8 @@ def test_panels_are_lettered_row_by_row_and_share_the_strain_axis() -> None:
 
 
 def test_error_axis_starts_at_zero_and_curves_differ_without_colour() -> None:
-    times = {"curve_time": np.arange(5.0)}
-    curves = {str(n): xr.DataArray(np.arange(5.0) + n, times, "curve_time") for n in range(3)}
+    times = np.arange(5.0)
+    curves = {str(n): ErrorCurve(times, times + n) for n in range(3)}
     (ax,) = error_panels({"(A)": curves}).figure().axes
     assert ax.get_ylim()[0] == 0
     assert len({(line.get_linestyle(), line.get_marker()) for line in ax.lines}) == 3
@@ -49,7 +50,7 @@ def test_error_axis_starts_at_zero_and_curves_differ_without_colour() -> None:
 
 
 @pytest.mark.parametrize(("suffix", "start"), [("pdf", b"%PDF"), ("svg", b"<?xml")])
-def test_it_is_written_twice_the_same(tmp_path: Path, suffix: str, start: bytes) -> None:
+def test_a_figure_is_written_reproducibly(tmp_path: Path, suffix: str, start: bytes) -> None:
     with styled():
         parts = [snapshot_panels([[snapshot(0.0)]]) for _ in "ab"]
         paths = [save(p.figure(), tmp_path / f"{i}.{suffix}") for i, p in enumerate(parts)]
@@ -58,7 +59,7 @@ def test_it_is_written_twice_the_same(tmp_path: Path, suffix: str, start: bytes)
     assert first == second
 
 
-def test_the_users_settings_come_back() -> None:
+def test_the_users_settings_are_restored() -> None:
     with mpl.rc_context({"font.size": 23.0}):
         with styled():
             assert mpl.rcParams["font.size"] < 12

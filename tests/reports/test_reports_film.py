@@ -1,4 +1,4 @@
-"""Films: frames show the snapshots, files hold all frames, and nothing half-written stays."""
+"""Films: frames show the snapshots, files hold all frames, and no partial file remains."""
 
 import shutil
 import signal
@@ -35,7 +35,7 @@ def bump(height: float) -> np.ndarray:
     return height * np.exp(-((OFFSET / 4.0) ** 2))
 
 
-def made(strain: np.ndarray, wave: np.ndarray, errors: np.ndarray, *axes: str) -> xr.Dataset:
+def placed_run(strain: np.ndarray, wave: np.ndarray, errors: np.ndarray, *axes: str) -> xr.Dataset:
     over = ("time", *axes)
     data = {"strain": (over, strain), "analytic": (over, wave), "error": ("time", errors)}
     places = {"time": np.arange(float(len(errors))), **dict.fromkeys(axes, OFFSET)}
@@ -45,12 +45,12 @@ def made(strain: np.ndarray, wave: np.ndarray, errors: np.ndarray, *axes: str) -
 
 def chain(count: int = 4, title: str = "A bump", dpi: float = 40.0) -> ChainFilm:
     strain, wave = (np.array([bump(t + add) for t in range(count)]) for add in (1.0, 0.5))
-    return ChainFilm(made(strain, wave, ERRORS[:count], "site"), title, dpi)
+    return ChainFilm(placed_run(strain, wave, ERRORS[:count], "site"), title, dpi)
 
 
 def plane() -> PlaneFilm:
     values = np.array([np.outer(bump(t + 1.0), bump(1.0)) for t in range(3)])
-    return PlaneFilm(made(values, 0.9 * values, ERRORS[:3], "site", "row"), "A bump", 40.0)
+    return PlaneFilm(placed_run(values, 0.9 * values, ERRORS[:3], "site", "row"), "A bump", 40.0)
 
 
 def test_a_frame_shows_the_lattice_the_wave_and_the_time_of_its_place() -> None:
@@ -96,23 +96,23 @@ def test_on_two_axes_map_and_contours_are_those_of_the_frame() -> None:
 
 @pytest.mark.parametrize("values", [np.zeros(41), np.full(41, 1e300), np.full(41, -3.0)])
 def test_constant_fields_and_one_snapshot_make_a_film(values: np.ndarray) -> None:
-    shown = made(values[None], values[None], np.array([np.nan]), "site")
-    film = ChainFilm(shown, "50 % of $x_ [/nope] \\frac{", 40.0)
+    one_snapshot = placed_run(values[None], values[None], np.array([np.nan]), "site")
+    film = ChainFilm(one_snapshot, "50 % of $x_ [/nope] \\frac{", 40.0)
     assert film.frame(0).ndim == 3
 
 
 def test_a_gif_holds_all_frames_with_white_paper_for_the_whole_time(tmp_path: Path) -> None:
-    path, told = tmp_path / "film.gif", []
-    save_film(chain(), path, 30.0, told.append)
+    path, shares = tmp_path / "film.gif", []
+    save_film(chain(), path, 30.0, shares.append)
     with Image.open(path) as image:
         assert image.n_frames == 4
-        shown = []
+        durations = []
         for place in range(4):
             image.seek(place)
-            shown.append(image.info["duration"])
+            durations.append(image.info["duration"])
             assert image.convert("RGB").getpixel((1, 1)) == (255, 255, 255)
-    assert shown == [30, 40, 30, 30]
-    assert told == [0.25, 0.5, 0.75, 1.0]
+    assert durations == [30, 40, 30, 30]
+    assert shares == [0.25, 0.5, 0.75, 1.0]
     first = path.read_bytes()
     save_film(chain(), path, 30.0)
     assert path.read_bytes() == first
@@ -122,16 +122,16 @@ def test_a_gif_holds_all_frames_with_white_paper_for_the_whole_time(tmp_path: Pa
 def test_an_mp4_holds_all_frames(tmp_path: Path) -> None:
     path = tmp_path / "film.mp4"
     save_film(chain(dpi=41.0), path, 10.0)
-    said = subprocess.run(
+    output = subprocess.run(
         ["ffprobe", "-v", "error", "-count_frames", "-show_entries",
          "stream=nb_read_frames,r_frame_rate", "-of", "csv=p=0", str(path)],
         capture_output=True, text=True, check=True,
     )  # fmt: skip
-    assert said.stdout.strip() == "10/1,4"
+    assert output.stdout.strip() == "10/1,4"
 
 
 class Interrupted(ChainFilm):
-    """A film that Ctrl-C ends."""
+    """A film whose frames are interrupted by Ctrl-C."""
 
     def frame(self, place: int) -> np.ndarray:
         if place == 2 and getattr(self, "begun", False):
@@ -153,7 +153,7 @@ def test_ctrl_c_leaves_the_older_file_and_nothing_else(tmp_path: Path, suffix: s
     ]
 
 
-def test_what_a_failing_ffmpeg_says_is_one_error(
+def test_the_message_of_a_failing_ffmpeg_is_one_error(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     program = tmp_path / "bin" / "ffmpeg"
@@ -169,7 +169,7 @@ def test_what_a_failing_ffmpeg_says_is_one_error(
 
 @pytest.fixture
 def begun(monkeypatch: pytest.MonkeyPatch) -> list[subprocess.Popen[bytes]]:
-    """The processes that were begun."""
+    """Return the list of processes that the test starts."""
     found: list[subprocess.Popen[bytes]] = []
     start = subprocess.Popen
 

@@ -45,11 +45,11 @@ forms = pytest.mark.parametrize(
 )
 
 
-made = cache(Formula)
+cached_formula = cache(Formula)
 
 
 def formula(form: ClosedForm) -> Formula:
-    return made(form.expression)
+    return cached_formula(form.expression)
 
 
 def is_zero(expression: sp.Expr) -> bool:
@@ -81,7 +81,7 @@ def test_the_printed_text_reads_back_as_the_rows(form: ClosedForm) -> None:
     symbols = [*form.expression.free_symbols, *(letter for letter, _ in parts)]
     names = {latex(symbol): symbol for symbol in symbols}
     assert len(names) == len(symbols)
-    for row in (found.printed_first, *(shown for _, shown in parts)):
+    for row in (found.printed_first, *(printed for _, printed in parts)):
         assert is_zero(Reader(" ".join(broken(row)), names).read() - row)
 
 
@@ -95,8 +95,8 @@ def test_rows_fit_the_line_without_nested_fractions(form: ClosedForm) -> None:
 
 @pytest.fixture
 def report(monkeypatch: pytest.MonkeyPatch) -> str:
-    """The report's source, of formulas that are made once for all tests."""
-    monkeypatch.setattr(theory, "Formula", made)
+    """Return the report's source, with formulas that are built once for all tests."""
+    monkeypatch.setattr(theory, "Formula", cached_formula)
     tables = dict.fromkeys(TABLES, "") | {"solution_table": solution_table()}
     found = Findings({}, report_scenes())
     nothing = Headline("nothing", "0", "exact", "sec:conclusion")

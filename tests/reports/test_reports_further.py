@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 from longwave.reports.sections.runs import (
-    ACROSS,
+    SNAPSHOTS_PER_ROW,
     long_table,
     peak_panels,
     peak_table,
@@ -20,7 +20,7 @@ SPLIT = "split_rational_3"
 
 
 def fake(name: str, off: float = 0.0) -> xr.Dataset:
-    """A run of a scene: wave of height 4 on a background of -1, the lattice ``off`` above it."""
+    """Return a scene's run: a wave of height 4 on a background of -1, the lattice ``off`` above."""
     scene = load_scene(name)
     shape = (len(scene.snapshots), 5)
     wave = scene.eps * np.tile([-1.0, -2.0, 3.0, -1.0, -1.0], (shape[0], 1))
@@ -75,11 +75,11 @@ def test_the_split_waves_ends_are_in_units_of_eps() -> None:
 
 def test_the_split_waves_snapshots_fill_their_rows() -> None:
     rows = split_rows({SPLIT: fake(SPLIT)})
-    assert [len(row) for row in rows] == [ACROSS, ACROSS]
+    assert [len(row) for row in rows] == [SNAPSHOTS_PER_ROW, SNAPSHOTS_PER_ROW]
     assert rows[0][2].time == -11200.0
 
 
-def test_a_long_run_is_one_row_and_a_lost_tolerance_is_seen() -> None:
+def test_a_long_run_is_one_row_and_a_missed_tolerance_is_reported() -> None:
     good, bad = LONG_SCENES[:2]
     runs = {
         good: LongRun(fake(good, 2e-5), fake(good, 1e-6), fake(good)),

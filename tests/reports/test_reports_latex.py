@@ -49,11 +49,11 @@ def test_escaping_is_done_once() -> None:
 
 
 def test_every_template_parses() -> None:
-    made = environment()
-    names = made.list_templates()
+    templates = environment()
+    names = templates.list_templates()
     assert "slips.tex.j2" in names
     for name in names:
-        made.get_template(name)
+        templates.get_template(name)
 
 
 def test_a_shipped_template_renders() -> None:
@@ -108,7 +108,7 @@ def test_no_row_stands_alone_and_no_heading_without_its_rows() -> None:
     groups = [row for name in "ABC" for row in [f"group {name}", *([name, n] for n in "1234")]]
     text = table("one", "Numbers.", "ll", ["a", "b"], groups)
     rows = text[text.index(r"\endfoot") :].splitlines()[1:-1]
-    kept = [line.endswith("*") for line in rows]
-    assert kept[:5] == kept[5:10] == [True, True, False, True, False]
-    assert kept[10:15] == [True, True, False, True, False]
+    is_kept_together = [line.endswith("*") for line in rows]
+    assert is_kept_together[:5] == is_kept_together[5:10] == [True, True, False, True, False]
+    assert is_kept_together[10:15] == [True, True, False, True, False]
     assert sum(r"\multicolumn{2}" in line for line in rows) == 3

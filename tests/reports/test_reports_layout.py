@@ -1,4 +1,4 @@
-"""The report as it is set: results first, tables with numbers and captions, nothing in a margin."""
+"""The typeset report: results first, tables with numbers and captions, nothing in a margin."""
 
 import re
 from collections.abc import Mapping
@@ -53,11 +53,11 @@ FOUND: dict[Key, Any] = {
     ("effect", "a force"): EffectCost(8, 3e-10, 0.8, ((1e-7, 0.02), (1e-11, 0.07))),
     ("struck", ""): (0.2000001, 4.3e-7),
 }
-"""What some jobs found."""
+"""Results of some jobs, by their keys."""
 
 
 class Runs:
-    """The paper's runs, with numbers of their own for each name."""
+    """A stand-in for the paper's runs, with different numbers for each name."""
 
     def relative_error(self, name: str, time: float) -> UncertainNumber:
         return {(SPLIT, 0.0): UncertainNumber(0.10141, 1.4e-5)}[name, time]
@@ -73,30 +73,30 @@ class Runs:
 
 @pytest.fixture
 def found() -> Findings:
-    made = Findings(FOUND, {})
+    findings = Findings(FOUND, {})
     rulings = (Ruling.CONFIRMED, Ruling.CONFIRMED, Ruling.DEPENDS, Ruling.NOT_CONFIRMED)
     claims = [Claim(str(n), "s", (), ruling, "d") for n, ruling in enumerate(rulings)]
-    made.__dict__.update(runs=Runs(), claims=claims)
-    return made
+    findings.__dict__.update(runs=Runs(), claims=claims)
+    return findings
 
 
 def test_the_headlines_are_what_the_studies_found(found: Findings) -> None:
     """Catches a typed number, a count of the wrong study and an error of another value."""
-    told = {name: (line.value, line.error) for name, line in headlines(found).items()}
-    assert told["proved"] == ("1 of 2", "exact")
-    assert told["misprints"] == ("7 of 8", "exact")
-    assert told["right"] == ("1 of 1", "exact")
-    assert told["wrong"] == ("0 of 1", "exact")
-    assert told["evaluation"][0] == r"$4.0\times 10^{-15}$"
-    assert told["second"] == uncertain(0.10141, 1.4e-5)
-    assert told["third"] == uncertain(0.18246, 5.4e-5)
-    assert told["rk4"] == uncertain(0.2204, 0.13)
-    assert told["shift"] == uncertain(-0.42027, 1.2e-4)
-    assert told["claims"] == ("2 of 4", "exact")
-    assert told["open"] == ("1 and 1", "exact")
-    assert told["hard"] == ("1 of 2", "exact")
-    assert told["struck"] == uncertain(0.2000001, 4.3e-7)
-    assert "return" not in told
+    values = {name: (line.value, line.error) for name, line in headlines(found).items()}
+    assert values["proved"] == ("1 of 2", "exact")
+    assert values["misprints"] == ("7 of 8", "exact")
+    assert values["right"] == ("1 of 1", "exact")
+    assert values["wrong"] == ("0 of 1", "exact")
+    assert values["evaluation"][0] == r"$4.0\times 10^{-15}$"
+    assert values["second"] == uncertain(0.10141, 1.4e-5)
+    assert values["third"] == uncertain(0.18246, 5.4e-5)
+    assert values["rk4"] == uncertain(0.2204, 0.13)
+    assert values["shift"] == uncertain(-0.42027, 1.2e-4)
+    assert values["claims"] == ("2 of 4", "exact")
+    assert values["open"] == ("1 and 1", "exact")
+    assert values["hard"] == ("1 of 2", "exact")
+    assert values["struck"] == uncertain(0.2000001, 4.3e-7)
+    assert "return" not in values
     text = headline_table(headlines(found).values())
     for line in headlines(found).values():
         row = f"{line.quantity} & {line.value} & {line.error} & \\ref{{sec:{line.section}}}"
@@ -113,7 +113,7 @@ def test_the_conclusion_repeats_the_headlines_and_no_number_of_its_own(found: Fi
 
 
 def tables_of(found: Findings) -> dict[str, str]:
-    """The tables of what needs no run of a lattice."""
+    """Return the tables that need no run of a lattice."""
     skipped = ("run_table", "claim_table", "headline_table", "cost_table")
     return {name: make(found) for name, make in TABLES.items() if name not in skipped}
 
@@ -135,7 +135,9 @@ def test_every_table_has_number_caption_rules_and_mathematics(found: Findings) -
         (r"\label{tab:hard}", r"\label{tab:hard}\ref{tab:soft}", "no tab:soft"),
     ],
 )
-def test_the_rules_of_tables_have_teeth(found: Findings, old: str, new: str, fault: str) -> None:
+def test_the_rules_of_tables_find_violations(
+    found: Findings, old: str, new: str, fault: str
+) -> None:
     text = TABLES["hard_case_table"](found)
     assert faults_of_tables(text) == []
     assert fault in faults_of_tables(text.replace(old, new))
@@ -149,10 +151,10 @@ def test_the_results_stand_before_everything_else_with_version_and_date(
     names = re.findall(r"\\VAR\{(\w+)\}", all_templates())
     content = {name: "" for name in names if name in TABLES} | tables_of(found)
     content["headline_table"] = headline_table(headlines(found).values())
-    made = Findings(FOUND, report_scenes())
-    made.__dict__["headlines"] = headlines(found)
-    made.__dict__["runs"] = Findings({}, report_scenes()).runs
-    tex = source(content, made, full=False)
+    findings = Findings(FOUND, report_scenes())
+    findings.__dict__["headlines"] = headlines(found)
+    findings.__dict__["runs"] = Findings({}, report_scenes()).runs
+    tex = source(content, findings, full=False)
     order = (r"\date{2 January 1970}", r"\maketitle", r"\label{tab:headlines}", r"\section{")
     places = [tex.index(part) for part in order]
     assert places == sorted(places)
@@ -193,7 +195,7 @@ def test_the_whole_report_has_tables_in_order_and_nothing_in_the_margin(tmp_path
 
 
 def check_report(found: Findings, folder: Path) -> None:
-    """Write and set the report of some findings, and ask of it what stands above."""
+    """Write and typeset the report of some findings, and check it by the rules above."""
     for _ in write_figures(build.report_figures(found), folder):
         pass
     path = write_source(found, folder, False, lambda: None)

@@ -26,7 +26,7 @@ from tests.reports.table_rules import SYNTAX, faults_of_log
 
 @cache
 def verdict(text: ProblemText) -> PublishedVerdict:
-    """The verdict that the library expects; nothing is decided."""
+    """Return the verdict that the library expects, without deciding anything."""
     parts = statement_parts(text.problem().statement)
     return PublishedVerdict(text, Outcome(text.expect), 0.25, *parts)
 

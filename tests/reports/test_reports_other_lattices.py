@@ -61,14 +61,14 @@ def measured_rate(rate: float = 2.98, case: str = "6a") -> SceneConvergence:
 
 
 def run(estimate: float = 1e-6, axes: int = 1) -> xr.Dataset:
-    """Two times of a wave on five cells, the lattice 0.02 above it at the second one."""
+    """Return a run of two times on five cells, the lattice 0.02 above the wave at the second."""
     places = ("time", "site", "row")[: axes + 1]
     shape = (2, *(5,) * axes)
     wave = np.broadcast_to(np.arange(5.0).reshape(1, 5, *(1,) * (axes - 1)), shape)
-    apart = np.zeros(shape)
-    apart[1] = 0.02
+    difference = np.zeros(shape)
+    difference[1] = 0.02
     data: dict[str, Any] = {
-        "strain": (places, wave + apart),
+        "strain": (places, wave + difference),
         "analytic": (places, wave),
         "n": (("time", "site"), np.array([np.arange(-2, 3), np.arange(8, 13)])),
         "error": ("time", [0.0, 0.005]),
@@ -119,7 +119,7 @@ def test_a_condition_that_cannot_be_met_is_no_row() -> None:
     assert "KdV" in kdv
 
 
-def test_small_and_tied_constants_are_told() -> None:
+def test_small_and_tied_constants_are_stated() -> None:
     title, gardner = row_of("fput_strain", "with a small quadratic force")
     assert r"$y_n = u_{n+1} - u_n$" in title
     assert r"$K_{3} = \epsilon k_{3}$" in title
@@ -157,7 +157,7 @@ def test_an_envelope_row_has_the_coefficients_in_half_angles() -> None:
     assert "sin" not in text
 
 
-def test_further_forms_are_apart_from_the_papers() -> None:
+def test_further_forms_are_listed_apart_from_the_papers() -> None:
     """Catches a form of mKdV in the chapter, and one of another equation in no table."""
     record = ProofRecord("kp_lump", "exact", Outcome.PROVED, 0.1, 1000, 0.1, True)
     residual = Verdict("kp_lump", "KP-I", "mpmath", Outcome.CHECKED, "", 1e-99)
@@ -184,10 +184,10 @@ def test_a_scene_that_fails_says_why() -> None:
     text = scene_table(runs)
     assert r"did not run: times must end before it blows up, got 50 \% of it" in text
     assert text.count("(TOO LARGE)") == 1
-    assert [found.kept for found in runs.values()] == [False, False]
+    assert [found.within_tolerance for found in runs.values()] == [False, False]
 
 
-def test_a_rate_that_is_not_reached_is_seen() -> None:
+def test_a_rate_that_is_not_reached_is_reported() -> None:
     text = rate_table([measured_rate(), measured_rate(2.2)])
     assert (
         r"$y_n = u_{n+1} - u_n$; $K_{2} = \frac{4}{3}$, $K_{3} = \frac{\epsilon}{2}$, $K_{4} = 1$"
@@ -212,11 +212,11 @@ def test_a_rate_that_is_not_reached_is_seen() -> None:
         ({("scene", "one"): SceneRun(SCENE, run())}, True),
     ],
 )
-def test_what_fails_makes_the_report_unsound(found: dict[Key, Any], sound: bool) -> None:
+def test_a_failure_makes_the_report_unsound(found: dict[Key, Any], sound: bool) -> None:
     assert Findings({("rate", "6a"): measured_rate()} | found, {}).sound is sound
 
 
-def test_tables_of_nothing_are_latex_still() -> None:
+def test_empty_tables_are_valid_latex() -> None:
     found = Findings({("scene", "one"): SceneRun(SCENE, None, "blew up")}, {})
     for name in ("model_table", "envelope_table", "scene_table", "scene_maps", "rate_table"):
         text = TABLES[name](found)
@@ -260,8 +260,8 @@ def test_stable_carriers_are_grey_and_the_line_is_where_pq_vanishes() -> None:
         figure = modulation_figure(grid, quadratic)
     grey, growth = figure.axes[0].collections[:2]
     assert to_hex(grey.get_cmap()(0.5)) == STABLE
-    shown = np.ma.getmaskarray(np.ma.masked_invalid(np.ma.asarray(growth.get_array())))
-    assert np.array_equal(shown.reshape(grid.product.shape), grid.product <= 0)
+    masked = np.ma.getmaskarray(np.ma.masked_invalid(np.ma.asarray(growth.get_array())))
+    assert np.array_equal(masked.reshape(grid.product.shape), grid.product <= 0)
     limit = np.sqrt(1.5 / (1 + 1 / np.sin(grid.k / 2) ** 2))
     assert np.array_equal(grid.product > 0, quadratic < limit)
 
@@ -269,11 +269,11 @@ def test_stable_carriers_are_grey_and_the_line_is_where_pq_vanishes() -> None:
 def test_snapshots_are_about_the_frame() -> None:
     found = run()
     offset = found.n - found.attrs["frame_speed"] * found.time
-    told = found.assign_coords(offset=offset).assign_attrs(unit=1.0, carried=0)
-    (late,) = snapshots(told, 1, [1])
+    run_with_offset = found.assign_coords(offset=offset).assign_attrs(unit=1.0, carried=0)
+    (late,) = snapshots(run_with_offset, 1, [1])
     assert late["offset"].values.tolist() == [-1.0, 0.0, 1.0]
-    apart = late["strain"].values - late["analytic"].values
-    assert apart.tolist() == pytest.approx([0.02] * 3)
+    difference = late["strain"].values - late["analytic"].values
+    assert difference.tolist() == pytest.approx([0.02] * 3)
 
 
 def test_a_run_on_two_axes_is_drawn_with_its_difference() -> None:

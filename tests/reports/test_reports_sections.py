@@ -1,4 +1,4 @@
-"""Sections: every run and order is printed, and what users wrote is escaped."""
+"""Sections: every run and order is printed, and users' texts are escaped."""
 
 from dataclasses import replace
 
@@ -95,9 +95,9 @@ def test_the_worst_point_is_rounded_and_named_in_mathematics() -> None:
 
 
 def test_equations_have_subscripts_in_the_usual_order() -> None:
-    shown = dict(equations())
-    assert shown["focusing mKdV"] == r"U_{\tau} + 6 U^{2} U_{\xi} + U_{\xi \xi \xi} = 0"
-    assert shown["defocusing mKdV"] == r"U_{\tau} - 6 U^{2} U_{\xi} + U_{\xi \xi \xi} = 0"
+    labels = dict(equations())
+    assert labels["focusing mKdV"] == r"U_{\tau} + 6 U^{2} U_{\xi} + U_{\xi \xi \xi} = 0"
+    assert labels["defocusing mKdV"] == r"U_{\tau} - 6 U^{2} U_{\xi} + U_{\xi \xi \xi} = 0"
 
 
 def test_every_reference_is_in_the_paper_and_has_a_source() -> None:
@@ -136,10 +136,10 @@ def test_only_mathematics_is_translated() -> None:
 
 
 def test_every_shipped_scene_is_in_a_figure() -> None:
-    shown = {name for figure in SNAPSHOT_FIGURES for name in figure.scenes}
+    drawn = {name for figure in SNAPSHOT_FIGURES for name in figure.scenes}
     for figure in ERROR_FIGURES:
-        shown |= {name for _, curves in figure.panels for _, name in curves}
-    assert shown == set(shipped_scenes())
+        drawn |= {name for _, curves in figure.panels for _, name in curves}
+    assert drawn == set(shipped_scenes())
 
 
 def test_a_caption_names_the_constants() -> None:

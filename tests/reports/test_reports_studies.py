@@ -1,4 +1,4 @@
-"""`make bench`: says where its tables are, and fails with a case."""
+"""`make bench`: prints where its tables are, and fails if a case fails."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -33,18 +33,18 @@ def measure(found: Mapping[Key, Any], folder: Path, monkeypatch: pytest.MonkeyPa
     return studies.main(["--output", str(folder)])
 
 
-def test_it_tells_where_its_tables_are(
+def test_the_command_prints_where_its_tables_are(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Catches a table that is not written, and one without rows that is told."""
     assert measure(FOUND, tmp_path, monkeypatch) == 0
-    told = capsys.readouterr().out
+    output = capsys.readouterr().out
     for name in ("precision", "scaling", "rk4", "window", "peak", "hard_case", "effect"):
         path = tmp_path / "tables" / f"{name}_table.tex"
-        assert str(path) in told
+        assert str(path) in output
         assert "toprule" in path.read_text()
-    assert "long_table" not in told
-    assert "figure.pdf" in told
+    assert "long_table" not in output
+    assert "figure.pdf" in output
     assert {path.stem for path in (tmp_path / "tables").iterdir()} == set(STUDY_TABLES)
 
 

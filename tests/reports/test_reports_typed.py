@@ -46,7 +46,7 @@ def test_a_formula_means_what_was_typed(text: str, shown: str) -> None:
     assert typed_text_latex(text) == shown
 
 
-def test_what_is_wide_can_be_broken_into_lines() -> None:
+def test_a_wide_formula_can_be_broken_into_lines() -> None:
     assert r"\frac" not in typed_text_latex(f"({LONG})/b")
     assert typed_text_latex(f"b/({LONG})").startswith(r"b \Big/ ")
     assert typed_text_latex(f"exp({LONG})").startswith(r"\exp(")
@@ -59,8 +59,8 @@ def test_a_statement_has_equations_solutions_and_names_for_parts() -> None:
     assert equations[0].startswith(r"i \partial_{t} u_{n}")
     assert equations[0].endswith(" = 0")
     assert [formula.partition(" = ")[0] for formula in solutions] == ["u_{n}", "p"]
-    shown = conditions_latex("k: k>0; p = sinh(k)**2; j: integer, j>=1; b: b != 0", "x < 1/2")
-    assert shown == r"$k > 0$, $j$ integer, $j \ge 1$, $b \ne 0$, $x < \frac{1}{2}$"
+    latex = conditions_latex("k: k>0; p = sinh(k)**2; j: integer, j>=1; b: b != 0", "x < 1/2")
+    assert latex == r"$k > 0$, $j$ integer, $j \ge 1$, $b \ne 0$, $x < \frac{1}{2}$"
 
 
 @pytest.mark.parametrize(
@@ -80,6 +80,6 @@ def test_a_sentence_has_its_formulas_set_and_its_words_left(text: str, shown: st
     assert prose_latex(text) == shown
 
 
-def test_what_is_no_formula_is_an_error() -> None:
+def test_an_invalid_formula_is_an_error() -> None:
     with pytest.raises(FormulaError, match="formula"):
         typed_text_latex("a +")

@@ -29,7 +29,7 @@ Draw = Callable[[ClosedForm], dict[str, float]]
 
 @pytest.fixture
 def draw(rng: np.random.Generator) -> Draw:
-    """Random admissible parameters of a closed form, as floats."""
+    """Return a function that draws random admissible parameters of a closed form, as floats."""
 
     def parameters(form: ClosedForm) -> dict[str, float]:
         values: dict[str, float] = {}
@@ -49,7 +49,7 @@ def draw(rng: np.random.Generator) -> Draw:
 
 @pytest.fixture
 def ctx() -> Any:
-    """A private mpmath context of 60 digits."""
+    """Return a private mpmath context of 60 digits."""
     context = mpmath.MPContext()
     context.dps = 60
     return context

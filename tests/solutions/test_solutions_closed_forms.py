@@ -19,7 +19,7 @@ TINY = 1e-40
 
 
 def residual(ctx: Any, s: int, U: Any, x: float, t: float) -> float:
-    """The equation's residual by mpmath's differences, which know no derivative rule."""
+    """Return the equation's residual by mpmath's differences, which use no derivative rule."""
     U_x = ctx.diff(lambda z: U(z, t), x)
     U_xxx = ctx.diff(lambda z: U(z, t), x, 3)
     return float(abs(ctx.diff(lambda z: U(x, z), t) + 6 * s * U(x, t) ** 2 * U_x + U_xxx))
@@ -47,7 +47,7 @@ def test_stable_form_is_the_canonical_one(
 
 @pytest.mark.parametrize("name", ["soliton_dn", "rogue_cn", "breather_sn"])
 @pytest.mark.parametrize("wrong", [1 / sp.Rational(99, 100), -1])
-def test_a_changed_coefficient_is_seen(
+def test_a_changed_coefficient_is_detected(
     name: str, wrong: sp.Expr, draw: Any, ctx: Any, in_mp: Any
 ) -> None:
     form = closed_form(name)
@@ -56,7 +56,7 @@ def test_a_changed_coefficient_is_seen(
     assert residual(ctx, form.equation.s, U, ctx.mpf("0.3"), ctx.mpf("0.2")) > 1e-6
 
 
-def test_modulus_taken_for_parameter_is_seen(draw: Any, ctx: Any, in_mp: Any) -> None:
+def test_modulus_taken_for_parameter_is_detected(draw: Any, ctx: Any, in_mp: Any) -> None:
     form = closed_form("wave_dn")
     mutant = form.expression.subs(k**2, k)
     U = in_mp(form, mutant.subs(2 - k, 2 - k**2), draw(form))
@@ -114,7 +114,7 @@ def test_unknown_name_lists_the_catalogue() -> None:
         closed_form("rogue")
 
 
-def test_a_form_is_made_only_when_it_is_asked_for() -> None:
+def test_a_form_is_built_only_on_request() -> None:
     code = (
         "import sys; from longwave.solutions import CATALOGUE, closed_form; closed_form('kink');"
         "forms = 'longwave.solutions.forms.';"

@@ -18,19 +18,19 @@ PEREGRINE = Wave(rational(2), FOCUSING)
 
 
 def repr_or_type(value: object) -> str:
-    """A test's name for a value that may be too long for one."""
+    """Return a test's name for a value: its repr, or its type if that is too long."""
     return type(value).__name__ if isinstance(value, int) and value > 10**99 else repr(value)
 
 
 def error(values: Any, reference: Any) -> float:
-    """The worst error of Y, Y_X, Y_T in units of max(1, |value|)."""
+    """Return the worst error of Y, Y_X, Y_T in units of max(1, |value|)."""
     pairs = zip(values, reference, strict=True)
     return max(float(abs(float(v) - r) / max(1, abs(r))) for v, r in pairs)
 
 
 @pytest.mark.parametrize("amplitude", [10, 40, 1000])
 def test_steep_kinks(amplitude: int) -> None:
-    """In double Y_T was off by 1.8e-12 at A = 10, by 3.9e-12 at A = 40."""
+    """Catches: double arithmetic, where Y_T errs by 1.8e-12 at A = 10, by 3.9e-12 at A = 40."""
     wave = Wave(closed_form("kink"), DEFOCUSING, A=amplitude)
     for X in np.linspace(-3, 3, 25) / amplitude:
         assert error(wave(X, 0.0), wave.mp(float(X), 0, 40)) < TOLERANCE
@@ -42,7 +42,7 @@ def test_steep_kinks(amplitude: int) -> None:
 
 
 def test_rogue_wave_at_a_strong_coupling() -> None:
-    """In double Y_T was off by 9.8e-13 at k = 0.9, K2 = 1, K4 = 100."""
+    """Catches: double arithmetic, where Y_T errs by 9.8e-13 at k = 0.9, K2 = 1, K4 = 100."""
     wave = Wave(closed_form("rogue_cn"), mkdv_normal_form(K2=1, K4=100), k=0.9)
     for X in np.linspace(-0.2, 0.2, 5):
         for T in (0.0, -0.003):
@@ -59,7 +59,7 @@ def test_tails_of_a_huge_derivative() -> None:
 
 
 def test_a_zero_of_a_huge_derivative_is_settled_in_mpmath() -> None:
-    """Of Y_T, of size 1e20, here only rounding would be left: 1e-11 of it is right."""
+    """At a zero of Y_T, elsewhere of size 1e20, double-double alone leaves rounding errors."""
     normal_form = mkdv_normal_form(K2=1e-4, K4=1e4)
     wave = Wave(closed_form("double_pole"), normal_form, A=1000, X_0=Fraction(1, 3))
     X = np.linspace(-1e-6, 1e-6, 4001)
@@ -144,7 +144,7 @@ def test_moduli_beyond_double(wave: str, end: Fraction) -> None:
     ("name", "parameters", "coefficient"),
     [("kink", {"A": 1e300}, r"-?1\.0e\+300"), ("rogue_cn", {"k": 1e-300}, ".*e-600")],
 )
-def test_what_doubles_cannot_hold_is_refused(
+def test_values_beyond_doubles_are_refused(
     name: str, parameters: dict[str, float], coefficient: str
 ) -> None:
     form = closed_form(name)
@@ -185,7 +185,7 @@ def test_few_digits_and_many_are_right(digits: Any) -> None:
 
 
 @pytest.mark.parametrize("bad", [float("nan"), np.inf, "1", None, 1j, True, np.float64("nan")])
-def test_reference_refuses_what_is_no_number(bad: Any) -> None:
+def test_the_reference_refuses_invalid_numbers(bad: Any) -> None:
     with pytest.raises(ValueError, match=r"^X must be"):
         PEREGRINE.mp(bad, 0)
     with pytest.raises(ValueError, match=r"^T must be"):
@@ -219,7 +219,7 @@ BAD_POINTS = {
 
 
 @pytest.mark.parametrize("name", BAD_POINTS)
-def test_bad_points_are_told_in_one_line(name: str) -> None:
+def test_invalid_points_are_refused_in_one_line(name: str) -> None:
     bad: Any = BAD_POINTS[name]
     for call, word in (
         (lambda: KINK(bad, 0.0), "position"),
@@ -261,9 +261,9 @@ GOOD_POINTS = {
 def test_every_kind_of_number_is_the_double_that_it_is(name: str) -> None:
     points = GOOD_POINTS[name]
     plain = np.array(points, dtype=float)
-    for found, wanted in zip(KINK(points, 0.5), KINK(plain, 0.5), strict=True):
+    for found, expected in zip(KINK(points, 0.5), KINK(plain, 0.5), strict=True):
         assert np.shape(found) == np.shape(points)
-        assert np.array_equal(found, wanted)
+        assert np.array_equal(found, expected)
 
 
 def test_arguments_are_left_alone() -> None:
@@ -292,8 +292,8 @@ def test_pairs_have_25_digits(form: Any, draw: Any, normal_forms: Any, ctx: Any)
     n, t = 37.0, 3.0
     X = Fraction(1, 4) * (int(n) - int(wave.normal_form.c) * int(t))
     exact = wave.mp(X, Fraction(1, 64) * int(t), 40)
-    for found, wanted in zip(wave.pairs_at(n, t, 0.25), exact, strict=True):
-        assert abs(ctx.mpf(float(found[0])) + float(found[1]) - wanted) < 1e-25
+    for found, expected in zip(wave.pairs_at(n, t, 0.25), exact, strict=True):
+        assert abs(ctx.mpf(float(found[0])) + float(found[1]) - expected) < 1e-25
 
 
 def test_pairs_agree_in_double(normal_forms: Any, rng: np.random.Generator) -> None:

@@ -1,4 +1,4 @@
-"""Catches: a command that is run by what lies in a cache."""
+"""Catches: a command run by unpickling a file in the cache."""
 
 import os
 import pickle
@@ -21,7 +21,7 @@ def test_a_planted_pickle_calls_nothing(tmp_path: Path) -> None:
     folder = CacheFolder(tmp_path)
     store = DataStore(__name__, "key", folder)
     store.write("data", [1.0])
-    (kept,) = tmp_path.iterdir()
-    folder.write(kept.name, pickle.dumps(Planted(tmp_path / "made")))
+    (path,) = tmp_path.iterdir()
+    folder.write(path.name, pickle.dumps(Planted(tmp_path / "made")))
     assert store.read("data") is None
     assert not (tmp_path / "made").exists()

@@ -16,7 +16,7 @@ X, T = np.meshgrid(np.linspace(-3.0, 3.0, 41), [-0.7, 0.0, 1.3])
 
 
 def gap(wave: Wave, other: Wave, sign: float = 1.0) -> float:
-    """The largest difference of Y, Y_X, Y_T."""
+    """Return the largest difference of Y, Y_X, Y_T."""
     pairs = zip(wave(X, T), other(X, T), strict=True)
     return max(float(np.max(np.abs(a - sign * b))) for a, b in pairs)
 

@@ -15,7 +15,7 @@ LOSSES = {"site": "eps^3*gamma", "bond": "eps*eta"}
 
 
 def left_side(wave: Wave, reduction: Reduction, values: dict[str, Any], X: Any, T: Any) -> Any:
-    """``Y_T + ...`` of the reduced equation at the wave, to 40 digits."""
+    """Return ``Y_T + ...`` of the reduced equation at the wave, to 40 digits."""
     with mpmath.workdps(40):
         jets = [mpmath.mpf(jet) for jet in wave.mp_jets(X, T, 3, 40)]
         total = mpmath.mpf(wave.mp(X, T, 40)[2])
@@ -76,7 +76,7 @@ def test_dashpots_without_dispersion_of_this_sign_have_no_such_shock() -> None:
 
 
 def integrals(wave: Wave) -> tuple[Any, Any, Any]:
-    """The crest of a soliton, and the integrals of Y^2 and of Y_X^2."""
+    """Return the crest of a soliton, and the integrals of Y^2 and of Y_X^2."""
     reach = [-30.0, -5.0, 0.0, 5.0, 30.0]
     squares = [
         mpmath.quad(lambda X, i=i: float(wave(float(X), 0.0)[i]) ** 2, reach) for i in (0, 1)
@@ -121,7 +121,7 @@ def test_the_law_is_integrated(lattice: str, scaling: Scaling, kind: str) -> Non
 
 
 def test_known_rates() -> None:
-    """By perturbation of the inverse scattering: -2 gamma/3 for KdV, -gamma for mKdV."""
+    """Perturbed inverse scattering gives -2 gamma/3 for KdV, -gamma for mKdV."""
     gamma = sp.Symbol("gamma", positive=True)
     for lattice, scaling, law in (
         ("alpha_fput", Scaling(1), AmplitudeLaw(1, 2 * gamma / 3)),
@@ -131,7 +131,7 @@ def test_known_rates() -> None:
         assert found.amplitude_law() == law
 
 
-def test_what_has_no_law() -> None:
+def test_waves_without_a_decay_law() -> None:
     strain = LATTICES["fput_strain"]
     assert reduce(strain, orders=5).amplitude_law() is None
     damped = reduce(strain.with_losses(site="eps^3*gamma"), orders=5)

@@ -18,7 +18,7 @@ def test_points_that_are_too_many_panels_apart_are_refused(width: float) -> None
 
 
 def sharp(x: Array) -> Array:
-    """1e-2 wide, in panels of width 1: halved many times."""
+    """Return a pulse of width 1e-2, for which panels of width 1 are halved many times."""
     return np.asarray(1e-2 / (1e-4 + (x - 0.3) ** 2))
 
 
@@ -58,14 +58,14 @@ def test_where_the_function_is_a_constant_panels_are_few(level: float) -> None:
     def pulses(x: Array) -> Array:
         return np.asarray(level + np.cosh(np.minimum(np.abs(x - 30_000.0), 300.0)) ** -2)
 
-    asked: list[int] = []
+    counts: list[int] = []
 
     def counted(x: Array) -> Array:
-        asked.append(x.size)
+        counts.append(x.size)
         return pulses(x)
 
     points = np.linspace(-1e5, 1e5, 100_001)
     found = IntegralFromZero(counted, -1e5, 1e5, 1.0)(points)
     exact = level * points + np.tanh(points - 30_000.0) + 1.0
     assert np.max(np.abs(found - exact)) <= 1e-13 * max(1.0, level * 1e5)
-    assert sum(asked) < 220_000
+    assert sum(counts) < 220_000

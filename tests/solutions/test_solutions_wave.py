@@ -17,7 +17,7 @@ TOLERANCE = 1e-13
 
 
 def error(values: Any, reference: Any) -> float:
-    """The worst error of Y, Y_X, Y_T in units of max(1, |value|)."""
+    """Return the worst error of Y, Y_X, Y_T in units of max(1, |value|)."""
     pairs = zip(values, reference, strict=True)
     return max(float(abs(v - r) / max(1, abs(r))) for v, r in pairs)
 

@@ -1,4 +1,4 @@
-"""Catches: a kept wave that is not the one that is made, or not the one of these sources."""
+"""Catches: a cached wave that differs from a new one, or comes from other sources."""
 
 import ast
 import os
@@ -27,13 +27,13 @@ WAVES: dict[str, dict[str, float]] = {
 }
 
 
-def made(name: str) -> Wave:
+def build_wave(name: str) -> Wave:
     form = closed_form(name)
     return Wave(form, mkdv_normal_form(1, form.equation.s), **WAVES[name])
 
 
 def values(wave: Any) -> Iterator[Any]:
-    """Everything that a lattice asks of a wave."""
+    """Return all values of a wave that a lattice uses."""
     for eps in (0.05, np.float64(0.05), 1):
         yield from wave.at(SITES, -1000.0, eps)
         yield from wave.background_at(SITES, 7.0, eps)
@@ -50,9 +50,9 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.parametrize("name", WAVES)
-def test_a_kept_wave_is_the_one_that_is_made(name: str, folder: Path) -> None:
-    """To the bit; the second one is not made at all."""
-    exact = made(name)
+def test_a_cached_wave_equals_a_new_one(name: str, folder: Path) -> None:
+    """Bit for bit; the second wave is not built at all."""
+    exact = build_wave(name)
     kept_wave(__name__, name, lambda: exact)
     first = kept_wave(__name__, name, lambda: exact)
     assert all(np.array_equal(a, b) for a, b in zip(values(first), values(exact), strict=True))
@@ -71,9 +71,9 @@ def test_a_kept_wave_is_the_one_that_is_made(name: str, folder: Path) -> None:
     assert repr(first) == repr(exact)
 
 
-def test_what_is_damaged_is_made_anew(folder: Path) -> None:
+def test_a_damaged_file_is_replaced(folder: Path) -> None:
     """One bit, wherever it is: of a number, of the code, of a length."""
-    exact = made("soliton_dn")
+    exact = build_wave("soliton_dn")
     expected = exact.at(SITES, 0.0, 0.05).Y
     kept_wave(__name__, "wave", lambda: exact).at(SITES, 0.0, 0.05)
     path = next(folder.glob("*.wave"))
@@ -84,7 +84,7 @@ def test_what_is_damaged_is_made_anew(folder: Path) -> None:
         assert np.array_equal(again.at(SITES, 0.0, 0.05).Y, expected)
 
 
-def test_the_oldest_files_go(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_oldest_files_are_deleted(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     calls: list[int] = []
     monkeypatch.setattr(data_store, "MOST_FILES", 3)
     monkeypatch.setattr(data_store, "SPARE_FILES", 1)
@@ -98,7 +98,7 @@ def test_the_oldest_files_go(folder: Path, monkeypatch: pytest.MonkeyPatch) -> N
     assert calls == [1]
 
 
-def test_data_are_made_once(folder: Path) -> None:
+def test_data_are_computed_once(folder: Path) -> None:
     calls: list[int] = []
     for _ in range(3):
         assert kept_data(__name__, "data", lambda: calls.append(1) or [1.5]) == [1.5]
@@ -175,7 +175,7 @@ print(runs_as_written((("old", path.resolve()),)))
 """
 
 
-def test_old_byte_code_and_young_files_are_seen(tmp_path: Path) -> None:
+def test_old_byte_code_and_young_files_are_detected(tmp_path: Path) -> None:
     """Python runs old byte code where a change keeps time and size."""
     done = subprocess.run(
         [sys.executable, "-c", f"import sys; sys.path += [{str(HOUSE)!r}]\n{STALE}"],
@@ -247,8 +247,8 @@ def test_the_imports_of_a_file_are_read_as_python_reads_them() -> None:
             assert sorted(found) == sorted(imported(ast.parse(path.read_bytes()).body)), path
 
 
-def test_without_a_folder_the_wave_is_made(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_a_folder_the_wave_is_built(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(data_store, "cache_folder", lambda *_: CacheFolder(None))
-    exact = made("kink")
+    exact = build_wave("kink")
     assert kept_wave(__name__, "kink", lambda: exact) is exact
     assert kept_data(__name__, "data", lambda: [1.5]) == [1.5]

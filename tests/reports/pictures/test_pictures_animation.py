@@ -1,4 +1,4 @@
-"""`longwave animate`: which frames a film has, what it says, wrong input, what Ctrl-C leaves."""
+"""`longwave animate`: frames of a film, messages, wrong input, and files after Ctrl-C."""
 
 from pathlib import Path
 from typing import Any
@@ -38,7 +38,7 @@ SCENE = Scene.of(
 
 
 @pytest.fixture(scope="module")
-def made() -> xr.Dataset:
+def finished_run() -> xr.Dataset:
     times = tuple(float(t) for t in range(6))
     return scene_run.run(SCENE.changed(snapshots=times, observables=("strain",)))
 
@@ -49,23 +49,25 @@ def frames_of(path: Path) -> int:
 
 
 def test_a_run_is_shown_at_its_snapshots_between_the_times(
-    made: xr.Dataset, tmp_path: Path
+    finished_run: xr.Dataset, tmp_path: Path
 ) -> None:
     path = tmp_path / "film.gif"
-    assert animate(made, path, duration=1.0, dpi=40) == frames_of(path) == 6
-    assert animate(made, path, duration=1.0, dpi=40, times=(1.0, 3.5)) == frames_of(path) == 3
+    assert animate(finished_run, path, duration=1.0, dpi=40) == frames_of(path) == 6
+    assert (
+        animate(finished_run, path, duration=1.0, dpi=40, times=(1.0, 3.5)) == frames_of(path) == 3
+    )
 
 
-def test_a_film_holds_the_runs_numbers_and_says_time_and_error(made: xr.Dataset) -> None:
+def test_a_film_holds_the_runs_numbers_and_says_time_and_error(finished_run: xr.Dataset) -> None:
     with styled():
-        film = film_of(made, 40.0)
+        film = film_of(finished_run, 40.0)
     half_width = (film._offset.shape[1] - 1) // 2
-    shown = made.sel(site=slice(-half_width, half_width))
+    nearby = finished_run.sel(site=slice(-half_width, half_width))
     assert 0 < half_width < 60
-    assert np.array_equal(film._offset, shown.n - shown.time)
-    assert np.array_equal(film._strain, shown.strain)
-    assert np.array_equal(film._wave, shown.analytic)
-    assert film._clock[3] == f"$t = 3.0$\nerror {float(made.error[3]):.3f}"
+    assert np.array_equal(film._offset, nearby.n - nearby.time)
+    assert np.array_equal(film._strain, nearby.strain)
+    assert np.array_equal(film._wave, nearby.analytic)
+    assert film._clock[3] == f"$t = 3.0$\nerror {float(finished_run.error[3]):.3f}"
     assert film.figure.get_suptitle() == SCENE.title
     assert film._ax.get_xlabel() == "$n - c\\,t$  (sites)"
 
@@ -74,41 +76,41 @@ def test_a_film_holds_the_runs_numbers_and_says_time_and_error(made: xr.Dataset)
     "scene", [SCENE, pytest.param(load_scene("toda_soliton"), marks=pytest.mark.slow)]
 )
 def test_a_scene_is_run_for_as_many_snapshots_as_the_film_has(
-    scene: Scene, made: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    scene: Scene, finished_run: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    asked: list[Any] = []
+    scenes: list[Any] = []
 
     def noted(scene: Any, *_: object) -> xr.Dataset:
-        asked.append(scene)
-        return made
+        scenes.append(scene)
+        return finished_run
 
     monkeypatch.setattr(scene_run, "run", noted)
     animate(scene, tmp_path / "film.gif", duration=1.0, fps=10.0, dpi=40.0)
-    (run,) = asked
+    (run,) = scenes
     if scene.has_moving_wave:
         assert run.snapshots == tuple(np.linspace(0.0, 20.0, 10))
         assert run.observables == ("strain",)
         animate(scene, tmp_path / "film.gif", 1.0, 10.0, 40.0, times=(2.0, 5.0))
-        assert asked[1].snapshots == tuple(np.linspace(2.0, 5.0, 10))
+        assert scenes[1].snapshots == tuple(np.linspace(2.0, 5.0, 10))
     else:
         ends = scene.slow_times[0], scene.slow_times[-1]
         assert run.slow_times == tuple(np.linspace(*ends, 10))
         animate(scene, tmp_path / "film.gif", duration=30.0, fps=10.0, dpi=40.0)
-        assert len(asked[1].slow_times) == 300
+        assert len(scenes[1].slow_times) == 300
         animate(scene, tmp_path / "film.gif", 1.0, 10.0, 40.0, times=(2.0, 5.0))
         begin = ends[0] / scene.eps**3
-        assert asked[2].t0 == pytest.approx(begin)
-        assert asked[2].snapshots == pytest.approx(tuple(np.linspace(2.0, 5.0, 10)))
-        assert asked[2].slow_times == ()
+        assert scenes[2].t0 == pytest.approx(begin)
+        assert scenes[2].snapshots == pytest.approx(tuple(np.linspace(2.0, 5.0, 10)))
+        assert scenes[2].slow_times == ()
         with pytest.raises(
             ValueError, match=f"times must begin at t0 = {begin:g} or later, got -1e"
         ):
             animate(scene, tmp_path / "film.gif", 1.0, 10.0, 40.0, times=(-1e9, 5.0))
-        assert len(asked) == 3
+        assert len(scenes) == 3
 
 
-def test_snapshots_that_blew_up_are_left_out(made: xr.Dataset, tmp_path: Path) -> None:
-    broken = made.copy(deep=True)
+def test_snapshots_that_blew_up_are_left_out(finished_run: xr.Dataset, tmp_path: Path) -> None:
+    broken = finished_run.copy(deep=True)
     broken["strain"].values[4, 7] = np.nan
     broken["strain"].values[5, 7] = np.inf
     assert animate(broken, tmp_path / "film.gif", dpi=40) == 4
@@ -138,22 +140,22 @@ def test_wrong_input_is_one_line_before_anything_is_run(
         animate(SCENE, **{"output": "film.gif"} | words)
 
 
-def test_a_run_without_snapshots_is_one_line(made: xr.Dataset, tmp_path: Path) -> None:
+def test_a_run_without_snapshots_is_one_line(finished_run: xr.Dataset, tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"got none of strain \(the scene must ask for strain\)$"):
-        animate(made[["error"]], tmp_path / "film.gif")
+        animate(finished_run[["error"]], tmp_path / "film.gif")
     with pytest.raises(ValueError, match=r"^source must be the run of a scene, got the result of"):
-        animate(made.assign_attrs(sweep="{}"), tmp_path / "film.gif")
+        animate(finished_run.assign_attrs(sweep="{}"), tmp_path / "film.gif")
 
 
 def test_the_command_says_that_a_run_has_few_snapshots(
-    made: xr.Dataset, tmp_path: Path, capsys: Output, monkeypatch: pytest.MonkeyPatch
+    finished_run: xr.Dataset, tmp_path: Path, capsys: Output, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    save_run(made, "run.nc")
+    save_run(finished_run, "run.nc")
     assert main(["animate", "run.nc", "--output", "film.gif", "--dpi", "40"]) == 0
-    told = capsys.readouterr()
-    assert told.out == "film.gif\n"
-    assert told.err == "run.nc has 6 snapshots: so many frames (a scene has more)\n"
+    output = capsys.readouterr()
+    assert output.out == "film.gif\n"
+    assert output.err == "run.nc has 6 snapshots: so many frames (a scene has more)\n"
 
 
 @pytest.mark.parametrize("there", [True, False])
@@ -167,7 +169,7 @@ def test_the_film_is_mp4_where_ffmpeg_is_and_gif_otherwise(
     assert capsys.readouterr().out == f"rogue_cn_k_0.5.{'mp4' if there else 'gif'}\n"
 
 
-def test_without_ffmpeg_the_remedy_is_said_before_the_run(
+def test_without_ffmpeg_the_remedy_is_printed_before_the_run(
     capsys: Output, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("PATH", "/nowhere")
@@ -177,12 +179,12 @@ def test_without_ffmpeg_the_remedy_is_said_before_the_run(
 
 
 def test_ctrl_c_is_one_line_and_leaves_nothing(
-    tmp_path: Path, capsys: Output, monkeypatch: pytest.MonkeyPatch, made: xr.Dataset
+    tmp_path: Path, capsys: Output, monkeypatch: pytest.MonkeyPatch, finished_run: xr.Dataset
 ) -> None:
     def stop(*_: object) -> None:
         raise KeyboardInterrupt
 
-    save_run(made, tmp_path / "run.nc")
+    save_run(finished_run, tmp_path / "run.nc")
     monkeypatch.setattr("longwave.reports.pictures.film_files.PillowImage.fromarray", stop)
     path = tmp_path / "film.gif"
     assert main(["animate", str(tmp_path / "run.nc"), "--output", str(path)]) == 130
@@ -191,13 +193,13 @@ def test_ctrl_c_is_one_line_and_leaves_nothing(
 
 
 def test_a_long_film_is_announced(
-    made: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    finished_run: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    told: list[float] = []
+    announced: list[float] = []
     monkeypatch.setattr(animation, "FRAME_SECONDS", 1e9)
-    animate(made, tmp_path / "film.gif", dpi=40, announce=told.append)
-    assert told
-    assert told[-1] > 1e6
+    animate(finished_run, tmp_path / "film.gif", dpi=40, announce=announced.append)
+    assert announced
+    assert announced[-1] > 1e6
 
 
 @pytest.mark.slow

@@ -1,4 +1,4 @@
-"""Pictures of growth rates: whose map stands behind whose points, and what rows are called."""
+"""Pictures of growth rates: which map belongs to which points, and titles of rows."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -27,15 +27,15 @@ Fields = Mapping[str, Sequence[Any]]
 
 
 def _swept(grid: Fields, listed: Fields | None = None) -> xr.Dataset:
-    """A sweep's data set whose cells measured, of the scene's theory, what each is told by."""
+    """Return a sweep's data set whose cells have rates and wavenumbers of the scene's theory."""
     axes: list[tuple[str, Fields]] = [(n.rpartition(".")[2], {n: v}) for n, v in grid.items()]
     axes += [("case", listed)] if listed else []
     sizes = [len(next(iter(fields.values()))) for _, fields in axes]
     coords: dict[str, Any] = {}
     for dimension, fields in axes:
         for field, values in fields.items():
-            held = [json.dumps(v) if isinstance(v, dict) else v for v in values]
-            coords[field.rpartition(".")[2]] = (dimension, held, {"field": field})
+            texts = [json.dumps(v) if isinstance(v, dict) else v for v in values]
+            coords[field.rpartition(".")[2]] = (dimension, texts, {"field": field})
     names = ("carrier_k", "growth_rate", "growth_rate_theory", "perturbation_kappa")
     found = {name: np.full(sizes, np.nan) for name in (*names, "growth_rate_error", "error")}
     for places in product(*map(range, sizes)):
@@ -57,7 +57,7 @@ def _swept(grid: Fields, listed: Fields | None = None) -> xr.Dataset:
 
 
 def _check(data: xr.Dataset, titles: Sequence[str], labels: Sequence[str]) -> None:
-    """Each point stands on its line and its map, and inside or outside the grey as it should."""
+    """Check that each point is on its line and map, and inside the grey only if it is stable."""
     panels = growth_panels(data, 8)
     assert [panel.title for panel in panels] == titles
     count = 0
@@ -100,7 +100,7 @@ def test_a_list_of_k_and_constants_has_a_map_for_each_constants() -> None:
     _check(_swept({}, listed), ["K3 = 0.6, K4 = 1", "K3 = 0, K4 = 3"], [""])
 
 
-def test_rows_of_one_map_say_what_they_are_of() -> None:
+def test_rows_with_the_same_map_have_titles() -> None:
     grid = {"envelope.k": [1.9], "tolerance": [1e-2, 1e-3], "order": ["leading", "slaved"]}
     labels = ["tolerance = 0.01", "tolerance = 0.001"]
     _check(_swept(grid), ["order = leading", "order = slaved"], labels)
@@ -112,15 +112,15 @@ def test_lines_of_theory_have_the_colours_of_their_points() -> None:
     figure = plot(data, kind="growth_map")
     left = figure.get_axes()[0]
     lines = [line for line in left.lines if len(line.get_xdata()) > 100]
-    points = [held[0] for held in left.containers if len(held[0].get_xdata())]
+    points = [container[0] for container in left.containers if len(container[0].get_xdata())]
     assert len(lines) == len(points) == 2
-    for line, held in zip(lines, points, strict=True):
-        assert line.get_color() == held.get_color()
-        drawn = np.interp(held.get_xdata(), line.get_xdata(), line.get_ydata())
-        np.testing.assert_allclose(drawn, held.get_ydata(), rtol=0.02)
+    for line, point in zip(lines, points, strict=True):
+        assert line.get_color() == point.get_color()
+        drawn = np.interp(point.get_xdata(), line.get_xdata(), line.get_ydata())
+        np.testing.assert_allclose(drawn, point.get_ydata(), rtol=0.02)
     (legend,) = figure.subfigs[0].legends
-    told = {line.get_label(): line for line in legend.legend_handles}
-    styles = [told[f"share = {share}"].get_linestyle() for share in (0.5, 1.2)]
+    handles = {line.get_label(): line for line in legend.legend_handles}
+    styles = [handles[f"share = {share}"].get_linestyle() for share in (0.5, 1.2)]
     assert styles == [line.get_linestyle() for line in lines]
     assert lines[0].get_linestyle() != lines[1].get_linestyle()
 

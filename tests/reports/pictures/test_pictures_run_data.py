@@ -1,4 +1,4 @@
-"""What pictures of a run show beside it: its own errors, spectra, and looks of any lattice."""
+"""Data for pictures of a run: own errors, spectra, and maps of runs on any lattice."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -154,10 +154,10 @@ def test_a_lattices_snapshots_make_map_crest_and_errors(toda: xr.Dataset) -> Non
         np.abs(looked["crest_strain"].values) >= np.abs(toda.strain.values[rows, top]) - 1e-12
     )
     offset = toda.n.values[4] - speed * toda.time.values[4]
-    wanted = np.interp(toda.site.values, offset, toda.strain.values[4])
-    assert np.allclose(moving_grid(looked)[2][4], wanted)
-    apart = unit * toda.sup_error.values[1:] / toda.error.values[1:]
-    own = unit * toda.attrs["error_estimate"] / apart
+    expected = np.interp(toda.site.values, offset, toda.strain.values[4])
+    assert np.allclose(moving_grid(looked)[2][4], expected)
+    distances = unit * toda.sup_error.values[1:] / toda.error.values[1:]
+    own = unit * toda.attrs["error_estimate"] / distances
     assert np.allclose(looked["own"].values[1:], own, atol=0.0)
 
 
@@ -189,7 +189,7 @@ def test_of_an_envelope_the_map_holds_moduli(toda: xr.Dataset) -> None:
 
 
 def foreign(run: xr.Dataset) -> Iterator[xr.Dataset]:
-    """Data sets that a file may hold in the place of a run."""
+    """Yield data sets that a file may hold instead of a valid run."""
     for name in run.variables:
         yield run.drop_vars(name)
     for name in run.data_vars:
@@ -210,18 +210,18 @@ def foreign(run: xr.Dataset) -> Iterator[xr.Dataset]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("of", ["stated", "toda"])
-def test_what_is_no_run_is_drawn_or_told_in_one_line(
+def test_an_invalid_run_is_drawn_or_refused_in_one_line(
     of: str, request: pytest.FixtureRequest, tmp_path: Path
 ) -> None:
     for data in foreign(request.getfixturevalue(of)):
         for draw in (plot, lambda run: animate(run, tmp_path / "film.gif", dpi=30)):
-            told = ""
+            message = ""
             try:
                 draw(data)
             except ValueError as error:
-                told = str(error)
-            assert len(told.splitlines()) <= 1
-            assert len(told) < 400
+                message = str(error)
+            assert len(message.splitlines()) <= 1
+            assert len(message) < 400
 
 
 def test_a_run_whose_estimate_is_lost_has_no_error_of_its_own(toda: xr.Dataset) -> None:
@@ -251,7 +251,7 @@ def test_the_error_curve_of_any_lattice_has_the_runs_own_error() -> None:
     at = [int(np.flatnonzero(curve.times == t)[0]) for t in run["time"].values]
     unit = scene.eps ** run.attrs["power"]
     sizes = run["sup_error"].values * unit / run["error"].values
-    wanted = run.attrs["error_estimate"] * unit / sizes
+    expected = run.attrs["error_estimate"] * unit / sizes
     assert curve.own is not None
-    np.testing.assert_allclose(curve.own[at], wanted, rtol=1e-9)
-    assert own_error_at(run, scene, "error_curve", at[1]) == pytest.approx(float(wanted[1]))
+    np.testing.assert_allclose(curve.own[at], expected, rtol=1e-9)
+    assert own_error_at(run, scene, "error_curve", at[1]) == pytest.approx(float(expected[1]))

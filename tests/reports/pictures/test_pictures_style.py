@@ -64,72 +64,74 @@ SCENE = Scene.of(
 
 
 @pytest.fixture(scope="module")
-def made() -> xr.Dataset:
+def finished_run() -> xr.Dataset:
     return scene_run.run(SCENE)
 
 
 def differences(figure: Figure) -> list[Axes]:
-    """The panels of differences, from the left."""
+    """Return the panels of differences, from the left."""
     axes = figure.get_axes()
     first = next(place for place, ax in enumerate(axes) if ax.get_ylabel() == "difference")
     return axes[first : first + first]
 
 
-def test_below_each_snapshot_is_lattice_less_wave_on_the_runs_own_error(made: xr.Dataset) -> None:
+def test_below_each_snapshot_is_lattice_less_wave_on_the_runs_own_error(
+    finished_run: xr.Dataset,
+) -> None:
     """Catches: wave less lattice, another time's band, half of it or twice."""
-    half, run = shown_half_width(made), placed(made)
-    own = 0.2 * 2.0 * (made.time_step_error + made.domain_error).values
+    half, run = shown_half_width(finished_run), placed(finished_run)
+    own = 0.2 * 2.0 * (finished_run.time_step_error + finished_run.domain_error).values
     parts = [within(run, half).isel(time=place) for place in range(3)]
-    panels = differences(plot(made, kind="snapshots"))
+    panels = differences(plot(finished_run, kind="snapshots"))
     assert len(panels) == 3
     for ax, part, error in zip(panels, parts, own, strict=True):
-        wanted = part["strain"].values - part["analytic"].values
-        assert np.array_equal(ax.lines[0].get_ydata(), wanted)
+        expected = part["strain"].values - part["analytic"].values
+        assert np.array_equal(ax.lines[0].get_ydata(), expected)
         (band,) = ax.patches
         assert (band.get_y(), band.get_height()) == pytest.approx((-error, 2.0 * error), abs=0.0)  # type: ignore[attr-defined]
         assert band.get_facecolor()[:3] == to_rgb(OWN)
         low, high = ax.get_ylim()
-        assert -low == high > max(error, float(abs(wanted).max()))
+        assert -low == high > max(error, float(abs(expected).max()))
 
 
-def test_a_run_without_own_error_has_no_band(made: xr.Dataset) -> None:
-    bare = made.drop_vars(["time_step_error", "domain_error"])
+def test_a_run_without_own_error_has_no_band(finished_run: xr.Dataset) -> None:
+    bare = finished_run.drop_vars(["time_step_error", "domain_error"])
     assert not any(ax.patches for ax in differences(plot(bare, kind="snapshots")))
 
 
-def test_the_crest_of_the_wave_stands_beside_the_lattices(made: xr.Dataset) -> None:
+def test_the_crest_of_the_wave_stands_beside_the_lattices(finished_run: xr.Dataset) -> None:
     """Catches: the lattice's crest once more, a crest in sites and not in the moving frame."""
-    told = with_theory(placed(made))
-    at, end = made["analytic"].isel(time=-1), told.isel(look_time=-1)
+    data = with_theory(placed(finished_run))
+    at, end = finished_run["analytic"].isel(time=-1), data.isel(look_time=-1)
     assert float(end["look_time"].values) == float(at.time) == 20.0
     top = int(np.argmax(at.values))
-    assert abs(end["crest_position_wave"].values - told["offset"].values[-1, top]) < 0.6
+    assert abs(end["crest_position_wave"].values - data["offset"].values[-1, top]) < 0.6
     assert 1.0 <= float(end["crest_strain_wave"].values) / float(at.max()) < 1.01
-    apart = abs(told["crest_strain"].values - told["crest_strain_wave"].values)
-    assert apart[0] < 1e-12
-    assert apart[-1] > 1e-6
-    position, height = plot(made, kind="crest").get_axes()
-    assert np.array_equal(position.lines[1].get_ydata(), told["crest_position_wave"].values)
-    assert np.array_equal(height.lines[1].get_ydata(), told["crest_strain_wave"].values)
-    told["crest_position_wave"].values[5:] += 20.0
-    broken = crest_track(told).figure().get_axes()[1].lines[1].get_ydata()
+    difference = abs(data["crest_strain"].values - data["crest_strain_wave"].values)
+    assert difference[0] < 1e-12
+    assert difference[-1] > 1e-6
+    position, height = plot(finished_run, kind="crest").get_axes()
+    assert np.array_equal(position.lines[1].get_ydata(), data["crest_position_wave"].values)
+    assert np.array_equal(height.lines[1].get_ydata(), data["crest_strain_wave"].values)
+    data["crest_position_wave"].values[5:] += 20.0
+    broken = crest_track(data).figure().get_axes()[1].lines[1].get_ydata()
     assert np.flatnonzero(np.isnan(np.asarray(broken))).tolist() == [5]
 
 
-def test_the_map_is_sheared_into_the_moving_frame(made: xr.Dataset) -> None:
+def test_the_map_is_sheared_into_the_moving_frame(finished_run: xr.Dataset) -> None:
     """Catches: stairs, where the frame passes the sites one by one."""
-    told = with_theory(placed(made))
-    assert np.abs(told["shift"].values).max() <= 0.5
-    assert np.ptp(told["shift"].values) > 0.5
-    image = plot(made, kind="space_time").get_axes()[0].images[0]
+    data = with_theory(placed(finished_run))
+    assert np.abs(data["shift"].values).max() <= 0.5
+    assert np.ptp(data["shift"].values) > 0.5
+    image = plot(finished_run, kind="space_time").get_axes()[0].images[0]
     values = np.asarray(image.get_array())
     bottom, top = image.get_extent()[2:]
     place = np.linspace(bottom, top, values.shape[0] + 1)
     middles = (place[1:] + place[:-1]) / 2
     moments = (middles[:, None] * values**2).sum(axis=0) / (values**2).sum(axis=0)
-    apart = np.abs(np.diff(moments - told["crest_position"].values))
-    assert apart.max() < 0.05
-    assert np.abs(np.diff(told["shift"].values)).max() > 0.3
+    jumps = np.abs(np.diff(moments - data["crest_position"].values))
+    assert jumps.max() < 0.05
+    assert np.abs(np.diff(data["shift"].values)).max() > 0.3
 
 
 def test_envelopes_are_those_of_carriers() -> None:
@@ -148,7 +150,7 @@ def test_envelopes_are_those_of_carriers() -> None:
 
 
 def carried(phase: float) -> xr.Dataset:
-    """A snapshot of a carrier whose envelope in theory is a tenth larger."""
+    """Return a snapshot of a carrier whose envelope in theory is a tenth larger."""
     n = np.arange(-100.0, 101.0)
     wave = np.cos(1.4 * n + phase) / np.cosh(n / 12.0)
     data = {"strain": ("site", wave), "analytic": ("site", 1.1 * wave)}
@@ -169,19 +171,21 @@ def test_a_carriers_snapshot_has_both_envelopes_to_either_side() -> None:
 
 @pytest.mark.parametrize("count", [1, 2, 3, 4, 5, 7, 10, 11, 12])
 @pytest.mark.parametrize("columns", [1, 2])
-def test_grids_are_full_or_hold_the_legend(made: xr.Dataset, count: int, columns: int) -> None:
+def test_grids_are_full_or_hold_the_legend(
+    finished_run: xr.Dataset, count: int, columns: int
+) -> None:
     with styled(WIDTHS[columns]):
         down, across = grid_shape(count)
         assert 0 <= down * across - count <= 1
         assert page_width() / across >= 1.6
     if count in (1, 5):
-        many = made.isel(time=[0] * count).assign_coords(time=range(count))
+        many = finished_run.isel(time=[0] * count).assign_coords(time=range(count))
         for kind in ("snapshots", "spectra"):
             figure = plot(many, kind=kind, columns=columns)
             for ax in figure.get_axes():
                 assert ax.lines or ax.get_legend() is not None
-            held = [ax for ax in figure.get_axes() if ax.get_legend()]
-            assert len(held) == (count == 5)
+            with_legend = [ax for ax in figure.get_axes() if ax.get_legend()]
+            assert len(with_legend) == (count == 5)
 
 
 # -- colours ---------------------------------------------------------------------------------------
@@ -201,11 +205,11 @@ SIGHT = {
          [0.004733, 0.691367, 0.303900]]
     ),
 }  # fmt: skip
-"""How linear colours are seen (Machado, Oliveira and Fernandes 2009, severity 1)."""
+"""Matrices of colour vision, linear colours (Machado, Oliveira and Fernandes 2009, severity 1)."""
 
 
-def seen(colour: str, sight: Array) -> Array:
-    """The colour in CIELAB, as it is seen."""
+def appearance(colour: str, sight: Array) -> Array:
+    """Return the colour in CIELAB, as it appears with a kind of colour vision."""
     srgb = np.array(to_rgb(colour))
     linear = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
     to_xyz = [[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]
@@ -215,11 +219,11 @@ def seen(colour: str, sight: Array) -> Array:
 
 
 def distance(one: str, other: str, sight: Array) -> float:
-    return float(np.linalg.norm(seen(one, sight) - seen(other, sight)))
+    return float(np.linalg.norm(appearance(one, sight) - appearance(other, sight)))
 
 
 @pytest.mark.parametrize("sight", SIGHT)
-def test_colours_are_told_apart_with_any_sight(sight: str) -> None:
+def test_colours_are_distinct_for_any_colour_vision(sight: str) -> None:
     """Catches: red and green, which no one with deutan sight tells apart."""
     for one, other in combinations((LATTICE, WAVE, "#000000"), 2):
         assert distance(one, other, SIGHT[sight]) > 35.0
@@ -237,23 +241,23 @@ def texts(svg: str) -> Iterator[str]:
         yield re.sub(r"<[^>]*>|\n\s*", "", found)
 
 
-def test_text_is_text_in_svg(made: xr.Dataset, tmp_path: Path) -> None:
-    plot(made, tmp_path / "run.svg", kind="snapshots")
+def test_text_is_text_in_svg(finished_run: xr.Dataset, tmp_path: Path) -> None:
+    plot(finished_run, tmp_path / "run.svg", kind="snapshots")
     svg = (tmp_path / "run.svg").read_text(encoding="utf-8")
-    held = list(texts(svg))
-    assert "lattice" in held
-    assert any("100 %" in text for text in held)
-    assert any("=7.3" in text and "ε" in text for text in held)
+    words = list(texts(svg))
+    assert "lattice" in words
+    assert any("100 %" in text for text in words)
+    assert any("=7.3" in text and "ε" in text for text in words)
     assert "'Times New Roman', Times, serif" in svg
     assert "#STIX" not in svg
 
 
 @pytest.mark.parametrize("font", ["times", "tex"])
-def test_letters_are_type_42_in_pdf(made: xr.Dataset, tmp_path: Path, font: str) -> None:
+def test_letters_are_type_42_in_pdf(finished_run: xr.Dataset, tmp_path: Path, font: str) -> None:
     import zlib
 
     with styled(3.4, font):
-        figure = snapshot_panels([[at] for at in _snapshots(made)]).figure()
+        figure = snapshot_panels([[at] for at in _snapshots(finished_run)]).figure()
         figure.suptitle(SCENE.title, parse_math=False)
         save(figure, tmp_path / "run.pdf")
     raw = (tmp_path / "run.pdf").read_bytes()
@@ -286,8 +290,8 @@ def test_in_tex_what_has_no_letter_is_mathematics(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("columns", [1, 2])
-def test_a_picture_is_as_wide_as_columns(made: xr.Dataset, columns: int) -> None:
-    figure = plot(made, columns=columns)
+def test_a_picture_is_as_wide_as_columns(finished_run: xr.Dataset, columns: int) -> None:
+    figure = plot(finished_run, columns=columns)
     assert figure.get_figwidth() == WIDTHS[columns]
     figure.draw_without_rendering()
     for ax in figure.get_axes():
@@ -314,9 +318,9 @@ def test_lines_of_work_join_the_cheapest_runs_alone() -> None:
     assert np.array_equal(runs.get_xydata(), np.array(points))
     assert line.get_xdata().tolist() == [1.0, 2.0, 4.0]
     assert np.all(np.diff(np.asarray(line.get_ydata())) < 0.0)
-    told = figure.legends[0].get_title().get_text()
-    assert told.startswith("points: runs; ")
-    assert "monotone envelope" in told
+    title = figure.legends[0].get_title().get_text()
+    assert title.startswith("points: runs; ")
+    assert "monotone envelope" in title
     random = np.random.default_rng(3).uniform(size=(2, 200))
     chosen = cheapest_places(*random)
     assert np.all(np.diff(random[0][chosen]) > 0.0)
@@ -342,8 +346,10 @@ def test_a_run_with_a_law_has_it_at_the_times_of_its_map() -> None:
     data["offset"] = (over, n)
     attrs = {"speed": 0.0, "carried": 0, "unit": 1.0, "scene": SCENE.toml()}
     run = xr.Dataset(data, {"time": times, "site": sites, "look_time": looks}, attrs)
-    told = with_looks(LabelledArrays.of(run))
-    assert told.sizes["look_time"] == 9
-    law, strain, wave = (told[f"crest_{name}"].values for name in ("law", "strain", "strain_wave"))
+    looked = with_looks(LabelledArrays.of(run))
+    assert looked.sizes["look_time"] == 9
+    law, strain, wave = (
+        looked[f"crest_{name}"].values for name in ("law", "strain", "strain_wave")
+    )
     assert np.allclose(law, strain, rtol=2e-3)
     assert np.allclose(wave, strain)

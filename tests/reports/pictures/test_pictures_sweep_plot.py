@@ -1,4 +1,4 @@
-"""Pictures of sweeps: what is drawn are the cells' numbers, and what cannot be drawn is said."""
+"""Pictures of sweeps: the cells' numbers are drawn, and other requests are refused."""
 
 from itertools import product
 from pathlib import Path
@@ -51,7 +51,7 @@ def meshes(figure: Any) -> list[Any]:
 
 
 def bars(ax: Any) -> tuple[np.ndarray, list[np.ndarray]]:
-    """The points of an axis with one curve, and the ends of their bars."""
+    """Return the points of an axis with one curve, and the ends of their bars."""
     (container,) = ax.containers
     line, _, (columns,) = container
     return line.get_xydata(), [segment[:, 1] for segment in columns.get_segments()]
@@ -78,8 +78,8 @@ def test_one_dimension_is_a_curve_in_order_with_its_own_errors() -> None:
 def test_two_dimensions_are_a_heat_map_in_order() -> None:
     figure = plot(cube(), at={"wave": "rogue_cn"})
     ax = figure.get_axes()[0]
-    held = np.asarray(ax.collections[0].get_array())
-    assert np.allclose(held, cube()["error"].values[0][[1, 2, 0, 3]].T)
+    values = np.asarray(ax.collections[0].get_array())
+    assert np.allclose(values, cube()["error"].values[0][[1, 2, 0, 3]].T)
     left, right = ax.get_xlim()
     assert left < min(EPS) < max(EPS) < right
     assert figure.get_suptitle() == "50 % of $x_ [/b] \\frac{\nwave = rogue_cn"
@@ -102,7 +102,7 @@ def test_texts_make_a_curve_each() -> None:
     assert np.allclose(heights, cube()["error"].values[:, [1, 2, 0, 3], 0])
 
 
-def test_long_texts_that_begin_alike_are_told_apart_and_leave_room() -> None:
+def test_long_texts_that_begin_alike_are_distinct_and_leave_room() -> None:
     long = [f"{'a lattice of ' * 40}{end}" for end in ("one mass", "two masses")]
     data = cube().assign_coords(wave=("case", np.array(long, dtype=object)))
     curves = plot(data, at={"k": 0.1})
@@ -110,13 +110,13 @@ def test_long_texts_that_begin_alike_are_told_apart_and_leave_room() -> None:
         figure.draw_without_rendering()
         assert all(ax.get_position().width > 0.2 for ax in figure.get_axes()[:2])
     (ax,) = curves.get_axes()
-    held = [text.get_text() for text in ax.get_legend().get_texts()]
-    assert [text[-4:] for text in held] == ["mass", "sses"]
-    assert all(len(text) <= 24 for text in held)
+    labels = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert [text[-4:] for text in labels] == ["mass", "sses"]
+    assert all(len(text) <= 24 for text in labels)
 
 
 def hatched(ax: Any) -> set[tuple[float, float]]:
-    """The cells that bear a hatch."""
+    """Return the cells that are hatched."""
     paths = [path for part in ax.collections if part.get_hatch() for path in part.get_paths()]
     return {place for place in product(EPS, K) if any(path.contains_point(place) for path in paths)}
 
@@ -141,28 +141,28 @@ def test_cells_are_hatched_where_their_own_error_is_large() -> None:
     assert not plot(data, at=words, variable="seconds").subfigs[0].legends
 
 
-def test_cells_that_came_to_no_end_are_no_numbers_and_bear_a_cross() -> None:
+def test_cells_without_a_result_have_no_value_and_a_cross() -> None:
     data = cube()
     data["status"].values[0, 0, 0] = "failed"
     data["status"].values[0, 3, 2] = "missing"
     ax = plot(data, at={"wave": "rogue_cn"}).get_axes()[0]
-    held = np.ma.asarray(ax.collections[0].get_array())
-    assert np.ma.getmaskarray(held).sum() == 2
+    values = np.ma.asarray(ax.collections[0].get_array())
+    assert np.ma.getmaskarray(values).sum() == 2
     assert ax.lines[0].get_xydata().tolist() == [[0.2, 0.1]]
 
 
-def test_samples_are_told_by_median_and_quartiles() -> None:
+def test_samples_are_drawn_by_median_and_quartiles() -> None:
     data = swept({"eps": 4, "sample": 5}, {"eps": EPS, "K3": ("sample", np.arange(5.0))})
     points, ends = bars(plot(data).get_axes()[0])
-    held = data["error"].values[[1, 2, 0, 3]]
-    assert np.allclose(points[:, 1], np.median(held, axis=1))
-    assert np.allclose(ends, np.quantile(held, (0.25, 0.75), axis=1).T)
+    errors = data["error"].values[[1, 2, 0, 3]]
+    assert np.allclose(points[:, 1], np.median(errors, axis=1))
+    assert np.allclose(ends, np.quantile(errors, (0.25, 0.75), axis=1).T)
     (ax,) = plot(data, at={"eps": 0.05}).get_axes()
     assert ax.containers[0][0].get_linestyle() == "None"
     assert ax.get_xlabel() == "$K3$"
 
 
-def test_realisations_are_told_by_their_mean_its_error_and_their_deviation() -> None:
+def test_realisations_are_drawn_by_mean_standard_error_and_deviation() -> None:
     seeds = ("seed", np.arange(5), {"field": "disorder.seed"})
     of = np.array(["mass", "K2"], dtype=object)
     coords = {"seed": seeds, "spread": [0.3, 0.1, 0.2], "of": of}
@@ -172,18 +172,20 @@ def test_realisations_are_told_by_their_mean_its_error_and_their_deviation() -> 
     data["status"].values[3, 1, 0] = "failed"
     figure = plot(data)
     (ax,) = figure.get_axes()
-    told = "bars: standard error, band: standard deviation"
-    assert ax.get_title("left") == f"mean of 4 to 5, {told}"
+    caption = "bars: standard error, band: standard deviation"
+    assert ax.get_title("left") == f"mean of 4 to 5, {caption}"
     assert [text.get_text() for text in ax.get_legend().get_texts()] == ["mass", "K2"]
     for place, (container, band) in enumerate(
         zip(ax.containers, ax.collections[1::2], strict=True)
     ):
-        kept = [values[:, place, column] for column in (1, 2, 0)]
-        kept[2] = np.delete(kept[2], 3) if place else kept[2]
+        repeats = [values[:, place, column] for column in (1, 2, 0)]
+        repeats[2] = np.delete(repeats[2], 3) if place else repeats[2]
         line, _, (columns,) = container
-        mean, deviation = (np.array([f(one) for one in kept]) for f in (np.mean, sample_deviation))
+        mean, deviation = (
+            np.array([f(one) for one in repeats]) for f in (np.mean, sample_deviation)
+        )
         np.testing.assert_allclose(line.get_xydata(), np.transpose([[0.1, 0.2, 0.3], mean]))
-        error = deviation / np.sqrt([len(one) for one in kept])
+        error = deviation / np.sqrt([len(one) for one in repeats])
         ends = [segment[:, 1] for segment in columns.get_segments()]
         np.testing.assert_allclose(ends, np.transpose([mean - error, mean + error]))
         corners = band.get_paths()[0].vertices
@@ -202,10 +204,10 @@ def test_repeats_are_counted_where_they_have_a_value() -> None:
     data = swept({"seed": 5, "spread": 4}, {"seed": seeds, "spread": [0.0, 0.1, 0.2, 0.3]})
     data["status"].values[3:] = "refused"
     data["status"].values[:, 3] = "refused"
-    told = "bars: standard error, band: standard deviation; \xd7: no result"
-    assert plot(data).get_axes()[0].get_title("left") == f"mean of 3, {told}"
+    caption = "bars: standard error, band: standard deviation; \xd7: no result"
+    assert plot(data).get_axes()[0].get_title("left") == f"mean of 3, {caption}"
     data["status"].values[2, 0] = "failed"
-    assert plot(data).get_axes()[0].get_title("left") == f"mean of 2 to 3, {told}"
+    assert plot(data).get_axes()[0].get_title("left") == f"mean of 2 to 3, {caption}"
     sample = swept({"eps": 4, "sample": 5}, {"eps": EPS, "K3": ("sample", np.arange(5.0))})
     sample["status"].values[:, 0] = sample["status"].values[1] = "missing"
     (ax,) = plot(sample).get_axes()
@@ -242,8 +244,8 @@ def test_repeats_over_two_dimensions_have_a_curve_for_each_value_of_the_smaller(
     seeds = ("seed", np.arange(5), {"field": "disorder.seed"})
     data = swept({"seed": 5, "eps": 4, "k": 3}, {"seed": seeds, "eps": EPS, "k": K})
     (ax,) = plot(data).get_axes()
-    held = [text.get_text() for text in ax.get_legend().get_texts()]
-    assert held == ["k = 0.1", "k = 0.5", "k = 0.9"]
+    labels = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert labels == ["k = 0.1", "k = 0.5", "k = 0.9"]
     mean = data["error"].values.mean(axis=0)[[1, 2, 0, 3]]
     assert np.allclose([line[0].get_ydata() for line in ax.containers], mean.T)
     wide = swept({"seed": 2, "a": 9, "b": 9}, {"seed": ("seed", [1, 2], seeds[2])})
@@ -284,7 +286,7 @@ def test_cells_without_a_result_are_crosses_below_the_curves() -> None:
     assert one.get_legend() is None
 
 
-def test_values_that_hardly_differ_are_told_in_full() -> None:
+def test_values_that_hardly_differ_are_printed_in_full() -> None:
     data = swept({"eps": 3}, {"eps": EPS[:3]}).assign(peak=("eps", 1.0 + 1e-5 * np.arange(3)))
     figure = plot(data, variable="peak")
     figure.draw_without_rendering()
@@ -294,7 +296,7 @@ def test_values_that_hardly_differ_are_told_in_full() -> None:
     assert min(abs(tick - 1.00001) for tick in ticks) < 1e-9
 
 
-def test_names_that_say_nothing_alone_are_told_by_their_fields() -> None:
+def test_names_that_are_unclear_alone_are_replaced() -> None:
     names = ("name", np.array(["rk4", "leapfrog"], dtype=object), {"field": "scheme.name"})
     data = swept({"name": 2, "eps": 4, "k": 3}, {"name": names, "eps": EPS, "k": K})
     titles = [ax.get_title("left") for ax in plot(data).get_axes()[:2]]
@@ -320,7 +322,7 @@ def sample_deviation(values: np.ndarray) -> float:
 
 
 def named(ax: Any) -> list[Any]:
-    """The lines that a legend holds."""
+    """Return the lines of an axis that have a label in its legend."""
     return [line for line in ax.lines if not line.get_label().startswith("_")]
 
 
@@ -366,9 +368,9 @@ def test_long_names_of_work_precision_have_a_column() -> None:
     data = swept({"order": 2, "tolerance": 3}, {"order": order, "tolerance": [1e-2, 1e-3, 1e-4]})
     figure = plot(data, kind="work_precision")
     figure.draw_without_rendering()
-    (held,) = figure.subfigs[0].legends
-    assert held.get_window_extent().x0 >= 0.0
-    assert held.get_window_extent().x1 <= figure.bbox.x1
+    (legend_above,) = figure.subfigs[0].legends
+    assert legend_above.get_window_extent().x0 >= 0.0
+    assert legend_above.get_window_extent().x1 <= figure.bbox.x1
     assert all(ax.get_position().height > 0.3 for ax in figure.get_axes())
 
 
@@ -426,7 +428,7 @@ def test_equal_values_are_drawn(tmp_path: Path, value: float) -> None:
         ),
     ],
 )
-def test_what_cannot_be_drawn_is_one_line(words: dict[str, Any], said: str) -> None:
+def test_a_sweep_that_cannot_be_drawn_is_one_line(words: dict[str, Any], said: str) -> None:
     with pytest.raises(ValueError, match=rf"^{said}[^\n]*$") as raised:
         plot(cube(), **words)
     assert len(str(raised.value)) < 300

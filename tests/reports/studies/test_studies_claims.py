@@ -24,7 +24,7 @@ SCENES = report_scenes()
 
 
 def fake_run(scene: Scene, top: float, when: float = 0.0) -> xr.Dataset:
-    """A run whose error is `top` at time `when` and falls away from it; amplitude 2 eps."""
+    """Return a run of amplitude 2 eps whose error is largest, `top`, at time `when`."""
     times = np.array(scene.snapshots)
     curve_time = np.unique(np.append(np.linspace(scene.t0, scene.end, 9), when))
     curve = top / (1 + np.abs(curve_time - when))
@@ -88,12 +88,12 @@ def test_a_split_carries_the_runs_own_error() -> None:
     assert parts["position"] == pytest.approx((0.1 / 2, 4e-4))
 
 
-def test_the_claim_tells_how_far_the_wave_is_shifted() -> None:
+def test_the_claim_states_the_shift_of_the_wave() -> None:
     found = claims.peak_of_the_error(evidence({}))
-    told = {item.of.split(", ")[-1]: item.value for item in found.measurements}
-    assert told["the lattice's wave is shifted by sites"] == -0.4
-    assert told["part by position"] == pytest.approx(0.1 / 2)
-    assert told["part by shape"] == pytest.approx(0.1 / 8)
+    values = {item.of.split(", ")[-1]: item.value for item in found.measurements}
+    assert values["the lattice's wave is shifted by sites"] == -0.4
+    assert values["part by position"] == pytest.approx(0.1 / 2)
+    assert values["part by shape"] == pytest.approx(0.1 / 8)
 
 
 def test_the_rk4_variant_changes_scheme_and_step_only() -> None:
@@ -167,7 +167,7 @@ def test_the_waves_vanish_in_space_and_not_in_time() -> None:
     assert [item.value for item in found.measurements] == pytest.approx([4, 4], abs=0.01)
 
 
-def test_the_instability_is_too_slow_to_be_seen() -> None:
+def test_the_instability_is_too_slow_to_be_visible() -> None:
     """Catches a rate taken per tau instead of per lattice time."""
     found = claims.modulational_instability(evidence({}))
     growth = [item.value for item in found.measurements]

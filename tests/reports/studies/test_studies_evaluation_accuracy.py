@@ -46,7 +46,7 @@ def test_the_whole_domain(name: str) -> None:
 
 
 @pytest.mark.parametrize("part", ["Y", "Y_X", "Y_T"])
-def test_a_wave_wrong_in_its_last_digits_is_seen(
+def test_a_wave_wrong_in_its_last_digits_is_detected(
     part: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     case, at = WaveCase("kink", (("A", sp.Integer(40)),)), Wave.at

@@ -1,6 +1,6 @@
-"""Catches: runs that grow, blow up in silence, lose bits or go on past what they can tell.
+"""Catches: runs that grow, blow up without a message, lose bits or go on beyond their horizon.
 
-Each case is judged by its own bound; beside it stand the runs that must fail it.
+Each case is judged by its own bound; runs that must fail it are tested as well.
 """
 
 import math
@@ -40,13 +40,13 @@ def test_long_hard_case(name: str) -> None:
     assert found.passed, f"{found.what}: {found.criterion}: {found.measured} > {found.bound}"
 
 
-def test_the_refusal_tells_the_limit() -> None:
+def test_the_error_message_states_the_limit() -> None:
     message = found_of("step_limit").message
     assert message.startswith("step must satisfy step <= 0.707106")
     assert "(linear stability limit of rk4 at the zone boundary" in message
 
 
-def test_the_blow_up_tells_time_site_and_criterion() -> None:
+def test_the_blow_up_message_states_time_site_and_criterion() -> None:
     message = found_of("soft_lattice").message
     assert message.startswith(
         "blow-up: a bond is stretched to where waves grow at t = 65, site -635, 4 sites"

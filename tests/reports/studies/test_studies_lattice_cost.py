@@ -11,10 +11,10 @@ from longwave.reports.studies.lattice_cost import (
     REDUCTION,
     SPECTRAL,
     TRUE_ERROR,
-    at_eps,
     by_scheme,
     fit_power,
     march_seconds,
+    measure_at_eps,
     problem_scene,
     rk4_share,
     spectral,
@@ -53,11 +53,13 @@ def test_the_windows_error_falls_with_its_size() -> None:
     assert first.value > 4 * second.value > 0
 
 
-def test_a_law_is_the_power_that_was_put_in() -> None:
+def test_a_fit_returns_the_power_of_its_data() -> None:
     assert fit_power((x, 7.0 * x**-3.5) for x in (1.0, 2.0, 5.0)) == pytest.approx(-3.5)
 
 
-def test_the_rings_march_is_told_apart_from_its_data(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_rings_integration_is_timed_apart_from_its_data(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     """Catches the ring charged for data that the others have already, or its data forgotten."""
     strain = ("time", "site"), np.zeros((1, 3))
     found = xr.Dataset({"strain": strain}, attrs={"seconds": 0.5})
@@ -68,16 +70,16 @@ def test_the_rings_march_is_told_apart_from_its_data(monkeypatch: pytest.MonkeyP
     assert times == {True: (0.125, 0.375), False: (0.5, 0.0)}
 
 
-def test_the_rings_march_can_be_done_again() -> None:
+def test_the_rings_integration_can_be_repeated() -> None:
     scene = problem_scene("crest")
     ring = spectral(replace(scene, snapshots=(scene.t0 + 10.0,)), 1e-2)
     assert march_seconds(ring, run(ring)) > 0.0
 
 
 @pytest.mark.slow
-def test_each_way_changes_one_thing() -> None:
+def test_each_variant_changes_one_setting() -> None:
     """Catches the wide lattice priced as the window, and an error judged against itself."""
-    found = {point.series: point for point in at_eps(0.1, judged=True)}
+    found = {point.series: point for point in measure_at_eps(0.1, with_reference=True)}
     assert list(found)[:4] == ["RK4, wide lattice", "RK4, window", "order 6, window", "spectral"]
     scaled = [point.scaled for point in found.values()]
     assert scaled == [True, True, True, False, False, False]
@@ -89,7 +91,7 @@ def test_each_way_changes_one_thing() -> None:
 
 
 @pytest.mark.slow
-def test_what_comes_round_a_small_ring_does_not_end_the_search() -> None:
+def test_waves_around_a_small_ring_do_not_end_the_search() -> None:
     """Its change obeys no law of the step: three shorter ones had not helped, a wider ring does."""
     found = run(spectral(problem_scene("periodic"), 1e-6))
     assert found.attrs["error_estimate"] <= 1e-6

@@ -55,7 +55,7 @@ def test_a_rejected_certificate_is_recorded(monkeypatch: pytest.MonkeyPatch) -> 
         slow=("soliton_dn",),
     ),
 )
-def test_a_survivor_has_its_reason(name: str, reasons: set[str]) -> None:
+def test_a_misprint_that_solves_has_a_reason(name: str, reasons: set[str]) -> None:
     assert {survivor.reason for survivor in count_mutants(closed_form(name)).survivors} == reasons
 
 

@@ -17,7 +17,7 @@ def test_a_member_ends_at_its_peak_and_holds_all_extrema() -> None:
     assert scene.t0 == -80000.0
 
 
-def test_laws_rest_on_the_smallest_resolved_eps() -> None:
+def test_laws_are_fitted_at_the_smallest_resolved_eps() -> None:
     """Catches large eps in the fit, points that are not resolved, and points without a value."""
     sound = [PeakError(2, eps, eps**2 if eps < 0.1 else 7.0, 1e-9) for eps in EPS]
     wrong = [

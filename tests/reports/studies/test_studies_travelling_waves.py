@@ -27,7 +27,7 @@ def test_the_wave_travels_unchanged(form: str, k: float, period: int, K4: int) -
     assert abs(wave.speed - 1.0) < wave.eps**2
 
 
-def test_it_tends_to_the_reduced_equations_wave() -> None:
+def test_the_travelling_wave_tends_to_the_reduced_equations_wave() -> None:
     """The distance to the cn wave falls like eps^2: by 4 from 20 to 40 sites."""
     misses = []
     for period in (20, 40):

@@ -48,7 +48,7 @@ def assembled(expression: sp.Expr) -> Bytecode:
 
 
 def points(rng: np.random.Generator) -> Any:
-    """More than one block, with a part block at the end."""
+    """Return enough points for more than one block, the last one not full."""
     return np.exp(rng.normal(scale=1.5, size=(2, 300)))
 
 
@@ -115,8 +115,8 @@ def test_constant_statements_fold_into_the_pool() -> None:
 
 def test_no_instruction_writes_what_it_reads() -> None:
     operands = [(0, 1), (2, 0), (3, 2), (4, 3), (5, 1)]
-    kept, place, count = allocate(2, operands, [6])
-    assert kept == [0, 1, 2, 3, 4]
+    live, place, count = allocate(2, operands, [6])
+    assert live == [0, 1, 2, 3, 4]
     assert count < 7
     for index, used in enumerate(operands):
         assert place[2 + index] not in {place[value] for value in used}

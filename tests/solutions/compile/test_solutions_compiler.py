@@ -1,4 +1,4 @@
-"""Programs on disk: the same numbers, never a stale one, and no need of a folder."""
+"""Programs on disk: same numbers, never stale, and optional."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -8,7 +8,7 @@ import pytest
 import sympy as sp
 
 from longwave.solutions import Wave, closed_form, data_store
-from longwave.solutions.compile.compiler import kept_program
+from longwave.solutions.compile.compiler import cached_program
 from longwave.solutions.symbols import tau, xi
 from longwave.support.compiled.kernel_folder import CacheFolder
 from longwave.support.sealed_file import read_sealed
@@ -31,20 +31,22 @@ def values(name: str, normal_forms: Any, **changes: Any) -> list[list[float]]:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_a_kept_program_gives_the_same_numbers(name: str, folder: Path, normal_forms: Any) -> None:
+def test_a_cached_program_gives_the_same_numbers(
+    name: str, folder: Path, normal_forms: Any
+) -> None:
     first = values(name, normal_forms)
     assert len(list(folder.iterdir())) == 1
     assert values(name, normal_forms) == first
 
 
-def test_a_kept_program_needs_no_expression(folder: Path, normal_forms: Any) -> None:
+def test_a_cached_program_needs_no_expression(folder: Path, normal_forms: Any) -> None:
     values("kink", normal_forms)
     form = closed_form("kink")
 
     def never() -> list[sp.Expr]:
         raise AssertionError("the expression was made")
 
-    kept_program(form, "wave", never, tuple(p.symbol for p in form.parameters))
+    cached_program(form, "wave", never, tuple(p.symbol for p in form.parameters))
 
 
 def test_another_formula_under_the_same_name_has_its_own_program(

@@ -54,6 +54,6 @@ def test_tape_differentiates(power: int) -> None:
     values |= {symbol: constant for constant, symbol in lowering.constants.items()}
     for symbol, right in tape.lines:
         values[symbol] = right.xreplace(values)
-    wanted = (expression, expression.diff(xi), expression.diff(tau))
-    for output, exact in zip(outputs, wanted, strict=True):
+    expected = (expression, expression.diff(xi), expression.diff(tau))
+    for output, exact in zip(outputs, expected, strict=True):
         assert sp.N(output.xreplace(values) - exact.subs(point), 30) == pytest.approx(0, abs=1e-25)

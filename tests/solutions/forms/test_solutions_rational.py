@@ -20,7 +20,7 @@ def test_printed_form_is_the_family_member_exactly(order: int) -> None:
     assert printed.background == member.background
 
 
-def test_a_changed_digit_in_print_is_seen() -> None:
+def test_a_changed_digit_in_print_is_detected() -> None:
     printed = closed_form("rational_2").expression
     wrong = printed.subs(12, 13)
     assert wrong != printed

@@ -1,4 +1,4 @@
-"""Solitons and breathers at the ends of their domains become the neighbours that these name."""
+"""Solitons and breathers at the ends of their domains tend to the waves named there."""
 
 from fractions import Fraction
 from typing import Any
@@ -18,7 +18,7 @@ def wave(normal_forms: Any, name: str, **parameters: object) -> Wave:
 
 
 def gap(one: Wave, other: Wave, shift: float = 0.0) -> float:
-    """The largest difference of Y, Y_X, Y_T; ``shift`` (of xi) moves the other to the right."""
+    """Return the largest difference of Y, Y_X, Y_T; ``shift`` (of xi) moves ``other`` right."""
     moved = X - shift / float(other.normal_form.a)
     pairs = zip(one(X, T), other(moved, T), strict=True)
     return max(float(np.max(np.abs(a - b))) for a, b in pairs)

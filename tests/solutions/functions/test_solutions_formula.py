@@ -28,13 +28,13 @@ EXPRESSIONS = (
 
 @pytest.mark.parametrize("expression", EXPRESSIONS, ids=str)
 @pytest.mark.parametrize("digits", [15, 60])
-def test_values_are_sympys_own(expression: sp.Expr, digits: int, ctx: Any) -> None:
+def test_values_agree_with_sympy(expression: sp.Expr, digits: int, ctx: Any) -> None:
     point = {x: sp.Rational(7, 10), y: sp.Rational(3, 10)}
     ctx.dps = digits
     values = [ctx.mpf(value.p) / value.q for value in point.values()]
     (found,) = MpmathFormula.of([x, y], [expression])(ctx, *values)
-    wanted = ctx.convert(sp.N(expression.subs(point), digits + 10)._to_mpmath(4 * digits))
-    assert abs(found - wanted) < 100 * abs(wanted) * ctx.eps
+    expected = ctx.convert(sp.N(expression.subs(point), digits + 10)._to_mpmath(4 * digits))
+    assert abs(found - expected) < 100 * abs(expected) * ctx.eps
 
 
 @pytest.mark.parametrize("expression", EXPRESSIONS, ids=str)
@@ -51,7 +51,7 @@ def test_equal_parts_are_computed_once_and_statements_are_shared() -> None:
     assert [code[0] for code in formula.code].count("sin") == 1
 
 
-def test_what_has_no_value_is_named() -> None:
+def test_a_function_without_a_value_is_named() -> None:
     with pytest.raises(NameError, match="must have values in mpmath, got unheard_of"):
         MpmathFormula.of([x], [sp.Function("unheard_of")(x)])(mpmath.mp, 1)
     with pytest.raises(NameError, match="symbols must have values, got y"):

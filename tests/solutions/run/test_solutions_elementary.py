@@ -15,9 +15,9 @@ ctx.dps = 60
 
 
 def of(operation: Operation, numbers: Array, low: Array) -> Array:
-    """The values with low parts and bounds."""
+    """Return the values with low parts and bounds."""
     code, out = Code(inputs=1), np.empty((1, 3, numbers.size))
-    bytecode = code.assemble([Value(code, 0).made(operation).number])
+    bytecode = code.assemble([Value(code, 0).apply(operation).number])
     run_pairs(bytecode, np.empty((0, 2)), np.stack([numbers, low, 0 * low])[None], out)
     return out[0]
 
@@ -25,9 +25,9 @@ def of(operation: Operation, numbers: Array, low: Array) -> Array:
 def check(operation: Operation, numbers: Array, exact: Any, digits: float, rng: Any) -> None:
     low = numbers * rng.uniform(-1e-17, 1e-17, numbers.size)
     for high, rest, *found in zip(numbers, low, *of(operation, numbers, low), strict=True):
-        wanted = exact(ctx.mpf(high) + rest)
-        error = abs(ctx.mpf(found[0]) + found[1] - wanted)
-        assert error <= digits * abs(wanted)
+        expected = exact(ctx.mpf(high) + rest)
+        error = abs(ctx.mpf(found[0]) + found[1] - expected)
+        assert error <= digits * abs(expected)
         assert error <= found[2]
 
 
@@ -61,7 +61,7 @@ def test_they_end_at_zero(operation: Operation) -> None:
 def test_choose_takes_one_or_the_other() -> None:
     code, out = Code(inputs=3), np.empty((1, 3, 2))
     odd, one, other = (Value(code, place) for place in range(3))
-    bytecode = code.assemble([one.made(Operation.CHOOSE, other, odd).number])
+    bytecode = code.assemble([one.apply(Operation.CHOOSE, other, odd).number])
     inputs = np.array([[[1.0, 0.0]] + [[0, 0]] * 2, [[2, 3], [4, 5], [6, 7]], [[np.nan, 9]] * 3])
     run_pairs(bytecode, np.empty((0, 2)), inputs, out)
     assert out[0].tolist() == [[2, 9], [4, 9], [6, 9]]

@@ -22,16 +22,16 @@ MODULI = (0.0, 1e-8, 0.3, 0.7071, 0.70711, 0.9, 1 - 1e-4, 1 - 1e-8, 1 - 1e-12, 1
 
 
 def program(k: float) -> JacobiProgram:
-    """All functions for the modulus k, Theta where it exists."""
+    """Return the program of all functions for the modulus k, with Theta where it exists."""
     exact = MPContext()
     exact.prec = 2200
     modulus = exact.mpf(k)
-    wanted = (True, True, True, True, k < 1)
-    return jacobi_program(modulus**2, (1 - modulus) * (1 + modulus), wanted)
+    expected = (True, True, True, True, k < 1)
+    return jacobi_program(modulus**2, (1 - modulus) * (1 + modulus), expected)
 
 
 def evaluate(k: float, u: Any, u_lo: Any = 0.0, rest: Any = 0.0, bound: Any = 0.0) -> Array:
-    """sn, cn, dn, zeta, Theta with low parts and bounds: (5, 3, points)."""
+    """Return sn, cn, dn, zeta, Theta with low parts and bounds, of shape (5, 3, points)."""
     return program(k)(np.stack(np.broadcast_arrays(np.atleast_1d(u), u_lo, rest, bound)))
 
 
@@ -40,7 +40,7 @@ def quarter_period(k: float) -> float:
 
 
 def worst(values: Array, u: Any, u_lo: Any, k: float, reference: Reference) -> Array:
-    """The largest error of each row, relative to max(1, |value|)."""
+    """Return the largest error of each row, relative to max(1, |value|)."""
     errors = np.zeros(4)
     for i in range(len(u)):
         exact = reference(k, float(u[i]), float(u_lo[i]))
@@ -70,14 +70,14 @@ def test_bounds_cover_every_argument_within_e(
         values = evaluate(k, u[i], bound=e)[:4, :, 0]
         for end in (-e, e):
             exact = reference(k, float(u[i]), end)
-            for (high, low, bound), wanted in zip(values, exact, strict=True):
-                assert abs(ctx.mpf(float(high)) + float(low) - wanted) <= bound + 1e-45
+            for (high, low, bound), expected in zip(values, exact, strict=True):
+                assert abs(ctx.mpf(float(high)) + float(low) - expected) <= bound + 1e-45
                 assert bound < 3.1 * e + 3e-29 * max(1, abs(u[i]))
 
 
 @pytest.mark.parametrize("k", [1e-8, 0.3, 0.9, 1 - 1e-12])
 @pytest.mark.parametrize("size", [1e16, 1e17, 3e18, 1e22, 1e25])
-def test_arguments_of_three_floats_keep_their_place_in_the_period(
+def test_arguments_of_three_floats_are_accurate_within_the_period(
     k: float, size: float, rng: np.random.Generator
 ) -> None:
     """From 1e17 on the quotient by K is no double: one step of reduction gave any value at all."""
@@ -87,13 +87,13 @@ def test_arguments_of_three_floats_keep_their_place_in_the_period(
         with ctx.workdps(80):
             exact = ctx.mpf(u) + u_lo + rest
             m = ctx.mpf(k) ** 2
-            wanted = [f(ctx, exact, m) for f in (mp.sn, mp.cn, mp.dn, mp.zeta)]
-            for (high, low, bound), right in zip(values, wanted, strict=True):
+            expected = [f(ctx, exact, m) for f in (mp.sn, mp.cn, mp.dn, mp.zeta)]
+            for (high, low, bound), right in zip(values, expected, strict=True):
                 found = ctx.mpf(float(high)) + float(low)
                 assert abs(found - right) <= bound < 1e-18 * max(1, abs(right))
 
 
-def test_arguments_beyond_the_reduction_are_said_to_be_unknown() -> None:
+def test_values_beyond_the_reduction_are_reported_as_unknown() -> None:
     for u in (1e31, 1e200):
         assert not np.isfinite(evaluate(0.5, u)[0, 2, 0])
 
@@ -115,7 +115,7 @@ def test_theta_has_no_value_at_one() -> None:
 
 
 @pytest.mark.parametrize("k", [0.3, 0.95])
-def test_what_is_not_wanted_takes_no_instructions(k: float) -> None:
+def test_functions_not_requested_take_no_instructions(k: float) -> None:
     modulus = ctx.mpf(k)
     pair = modulus**2, (1 - modulus) * (1 + modulus)
     alone = jacobi_program(*pair, (False, True, False, False, False))

@@ -32,7 +32,7 @@ def test_phase_that_cancels_to_the_last_site() -> None:
     assert error <= Fraction(bound[0]) < Fraction(1, 10**29)
 
 
-def test_a_huge_phase_keeps_its_place_in_a_period() -> None:
+def test_a_huge_phase_is_accurate_within_a_period() -> None:
     """At 10^25 a pair is off by 10^-7, three floats are within 10^-20."""
     p, q = Fraction("1234567.89012345678901234567890123456789"), Fraction(-(10**9), 7)
     n, t = 1.0e8 + 2.0**-20, 1.0e16 / 3
