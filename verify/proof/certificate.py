@@ -23,9 +23,9 @@ from flint import acb, ctx, fmpq_mpoly
 from longwave.solutions.functions.jet_functions import THETA, JetFunction
 from longwave.verify.kernel.check import opened, registered
 from longwave.verify.kernel.field import Field
-from longwave.verify.kernel.function_rules import BRANCHES
 from longwave.verify.kernel.limits import NAME
 from longwave.verify.kernel.ring import Element
+from longwave.verify.kernel.root_rules import is_branch
 from longwave.verify.subexpressions import distinct_nodes, replaced
 
 from .angle_relations import angle_values
@@ -142,13 +142,13 @@ def _left_side(problem: Problem, table: NodeTable) -> int:
         return table.place(problem.left)
     terms = []
     for number, known, jets in problem.terms():
-        factors = [table.made("number", str(number))] if number != 1 or not (known or jets) else []
+        factors = [table.add("number", str(number))] if number != 1 or not (known or jets) else []
         factors += map(table.place, known)
         for orders, power in Counter(map(tuple, jets)).items():
             jet = table.jet(orders, problem.variables)
-            factors.append(jet if power == 1 else table.made("Pow", jet, str(power)))
-        terms.append(factors[0] if len(factors) == 1 else table.made("Mul", *factors))
-    return terms[0] if len(terms) == 1 else table.made("Add", *terms)
+            factors.append(jet if power == 1 else table.add("Pow", jet, str(power)))
+        terms.append(factors[0] if len(factors) == 1 else table.add("Mul", *factors))
+    return terms[0] if len(terms) == 1 else table.add("Add", *terms)
 
 
 def regular_point(problem: Problem) -> Point:
@@ -253,9 +253,9 @@ class SquareRoots:
                 base = self._written(self._field.ring.factors[value])
             else:
                 base = self._table.place(sp.Integer(value))
-            parts.append(self._table.made("Pow", base, str(power // 2)))
+            parts.append(self._table.add("Pow", base, str(power // 2)))
         roots = [self._places[member] for member in members]
-        return self._table.made("Mul", *(parts or [self._table.place(sp.S.One)])), roots
+        return self._table.add("Mul", *(parts or [self._table.place(sp.S.One)])), roots
 
     def _exponents(self, element: Element) -> Counter[Key]:
         ring = element.ring
@@ -272,28 +272,28 @@ class SquareRoots:
         terms = []
         for exponents, coefficient in polynomial.terms():
             powers = [
-                self._table.made("Pow", self._meaning(place), str(int(n)))
+                self._table.add("Pow", self._meaning(place), str(int(n)))
                 for place, n in enumerate(reversed(exponents))
                 if n
             ]
-            number = self._table.made("number", str(coefficient))
-            terms.append(self._table.made("Mul", number, *powers))
-        return terms[0] if len(terms) == 1 else self._table.made("Add", *terms)
+            number = self._table.add("number", str(coefficient))
+            terms.append(self._table.add("Mul", number, *powers))
+        return terms[0] if len(terms) == 1 else self._table.add("Add", *terms)
 
     def _meaning(self, place: int) -> int:
         generator = self._field.generators[place]
         node = self._formula(generator.formula)
         if generator.scale.is_one():
             return node
-        return self._table.made("Mul", node, self._written(generator.scale))
+        return self._table.add("Mul", node, self._written(generator.scale))
 
     def _formula(self, node: int) -> int:
         """A formula of sums and products of those of the table."""
         if node not in self._places:
             name, *parts = self._field.nodes.all[node]
             if name == "number":
-                return self._table.made("number", str(parts[0]))
-            return self._table.made(name, *map(self._formula, parts))
+                return self._table.add("number", str(parts[0]))
+            return self._table.add(name, *map(self._formula, parts))
         return self._places[node]
 
 
@@ -326,7 +326,7 @@ def _is_root(field: Field, root: int, value: int) -> bool:
     _, base, exponent = field.nodes.all[field.nodes.places[root]]
     node = field.nodes.places[value]
     same = (field.image(node) ** 2 - field.image(base)).is_zero
-    return bool(same and any(shown(field, node, exponent) for shown in BRANCHES))
+    return bool(same and is_branch(field, node, exponent))
 
 
 def _field(table: NodeTable, statement: StatementTexts, proof: Data) -> Field:

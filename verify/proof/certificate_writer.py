@@ -57,10 +57,10 @@ class NodeTable:
     def place(self, expression: sp.Expr) -> int:
         """Where ``expression`` stands; raises ValueError for a function not in the list."""
         if expression not in self._places:
-            self._places[expression] = self.made(*self._node(expression))
+            self._places[expression] = self.add(*self._node(expression))
         return self._places[expression]
 
-    def made(self, *node: Any) -> int:
+    def add(self, *node: Any) -> int:
         """Where a node stands that is given as it is."""
         key = str(node)
         if key not in self._known:
@@ -107,22 +107,22 @@ class NodeTable:
 
     def jet(self, orders: Sequence[int], variables: Sequence[sp.Symbol]) -> int:
         """Where the derivative of the first unknown of these orders stands."""
-        own = self.made("unknown", 0, [0] * len(orders))
+        own = self.add("unknown", 0, [0] * len(orders))
         pairs = zip(variables, orders, strict=True)
         along = [self.place(variable) for variable, order in pairs for _ in range(order)]
-        return self.made("diff", own, *along) if along else own
+        return self.add("diff", own, *along) if along else own
 
     def polynomial(self, polynomial: fmpq_mpoly, places: Sequence[int]) -> int:
         """Where a polynomial in the nodes at ``places`` stands, its generators in their order."""
         terms = [[str(c), [int(n) for n in exponents]] for exponents, c in polynomial.terms()]
-        return self.made("poly", terms, *places)
+        return self.add("poly", terms, *places)
 
     def combination(self, terms: Sequence[tuple[str, int]]) -> int:
         """Where a sum of rational multiples of the nodes at some places stands."""
-        parts = [p if n == "1" else self.made("Mul", self.made("number", n), p) for n, p in terms]
+        parts = [p if n == "1" else self.add("Mul", self.add("number", n), p) for n, p in terms]
         if len(parts) < 2:
-            return parts[0] if parts else self.made("number", "0")
-        return self.made("Add", *parts)
+            return parts[0] if parts else self.add("number", "0")
+        return self.add("Add", *parts)
 
     def texts(self) -> list[str]:
         """The nodes as texts, each in the numbers of those before it."""
@@ -195,7 +195,7 @@ class ProofWriter:
             if factor is None:
                 self.generators.append(["atom", place])
             else:
-                zero = self.table.made("number", "0")
+                zero = self.table.add("number", "0")
                 self.generators.append(["forms", [place], [[[factor], zero]]])
 
     def name(self, *, place: int, value: int) -> None:
@@ -206,7 +206,7 @@ class ProofWriter:
     def words(self, place: int, terms: Sequence[tuple[str, int]]) -> None:
         """Say that the argument of the function at ``place`` is a sum of multiples of others."""
         name, _, *more = self.table.nodes[place]
-        self.values[place] = self.table.made(name, self.table.combination(terms), *more)
+        self.values[place] = self.table.add(name, self.table.combination(terms), *more)
 
     def data(self, point: Point) -> Data:
         """The proof's part of a certificate; ``point`` is where no denominator vanishes."""

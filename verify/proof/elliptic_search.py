@@ -41,7 +41,7 @@ class EllipticSearch:
         epsilon: bool,
     ) -> None:
         self._writer, self._arguments = writer, arguments
-        self._place, self._made = writer.table.place, writer.table.made
+        self._place, self._made = writer.table.place, writer.table.add
         self._need, self._begin_forms = need, begin_forms
         self._moving, self._epsilon = moving, epsilon
 

@@ -66,7 +66,7 @@ class GeneratorSearch:
         moving: bool,
         order: int = 0,
     ) -> None:
-        self._writer, self._place, self._made = ProofWriter(table), table.place, table.made
+        self._writer, self._place, self._made = ProofWriter(table), table.place, table.add
         self._variables, self._expressions = tuple(variables), list(expressions)
         self._values, self._moving, self._order = values, moving, order
         self._orders: set[tuple[type, sp.Expr, sp.Expr]] = set()

@@ -97,21 +97,21 @@ def rational_texts(order: int, A: fmpq_mpoly, B: fmpq_mpoly) -> StatementTexts:
     table = NodeTable()
     space, time_ = table.place(xi), table.place(tau)
     shift = table.place(-6 * tau)
-    x = table.made("Add", space, shift)
+    x = table.add("Add", space, shift)
     a, b, a_x, b_x = (
         table.polynomial(part, [x, time_]) for part in (A, B, A.derivative("x"), B.derivative("x"))
     )
-    one = table.made("number", "1")
-    slope = table.made(
+    one = table.add("number", "1")
+    slope = table.add(
         "Add",
-        table.made("Mul", a, b_x),
-        table.made("Mul", table.made("number", "-1"), a_x, b),
+        table.add("Mul", a, b_x),
+        table.add("Mul", table.add("number", "-1"), a_x, b),
     )
-    below = table.made("Add", table.made("Pow", a, "2"), table.made("Pow", b, "2"))
-    inverse = table.made("Pow", below, "-1")
-    change = table.made("Mul", table.made("number", "-2"), slope, inverse)
-    wave = table.made("Add", one, change)
-    formula = table.made("Mul", table.made("number", str((-1) ** order)), wave)
+    below = table.add("Add", table.add("Pow", a, "2"), table.add("Pow", b, "2"))
+    inverse = table.add("Pow", below, "-1")
+    change = table.add("Mul", table.add("number", "-2"), slope, inverse)
+    wave = table.add("Add", one, change)
+    formula = table.add("Mul", table.add("number", str((-1) ** order)), wave)
     written = Written(table.nodes, [formula], ["U"], ["xi", "tau"])
     return StatementTexts(
         ("xi", "tau"),
@@ -126,7 +126,7 @@ def rational_certificate(order: int, A: fmpq_mpoly, B: fmpq_mpoly) -> Certificat
     statement = rational_texts(order, A, B)
     table = NodeTable()
     space, time_, shift = (table.place(part) for part in (xi, tau, -6 * tau))
-    one = table.made("number", "1")
+    one = table.add("number", "1")
     proof = ProofWriter(table)
     proof.atom(time_)
     proof.generators.append(["forms", [space], [[[one], shift]]])

@@ -21,7 +21,7 @@ import sympy as sp
 from flint import fmpq
 
 from longwave.solutions.functions import jacobi_cn, jacobi_dn, jacobi_sn
-from longwave.verify.kernel.further.inverse import PRINCIPAL
+from longwave.verify.kernel.inverse_rules import PRINCIPAL
 
 from .arguments import HYPERBOLIC, TRIGONOMETRIC
 from .domain_signs import BELOW_PI, DomainSigns, lies_between

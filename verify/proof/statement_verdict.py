@@ -24,7 +24,7 @@ from longwave.derive.algebra.formula_printing import formula_as_text
 from longwave.derive.algebra.formula_tree import FormulaTree, Name, Number, mapped, rational
 from longwave.solutions.record import LONGEST_FORMULA
 from longwave.verify.kernel.check import check_certificate
-from longwave.verify.kernel.further.free_functions import generic_shift
+from longwave.verify.kernel.function_values import generic_shift
 from longwave.verify.subexpressions import abbreviated, distinct_nodes
 from longwave.verify.verdict import Outcome, ProofVerdict
 

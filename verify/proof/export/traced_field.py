@@ -7,8 +7,7 @@ from typing import Any
 
 from flint import fmpq, fmpq_mpoly
 
-from longwave.verify.kernel.derivations import Slopes
-from longwave.verify.kernel.field import Field
+from longwave.verify.kernel.field import Field, Slopes
 from longwave.verify.kernel.ring import Element
 
 from ..text_writer import ATOM, Part, node_text
@@ -28,24 +27,24 @@ class TracedSlopes(Slopes):
 
     def __init__(self, field: TracedField) -> None:
         super().__init__(field)
-        self._field = field
+        self._traced = field
         self._noted: set[tuple[int, int]] = set()
         self._wanted: set[tuple[int, int]] = set()
         self._rates_noted: set[tuple[int, Term]] = set()
 
     def slope(self, place: int, variable: int) -> Element:
         """The derivative of a generator, noted when it is first asked for."""
-        self._field.trace.open.add((place, variable))
+        self._traced.trace.open.add((place, variable))
         value = super().slope(place, variable)
-        self._field.trace.open.discard((place, variable))
+        self._traced.trace.open.discard((place, variable))
         if (place, variable) not in self._noted:
             self._noted.add((place, variable))
-            axis = self._field.axis(variable)
-            self._field.note(SlopeAxiom(axis, place, term_of(value), None), value)
-        if not self._field.trace.open:
+            axis = self._traced.axis(variable)
+            self._traced.note(SlopeAxiom(axis, place, term_of(value), None), value)
+        if not self._traced.trace.open:
             while missing := self._wanted - self._noted:
                 self.slope(*min(missing))
-            self._field.trace.settle()
+            self._traced.trace.settle()
         return value
 
     def derivative(self, element: Element, variable: int) -> Element:
@@ -54,26 +53,26 @@ class TracedSlopes(Slopes):
 
     def rate(self, node: int, variable: int) -> Element:
         """The derivative of a formula."""
-        return self._left(super().rate(node, variable), self._field.image(node), variable)
+        return self._left(super().rate(node, variable), self._traced.image(node), variable)
 
     def _left(self, value: Element, element: Element, variable: int) -> Element:
         """The derivative that the script takes of ``element``; its known ``value`` if it cannot."""
         if not element.places:
-            return self._field.zero
-        axis, term = self._field.axis(variable), term_of(element)
+            return self._traced.zero
+        axis, term = self._traced.axis(variable), term_of(element)
         written: Term = ("slope", axis, term)
         wanted = {(place, variable) for place in element.places}
-        if wanted & self._field.trace.open:
+        if wanted & self._traced.trace.open:
             self._wanted |= wanted
             gap = terms.added([written, terms.negated(term_of(value))])
-            self._field.trace.vanishing(gap, "a derivative that a slope contains")
+            self._traced.trace.vanishing(gap, "a derivative that a slope contains")
             return value
         for place, _ in sorted(wanted - self._noted):
             self.slope(place, variable)
         if term[0] == "node" and (axis, term) not in self._rates_noted:
             self._rates_noted.add((axis, term))
             if term_of(value) != written:
-                self._field.note(Rate(axis, term, term_of(value), None), value)
+                self._traced.note(Rate(axis, term, term_of(value), None), value)
         return traced(plain(value), written)
 
 
@@ -130,10 +129,10 @@ class TracedField(Field):
         with self.signs.asked():
             found = super().is_kept(name, f, value)
         if found:
-            turn = self.nodes.made("pi")
+            turn = self.nodes.add("pi")
             shares = (0, 1) if name == "acos" else (fmpq(-1, 2), fmpq(1, 2))
             low, high = (
-                self.nodes.made("Mul", self.nodes.made("number", fmpq(s)), turn) for s in shares
+                self.nodes.add("Mul", self.nodes.add("number", fmpq(s)), turn) for s in shares
             )
             self.signs.note(Question("less", (low, value)))
             self.signs.note(Question("less", (value, high)))
