@@ -7,10 +7,11 @@ from typing import Any
 
 from flint import fmpq, fmpq_mpoly
 
+from longwave.derive.algebra.formula_tree import ATOM, Part
 from longwave.verify.kernel.field import Field, Slopes
 from longwave.verify.kernel.ring import Element
 
-from ..text_writer import ATOM, Part, node_text
+from ..text_writer import node_text
 from . import terms
 from .premises import PURPOSES, RELATIONS, FormulaWords, Question, TracedSigns
 from .terms import Definition, Premise, Rate, Relation, SlopeAxiom, Step, Term
