@@ -56,7 +56,7 @@ class VerdictLines:
         return self._digest()
 
     def _key(self, statement: Statement) -> str:
-        texts = asdict(statement.texts) if statement.texts is not None else {}
+        texts = asdict(statement.texts)
         wanted = list(map(str, statement.wanted))
         parts = [texts, wanted, statement.weak, self._limit, self._sources]
         return sha256(json.dumps(parts).encode()).hexdigest()

@@ -16,6 +16,7 @@ from typing import Any
 
 import sympy as sp
 
+from longwave.derive.algebra.formula_latex import name_latex
 from longwave.derive.algebra.formula_printing import formula_as_text
 from longwave.verify.verdict import Outcome
 
@@ -29,7 +30,6 @@ from .residual_system import ResidualSystem
 from .seams import seams, sides
 from .statement_problem import residual_of, with_exponentials
 from .statement_verdict import (
-    NO_VERDICT,
     Progress,
     StatementVerdict,
     decide_statement,
@@ -37,6 +37,7 @@ from .statement_verdict import (
     united,
     verified_sentence,
 )
+from .typed_hints import NO_VERDICT
 from .typed_statement import Statement
 from .typed_values import typed_values
 
@@ -142,7 +143,7 @@ def conditional_sentence(verdict: ConditionalVerdict) -> str:
     """The answer in LaTeX: a sentence on each case, and whether there are others."""
     if verdict.outcome is Outcome.UNDECIDED:
         return f"% {verdict.name}: UNDECIDED: {verdict.detail}"
-    names = ", ".join(sp.latex(sp.Symbol(name)) for name in verdict.solved)
+    names = ", ".join(map(name_latex, verdict.solved))
     apart = ", ".join((*verdict.unknown, *verdict.left_out))
     other, does = ("other ", "does") if verdict.cases else ("", "holds")
     found = "There are no" if verdict.complete else "We found no"
@@ -246,8 +247,7 @@ def _doubts(statement: Statement, residuals: Sequence[sp.Expr]) -> Iterator[str]
 
     A polynomial may vanish at all of finitely many sites without being 0.
     """
-    typed = typed_values(statement)
-    if typed is not None and (reason := typed.difference(residuals)):
+    if reason := typed_values(statement).difference(residuals):
         yield reason
     for variable in statement.variables:
         domain = statement.domains.get(variable, REAL)

@@ -129,11 +129,9 @@ def _put_into(
     if any(divisor == 0 for divisor in divisors):
         return None
     written = {symbol.name: formula_as_text(value) for symbol, value in values.items()}
-    made = Statement(statement.name, equations, solutions, domains, divisors)
-    if statement.texts is None or statement.trees is None:
-        return made
     texts, trees = typed_case(statement.texts, statement.trees, written)
-    return replace(made, texts=texts, trees=trees)
+    known = equations, solutions, domains, divisors
+    return Statement(statement.name, *known, texts=texts, trees=trees)
 
 
 # the verdicts

@@ -166,8 +166,6 @@ def near_misses(statement: Statement) -> list[NearMiss]:
     >>> near_misses(wrong)[0].change
     'm**2 in the place of m as the parameter of elliptic functions'
     """
-    assert statement.texts is not None
-    assert statement.trees is not None
     typed = statement.texts, statement.trees
     found: dict[tuple[str, ...], tuple[int, NearMiss]] = {}
     for rank, miss in (*_of_formulas(*typed), *_of_equations(*typed)):

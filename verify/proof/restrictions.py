@@ -270,7 +270,7 @@ def restricted(statement: Statement, restrictions: Sequence[Restriction]) -> Sta
         except ValueError:  # two ends that cannot be compared
             return None
         stated = domain.chain(symbol.name, formula_as_text)
-        if texts is not None and stated != symbol.name:
+        if stated != symbol.name:
             texts = replace(texts, parameters=(*texts.parameters, f"{symbol.name}: {stated}"))
     return replace(statement, domains=domains, texts=texts) if restrictions else None
 

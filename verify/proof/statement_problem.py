@@ -1,8 +1,7 @@
 """Equations of a statement that are no polynomials in one unknown: what is to be decided of each.
 
 The certificate states the equation with its unknowns, shifts, conjugates and derivatives; the
-checker puts the formulas in.  What SymPy makes of the equation serves to find the generators, and
-the points at which it fails.
+checker puts the formulas in.  What SymPy makes of the equation serves to find the generators.
 """
 
 from __future__ import annotations
@@ -10,10 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import cached_property
 
 import sympy as sp
-from flint import acb
 from sympy.core.function import AppliedUndef
 
 from longwave.derive.algebra.bounded_building import without_sizes
@@ -21,8 +18,7 @@ from longwave.derive.algebra.formula_printing import formula_as_text
 from longwave.verify.subexpressions import rebuilt
 
 from . import typed_statement
-from .balls import ball_value, residual_ball
-from .domain_signs import DomainSigns
+from .balls import ball_value
 from .domains import Domains, Point, settled_domains
 from .problem import POINTS, Problem
 from .samples import sample
@@ -49,26 +45,11 @@ class StatementProblem(Problem):
         assert self.statement is not None
         return {u: f for u, f in self.statement.solutions.items() if self.left.has(u.func)}
 
-    @cached_property
-    def substituted(self) -> sp.Expr:
-        """The left-hand side as SymPy puts the formulas in and differentiates."""
-        assert self.statement is not None
-        return residual_of(self.statement, self.left)
-
     @property
     def expressions(self) -> list[sp.Expr]:
         """The formulas and the functions in the equation, wherever they are taken."""
         found = (with_exponentials(part) for part in (*self._parts(self.left), *self.also))
         return list(dict.fromkeys(found))
-
-    def residual(self, point: Point, bits: int, signs: DomainSigns) -> acb:
-        """A ball around the residual at ``point``; raises ValueError where it is not smooth."""
-        taken = {d.expr for d in self.left.atoms(sp.Derivative)} | self.left.atoms(AppliedUndef)
-        if taken == {self.unknown}:
-            formula = with_exponentials(self.formula)
-            with suppress(ValueError):
-                return residual_ball(self.left, self.unknown, formula, point, bits, signs)
-        return ball_value(with_exponentials(self.substituted), point, bits, signs)
 
     def _parts(self, node: sp.Expr) -> Iterator[sp.Expr]:
         """The formulas in ``node``, conjugated where it says so, and functions of them."""

@@ -53,7 +53,6 @@ def scope(statement: Statement) -> Scope:
     >>> scope(read("u - 1", "u = abs(m)/m + 0*x", "m: m>0")).text
     'for all real m, x with m > 0, wherever the formulas are smooth'
     """
-    assert statement.texts is not None
     nodes = Nodes()
     read_statement(nodes, as_data(statement.texts))
     symbols = [node for node in nodes.all if node[0] == "symbol"]

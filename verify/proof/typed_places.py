@@ -42,7 +42,6 @@ def typed_places(statement: Statement) -> tuple[str, ...]:
     domains = typed_domains(statement)
     signs = DomainSigns(domains)
     trees = statement.trees
-    assert trees is not None
     trees = replace(
         trees,
         equations=tuple(mapped(equation, _smooth) for equation in trees.equations),

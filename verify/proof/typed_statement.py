@@ -163,8 +163,8 @@ class Statement:
     domains: Mapping[sp.Symbol, Domain]
     divisors: tuple[sp.Expr, ...] = ()
     wanted: tuple[sp.Symbol, ...] = ()
-    texts: StatementTexts | None = field(default=None, compare=False)
-    trees: StatementTrees | None = field(default=None, compare=False)
+    texts: StatementTexts = field(default=StatementTexts((), (), ()), compare=False)
+    trees: StatementTrees = field(default=StatementTrees((), (), {}, {}), compare=False)
     complexes: tuple[str, ...] = ()
     functions: tuple[str, ...] = ()
     weak: bool = False

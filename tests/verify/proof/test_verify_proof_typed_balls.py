@@ -15,7 +15,7 @@ from longwave.verify.proof.text_prover import prove
 from longwave.verify.proof.typed_balls import TypedBalls
 from longwave.verify.proof.typed_values import TypedValues
 from longwave.verify.verdict import Outcome
-from searches.statements.random_statement import Truth
+from searches.texts.text_statement import Truth
 from searches.texts.ball_judge import CannotJudge, Judge
 from searches.texts.text_library import TEXT_KINDS, text_statement
 
