@@ -43,7 +43,7 @@ SHAPED = ("exp", "sqrt", "abs", "conjugate")
 
 
 def formula_latex(formula: FormulaTree) -> str:
-    r"""The formula in LaTeX.
+    r"""Return the formula in LaTeX.
 
     >>> from longwave.derive.algebra.formula_tree import MINUS_ONE
     >>> print(formula_latex(Power((Call((Name("x"),), "sech"), MINUS_ONE))))
@@ -53,14 +53,14 @@ def formula_latex(formula: FormulaTree) -> str:
 
 
 def name_latex(name: str) -> str:
-    r"""A name: Greek letters as such, digits at the end as a subscript.
+    r"""Return a name: Greek letters as such, digits at the end as a subscript.
 
     >>> print(name_latex("alpha1"), name_latex("ab"))
     \alpha_{1} \mathrm{ab}
     """
     base = name.rstrip("0123456789")
-    shown = base if len(base) == 1 else f"\\{base}" if base in GREEK else rf"\mathrm{{{base}}}"
-    return f"{shown}_{{{name[len(base) :]}}}" if base != name else shown
+    symbol = base if len(base) == 1 else f"\\{base}" if base in GREEK else rf"\mathrm{{{base}}}"
+    return f"{symbol}_{{{name[len(base) :]}}}" if base != name else symbol
 
 
 def _enclosed(formula: FormulaTree, binding: int) -> str:
@@ -98,10 +98,10 @@ def _written(formula: FormulaTree) -> Part:
 
 
 def _unknown(name: str, site: str, steps: Sequence[str]) -> Part:
-    shown, below = name_latex(name), ", ".join(filter(None, (site, _subscripts(steps))))
+    symbol, below = name_latex(name), ", ".join(filter(None, (site, _subscripts(steps))))
     if not below:
-        return shown, ATOM
-    return (f"{{{shown}}}" if "_" in shown else shown) + f"_{{{below}}}", ATOM
+        return symbol, ATOM
+    return (f"{{{symbol}}}" if "_" in symbol else symbol) + f"_{{{below}}}", ATOM
 
 
 def _subscripts(steps: Sequence[str]) -> str:
@@ -110,7 +110,7 @@ def _subscripts(steps: Sequence[str]) -> str:
 
 
 def _product(formula: FormulaTree) -> Part:
-    """A product; what is divided by is below a line."""
+    """Return a product; what is divided by is below a line."""
     minus, above, below = quotient(formula)
     sign = "-" * minus
     if not below:
@@ -149,8 +149,8 @@ def _call(name: str, parts: Sequence[FormulaTree], power: str = "") -> Part:
         case "conjugate":
             return rf"\overline{{{texts[0]}}}", ATOM
     plain = OPERATORS.get(name, name.removeprefix("jacobi_")).replace("_", r"\_")
-    shown = f"\\{name}" if name in COMMANDS else rf"\operatorname{{{plain}}}"
+    symbol = f"\\{name}" if name in COMMANDS else rf"\operatorname{{{plain}}}"
     if len(name.rstrip("0123456789")) == 1:
-        shown = name_latex(name)
+        symbol = name_latex(name)
     between = r" \mid " if name.startswith("jacobi_") else ", "
-    return rf"{shown}{f'^{{{power}}}' * bool(power)}\left({between.join(texts)}\right)", ATOM
+    return rf"{symbol}{f'^{{{power}}}' * bool(power)}\left({between.join(texts)}\right)", ATOM

@@ -1,4 +1,4 @@
-"""What a checker needs to know of the Jacobi functions in a proof."""
+"""Hints for the Jacobi functions in a proof."""
 
 from __future__ import annotations
 
@@ -75,12 +75,12 @@ class EllipticSearch:
             self._station(z, m, node.func if node.func not in TRIPLE else None)
 
     def _root(self, base: int, exponent: str, root: sp.Expr) -> None:
-        """The root as SymPy writes it, of a node as the checker writes it."""
+        """Return the root as SymPy writes it, of a node as the checker writes it."""
         self._need(root)
         self._writer.name(place=self._made("Pow", base, exponent), value=self._place(root))
 
     def _station(self, z: sp.Expr, m: sp.Expr, second: type | None) -> None:
-        """The Jacobi functions of the arguments whose combination is ``z``."""
+        """Return the Jacobi functions of the arguments whose combination is ``z``."""
         variable, constant = self._arguments.parts(z)
         found = []
         for combinations, part in (

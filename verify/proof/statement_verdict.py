@@ -62,11 +62,11 @@ class StatementVerdict(ProofVerdict):
     def told(self) -> dict[str, str]:
         """The same, the statement in the place of its equations, and what would hold."""
         is_short = len(self.statement) <= LONGEST_FORMULA
-        shown = rf"$\displaystyle {self.statement}$" if is_short else self.equation
-        return super().told | {"equation": shown, "what would hold": self.hint}
+        equation = rf"$\displaystyle {self.statement}$" if is_short else self.equation
+        return super().told | {"equation": equation, "what would hold": self.hint}
 
     def json(self) -> dict[str, Any]:
-        """The record as plain data."""
+        """Return the record as plain data."""
         return {
             "name": self.name,
             "verdict": self.outcome.value,
@@ -84,7 +84,7 @@ class StatementVerdict(ProofVerdict):
 
 
 def decide_statement(statement: Statement, progress: Progress = lambda _: None) -> StatementVerdict:
-    """The verdict on a statement; ``progress`` is told what is done next."""
+    """Return the verdict on a statement; ``progress`` is told what is done next."""
     start = time.perf_counter()
     found = _decided(statement, progress)
     return replace(found, seconds=time.perf_counter() - start)
@@ -116,7 +116,7 @@ def _decided(statement: Statement, progress: Progress) -> StatementVerdict:
 
 
 def proved(statement: Statement, certificates: Sequence[Mapping[str, Any]]) -> StatementVerdict:
-    """The verdict on a statement with accepted certificates of its texts."""
+    """Return the verdict on a statement with accepted certificates of its texts."""
     found = tuple(map(Certificate, certificates))
     jumps, places = left_open(statement)
     return StatementVerdict(
@@ -163,10 +163,10 @@ def witness_trees(
 ) -> tuple[StatementTrees, dict[str, Fraction]]:
     """The trees with the complex values of a point put in, and the values that are numbers."""
     complexes = {n: witness[n] for n in statement.complexes if "I" in witness[n]}
-    made = trees.with_values(complexes)
+    trees = trees.with_values(complexes)
     if any(rational(mapped(tree_of(text), _without_unit)) is None for text in complexes.values()):
         raise ValueError(f"witness must have numbers for {', '.join(complexes)}, got other values")
-    return made, {name: Fraction(witness[name]) for name in made.names}
+    return trees, {name: Fraction(witness[name]) for name in trees.names}
 
 
 def _without_unit(node: FormulaTree) -> FormulaTree | None:
@@ -174,12 +174,12 @@ def _without_unit(node: FormulaTree) -> FormulaTree | None:
 
 
 def united(lines: Iterable[Iterable[str]]) -> tuple[str, ...]:
-    """All lines, each once."""
+    """Return all lines, each once."""
     return tuple(dict.fromkeys(chain.from_iterable(lines)))
 
 
 def said_of(statement: Statement) -> dict[str, Any]:
-    """What a verdict on a statement says of it."""
+    """Return the fields of a verdict that describe its statement."""
     return {
         "name": statement.name,
         "equation": "; ".join(map(stated_equation, statement.texts.equations)),
@@ -190,18 +190,18 @@ def said_of(statement: Statement) -> dict[str, Any]:
 
 
 def undecided(statement: Statement, reason: str, seconds: float = 0.0) -> StatementVerdict:
-    """The verdict that there is none, for a reason."""
-    told = said_of(statement)
-    return StatementVerdict(**told, outcome=Outcome.UNDECIDED, detail=reason, seconds=seconds)
+    """Return the verdict that there is none, for a reason."""
+    fields = said_of(statement)
+    return StatementVerdict(**fields, outcome=Outcome.UNDECIDED, detail=reason, seconds=seconds)
 
 
 def stated_equation(text: str) -> str:
-    """An equation as it was typed, with its right-hand side."""
+    """Return an equation as it was typed, with its right-hand side."""
     return " ".join(text.split()) + ("" if "=" in text else " = 0")
 
 
 def verified_sentence(statement: Statement, verdict: StatementVerdict) -> str:
-    r"""The verdict as a sentence in LaTeX, a proof with the digests of its certificates.
+    r"""Return the verdict as a sentence in LaTeX, a proof with the digests of its certificates.
 
     >>> from longwave.verify.proof.statement_text import read_statement
     >>> statement = read_statement("u_x - 1", "u = x")
@@ -247,7 +247,7 @@ def _corners_latex(statement: Statement, lines: Sequence[str]) -> list[str]:
 
 
 def _values_latex(statement: Statement, witness: Mapping[str, str]) -> Iterator[str]:
-    """The values of a point, and the functions of one argument z at it."""
+    """Yield the values of a point, and the functions of one argument z at it."""
     for name, text in witness.items():
         if name in statement.functions:
             below = rf"\Gamma\left(z + {generic_shift(name)}\right)"

@@ -63,7 +63,7 @@ def _terms(count: int) -> Iterator[None]:
 
 
 def special(name: str) -> Callable[[acb, int], Series]:
-    """A function by FLINT's series of the name."""
+    """Return a function by FLINT's series of the name."""
 
     def taylor(z: acb, order: int) -> Series:
         with _terms(order + 1):
@@ -84,7 +84,7 @@ def _ball(name: str, *arguments: Any) -> acb:
 
 
 def bessel(name: str, v: acb) -> Callable[[acb, int], Series]:
-    """A Bessel function of order ``v``."""
+    """Return a Bessel function of order ``v``."""
     sign, up = -1 if name in ("bessel_i", "bessel_k") else 1, CYLINDER[name][0]
 
     def taylor(z: acb, order: int) -> Series:
@@ -114,7 +114,7 @@ def weierstrass(g2: acb, g3: acb, slopes: int) -> Callable[[acb, int], Series]:
 
 
 def free(name: str, start: int, *nome: acb) -> Callable[[acb, int], Series]:
-    """The derivative of order ``start`` of a theta function, or of an arbitrary function."""
+    """Return the derivative of order ``start`` of a theta function, or of an arbitrary function."""
     kind = "theta" if nome else "jet"
     return lambda z, order: [
         _ball(kind, z, *nome, (name, start + n)) / factorial(n) for n in range(order + 1)
@@ -164,7 +164,7 @@ class AtZero:
         return acb(1)
 
     def epsilon(self, z: acb) -> acb:
-        """The integral of dn**2 from 0."""
+        """Return the integral of dn**2 from 0."""
         return z
 
     def zeta(self, _z: acb) -> acb:
@@ -177,7 +177,7 @@ class AtZero:
 
 
 class AtOne(AtZero):
-    """Those of m = 1, all but zeta, theta and eta."""
+    """Jacobi functions of m = 1, all but zeta, theta and eta."""
 
     def sn(self, z: acb) -> acb:
         """sn."""
@@ -192,7 +192,7 @@ class AtOne(AtZero):
         return z.sech()
 
     def epsilon(self, z: acb) -> acb:
-        """The integral of dn**2 from 0."""
+        """Return the integral of dn**2 from 0."""
         return z.tanh()
 
     def zeta(self, z: acb) -> acb:
@@ -219,7 +219,7 @@ class Elliptic:
         return self._triple(z, order)[2]
 
     def epsilon(self, z: acb, order: int) -> Series:
-        """The integral of dn**2 from 0."""
+        """Return the integral of dn**2 from 0."""
         dn = self.dn(z, order)
         start = self._values.epsilon(z)
         return [start, *(_product(dn, dn, n) / (n + 1) for n in range(order))]

@@ -42,8 +42,8 @@ def node_text(
         case ["Mul", *parts]:
             return _product([meaning(part) for part in parts]), PRODUCT
         case ["Pow", base, exponent]:
-            shown = exponent if exponent.isdigit() else f"({exponent})"
-            return f"{enclosed(base, ATOM)}{power}{shown}", POWER
+            above = exponent if exponent.isdigit() else f"({exponent})"
+            return f"{enclosed(base, ATOM)}{power}{above}", POWER
         case ["power", base, exponent]:
             return f"{enclosed(base, ATOM)}{power}{enclosed(exponent, ATOM)}", POWER
         case ["parity", exponent]:

@@ -156,7 +156,7 @@ def _certificate(
 def typed_parts(
     statement: Statement, equation: FormulaTree, kept: tuple[type, ...] = ()
 ) -> list[Typed]:
-    """Those of `typed_nodes`, if they are few; a formula is named after what stands in it."""
+    """Return `typed_nodes`, if they are few; raises ValueError for many."""
     found = [*typed_nodes(statement, equation, kept)]
     if len(found) > MOST:
         raise ValueError(f"texts must have at most {MOST} functions, got {len(found)}")
@@ -183,7 +183,7 @@ def typed_nodes(
 
 
 def put_in(trees: StatementTrees, formula: FormulaTree) -> FormulaTree:
-    """The formula with what unknowns and defined names stand for in their places."""
+    """Return the formula with what unknowns and defined names stand for in their places."""
 
     def image(node: FormulaTree) -> FormulaTree | None:
         if not isinstance(node, Unknown):
@@ -199,7 +199,7 @@ def put_in(trees: StatementTrees, formula: FormulaTree) -> FormulaTree:
 
 
 def vocabulary(statement: Statement, kept: tuple[type, ...] = ()) -> Vocabulary:
-    """The symbols of a statement by their names; those of which nothing is known are real.
+    """Return the symbols of a statement by their names; those of which nothing is known are real.
 
     Functions of the types ``kept`` are not evaluated.
     """
@@ -257,7 +257,7 @@ def _is_read_as_number(exponent: FormulaTree) -> bool:
 
 
 def _with_values(proof: Data, typed: Sequence[Typed], problem: StatementProblem) -> Data:
-    """The proof with what SymPy makes of each root, absolute value and logarithm.
+    """Return the proof with what SymPy makes of each root, absolute value and logarithm.
 
     The factors of what is under a root show its sign.
     """
@@ -288,7 +288,7 @@ def _with_values(proof: Data, typed: Sequence[Typed], problem: StatementProblem)
 
 
 def _equal_parts(typed: Sequence[Typed], problem: StatementProblem) -> dict[sp.Expr, sp.Expr]:
-    """What roots, roots of squares, moduli and inverse functions may be: equal at a point."""
+    """Return values of roots, moduli and inverse functions that are equal at a point."""
     found: dict[sp.Expr, sp.Expr] = {}
     for part in typed:
         match part.plain:
@@ -298,9 +298,9 @@ def _equal_parts(typed: Sequence[Typed], problem: StatementProblem) -> dict[sp.E
                         found[part.plain] = value
     for part, other in product(typed, typed):
         name = part.tree.name if isinstance(part.tree, Call) else ""
-        alike = isinstance(other.tree, Call) and other.tree.name == name
+        is_same = isinstance(other.tree, Call) and other.tree.name == name
         known = part.plain in (*found, *found.values()) or other.plain in found
-        if name not in ("sqrt", "abs", *INVERSE) or alike or known or other.plain.is_number:
+        if name not in ("sqrt", "abs", *INVERSE) or is_same or known or other.plain.is_number:
             continue
         if part.tree not in other.tree.nodes() and _are_equal(part.plain, other.plain, problem):
             found[part.plain] = other.plain
@@ -308,7 +308,7 @@ def _equal_parts(typed: Sequence[Typed], problem: StatementProblem) -> dict[sp.E
 
 
 def _are_equal(left: sp.Expr, right: sp.Expr, problem: StatementProblem) -> bool:
-    """Whether two formulas have the same value at a point, as far as balls show."""
+    """Return whether two formulas have the same value at a point, as far as balls show."""
     with suppress(ValueError, ZeroDivisionError):
         values = (ball_value(side, problem.points[0], BITS) for side in (left, right))
         return bool(sub(*values).contains(0))

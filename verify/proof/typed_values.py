@@ -1,4 +1,4 @@
-"""What was typed, evaluated by itself: at points of the domain, and at the first integers in it.
+"""Values of typed statements: at points of the domain, and at the first integers in it.
 
 Parameters that may be complex have a few values that are not real.
 
@@ -101,7 +101,7 @@ class TypedValues:
         self._balls = TypedBalls(trees, {str(s) for s, d in domains.items() if d.integer})
 
     def fails_at(self, point: TextPoint, bits: Sequence[int] = BITS) -> bool | None:
-        """Whether an equation fails at a point; None where that cannot be said."""
+        """Return whether an equation fails at a point; None where that cannot be said."""
         is_small = False
         for size, found in self._residuals(point, bits):
             if any(not residual.contains(0) for residual in found):
@@ -135,19 +135,19 @@ class TypedValues:
         return None
 
     def difference(self, residuals: Sequence[sp.Expr]) -> str:
-        """Why residuals are not seen to be those of what was typed; empty if they are.
+        """Return why residuals are not seen to be those of the typed trees; empty if they are.
 
         They are compared in balls: at points with all signs, at the first integers, and where a
         parameter is a small number.
         """
-        seen = 0
+        agreed = 0
         for point in self._compared():
             agrees = self._agree_at(point, residuals)
             if agrees is False:
                 where = ", ".join(f"{name} = {value}" for name, value in point.items())
                 return f"{OTHER_RESIDUAL} at {where}"
-            seen += bool(agrees)
-        return "" if seen >= LEAST else NOT_SEEN
+            agreed += bool(agrees)
+        return "" if agreed >= LEAST else NOT_SEEN
 
     def _agree_at(self, point: TextPoint, residuals: Sequence[sp.Expr]) -> bool | None:
         """Whether residuals have the values of what was typed; None where that cannot be said."""
@@ -164,7 +164,7 @@ class TypedValues:
         return None
 
     def _compared(self) -> Iterator[TextPoint]:
-        """Points at which residuals are compared."""
+        """Yield points at which residuals are compared."""
         nodes = [node for formula in self.trees.formulas for node in formula.nodes()]
         drawn = list(self._points(PLAIN_POINTS if all(map(_is_plain, nodes)) else SIGNED_POINTS, 1))
         yield from drawn
@@ -208,7 +208,7 @@ class TypedValues:
 
 
 def _is_plain(node: FormulaTree) -> bool:
-    """Whether a node has no branches: a sum, a product, a whole power or such a function."""
+    """Return whether a node has no branches: a sum, a product, a whole power or such a function."""
     if isinstance(node, Power):
         exponent = rational(node.parts[1])
         return exponent is not None and exponent.denominator == 1
