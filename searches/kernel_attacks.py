@@ -28,8 +28,8 @@ from longwave.verify.kernel.node_balls import Balls, value_at
 from longwave.verify.kernel.nodes import Nodes
 from longwave.verify.kernel.reading import Scope, formula
 from longwave.verify.kernel.ring import Element
-from longwave.verify.kernel.statement import Statement, read_statement
-from longwave.verify.kernel.substitution import Substitution
+from longwave.verify.kernel.statement import Statement, Substitution, read_statement
+from longwave.verify.kernel.table import RULES
 from longwave.verify.proof.statement_text import read_statement as typed_statement
 from longwave.verify.proof.typed_balls import TypedBalls
 from searches.false_certificates import false_certificates
@@ -59,7 +59,7 @@ def field_of(
 ) -> Field:
     """A field with a generator for whatever may be one below ``wanted``."""
     positive = {nodes.gap(a, b): weak for weak, a, b in statement.domain}
-    field = Field(nodes, MOST, statement.variables, positive, hints)
+    field = Field(nodes, MOST, statement.variables, positive, hints, RULES)
     taken = []
     for node in list(atoms(nodes, [*wanted, *statement.variables])):
         if len(field.generators) < MOST and node not in hints.values:
@@ -68,7 +68,7 @@ def field_of(
                 taken.append(node)
             except ERRORS:
                 continue
-    exact = Field(nodes, len(taken), statement.variables, positive, hints)
+    exact = Field(nodes, len(taken), statement.variables, positive, hints, RULES)
     for node in taken:
         exact.register(node)
     return exact
@@ -76,18 +76,18 @@ def field_of(
 
 def atoms(nodes: Nodes, wanted: Sequence[int]) -> Iterator[int]:
     """The functions below ``wanted`` that may be generators, and those that they are made of."""
-    imaginary = nodes.made("I")
+    imaginary = nodes.add("I")
     for node in [imaginary, *nodes.below(wanted)]:
         name, *inner = nodes.all[node]
         definition = FUNCTIONS[name].definition if name in FUNCTIONS else ""
         if "exp(I*z)" in definition:
-            yield nodes.made("exp", nodes.made("Mul", imaginary, inner[0]))
+            yield nodes.add("exp", nodes.add("Mul", imaginary, inner[0]))
         elif "exp(z)" in definition:
-            yield nodes.made("exp", inner[0])
+            yield nodes.add("exp", inner[0])
         elif name == "Pow" and inner[1].q > 1:
-            yield nodes.made("Pow", inner[0], fmpq(1, inner[1].q))
+            yield nodes.add("Pow", inner[0], fmpq(1, inner[1].q))
         elif name == "sign":
-            yield nodes.made("Abs", inner[0])
+            yield nodes.add("Abs", inner[0])
         elif name in ATOMS or name.startswith("jacobi_"):
             yield node
 

@@ -32,7 +32,7 @@ from longwave.verify.kernel import check_certificate
 from longwave.verify.kernel.limits import FORMAT, digest
 from longwave.verify.proof.statement_text import read_statement
 from longwave.verify.proof.statement_verdict import decide_statement
-from longwave.verify.proof.typed_hints import typed_proof
+from longwave.verify.proof.typed_hints import NO_VERDICT, typed_certificate
 from longwave.verify.proof.typed_statement import Statement
 from longwave.verify.verdict import Outcome
 
@@ -277,8 +277,8 @@ class KnownValue:
 
     def is_accepted(self, statement: Statement) -> bool:
         """Whether the checker accepts it in one of the ways in which nobody looked for a point."""
-        with suppress(ValueError):
-            typed_proof(statement, 1)
+        with suppress(*NO_VERDICT):
+            typed_certificate(statement, 1)
             return True
         for data in (self.forged(self.left, self.right), self.forged(self.right, self.left)):
             with suppress(ValueError):

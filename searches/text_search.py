@@ -6,24 +6,58 @@ the statement is by construction, and a witness with the residual that the judge
 
 from __future__ import annotations
 
+import enum
 import hashlib
 import random
-from collections.abc import Iterable
-from dataclasses import replace
+import statistics
+import time
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from longwave.derive.algebra.formula_text import FormulaError
+from longwave.support.processes import OutOfTime, time_limit
 from longwave.verify.proof.text_prover import prove
 from longwave.verify.verdict import Outcome, ProofVerdict
 from searches.statements.library import statement
-from searches.statements.random_statement import RandomStatement, Truth
 from searches.texts.ball_judge import CannotJudge, Judge
 from searches.texts.text_library import TEXT_KINDS, text_statement
-from searches.texts.text_statement import TextStatement
-from searches.verdict_search import LIMIT, Judgement, Mark, judge, marked_answer
+from searches.texts.text_statement import TextStatement, Truth
 
 SEARCH_KINDS = ("real", *TEXT_KINDS)
-"""``real``: one real unknown, equations and formulas as SymPy objects."""
+"""``real``: one real unknown, equations and formulas as SymPy prints them."""
+
+LIMIT = 10.0
+"""Seconds of processor time that a verdict may take."""
+
+
+class Mark(enum.StrEnum):
+    """Judgement of one answer.  UNJUDGED: refuted where the judge cannot say."""
+
+    RIGHT = "right"
+    WRONG = "wrong"
+    UNDECIDED = "undecided"
+    ERROR = "error"
+    SLOW = "slow"
+    UNJUDGED = "unjudged"
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """The answer to one statement.
+
+    ``words``: the verdict's reason, the fault of a wrong one, or the error.  ``seconds`` of
+    processor time.
+    """
+
+    kind: str
+    truth: Truth
+    seed: int
+    index: int
+    mark: Mark
+    words: str
+    seconds: float
 
 
 def ask_text(given: TextStatement) -> ProofVerdict:
@@ -48,7 +82,7 @@ def judge_text(given: TextStatement, limit: float = LIMIT) -> Judgement:
     mark, words, seconds = marked_answer(
         lambda: ask_text(given), lambda verdict: marked_text(given, verdict), refused, limit
     )
-    return Judgement(given.kind, given.truth, given.seed, given.index, mark, True, words, seconds)
+    return Judgement(given.kind, given.truth, given.seed, given.index, mark, words, seconds)
 
 
 def marked_text(given: TextStatement, verdict: ProofVerdict) -> tuple[Mark, str]:
@@ -94,22 +128,41 @@ def _shown(given: TextStatement, witness: dict[str, str]) -> dict[str, Fraction]
     return {name: Fraction(witness[name]) for name in names}
 
 
-def any_statement(kind: str, seed: int, index: int) -> RandomStatement | TextStatement:
-    """The statement of a kind of `SEARCH_KINDS`."""
-    return statement(seed, index) if kind == "real" else text_statement(kind, seed, index)
+def marked_answer(
+    asked: Callable[[], ProofVerdict],
+    marked: Callable[[ProofVerdict], tuple[Mark, str]],
+    refused: Callable[[Exception], tuple[Mark, str] | None],
+    limit: float,
+) -> tuple[Mark, str, float]:
+    """The mark of an answer, its words and seconds; ``refused`` marks errors that are answers."""
+    start = time.process_time()
+    try:
+        with time_limit(limit):
+            verdict = asked()
+        mark, words = marked(verdict)
+    except OutOfTime:
+        mark, words = Mark.SLOW, f"no verdict in {limit:g} s"
+    except Exception as error:  # a crash of the prover is a finding, not the end of the search
+        mark, words = refused(error) or (Mark.ERROR, error_words(error))
+    return mark, words, time.process_time() - start
+
+
+def error_words(error: Exception) -> str:
+    """The kind of an error and what it says."""
+    return f"{type(error).__name__}: {error}"
+
+
+def any_statement(kind: str, seed: int, index: int) -> TextStatement:
+    """Return the statement of a kind of `SEARCH_KINDS`, which stands before its own kind."""
+    if kind != "real":
+        return text_statement(kind, seed, index)
+    found = statement(seed, index)
+    return replace(found, kind=f"{kind}: {found.kind}")
 
 
 def judged(kind: str, seed: int, index: int, limit: float = LIMIT) -> Judgement:
     """The judgement of that statement, its kind first and what there is within it behind."""
-    given = any_statement(kind, seed, index)
-    if isinstance(given, TextStatement):
-        return judge_text(given, limit)
-    return replace(judge(given, limit), kind=full_kind(kind, given))
-
-
-def full_kind(kind: str, given: RandomStatement | TextStatement) -> str:
-    """The kind of `SEARCH_KINDS`, and what there is within it."""
-    return given.kind if isinstance(given, TextStatement) else f"{kind}: {given.kind}"
+    return judge_text(any_statement(kind, seed, index), limit)
 
 
 def kind_of(judgement: Judgement) -> str:
@@ -121,3 +174,56 @@ def digest(found: Iterable[Judgement]) -> str:
     """A number of what became of each statement; in another order it is the same."""
     lines = sorted(f"{j.kind} {j.seed} {j.index} {j.truth} {j.mark}" for j in found)
     return hashlib.sha256("\n".join(lines).encode()).hexdigest()[:16]
+
+
+@dataclass(frozen=True)
+class Tally:
+    """Marks of the statements of one kind; ``seconds`` of each, in the order asked."""
+
+    kind: str
+    counts: Mapping[Mark, int]
+    seconds: tuple[float, ...]
+
+    @property
+    def total(self) -> int:
+        """Number of statements."""
+        return len(self.seconds)
+
+    def cells(self) -> list[str]:
+        """The row of the table that goes with `HEADINGS`."""
+        counts = [str(self.counts.get(mark, 0)) for mark in Mark]
+        share = 100 * self.counts.get(Mark.UNDECIDED, 0) / max(self.total, 1)
+        times = [f"{1000 * f(self.seconds):.0f}" for f in (statistics.median, max)]
+        return [self.kind, str(self.total), *counts, f"{share:.1f}", *times]
+
+
+HEADINGS = (
+    "kind",
+    "count",
+    *(mark.value for mark in Mark),
+    "% undecided",
+    "median ms",
+    "max ms",
+)
+
+
+def tally(kind: str, found: Sequence[Judgement]) -> Tally:
+    """The counts of some judgements."""
+    return Tally(
+        kind,
+        Counter(judgement.mark for judgement in found),
+        tuple(judgement.seconds for judgement in found),
+    )
+
+
+def _group(judgement: Judgement) -> str:
+    return judgement.kind.partition(":")[0]
+
+
+def tallies(found: Sequence[Judgement], group: Callable[[Judgement], str] = _group) -> list[Tally]:
+    """One a kind (branches and complex formulas together, unless told), and one of all."""
+    by_kind: dict[str, list[Judgement]] = {}
+    for judgement in found:
+        kind = group(judgement)
+        by_kind.setdefault(kind, []).append(judgement)
+    return [*(tally(kind, own) for kind, own in sorted(by_kind.items())), tally("all", found)]

@@ -6,7 +6,7 @@ status is 1 if a verdict is wrong, an error escaped, or nothing came back in tim
     python -m searches.verdicts [--count 100000] [--minutes 600] [--seed 0] [--workers 2]
                                   [--kind all] [--undecided]
 
-With ``--kind all`` the kinds take turns: one real unknown as SymPy objects, then in text systems,
+With ``--kind all`` the kinds take turns: one real unknown, then systems,
 complex fields, compositions and shifts of lattice sites.
 """
 
@@ -22,8 +22,17 @@ from rich.progress import Progress
 from rich.table import Table
 
 from longwave.support.processes import Job, LocalWorkers, LostProcess, OutOfTime, as_ended
-from searches.text_search import SEARCH_KINDS, any_statement, digest, full_kind, judged, kind_of
-from searches.verdict_search import HEADINGS, Judgement, Mark, tallies
+from searches.text_search import (
+    HEADINGS,
+    SEARCH_KINDS,
+    Judgement,
+    Mark,
+    any_statement,
+    digest,
+    judged,
+    kind_of,
+    tallies,
+)
 
 COUNT = 100_000
 PATIENCE = 60.0
@@ -77,8 +86,7 @@ def search(
 def _abandoned(kinds: Kinds, seed: int, number: int, words: str) -> Judgement:
     kind, index = placed(kinds, number)
     given = any_statement(kind, seed, index)
-    of = full_kind(kind, given)
-    return Judgement(of, given.truth, seed, index, Mark.SLOW, True, words, PATIENCE)
+    return Judgement(given.kind, given.truth, seed, index, Mark.SLOW, words, PATIENCE)
 
 
 def _text(judgement: Judgement) -> str:
@@ -102,13 +110,13 @@ def table(found: list[Judgement], kind: str, seconds: float) -> Table:
 
 
 def reasons(found: list[Judgement]) -> Table:
-    """Why statements in supported functions were left undecided, the most frequent first."""
+    """Return the reasons of undecided verdicts, the most frequent first."""
     counts: dict[tuple[str, str], list[int]] = {}
     for judgement in found:
-        if judgement.mark is Mark.UNDECIDED and judgement.supported:
+        if judgement.mark is Mark.UNDECIDED:
             last = judgement.words.rpartition("; then: ")[2]
             counts.setdefault((judgement.kind, last[:100]), []).append(judgement.index)
-    made = Table("count", "kind", "reason", "first", title="Undecided, in supported functions")
+    made = Table("count", "kind", "reason", "first", title="Undecided")
     for (kind, words), own in sorted(counts.items(), key=lambda item: -len(item[1]))[:40]:
         made.add_row(str(len(own)), kind, words, str(min(own)))
     return made

@@ -18,11 +18,13 @@ from longwave.derive.algebra.formula_tree import (
     FormulaTree,
     Name,
     Number,
+    Part,
     Power,
     Product,
     Sum,
     Unknown,
     quotient,
+    signed_sum,
 )
 
 GREEK = {
@@ -38,9 +40,6 @@ OPERATORS = {"re": "Re", "im": "Im", "elliptic_k": "K", "elliptic_e": "E", "lamb
 
 SHAPED = ("exp", "sqrt", "abs", "conjugate")
 """Functions with a notation of their own instead of a name."""
-
-Part = tuple[str, int]
-"""LaTeX, and the binding strength of its outermost operation."""
 
 
 def formula_latex(formula: FormulaTree) -> str:
@@ -90,7 +89,7 @@ def _latex_and_binding(formula: FormulaTree) -> Part:
         case Derivative(parts=(inner,), steps=steps):
             return rf"\left({_latex_and_binding(inner)[0]}\right)_{{{_subscripts(steps)}}}", ATOM
         case Sum(parts=parts):
-            return _sum([_enclosed(part, PRODUCT) for part in parts]), SUM
+            return signed_sum([_enclosed(part, PRODUCT) for part in parts]), SUM
         case Product() | Power(parts=(_, Number(value=-1))):
             return _product(formula)
         case Power(parts=(base, exponent)):
@@ -110,11 +109,6 @@ def _unknown(name: str, site: str, steps: Sequence[str]) -> Part:
 def _subscripts(steps: Sequence[str]) -> str:
     names = [*map(name_latex, steps)]
     return "".join(names) if all(len(name) == 1 for name in names) else " ".join(names)
-
-
-def _sum(terms: Sequence[str]) -> str:
-    first, *rest = terms
-    return first + "".join(f" - {t[1:]}" if t[0] == "-" else f" + {t}" for t in rest)
 
 
 def _product(formula: FormulaTree) -> Part:

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from math import prod
@@ -133,10 +133,22 @@ def mapped(formula: FormulaTree, image: Callable[[FormulaTree], FormulaTree | No
 SUM, PRODUCT, POWER, ATOM = range(4)
 """Binding strength of the outermost operation of a text."""
 
+Part = tuple[str, int]
+"""Text, and the binding strength of its outermost operation."""
+
 
 def formula_text(formula: FormulaTree) -> str:
-    """Return the formula as text, which is parsed to this tree."""
-    return _text_and_binding(formula)[0]
+    """Return the formula in the grammar, read back as this tree."""
+    return _written(formula, True)[0]
+
+
+def plain_text(formula: FormulaTree) -> str:
+    """Return the formula as one types it: an equal one is read back, with fewer brackets.
+
+    >>> plain_text(Product((MINUS_ONE, Name("x"), Power((Name("t"), MINUS_ONE)))))
+    '-x/t'
+    """
+    return _written(formula, False)[0]
 
 
 Quotient = tuple[bool, tuple[FormulaTree, ...], tuple[FormulaTree, ...]]
@@ -156,57 +168,24 @@ def quotient(formula: FormulaTree) -> Quotient:
     return minus, numerator, tuple(part.parts[0] for part in divisors)
 
 
-def plain_text(formula: FormulaTree) -> str:
-    """Return the formula as one types it, with fewer brackets; it is parsed to an equal formula.
-
-    >>> plain_text(Product((MINUS_ONE, Name("x"), Power((Name("t"), MINUS_ONE)))))
-    '-x/t'
-    """
-    return _plain(formula)[0]
+def signed_sum(terms: Sequence[str]) -> str:
+    """Return a sum with the minus signs that its terms begin with."""
+    first, *rest = terms
+    return first + "".join(f" - {t[1:]}" if t[0] == "-" else f" + {t}" for t in rest)
 
 
-def _plain(formula: FormulaTree) -> tuple[str, int]:
+def _written(formula: FormulaTree, exact: bool) -> Part:
     """Return the text, and the binding strength of its outermost operation."""
 
     def enclosed(part: FormulaTree, binding: int) -> str:
-        text, level = _plain(part)
+        text, level = _written(part, exact)
         return text if level >= binding else f"({text})"
 
     match formula:
         case Number(value=value):
-            return str(value), ATOM if value.denominator == 1 and value >= 0 else PRODUCT
-        case Sum(parts=parts):
-            first, *rest = [enclosed(part, PRODUCT) for part in parts]
-            signed = (f" - {t[1:]}" if t[0] == "-" else f" + {t}" for t in rest)
-            return first + "".join(signed), SUM
-        case Product() | Power(parts=(_, Number(value=-1))):
-            minus, numerator, denominator = quotient(formula)
-            head, *tail = numerator or (Number(Fraction(1)),)
-            is_first = isinstance(head, Number) and not minus
-            texts = [enclosed(head, PRODUCT if is_first else POWER)]
-            texts += [enclosed(part, POWER) for part in tail]
-            text = "-" * minus + "*".join(texts)
-            return text + "".join(f"/{enclosed(part, POWER)}" for part in denominator), PRODUCT
-        case Power(parts=(base, exponent)):
-            return f"{enclosed(base, ATOM)}**{enclosed(exponent, ATOM)}", POWER
-        case Call(parts=parts, name=name):
-            return f"{name}({', '.join(enclosed(part, SUM) for part in parts)})", ATOM
-        case Derivative(parts=(inner,), steps=steps):
-            return f"diff({', '.join((enclosed(inner, SUM), *steps))})", ATOM
-    return _text_and_binding(formula)
-
-
-def _text_and_binding(formula: FormulaTree) -> tuple[str, int]:
-    """Return the text, and the binding strength of its outermost operation."""
-
-    def enclosed(part: FormulaTree, binding: int) -> str:
-        text, level = _text_and_binding(part)
-        return text if level >= binding else f"({text})"
-
-    match formula:
-        case Number(value=value):
-            plain = value.denominator == 1 and value >= 0
-            return (str(value), ATOM) if plain else (f"({value})", ATOM)
+            if value.denominator == 1 and value >= 0:
+                return str(value), ATOM
+            return (f"({value})", ATOM) if exact else (str(value), PRODUCT)
         case Name(name=name):
             return name, ATOM
         case Unknown(name=name, steps=steps, site=site, shift=shift):
@@ -214,11 +193,20 @@ def _text_and_binding(formula: FormulaTree) -> tuple[str, int]:
             index = f"{site}{shift:+d}" if shift else site
             return f"{name}{subscripts}" + (f"[{index}]" if site else ""), ATOM
         case Sum(parts=parts):
-            return " + ".join(enclosed(part, PRODUCT) for part in parts), SUM
-        case Product(parts=parts):
-            return "*".join(enclosed(part, POWER) for part in parts), PRODUCT
-        case Power(parts=(base, exponent)):
+            terms = [enclosed(part, PRODUCT) for part in parts]
+            return " + ".join(terms) if exact else signed_sum(terms), SUM
+        case Power(parts=(base, exponent)) if exact or exponent != MINUS_ONE:
             return f"{enclosed(base, ATOM)}**{enclosed(exponent, ATOM)}", POWER
+        case Product(parts=parts) if exact:
+            return "*".join(enclosed(part, POWER) for part in parts), PRODUCT
+        case Product() | Power():
+            minus, above, below = quotient(formula)
+            head, *tail = above or (Number(Fraction(1)),)
+            is_first = isinstance(head, Number) and not minus
+            texts = [enclosed(head, PRODUCT if is_first else POWER)]
+            texts += [enclosed(part, POWER) for part in tail]
+            text = "-" * minus + "*".join(texts)
+            return text + "".join(f"/{enclosed(part, POWER)}" for part in below), PRODUCT
         case Call(parts=parts, name=name):
             return f"{name}({', '.join(enclosed(part, SUM) for part in parts)})", ATOM
         case Derivative(parts=(inner,), steps=steps):

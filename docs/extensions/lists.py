@@ -13,6 +13,7 @@ from longwave.scenes.description.named_scenes import load_scene, shipped_scenes
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.observed.observables import OBSERVABLES
 from longwave.solutions import CATALOGUE, ClosedForm
+from longwave.verify.kernel.table import RULES
 from longwave.verify.published import published
 from paper_map import Holder, Row, paper_map
 
@@ -165,3 +166,21 @@ def misprints() -> str:
 def linked(words: str, address: str) -> str:
     """The words, as a link where there is an address."""
     return f"[{words}]({address})" if address else words
+
+
+def kernel_rules() -> str:
+    """Return the kernel's rules in the order in which they are tried, with their assumptions.
+
+    >>> "| image | Pow | `root_rules.root` |" in kernel_rules()
+    True
+    """
+    rows = [
+        [
+            rule.question,
+            ", ".join(rule.functions),
+            f"`{rule.answer.__module__.rpartition('.')[2]}.{rule.answer.__name__}`",
+            rule.assumes,
+        ]
+        for rule in RULES.rows
+    ]
+    return table(["question", "of", "rule", "assumes"], rows)

@@ -27,6 +27,7 @@ CONTENTS: dict[str, Callable[[], str]] = {
     "observables": lists.observables,
     "schemes": lists.schemes,
     "bench-keys": lists.bench_keys,
+    "kernel-rules": lists.kernel_rules,
     "published-solutions": library_pages.contents,
     "published-misprints": lists.misprints,
     "gallery": lambda: gallery.markdown(gallery.scripts(GALLERY)),
@@ -71,6 +72,6 @@ def _read_again(app: Sphinx, env: Any, docnames: list[str]) -> None:
     """Pages with generated tables follow the objects, which Sphinx does not watch."""
     docnames += [
         name
-        for name in ("gallery", "how-to/bench", "library", "lists", "paper-map")
+        for name in ("gallery", "how-to/bench", "library", "lists", "paper-map", "trust")
         if name not in docnames
     ]

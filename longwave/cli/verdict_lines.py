@@ -56,9 +56,8 @@ class VerdictLines:
         return self._digest()
 
     def _key(self, statement: Statement) -> str:
-        typed = asdict(statement.texts) if statement.texts is not None else {}
         solved_for = list(map(str, statement.wanted))
-        parts = [typed, solved_for, statement.weak, self._limit, self._sources]
+        parts = [asdict(statement.texts), solved_for, statement.weak, self._limit, self._sources]
         return sha256(json.dumps(parts).encode()).hexdigest()
 
     @cached_property

@@ -1,5 +1,4 @@
-"""Random statements whose truth is known by construction, to find wrong verdicts with.
+"""Random statements of known truth, which SymPy builds and the prover gets in text.
 
-`library.statement` makes the one of a seed and an index; `searches.verdict_search` asks the
-prover.
+`library.statement` makes the one of a seed and an index.
 """

@@ -19,13 +19,8 @@ from searches.statements.formulas import (
     positive,
     rewritten,
 )
-from searches.statements.random_statement import (
-    Point,
-    RandomStatement,
-    Setting,
-    Truth,
-)
-from searches.statements.values import shown_at, with_counterexample
+from searches.statements.random_statement import Point, RandomStatement, Setting
+from searches.texts.text_statement import Truth
 
 Sides = Callable[[sp.Expr, sp.Expr], tuple[sp.Expr, sp.Expr]]
 
@@ -216,27 +211,27 @@ def _labelled(
     draw = setting.draw
     if left == right or (left - right).has(sp.nan, sp.zoo, sp.oo):
         return None
-    if beyond is None:
-        point = None if holds else shown_at(left - right, setting, 60)
-    else:
-        point = {**setting.point(), **beyond}
-    if not holds and point is None:
-        return None
+    point = None if beyond is None else {**setting.point(), **beyond}
     factor = draw.choice(
         (sp.S.One, number(setting), 1 + phase(setting) ** 2, sp.exp(phase(setting)))
     )
-    return _stated(f"branch: {name}", setting, left * factor, right * factor, point)
+    return _stated(f"branch: {name}", setting, left * factor, right * factor, holds, point)
 
 
 def _stated(
-    kind: str, setting: Setting, left: sp.Expr, right: sp.Expr, counterexample: Point | None
+    kind: str,
+    setting: Setting,
+    left: sp.Expr,
+    right: sp.Expr,
+    holds: bool,
+    counterexample: Point | None = None,
 ) -> RandomStatement:
-    """The identity as an equality or as an equation, false if it has a counterexample."""
+    """Return the identity as an equality or as an equation."""
     if setting.draw.random() < 0.5:
         made = setting.equality(kind, left, right)
     else:
         made = setting.equation(kind, setting.unknown - left, right)
-    if counterexample is None:
+    if holds:
         return made
     return replace(made, truth=Truth.FALSE, counterexample=counterexample)
 
@@ -294,10 +289,7 @@ def conjugates(setting: Setting) -> RandomStatement | None:
     left, right = sides(phase(setting), positive(setting), formula(setting, 1))
     if left == right or (left - right).has(sp.nan, sp.zoo, sp.oo):
         return None
-    point = None if holds else shown_at(left - right, setting, 40)
-    if not holds and point is None:
-        return None
-    return _stated(f"complex: {name}", setting, left, right, point)
+    return _stated(f"complex: {name}", setting, left, right, holds)
 
 
 def plane_wave(setting: Setting) -> RandomStatement | None:
@@ -316,13 +308,7 @@ def plane_wave(setting: Setting) -> RandomStatement | None:
     if holds:
         return made
     factor = (1 + sp.I) * constant(setting) / 10 ** draw.choice((0, 0, 40))
-    changed = replace(
-        made,
-        truth=Truth.FALSE,
-        left=left + factor * unknown,
-        change=factor * solution,
-    )
-    return with_counterexample(changed, draw)
+    return replace(made, truth=Truth.FALSE, left=left + factor * unknown)
 
 
 def _square_root(p: sp.Rational, q: sp.Rational, root: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
@@ -365,9 +351,4 @@ def nested_roots(setting: Setting) -> RandomStatement | None:
     slope = f.diff(v)
     equation = setting.unknown.diff(v) - left * slope
     made = setting.equation("nested roots", equation, (right + change) * f)
-    if change == 0:
-        return made
-    point = shown_at(slope, setting, 40)
-    if point is None:
-        return None
-    return replace(made, truth=Truth.FALSE, counterexample=point)
+    return made if change == 0 else replace(made, truth=Truth.FALSE)

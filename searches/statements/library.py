@@ -10,11 +10,9 @@ import sympy as sp
 
 from longwave.verify.subexpressions import distinct_nodes
 from searches.statements import branches, perturbed, solvable
-from searches.statements.random_statement import (
-    RandomStatement,
-    Setting,
-    random_setting,
-)
+from searches.statements.random_statement import RandomStatement, Setting, random_setting
+from searches.texts.drafts import shown_false
+from searches.texts.text_statement import TextStatement, Truth
 
 LONGEST = 160
 """Operations of a statement; longer ones took the prover seconds, a few of them a minute."""
@@ -45,8 +43,8 @@ KINDS: Mapping[str, tuple[Maker, float]] = {
 """The makers by name, each with its share."""
 
 
-def statement(seed: int, index: int, kinds: tuple[str, ...] = ()) -> RandomStatement:
-    """The statement number ``index`` of the search with ``seed``, the same each time.
+def statement(seed: int, index: int, kinds: tuple[str, ...] = ()) -> TextStatement:
+    """Return the statement number ``index`` of the search with ``seed``, the same each time.
 
     ``kinds`` restricts it to some makers.
 
@@ -59,8 +57,13 @@ def statement(seed: int, index: int, kinds: tuple[str, ...] = ()) -> RandomState
         (name,) = draw.choices(names, [KINDS[name][1] for name in names])
         maker, _ = KINDS[name]
         found = maker(random_setting(draw))
-        if found is not None and _is_short(found) and _is_plain(found):
-            return replace(found, seed=seed, index=index)
+        if found is None or not _is_short(found) or not _is_plain(found):
+            continue
+        made: TextStatement | None = found.text()
+        if made and made.truth is Truth.FALSE:
+            made = shown_false(made, draw, made.counterexample)
+        if made:
+            return replace(made, seed=seed, index=index)
 
 
 def _is_short(found: RandomStatement) -> bool:

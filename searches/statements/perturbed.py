@@ -20,7 +20,7 @@ from searches.statements.formulas import (
     polynomial,
     positive,
 )
-from searches.statements.random_statement import RandomStatement, Setting, Truth
+from searches.statements.random_statement import RandomStatement, Setting
 from searches.statements.solvable import (
     identity,
     logarithmic,
@@ -28,59 +28,44 @@ from searches.statements.solvable import (
     with_annihilator,
     with_source,
 )
-from searches.statements.values import shown_at, with_counterexample
+from searches.texts.text_statement import Truth
 
 TINY = (20, 60, 200)
 TRUE = (with_source, with_source, with_annihilator, travelling_wave, logarithmic, identity)
-DIGITS = 40
 PRIME = 1009
 SMALLEST = 10**-30
 
 
 def perturbed(
     kind: str, setting: Setting, statement: RandomStatement, term: sp.Expr
-) -> RandomStatement | None:
-    """``statement`` with ``term``, free of the unknown, added; None if no point shows it."""
-    point = shown_at(term, setting, DIGITS)
-    if point is None:
-        return None
+) -> RandomStatement:
+    """Return ``statement`` with ``term``, free of the unknown, added."""
     return replace(
         statement,
         kind=kind,
         truth=Truth.FALSE,
         left=statement.left + term,
-        change=term,
         ranges=tuple(setting.ranges.values()),
-        counterexample=point,
     )
 
 
-def tiny_change(setting: Setting) -> RandomStatement | None:
+def tiny_change(setting: Setting) -> RandomStatement:
     """One coefficient of the equation, or one side, times 1 + 10**-20, -60 or -200."""
     draw = setting.draw
     statement = draw.choice(TRUE)(setting)
     digits = draw.choice(TINY)
     terms = sp.Add.make_args(statement.left)
-    term = draw.choice(terms)
-    value = term
-    if statement.unknown is not None:
-        value = term.subs(statement.unknown, statement.right).doit()
-    change = sp.Rational(1, 10**digits)
-    point = shown_at(value, setting, DIGITS)
-    if point is None:
-        return None
+    change = sp.Rational(1, 10**digits) * draw.choice(terms)
     return replace(
         statement,
         kind="tiny change",
         truth=Truth.FALSE,
-        left=sp.Add(*terms, change * term),
-        counterexample=point,
-        change=change * value,
+        left=sp.Add(*terms, change),
         ranges=tuple(setting.ranges.values()),
     )
 
 
-def hidden_term(setting: Setting) -> RandomStatement | None:
+def hidden_term(setting: Setting) -> RandomStatement:
     """A term that vanishes where one may look."""
     draw = setting.draw
     statement = draw.choice(TRUE)(setting)
@@ -242,11 +227,11 @@ def wrapped(setting: Setting) -> RandomStatement | None:
     if draw.random() < 0.5:
         return made
     changed = draw.choice((left - solution, left - number(setting) * right))
-    return with_counterexample(replace(made, truth=Truth.FALSE, left=changed), draw)
+    return replace(made, truth=Truth.FALSE, left=changed)
 
 
-def opaque(setting: Setting) -> RandomStatement | None:
-    """A false equation in something else than jets, with what would solve it if it were u."""
+def opaque(setting: Setting) -> RandomStatement:
+    """Return an equation in functions that the grammar does not have: nothing can be said of it."""
     draw, unknown = setting.draw, setting.unknown
     name = draw.choice(tuple(WRAPS)[len(READABLE) :])
     v = draw.choice(setting.variables)
@@ -254,4 +239,4 @@ def opaque(setting: Setting) -> RandomStatement | None:
     factor = draw.choice((sp.S.One, sp.Derivative(unknown, v), unknown))
     left = WRAPS[name](unknown, v) * factor - factor.subs(unknown, solution).doit() * solution
     made = setting.equation(f"opaque: {name}", left, solution)
-    return with_counterexample(replace(made, truth=Truth.FALSE), draw)
+    return replace(made, truth=Truth.VOID)

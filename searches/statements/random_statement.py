@@ -1,13 +1,17 @@
-"""A random statement for the prover: its symbols with their ranges, and what is known of it."""
+"""Random statement as SymPy builds it: its symbols with their ranges, and its truth."""
 
 from __future__ import annotations
 
-import enum
 import random
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
 
 import sympy as sp
+
+from longwave.derive.algebra.formula_printing import formula_as_text
+from searches.texts.text_statement import Letter, TextStatement, Truth
 
 Point = Mapping[sp.Symbol, sp.Rational]
 
@@ -15,14 +19,6 @@ SPAN = 4
 """How far beyond the end of a half line, and beyond 0 on the whole line, numbers are drawn."""
 
 LARGEST_DENOMINATOR = 200
-
-
-class Truth(enum.StrEnum):
-    """What a statement is.  VOID: the formula is defined nowhere, so that nothing can be said."""
-
-    TRUE = "true"
-    FALSE = "false"
-    VOID = "void"
 
 
 @dataclass(frozen=True)
@@ -33,26 +29,10 @@ class SymbolRange:
     low: sp.Rational | None = None
     high: sp.Rational | None = None
 
-    @property
-    def is_stated(self) -> bool:
-        """Whether the symbol's own assumptions do not say it all."""
-        return any(end not in (None, 0) for end in (self.low, self.high)) or self.is_bounded
-
-    @property
-    def is_bounded(self) -> bool:
-        """Whether both ends are finite."""
-        return self.low is not None and self.high is not None
-
     def has_sign(self, sign: int) -> bool:
         """Whether all values have the sign +1 or -1."""
         end = self.low if sign > 0 else self.high
         return end is not None and bool(sign * end >= 0)
-
-    def interval(self) -> sp.Interval:
-        """The range as a SymPy set."""
-        low = -sp.oo if self.low is None else self.low
-        high = sp.oo if self.high is None else self.high
-        return sp.Interval.open(low, high)
 
     def number(self, draw: random.Random) -> sp.Rational:
         """A random rational number in the range, other than 0."""
@@ -63,10 +43,11 @@ class SymbolRange:
         found = low + (high - low) * part
         return found if found != 0 else self.number(draw)
 
-    def holds(self, value: sp.Rational) -> bool:
-        """Whether ``value`` lies in the range."""
-        above = self.low is None or value > self.low
-        return bool(above and (self.high is None or value < self.high))
+    def letter(self, name: str) -> Letter:
+        """Return the range in text, under a name."""
+        ends = (None if end is None else sp.Rational(end) for end in (self.low, self.high))
+        low, high = (end if end is None else Fraction(int(end.p), int(end.q)) for end in ends)
+        return Letter(name, low, high)
 
 
 @dataclass(frozen=True)
@@ -75,7 +56,7 @@ class RandomStatement:
 
     In the second case ``left`` is the equation's left-hand side and ``right`` the formula that
     is put for ``unknown``.  ``ranges`` has every symbol.  ``counterexample`` is an admissible
-    point at which a false statement fails; ``change`` is its residual, where that is one term.
+    point at which a false statement fails, if it fails at few.
     """
 
     kind: str
@@ -86,40 +67,37 @@ class RandomStatement:
     ranges: tuple[SymbolRange, ...]
     unknown: sp.Expr | None = None
     counterexample: Point | None = None
-    change: sp.Expr | None = None
-    seed: int = 0
-    index: int = 0
 
-    @property
-    def domains(self) -> dict[sp.Symbol, sp.Interval]:
-        """The ranges that the symbols' assumptions do not say."""
-        return {r.symbol: r.interval() for r in self.ranges if r.is_stated}
-
-    def point(self, draw: random.Random) -> Point:
-        """A random admissible point."""
-        return {r.symbol: r.number(draw) for r in self.ranges}
-
-    def script(self) -> str:
-        """Python source that asks the prover about the statement."""
-        call = "prove" if self.unknown is not None else "prove_equal"
-        last = f", {sp.srepr(list(self.variables))}" if self.unknown is None else ""
-        domains = f", domains={sp.srepr(self.domains)}" if self.domains else ""
-        return "\n".join(
-            [
-                f"# {self.kind}, {self.truth}: statement({self.seed}, {self.index})",
-                "from sympy import *",
-                "from longwave.solutions.functions import *",
-                f"from longwave.verify.proof import {call}",
-                f"left = {sp.srepr(self.left)}",
-                f"right = {sp.srepr(self.right)}",
-                f"print({call}(left, right{last}{domains}))",
-            ]
+    def text(self) -> TextStatement:
+        """Return the statement in text, its variables as x, t, y."""
+        names = dict(zip(self.variables, map(sp.Symbol, VARIABLES), strict=False))
+        names = {own: sp.Symbol(new.name, **own.assumptions0) for own, new in names.items()}
+        letters = [made.letter(names.get(made.symbol, made.symbol).name) for made in self.ranges]
+        right, unknown = self.right.xreplace(names), self.unknown
+        equation, solution = sp.Function("u")(*names.values()) - right, self.left.xreplace(names)
+        if unknown is not None:
+            own = sp.Function("u")(*names.values())
+            left = self.left.subs(unknown, sp.Function("u")(*unknown.args)).xreplace(names)
+            equation, solution = left.replace(type(unknown), lambda *_: own), right
+        point = {
+            names.get(symbol, symbol).name: Fraction(int(value.p), int(value.q))
+            for symbol, value in (self.counterexample or {}).items()
+        }
+        texts = formula_as_text(equation), f"u = {formula_as_text(solution)}"
+        used = {*re.findall(r"\b[a-z]\w*", " ".join(texts))}
+        used |= {*"".join(name[2:] for name in used if name.startswith("u_"))}
+        return TextStatement(
+            self.kind,
+            self.truth,
+            texts[:1],
+            texts[1:],
+            tuple(letter for letter in letters if letter.name in used),
+            counterexample=point or None,
         )
 
 
 VARIABLES = ("x", "t", "y")
-PARAMETERS = ("a", "b", "c", "q", "w", "i", "e", "root", "sn", "U", "u", "lambda")
-"""Among them are names that a prover may take for its own."""
+PARAMETERS = ("a", "b", "c", "q", "w", "g", "h", "p", "r", "s", "v", "zeta")
 
 
 @dataclass

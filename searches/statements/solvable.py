@@ -23,13 +23,8 @@ from searches.statements.formulas import (
     positive,
     rewritten,
 )
-from searches.statements.random_statement import (
-    RandomStatement,
-    Setting,
-    SymbolRange,
-    Truth,
-)
-from searches.statements.values import with_counterexample
+from searches.statements.random_statement import RandomStatement, Setting, SymbolRange
+from searches.texts.text_statement import Truth
 
 HIGHEST = 3
 """The highest order of a derivative."""
@@ -160,7 +155,7 @@ def catalogue_form(setting: Setting) -> RandomStatement | None:
     unknown = sp.Function("U")(xi, tau)
     holds = power == 3 or scale == 1
     variables = (SymbolRange(xi), SymbolRange(tau))
-    made = RandomStatement(
+    return RandomStatement(
         "catalogue",
         Truth.TRUE if holds else Truth.FALSE,
         form.equation.residual(unknown),
@@ -169,7 +164,6 @@ def catalogue_form(setting: Setting) -> RandomStatement | None:
         (*variables, *ranges),
         unknown=unknown,
     )
-    return made if holds else with_counterexample(made, draw)
 
 
 def _ranges(form: ClosedForm) -> list[SymbolRange] | None:
@@ -210,8 +204,7 @@ def known_solution(setting: Setting) -> RandomStatement | None:
     )
     if rate == 1:
         return made
-    change = (rate - 1) * solution
-    return with_counterexample(replace(made, truth=Truth.FALSE, change=change), draw)
+    return replace(made, truth=Truth.FALSE)
 
 
 def _textbook(

@@ -6,7 +6,6 @@ import random
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
-from searches.statements.random_statement import Truth
 from searches.texts.drafts import (
     Draft,
     Known,
@@ -15,7 +14,7 @@ from searches.texts.drafts import (
     random_phase,
     stay_under,
 )
-from searches.texts.text_statement import Letter, TextStatement
+from searches.texts.text_statement import Letter, TextStatement, Truth
 from searches.texts.trees import Tree, derivative, mapped, name, put, read
 
 KNOWN = (

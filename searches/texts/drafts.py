@@ -11,10 +11,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
-from searches.statements.random_statement import Truth
 from searches.texts.ball_judge import BITS, CannotJudge, Judge
 from searches.texts.rewordings import mutated, reworded
-from searches.texts.text_statement import VARIABLES, Letter, TextPoint, TextStatement
+from searches.texts.text_statement import VARIABLES, Letter, TextPoint, TextStatement, Truth
 from searches.texts.trees import (
     ONE,
     Tree,

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
+import enum
 import random
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import ceil, floor
-
-from searches.statements.random_statement import Truth
 
 TextPoint = Mapping[str, Fraction]
 
@@ -18,6 +17,14 @@ SPAN = 3
 """How far beyond the end of a half line, and beyond 0 on the whole line, numbers are drawn."""
 
 LARGEST_DENOMINATOR = 60
+
+
+class Truth(enum.StrEnum):
+    """Truth of a statement.  VOID: the formula is defined nowhere, so that nothing can be said."""
+
+    TRUE = "true"
+    FALSE = "false"
+    VOID = "void"
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ from longwave import CATALOGUE
 from longwave.lattice.schemes import SCHEMES
 from longwave.scenes.description.bench import KEYS
 from longwave.scenes.description.named_scenes import shipped_scenes
+from longwave.verify.kernel.table import RULES
 from longwave.verify.published import published
 from reference import write_reference
 from snippets import snippets
@@ -100,11 +101,17 @@ def test_code_and_doctests_are_left_as_they_are() -> None:
     ]
 
 
+def rule_names() -> list[str]:
+    answers = (rule.answer for rule in RULES.rows)
+    return [f"{a.__module__.rpartition('.')[2]}.{a.__name__}" for a in answers]
+
+
 def test_the_tables_hold_every_object() -> None:
     for made, names in (
         (lists.scenes(), [*shipped_scenes(), *shipped_scenes("further")]),
         (lists.schemes(), [scheme.name for scheme in SCHEMES]),
         (lists.bench_keys(), [name for name, entries in KEYS.items() for _ in entries]),
+        (lists.kernel_rules(), rule_names()),
     ):
         rows = made.splitlines()[2:]
         assert [re.findall("`(.+?)`", row)[0] for row in rows] == names

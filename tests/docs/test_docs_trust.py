@@ -115,3 +115,9 @@ def test_new_places_are_seen() -> None:
 def test_the_page_says_what_is_done_where_a_file_is_named() -> None:
     for path, _ in listed((HOUSE / "docs" / "trust.md").read_text(encoding="utf-8")):
         assert Path(HOUSE / path).is_file()
+
+
+def test_the_table_of_rules_is_on_the_page() -> None:
+    """Catches: a page that leaves the generated table out."""
+    page = (HOUSE / "docs" / "trust.md").read_text(encoding="utf-8")
+    assert page.count("```{kernel-rules}\n```\n") == 1

@@ -4,7 +4,7 @@ from random import Random
 
 import pytest
 
-from longwave.verify.kernel import function_rules
+from longwave.verify.kernel import root_rules
 from searches.known_values import BASES, KnownValue, search
 
 X, ONE_MORE, ONE_LESS = BASES[0], BASES[2], BASES[4]
@@ -38,6 +38,6 @@ def test_no_verdict_is_wrong() -> None:
 @pytest.mark.slow
 def test_the_search_finds_a_root_without_its_branch(monkeypatch: pytest.MonkeyPatch) -> None:
     """Catches: a search that could not find what it looks for."""
-    monkeypatch.setattr(function_rules, "BRANCHES", [lambda *_: True])
+    monkeypatch.setattr(root_rules, "is_branch", lambda *_: True)
     _, wrong, _ = search(60, 3)
     assert any("ACCEPTED" in line for line in wrong)

@@ -3,9 +3,8 @@
 import pytest
 from flint import acb, ctx
 
-from longwave.verify.kernel.further.free_functions import theta_ball
-from longwave.verify.kernel.further.special import CYLINDER
-from longwave.verify.kernel.node_balls import BALLS
+from longwave.verify.kernel.axioms import CYLINDER, FUNCTIONS
+from longwave.verify.kernel.function_values import theta_ball
 from longwave.verify.kernel.reading import THETA
 from longwave.verify.proof import taylor
 from searches.texts import special_series
@@ -28,7 +27,7 @@ def test_bessels_functions(name: str, z: acb) -> None:
     with ctx.workprec(BITS):
         for v in (acb(0), acb(0.75), acb(-2.5), acb(3)):
             own = special_series.bessel(name, v, z, ORDER)
-            assert own[0].overlaps(BALLS[name](v, z))
+            assert own[0].overlaps(FUNCTIONS[name].ball(v, z))
             assert agree(own, taylor.bessel(name, v)(z, ORDER))
 
 

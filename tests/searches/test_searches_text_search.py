@@ -8,12 +8,19 @@ import pytest
 
 from longwave.verify.verdict import Outcome, ProofVerdict
 from searches import text_search
-from searches.statements.random_statement import Truth
-from searches.text_search import SEARCH_KINDS, digest, judge_text, judged, kind_of
+from searches.text_search import (
+    HEADINGS,
+    SEARCH_KINDS,
+    Judgement,
+    Mark,
+    digest,
+    judge_text,
+    judged,
+    kind_of,
+    tallies,
+)
 from searches.texts.drafts import letter_of
-from searches.texts.text_library import TEXT_KINDS
-from searches.texts.text_statement import TextStatement
-from searches.verdict_search import Mark
+from searches.texts.text_statement import TextStatement, Truth
 
 FINDINGS = (Mark.WRONG, Mark.ERROR, Mark.SLOW)
 
@@ -25,7 +32,7 @@ FALSE = replace(
 VOID = replace(RIGHT, truth=Truth.VOID, solutions=("u = 1/(sin(x)**2 + cos(x)**2 - 1)",))
 
 
-@pytest.mark.parametrize("kind", TEXT_KINDS)
+@pytest.mark.parametrize("kind", SEARCH_KINDS)
 def test_no_verdict_on_a_few_texts_is_wrong(kind: str) -> None:
     found = [judged(kind, 2, index) for index in range(4)]
     assert [(j.index, j.words) for j in found if j.mark in FINDINGS] == []
@@ -33,7 +40,7 @@ def test_no_verdict_on_a_few_texts_is_wrong(kind: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", TEXT_KINDS)
+@pytest.mark.parametrize("kind", SEARCH_KINDS)
 def test_no_verdict_on_many_texts_is_wrong(kind: str) -> None:
     found = [judged(kind, 3, index) for index in range(100)]
     wrong = [j for j in found if j.mark in (Mark.WRONG, Mark.ERROR)]
@@ -112,3 +119,16 @@ def test_the_digest_is_of_what_was_found_not_of_its_order() -> None:
     assert digest(found) == digest(list(reversed(found)))
     other = [replace(found[0], mark=Mark.SLOW), *found[1:]]
     assert digest(found) != digest(other)
+
+
+def test_the_table_counts_by_kind() -> None:
+    found = [
+        Judgement("branch: one", Truth.TRUE, 0, 0, Mark.RIGHT, "", 0.01),
+        Judgement("branch: two", Truth.TRUE, 0, 1, Mark.UNDECIDED, "no", 0.03),
+        Judgement("source", Truth.TRUE, 0, 2, Mark.RIGHT, "", 0.02),
+    ]
+    rows = [dict(zip(HEADINGS, made.cells(), strict=True)) for made in tallies(found)]
+    assert [row["kind"] for row in rows] == ["branch", "source", "all"]
+    assert [row["undecided"] for row in rows] == ["1", "0", "1"]
+    assert [row["% undecided"] for row in rows] == ["50.0", "0.0", "33.3"]
+    assert rows[-1]["max ms"] == "30"

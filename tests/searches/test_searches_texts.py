@@ -7,7 +7,6 @@ import mpmath
 import pytest
 from flint import acb
 
-from searches.statements.random_statement import Truth
 from searches.texts import ball_judge
 from searches.texts.ball_judge import CannotJudge, Judge, precision
 from searches.texts.composition_statements import COMPOSED
@@ -21,7 +20,7 @@ from searches.texts.drafts import (
 )
 from searches.texts.rewordings import reworded
 from searches.texts.text_library import TEXT_KINDS, text_statement
-from searches.texts.text_statement import Letter, TextStatement
+from searches.texts.text_statement import Letter, TextStatement, Truth
 from searches.texts.trees import derivative, put, read
 
 LETTERS = ("x", "t", "k>0", "m:0:1")

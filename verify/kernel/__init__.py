@@ -8,13 +8,7 @@ whether the equations hold.  Nothing of the prover is used, and no SymPy.
 
 from __future__ import annotations
 
-from contextlib import suppress
-from importlib import import_module
-
 from .check import check_certificate, opened
 from .limits import CertificateError
-
-with suppress(ModuleNotFoundError):
-    import_module(".further", __name__)  # its rules; the catalogue does without
 
 __all__ = ["CertificateError", "check_certificate", "opened"]

@@ -28,7 +28,7 @@ def main(arguments: list[str]) -> int:
 
 
 def certificates(path: str) -> list[Any]:
-    """The certificates of a file, one or a list of them."""
+    """Return the certificates of a file, one or a list of them."""
     with open(path, "rb") as file:
         text = file.read(FILE_BYTES + 1)
     if len(text) > FILE_BYTES:

@@ -1,4 +1,4 @@
-"""What is taken for granted of each function, as data: a row for a function, formulas as text.
+"""Axioms of each function as data: one row for each, with formulas as text.
 
 The formulas are in the grammar of `reading`, in letters that stand for the arguments; z is the one
 in which a function is differentiated.  ``docs/trust.md`` says more of each.
@@ -6,12 +6,14 @@ in which a function is differentiated.  ``docs/trust.md`` says more of each.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
-from flint import fmpq
+from flint import acb, fmpq
 
 from .bounds import POSITIVE, UNIT, Interval
+from .function_values import jet_ball, theta_ball, weierstrass
 
 HALF_PI = fmpq(15707963, 10**7)
 """A little less than pi/2."""
@@ -24,7 +26,7 @@ Ends = tuple[fmpq | None, fmpq | None]
 
 @dataclass(frozen=True)
 class Function:
-    """What is known of a function.
+    """Row of a function.
 
     ``kind`` says where it is analytic: "entire"; "regular", but for poles off the real
     axis; "poles", also on it; "arc", but for cuts off the real axis; "cut", also on it; "tame",
@@ -45,28 +47,52 @@ class Function:
     free: bool = False
     below_one: bool = False
     above_zero: bool = False
+    ball: Callable[..., acb] | None = None
 
     def arguments(self, *nodes: int) -> dict[str, int]:
-        """The arguments by their letters."""
+        """Return the arguments by their letters."""
         return dict(zip(self.letters, nodes, strict=True))
 
     def parameters(self, *nodes: int) -> list[int]:
-        """The arguments besides z."""
+        """Return the arguments besides z."""
         return [node for letter, node in self.arguments(*nodes).items() if letter != "z"]
 
 
-def _elliptic(kind: str, slope: str, symmetry: str, **more: object) -> Function:
-    return Function(kind, slope, letters="zm", symmetry=symmetry, **more)  # type: ignore[arg-type]
-
-
 SQUARED = Interval(fmpq(0), fmpq(1), True)
+INSIDE_UNIT = Interval(fmpq(-1), fmpq(1), True, True)
+NOT_NEGATIVE = Interval(fmpq(0))
+ABOVE: Ends = (fmpq(0), None)
+UNIT_ENDS: Ends = (fmpq(-1), fmpq(1))
 
-FUNCTIONS: dict[str, Function] = {
+CYLINDER: Mapping[str, tuple[int, int]] = {
+    "bessel_j": (-1, 1),
+    "bessel_y": (-1, 1),
+    "bessel_i": (1, 1),
+    "bessel_k": (-1, -1),
+}
+"""Bessel functions C of order v, with a and b in C' = v/z C + a C(v + 1) = b C(v - 1) - v/z C."""
+
+
+def _elliptic(kind: str, slope: str, symmetry: str, **more: Any) -> Function:
+    return Function(kind, slope, letters="zm", symmetry=symmetry, **more)
+
+
+def _free(kind: str, slope: str, **more: Any) -> Function:
+    return Function(kind, slope, free=True, **more)
+
+
+def _bessel(name: str, values: Interval = ANYWHERE) -> Function:
+    slope = f"v/z*{name}(v, z) + ({CYLINDER[name][0]})*{name}(v + 1, z)"
+    ball = lambda v, z: getattr(z, name)(v)  # noqa: E731
+    return _free("cut", slope, letters="vz", values=values, between=ABOVE, ball=ball)
+
+
+FUNCTIONS: Mapping[str, Function] = {
     "exp": Function("entire", "exp(z)", values=POSITIVE, symmetry="inverse", free=True),
     "cosh": Function("entire", definition="(exp(z) + 1/exp(z))/2", values=Interval(fmpq(1))),
     "sinh": Function("entire", definition="(exp(z) - 1/exp(z))/2", symmetry="same"),
     "tanh": Function("regular", definition="(exp(z)**2 - 1)/(exp(z)**2 + 1)", symmetry="same",
-                     values=Interval(fmpq(-1), fmpq(1), True, True)),
+                     values=INSIDE_UNIT),
     "coth": Function("poles", definition="(exp(z)**2 + 1)/(exp(z)**2 - 1)", symmetry="same"),
     "sech": Function("regular", definition="2*exp(z)/(exp(z)**2 + 1)", values=SQUARED),
     "csch": Function("poles", definition="2*exp(z)/(exp(z)**2 - 1)", symmetry="same"),
@@ -76,7 +102,7 @@ FUNCTIONS: dict[str, Function] = {
     "cot": Function("poles", definition="I*(exp(I*z)**2 + 1)/(exp(I*z)**2 - 1)"),
     "sec": Function("poles", definition="2*exp(I*z)/(exp(I*z)**2 + 1)"),
     "csc": Function("poles", definition="2*I*exp(I*z)/(exp(I*z)**2 - 1)"),
-    "log": Function("cut", "1/z", between=(fmpq(0), None), free=True),
+    "log": Function("cut", "1/z", between=ABOVE, free=True),
     "atan": Function("arc", "1/(1 + z**2)", symmetry="same", free=True),
     "power": Function("cut", definition="exp(m*log(z))", letters="zm", values=None),
     "Abs": Function("tame"),
@@ -97,16 +123,45 @@ FUNCTIONS: dict[str, Function] = {
                               values=POSITIVE, free=True, below_one=True, above_zero=True),
     "jacobi_eta": Function("regular", letters="zm", below_one=True, above_zero=True,
                            definition="m**(1/4)*jacobi_sn(z, m)*jacobi_theta(z, m)"),
+    "jet": Function("regular", free=True, ball=jet_ball),
+    "theta": Function("regular", letters="zq", free=True, below_one=True, above_zero=True,
+                      ball=theta_ball),
+    "parity": Function("jump"),
+    "asinh": Function("arc", definition="log(z + sqrt(1 + z**2))", symmetry="same"),
+    "acosh": Function("cut", definition="log(z + sqrt(z - 1)*sqrt(z + 1))",
+                      values=NOT_NEGATIVE, between=(fmpq(1), None)),
+    "atanh": Function("cut", definition="(log(1 + z) - log(1 - z))/2", symmetry="same",
+                      between=UNIT_ENDS),
+    "asin": Function("cut", definition="-I*log(I*z + sqrt(1 - z**2))", symmetry="same",
+                     between=UNIT_ENDS),
+    "acos": Function("cut", definition="pi/2 - asin(z)", values=NOT_NEGATIVE, between=UNIT_ENDS),
+    "erf": _free("entire", "2*exp(-z**2)/sqrt(pi)", symmetry="same", values=INSIDE_UNIT),
+    "airy_ai": _free("entire", "airy_ai_prime(z)"),
+    "airy_ai_prime": _free("entire", "z*airy_ai(z)", ball=lambda z: z.airy_ai(derivative=1)),
+    "airy_bi": _free("entire", "airy_bi_prime(z)"),
+    "airy_bi_prime": _free("entire", "z*airy_bi(z)", ball=lambda z: z.airy_bi(derivative=1)),
+    "lambert_w": _free("cut", "lambert_w(z)/(z*(1 + lambert_w(z)))", values=NOT_NEGATIVE,
+                       between=ABOVE, ball=lambda z: z.lambertw()),
+    "bessel_j": _bessel("bessel_j"),
+    "bessel_y": _bessel("bessel_y"),
+    "bessel_i": _bessel("bessel_i"),
+    "bessel_k": _bessel("bessel_k", POSITIVE),
+    "weierstrass_p": _free("poles", "weierstrass_p_prime(z, g, h)", letters="zgh", symmetry="even",
+                           ball=lambda *z: weierstrass(*z)[0]),
+    "weierstrass_p_prime": _free("poles", "6*weierstrass_p(z, g, h)**2 - g/2", letters="zgh",
+                                 symmetry="odd", ball=lambda *z: weierstrass(*z)[1]),
 }  # fmt: skip
 
-SQUARES: dict[tuple[str, str], str] = {
+SQUARES: Mapping[tuple[str, str], str] = {
     ("jacobi_sn", "jacobi_cn"): "1 - jacobi_cn(z, m)**2",
     ("jacobi_sn", "jacobi_dn"): "(1 - jacobi_dn(z, m)**2)/m",
     ("jacobi_cn", "jacobi_sn"): "1 - jacobi_sn(z, m)**2",
     ("jacobi_cn", "jacobi_dn"): "1 - (1 - jacobi_dn(z, m)**2)/m",
     ("jacobi_dn", "jacobi_sn"): "1 - m*jacobi_sn(z, m)**2",
     ("jacobi_dn", "jacobi_cn"): "1 - m + m*jacobi_cn(z, m)**2",
-}
+    ("weierstrass_p_prime", "weierstrass_p"):
+        "4*weierstrass_p(z, g, h)**3 - g*weierstrass_p(z, g, h) - h",
+}  # fmt: skip
 """The square of one function in another of the same arguments."""
 
 SINE_OF_SUM = "1 - m*jacobi_sn(u, m)**2*jacobi_sn(v, m)**2"

@@ -94,7 +94,7 @@ class Interval:
         return Interval(low, high, low_open, high_open)
 
     def power(self, exponent: int) -> Interval:
-        """An integer power."""
+        """Return an integer power."""
         if exponent <= 0:
             return self.power(-exponent).inverse() if exponent else Interval(fmpq(1), fmpq(1))
         if exponent % 2 == 0 or self.is_not_negative:
@@ -105,7 +105,7 @@ class Interval:
         return -(-self).power(exponent) if self.is_below else Interval()
 
     def absolute(self) -> Interval:
-        """The absolute values."""
+        """Return the absolute values."""
         if self.is_not_negative:
             return self
         if self.is_below:
@@ -116,7 +116,7 @@ class Interval:
         return Interval(fmpq(0), high, False, high_open)
 
     def inverse(self) -> Interval:
-        """1 over what is not 0."""
+        """Return the interval of 1/x for x other than 0."""
         if self.is_below:
             return -(-self).inverse()
         if not self.is_positive:
@@ -126,13 +126,13 @@ class Interval:
         return Interval(low, high, self.high is None or self.high_open, self.low_open)
 
     def side(self) -> Interval:
-        """The side of 0 that it is on."""
+        """Return the side of 0 that it is on."""
         if self.is_below:
             return -(-self).side()
         return Interval(fmpq(0), None, self.is_positive) if self.is_not_negative else Interval()
 
     def exponential(self) -> Interval:
-        """exp, which increases: between rational bounds of its values at the ends."""
+        """Return the interval of exp, by rational bounds of its values at the ends."""
         least = None if self.low is None else of_constant(arb(min(self.low, _FAR)).exp()).low
         most = None
         if self.high is not None and self.high <= _FAR:
@@ -140,14 +140,14 @@ class Interval:
         return POSITIVE & Interval(least, most, self.low_open, self.high_open)
 
     def root(self) -> Interval:
-        """A real root: on the same side of 1."""
+        """Return a real root: on the same side of 1."""
         low = fmpq(1) if self.low is not None and self.low >= 1 else fmpq(0)
         high = fmpq(1) if self.high is not None and self.high <= 1 else None
         return Interval(low, high, low == 0 and self.is_positive)
 
 
 def _product(left: End, right: End) -> End:
-    """The product of two ends, open unless it is taken."""
+    """Return the product of two ends, open unless it is taken."""
     (a, a_open), (b, b_open) = left, right
     if a == 0 or b == 0:
         return fmpq(0), not ((a == 0 and not a_open) or (b == 0 and not b_open))
@@ -155,7 +155,7 @@ def _product(left: End, right: End) -> End:
 
 
 def _reach(end: End) -> tuple[fmpq, bool]:
-    """How far up an interval with this end, a number, reaches."""
+    """Return the sort key of an upper end, a number: a closed end reaches further."""
     return end[0] or fmpq(0), not end[1]
 
 
@@ -163,7 +163,7 @@ POSITIVE, UNIT = Interval(fmpq(0), None, True), Interval(fmpq(-1), fmpq(1))
 
 
 def of_constant(value: arb) -> Interval:
-    """Rational bounds of a ball, on the side of 0 that it is on."""
+    """Return rational bounds of a ball, on the side of 0 that it is on."""
     scaled = value * MICRO
     low, high = scaled.lower().floor().unique_fmpz(), scaled.upper().ceil().unique_fmpz()
     if low is None or high is None:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-from . import function_rules  # noqa: F401  (its rules)
 from .denominators import Denominators, is_continuous_end, is_linear
 from .field import Field, Hints
 from .limits import (
@@ -22,13 +21,8 @@ from .limits import (
 from .node_balls import Balls
 from .nodes import Nodes, listed, number
 from .reading import formula
-from .statement import Statement, read_statement, statement_text
-from .substitution import Substitution
-
-Shortcut = Callable[[Field, Statement, int], bool | None]
-
-SHORTCUTS: list[Shortcut] = []
-"""Other ways to decide whether an equation holds; None where one does not apply."""
+from .statement import Statement, Substitution, read_statement, statement_text
+from .table import RULES
 
 
 def check_certificate(data: object) -> str:
@@ -67,7 +61,7 @@ def _check(data: object) -> str:
 
 
 def opened(data: Mapping[str, Any]) -> Statement:
-    """The statement of a certificate; its nodes have the proof's formulas as places."""
+    """Return the statement of a certificate; its nodes have the proof's formulas as places."""
     nodes = Nodes()
     statement, scope = read_statement(nodes, data["statement"])
     symbols = len(scope.known)
@@ -93,9 +87,9 @@ def prove(statement: Statement, proof: Mapping[str, Any], part: bool = False) ->
 
 
 def vanishes(field: Field, statement: Statement, equation: int) -> bool:
-    """Whether an equation holds with the formulas for the unknowns."""
-    for shortcut in SHORTCUTS:
-        found = shortcut(field, statement, equation)
+    """Return whether an equation holds with the formulas for the unknowns."""
+    for answer in field.rules.tried("equation", "="):
+        found = answer(field, statement, equation)
         if found is not None:
             return found
     residual = Substitution(field.nodes, statement.variables, statement.formulas)(equation)
@@ -109,14 +103,14 @@ def registered(
     part: bool = False,
     field_type: type[Field] = Field,
 ) -> Field:
-    """The field of a proof with its generators."""
+    """Return the field of a proof with its generators."""
     nodes = statement.nodes
     hints = Hints(*(_places(nodes, proof[kind]) for kind in ("values", "signs")))
     generators = listed(proof["generators"], GENERATORS, "generators")
     count = sum(len(entry[2]) if entry[0] == "forms" else 1 for entry in generators)
     within("generators", count, GENERATORS)
     positive = {nodes.gap(left, right): weak for weak, left, right in statement.domain}
-    field = field_type(nodes, count, statement.variables, positive, hints)
+    field = field_type(nodes, count, statement.variables, positive, hints, RULES)
     field.point = {nodes.place(s): number(value) for s, value in _pairs(proof["point"])}
     parts = listed(proof["parts"], 0 if part else PARTS, "parts")
     for entry in generators:
@@ -154,7 +148,7 @@ def _register(field: Field, entry: object, parts: Sequence[Any], statement: Stat
 
 
 def _check_point(field: Field, statement: Statement) -> None:
-    """The domain is not empty, and no denominator vanishes identically."""
+    """Check that the domain is not empty and no denominator vanishes identically."""
     nodes, point = field.nodes, field.point
     if any(nodes.all[symbol][0] != "symbol" for symbol in point):
         raise CertificateError("the point must give symbols their values")

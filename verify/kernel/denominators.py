@@ -1,4 +1,4 @@
-"""That the denominators of a proof are not 0 on a dense part of the domain.
+"""Check that the denominators of a proof are not 0 on a dense part of the domain.
 
 A polynomial in functions that are analytic on a connected domain differs from 0 there if it is not
 0 at one point.  Roots and absolute values may change branch inside the domain (|x| at 0); then the
@@ -20,8 +20,7 @@ from .limits import BRANCHES, CertificateError, within
 from .node_balls import BITS, Balls, constant, value_at
 from .nodes import Nodes, children
 from .reading import axiom
-from .statement import Statement
-from .substitution import Substitution
+from .statement import Statement, Substitution
 
 Point = Mapping[int, fmpq]
 
@@ -55,9 +54,9 @@ class Denominators:
 
     @cached_property
     def _own(self) -> list[fmpq_mpoly]:
-        """What may jump and vanishes where the statement is not smooth, or almost nowhere.
+        """Factors that may jump and vanish where the statement is not smooth, or almost nowhere.
 
-        That is what the statement divides by or has in a logarithm, also within definitions of its
+        They are what the statement divides by or has in a logarithm, also within definitions of its
         functions (a part, which has no unknowns, is no statement); exponentials, which are nowhere
         0; and W(f), which is 0 where f is, and 1 + W(f), which is 0 at W's branch point, if f does
         not jump.
@@ -68,13 +67,13 @@ class Denominators:
         found = [*_divisors(nodes, stated), *field.primitives("exp")]
         for node in field.primitives("lambert_w"):
             if not any(map(self._jumps, nodes.below(nodes.all[node][1:]))):
-                found += [node, nodes.made("Add", node, nodes.rational(1))]
+                found += [node, nodes.add("Add", node, nodes.rational(1))]
         images = (field.image(node) for node in found)
         powers = [field.ring.split(i.numerator)[1] for i in images if not i.is_zero]
         return [field.ring.factors[place] for place in chain.from_iterable(powers)]
 
     def _formulas(self, polynomial: fmpq_mpoly) -> set[int]:
-        """What the generators stand for that occur, also in the scales of others."""
+        """Return the formulas of the generators that occur, also in the scales of others."""
         degrees = polynomial.degrees()[::-1]
         found = [g for g, n in zip(self._field.generators, degrees, strict=False) if n]
         return {g.formula for g in found}.union(*(self._formulas(g.scale) for g in found))
@@ -88,7 +87,7 @@ class Denominators:
         return self._values[turns]
 
     def _turns(self, node: int) -> bool:
-        """Whether a function may have another branch in another part of the domain."""
+        """Return whether a function may have another branch in another part of the domain."""
         match self._field.nodes.all[node]:
             case ("Pow", _, exponent) if exponent.q != 1:
                 return not (self._connected and self._field.signs.is_analytic(node))
@@ -97,7 +96,7 @@ class Denominators:
         return False
 
     def _jumps(self, node: int) -> bool:
-        """Whether a function may differ, on a part of the domain, from its continuation."""
+        """Return whether a function may differ, on a part of the domain, from its continuation."""
         nodes, signs = self._field.nodes, self._field.signs
         name, inner = nodes.all[node][0], children(nodes.all[node])
         own = FUNCTIONS.get(name)
@@ -115,11 +114,11 @@ class Denominators:
 
 
 def _divisors(nodes: Nodes, stated: Sequence[int]) -> Iterator[int]:
-    """What formulas divide by or take the logarithm of, with the definitions of their functions."""
-    waiting, seen = list(stated), set[int]()
+    """Yield the divisors and arguments of logarithms in formulas and in functions' definitions."""
+    waiting, visited = list(stated), set[int]()
     while waiting:
-        new = set(nodes.below(waiting)) - seen
-        seen, waiting = seen | new, []
+        new = set(nodes.below(waiting)) - visited
+        visited, waiting = visited | new, []
         for node in new:
             name, *inner = nodes.all[node]
             if name == "log" or (name == "Pow" and inner[1] < 0):
@@ -131,7 +130,7 @@ def _divisors(nodes: Nodes, stated: Sequence[int]) -> Iterator[int]:
 
 
 def is_connected(field: Field, statement: Statement) -> bool:
-    """Whether the domain is evidently connected.
+    """Return whether the domain is evidently connected.
 
     Linear inequalities give a convex one; s < K(m), m < 1, may bound one symbol s more that has
     nothing but numbers <= 0 below it.
@@ -153,7 +152,7 @@ def is_connected(field: Field, statement: Statement) -> bool:
 
 
 def is_continuous_end(field: Field, node: int) -> bool:
-    """Whether an end of the domain is evidently real and continuous: no point of it is alone."""
+    """Return whether an end of the domain is evidently real and continuous."""
     signs, nodes = field.signs, field.nodes
     name, *arguments = nodes.all[node]
     if name == "elliptic_k":
@@ -162,7 +161,7 @@ def is_continuous_end(field: Field, node: int) -> bool:
 
 
 def is_linear(nodes: Nodes, node: int) -> bool:
-    """Whether a node is evidently of degree 1 or less in real symbols."""
+    """Return whether a node is evidently of degree 1 or less in real symbols."""
     match nodes.all[node]:
         case ("number", _):
             return True
@@ -177,6 +176,6 @@ def is_linear(nodes: Nodes, node: int) -> bool:
 
 
 def is_real_constant(nodes: Nodes, node: int) -> bool:
-    """Whether a node has no symbols and a value that is evidently real, such as log(2)."""
+    """Return whether a node has no symbols and a value that is evidently real, such as log(2)."""
     value = constant(nodes, node)
     return value is not None and bool(value.imag == 0)

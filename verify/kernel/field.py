@@ -16,39 +16,40 @@ from typing import Any, ClassVar
 from flint import acb, fmpq, fmpq_mpoly
 
 from .axioms import FUNCTIONS, SQUARES
-from .derivations import Slopes
 from .limits import CertificateError
 from .node_balls import Balls, value_at
 from .nodes import Nodes, children
 from .reading import axiom
-from .ring import Element, Ring, total
+from .ring import Derivation, Element, Ring, total
 from .signs import Signs
 
-Rule = Callable[["Field", int], Element | None]
-"""What gives the image of a node of some function, or None where it does not apply."""
 
-RULES: dict[str, list[Rule]] = {}
-"""The rules for each function, in the order in which they are tried."""
+@dataclass(frozen=True)
+class Rule:
+    """A question, the functions that it is asked of, the answer, and what that assumes.
 
-Relation = Callable[["Field", int], tuple[int, Element] | None]
+    An answer is given the field and a node, and is None where the rule does not apply.
+    """
 
-RELATIONS: dict[str, Relation] = {}
-"""For a function the degree of an algebraic one and that power of it; None for one without."""
+    question: str
+    functions: tuple[str, ...]
+    answer: Callable[..., Any]
+    assumes: str
 
-CONTINUITY: list[Callable[[Field, str, int, int], bool]] = []
-"""What may show that a value, of which a function is f, is the principal one of its inverse."""
 
+class Rules:
+    """Rules in the order in which they are tried; `table.RULES` are those of the kernel."""
 
-def rule(*names: str, first: bool = False) -> Callable[[Rule], Rule]:
-    """Enter a rule for the functions called ``names``, before all others if it is ``first``."""
+    def __init__(self, *rows: Rule) -> None:
+        self.rows = rows
+        self._answers: dict[tuple[str, str], list[Callable[..., Any]]] = {}
+        for row in rows:
+            for name in row.functions:
+                self._answers.setdefault((row.question, name), []).append(row.answer)
 
-    def entered(found: Rule) -> Rule:
-        for name in names:
-            known = RULES.setdefault(name, [])
-            known.insert(0 if first else len(known), found)
-        return found
-
-    return entered
+    def tried(self, question: str, function: str) -> Sequence[Callable[..., Any]]:
+        """Return the answers to a question about a function, in order."""
+        return self._answers.get((question, function), ())
 
 
 Row = tuple[Sequence[int], int]
@@ -57,7 +58,7 @@ Row = tuple[Sequence[int], int]
 
 @dataclass(frozen=True)
 class Hints:
-    """What to try: nothing of this is believed, all of it is checked.
+    """Hints for a proof: nothing of this is believed, all of it is checked.
 
     ``values[f]`` names what a root, an absolute value, a logarithm or an inverse function is, or
     the same function of an argument written as a sum; ``signs[f]`` a formula with the same image
@@ -70,7 +71,7 @@ class Hints:
 
 @dataclass(frozen=True)
 class Generator:
-    """What a generator stands for: the node ``formula`` times ``scale``, a polynomial in others.
+    """Meaning of a generator: the node ``formula`` times ``scale``, a polynomial in others.
 
     The formula is the sum of ``form``, factors and primitives, and of another node.
     """
@@ -78,6 +79,98 @@ class Generator:
     formula: int
     scale: fmpq_mpoly
     form: tuple[tuple[int, int], ...]
+
+
+class Slopes:
+    """The derivatives of the generators of a field, and of all that is made of them."""
+
+    def __init__(self, field: Field) -> None:
+        self._field = field
+        self._slopes: dict[tuple[int, int], Element] = {}
+        self._rates: dict[tuple[int, int], Element] = {}
+        self._derivations: dict[int, tuple[frozenset[int], Derivation]] = {}
+
+    def derivative(self, element: Element, variable: int) -> Element:
+        """Return the derivative of an element, by the slopes of its generators."""
+        known, derivation = self._derivations.get(variable, (frozenset[int](), None))
+        if derivation is None or not element.places <= known:
+            slopes = {p: self.slope(p, variable) for p in sorted(known | element.places)}
+            derivation = Derivation(self._field.ring, slopes)
+            self._derivations[variable] = frozenset(slopes), derivation
+        return derivation(element)
+
+    def slope(self, place: int, variable: int) -> Element:
+        """Return the derivative of a generator."""
+        if (place, variable) not in self._slopes:
+            self._slopes[place, variable] = self._slope(place, variable)
+        return self._slopes[place, variable]
+
+    def _slope(self, place: int, variable: int) -> Element:
+        generator = self._field.generators[place]
+        rate, scale = self.rate(generator.formula, variable), generator.scale
+        if scale.is_one():
+            return rate
+        factor = Element(self._field.ring, scale)
+        image = self._field.ring.generator(place) / factor
+        return rate * factor + image * self.derivative(factor, variable)
+
+    def rate(self, node: int, variable: int) -> Element:
+        """Return the derivative of a formula, by its structure and the axioms."""
+        if (node, variable) not in self._rates:
+            moves = variable in self._field.nodes.below([node])
+            self._rates[node, variable] = (
+                self._made_rate(node, variable) if moves else self._field.zero
+            )
+        return self._rates[node, variable]
+
+    def _made_rate(self, node: int, variable: int) -> Element:
+        field = self._field
+        match field.nodes.all[node]:
+            case ("symbol", *_):
+                return field.one
+            case ("Add", *terms):
+                return field.sum([self.rate(term, variable) for term in terms])
+            case ("Mul", *factors):
+                parts = [field.zero]
+                for i, factor in enumerate(factors):
+                    rate = self.rate(factor, variable)
+                    if not rate.is_zero:
+                        others = [f for j, f in enumerate(factors) if j != i]
+                        parts.append(rate * field.product(others) if others else rate)
+                return field.sum(parts)
+            case ("Pow", base, exponent) if node in field.primitives("Pow"):
+                rate = field.ring.number(exponent) * self.rate(base, variable)
+                return rate if rate.is_zero else rate * field.image(node) / field.image(base)
+            case ("Pow", base, exponent) if exponent.q == 1:
+                outer = field.image(base) ** (int(exponent.p) - 1)
+                return field.ring.number(exponent) * outer * self.rate(base, variable)
+            case ("Abs", f) if node in field.primitives("Abs"):
+                rate = self.derivative(field.squared(f), variable)
+                return rate if rate.is_zero else rate / (field.image(node) + field.image(node))
+            case ("jet" | "theta", *_):
+                return self._free_rate(node, variable)
+            case (str(name), *arguments) if name in FUNCTIONS and FUNCTIONS[name].slope:
+                letters = FUNCTIONS[name].arguments(*arguments)
+                rate = self.rate(letters["z"], variable)
+                return rate if rate.is_zero else rate * field.read(FUNCTIONS[name].slope, **letters)
+            case (name, *_) if node in field.primitives(name):
+                raise CertificateError("a generator's derivative does not follow from the axioms")
+        return self.derivative(field.image(node), variable)
+
+    def _free_rate(self, node: int, variable: int) -> Element:
+        """Return the derivative of a jet by the chain rule; f_zz = -4 q f_q of a theta function."""
+        field = self._field
+        name, z, *nome, (label, order) = field.nodes.all[node]
+        total = field.zero
+        inner = self.rate(z, variable)
+        if not inner.is_zero:
+            total = inner * field.image_of(name, z, *nome, (label, order + 1))
+        for q in nome:
+            turn = self.rate(q, variable)
+            if not turn.is_zero:
+                share = turn / (field.ring.number(-4) * field.image(q))
+                total = total + share * field.image_of(name, z, q, (label, order + 2))
+        return total
 
 
 class Field:
@@ -97,8 +190,10 @@ class Field:
         variables: Sequence[int],
         positive: Mapping[int, bool],
         hints: Hints,
+        rules: Rules,
     ) -> None:
         self.nodes, self.ring, self.hints = nodes, self.ring_type(count), hints
+        self.rules = rules
         self.variables, self.generators = variables, list[Generator]()
         self.positive, self.point = positive, dict[int, fmpq]()
         self.signs = Signs(nodes, self.image, positive, hints.signs)
@@ -113,16 +208,16 @@ class Field:
 
     def walk(self, nodes: Iterable[int]) -> None:
         """Make the images of ``nodes`` from the inside out."""
-        wanted = set(nodes)
-        for node in range(max(wanted, default=-1), -1, -1):
-            if node in wanted and node not in self._images:
+        needed = set(nodes)
+        for node in range(max(needed, default=-1), -1, -1):
+            if node in needed and node not in self._images:
                 inner = self._size(node)
-                wanted.update(children(self.nodes.all[node]) if inner is None else (inner,))
-        for node in sorted(wanted):
+                needed.update(children(self.nodes.all[node]) if inner is None else (inner,))
+        for node in sorted(needed):
             self.image(node)
 
     def _size(self, node: int) -> int | None:
-        """f for an even power of abs(f), of which the image is that of a power of f conj(f)."""
+        """Return f for an even power of abs(f), which is a power of f conj(f); else None."""
         match self.nodes.all[node]:
             case ("Pow", base, exponent) if exponent.q == 1 and exponent.p % 2 == 0:
                 name, *inner = self.nodes.all[base]
@@ -130,7 +225,7 @@ class Field:
         return None
 
     def image(self, node: int) -> Element:
-        """The image of a node; raises CertificateError where it does not follow from generators."""
+        """Return the image of a node; raises CertificateError if none follows."""
         if node not in self._images:
             if node in self._underway:
                 raise CertificateError("an image must not be defined by itself")
@@ -155,14 +250,14 @@ class Field:
                     return self.squared(inner) ** (int(exponent.p) // 2)
                 return self.image(base) ** int(exponent.p)
             case ("Pow", base, exponent) if exponent.p != 1:
-                return self.made("Pow", base, fmpq(1, exponent.q)) ** int(exponent.p)
+                return self.image_of("Pow", base, fmpq(1, exponent.q)) ** int(exponent.p)
             case (("symbol" | "I" | "pi") as name, *label):
                 words = f"the symbol {label[0]}" if label else name
                 raise CertificateError(f"there is no generator for {words}")
         return self._function(node)
 
     def _function(self, node: int) -> Element:
-        """The image of a root or function: that of a generator, or by a hint, a rule, an axiom."""
+        """Return the image of a root or function: by a generator, a hint, a rule, an axiom."""
         known = self.known(node)
         if known is not None:
             return known
@@ -173,7 +268,7 @@ class Field:
         if turned is not None:
             return turned
         name, *arguments = self.nodes.all[node]
-        for found in (found(self, node) for found in RULES.get(name, ())):
+        for found in (answer(self, node) for answer in self.rules.tried("image", name)):
             if found is not None:
                 return found
         if name in FUNCTIONS and FUNCTIONS[name].definition:
@@ -181,72 +276,77 @@ class Field:
             return self.read(own.definition, **own.arguments(*arguments))
         raise CertificateError(f"there is no generator for a {name}")
 
-    def made(self, name: str, *arguments: Any) -> Element:
-        """The image of the node ``(name, *arguments)``."""
-        return self.image(self.nodes.made(name, *arguments))
+    def image_of(self, name: str, *arguments: Any) -> Element:
+        """Return the image of the node ``(name, *arguments)``."""
+        return self.image(self.nodes.add(name, *arguments))
 
     def read(self, text: str, **letters: int) -> Element:
-        """The image of an axiom, its letters standing for nodes."""
+        """Return the image of an axiom, its letters standing for nodes."""
         return self.image(axiom(self.nodes, text, **letters))
 
     def sum(self, parts: Sequence[Element]) -> Element:
-        """The sum over one common denominator, what is over the same one added first."""
-        alike: dict[frozenset[tuple[int, int]], Element] = {}
+        """Return the sum over one common denominator, what is over the same one added first."""
+        by_denominator: dict[frozenset[tuple[int, int]], Element] = {}
         for part in parts:
             key = frozenset(part.powers.items())
-            above = part.numerator + alike[key].numerator if key in alike else part.numerator
-            alike[key] = Element(self.ring, above, part.powers)
-        return total(self.ring, list(alike.values())).cancelled()
+            above = (
+                part.numerator + by_denominator[key].numerator
+                if key in by_denominator
+                else part.numerator
+            )
+            by_denominator[key] = Element(self.ring, above, part.powers)
+        return total(self.ring, list(by_denominator.values())).cancelled()
 
     def product(self, factors: Iterable[int]) -> Element:
-        """The image of a product."""
+        """Return the image of a product."""
         return reduce(mul, map(self.image, factors))
 
     def squared(self, inner: int) -> Element:
-        """abs(f)**2 = f conj(f)."""
+        """Return the image of abs(f)**2 = f conj(f)."""
         return self.image(inner) * self.image(self.signs.conjugate(inner))
 
     def equal(self, left: int, right: int) -> bool:
-        """Whether two nodes have the same image."""
+        """Return whether two nodes have the same image."""
         return left == right or (self.image(left) - self.image(right)).is_zero
 
     def moves(self, node: int) -> bool:
-        """Whether a formula contains a variable along which there are derivatives."""
+        """Return whether a formula contains a variable along which there are derivatives."""
         real = {v for v in self.variables if self.nodes.all[v][2] == "real"}
         return not real.isdisjoint(self.nodes.below([node]))
 
     def is_kept(self, name: str, f: int, value: int) -> bool:
-        """Whether ``value``, of which the function is ``f``, is principal by continuity."""
-        return any(shown(self, name, f, value) for shown in CONTINUITY)
+        """Return whether ``value``, of which the function is ``f``, is principal by continuity."""
+        answers = self.rules.tried("continuity", name)
+        return any(answer(self, name, f, value) for answer in answers)
 
     def derivative(self, element: Element, variable: int) -> Element:
-        """The derivative of an element, of which all generators' slopes follow from the axioms."""
+        """Return the derivative of an element, by slopes that follow from the axioms."""
         return self._slopes.derivative(element, variable)
 
     def slope(self, place: int, variable: int) -> Element:
-        """The derivative of a generator."""
+        """Return the derivative of a generator."""
         return self._slopes.slope(place, variable)
 
     # hints
 
     def primitives(self, name: str) -> list[int]:
-        """The nodes of the function ``name`` of which a generator is made."""
+        """Return the nodes of the function ``name`` of which a generator is made."""
         return self._primitives.get(name, [])
 
     def known(self, node: int) -> Element | None:
-        """The image of the same function of equal arguments, if a generator is made of it."""
+        """Return the image of the same function of equal arguments, if it has a generator."""
         others = self.primitives(self.nodes.all[node][0])
         return next((self._images[other] for other in others if self._alike(node, other)), None)
 
     def hinted(self, node: int) -> int | None:
-        """What a hint names for a node, or for the same function of equal arguments."""
+        """Return the value that a hint names for a node, or for its function of equal arguments."""
         values = self.hints.values
         if node in values:
             return values[node]
         return next((values[other] for other in values if self._alike(node, other)), None)
 
     def _alike(self, node: int, other: int) -> bool:
-        """Whether two nodes are the same function of arguments of equal images."""
+        """Return whether two nodes are the same function of arguments of equal images."""
         left, right = self.nodes.all[node], self.nodes.all[other]
         inner, outer = children(left), children(right)
         if left[0] != right[0] or left[len(inner) + 1 :] != right[len(outer) + 1 :]:
@@ -257,31 +357,31 @@ class Field:
             return False
 
     def renamed(self, node: int) -> int | None:
-        """The same function of an argument in the words that a hint names; checked.
+        """Return the same function of an argument in the words that a hint names; checked.
 
         What is said of the argument of sn holds for those of cn, dn, epsilon and zeta.
         """
         name, *arguments = self.nodes.all[node]
         if name not in FUNCTIONS or FUNCTIONS[name].symmetry in ("", "same"):
             return None
-        key = self.nodes.made("jacobi_sn", *arguments) if name in SINES else node
+        key = self.nodes.add("jacobi_sn", *arguments) if name in SINES else node
         value = self.hinted(key)
         if value is None or self.nodes.all[value][0] != self.nodes.all[key][0]:
             return None
-        found = self.nodes.made(name, *self.nodes.all[value][1:])
+        found = self.nodes.add(name, *self.nodes.all[value][1:])
         if found != node and not self._alike(key, value):
             raise CertificateError("the sum given for an argument is not equal to it")
         return found
 
     def _turned(self, node: int) -> Element | None:
-        """The image by that of the same function of -z, if a generator or hint is of that."""
+        """Return the image by the same function of -z, if a generator or hint is of that."""
         name, *arguments = self.nodes.all[node]
         symmetry = FUNCTIONS[name].symmetry if name in FUNCTIONS else ""
         if not symmetry:
             return None
         place = FUNCTIONS[name].letters.index("z")
         arguments[place] = self.nodes.negative(arguments[place])
-        other = self.nodes.made(name, *arguments)
+        other = self.nodes.add(name, *arguments)
         if self.known(other) is None and self.renamed(other) is None:
             return None
         value = self.image(other)
@@ -290,7 +390,7 @@ class Field:
     # generators
 
     def register(self, node: int) -> None:
-        """The next generator stands for ``node``, a function or a symbol.
+        """Enter a generator for ``node``, a function or a symbol.
 
         It is not used where another one stands for the same function of equal arguments.
         """
@@ -305,7 +405,7 @@ class Field:
             self.register_forms([node], [((one,), zero)])
 
     def register_forms(self, nodes: Sequence[int], rows: Sequence[Row]) -> None:
-        """The next generators are linear in as many symbols or functions, of which images follow.
+        """Enter generators that are linear in as many symbols or functions, with images of these.
 
         Of an algebraic function it is a multiple, times what makes its power a polynomial.
         """
@@ -320,7 +420,7 @@ class Field:
             pairs = tuple(zip(factors, nodes, strict=True))
             parts = [p if self.nodes.value(f) == 1 else self.nodes.product(f, p) for f, p in pairs]
             parts += [] if self.nodes.value(shift) == 0 else [shift]
-            formula = parts[0] if len(parts) == 1 else self.nodes.made("Add", *parts)
+            formula = parts[0] if len(parts) == 1 else self.nodes.add("Add", *parts)
             scale = self.ring.context.constant(1)
             if relations[0] is not None and len(nodes) == 1 and self.nodes.value(shift) == 0:
                 scale = self.relate(place, *relations[0], self.image(factors[0]))
@@ -344,7 +444,7 @@ class Field:
         return below
 
     def register_part(self, left: int, right: int) -> None:
-        """The next generator stands for either of two formulas that were proved equal."""
+        """Enter a generator for either of two formulas that were proved equal."""
         image = self.ring.generator(len(self.generators))
         one = self.nodes.rational(1)
         self.generators.append(Generator(left, self.ring.context.constant(1), ((one, left),)))
@@ -366,7 +466,7 @@ class Field:
                 self.circles[symbol] = root
 
     def _relation(self, node: int) -> tuple[int, Element] | None:
-        """The degree of an algebraic function and that power of it; None if there is none."""
+        """Return the degree of an algebraic function and that power of it; else None."""
         self.need_parameters(node)
         match self.nodes.all[node]:
             case ("Pow", *_) if node in self.circles.values():
@@ -385,17 +485,17 @@ class Field:
                 return None
             case (str(name), *arguments) if name in {own for own, _ in SQUARES}:
                 for (own, other), text in SQUARES.items():
-                    if own == name and self.nodes.made(other, *arguments) in self._images:
+                    if own == name and self.nodes.add(other, *arguments) in self._images:
                         return 2, self.read(text, **FUNCTIONS[own].arguments(*arguments))
                 return None
-            case (str(name), *_) if name in RELATIONS:
-                return RELATIONS[name](self, node)
+            case (str(name), *_) if answers := self.rules.tried("relation", name):
+                return answers[0](self, node)
             case (str(name), *_) if name in FUNCTIONS and FUNCTIONS[name].free:
                 return None
         raise CertificateError(f"{self.nodes.all[node][0]} is no generator")
 
     def need_parameters(self, node: int) -> None:
-        """The arguments besides z are constant, or integers, or a nome, and in their range."""
+        """Check that the arguments besides z are constant, or a nome, and in their range."""
         name, arguments = self.nodes.all[node][0], children(self.nodes.all[node])
         if name not in FUNCTIONS or FUNCTIONS[name].letters == "z" or name == "power":
             return
@@ -412,7 +512,7 @@ class Field:
                 self.image(z).inverse()
 
     def balls(self, balls: Balls) -> list[acb]:
-        """The values of the generators at a point."""
+        """Return the values of the generators at a point."""
         values: list[acb] = []
         for generator in self.generators:
             rest = [*values, *[acb(0)] * (len(self.ring.names) - len(values))]
@@ -425,7 +525,7 @@ SINES = ("jacobi_cn", "jacobi_dn", "jacobi_epsilon", "jacobi_zeta")
 
 
 def solved(table: list[list[Element]]) -> list[Element]:
-    """The solution of linear equations, each row with its right-hand side; by elimination."""
+    """Return the solution of linear equations, rows with right-hand sides, by elimination."""
     size = len(table)
     for column in range(size):
         pivot = next((i for i in range(column, size) if not table[i][column].is_zero), None)

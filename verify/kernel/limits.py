@@ -51,6 +51,6 @@ def within(what: str, got: int, limit: int) -> int:
 
 
 def digest(body: Mapping[str, Any]) -> str:
-    """A checksum of everything but itself, against slips of the pen."""
+    """Return a checksum of everything but itself, against slips of the pen."""
     plain = {key: value for key, value in body.items() if key != "digest"}
     return hashlib.sha256(json.dumps(plain, sort_keys=True).encode()).hexdigest()

@@ -9,15 +9,12 @@ from operator import add, mul
 from flint import acb, arb, ctx, fmpq, fmpq_mpoly
 
 from .axioms import FUNCTIONS
-from .jacobi_values import Jacobi
+from .function_values import Jacobi
 from .limits import CertificateError
 from .nodes import Nodes, children
 
 BITS = 320
 """Precision of balls: they only show that something is not 0."""
-
-BALLS: dict[str, Callable[..., acb]] = {}
-"""Functions that FLINT's balls do not have by the same name."""
 
 
 class Balls:
@@ -41,7 +38,7 @@ class Balls:
         self._elliptic: dict[int, Jacobi] = {}
 
     def ball(self, node: int) -> acb:
-        """The ball of a node; raises CertificateError where there is none."""
+        """Return the ball of a node; raises CertificateError where there is none."""
         with ctx.workprec(BITS):
             for inner in self._nodes.below([node]):
                 if inner not in self._found:
@@ -76,13 +73,13 @@ class Balls:
                 return getattr(self._parameter(m), name.removeprefix("jacobi_"))(known[z])
             case (str(name), *rest) if name in FUNCTIONS:
                 inner = children(self._nodes.all[node])
-                function = BALLS.get(name) or getattr(acb, name, None)
+                function = FUNCTIONS[name].ball or getattr(acb, name, None)
                 if function is not None:
                     return function(*(known[place] for place in inner), *rest[len(inner) :])
         raise CertificateError("a node has no value")
 
     def _root(self, node: int, value: acb, degree: int) -> acb:
-        """A root; on another branch any, off the cut, for all of them are tried."""
+        """Return a root; on another branch any, off the cut, for all of them are tried."""
         if degree == 1:
             return value
         if node not in self._turns:
@@ -120,7 +117,7 @@ class Balls:
 
 
 def constant(nodes: Nodes, node: int) -> acb | None:
-    """The value of a formula without symbols, if it is finite."""
+    """Return the value of a formula without symbols, if it is finite."""
     if not nodes.is_constant(node):
         return None
     try:
@@ -131,7 +128,7 @@ def constant(nodes: Nodes, node: int) -> acb | None:
 
 
 def _turn(share: fmpq) -> acb:
-    """exp(2 i pi share)."""
+    """Return exp(2 i pi share)."""
     return (acb(0, 2) * acb.pi() * acb(arb(share))).exp()
 
 
@@ -143,7 +140,7 @@ def _parity(value: acb) -> acb:
 
 
 def value_at(element: fmpq_mpoly, generators: list[acb]) -> acb:
-    """A polynomial of the ring at the values of its generators, the first one first."""
+    """Return a polynomial of the ring at the values of its generators, the first one first."""
     total = acb(0)
     for exponents, coefficient in element.terms():
         powers = zip(generators[::-1], exponents, strict=True)

@@ -28,7 +28,7 @@ Node = tuple[Any, ...]
 
 
 def number(text: object) -> fmpq:
-    """A rational number written ``p`` or ``p/q``.
+    """Return a rational number written ``p`` or ``p/q``.
 
     >>> number("-3/4")
     -3/4
@@ -46,15 +46,15 @@ def number(text: object) -> fmpq:
 
 
 def integer(value: object, least: int, limit: int, what: str) -> int:
-    """An integer between ``least`` and ``limit``; raises CertificateError for anything else."""
+    """Return an integer from ``least`` to ``limit``; raises CertificateError otherwise."""
     if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= limit:
-        shown = value if isinstance(value, int) and abs(value) < 10**9 else type(value).__name__
-        raise CertificateError(f"{what} must be an integer from {least} to {limit}, got {shown}")
+        got = value if isinstance(value, int) and abs(value) < 10**9 else type(value).__name__
+        raise CertificateError(f"{what} must be an integer from {least} to {limit}, got {got}")
     return value
 
 
 def listed(value: object, limit: int, what: str, exactly: bool = False) -> list[Any]:
-    """A list of at most ``limit`` entries, or of ``exactly`` so many."""
+    """Return a list of at most ``limit`` entries, or of ``exactly`` so many."""
     if not isinstance(value, list) or (exactly and len(value) != limit):
         raise CertificateError(f"{what} must be a list{f' of {limit}' if exactly else ''}")
     within(f"the length of {what}", len(value), limit)
@@ -67,8 +67,8 @@ class Nodes:
     ``places`` are those that a proof refers to by number.
 
     >>> nodes = Nodes()
-    >>> x, two = nodes.made("symbol", "x", "real"), nodes.rational(2)
-    >>> nodes.made("Mul", x, two) == nodes.made("Mul", two, x)
+    >>> x, two = nodes.add("symbol", "x", "real"), nodes.rational(2)
+    >>> nodes.add("Mul", x, two) == nodes.add("Mul", two, x)
     True
     """
 
@@ -79,11 +79,11 @@ class Nodes:
         self.places: list[int] = []
 
     def place(self, value: object) -> int:
-        """The node that a place in the proof's list of formulas means."""
+        """Return the node that a place in the proof's list of formulas means."""
         return self.places[integer(value, 0, len(self.places) - 1, "a place in formulas")]
 
-    def made(self, name: str, *arguments: Any) -> int:
-        """The node ``(name, *arguments)``; sums and products know no order."""
+    def add(self, name: str, *arguments: Any) -> int:
+        """Return the node ``(name, *arguments)``; sums and products know no order."""
         if name in ("Add", "Mul"):
             arguments = tuple(sorted(arguments))
         node = (name, *arguments)
@@ -96,31 +96,31 @@ class Nodes:
         return self._known[node]
 
     def rational(self, p: int, q: int = 1) -> int:
-        """The node of a rational number."""
-        return self.made("number", fmpq(p, q))
+        """Return the node of a rational number."""
+        return self.add("number", fmpq(p, q))
 
     def negative(self, node: int) -> int:
-        """The node times -1."""
+        """Return the node times -1."""
         return self.times(-1, node)
 
     def gap(self, left: int, right: int) -> int:
-        """The node of ``right - left``."""
+        """Return the node of ``right - left``."""
         if self.value(left) == 0:
             return right
         negative = self.negative(left)
-        return negative if self.value(right) == 0 else self.made("Add", right, negative)
+        return negative if self.value(right) == 0 else self.add("Add", right, negative)
 
     def value(self, node: int) -> fmpq | None:
-        """The value of a number's node; None for any other."""
+        """Return the value of a number's node; None for any other."""
         found = self.all[node]
         return found[1] if found[0] == "number" else None
 
     def terms(self, node: int) -> tuple[int, ...]:
-        """The terms of a sum; what is no sum is one term."""
+        """Return the terms of a sum; what is no sum is one term."""
         return self.all[node][1:] if self.all[node][0] == "Add" else (node,)
 
     def multiple(self, node: int) -> tuple[fmpq, int]:
-        """The numbers in a product, multiplied, and the rest, 1 if there is none."""
+        """Return the numbers in a product, multiplied, and the rest, 1 if there is none."""
         factors = self.all[node][1:] if self.all[node][0] == "Mul" else (node,)
         number, rest = fmpq(1), []
         for factor in factors:
@@ -132,21 +132,21 @@ class Nodes:
         return number, self.product(*rest)
 
     def times(self, number: int, node: int) -> int:
-        """A multiple of a node."""
-        return node if number == 1 else self.made("Mul", self.rational(number), node)
+        """Return a multiple of a node."""
+        return node if number == 1 else self.add("Mul", self.rational(number), node)
 
     def product(self, *factors: int) -> int:
-        """The product of some nodes, of none 1."""
+        """Return the product of some nodes, of none 1."""
         if len(factors) < 2:
             return factors[0] if factors else self.rational(1)
-        return self.made("Mul", *factors)
+        return self.add("Mul", *factors)
 
     def is_constant(self, node: int) -> bool:
-        """Whether a node has no symbols and no arbitrary functions."""
+        """Return whether a node has no symbols and no arbitrary functions."""
         return all(self.all[inner][0] not in ("symbol", "jet") for inner in self.below([node]))
 
     def is_integer(self, node: int) -> bool:
-        """Whether a node is evidently an integer at every point."""
+        """Return whether a node is evidently an integer at every point."""
         match self.all[node]:
             case ("number", value):
                 return bool(value.q == 1)
@@ -159,25 +159,25 @@ class Nodes:
         return False
 
     def rebuilt(self, node: int, images: Callable[[int], int]) -> int:
-        """The node with the images of its children in their places."""
+        """Return the node with the images of its children in their places."""
         name, *rest = self.all[node]
         inner = children(self.all[node])
         if not inner:
             return node
         moved = map(images, inner)
-        return self.made(name, *moved, *rest[len(inner) :])
+        return self.add(name, *moved, *rest[len(inner) :])
 
     def below(self, roots: Sequence[int]) -> Iterator[int]:
-        """The nodes in ``roots``, each once, arguments first."""
-        wanted = set(roots)
+        """Yield the nodes in ``roots``, each once, arguments first."""
+        reached = set(roots)
         for node in range(max(roots, default=-1), -1, -1):
-            if node in wanted:
-                wanted.update(children(self.all[node]))
-        yield from sorted(wanted)
+            if node in reached:
+                reached.update(children(self.all[node]))
+        yield from sorted(reached)
 
 
 def children(node: Node) -> tuple[int, ...]:
-    """The nodes that a node is made of."""
+    """Return the nodes that a node is made of."""
     match node[0]:
         case "number" | "symbol" | "I" | "pi" | "unknown":
             return ()

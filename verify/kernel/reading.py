@@ -17,6 +17,7 @@ from dataclasses import dataclass, field
 from flint import fmpq
 
 from .axioms import FUNCTIONS
+from .function_values import THETA
 from .limits import DIGITS, EXPONENT, NAME, NESTING, NODES, ORDER, SHIFT, CertificateError, within
 from .nodes import DOMAIN_WORDS, Nodes
 
@@ -30,24 +31,21 @@ TOKEN = re.compile(
 HIDDEN = ("Abs", "power", "parity", "diff", "jet", "theta")
 """Nodes that are not written as functions of the same name."""
 
-THETA = tuple(f"jacobi_theta_{place}" for place in (1, 2, 3, 4))
-"""Theta functions of z and the nome q, 0 < q < 1."""
-
 
 def arity(name: str) -> int:
-    """How many arguments the function called ``name`` has; 0 for none."""
+    """Return the number of arguments of the function called ``name``; 0 if it is unknown."""
     name = "Abs" if name == "abs" else "" if name in HIDDEN else name
     return len(FUNCTIONS[name].letters) if name in FUNCTIONS else 0
 
 
 def is_reserved(name: str) -> bool:
-    """Whether a name means something everywhere."""
+    """Return whether a name means something everywhere."""
     return name in ("I", "pi", "diff", "sqrt", *THETA, *DOMAIN_WORDS) or arity(name) > 0
 
 
 @dataclass
 class Scope:
-    """What names mean: variables and symbols, definitions (nodes) and unknowns.
+    """Meaning of names: variables and symbols, definitions (nodes) and unknowns.
 
     A name that means nothing yet is a real parameter from then on.
     """
@@ -59,7 +57,7 @@ class Scope:
     pending: set[str] = field(default_factory=set)
 
     def node(self, name: str) -> int:
-        """The node that a name means; raises CertificateError where it means none."""
+        """Return the node that a name means; raises CertificateError where it means none."""
         if name in self.unknowns:
             return self.unknown(name, (0,) * len(self.variables))
         if name in self.known and not self.is_function(name):
@@ -72,18 +70,18 @@ class Scope:
             if not set(steps) <= letters.keys():
                 raise CertificateError(f"subscripts must be variables, got {base}_{steps[:40]}")
             within("the order of a derivative", len(steps), ORDER)
-            return self.nodes.made("diff", self.node(base), *sorted(letters[s] for s in steps))
+            return self.nodes.add("diff", self.node(base), *sorted(letters[s] for s in steps))
         self._refuse_likeness(name)
         return self.declare(name, "real")
 
     def is_function(self, name: str) -> bool:
-        """Whether a name means an arbitrary function."""
+        """Return whether a name means an arbitrary function."""
         return self.nodes.all[self.known[name]][::2] == ("symbol", "function")
 
     def declare(self, name: str, kind: str) -> int:
-        """A new symbol."""
+        """Return a new symbol."""
         within("the length of a name", len(name), NAME)
-        self.define(name, self.nodes.made("symbol", name, kind))
+        self.define(name, self.nodes.add("symbol", name, kind))
         return self.known[name]
 
     def define(self, name: str, node: int) -> None:
@@ -93,8 +91,8 @@ class Scope:
         self.known[name] = node
 
     def unknown(self, name: str, shifts: tuple[int, ...]) -> int:
-        """An unknown at shifted variables."""
-        return self.nodes.made("unknown", self.unknowns.index(name), shifts)
+        """Return an unknown at shifted variables."""
+        return self.nodes.add("unknown", self.unknowns.index(name), shifts)
 
     def check(self) -> None:
         """Raise CertificateError if a symbol's name reads as a derivative of an unknown."""
@@ -102,7 +100,7 @@ class Scope:
             self._refuse_likeness(name)
 
     def letters(self) -> dict[str, int]:
-        """The variables by their names."""
+        """Return the variables by their names."""
         return {self.nodes.all[variable][1]: variable for variable in self.variables}
 
     def _refuse_likeness(self, name: str) -> None:
@@ -118,7 +116,7 @@ class Scope:
 
 
 def tokens(text: object) -> list[tuple[str, str]]:
-    """The words of a text, each with its kind; raises CertificateError for anything else."""
+    """Return the words of a text, each with its kind; raises CertificateError for anything else."""
     if not isinstance(text, str):
         raise CertificateError(f"formulas must be text, got {type(text).__name__}")
     found, place = [], 0
@@ -134,7 +132,7 @@ def tokens(text: object) -> list[tuple[str, str]]:
 
 
 def rational(text: str) -> fmpq:
-    """A decimal number, exactly.
+    """Return a decimal number, exactly.
 
     >>> rational("0.25"), rational("3e-1")
     (1/4, 3/10)
@@ -166,21 +164,21 @@ class TextReader:
         return self._words[self._at][0] == "end"
 
     def take(self, *signs: str) -> str:
-        """The word that comes if it is one of ``signs``, and go on behind it; else nothing."""
+        """Return the word that comes and move on if it is one of ``signs``; else nothing."""
         if self.ended or self.next not in signs:
             return ""
         self._at += 1
         return self._words[self._at - 1][1]
 
     def expect(self, *signs: str) -> str:
-        """The word that comes, which must be one of ``signs``."""
+        """Return the word that comes, which must be one of ``signs``."""
         found = self.take(*signs)
         if not found:
             raise CertificateError(f"expected {' or '.join(signs)}, got {self.next[:40]!a}")
         return found
 
     def name(self) -> str:
-        """The name that comes."""
+        """Return the name that comes."""
         if self._words[self._at][0] != "name":
             raise CertificateError(f"expected a name, got {self.next[:40]!a}")
         return self.take(self.next)
@@ -191,22 +189,22 @@ class TextReader:
             raise CertificateError(f"expected the end of the formula, got {self.next[:40]!a}")
 
     def whole(self) -> int:
-        """The sum that all words that are left make."""
+        """Return the sum that all words that are left make."""
         found = self.sum()
         self.end()
         return found
 
     def sum(self) -> int:
-        """A sum of one or more terms."""
+        """Return a sum of one or more terms."""
         self._nesting = within("brackets in brackets", self._nesting + 1, NESTING)
         terms = [self._product(fmpq(1))]
         while sign := self.take("+", "-"):
             terms.append(self._product(fmpq(1 if sign == "+" else -1)))
         self._nesting -= 1
-        return terms[0] if len(terms) == 1 else self._nodes.made("Add", *terms)
+        return terms[0] if len(terms) == 1 else self._nodes.add("Add", *terms)
 
     def _product(self, number: fmpq) -> int:
-        """A product with a number before it; numbers in it are one."""
+        """Return a product with a number before it; numbers in it are one."""
         factors: list[int] = []
         sign = "*"
         while sign:
@@ -221,7 +219,7 @@ class TextReader:
                 factors.append(factor if sign == "*" else self.power(factor, fmpq(-1)))
             sign = self.take("*", "/")
         if number != 1 or not factors:
-            factors.insert(0, self._nodes.made("number", number))
+            factors.insert(0, self._nodes.add("number", number))
         return self._nodes.product(*factors)
 
     def _power(self) -> int:
@@ -238,30 +236,30 @@ class TextReader:
         return self._power_of(base, exponent if negative == 1 else self._nodes.negative(exponent))
 
     def power(self, base: int, exponent: fmpq) -> int:
-        """A node to a rational power, the principal one."""
+        """Return a node to a rational power, the principal one."""
         for part, what in ((exponent.p, "exponents"), (exponent.q, "the degree of a root")):
             within(what, abs(int(part)), EXPONENT)
-        return base if exponent == 1 else self._nodes.made("Pow", base, exponent)
+        return base if exponent == 1 else self._nodes.add("Pow", base, exponent)
 
     def _power_of(self, base: int, exponent: int) -> int:
-        """A node to a power that is no number: by the logarithm, or of -1 to an integer."""
-        value, made = self._nodes.value(base), self._nodes.made
+        """Return a node to a power that is no number: by the logarithm, or of -1 to an integer."""
+        value, add = self._nodes.value(base), self._nodes.add
         if value == 0:
             raise CertificateError("0 must not be raised to a symbol")
         if value is None or value > 0 or not self._nodes.is_integer(exponent):
-            return made("power", base, exponent)
-        turn = made("parity", exponent)
+            return add("power", base, exponent)
+        turn = add("parity", exponent)
         if value == -1:
             return turn
-        return made("Mul", turn, made("power", made("number", -value), exponent))
+        return add("Mul", turn, add("power", add("number", -value), exponent))
 
     def atom(self) -> int:
-        """A formula that binds its parts together."""
+        """Return a formula that binds its parts together."""
         kind, word = self._words[self._at]
         self._at += kind != "end"
         match kind:
             case "number":
-                return self._nodes.made("number", rational(word))
+                return self._nodes.add("number", rational(word))
             case "place" if int(word[1:]) < len(self._places):
                 return self._places[int(word[1:])]
             case "sign" if word == "(":
@@ -273,7 +271,7 @@ class TextReader:
             case "name" if self.next == "[" and word in self._scope.unknowns:
                 return self._unknown(word)
             case "name" if word in ("I", "pi"):
-                return self._nodes.made(word)
+                return self._nodes.add(word)
             case "name":
                 return self._scope.node(word)
         raise CertificateError(f"expected a formula, got {word[:40]!a}")
@@ -290,24 +288,24 @@ class TextReader:
         order = 0
         while self.take("'"):
             order = within("the order of a derivative", order + 1, 2 * ORDER)
-        arguments, scope, made = self._listed("(", ")"), self._scope, self._nodes.made
+        arguments, scope, add = self._listed("(", ")"), self._scope, self._nodes.add
         free = name in THETA or (name in scope.known and scope.is_function(name))
         if free and len(arguments) == (2 if name in THETA else 1):
-            return made("theta" if name in THETA else "jet", *arguments, (name, order))
+            return add("theta" if name in THETA else "jet", *arguments, (name, order))
         if free or order:
             raise CertificateError(f"no function with derivatives is called {name[:40]}")
         if name == "diff" and 1 < len(arguments) <= ORDER + 1:
-            return made("diff", arguments[0], *sorted(self._steps(arguments[1:])))
+            return add("diff", arguments[0], *sorted(self._steps(arguments[1:])))
         if name == "sqrt" and len(arguments) == 1:
             return self.power(arguments[0], fmpq(1, 2))
         if arity(name) != len(arguments):
             raise CertificateError(
                 f"no function of {len(arguments)} arguments is called {name[:40]}"
             )
-        return made("Abs" if name == "abs" else name, *arguments)
+        return add("Abs" if name == "abs" else name, *arguments)
 
     def _steps(self, listed: Sequence[int]) -> list[int]:
-        """The variables of a derivative; ``x, 3`` is ``x, x, x``."""
+        """Return the variables of a derivative; ``x, 3`` is ``x, x, x``."""
         steps: list[int] = []
         for node in listed:
             times = self._nodes.value(node)
@@ -340,10 +338,10 @@ class TextReader:
 
 
 def formula(scope: Scope, text: object, places: Sequence[int] = ()) -> int:
-    """The node of a whole text."""
+    """Return the node of a whole text."""
     return TextReader(scope, text, places).whole()
 
 
 def axiom(nodes: Nodes, text: str, **letters: int) -> int:
-    """The node of an axiom, its letters standing for nodes."""
+    """Return the node of an axiom, its letters standing for nodes."""
     return formula(Scope(nodes, known=letters), text)

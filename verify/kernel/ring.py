@@ -43,15 +43,15 @@ class Ring:
         self._work = 0
 
     def number(self, value: fmpq | int) -> Element:
-        """A rational number as a fraction."""
+        """Return a rational number as a fraction."""
         return Element(self, self.context.constant(value))
 
     def generator(self, place: int) -> Element:
-        """A generator as a fraction."""
+        """Return a generator as a fraction."""
         return Element(self, self.generators[place])
 
     def relate(self, place: int, degree: int, value: fmpq_mpoly) -> None:
-        """From now on ``generators[place] ** degree`` is ``value``, of lower degree in it."""
+        """Enter that ``generators[place] ** degree`` is ``value``, of lower degree in it."""
         *later, own = value.degrees()[: len(self.names) - place]
         if any(later) or own >= degree:
             raise CertificateError(f"the relation of generator {place} needs a later one")
@@ -60,13 +60,13 @@ class Ring:
         self.relations.sort(key=lambda relation: relation[0])
 
     def product(self, left: fmpq_mpoly, right: fmpq_mpoly) -> fmpq_mpoly:
-        """The normal form of a product; raises CertificateError beyond the budget."""
+        """Return the normal form of a product; raises CertificateError beyond the budget."""
         self.spend(len(left) * len(right))
         within("degrees", int(left.total_degree() + right.total_degree()), DEGREE)
         return self.reduced(left * right)
 
     def reduced(self, polynomial: fmpq_mpoly) -> fmpq_mpoly:
-        """The remainder of the division by the relations."""
+        """Return the remainder of the division by the relations."""
         for index, degree, modulus in self.relations:
             top = int(polynomial.degrees()[index])
             if top >= degree:
@@ -75,7 +75,7 @@ class Ring:
         return polynomial
 
     def roots(self) -> list[tuple[int, int, fmpq_mpoly]]:
-        """The generators with a relation among ``factors``: place there, degree and value."""
+        """Return the generators with a relation in ``factors``: place there, degree, value."""
         found = []
         for index, degree, modulus in self.relations:
             generator = self.context.gens()[index]
@@ -109,7 +109,7 @@ class Ring:
         return unit, powers
 
     def multiplied_out(self, powers: Powers) -> fmpq_mpoly:
-        """The product of the factors to ``powers``."""
+        """Return the product of the factors to ``powers``."""
         product = self.context.constant(1)
         for place, power in powers.items():
             for _ in range(power):
@@ -140,12 +140,12 @@ class Element:
         return found
 
     def over(self, powers: Powers) -> fmpq_mpoly:
-        """The numerator over a multiple of the denominator."""
+        """Return the numerator over a multiple of the denominator."""
         rest = self.ring.multiplied_out(Counter(powers) - Counter(self.powers))
         return self.ring.product(self.numerator, rest)
 
     def denominator(self) -> fmpq_mpoly:
-        """The denominator multiplied out."""
+        """Return the denominator multiplied out."""
         return self.ring.multiplied_out(self.powers)
 
     def __add__(self, other: Element) -> Element:
@@ -198,7 +198,7 @@ class Element:
         return inverse
 
     def cancelled(self) -> Element:
-        """Common polynomial factors divided out."""
+        """Divide out common polynomial factors."""
         if self.is_zero or not self.powers:
             return Element(self.ring, self.numerator)
         numerator, powers = self.numerator, dict(self.powers)
@@ -212,14 +212,54 @@ class Element:
 
 
 def common(elements: Iterable[Element]) -> Counter[int]:
-    """The least common denominator."""
+    """Return the least common denominator."""
     return reduce(or_, (Counter(element.powers) for element in elements), Counter())
 
 
 def total(ring: Ring, elements: Sequence[Element]) -> Element:
-    """The sum over one common denominator, not cancelled."""
+    """Return the sum over one common denominator, not cancelled."""
     below = common(elements)
     numerator = ring.context.constant(0)
     for element in elements:
         numerator += element.over(below)
     return Element(ring, numerator, below)
+
+
+class Derivation:
+    """The derivation of the ring that takes each generator to its slope."""
+
+    def __init__(self, ring: Ring, slopes: Mapping[int, Element]) -> None:
+        self.ring = ring
+        self.slopes = {i: slope for i, slope in slopes.items() if not slope.is_zero}
+        self.below = common(self.slopes.values())
+        self._steps = {i: slope.over(self.below) for i, slope in self.slopes.items()}
+        self._moved: dict[int, tuple[fmpq_mpoly, bool]] = {}
+
+    def along(self, polynomial: fmpq_mpoly) -> fmpq_mpoly:
+        """Return the derivative of a polynomial times the common denominator of the slopes."""
+        total = self.ring.context.constant(0)
+        for place, step in self._steps.items():
+            partial = polynomial.derivative(self.ring.names[place])
+            if not partial.is_zero():
+                total += self.ring.product(partial, step)
+        return total
+
+    def __call__(self, element: Element) -> Element:
+        """(N / F)' for F a product of powers of factors f: N'/F - sum of n N f'/(f F)."""
+        powers = Counter(element.powers) + self.below
+        parts = [Element(self.ring, self.along(element.numerator), powers)]
+        for place, power in element.powers.items():
+            slope, divides = self._factor_slope(place)
+            above = self.ring.product(-power * slope, element.numerator)
+            raised = powers if divides else powers + Counter([place])
+            parts.append(Element(self.ring, above, raised))
+        return total(self.ring, parts).cancelled()
+
+    def _factor_slope(self, place: int) -> tuple[fmpq_mpoly, bool]:
+        """Return a factor's derivative (times the common denominator), over it if divisible."""
+        if place not in self._moved:
+            factor = self.ring.factors[place]
+            slope = self.along(factor)
+            quotient = self.ring.quotient(slope, factor)
+            self._moved[place] = (slope, False) if quotient is None else (quotient, True)
+        return self._moved[place]

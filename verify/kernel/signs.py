@@ -1,4 +1,4 @@
-"""What a domain shows of formulas: signs, conjugates, smoothness.
+"""Signs, conjugates and smoothness of formulas, as a domain shows them.
 
 Signs are those of intervals, which are derived from the structure of formulas and the inequalities
 of the domain.  An expression such as 1 - k**2 is decided by a witness: a formula with the same
@@ -21,11 +21,11 @@ from .nodes import Nodes, children
 from .ring import Element
 
 ANALYTIC = ("number", "symbol", "I", "pi", "Add", "Mul", "Pow")
-"""What is analytic where it is made of such, an integer power but for poles."""
+"""Nodes that are analytic if their parts are, an integer power but for poles."""
 
 
 class Signs:
-    """What a domain tells of the nodes of a table.
+    """Signs, conjugates and smoothness of the nodes of a table on a domain.
 
     ``positive`` are the nodes that it states to be positive (True: or 0).  ``witnesses`` maps a
     node to another with the same ``image``.
@@ -45,7 +45,7 @@ class Signs:
         self._constants = Balls(nodes, {})
 
     def is_real(self, node: int) -> bool:
-        """Whether ``node`` is shown to be real."""
+        """Return whether ``node`` is shown to be real."""
         if node not in self._real:
             self._real[node] = False
             self._real[node] = self._is_real(node)
@@ -74,7 +74,7 @@ class Signs:
         return False
 
     def needed(self, name: str, *arguments: int) -> str:
-        """What a function needs of its parameter, if that is not shown."""
+        """Return the condition on a function's parameter that is not shown, if any."""
         own = FUNCTIONS[name]
         if own.below_one and not all(map(self.below_one, own.parameters(*arguments))):
             return "m < 1"
@@ -83,26 +83,26 @@ class Signs:
         return ""
 
     def positive(self, node: int) -> bool:
-        """Whether ``node`` is shown to be real and greater than 0."""
+        """Return whether ``node`` is shown to be real and greater than 0."""
         return self.interval(node).is_positive
 
     def not_negative(self, node: int) -> bool:
-        """Whether ``node`` is shown to be real and at least 0."""
+        """Return whether ``node`` is shown to be real and at least 0."""
         return self.interval(node).is_not_negative
 
     def below_one(self, m: int) -> bool:
-        """Whether ``m`` is shown to be real and less than 1."""
+        """Return whether ``m`` is shown to be real and less than 1."""
         return self.positive(self._nodes.gap(m, self._nodes.rational(1)))
 
     def is_between(self, node: int, low: fmpq | None, high: fmpq | None) -> bool:
-        """Whether ``node`` is shown to be real and not outside two rational numbers (None: any)."""
-        ends = [None if end is None else self._nodes.made("number", end) for end in (low, high)]
+        """Return whether ``node`` is real and not outside two rational numbers (None: any)."""
+        ends = [None if end is None else self._nodes.add("number", end) for end in (low, high)]
         gaps = [] if ends[0] is None else [self._nodes.gap(ends[0], node)]
         gaps += [] if ends[1] is None else [self._nodes.gap(node, ends[1])]
         return self.is_real(node) and all(map(self.not_negative, gaps))
 
     def interval(self, node: int) -> Interval:
-        """Where the values of a node are; anywhere if it is not shown to be real."""
+        """Return the interval of a node's values; no ends if it is not shown to be real."""
         if not self.is_real(node):
             return Interval()
         if node not in self._intervals:
@@ -110,8 +110,8 @@ class Signs:
             found = self._interval(node) & self._stated(node)
             if node in self._witnesses and not found.is_not_zero:
                 other = self._witness(node)
-                shown = self.interval(other)  # an open end is where the witness is defined
-                found = found & (shown if self.is_bounded(other) else shown.closed)
+                witnessed = self.interval(other)  # an open end is where the witness is defined
+                found = found & (witnessed if self.is_bounded(other) else witnessed.closed)
             self._intervals[node] = found
         return self._intervals[node]
 
@@ -147,7 +147,7 @@ class Signs:
         return Interval()
 
     def _stated(self, node: int) -> Interval:
-        """What the inequalities of the domain say of a node, or of a multiple plus a number."""
+        """Return the bounds that the domain states for a node, or for a multiple plus a number."""
         found = Interval()
         if node in self._positive:
             found = Interval(fmpq(0), None, not self._positive[node])
@@ -165,12 +165,12 @@ class Signs:
         return found
 
     def _beside_constant(self, node: int, bound: int, weak: bool) -> Interval:
-        """What ``node + c > 0`` and ``c - node > 0`` say of a node, c without symbols."""
+        """Return the bounds of a node by ``node + c > 0`` or ``c - node > 0``, c a constant."""
         terms = self._nodes.terms(bound)
         rest = [term for term in terms if self._nodes.is_constant(term)]
         moving = [term for term in terms if term not in rest]
         if rest and moving in ([node], [self._nodes.negative(node)]):
-            gap = self.interval(rest[0] if len(rest) == 1 else self._nodes.made("Add", *rest))
+            gap = self.interval(rest[0] if len(rest) == 1 else self._nodes.add("Add", *rest))
             if gap.high is not None:
                 above = Interval(-gap.high, None, not weak)
                 below = Interval(None, gap.high, False, not weak)
@@ -178,41 +178,41 @@ class Signs:
         return Interval()
 
     def _witness(self, node: int) -> int:
-        """The formula with the same image that a hint names, checked."""
+        """Return the formula with the same image that a hint names, checked."""
         other = self._witnesses[node]
         if node != other and not (self._image(node) - self._image(other)).is_zero:
             raise CertificateError("the witness of a sign has another image")
         return other
 
     def conjugate(self, node: int) -> int:
-        """The complex conjugate of a node as a node."""
-        made, inside = self._nodes.made, self.conjugate
+        """Return the complex conjugate of a node as a node."""
+        add, inside = self._nodes.add, self.conjugate
         if self.is_real(node):
             return node
         match self._nodes.all[node]:
             case ("I",):
                 return self._nodes.negative(node)
             case ("symbol", _, "complex"):
-                return made("conjugate", node)
+                return add("conjugate", node)
             case (("Add" | "Mul") as name, *parts):
-                return made(name, *map(inside, parts))
+                return add(name, *map(inside, parts))
             case ("Pow", base, exponent) if exponent.q == 1:
-                return made("Pow", inside(base), exponent)
+                return add("Pow", inside(base), exponent)
             case ("conjugate", inner):
                 return int(inner)
             case ("sign", _):  # of modulus 1 wherever it is defined
-                return made("Pow", node, fmpq(-1))
+                return add("Pow", node, fmpq(-1))
             case ("diff", inner, *variables):
-                return made("diff", inside(inner), *variables)
+                return add("diff", inside(inner), *variables)
             case (str(name), z, *rest) if name in FUNCTIONS:
                 through = FUNCTIONS[name].kind in ("entire", "regular", "poles")
                 if through and all(map(self.is_real, children(self._nodes.all[node])[1:])):
-                    return made(name, inside(z), *rest)
+                    return add(name, inside(z), *rest)
         name = self._nodes.all[node][0]
         raise CertificateError(f"the conjugate of {name} does not follow from the domain")
 
     def is_analytic(self, node: int) -> bool:
-        """Whether a formula is analytic on the whole domain but for isolated poles."""
+        """Return whether a formula is analytic on the whole domain but for isolated poles."""
         return all(map(self._is_analytic, self._nodes.below([node])))
 
     def _is_analytic(self, node: int) -> bool:
@@ -226,16 +226,16 @@ class Signs:
         return own.kind == "entire"
 
     def is_bounded(self, node: int) -> bool:
-        """Whether a formula, with the witnesses of its sign, has evidently no poles or jumps.
+        """Return whether a formula and its sign's witnesses have evidently no poles or jumps.
 
         Then it is positive at every point if it is shown to be; 1/(1 + 1/x**2) is 0 at 0.
         """
-        todo, seen = [node], set[int]()
+        todo, visited = [node], set[int]()
         while todo:
-            new = set(self._nodes.below([todo.pop()])) - seen
+            new = set(self._nodes.below([todo.pop()])) - visited
             if not all(map(self._is_tame, new)):
                 return False
-            seen |= new
+            visited |= new
             todo += [self._witnesses[inner] for inner in new if inner in self._witnesses]
         return True
 
@@ -253,7 +253,7 @@ class Signs:
 
 
 def _multiple(element: Element, other: Element) -> tuple[fmpq, fmpq] | None:
-    """Rational r, not 0, and c with ``element = r * other + c``."""
+    """Return rational r, not 0, and c with ``element = r * other + c``."""
     above, below = element.numerator, other.numerator
     if element.powers or other.powers or above.is_constant() or below.is_constant():
         return None

@@ -1,4 +1,4 @@
-"""What a certificate states: the texts as they were typed, and the nodes that they mean."""
+"""Statement of a certificate: the texts as they were typed, and their nodes."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Statement:
 
 
 def read_statement(nodes: Nodes, data: object) -> tuple[Statement, Scope]:
-    """The statement of a certificate; raises CertificateError if it does not state anything."""
+    """Return the statement of a certificate; raises CertificateError if there is none."""
     if not isinstance(data, Mapping) or set(data) != set(PARTS):
         raise CertificateError(f"the statement must have the parts {', '.join(PARTS)}")
     texts = {name: listed(data[name], 400, name) for name in PARTS}
@@ -61,7 +61,7 @@ def read_statement(nodes: Nodes, data: object) -> tuple[Statement, Scope]:
 
 
 def _declared(nodes: Nodes, texts: Mapping[str, list[Any]]) -> Scope:
-    """The names that are declared: variables, unknowns, and parameters with their kinds."""
+    """Return the names that are declared: variables, unknowns, and parameters with their kinds."""
     scope, kinds = Scope(nodes), dict[str, str]()
     for text in texts["parameters"]:
         words = [word for _, word in tokens(text)]
@@ -106,7 +106,7 @@ def _kind(words: Sequence[str]) -> str:
 
 
 def _parameter(scope: Scope, text: str) -> list[tuple[bool, int, int]]:
-    """The inequalities of ``name: domain``; none for ``name = formula``, which is put down."""
+    """Return the inequalities of ``name: domain``; none for a definition, which is entered."""
     parser = TextReader(scope, text)
     name = parser.name()
     if parser.take(":"):
@@ -119,7 +119,7 @@ def _parameter(scope: Scope, text: str) -> list[tuple[bool, int, int]]:
 
 
 def _conditions(scope: Scope, parser: TextReader, name: str) -> list[tuple[bool, int, int]]:
-    """The inequalities between the commas: a chain, or a word for a domain of ``name``."""
+    """Return the inequalities between the commas: a chain, or a word for a domain of ``name``."""
     found = []
     while True:
         if name and parser.next in DOMAIN_WORDS:
@@ -149,7 +149,7 @@ def _chain(parser: TextReader) -> Iterator[tuple[bool, int, int]]:
 
 
 def _solution(scope: Scope, text: str) -> int:
-    """The formula of ``u = formula`` or ``u[n] = formula``."""
+    """Return the formula of ``u = formula`` or ``u[n] = formula``."""
     parser = TextReader(scope, text)
     if parser.atom() != scope.node(tokens(text)[0][1]):
         raise CertificateError("a solution must be of the unknown at its own variables")
@@ -158,7 +158,7 @@ def _solution(scope: Scope, text: str) -> int:
 
 
 def _equation(scope: Scope, text: object) -> int:
-    """The left-hand side, less the right-hand side if there is one."""
+    """Return the left-hand side, less the right-hand side if there is one."""
     parser = TextReader(scope, text)
     left = parser.sum()
     if parser.take("="):
@@ -168,7 +168,7 @@ def _equation(scope: Scope, text: object) -> int:
 
 
 def _check(statement: Statement) -> None:
-    """Every equation has an unknown, no formula has; derivatives are in real variables."""
+    """Check that equations have unknowns and formulas none, and derivatives are in reals."""
     nodes, left_sides = statement.nodes, statement.equations
     if not 0 < len(left_sides) <= 8 or not 0 < len(statement.unknowns) <= 8:
         raise CertificateError("a statement must have 1 to 8 equations and solutions")
@@ -186,7 +186,7 @@ def _check(statement: Statement) -> None:
 
 
 def statement_text(statement: Statement, texts: Mapping[str, Sequence[str]]) -> str:
-    """The statement as it was typed, and for which symbols it was proved."""
+    """Return the statement as it was typed, and for which symbols it was proved."""
     nodes = statement.nodes
     kinds = {
         kind: sorted(node[1] for node in nodes.all if node[0] == "symbol" and node[2] == kind)
@@ -204,3 +204,41 @@ def statement_text(statement: Statement, texts: Mapping[str, Sequence[str]]) -> 
         + ", wherever the formulas are smooth",
     ]
     return "\n".join(" ".join(line.split()) for line in lines)
+
+
+class Substitution:
+    """``formulas``, without derivatives and unknowns, for the unknowns of the same places.
+
+    It is done on nodes, so that nothing is simplified by it; what is left are the formulas' own
+    functions, and ``diff`` nodes, whose images the field finds.
+    """
+
+    def __init__(self, nodes: Nodes, variables: Sequence[int], formulas: Sequence[int]) -> None:
+        self._nodes, self._variables, self._formulas = nodes, variables, formulas
+        self._images: dict[int, int] = {}
+        self._shifted: dict[tuple[tuple[int, ...], int], int] = {}
+
+    def __call__(self, node: int) -> int:
+        """Return the node with the formulas put in."""
+        for inner in self._nodes.below([node]):
+            match self._nodes.all[inner]:
+                case ("unknown", place, shifts):
+                    self._images[inner] = self.shifted(self._formulas[place], shifts)
+                case _:
+                    self._images[inner] = self._nodes.rebuilt(inner, self._images.__getitem__)
+        return self._images[node]
+
+    def shifted(self, node: int, shifts: tuple[int, ...]) -> int:
+        """Return a formula with ``variable + shift`` for each variable."""
+        if not any(shifts):
+            return node
+        for inner in self._nodes.below([node]):
+            if (shifts, inner) not in self._shifted:
+                self._shifted[shifts, inner] = self._moved(inner, shifts)
+        return self._shifted[shifts, node]
+
+    def _moved(self, node: int, shifts: tuple[int, ...]) -> int:
+        if node in self._variables:
+            step = shifts[self._variables.index(node)]
+            return self._nodes.add("Add", node, self._nodes.rational(step)) if step else node
+        return self._nodes.rebuilt(node, lambda inner: self._shifted[shifts, inner])

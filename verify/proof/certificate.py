@@ -23,9 +23,9 @@ from flint import acb, ctx, fmpq_mpoly
 from longwave.solutions.functions.jet_functions import THETA, JetFunction
 from longwave.verify.kernel.check import opened, registered
 from longwave.verify.kernel.field import Field
-from longwave.verify.kernel.function_rules import BRANCHES
 from longwave.verify.kernel.limits import NAME
 from longwave.verify.kernel.ring import Element
+from longwave.verify.kernel.root_rules import is_branch
 from longwave.verify.subexpressions import distinct_nodes, replaced
 
 from .angle_relations import angle_values
@@ -57,7 +57,7 @@ def make_certificate(
     unsplit: tuple[type, ...] = (),
     values: Mapping[sp.Expr, sp.Expr] | None = None,
 ) -> Certificate:
-    """The certificate for ``problem``, given equal ``parts`` of both sides of an equality.
+    """Return the certificate for ``problem``, given equal ``parts`` of both sides of an equality.
 
     Functions in ``unsplit`` are not written as simpler ones; ``values`` has what some others are.
     Raises ValueError for a function without an axiom, and without a regular point.
@@ -87,7 +87,7 @@ def make_certificate(
 
 
 def statement_texts(problem: Problem) -> StatementTexts:
-    """What a certificate of ``problem`` states, in the words of the grammar."""
+    """Return the texts that a certificate of ``problem`` states."""
     table = NodeTable(list(problem.solutions))
     variables = [symbol.name for symbol in problem.variables]
     taken = {symbol.name for symbol in problem.domains}
@@ -130,25 +130,25 @@ def statement_texts(problem: Problem) -> StatementTexts:
 
 
 def arbitrary_functions(problem: Problem) -> list[str]:
-    """The names of the functions of which nothing is known."""
+    """Return the names of the functions of which nothing is known."""
     parts = (problem.left, *problem.solutions.values())
     labels = {node.label for part in parts for node in part.atoms(JetFunction)}
     return sorted(labels - THETA.keys())
 
 
 def _left_side(problem: Problem, table: NodeTable) -> int:
-    """The place of the left-hand side, a polynomial's written term by term."""
+    """Return the place of the left-hand side, a polynomial's written term by term."""
     if isinstance(problem, StatementProblem):
         return table.place(problem.left)
     terms = []
     for number, known, jets in problem.terms():
-        factors = [table.made("number", str(number))] if number != 1 or not (known or jets) else []
+        factors = [table.add("number", str(number))] if number != 1 or not (known or jets) else []
         factors += map(table.place, known)
         for orders, power in Counter(map(tuple, jets)).items():
             jet = table.jet(orders, problem.variables)
-            factors.append(jet if power == 1 else table.made("Pow", jet, str(power)))
-        terms.append(factors[0] if len(factors) == 1 else table.made("Mul", *factors))
-    return terms[0] if len(terms) == 1 else table.made("Add", *terms)
+            factors.append(jet if power == 1 else table.add("Pow", jet, str(power)))
+        terms.append(factors[0] if len(factors) == 1 else table.add("Mul", *factors))
+    return terms[0] if len(terms) == 1 else table.add("Add", *terms)
 
 
 def regular_point(problem: Problem) -> Point:
@@ -180,7 +180,7 @@ def equal_parts(problem: Problem) -> Iterator[list[Pair]]:
 def find_lemmas(
     left: sp.Expr, right: sp.Expr, variables: Sequence[sp.Symbol], point: Point
 ) -> list[Pair]:
-    """The largest proper sums that differ as formulas and agree at ``point``.
+    """Return the largest proper sums that differ as formulas and agree at ``point``.
 
     None lies in another; a sum is passed over for a smaller one that it holds and that stands
     elsewhere too.
@@ -211,7 +211,7 @@ def find_lemmas(
 def _values(
     formula: sp.Expr, variables: Sequence[sp.Symbol], balls: BallEvaluator
 ) -> dict[sp.Expr, acb]:
-    """The values of the proper sums in ``formula`` that contain a variable."""
+    """Return the values of the proper sums in ``formula`` that contain a variable."""
     dependence = Dependence(variables)
     inner = distinct_nodes(formula)[1:]
     sums = [node for node in inner if node.is_Add and dependence.depends(node)]
@@ -229,12 +229,12 @@ class SquareRoots:
         self._images: dict[int, Element] = {}
 
     def odd_factors(self, root: int) -> frozenset[Key]:
-        """The factors of a root's radicand that are no squares in it."""
+        """Return the factors of a root's radicand that are no squares in it."""
         image = self._field.image(self._field.nodes.all[root][1])
         return frozenset(key for key, power in self._exponents(image).items() if power % 2)
 
     def value(self, root: int) -> tuple[int, list[int]] | None:
-        """The place of what ``root`` is, and the roots in it; None if it is independent."""
+        """Return the place of what ``root`` is, and the roots in it; None if it is independent."""
         image = self._field.image(self._field.nodes.all[root][1])
         odd, members = self.odd_factors(root), frozenset[int]()
         for row, row_members in self._rows:
@@ -253,9 +253,9 @@ class SquareRoots:
                 base = self._written(self._field.ring.factors[value])
             else:
                 base = self._table.place(sp.Integer(value))
-            parts.append(self._table.made("Pow", base, str(power // 2)))
+            parts.append(self._table.add("Pow", base, str(power // 2)))
         roots = [self._places[member] for member in members]
-        return self._table.made("Mul", *(parts or [self._table.place(sp.S.One)])), roots
+        return self._table.add("Mul", *(parts or [self._table.place(sp.S.One)])), roots
 
     def _exponents(self, element: Element) -> Counter[Key]:
         ring = element.ring
@@ -268,32 +268,32 @@ class SquareRoots:
         return found
 
     def _written(self, polynomial: fmpq_mpoly) -> int:
-        """A polynomial in the generators as a node in their meanings."""
+        """Return a polynomial in the generators as a node in their meanings."""
         terms = []
         for exponents, coefficient in polynomial.terms():
             powers = [
-                self._table.made("Pow", self._meaning(place), str(int(n)))
+                self._table.add("Pow", self._meaning(place), str(int(n)))
                 for place, n in enumerate(reversed(exponents))
                 if n
             ]
-            number = self._table.made("number", str(coefficient))
-            terms.append(self._table.made("Mul", number, *powers))
-        return terms[0] if len(terms) == 1 else self._table.made("Add", *terms)
+            number = self._table.add("number", str(coefficient))
+            terms.append(self._table.add("Mul", number, *powers))
+        return terms[0] if len(terms) == 1 else self._table.add("Add", *terms)
 
     def _meaning(self, place: int) -> int:
         generator = self._field.generators[place]
         node = self._formula(generator.formula)
         if generator.scale.is_one():
             return node
-        return self._table.made("Mul", node, self._written(generator.scale))
+        return self._table.add("Mul", node, self._written(generator.scale))
 
     def _formula(self, node: int) -> int:
-        """A formula of sums and products of those of the table."""
+        """Return a formula of sums and products of those of the table."""
         if node not in self._places:
             name, *parts = self._field.nodes.all[node]
             if name == "number":
-                return self._table.made("number", str(parts[0]))
-            return self._table.made(name, *map(self._formula, parts))
+                return self._table.add("number", str(parts[0]))
+            return self._table.add(name, *map(self._formula, parts))
         return self._places[node]
 
 
@@ -313,24 +313,24 @@ def with_square_roots(table: NodeTable, statement: StatementTexts, proof: Data) 
         if found is not None and _is_root(_field(table, statement, proof), root, found[0]):
             values.append([root, found[0]])
             members[root] = found[1]
-    kept: list[list[Any]] = []
+    generators: list[list[Any]] = []
     for entry in proof["generators"]:  # what a root is made of comes in its place
         own = members.get(entry[1]) if entry[0] == "atom" else None
-        made = [entry] if own is None else [["atom", root] for root in own]
-        kept += [new for new in made if new not in kept]
-    return {**proof, "generators": kept, "values": values}
+        taken = [entry] if own is None else [["atom", root] for root in own]
+        generators += [new for new in taken if new not in generators]
+    return {**proof, "generators": generators, "values": values}
 
 
 def _is_root(field: Field, root: int, value: int) -> bool:
-    """Whether a value is seen to be the root: factors may get lost in the ring."""
+    """Return whether a value is seen to be the root: factors may get lost in the ring."""
     _, base, exponent = field.nodes.all[field.nodes.places[root]]
     node = field.nodes.places[value]
     same = (field.image(node) ** 2 - field.image(base)).is_zero
-    return bool(same and any(shown(field, node, exponent) for shown in BRANCHES))
+    return bool(same and is_branch(field, node, exponent))
 
 
 def _field(table: NodeTable, statement: StatementTexts, proof: Data) -> Field:
-    """What the checker makes of a proof."""
+    """Return the checker's field of a proof."""
     proof = {"formulas": table.texts(), **proof}
     found = opened({"statement": as_data(statement), "proof": proof})
     return registered(found, proof)

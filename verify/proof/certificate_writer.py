@@ -55,13 +55,13 @@ class NodeTable:
         self._known: dict[str, int] = {}
 
     def place(self, expression: sp.Expr) -> int:
-        """Where ``expression`` stands; raises ValueError for a function not in the list."""
+        """Return the place of ``expression``; raises ValueError for a function not in the list."""
         if expression not in self._places:
-            self._places[expression] = self.made(*self._node(expression))
+            self._places[expression] = self.add(*self._node(expression))
         return self._places[expression]
 
-    def made(self, *node: Any) -> int:
-        """Where a node stands that is given as it is."""
+    def add(self, *node: Any) -> int:
+        """Return the place of a node that is given as it is."""
         key = str(node)
         if key not in self._known:
             self._known[key] = len(self.nodes)
@@ -106,26 +106,26 @@ class NodeTable:
         raise ValueError(f"unknowns must be of a statement, at shifted variables, got {unknown}")
 
     def jet(self, orders: Sequence[int], variables: Sequence[sp.Symbol]) -> int:
-        """Where the derivative of the first unknown of these orders stands."""
-        own = self.made("unknown", 0, [0] * len(orders))
+        """Return the place of the derivative of these orders of the first unknown."""
+        own = self.add("unknown", 0, [0] * len(orders))
         pairs = zip(variables, orders, strict=True)
         along = [self.place(variable) for variable, order in pairs for _ in range(order)]
-        return self.made("diff", own, *along) if along else own
+        return self.add("diff", own, *along) if along else own
 
     def polynomial(self, polynomial: fmpq_mpoly, places: Sequence[int]) -> int:
-        """Where a polynomial in the nodes at ``places`` stands, its generators in their order."""
+        """Return the place of a polynomial in the nodes at ``places``, in their order."""
         terms = [[str(c), [int(n) for n in exponents]] for exponents, c in polynomial.terms()]
-        return self.made("poly", terms, *places)
+        return self.add("poly", terms, *places)
 
     def combination(self, terms: Sequence[tuple[str, int]]) -> int:
-        """Where a sum of rational multiples of the nodes at some places stands."""
-        parts = [p if n == "1" else self.made("Mul", self.made("number", n), p) for n, p in terms]
+        """Return the place of a sum of rational multiples of the nodes at some places."""
+        parts = [p if n == "1" else self.add("Mul", self.add("number", n), p) for n, p in terms]
         if len(parts) < 2:
-            return parts[0] if parts else self.made("number", "0")
-        return self.made("Add", *parts)
+            return parts[0] if parts else self.add("number", "0")
+        return self.add("Add", *parts)
 
     def texts(self) -> list[str]:
-        """The nodes as texts, each in the numbers of those before it."""
+        """Return the nodes as texts, each in the numbers of those before it."""
         return numbered(self.nodes)
 
 
@@ -133,7 +133,7 @@ Data = dict[str, Any]
 
 
 def as_data(statement: StatementTexts) -> Data:
-    """A statement's texts as JSON has them."""
+    """Return a statement's texts as JSON has them."""
     return {part: list(texts) for part, texts in asdict(statement).items()}
 
 
@@ -149,7 +149,7 @@ class Certificate(Data):
     def signed(
         cls, name: str, table: NodeTable, statement: StatementTexts, proof: Data
     ) -> Certificate:
-        """The certificate of ``statement`` by ``proof``, places in ``table``."""
+        """Return the certificate of ``statement`` by ``proof``, places in ``table``."""
         body: Data = {"format": FORMAT, "name": name, "statement": as_data(statement)}
         body["proof"] = {"formulas": table.texts(), **proof}
         return cls(body | {"digest": digest(body)})
@@ -161,7 +161,7 @@ class Certificate(Data):
 
     @property
     def generators(self) -> int:
-        """How many generators the proof has."""
+        """Number of generators of the proof."""
         entries = self["proof"]["generators"]
         return sum(len(entry[2]) if entry[0] == "forms" else 1 for entry in entries)
 
@@ -195,7 +195,7 @@ class ProofWriter:
             if factor is None:
                 self.generators.append(["atom", place])
             else:
-                zero = self.table.made("number", "0")
+                zero = self.table.add("number", "0")
                 self.generators.append(["forms", [place], [[[factor], zero]]])
 
     def name(self, *, place: int, value: int) -> None:
@@ -206,10 +206,10 @@ class ProofWriter:
     def words(self, place: int, terms: Sequence[tuple[str, int]]) -> None:
         """Say that the argument of the function at ``place`` is a sum of multiples of others."""
         name, _, *more = self.table.nodes[place]
-        self.values[place] = self.table.made(name, self.table.combination(terms), *more)
+        self.values[place] = self.table.add(name, self.table.combination(terms), *more)
 
     def data(self, point: Point) -> Data:
-        """The proof's part of a certificate; ``point`` is where no denominator vanishes."""
+        """Return the proof's part of a certificate; ``point`` is where no denominator vanishes."""
         return {
             "generators": self.generators,
             "values": [[node, other] for node, other in self.values.items()],

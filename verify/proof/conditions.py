@@ -16,6 +16,7 @@ from typing import Any
 
 import sympy as sp
 
+from longwave.derive.algebra.formula_latex import name_latex
 from longwave.derive.algebra.formula_printing import formula_as_text
 from longwave.verify.verdict import Outcome
 
@@ -29,7 +30,6 @@ from .residual_system import ResidualSystem
 from .seams import seams, sides
 from .statement_problem import residual_of, with_exponentials
 from .statement_verdict import (
-    NO_VERDICT,
     Progress,
     StatementVerdict,
     decide_statement,
@@ -37,6 +37,7 @@ from .statement_verdict import (
     united,
     verified_sentence,
 )
+from .typed_hints import NO_VERDICT
 from .typed_statement import Statement
 from .typed_values import typed_values
 
@@ -63,7 +64,7 @@ class ConditionalVerdict(StatementVerdict):
         return self.is_solved and not self.unknown
 
     def json(self) -> dict[str, Any]:
-        """The record as plain data."""
+        """Return the record as plain data."""
         return super().json() | {
             "reason": self._answer,
             "solved": list(self.solved),
@@ -74,14 +75,14 @@ class ConditionalVerdict(StatementVerdict):
         }
 
     def lines(self) -> list[str]:
-        """The answer in words, several cases on lines of their own."""
+        """Return the answer in words, several cases on lines of their own."""
         if len(self.cases) < 2:
             return [self._answer]
         texts = [case.text for case in self.cases]
         return [line for line in (self._heading, *texts, self._ending) if line]
 
     def words(self) -> str:
-        """The answer on one line."""
+        """Return the answer on one line."""
         names = ", ".join(self.solved)
         ending = f", {self._ending}" if self._ending else ""
         if not self.cases:
@@ -112,7 +113,7 @@ class ConditionalVerdict(StatementVerdict):
 def solve_statement(
     statement: Statement, progress: Progress = lambda _: None
 ) -> ConditionalVerdict:
-    """The cases in which a statement holds, solved for what is wanted of it.
+    """Return the cases in which a statement holds, solved for what is wanted of it.
 
     >>> from longwave.verify.proof.statement_text import read_statement
     >>> kdv = read_statement("u_t + 6*u*u_x + u_xxx", "u = a*sech(x - c*t)**2", solve="a, c")
@@ -139,10 +140,10 @@ def _solved(statement: Statement, progress: Progress) -> ConditionalVerdict:
 
 
 def conditional_sentence(verdict: ConditionalVerdict) -> str:
-    """The answer in LaTeX: a sentence on each case, and whether there are others."""
+    """Return the answer in LaTeX: a sentence on each case, and whether there are others."""
     if verdict.outcome is Outcome.UNDECIDED:
         return f"% {verdict.name}: UNDECIDED: {verdict.detail}"
-    names = ", ".join(sp.latex(sp.Symbol(name)) for name in verdict.solved)
+    names = ", ".join(map(name_latex, verdict.solved))
     apart = ", ".join((*verdict.unknown, *verdict.left_out))
     other, does = ("other ", "does") if verdict.cases else ("", "holds")
     found = "There are no" if verdict.complete else "We found no"
@@ -163,7 +164,7 @@ class _Search:
     left_out: dict[str, None] = field(default_factory=dict)
 
     def cases(self, statement: Statement) -> list[ConstantCase]:
-        """All cases; raises ValueError where the residual's generators are not known."""
+        """Return all cases; raises ValueError where the residual's generators are not known."""
         waiting = [ConstantCase({}, statement)]
         found, further = self._step(waiting[0])
         seen = {self._key(waiting[0])}
@@ -185,7 +186,7 @@ class _Search:
         return found
 
     def in_order(self, case: ConstantCase) -> ConstantCase:
-        """The case with its values in the order in which they were asked for."""
+        """Return the case with its values in the order in which they were asked for."""
         order = [s for s in self.wanted if s in case.values]
         rest = sorted(case.values.keys() - set(order), key=str)
         return replace(case, values={s: case.values[s] for s in (*order, *rest)})
@@ -222,7 +223,7 @@ class _Search:
         return solved, further
 
     def _system(self, statement: Statement) -> ResidualSystem:
-        """The conditions that the residuals of all equations give."""
+        """Return the conditions that the residuals of all equations give."""
         system = ResidualSystem()
         residuals = [with_exponentials(residual_of(statement, e)) for e in statement.equations]
         system.unknown |= dict.fromkeys(_doubts(statement, residuals))
@@ -242,12 +243,11 @@ class _Search:
 
 
 def _doubts(statement: Statement, residuals: Sequence[sp.Expr]) -> Iterator[str]:
-    """Why values may be more than those with which the coefficients of residuals vanish.
+    """Yield reasons why values may be more than those with which the coefficients vanish.
 
     A polynomial may vanish at all of finitely many sites without being 0.
     """
-    typed = typed_values(statement)
-    if typed is not None and (reason := typed.difference(residuals)):
+    if reason := typed_values(statement).difference(residuals):
         yield reason
     for variable in statement.variables:
         domain = statement.domains.get(variable, REAL)
@@ -295,7 +295,7 @@ def with_phase(
 
 
 def _expanded(expression: sp.Expr) -> sp.Expr:
-    """The expression with the arguments of functions multiplied out."""
+    """Return the expression with the arguments of functions multiplied out."""
     return expression.replace(
         lambda node: isinstance(node, sp.Function),
         lambda node: node.func(*map(sp.expand, node.args)),
@@ -308,7 +308,7 @@ def _expanded(expression: sp.Expr) -> sp.Expr:
 def _verdict(
     statement: Statement, search: _Search, cases: Sequence[ConstantCase], reason: str = ""
 ) -> ConditionalVerdict:
-    """The answer; with a reason there is none."""
+    """Return the answer; with a reason there is none."""
     verdicts = [case.verdict for case in cases if case.verdict]
     certificates = tuple(c for verdict in verdicts for c in verdict.certificates)
     outcome, witness = Outcome.UNDECIDED, None

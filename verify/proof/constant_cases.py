@@ -64,7 +64,7 @@ class ConstantCase:
         return words + (f" ({', '.join(notes)})" if notes else "")
 
     def json(self) -> dict[str, Any]:
-        """The record as plain data."""
+        """Return the record as plain data."""
         verdict = self.verdict
         return {
             "values": {str(s): formula_as_text(value) for s, value in self.values.items()},
@@ -111,7 +111,7 @@ def with_values(case: ConstantCase, more: Explicit) -> ConstantCase | None:
 
 
 def symbols_of(statement: Statement) -> set[sp.Symbol]:
-    """The variables and parameters of a statement."""
+    """Return the variables and parameters of a statement."""
     formulas = (*statement.equations, *statement.solutions.values())
     found = {s for formula in formulas for s in formula.free_symbols}
     return found | {s for domain in statement.domains.values() for s in domain.symbols}
@@ -120,7 +120,7 @@ def symbols_of(statement: Statement) -> set[sp.Symbol]:
 def _put_into(
     statement: Statement, values: Values, domains: Mapping[sp.Symbol, Domain]
 ) -> Statement | None:
-    """The statement with values for symbols; None where a formula is not defined."""
+    """Return the statement with values for symbols; None where a formula is not defined."""
     solutions = {u: f.xreplace(values) for u, f in statement.solutions.items()}
     equations = tuple(e.xreplace(values) for e in statement.equations)
     divisors = tuple(d.xreplace(values) for d in statement.divisors)
@@ -129,18 +129,16 @@ def _put_into(
     if any(divisor == 0 for divisor in divisors):
         return None
     written = {symbol.name: formula_as_text(value) for symbol, value in values.items()}
-    made = Statement(statement.name, equations, solutions, domains, divisors)
-    if statement.texts is None or statement.trees is None:
-        return made
     texts, trees = typed_case(statement.texts, statement.trees, written)
-    return replace(made, texts=texts, trees=trees)
+    known = equations, solutions, domains, divisors
+    return Statement(statement.name, *known, texts=texts, trees=trees)
 
 
 # the verdicts
 
 
 def largest_cases(cases: Sequence[ConstantCase]) -> list[ConstantCase]:
-    """The cases with the prover's verdicts; none that lies in another one that is proved."""
+    """Return the cases with the prover's verdicts; none that lies in another one that is proved."""
     kept: list[ConstantCase] = []
     for case in sorted(cases, key=lambda c: len(c.values) + len(c.implicit)):
         same = any(_conditions(case) == _conditions(other) for other in kept)
@@ -150,12 +148,12 @@ def largest_cases(cases: Sequence[ConstantCase]) -> list[ConstantCase]:
 
 
 def _conditions(case: ConstantCase) -> tuple[Values, set[Restriction], set[sp.Expr]]:
-    """What must hold in a case."""
+    """Conditions that must hold in a case."""
     return case.values, {*case.restrictions}, {*case.implicit}
 
 
 def _lies_in(case: ConstantCase, other: ConstantCase) -> bool:
-    """Whether the values of a case satisfy those of another one, which is proved."""
+    """Return whether the values of a case satisfy those of another one, which is proved."""
     if not other.proved or not set(other.restrictions) <= set(case.restrictions):
         return False
     zeros = [s - value for s, value in other.values.items()]
@@ -164,7 +162,7 @@ def _lies_in(case: ConstantCase, other: ConstantCase) -> bool:
 
 
 def _decided(case: ConstantCase) -> ConstantCase:
-    """The case with the prover's verdict, with restrictions as domains where they can be."""
+    """Return the case with the prover's verdict, with restrictions as domains where they can be."""
     statement = case.statement
     moving = set(statement.variables)
     is_constant = all(not f.free_symbols & moving for f in statement.solutions.values())

@@ -1,4 +1,4 @@
-"""What a checker needs to know of the Jacobi functions in a proof."""
+"""Hints for the Jacobi functions in a proof."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class EllipticSearch:
         epsilon: bool,
     ) -> None:
         self._writer, self._arguments = writer, arguments
-        self._place, self._made = writer.table.place, writer.table.made
+        self._place, self._made = writer.table.place, writer.table.add
         self._need, self._begin_forms = need, begin_forms
         self._moving, self._epsilon = moving, epsilon
 
@@ -75,12 +75,12 @@ class EllipticSearch:
             self._station(z, m, node.func if node.func not in TRIPLE else None)
 
     def _root(self, base: int, exponent: str, root: sp.Expr) -> None:
-        """The root as SymPy writes it, of a node as the checker writes it."""
+        """Return the root as SymPy writes it, of a node as the checker writes it."""
         self._need(root)
         self._writer.name(place=self._made("Pow", base, exponent), value=self._place(root))
 
     def _station(self, z: sp.Expr, m: sp.Expr, second: type | None) -> None:
-        """The Jacobi functions of the arguments whose combination is ``z``."""
+        """Return the Jacobi functions of the arguments whose combination is ``z``."""
         variable, constant = self._arguments.parts(z)
         found = []
         for combinations, part in (

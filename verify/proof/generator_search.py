@@ -66,7 +66,7 @@ class GeneratorSearch:
         moving: bool,
         order: int = 0,
     ) -> None:
-        self._writer, self._place, self._made = ProofWriter(table), table.place, table.made
+        self._writer, self._place, self._made = ProofWriter(table), table.place, table.add
         self._variables, self._expressions = tuple(variables), list(expressions)
         self._values, self._moving, self._order = values, moving, order
         self._orders: set[tuple[type, sp.Expr, sp.Expr]] = set()
@@ -83,7 +83,7 @@ class GeneratorSearch:
         self._done |= {left, right}
 
     def proof(self, point: Point, domains: Domains | None = None) -> Data:
-        """The proof's part of a certificate; ``point`` is where no denominator vanishes."""
+        """Return the proof's part of a certificate; ``point`` is where no denominator vanishes."""
         shown = with_dummies(self._expressions, self._done)
         values = [self._factors_in(node, value) for node, value in self._values.items()]
         logarithms = {f: value for f, value in self._values.items() if isinstance(f, sp.log)}
@@ -105,7 +105,7 @@ class GeneratorSearch:
 
     @staticmethod
     def _factors_in(node: sp.Expr, value: sp.Expr) -> sp.Expr:
-        """What the value of ``node`` brings in: of a logarithm, the factors of its argument."""
+        """Return the nodes that the value of ``node`` needs, such as a logarithm's factors."""
         if not isinstance(node, sp.log):
             return value
         terms = [term for term in sp.Add.make_args(value) if not term.has(sp.log)]
@@ -143,7 +143,7 @@ class GeneratorSearch:
             self._function(node)
 
     def _primitive(self, node: sp.Expr) -> None:
-        """A symbol or a constant."""
+        """Return a symbol or a constant."""
         if self._begin_forms(node):
             return
         if node in self._arguments.circles:
@@ -205,7 +205,7 @@ class GeneratorSearch:
             self._root(place, base, int(exponent.q))
 
     def _root(self, place: int, base: sp.Expr, degree: int) -> None:
-        """A root, a power of the one root that makes all roots of its radicand."""
+        """Return a root, a power of the one root that makes all roots of its radicand."""
         whole = self._arguments.degrees.get(base, degree)
         finest = self._made("Pow", self._place(base), f"1/{whole}")
         self._writer.atom(finest)
@@ -225,7 +225,7 @@ class GeneratorSearch:
         self._writer.signs[rest] = self._place(sp.factor(known))
 
     def _name_cosine(self, f: sp.Expr) -> None:
-        """The root in the definition of asin, of a number, which SymPy works out."""
+        """Return the root in the definition of asin, of a number, which SymPy works out."""
         if f.is_Rational:
             rest, known = self._cosine_square(f)
             self.need(sp.sqrt(known))
@@ -402,6 +402,6 @@ class GeneratorSearch:
 
 
 def _follows_from_others(node: sp.Expr) -> bool:
-    """Whether the checker takes the image of ``node`` from that of another function."""
+    """Return whether the checker takes the image of ``node`` from that of another function."""
     is_power = node.is_Pow and node.exp.is_Rational and node.exp.p != 1
     return is_power or isinstance(node, sp.conjugate | sp.re | sp.im | sp.sign)

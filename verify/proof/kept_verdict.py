@@ -50,7 +50,7 @@ def taken_again(statement: Statement, record: Mapping[str, Any]) -> StatementVer
 
 
 def _checked(statement: Statement, record: Mapping[str, Any]) -> StatementVerdict | None:
-    if statement.weak or statement.wanted or statement.texts is None:
+    if statement.weak or statement.wanted:
         return None
     match Outcome(record["verdict"]):
         case Outcome.PROVED:

@@ -1,4 +1,4 @@
-"""What a refuted statement may have meant: one change of what was typed, the first that is proved.
+"""Meaning of a refuted statement: one change of what was typed, the first that is proved.
 
 Tried are modulus and parameter of elliptic functions exchanged, and at each place of formulas,
 names and equations another sign, factor, exponent or shift.  A change is decided, as a statement of
@@ -69,7 +69,7 @@ class NearMiss:
     trees: StatementTrees
 
     def statement(self, name: str) -> Statement:
-        """The changed texts, read; raises FormulaError if they are no statement."""
+        """Return the changed texts, read; raises FormulaError if they are no statement."""
         texts = self.texts
         named = "" if {*texts.variables} <= {*CONTINUOUS, SITE} else ", ".join(texts.variables)
         limits = "; ".join(texts.parameters), "; ".join(texts.domain)
@@ -84,7 +84,7 @@ class NearMiss:
 
 
 def with_hint(statement: Statement, verdict: StatementVerdict) -> StatementVerdict:
-    """The verdict; a refuted one with what holds instead, if it is found and proved.
+    """Return the verdict; a refuted one with what holds instead, if it is found and proved.
 
     >>> from longwave.verify.proof.statement_text import read_statement
     >>> wrong = read_statement("u_t + u_x", "u = exp(x + t)")
@@ -106,7 +106,7 @@ def with_hint(statement: Statement, verdict: StatementVerdict) -> StatementVerdi
 
 
 def _jumps(statement: Statement) -> int:
-    """The number of places at which formulas may jump or have corners."""
+    """Return the number of places at which formulas may jump or have corners."""
     found, lines = left_open(statement)
     return len(found) + sum(line.startswith(JUMP) for line in lines)
 
@@ -120,13 +120,13 @@ class _Place:
     witness: Mapping[str, str]
 
     def leaves_nothing(self, trees: StatementTrees) -> bool:
-        """Whether the residuals of trees are small at the point."""
+        """Return whether the residuals of trees are small at the point."""
         trees, point = witness_trees(self.statement, trees, self.witness)
         return TypedValues(trees, self.domains).fails_at(point, QUICK) is False
 
 
 def _says_as_much(place: _Place, trees: StatementTrees) -> bool:
-    """Whether no equation of trees holds for everything, as ``2*u_x - 2*u_x = 0`` does.
+    """Return whether no equation of trees holds for everything, as ``2*u_x - 2*u_x = 0`` does.
 
     The formulas must vary with all variables that they varied with.
     """
@@ -151,7 +151,7 @@ def _says_as_much(place: _Place, trees: StatementTrees) -> bool:
 
 
 def _slope(unknown: str, variable: str) -> FormulaTree:
-    """The derivative of an unknown, or its difference from site to site."""
+    """Return the derivative of an unknown, or its difference from site to site."""
     if variable != SITE:
         return Unknown(unknown, (variable,))
     here, there = Unknown(unknown, (), SITE), Unknown(unknown, (), SITE, 1)
@@ -166,8 +166,6 @@ def near_misses(statement: Statement) -> list[NearMiss]:
     >>> near_misses(wrong)[0].change
     'm**2 in the place of m as the parameter of elliptic functions'
     """
-    assert statement.texts is not None
-    assert statement.trees is not None
     typed = statement.texts, statement.trees
     found: dict[tuple[str, ...], tuple[int, NearMiss]] = {}
     for rank, miss in (*_of_formulas(*typed), *_of_equations(*typed)):
@@ -212,7 +210,7 @@ def _put(texts: tuple[str, ...], place: int, text: str) -> tuple[str, ...]:
 
 
 def _changes(formula: FormulaTree) -> Iterator[tuple[int, str, FormulaTree]]:
-    """The formula with one change, and the words for it."""
+    """Yield the formula with one change, and the words for it."""
     names = _names(formula)
     for words, changed in _moduli(formula):
         yield -1, words, changed
@@ -231,7 +229,7 @@ def _instead(new: FormulaTree, old: FormulaTree) -> str:
 
 
 def _difference(old: FormulaTree, new: FormulaTree) -> tuple[FormulaTree, FormulaTree]:
-    """The smallest terms or arguments with all that differs."""
+    """Return the smallest terms or arguments with all that differs."""
     if not old.inner() or len(old.inner()) != len(new.inner()) or old.made_of(new.inner()) != new:
         return old, new
     pairs = [pair for pair in zip(old.inner(), new.inner(), strict=True) if pair[0] != pair[1]]
@@ -243,7 +241,7 @@ def _difference(old: FormulaTree, new: FormulaTree) -> tuple[FormulaTree, Formul
 
 
 def _moduli(formula: FormulaTree) -> Iterator[tuple[str, FormulaTree]]:
-    """The parameters of all elliptic functions squared, or their roots taken."""
+    """Yield the parameters of all elliptic functions squared, or their roots taken."""
 
     def is_elliptic(node: FormulaTree) -> bool:
         return isinstance(node, Call) and node.name.startswith(("jacobi_", "elliptic_"))
@@ -263,7 +261,7 @@ def _moduli(formula: FormulaTree) -> Iterator[tuple[str, FormulaTree]]:
 
 
 def _everywhere(formula: FormulaTree) -> Iterator[Change]:
-    """A name changed wherever it stands."""
+    """Yield a name changed wherever it stands."""
     for name in sorted(_names(formula) - CONSTANTS.keys()):
         for rank, new in _of_name(Name(name)):
             yield max(rank, HALVES), _replaced(formula, Name(name), new)
@@ -292,7 +290,7 @@ def _of_name(name: Name) -> Iterator[Change]:
 
 
 def _in_one_place(formula: FormulaTree) -> Iterator[Change]:
-    """The formula and its parts, one after the other, with one change."""
+    """Yield the formula and its parts, one after the other, with one change."""
     parameters = sorted(_names(formula) - {*CONSTANTS, *CONTINUOUS, SITE})
     parameters = [n for n in parameters if Name(n) in formula.nodes()]
     for rank, new in _of_term(formula, parameters):
@@ -307,7 +305,7 @@ Put = Callable[[FormulaTree], FormulaTree]
 
 
 def _places(formula: FormulaTree) -> Iterator[tuple[FormulaTree, Put]]:
-    """The parts of a formula, outer ones first."""
+    """Yield the parts of a formula, outer ones first."""
     yield formula, lambda new: new
     parts = formula.inner()
     for place, part in enumerate(parts):
@@ -320,7 +318,7 @@ def _places(formula: FormulaTree) -> Iterator[tuple[FormulaTree, Put]]:
 
 
 def _of_node(node: FormulaTree, parameters: Iterable[str]) -> Iterator[Change]:
-    """What may stand for a node; numbers, exponents and terms are changed where they stand."""
+    """Yield changes of a node; numbers, exponents and terms are changed where they stand."""
     match node:
         case Sum(parts=parts):
             for place, part in reversed([*enumerate(parts)]):  # the first is rarely the wrong one
@@ -347,7 +345,7 @@ def _of_node(node: FormulaTree, parameters: Iterable[str]) -> Iterator[Change]:
 
 
 def _of_factor(factor: FormulaTree) -> Iterator[Change]:
-    """A factor with an exponent, or another number."""
+    """Yield a factor with an exponent, or another number."""
     if isinstance(factor, Number):
         values = (factor.value + step for step in (1, -1))
         yield from ((OTHERS, Number(value)) for value in values if value)
@@ -357,7 +355,7 @@ def _of_factor(factor: FormulaTree) -> Iterator[Change]:
 
 
 def _of_term(term: FormulaTree, parameters: Iterable[str]) -> Iterator[Change]:
-    """A term with another sign or factor."""
+    """Yield a term with another sign or factor."""
     yield SIGNS, _times(Fraction(-1), term)
     for factor, rank in FACTORS.items():
         yield rank, _times(factor, term)
@@ -379,7 +377,7 @@ def _exponents(old: Fraction | None) -> Iterator[tuple[int, Fraction]]:
 
 
 def _shifted(term: FormulaTree) -> Iterator[Change]:
-    """A site, or a number beside others, moved by 1."""
+    """Yield a site, or a number beside others, moved by 1."""
     value = rational(term)
     for step in (1, -1):
         if value is not None:
@@ -395,7 +393,7 @@ def _power(base: FormulaTree, exponent: Fraction) -> FormulaTree:
 
 
 def _times(factor: Fraction, term: FormulaTree) -> FormulaTree:
-    """A multiple of a term; its numbers are one, above and below the line."""
+    """Return a multiple of a term; its numbers are one, above and below the line."""
     above, below = list[FormulaTree](), list[FormulaTree]()
     for part in _factors(term):
         value = rational(part)

@@ -93,25 +93,25 @@ def rational_verdict(order: int, A: fmpq_mpoly, B: fmpq_mpoly) -> ProofVerdict:
 
 
 def rational_texts(order: int, A: fmpq_mpoly, B: fmpq_mpoly) -> StatementTexts:
-    """What is stated of the solution of ``order`` made of A and B."""
+    """Return the texts of the solution of ``order`` made of A and B."""
     table = NodeTable()
     space, time_ = table.place(xi), table.place(tau)
     shift = table.place(-6 * tau)
-    x = table.made("Add", space, shift)
+    x = table.add("Add", space, shift)
     a, b, a_x, b_x = (
         table.polynomial(part, [x, time_]) for part in (A, B, A.derivative("x"), B.derivative("x"))
     )
-    one = table.made("number", "1")
-    slope = table.made(
+    one = table.add("number", "1")
+    slope = table.add(
         "Add",
-        table.made("Mul", a, b_x),
-        table.made("Mul", table.made("number", "-1"), a_x, b),
+        table.add("Mul", a, b_x),
+        table.add("Mul", table.add("number", "-1"), a_x, b),
     )
-    below = table.made("Add", table.made("Pow", a, "2"), table.made("Pow", b, "2"))
-    inverse = table.made("Pow", below, "-1")
-    change = table.made("Mul", table.made("number", "-2"), slope, inverse)
-    wave = table.made("Add", one, change)
-    formula = table.made("Mul", table.made("number", str((-1) ** order)), wave)
+    below = table.add("Add", table.add("Pow", a, "2"), table.add("Pow", b, "2"))
+    inverse = table.add("Pow", below, "-1")
+    change = table.add("Mul", table.add("number", "-2"), slope, inverse)
+    wave = table.add("Add", one, change)
+    formula = table.add("Mul", table.add("number", str((-1) ** order)), wave)
     written = Written(table.nodes, [formula], ["U"], ["xi", "tau"])
     return StatementTexts(
         ("xi", "tau"),
@@ -122,11 +122,11 @@ def rational_texts(order: int, A: fmpq_mpoly, B: fmpq_mpoly) -> StatementTexts:
 
 
 def rational_certificate(order: int, A: fmpq_mpoly, B: fmpq_mpoly) -> Certificate:
-    """The certificate for the solution of ``order`` made of A and B."""
+    """Return the certificate for the solution of ``order`` made of A and B."""
     statement = rational_texts(order, A, B)
     table = NodeTable()
     space, time_, shift = (table.place(part) for part in (xi, tau, -6 * tau))
-    one = table.made("number", "1")
+    one = table.add("number", "1")
     proof = ProofWriter(table)
     proof.atom(time_)
     proof.generators.append(["forms", [space], [[[one], shift]]])
@@ -184,7 +184,7 @@ def bilinear_certificate(name: str, A: fmpq_mpoly, B: fmpq_mpoly) -> Certificate
 
 @dataclass(frozen=True)
 class RationalFacts:
-    """What holds exactly for the rational solution of ``order`` with the shifts ``free`` kept.
+    """Exact facts of the rational solution of ``order`` with the free shifts ``free``.
 
     ``peak`` is the value at the origin for shifts 0, ``background`` the limit for large |x|,
     ``degree`` that of the denominator in x.  ``reduced``: numerator and denominator have no common
@@ -229,13 +229,13 @@ def rational_facts(order: int, free: tuple[int, ...] = ()) -> RationalFacts:
 
 
 def leading_in_x(polynomial: fmpq_mpoly) -> tuple[fmpq_mpoly, int]:
-    """The coefficient of the highest power of x, in the other generators, and that power."""
+    """Return the coefficient of the highest power of x, in the other generators, and that power."""
     top = int(polynomial.degrees()[0])
     return coefficient_in_x(polynomial, top), top
 
 
 def coefficient_in_x(polynomial: fmpq_mpoly, power: int) -> fmpq_mpoly:
-    """The coefficient of ``x**power``, a polynomial in the other generators."""
+    """Return the coefficient of ``x**power``, a polynomial in the other generators."""
     terms = {(0, *e[1:]): c for e, c in polynomial.terms() if e[0] == power}
     return polynomial.context().from_dict(terms)
 
@@ -274,7 +274,7 @@ def _is_reduced(N: fmpq_mpoly, D: fmpq_mpoly) -> bool:
 
 
 def _has_no_pole(family: RationalTau) -> bool:
-    """The premises of the argument at the head of this file; the equation by the checker."""
+    """Return the premises of the argument at the head of this file; the equation by the checker."""
     (leading, top), (_, other) = leading_in_x(family.A), leading_in_x(family.B)
     try:
         check_certificate(bilinear_certificate(f"rational_{family.order}", family.A, family.B))

@@ -39,7 +39,7 @@ class Restriction:
         return f"{formula_as_text(self.value)} {self.relation} 0"
 
     def holds(self) -> bool:
-        """Whether a number meets it."""
+        """Return whether a number meets it."""
         match self.relation:
             case "!=":
                 return bool(self.value != 0)
@@ -52,7 +52,7 @@ class Restriction:
 
 
 def realities(value: sp.Expr) -> Iterator[Restriction]:
-    """What makes a value real: no root of even degree of what is negative."""
+    """Return the restrictions that make a value real: even roots of nothing negative."""
     yield Restriction(value, "real")
     below = factors_of(sp.denom(sp.together(value)))[1]
     for power in _roots_in(value):
@@ -62,13 +62,13 @@ def realities(value: sp.Expr) -> Iterator[Restriction]:
 
 
 def _roots_in(value: sp.Expr) -> list[sp.Expr]:
-    """The roots of even degree of formulas."""
+    """Return the roots of even degree of formulas."""
     powers = (p for p in value.atoms(sp.Pow) if p.exp.is_Rational and p.free_symbols)
     return sorted((p for p in powers if p.exp.q % 2 == 0), key=sp.default_sort_key)
 
 
 def domain_restrictions(domain: Domain, value: sp.Expr) -> Iterator[Restriction]:
-    """What a domain says of a value in the place of its symbol."""
+    """Return the restrictions by which a value in the place of its symbol is in its domain."""
     if domain.lower != -sp.oo:
         yield Restriction(tidy(value - domain.lower), ">" if domain.lower_open else ">=")
     if domain.upper != sp.oo:
@@ -95,21 +95,21 @@ class KnownSigns:
             self._positive.add(factors[0][0] * sp.sign(number))
 
     def is_positive(self, value: sp.Expr) -> bool:
-        """Whether a formula is shown to be positive."""
+        """Return whether a formula is shown to be positive."""
         known = value in self._positive or self._signs.is_positive(value)
         return known or any(map(self._inner.is_positive, self._from_ends(value)))
 
     def is_nonnegative(self, value: sp.Expr) -> bool:
-        """Whether a formula is shown to be at least 0."""
+        """Return whether a formula is shown to be at least 0."""
         known = value in self._positive or self._signs.is_nonnegative(value)
         return known or any(map(self._inner.is_nonnegative, self._from_ends(value)))
 
     def is_nonzero(self, value: sp.Expr) -> bool:
-        """Whether a formula is shown to be nowhere 0."""
+        """Return whether a formula is shown to be nowhere 0."""
         return self._signs.is_nonzero(value) or any(map(self.is_positive, (value, -value)))
 
     def implies(self, restriction: Restriction) -> bool:
-        """Whether a restriction is shown to hold."""
+        """Return whether a restriction is shown to hold."""
         match restriction.relation:
             case ">":
                 return self.is_positive(restriction.value)
@@ -122,13 +122,13 @@ class KnownSigns:
         return bool(restriction.value.is_integer)
 
     def excludes(self, restriction: Restriction) -> bool:
-        """Whether a restriction is shown to hold nowhere."""
+        """Return whether a restriction is shown to hold nowhere."""
         if restriction.relation == ">":
             return self.is_nonnegative(-restriction.value)
         return restriction.relation == ">=" and self.is_positive(-restriction.value)
 
     def _from_ends(self, value: sp.Expr) -> Iterator[sp.Expr]:
-        """A polynomial in the distances of its symbols from the ends of their domains."""
+        """Yield a polynomial in the distances of its symbols from the ends of their domains."""
         symbols = value.free_symbols
         if value.count_ops() > LONGEST or not value.is_polynomial(*symbols):
             return
@@ -184,7 +184,7 @@ def needed(given: Sequence[Restriction], domains: Domains) -> tuple[Restriction,
 
 
 def _once(given: Sequence[Restriction], domains: Domains) -> tuple[Restriction, ...] | None:
-    """The restrictions, each simplified by the domains and by those before it."""
+    """Return the restrictions, each simplified by the domains and by those before it."""
     powers = sorted({p for r in given for p in _roots_in(r.value)}, key=sp.default_sort_key)
     roots = {p: sp.Dummy("root", real=True) for p in powers}
     signs = DomainSigns(domains)
@@ -251,7 +251,7 @@ def _simplified(restriction: Restriction, known: KnownSigns) -> Iterator[Restric
 
 
 def restricted(statement: Statement, restrictions: Sequence[Restriction]) -> Statement | None:
-    """The statement on domains that say what the restrictions say; None where these cannot.
+    """Return the statement on domains that say what the restrictions say; None where these cannot.
 
     >>> from .statement_text import read_statement
     >>> statement = read_statement("u_t - c*u_x", "u = exp(sqrt(c)*(x + c*t))")
@@ -270,13 +270,13 @@ def restricted(statement: Statement, restrictions: Sequence[Restriction]) -> Sta
         except ValueError:  # two ends that cannot be compared
             return None
         stated = domain.chain(symbol.name, formula_as_text)
-        if texts is not None and stated != symbol.name:
+        if stated != symbol.name:
             texts = replace(texts, parameters=(*texts.parameters, f"{symbol.name}: {stated}"))
     return replace(statement, domains=domains, texts=texts) if restrictions else None
 
 
 def _bound(restriction: Restriction, signs: DomainSigns) -> tuple[sp.Symbol, Domain] | None:
-    """A symbol that a restriction bounds, and where it is then; ends are left out."""
+    """Return a symbol that a restriction bounds, and where it is then; ends are left out."""
     if restriction.relation == "!=" and restriction.value.is_Symbol:
         return restriction.value, Domain(nonzero=True)
     if restriction.relation not in (">", ">="):
@@ -302,7 +302,7 @@ def _bound(restriction: Restriction, signs: DomainSigns) -> tuple[sp.Symbol, Dom
 
 
 def _end(symbol: sp.Symbol, factor: sp.Expr, signs: DomainSigns) -> sp.Expr | None:
-    """Where a linear factor is 0."""
+    """Return the zero of a linear factor."""
     if sp.degree(factor, symbol) != 1 or not signs.is_nonzero(factor.coeff(symbol, 1)):
         return None
     return tidy(-factor.coeff(symbol, 0) / factor.coeff(symbol, 1))

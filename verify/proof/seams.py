@@ -104,8 +104,6 @@ def left_open(statement: Statement) -> tuple[tuple[Seam, ...], tuple[str, ...]]:
 
 def _all_seams(statement: Statement) -> tuple[Seam, ...]:
     """Return the seams, and what is said of the factors of their formulas."""
-    if statement.trees is None:
-        return ()
     finder, trees = _Finder(statement), statement.trees
     own = (finder.seams(put_in(trees, tree)) for tree in trees.solutions.values())
     of_equations = (finder.seams(put_in(trees, tree), None) for tree in trees.equations)
@@ -124,7 +122,6 @@ class _Finder:
     """Seams of the formulas of one statement, without unknowns and defined names."""
 
     def __init__(self, statement: Statement) -> None:
-        assert statement.trees is not None
         self._build = ExpressionBuilder(vocabulary(statement)).expression
         self._domains = all_domains(statement, *statement.equations)
         self._signs = DomainSigns(self._domains)

@@ -21,7 +21,7 @@ import sympy as sp
 from flint import fmpq
 
 from longwave.solutions.functions import jacobi_cn, jacobi_dn, jacobi_sn
-from longwave.verify.kernel.further.inverse import PRINCIPAL
+from longwave.verify.kernel.inverse_rules import PRINCIPAL
 
 from .arguments import HYPERBOLIC, TRIGONOMETRIC
 from .domain_signs import BELOW_PI, DomainSigns, lies_between
@@ -69,7 +69,7 @@ class Rewriting:
         return value
 
     def simpler(self, node: sp.Expr) -> sp.Expr | None:
-        """What the rules make of ``node`` itself; None if none applies."""
+        """Return the value of ``node`` by the rules; None if none applies."""
         if node.is_Pow and node.exp.is_Rational and not node.exp.is_Integer:
             value = self._power(node.base, node.exp)
         elif isinstance(node, sp.log):
@@ -129,12 +129,12 @@ class Rewriting:
         return None
 
     def _is_to_the_right(self, total: sp.Expr) -> bool:
-        """Whether a sum has a positive real part: a square root's is not negative."""
+        """Return whether a sum has a positive real part: a square root's is not negative."""
         roots = [part for part in sp.Add.make_args(total) if _has_square_root(part)]
         return bool(roots) and self.signs.is_positive(total - sp.Add(*roots))
 
     def _is_narrow(self, angle: sp.Expr) -> bool:
-        """Whether ``angle`` is real and between -pi and pi."""
+        """Return whether ``angle`` is real and between -pi and pi."""
         return lies_between(self.signs.range(sp.expand(angle)), -BELOW_PI, BELOW_PI)
 
     def _known_factors(self, factors: Sequence[sp.Expr]) -> tuple[list[sp.Expr], sp.Expr]:
@@ -190,7 +190,7 @@ class Rewriting:
         return None
 
     def _factors(self, product: sp.Expr, degree: int) -> Sequence[sp.Expr]:
-        """The factors of a product, or of a sum that has one to at least ``degree``."""
+        """Return the factors of a product, or of a sum that has one to at least ``degree``."""
         if product.is_Mul:
             return tuple(product.args)
         below = product.is_Pow and product.exp == -1
@@ -274,7 +274,7 @@ SQUARES: Mapping[Any, Callable[..., dict[sp.Expr, sp.Expr]]] = {
 
 
 def _squared_function(total: sp.Expr) -> sp.Expr | None:
-    """The square that a sum is by the theorem of Pythagoras or its hyperbolic form."""
+    """Return the square that a sum is by the theorem of Pythagoras or its hyperbolic form."""
     if not (total.is_Add and len(total.args) == 2):
         return None
     for node in total.atoms(sp.cosh):
@@ -293,7 +293,7 @@ def _has_square_root(term: sp.Expr) -> bool:
 
 
 def _evidently_signed(total: sp.Expr) -> sp.Expr:
-    """A sum as the square that it is, or as one of squares; itself if it is neither."""
+    """Return a sum as the square that it is, or as one of squares; itself if it is neither."""
     square = _squared_function(total)
     if square is not None:
         return square
@@ -312,7 +312,7 @@ def _quadratics(base: sp.Expr) -> Iterator[tuple[sp.Expr, sp.Expr, sp.Expr]]:
 
 
 def _denested(base: sp.Expr) -> sp.Expr | None:
-    """The square root of a + b sqrt(c) as a sum of two, if a**2 - b**2 c is a square."""
+    """Return the square root of a + b sqrt(c) as a sum of two, if a**2 - b**2 c is a square."""
     try:
         for a, b, square in _quadratics(base):
             unit, powers = factored(a**2 - b**2 * square)
@@ -341,7 +341,7 @@ def _root_of(low: sp.Expr, square: sp.Expr) -> sp.Expr:
 
 
 def _cube_root(base: sp.Expr, exponent: sp.Rational) -> sp.Expr | None:
-    """The cube root a + b sqrt(c) of a number of that kind."""
+    """Return the cube root a + b sqrt(c) of a number of that kind."""
     for p, q, square in _quadratics(base):
         if not square.is_Rational or square < 0:
             continue
@@ -363,7 +363,7 @@ def _rebuilt(node: sp.Expr, arguments: Sequence[sp.Expr]) -> sp.Expr:
 
 
 def conjugated(expression: sp.Expr, signs: DomainSigns) -> sp.Expr | None:
-    """The complex conjugate on the domains; None where no rule gives it.
+    """Return the complex conjugate on the domains; None where no rule gives it.
 
     >>> x = sp.Symbol("x", real=True)
     >>> conjugated(sp.exp(sp.I * x), DomainSigns({})), conjugated(sp.sqrt(x), DomainSigns({}))

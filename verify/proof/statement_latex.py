@@ -22,7 +22,6 @@ SIGNS = {"<=": r"\le", ">=": r"\ge", "!=": r"\ne"}
 
 def statement_latex(statement: Statement) -> str:
     """The statement in LaTeX: equations, formulas, and the domains that are not all numbers."""
-    assert statement.texts is not None
     domains = ", ".join(filter(None, map(_condition, conditions(statement.texts))))
     words = rf"{equations_latex(statement)} \quad\Leftarrow\quad {formulas_latex(statement)}"
     return words + (rf" \qquad ({domains})" if domains else "")
@@ -56,8 +55,6 @@ def formulas_latex(statement: Statement) -> str:
 
 
 def _typed(statement: Statement) -> tuple[tuple[str, ...], StatementTrees]:
-    assert statement.texts is not None
-    assert statement.trees is not None
     return statement.texts.equations, statement.trees
 
 

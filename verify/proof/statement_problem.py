@@ -1,8 +1,7 @@
-"""Equations of a statement that are no polynomials in one unknown: what is to be decided of each.
+"""Problems that the equations of a statement pose.
 
 The certificate states the equation with its unknowns, shifts, conjugates and derivatives; the
-checker puts the formulas in.  What SymPy makes of the equation serves to find the generators, and
-the points at which it fails.
+checker puts the formulas in.  What SymPy makes of the equation serves to find the generators.
 """
 
 from __future__ import annotations
@@ -10,10 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import cached_property
 
 import sympy as sp
-from flint import acb
 from sympy.core.function import AppliedUndef
 
 from longwave.derive.algebra.bounded_building import without_sizes
@@ -21,8 +18,7 @@ from longwave.derive.algebra.formula_printing import formula_as_text
 from longwave.verify.subexpressions import rebuilt
 
 from . import typed_statement
-from .balls import ball_value, residual_ball
-from .domain_signs import DomainSigns
+from .balls import ball_value
 from .domains import Domains, Point, settled_domains
 from .problem import POINTS, Problem
 from .samples import sample
@@ -49,29 +45,14 @@ class StatementProblem(Problem):
         assert self.statement is not None
         return {u: f for u, f in self.statement.solutions.items() if self.left.has(u.func)}
 
-    @cached_property
-    def substituted(self) -> sp.Expr:
-        """The left-hand side as SymPy puts the formulas in and differentiates."""
-        assert self.statement is not None
-        return residual_of(self.statement, self.left)
-
     @property
     def expressions(self) -> list[sp.Expr]:
         """The formulas and the functions in the equation, wherever they are taken."""
         found = (with_exponentials(part) for part in (*self._parts(self.left), *self.also))
         return list(dict.fromkeys(found))
 
-    def residual(self, point: Point, bits: int, signs: DomainSigns) -> acb:
-        """A ball around the residual at ``point``; raises ValueError where it is not smooth."""
-        taken = {d.expr for d in self.left.atoms(sp.Derivative)} | self.left.atoms(AppliedUndef)
-        if taken == {self.unknown}:
-            formula = with_exponentials(self.formula)
-            with suppress(ValueError):
-                return residual_ball(self.left, self.unknown, formula, point, bits, signs)
-        return ball_value(with_exponentials(self.substituted), point, bits, signs)
-
     def _parts(self, node: sp.Expr) -> Iterator[sp.Expr]:
-        """The formulas in ``node``, conjugated where it says so, and functions of them."""
+        """Yield the formulas in ``node``, conjugated where it says so, and functions of them."""
         assert self.statement is not None
         if not node.atoms(AppliedUndef):
             yield node
@@ -94,15 +75,15 @@ class StatementProblem(Problem):
 
 
 def statement_problem(statement: Statement, equation: sp.Expr) -> StatementProblem:
-    """The problem that an equation of a statement poses."""
+    """Return the problem that an equation of a statement poses."""
     known = ((u, f) for u, f in statement.solutions.items() if equation.has(u.func))
     unknown, formula = next(known, (None, None))
     if unknown is None:
         raise ValueError("equations must have an unknown, got one in which it cancels")
     domains = all_domains(statement, equation)
-    said = f"{formula_as_text(equation)} = 0"
+    label = f"{formula_as_text(equation)} = 0"
     return StatementProblem(
-        statement.name, said, unknown, formula, equation, domains, statement=statement
+        statement.name, label, unknown, formula, equation, domains, statement=statement
     )
 
 
@@ -114,7 +95,7 @@ def all_domains(statement: Statement, *equations: sp.Expr) -> Domains:
 
 
 def typed_domains(statement: Statement) -> Domains:
-    """The domains of all symbols, also of those that SymPy cancels."""
+    """Return the domains of all symbols, also of those that SymPy cancels."""
     domains = all_domains(statement, *statement.equations)
     names = {str(symbol) for symbol in domains}
     others = {s: d for s, d in statement.domains.items() if str(s) not in names}
@@ -122,7 +103,7 @@ def typed_domains(statement: Statement) -> Domains:
 
 
 def undefined(statement: Statement) -> sp.Expr | None:
-    """A divisor of the statement that is not shown to differ from 0 at any drawn point."""
+    """Return a divisor of the statement that is not shown to differ from 0 at any drawn point."""
     points = sample(all_domains(statement, *statement.equations, *statement.divisors), POINTS)
     for divisor in statement.divisors:
         value = with_exponentials(residual_of(statement, divisor))
@@ -141,14 +122,14 @@ def _is_nonzero(value: sp.Expr, point: Point) -> bool:
 
 
 def with_exponentials(expression: sp.Expr) -> sp.Expr:
-    """The expression with x**k as exp(k*log(x)), which is what it means.
+    """Return the expression with x**k as exp(k*log(x)), which is what it means.
 
     A negative x to an integer n is (-1)**n*exp(n*log(-x)).
     """
     if not any(_is_symbolic(power) for power in expression.atoms(sp.Pow)):
         return expression
 
-    def made(node: sp.Expr, arguments: list[sp.Expr]) -> sp.Expr:
+    def rebuild(node: sp.Expr, arguments: list[sp.Expr]) -> sp.Expr:
         if node.is_Pow and _is_symbolic(node):
             base, exponent = arguments
             turn = sp.S.One
@@ -159,17 +140,17 @@ def with_exponentials(expression: sp.Expr) -> sp.Expr:
             return node
         return node.func(*arguments, **{"evaluate": False} if node.is_Function else {})
 
-    return rebuilt(expression, made)
+    return rebuilt(expression, rebuild)
 
 
 def _is_symbolic(power: sp.Pow) -> bool:
-    """Whether a power is to no number, and neither one of e nor of -1 to an integer."""
+    """Return whether a power is to no number, and neither one of e nor of -1 to an integer."""
     whole = power.base is sp.S.NegativeOne and power.exp.is_integer
     return not (power.exp.is_Rational or power.base is sp.E or whole)
 
 
 def residual_of(statement: Statement, equation: sp.Expr) -> sp.Expr:
-    """The left-hand side with the formulas in the places of the unknowns.
+    """Return the left-hand side with the formulas in the places of the unknowns.
 
     >>> from longwave.verify.proof.statement_text import read_statement
     >>> statement = read_statement("diff(q[n], t) - q[n+1] + q[n]", "q = n + t")
@@ -178,7 +159,7 @@ def residual_of(statement: Statement, equation: sp.Expr) -> sp.Expr:
     """
     formulas = {unknown.func: (unknown.args, f) for unknown, f in statement.solutions.items()}
 
-    def made(node: sp.Expr, inner: list[sp.Expr]) -> sp.Expr:
+    def substitute(node: sp.Expr, inner: list[sp.Expr]) -> sp.Expr:
         if isinstance(node, sp.Derivative):
             found = sp.diff(without_sizes(inner[0]), *node.variables)
             if found.has(sp.DiracDelta):  # at jumps, which are left out
@@ -191,4 +172,4 @@ def residual_of(statement: Statement, equation: sp.Expr) -> sp.Expr:
             return formula.subs(dict(zip(arguments, node.args, strict=True)), simultaneous=True)
         return node.func(*inner) if inner else node
 
-    return rebuilt(equation, made)
+    return rebuilt(equation, substitute)

@@ -30,7 +30,7 @@ class Scope:
     conditions: tuple[str, ...]
 
     def listed(self, kinds: Sequence[str]) -> str:
-        """The kinds with their names, functions last."""
+        """Return the kinds with their names, functions last."""
         *values, last = kinds
         if "function" not in self.kinds:
             return "; ".join(kinds)
@@ -47,13 +47,12 @@ class Scope:
 
 
 def scope(statement: Statement) -> Scope:
-    """The scope of a statement's texts: every name in them, whether or not it cancels.
+    """Return the scope of a statement's texts: every name in them, whether or not it cancels.
 
     >>> from longwave.verify.proof.statement_text import read_statement as read
     >>> scope(read("u - 1", "u = abs(m)/m + 0*x", "m: m>0")).text
     'for all real m, x with m > 0, wherever the formulas are smooth'
     """
-    assert statement.texts is not None
     nodes = Nodes()
     read_statement(nodes, as_data(statement.texts))
     symbols = [node for node in nodes.all if node[0] == "symbol"]
@@ -63,7 +62,7 @@ def scope(statement: Statement) -> Scope:
 
 
 def conditions(texts: StatementTexts) -> list[str]:
-    """What was typed of the values of names, each once: ``k > 0`` and ``b: complex``."""
+    """Return the typed conditions on names, each once: ``k > 0`` and ``b: complex``."""
     return list(dict.fromkeys(_conditions(texts)))
 
 
@@ -82,7 +81,7 @@ def _conditions(texts: StatementTexts) -> Iterator[str]:
 
 
 def _condition(name: str, text: str) -> str:
-    """An inequality with spaces, a word for a domain as one, or a name with its kind."""
+    """Return an inequality with spaces, a word for a domain as one, or a name with its kind."""
     word = text.strip()
     if word in KINDS:
         return f"{name}: {word}"

@@ -1,8 +1,8 @@
 """Verdicts on statements (`verify.proof.statement_text`): every equation proved, or one refuted.
 
-An equation in one unknown and its derivatives goes to `prove` as it is, any other with a
-certificate into which the checker puts the formulas.  What neither can take is decided as the
-equality of its residual with 0: the formulas are put in and differentiated by SymPy.
+A statement is refuted by a point of the domain at which a ball around the residual of the typed
+trees excludes 0, and proved by certificates of the typed texts into which the checker puts the
+formulas.  SymPy is asked for hints alone.
 """
 
 from __future__ import annotations
@@ -10,61 +10,34 @@ from __future__ import annotations
 import re
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from itertools import chain
 from typing import Any
 
-import sympy as sp
-from sympy.core.function import AppliedUndef
-
 from longwave.derive.algebra.formula_latex import formula_latex, name_latex
-from longwave.derive.algebra.formula_printing import formula_as_text
 from longwave.derive.algebra.formula_tree import FormulaTree, Name, Number, mapped, rational
 from longwave.solutions.record import LONGEST_FORMULA
-from longwave.verify.kernel.check import check_certificate
-from longwave.verify.kernel.further.free_functions import generic_shift
-from longwave.verify.subexpressions import abbreviated, distinct_nodes
+from longwave.verify.kernel.function_values import generic_shift
+from longwave.verify.subexpressions import abbreviated
 from longwave.verify.verdict import Outcome, ProofVerdict
 
 from . import prover
-from .balls import ball_value
-from .certificate_writer import Certificate, as_data
-from .problem import solution_problem
-from .samples import sample
+from .certificate_writer import Certificate
 from .seams import left_open, sides
 from .statement_latex import equations_latex, formulas_latex, scope_latex, statement_latex
 from .statement_problem import (
-    all_domains,
-    residual_of,
-    statement_problem,
     typed_domains,
     undefined,
-    with_exponentials,
 )
 from .statement_scope import scope
-from .typed_balls import TextPoint
-from .typed_hints import typed_proof, with_conjugates
+from .typed_hints import NO_VERDICT, typed_certificate
 from .typed_statement import Statement, StatementTrees, tree_of
-from .typed_values import TypedValues, failing_values, typed_values
+from .typed_values import TypedValues, failing_values
 
 Progress = Callable[[str], None]
 
-NO_VERDICT = (
-    *(ValueError, TypeError, RecursionError, NotImplementedError, OverflowError),
-    sp.PolynomialError,
-)
-"""What a way that decides nothing ends with; exponents past 64 bits overflow in FLINT."""
-
-DRAWN = 40
-"""Points that are drawn for what a witness leaves free."""
-
-UNSEEN = "what was typed was not seen to fail where what SymPy makes of it does"
-
-NO_PROOF: dict[str, Any] = {"certificate": None, "residual": None, "assumptions": ()}
-
-WITNESS_BITS = (160, 640)
+UNSEEN = "an equation fails at a point at which its residual could not be repeated"
 
 
 @dataclass(frozen=True, repr=False)
@@ -89,11 +62,11 @@ class StatementVerdict(ProofVerdict):
     def told(self) -> dict[str, str]:
         """The same, the statement in the place of its equations, and what would hold."""
         is_short = len(self.statement) <= LONGEST_FORMULA
-        shown = rf"$\displaystyle {self.statement}$" if is_short else self.equation
-        return super().told | {"equation": shown, "what would hold": self.hint}
+        equation = rf"$\displaystyle {self.statement}$" if is_short else self.equation
+        return super().told | {"equation": equation, "what would hold": self.hint}
 
     def json(self) -> dict[str, Any]:
-        """The record as plain data."""
+        """Return the record as plain data."""
         return {
             "name": self.name,
             "verdict": self.outcome.value,
@@ -111,93 +84,39 @@ class StatementVerdict(ProofVerdict):
 
 
 def decide_statement(statement: Statement, progress: Progress = lambda _: None) -> StatementVerdict:
-    """The verdict on a statement; ``progress`` is told what is done next."""
+    """Return the verdict on a statement; ``progress`` is told what is done next."""
     start = time.perf_counter()
     found = _decided(statement, progress)
     return replace(found, seconds=time.perf_counter() - start)
 
 
 def _decided(statement: Statement, progress: Progress) -> StatementVerdict:
-    verdicts: list[ProofVerdict] = []
-    count = len(statement.equations)
-    typed = typed_values(statement)
-    assert typed is not None
-    for number, equation in enumerate(statement.equations, 1):
-        progress(f"equation {number} of {count}")
-        verdict = _decide_equation(statement, equation)
-        verdicts.append(_as_typed(statement, number, verdict, typed))
-        if verdicts[-1].outcome is Outcome.REFUTED:
-            break
-    found = _together(statement, verdicts)
-    if found.outcome is Outcome.REFUTED:
-        return found
-    if statement.complexes and found.outcome is Outcome.UNDECIDED:
-        failing = failing_values(statement)
-    else:
-        failing = _shown(typed.failure())
-    if failing is not None:
-        return refuted(statement, failing) or found
-    divisor = undefined(statement) if found.outcome is Outcome.PROVED else None
-    if divisor is not None:
-        return undecided(
-            statement, f"divisors must be shown not to be 0, got {abbreviated(divisor)}"
-        )
-    return found
-
-
-def _shown(point: TextPoint | None) -> dict[str, str] | None:
-    return None if point is None else {name: str(value) for name, value in point.items()}
-
-
-def _as_typed(
-    statement: Statement, number: int, verdict: ProofVerdict, typed: TypedValues
-) -> ProofVerdict:
-    """The verdict on one equation as it was typed, from that on what SymPy makes of it.
-
-    A proof has a certificate of the texts that the checker accepts; a refutation has a point at
-    which a ball around the residual of what was typed excludes 0.
-    """
-    if verdict.outcome is Outcome.REFUTED:
-        witness = {name: Fraction(value) for name, value in (verdict.witness or {}).items()}
-        if typed.fails_at(witness):
-            return verdict
-        failing = _shown(typed.failure())
-        if failing is not None:
-            return replace(verdict, witness=failing)
-        verdict = replace(verdict, outcome=Outcome.UNDECIDED, detail=UNSEEN, witness=None)
-    assert statement.texts is not None
-    certificate = verdict.certificate
-    if isinstance(certificate, Certificate):
-        one = replace(statement.texts, equations=statement.texts.equations[number - 1 : number])
-        proof = with_conjugates(certificate["proof"], statement.complexes)
-        restated = certificate.changed(statement=as_data(one), proof=proof)
-        with suppress(*NO_VERDICT):
-            check_certificate(restated)
-            return replace(verdict, certificate=restated)
+    """Return the verdict: of a point at which a typed equation fails, or of accepted proofs."""
+    count, certificates = len(statement.equations), list[Certificate]()
+    progress(f"equation 1 of {count}")
+    failing = failing_values(statement)
     try:
-        found = typed_proof(statement, number)
+        while failing is None and len(certificates) < count:
+            if certificates:
+                progress(f"equation {len(certificates) + 1} of {count}")
+            certificates.append(typed_certificate(statement, len(certificates) + 1))
     except NO_VERDICT as error:
-        proved = verdict.outcome is Outcome.PROVED  # by SymPy's reading alone
-        words = " ".join((str(error) if proved else verdict.detail or str(error)).split())
-        return replace(verdict, outcome=Outcome.UNDECIDED, detail=words, **NO_PROOF)
-    return found
-
-
-def _together(statement: Statement, found: Sequence[ProofVerdict]) -> StatementVerdict:
-    """The verdict on all equations: the refuted or undecided one, else the proofs together."""
-    worst = {Outcome.REFUTED: 0, Outcome.UNDECIDED: 1, Outcome.PROVED: 2}
-    place = min(range(len(found)), key=lambda i: worst[found[i].outcome])
-    chosen = found[place]
-    if chosen.outcome is Outcome.PROVED:
-        return proved(statement, [v.certificate for v in found if v.certificate])
-    where = f"equation {place + 1}: " if len(statement.equations) > 1 else ""
-    if chosen.outcome is Outcome.REFUTED:
-        return refuted(statement, chosen.witness or {}) or undecided(statement, where + UNSEEN)
-    return undecided(statement, where + " ".join(chosen.detail.split()))
+        where = f"equation {len(certificates) + 1}: " if count > 1 else ""
+        reason = where + (" ".join(str(error).split()) or type(error).__name__)
+        failing = failing_values(statement, thorough=True)
+    else:
+        if failing is None:
+            divisor = undefined(statement)
+            if divisor is None:
+                return proved(statement, certificates)
+            words = "divisors must be shown not to be 0, got"
+            return undecided(statement, f"{words} {abbreviated(divisor)}")
+        reason = UNSEEN
+    return (refuted(statement, failing) if failing else None) or undecided(statement, reason)
 
 
 def proved(statement: Statement, certificates: Sequence[Mapping[str, Any]]) -> StatementVerdict:
-    """The verdict on a statement with accepted certificates of its texts."""
+    """Return the verdict on a statement with accepted certificates of its texts."""
     found = tuple(map(Certificate, certificates))
     jumps, places = left_open(statement)
     return StatementVerdict(
@@ -221,7 +140,6 @@ def refuted(statement: Statement, witness: Mapping[str, str]) -> StatementVerdic
 
     Complex values, which no number is, are put into the trees.
     """
-    assert statement.trees is not None
     trees, numbers = witness_trees(statement, statement.trees, witness)
     failing = TypedValues(trees, typed_domains(statement)).failing(numbers)
     if failing is None:
@@ -245,10 +163,10 @@ def witness_trees(
 ) -> tuple[StatementTrees, dict[str, Fraction]]:
     """The trees with the complex values of a point put in, and the values that are numbers."""
     complexes = {n: witness[n] for n in statement.complexes if "I" in witness[n]}
-    made = trees.with_values(complexes)
+    trees = trees.with_values(complexes)
     if any(rational(mapped(tree_of(text), _without_unit)) is None for text in complexes.values()):
         raise ValueError(f"witness must have numbers for {', '.join(complexes)}, got other values")
-    return made, {name: Fraction(witness[name]) for name in made.names}
+    return trees, {name: Fraction(witness[name]) for name in trees.names}
 
 
 def _without_unit(node: FormulaTree) -> FormulaTree | None:
@@ -256,13 +174,12 @@ def _without_unit(node: FormulaTree) -> FormulaTree | None:
 
 
 def united(lines: Iterable[Iterable[str]]) -> tuple[str, ...]:
-    """All lines, each once."""
+    """Return all lines, each once."""
     return tuple(dict.fromkeys(chain.from_iterable(lines)))
 
 
 def said_of(statement: Statement) -> dict[str, Any]:
-    """What a verdict on a statement says of it."""
-    assert statement.texts is not None
+    """Return the fields of a verdict that describe its statement."""
     return {
         "name": statement.name,
         "equation": "; ".join(map(stated_equation, statement.texts.equations)),
@@ -273,127 +190,18 @@ def said_of(statement: Statement) -> dict[str, Any]:
 
 
 def undecided(statement: Statement, reason: str, seconds: float = 0.0) -> StatementVerdict:
-    """The verdict that there is none, for a reason."""
-    told = said_of(statement)
-    return StatementVerdict(**told, outcome=Outcome.UNDECIDED, detail=reason, seconds=seconds)
+    """Return the verdict that there is none, for a reason."""
+    fields = said_of(statement)
+    return StatementVerdict(**fields, outcome=Outcome.UNDECIDED, detail=reason, seconds=seconds)
 
 
 def stated_equation(text: str) -> str:
-    """An equation as it was typed, with its right-hand side."""
+    """Return an equation as it was typed, with its right-hand side."""
     return " ".join(text.split()) + ("" if "=" in text else " = 0")
 
 
-def equation_text(equation: sp.Expr) -> str:
-    """An equation in the grammar."""
-    return f"{formula_as_text(equation)} = 0"
-
-
-def _decide_equation(statement: Statement, equation: sp.Expr) -> ProofVerdict:
-    """The verdict on one equation, in the first way that decides.
-
-    Why a way cannot take the equation is a reason only where no way can.
-    """
-    reasons, unfit = list[str](), list[str]()
-    for way in (_as_it_is, _by_substitution, _by_residual):
-        try:
-            verdict = way(statement, equation)
-        except NO_VERDICT as error:
-            unfit.append(" ".join(str(error).split()) or type(error).__name__)
-            continue
-        if verdict.outcome is not Outcome.UNDECIDED:
-            return verdict
-        reasons.append(" ".join(verdict.detail.split()))
-    reason = "; then: ".join(dict.fromkeys(reasons[:2] or unfit[-1:]))
-    return ProofVerdict(
-        statement.name, equation_text(equation), prover.METHOD, Outcome.UNDECIDED, reason
-    )
-
-
-def _completed(statement: Statement, equation: sp.Expr, verdict: ProofVerdict) -> ProofVerdict:
-    """The verdict, a refutation with values of the symbols that were gone before it."""
-    if verdict.outcome is not Outcome.REFUTED:
-        return verdict
-    domains = all_domains(statement, *statement.equations)
-    witness = dict(verdict.witness or {})
-    known = {
-        symbol: sp.Rational(witness[str(symbol)]) for symbol in domains if str(symbol) in witness
-    }
-    for point in sample(domains, DRAWN):
-        whole = {**point, **known}
-        if all(domain.contains(whole[symbol], whole) for symbol, domain in domains.items()):
-            coordinates = {str(symbol): str(value) for symbol, value in whole.items()}
-            return replace(verdict, witness=coordinates)
-    return verdict
-
-
-def _as_it_is(statement: Statement, equation: sp.Expr) -> ProofVerdict:
-    unknowns = equation.atoms(AppliedUndef)
-    if len(unknowns) != 1 or not unknowns <= statement.solutions.keys():
-        raise ValueError("equations with several unknowns or sites are decided by their residual")
-    (unknown,) = unknowns
-    formula = statement.solutions[unknown]
-    verdict = prover.prove(equation, formula, name=statement.name, domains=statement.domains)
-    if verdict.outcome is Outcome.UNDECIDED:  # raises where it is no polynomial: no reason
-        solution_problem(equation, formula, stated=statement.domains).terms()
-    return _completed(statement, equation, verdict)
-
-
-def _by_substitution(statement: Statement, equation: sp.Expr) -> ProofVerdict:
-    """By a certificate that has the equation as it stands, for the checker to put in."""
-    problem = statement_problem(statement, equation)
-    verdict = _completed(statement, equation, prover.decide(problem, time.perf_counter()))
-    if verdict.outcome is Outcome.REFUTED:
-        _check_defined_at(verdict.witness or {}, problem.expressions)
-    return verdict
-
-
-def _by_residual(statement: Statement, equation: sp.Expr) -> ProofVerdict:
-    """The verdict on residual = 0.
-
-    Raises ValueError where the formulas, or the powers and functions of the equation, are not shown
-    to be defined: what is not may have cancelled in the residual.
-    """
-    nodes = [n for n in distinct_nodes(equation) if n.is_Pow or n.is_Function]
-    parts = [f for u, f in statement.solutions.items() if equation.has(u.func)]
-    parts += [residual_of(statement, node) for node in nodes]
-    residual, *parts = map(with_exponentials, (residual_of(statement, equation), *parts))
-    parts = [part for part in dict.fromkeys(parts) if not part.is_polynomial()]
-    verdict = _equal(statement, residual, sp.S.Zero, equation_text(equation))
-    verdict = _completed(statement, equation, verdict)
-    if verdict.outcome is Outcome.REFUTED:
-        _check_defined_at(verdict.witness or {}, parts)
-    if verdict.outcome is not Outcome.PROVED:
-        return verdict
-    for part in parts:
-        defined = _equal(statement, part, part, "a formula = itself")
-        if defined.outcome is not Outcome.PROVED:
-            raise ValueError(f"formulas must be shown to be defined: {defined.detail}")
-    return verdict
-
-
-def _equal(statement: Statement, left: sp.Expr, right: sp.Expr, said: str) -> ProofVerdict:
-    return prover.prove_equal(
-        left,
-        right,
-        statement.variables,
-        name=statement.name,
-        equation_name=said,
-        domains=statement.domains,
-    )
-
-
-def _check_defined_at(witness: Mapping[str, str], parts: Sequence[sp.Expr]) -> None:
-    """Raise ValueError unless each of the formulas has a finite value at the point."""
-    for part in parts:
-        point = {symbol: sp.Rational(witness[str(symbol)]) for symbol in part.free_symbols}
-        with suppress(ZeroDivisionError):
-            if any(ball_value(part, point, bits).is_finite() for bits in WITNESS_BITS):
-                continue
-        raise ValueError(f"formulas must be defined at a witness, got {abbreviated(part)} at none")
-
-
 def verified_sentence(statement: Statement, verdict: StatementVerdict) -> str:
-    r"""The verdict as a sentence in LaTeX, a proof with the digests of its certificates.
+    r"""Return the verdict as a sentence in LaTeX, a proof with the digests of its certificates.
 
     >>> from longwave.verify.proof.statement_text import read_statement
     >>> statement = read_statement("u_x - 1", "u = x")
@@ -439,7 +247,7 @@ def _corners_latex(statement: Statement, lines: Sequence[str]) -> list[str]:
 
 
 def _values_latex(statement: Statement, witness: Mapping[str, str]) -> Iterator[str]:
-    """The values of a point, and the functions of one argument z at it."""
+    """Yield the values of a point, and the functions of one argument z at it."""
     for name, text in witness.items():
         if name in statement.functions:
             below = rf"\Gamma\left(z + {generic_shift(name)}\right)"

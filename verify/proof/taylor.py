@@ -6,12 +6,12 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
 from math import factorial
+from typing import Any
 
 from flint import acb, acb_series, ctx, fmpq
 
-from longwave.verify.kernel.further.special import CYLINDER
-from longwave.verify.kernel.jacobi_values import Jacobi
-from longwave.verify.kernel.node_balls import BALLS
+from longwave.verify.kernel.axioms import CYLINDER, FUNCTIONS
+from longwave.verify.kernel.function_values import Jacobi
 
 Series = list[acb]
 
@@ -63,7 +63,7 @@ def _terms(count: int) -> Iterator[None]:
 
 
 def special(name: str) -> Callable[[acb, int], Series]:
-    """A function by FLINT's series of the name."""
+    """Return a function by FLINT's series of the name."""
 
     def taylor(z: acb, order: int) -> Series:
         with _terms(order + 1):
@@ -76,13 +76,20 @@ def special(name: str) -> Callable[[acb, int], Series]:
 logarithm = special("log")
 
 
+def _ball(name: str, *arguments: Any) -> acb:
+    """Return the kernel's ball of a function that FLINT does not have by the name."""
+    ball = FUNCTIONS[name].ball
+    assert ball is not None
+    return ball(*arguments)
+
+
 def bessel(name: str, v: acb) -> Callable[[acb, int], Series]:
-    """A Bessel function of order ``v``."""
+    """Return a Bessel function of order ``v``."""
     sign, up = -1 if name in ("bessel_i", "bessel_k") else 1, CYLINDER[name][0]
 
     def taylor(z: acb, order: int) -> Series:
-        value = BALLS[name](v, z)
-        found = [value, v / z * value + up * BALLS[name](v + 1, z)]
+        value = _ball(name, v, z)
+        found = [value, v / z * value + up * _ball(name, v + 1, z)]
         for n in range(order - 1):
             rest = (n * n + sign * z * z - v * v) * found[n] + (n + 1) * (2 * n + 1) * z * found[-1]
             rest += sign * (2 * z * found[n - 1] if n else acb(0))
@@ -97,7 +104,7 @@ def weierstrass(g2: acb, g3: acb, slopes: int) -> Callable[[acb, int], Series]:
     """Weierstrass' function of the invariants, or with ``slopes`` = 1 its derivative."""
 
     def taylor(z: acb, order: int) -> Series:
-        found = [BALLS["weierstrass_p"](z, g2, g3), BALLS["weierstrass_p_prime"](z, g2, g3)]
+        found = [_ball(name, z, g2, g3) for name in ("weierstrass_p", "weierstrass_p_prime")]
         for n in range(order + slopes - 1):
             rest = 6 * _product(found, found, n) - (g2 / 2 if n == 0 else 0)
             found.append(rest / ((n + 2) * (n + 1)))
@@ -107,10 +114,10 @@ def weierstrass(g2: acb, g3: acb, slopes: int) -> Callable[[acb, int], Series]:
 
 
 def free(name: str, start: int, *nome: acb) -> Callable[[acb, int], Series]:
-    """The derivative of order ``start`` of a theta function, or of an arbitrary function."""
-    ball = BALLS["theta" if nome else "jet"]
+    """Return the derivative of order ``start`` of a theta function, or of an arbitrary function."""
+    kind = "theta" if nome else "jet"
     return lambda z, order: [
-        ball(z, *nome, (name, start + n)) / factorial(n) for n in range(order + 1)
+        _ball(kind, z, *nome, (name, start + n)) / factorial(n) for n in range(order + 1)
     ]
 
 
@@ -157,7 +164,7 @@ class AtZero:
         return acb(1)
 
     def epsilon(self, z: acb) -> acb:
-        """The integral of dn**2 from 0."""
+        """Return the integral of dn**2 from 0."""
         return z
 
     def zeta(self, _z: acb) -> acb:
@@ -170,7 +177,7 @@ class AtZero:
 
 
 class AtOne(AtZero):
-    """Those of m = 1, all but zeta, theta and eta."""
+    """Jacobi functions of m = 1, all but zeta, theta and eta."""
 
     def sn(self, z: acb) -> acb:
         """sn."""
@@ -185,7 +192,7 @@ class AtOne(AtZero):
         return z.sech()
 
     def epsilon(self, z: acb) -> acb:
-        """The integral of dn**2 from 0."""
+        """Return the integral of dn**2 from 0."""
         return z.tanh()
 
     def zeta(self, z: acb) -> acb:
@@ -212,7 +219,7 @@ class Elliptic:
         return self._triple(z, order)[2]
 
     def epsilon(self, z: acb, order: int) -> Series:
-        """The integral of dn**2 from 0."""
+        """Return the integral of dn**2 from 0."""
         dn = self.dn(z, order)
         start = self._values.epsilon(z)
         return [start, *(_product(dn, dn, n) / (n + 1) for n in range(order))]

@@ -6,13 +6,9 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from longwave.derive.algebra.formula_tree import ATOM, POWER, PRODUCT, SUM, Part, signed_sum
+
 Node = list[Any]
-
-SUM, PRODUCT, POWER, ATOM = range(4)
-"""How closely a text holds together."""
-
-Part = tuple[str, int]
-"""A text and how closely it holds together."""
 
 Meaning = Callable[[int], Part]
 """What stands for the node at a place in the text of another."""
@@ -30,9 +26,9 @@ def node_text(
     variables: Sequence[str] = (),
     power: str = "**",
 ) -> Part:
-    """A node as text, such that it is read back as this node where powers are ``**``."""
+    """Return a node as text, such that it is read back as this node where powers are ``**``."""
 
-    def held(place: int, closely: int) -> str:
+    def enclosed(place: int, closely: int) -> str:
         text, level = meaning(place)
         return text if level >= closely else f"({text})"
 
@@ -42,35 +38,29 @@ def node_text(
         case ["symbol", name, _] | ["constant", name]:
             return str(name), ATOM
         case ["Add", *parts]:
-            return _joined([held(part, PRODUCT) for part in parts]), SUM
+            return signed_sum([enclosed(part, PRODUCT) for part in parts]), SUM
         case ["Mul", *parts]:
             return _product([meaning(part) for part in parts]), PRODUCT
         case ["Pow", base, exponent]:
-            shown = exponent if exponent.isdigit() else f"({exponent})"
-            return f"{held(base, ATOM)}{power}{shown}", POWER
+            above = exponent if exponent.isdigit() else f"({exponent})"
+            return f"{enclosed(base, ATOM)}{power}{above}", POWER
         case ["power", base, exponent]:
-            return f"{held(base, ATOM)}{power}{held(exponent, ATOM)}", POWER
+            return f"{enclosed(base, ATOM)}{power}{enclosed(exponent, ATOM)}", POWER
         case ["parity", exponent]:
-            return f"(-1){power}{held(exponent, ATOM)}", POWER
+            return f"(-1){power}{enclosed(exponent, ATOM)}", POWER
         case ["poly", terms, *parts]:
-            texts = [held(part, ATOM) for part in parts]
-            return _joined([_monomial(c, e, texts, power) for c, e in terms]), SUM
+            texts = [enclosed(part, ATOM) for part in parts]
+            return signed_sum([_monomial(c, e, texts, power) for c, e in terms] or ["0"]), SUM
         case ["unknown", place, shifts]:
             moved = [f"{v}{n:+d}" if n else v for v, n in zip(variables, shifts, strict=True)]
             return unknowns[place] + (f"[{', '.join(moved)}]" if any(shifts) else ""), ATOM
     name, *parts = node
-    texts = [held(part, SUM) for part in parts]
+    texts = [enclosed(part, SUM) for part in parts]
     return f"{'abs' if name == 'Abs' else name}({', '.join(texts)})", ATOM
 
 
-def _joined(terms: Sequence[str]) -> str:
-    """A sum, with the minus signs that its terms begin with; of no terms 0."""
-    first, *rest = terms or ["0"]
-    return first + "".join(f" - {t[1:]}" if t[0] == "-" else f" + {t}" for t in rest)
-
-
 def _product(parts: Sequence[Part]) -> str:
-    """A product; a number is at its head, and -1 a sign."""
+    """Return a product; a number is at its head, and -1 a sign."""
     (head, level), *rest = parts
     texts = [head if level >= POWER or (head[-1].isdigit() and level) else f"({head})"]
     texts += [text if level >= POWER else f"({text})" for text, level in rest]
@@ -87,7 +77,7 @@ def _monomial(coefficient: str, exponents: Sequence[int], texts: Sequence[str], 
 
 
 def numbered(nodes: Sequence[Node]) -> list[str]:
-    """A text for every node, in the numbers of those before it: ``#3*#7``."""
+    """Return a text for every node, in the numbers of those before it: ``#3*#7``."""
 
     def meaning(place: int) -> Part:
         leaf = nodes[place][0] in LEAVES
@@ -126,7 +116,7 @@ class Written:
             self._texts[place] = text, level
 
     def text(self, place: int) -> str:
-        """The text of the node at a place."""
+        """Return the text of the node at a place."""
         return self._texts[place][0]
 
 

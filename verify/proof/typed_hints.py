@@ -36,18 +36,23 @@ from longwave.derive.algebra.formula_tree import (
     formula_text,
     mapped,
 )
-from longwave.verify.verdict import ProofVerdict
+from longwave.verify.kernel.check import check_certificate
 
 from .balls import ball_value
 from .certificate import make_certificate
 from .certificate_writer import Certificate, Data, NodeTable
 from .domain_signs import is_small_polynomial
 from .linear_forms import BITS
-from .prover import accepted
 from .statement_problem import StatementProblem, all_domains, statement_problem
 from .text_names import FUNCTIONS, function_named
 from .text_writer import Written
 from .typed_statement import Statement, StatementTrees
+
+NO_VERDICT = (
+    *(ValueError, TypeError, RecursionError, NotImplementedError, OverflowError),
+    sp.PolynomialError,
+)
+"""Errors of a search that finds no proof; exponents past 64 bits overflow in FLINT."""
 
 MOST = 80
 """Functions, powers and names in the trees."""
@@ -66,19 +71,39 @@ class Typed:
     plain: sp.Expr
 
 
-def typed_proof(statement: Statement, number: int) -> ProofVerdict:
-    """A proof of an equation as it was typed; raises ValueError where there is none."""
+def typed_certificate(statement: Statement, number: int) -> Certificate:
+    """Return a certificate of an equation as it was typed that the checker accepts.
+
+    Raises one of `NO_VERDICT`, with the reason of the last search, where none is accepted.
+    """
+    reason: Exception = ValueError("there is no proof")
+    for search in (_as_read, _as_typed, partial(_as_typed, kept=KEPT)):
+        try:
+            found = search(statement, number)
+            check_certificate(found)
+        except NO_VERDICT as error:
+            reason = error
+        else:
+            return found
+    raise reason
+
+
+def _problem(statement: Statement, number: int, left: sp.Expr) -> StatementProblem:
+    """Return the problem of an equation, with the texts that were typed of it."""
+    texts = replace(statement.texts, equations=statement.texts.equations[number - 1 : number])
+    return replace(statement_problem(statement, left), texts=texts)
+
+
+def _as_read(statement: Statement, number: int) -> Certificate:
+    """Return a certificate with generators for what SymPy makes of the formulas."""
+    problem = _problem(statement, number, statement.equations[number - 1])
+    found = make_certificate(problem)
+    return found.changed(proof=with_conjugates(found["proof"], statement.complexes))
+
+
+def _as_typed(statement: Statement, number: int, kept: tuple[type, ...] = ()) -> Certificate:
+    """Return one with generators of the trees; functions of the types ``kept`` stay as they are."""
     statement = _with_complex_symbols(statement)
-    try:
-        return _proof(statement, number)
-    except ValueError:
-        return _proof(statement, number, KEPT)
-
-
-def _proof(statement: Statement, number: int, kept: tuple[type, ...] = ()) -> ProofVerdict:
-    """The proof in which functions of the types ``kept`` stay as they are."""
-    assert statement.texts is not None
-    assert statement.trees is not None
     parts = typed_parts(statement, statement.trees.equations[number - 1], kept)
     also = tuple(dict.fromkeys(e for part in parts for e in (part.plain, part.value)))
     left = statement.equations[number - 1]
@@ -86,12 +111,9 @@ def _proof(statement: Statement, number: int, kept: tuple[type, ...] = ()) -> Pr
         left = next(iter(statement.solutions))  # the certificate states what was typed anyway
         also = tuple(dict.fromkeys(part.plain for part in parts))
     domains = all_domains(statement, left, *also, *vocabulary(statement).names.values())
-    texts = replace(statement.texts, equations=statement.texts.equations[number - 1 : number])
-    problem = statement_problem(statement, left)
-    problem = replace(problem, domains=domains, also=also, texts=texts)
+    problem = replace(_problem(statement, number, left), domains=domains, also=also)
     found = _certificate(problem, parts, kept)
-    proof = with_conjugates(found["proof"], statement.complexes)
-    return accepted(problem, found.changed(proof=proof))
+    return found.changed(proof=with_conjugates(found["proof"], statement.complexes))
 
 
 def _with_complex_symbols(statement: Statement) -> Statement:
@@ -134,7 +156,7 @@ def _certificate(
 def typed_parts(
     statement: Statement, equation: FormulaTree, kept: tuple[type, ...] = ()
 ) -> list[Typed]:
-    """Those of `typed_nodes`, if they are few; a formula is named after what stands in it."""
+    """Return `typed_nodes`, if they are few; raises ValueError for many."""
     found = [*typed_nodes(statement, equation, kept)]
     if len(found) > MOST:
         raise ValueError(f"texts must have at most {MOST} functions, got {len(found)}")
@@ -145,7 +167,6 @@ def typed_nodes(
     statement: Statement, equation: FormulaTree, kept: tuple[type, ...] = ()
 ) -> Iterator[Typed]:
     """The functions, powers and names in an equation with the formulas put in, and in formulas."""
-    assert statement.trees is not None
     words = vocabulary(statement, kept)
     builder = ExpressionBuilder(words)
 
@@ -162,7 +183,7 @@ def typed_nodes(
 
 
 def put_in(trees: StatementTrees, formula: FormulaTree) -> FormulaTree:
-    """The formula with what unknowns and defined names stand for in their places."""
+    """Return the formula with what unknowns and defined names stand for in their places."""
 
     def image(node: FormulaTree) -> FormulaTree | None:
         if not isinstance(node, Unknown):
@@ -178,14 +199,13 @@ def put_in(trees: StatementTrees, formula: FormulaTree) -> FormulaTree:
 
 
 def vocabulary(statement: Statement, kept: tuple[type, ...] = ()) -> Vocabulary:
-    """The symbols of a statement by their names; those of which nothing is known are real.
+    """Return the symbols of a statement by their names; those of which nothing is known are real.
 
     Functions of the types ``kept`` are not evaluated.
     """
     plain = {name: (partial(f, evaluate=False), n) for name, (f, n) in FUNCTIONS.items()}
     functions = {name: plain[name] if f[0] in kept else f for name, f in FUNCTIONS.items()}
     functions |= {name: (function_named(name), 1) for name in statement.functions}
-    assert statement.trees is not None
     formulas = (*statement.equations, *statement.solutions.values(), *statement.divisors)
     symbols = {s for formula in formulas for s in formula.free_symbols}
     symbols |= {s for domain in statement.domains.values() for s in domain.symbols}
@@ -237,7 +257,7 @@ def _is_read_as_number(exponent: FormulaTree) -> bool:
 
 
 def _with_values(proof: Data, typed: Sequence[Typed], problem: StatementProblem) -> Data:
-    """The proof with what SymPy makes of each root, absolute value and logarithm.
+    """Return the proof with what SymPy makes of each root, absolute value and logarithm.
 
     The factors of what is under a root show its sign.
     """
@@ -268,7 +288,7 @@ def _with_values(proof: Data, typed: Sequence[Typed], problem: StatementProblem)
 
 
 def _equal_parts(typed: Sequence[Typed], problem: StatementProblem) -> dict[sp.Expr, sp.Expr]:
-    """What roots, roots of squares, moduli and inverse functions may be: equal at a point."""
+    """Return values of roots, moduli and inverse functions that are equal at a point."""
     found: dict[sp.Expr, sp.Expr] = {}
     for part in typed:
         match part.plain:
@@ -278,9 +298,9 @@ def _equal_parts(typed: Sequence[Typed], problem: StatementProblem) -> dict[sp.E
                         found[part.plain] = value
     for part, other in product(typed, typed):
         name = part.tree.name if isinstance(part.tree, Call) else ""
-        alike = isinstance(other.tree, Call) and other.tree.name == name
+        is_same = isinstance(other.tree, Call) and other.tree.name == name
         known = part.plain in (*found, *found.values()) or other.plain in found
-        if name not in ("sqrt", "abs", *INVERSE) or alike or known or other.plain.is_number:
+        if name not in ("sqrt", "abs", *INVERSE) or is_same or known or other.plain.is_number:
             continue
         if part.tree not in other.tree.nodes() and _are_equal(part.plain, other.plain, problem):
             found[part.plain] = other.plain
@@ -288,7 +308,7 @@ def _equal_parts(typed: Sequence[Typed], problem: StatementProblem) -> dict[sp.E
 
 
 def _are_equal(left: sp.Expr, right: sp.Expr, problem: StatementProblem) -> bool:
-    """Whether two formulas have the same value at a point, as far as balls show."""
+    """Return whether two formulas have the same value at a point, as far as balls show."""
     with suppress(ValueError, ZeroDivisionError):
         values = (ball_value(side, problem.points[0], BITS) for side in (left, right))
         return bool(sub(*values).contains(0))

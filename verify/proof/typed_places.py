@@ -1,4 +1,4 @@
-"""Where a statement as it was typed may not be smooth; SymPy would cancel ``0/x`` first."""
+"""Places where a typed statement may not be smooth; SymPy would cancel ``0/x`` first."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ DEPTH = 5
 
 
 def typed_places(statement: Statement) -> tuple[str, ...]:
-    """One line for each place where the formulas or an equation may fail to be smooth.
+    """Return one line for each place where the formulas or an equation may fail to be smooth.
 
     At a lattice's sites, smooth or not, the formula may have another value than elsewhere.
 
@@ -42,7 +42,6 @@ def typed_places(statement: Statement) -> tuple[str, ...]:
     domains = typed_domains(statement)
     signs = DomainSigns(domains)
     trees = statement.trees
-    assert trees is not None
     trees = replace(
         trees,
         equations=tuple(mapped(equation, _smooth) for equation in trees.equations),
@@ -62,7 +61,7 @@ def typed_places(statement: Statement) -> tuple[str, ...]:
 
 
 def _smooth(node: FormulaTree) -> FormulaTree | None:
-    """An even power of a modulus, which has no corner, without it."""
+    """Return an even power of a modulus, which has no corner, without it."""
     match node:
         case Power(parts=(Call(parts=(inner,), name="abs"), Number(value=power))) if not power % 2:
             inner = mapped(inner, _smooth)
@@ -90,12 +89,12 @@ ZERO = " {} = 0"
 
 
 def corner_line(argument: FormulaTree) -> str:
-    """The line on abs or sign of a formula that may be 0."""
+    """Return the line on abs or sign of a formula that may be 0."""
     return CORNER.format(plain_text(_shallow(_base(argument), DEPTH)))
 
 
 def _base(formula: FormulaTree) -> FormulaTree:
-    """What is 0 where the formula is."""
+    """Return the part that is 0 where the formula is."""
     match formula:
         case Power(parts=(base, Number(value=power))) if power > 0:
             return _base(base)
@@ -103,7 +102,7 @@ def _base(formula: FormulaTree) -> FormulaTree:
 
 
 def _sites(argument: sp.Expr, domains: Domains) -> list[str] | None:
-    """The integers at which a polynomial in one of them is 0; None for anything else."""
+    """Return the integers at which a polynomial in one of them is 0; None for anything else."""
     symbols = argument.free_symbols
     if len(symbols) != 1 or not argument.is_polynomial():
         return None
@@ -119,7 +118,7 @@ def _sites(argument: sp.Expr, domains: Domains) -> list[str] | None:
 
 
 def _shallow(formula: FormulaTree, depth: int) -> FormulaTree:
-    """The formula with dots for what lies deeper."""
+    """Return the formula with dots for what lies deeper."""
     if not formula.inner() or depth > 0:
         parts = tuple(_shallow(part, depth - 1) for part in formula.inner())
         return formula.made_of(parts) if parts else formula

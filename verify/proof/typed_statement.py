@@ -26,7 +26,7 @@ from .text_names import FUNCTIONS
 
 @dataclass(frozen=True)
 class StatementTexts:
-    """What was typed, part by part; a certificate holds these texts and no others."""
+    """Typed texts of a statement, part by part; a certificate holds these and no others."""
 
     variables: tuple[str, ...]
     equations: tuple[str, ...]
@@ -35,7 +35,7 @@ class StatementTexts:
     domain: tuple[str, ...] = ()
 
     def with_values(self, values: Mapping[str, str]) -> StatementTexts:
-        """The texts with parameters that stand for formulas in the place of any values.
+        """Return the texts with parameters that stand for formulas in the place of any values.
 
         >>> texts = StatementTexts(("x",), ("u_x - b",), ("u = x",), ("b: b>0",))
         >>> texts.with_values({"b": "1"}).parameters
@@ -72,7 +72,7 @@ class StatementTrees:
         return found - {*self.definitions, *CONSTANTS}
 
     def with_values(self, values: Mapping[str, str]) -> StatementTrees:
-        """The trees with texts of formulas in the place of any values."""
+        """Return the trees with texts of formulas in the place of any values."""
         made = {name: tree_of(text) for name, text in values.items()}
         return replace(self, definitions={**self.definitions, **made})
 
@@ -95,7 +95,7 @@ class StatementTrees:
         return Call((mapped(z, self._at_end),), end) if end else Number(Fraction(1))
 
     def meaning(self, node: FormulaTree) -> FormulaTree | None:
-        """What a defined name stands for; None for anything else."""
+        """Return the formula of a defined name; None for anything else."""
         if isinstance(node, Name) and node.name in self.definitions:
             return mapped(self.definitions[node.name], self.meaning)
         return None
@@ -163,8 +163,8 @@ class Statement:
     domains: Mapping[sp.Symbol, Domain]
     divisors: tuple[sp.Expr, ...] = ()
     wanted: tuple[sp.Symbol, ...] = ()
-    texts: StatementTexts | None = field(default=None, compare=False)
-    trees: StatementTrees | None = field(default=None, compare=False)
+    texts: StatementTexts = field(default=StatementTexts((), (), ()), compare=False)
+    trees: StatementTrees = field(default=StatementTrees((), (), {}, {}), compare=False)
     complexes: tuple[str, ...] = ()
     functions: tuple[str, ...] = ()
     weak: bool = False

@@ -1,4 +1,4 @@
-"""What was typed, evaluated by itself: at points of the domain, and at the first integers in it.
+"""Values of typed statements: at points of the domain, and at the first integers in it.
 
 Parameters that may be complex have a few values that are not real.
 
@@ -29,13 +29,14 @@ from .typed_balls import TextPoint, TypedBalls
 from .typed_statement import Statement, StatementTrees
 
 POINTS = 4
-"""Points of the domain that are drawn."""
+"""Points of the domain that are drawn with the first integers."""
 
 BITS = (128, 512, 2048, 8192)
 """Further out than the first two are changes by 10**-40 and tails such as 1 - tanh(1000)."""
 
-QUICK = BITS[:1]
-"""At drawn points: a failure that needs more is no misreading."""
+QUICK = ((BITS[0], 8), (BITS[2], 1))
+THOROUGH = ((BITS[0], 48), (BITS[1], 48), (BITS[2], 8), (BITS[3], 8))
+"""Bits at which a failure is looked for, and the number of points, before and after a proof."""
 
 FIRST, MOST = 4, 16
 """Integers next to the end of their domain, or about 0, that are looked at; their combinations."""
@@ -69,24 +70,25 @@ OTHER_RESIDUAL = "what was typed has another residual than what was solved"
 NOT_SEEN = "what was typed was not seen to have the residual that was solved"
 
 
-def failing_values(statement: Statement) -> dict[str, str] | None:
-    """Values of all symbols at which an equation fails; None if none was found."""
-    if statement.trees is None:
-        return None
-    names = statement.complexes
-    for values in islice(product(COMPLEX, repeat=len(names)), CHOICES):
+def failing_values(statement: Statement, thorough: bool = False) -> dict[str, str] | None:
+    """Return values of all symbols at which an equation fails; None if none was found.
+
+    A ``thorough`` search takes more points and bits, and values that are not real.
+    """
+    typed = typed_values(statement)
+    failing = typed.failure(thorough)
+    names = statement.complexes if thorough and failing is None else ()
+    for values in islice(product(COMPLEX, repeat=len(names)), CHOICES if names else 0):
         chosen = dict(zip(names, values, strict=True))
-        trees = statement.trees.with_values(chosen)
+        trees = typed.trees.with_values(chosen)
         failing = TypedValues(trees, typed_domains(statement)).failure()
         if failing is not None:
             return {k: str(v) for k, v in failing.items() if k not in chosen} | chosen
-    return None
+    return None if failing is None else {name: str(value) for name, value in failing.items()}
 
 
-def typed_values(statement: Statement) -> TypedValues | None:
-    """What was typed, to be evaluated; None for a statement that nobody typed."""
-    if statement.trees is None:
-        return None
+def typed_values(statement: Statement) -> TypedValues:
+    """Return the residuals of a statement as it was typed, to be evaluated."""
     return TypedValues(statement.trees, typed_domains(statement))
 
 
@@ -94,12 +96,12 @@ class TypedValues:
     """The residuals of a statement's trees at points of the domains."""
 
     def __init__(self, trees: StatementTrees, domains: Domains) -> None:
-        self._domains, self._names, self._trees = domains, trees.names, trees
+        self._domains, self._names, self.trees = domains, trees.names, trees
         self._signs = DomainSigns(domains)
         self._balls = TypedBalls(trees, {str(s) for s, d in domains.items() if d.integer})
 
     def fails_at(self, point: TextPoint, bits: Sequence[int] = BITS) -> bool | None:
-        """Whether an equation fails at a point; None where that cannot be said."""
+        """Return whether an equation fails at a point; None where that cannot be said."""
         is_small = False
         for size, found in self._residuals(point, bits):
             if any(not residual.contains(0) for residual in found):
@@ -124,24 +126,28 @@ class TypedValues:
             except (ArithmeticError, ValueError, RuntimeError):
                 yield size, []
 
-    def failure(self) -> TextPoint | None:
-        """A point of the domain at which an equation fails; None if none was found."""
-        return next((point for point in self._points() if self.fails_at(point, QUICK)), None)
+    def failure(self, thorough: bool = False) -> TextPoint | None:
+        """Return a point of the domain at which an equation fails; None if none was found."""
+        for size, count in THOROUGH if thorough else QUICK:
+            for point in self._points(count):
+                if self.fails_at(point, (size,)):
+                    return point
+        return None
 
     def difference(self, residuals: Sequence[sp.Expr]) -> str:
-        """Why residuals are not seen to be those of what was typed; empty if they are.
+        """Return why residuals are not seen to be those of the typed trees; empty if they are.
 
         They are compared in balls: at points with all signs, at the first integers, and where a
         parameter is a small number.
         """
-        seen = 0
+        agreed = 0
         for point in self._compared():
             agrees = self._agree_at(point, residuals)
             if agrees is False:
                 where = ", ".join(f"{name} = {value}" for name, value in point.items())
                 return f"{OTHER_RESIDUAL} at {where}"
-            seen += bool(agrees)
-        return "" if seen >= LEAST else NOT_SEEN
+            agreed += bool(agrees)
+        return "" if agreed >= LEAST else NOT_SEEN
 
     def _agree_at(self, point: TextPoint, residuals: Sequence[sp.Expr]) -> bool | None:
         """Whether residuals have the values of what was typed; None where that cannot be said."""
@@ -158,18 +164,18 @@ class TypedValues:
         return None
 
     def _compared(self) -> Iterator[TextPoint]:
-        """Points at which residuals are compared."""
-        nodes = [node for formula in self._trees.formulas for node in formula.nodes()]
+        """Yield points at which residuals are compared."""
+        nodes = [node for formula in self.trees.formulas for node in formula.nodes()]
         drawn = list(self._points(PLAIN_POINTS if all(map(_is_plain, nodes)) else SIGNED_POINTS, 1))
         yield from drawn
-        parameters = [s for s in self._domains if s.name not in self._trees.variables]
+        parameters = [s for s in self._domains if s.name not in self.trees.variables]
         for number, (symbol, value) in enumerate(product(parameters, SMALL)):
             point = {**drawn[number % len(drawn)], symbol.name: value}
             exact = {s: sp.Rational(point[s.name]) for s in self._domains}
             if all(d.contains(exact[s], exact) for s, d in self._domains.items()):
                 yield point
 
-    def _points(self, count: int = POINTS, most: int = POINTS) -> Iterator[TextPoint]:
+    def _points(self, count: int, most: int = POINTS) -> Iterator[TextPoint]:
         """Drawn points, the first ``most`` of them also with the first integers."""
         known = {str(symbol): symbol for symbol in self._domains}
         added = {sp.Symbol(name, real=True): Domain() for name in self._names - known.keys()}
@@ -202,7 +208,7 @@ class TypedValues:
 
 
 def _is_plain(node: FormulaTree) -> bool:
-    """Whether a node has no branches: a sum, a product, a whole power or such a function."""
+    """Return whether a node has no branches: a sum, a product, a whole power or such a function."""
     if isinstance(node, Power):
         exponent = rational(node.parts[1])
         return exponent is not None and exponent.denominator == 1

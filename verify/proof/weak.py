@@ -79,7 +79,6 @@ def decide_weak(statement: Statement, progress: Progress = lambda _: None) -> St
 
 
 def _decided(statement: Statement, progress: Progress) -> StatementVerdict:
-    assert statement.texts is not None
     plane = travelling_plane(statement)
     limited = bool(statement.texts.domain)  # the plane may be outside of the domain
     if limited and statement.wanted:
@@ -118,7 +117,6 @@ def _solved(
     statement: Statement, conditions: Sequence[sp.Expr], sides: StatementVerdict, words: str
 ) -> ConditionalVerdict:
     """Return for which values of what is wanted the conditions hold."""
-    assert statement.texts is not None
     if not conditions:
         raise ValueError("every value holds: there is no condition at the jump")
     wanted = [str(symbol) for symbol in statement.wanted]
@@ -153,7 +151,7 @@ def _solved(
 def _as_weak(statement: Statement, case: ConstantCase) -> ConstantCase:
     """Return a case of the conditions as one of the statement, decided with its values put in."""
     texts = statement.texts
-    if texts is None or case.implicit or case.restrictions:
+    if case.implicit or case.restrictions:
         return replace(case, verdict=None)
     names = {symbol.name for value in case.values.values() for symbol in value.free_symbols}
     declared = {text.replace("=", ":").partition(":")[0].strip() for text in texts.parameters}
@@ -196,8 +194,8 @@ class Plane:
 
 def travelling_plane(statement: Statement) -> Plane:
     """Return the one plane at which the formulas jump; raises ValueError for any others."""
-    if statement.trees is None or statement.complexes or statement.functions:
-        raise ValueError("with weak a statement must be real and in text, without functions")
+    if statement.complexes or statement.functions:
+        raise ValueError("with weak a statement must be real and without functions")
     places = seams(statement)
     by_name = {str(v): v for v in statement.variables}
     name = places[0].place.partition(" = ")[0] if len(places) == 1 else ""
@@ -267,7 +265,6 @@ def _check_smooth(tree: FormulaTree, value: sp.Expr, domains: Domains) -> None:
 
 def jump_conditions(statement: Statement, plane: Plane) -> Iterator[sp.Expr]:
     """Yield what must be 0 at the plane: for each equation the factors of delta, delta', ..."""
-    assert statement.trees is not None
     for equation in statement.trees.equations:
         total: Jumps = {}
         for coefficient, steps, inner in _terms(statement, equation):
@@ -284,7 +281,6 @@ def _terms(
     statement: Statement, equation: FormulaTree
 ) -> Iterator[tuple[sp.Expr, tuple[str, ...], FormulaTree]]:
     """Yield coefficient, derivative and formula of each term."""
-    assert statement.trees is not None
     build = ExpressionBuilder(vocabulary(statement)).expression
     for term in _summands(equation):
         if rational(term) == 0:
@@ -321,7 +317,6 @@ def _summands(tree: FormulaTree) -> Iterator[FormulaTree]:
 
 def _values(statement: Statement, plane: Plane, inner: FormulaTree) -> tuple[sp.Expr, sp.Expr]:
     """Return a formula of the unknowns on both sides of the plane."""
-    assert statement.trees is not None
     build = ExpressionBuilder(vocabulary(statement)).expression
     domains = all_domains(statement, *statement.equations)
     found = []

@@ -12,13 +12,11 @@ import pytest
 
 from longwave.solutions import closed_form
 from longwave.verify.proof import prove_form
-from longwave.verify.proof.text_prover import prove
 from tests.test_house import lines_of_code
 
 HOUSE = Path(__file__).parents[3]
 KERNEL = HOUSE / "verify" / "kernel"
 FILES = sorted(KERNEL.rglob("*.py"))
-CORE = sorted(KERNEL.glob("*.py"))
 
 
 def imports(path: Path) -> set[str]:
@@ -36,15 +34,9 @@ def imports(path: Path) -> set[str]:
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
 def test_the_kernel_imports_the_standard_library_and_flint_alone(path: Path) -> None:
-    own = {str(other.with_suffix("")) for other in FILES} | {str(KERNEL / "further")}
+    own = {str(other.with_suffix("")) for other in FILES}
     for name in imports(path):
         assert name in own or name.split(".")[0] in {*sys.stdlib_module_names, "flint"}, name
-
-
-def test_the_core_imports_nothing_that_goes_further() -> None:
-    for path in CORE:
-        if path.name != "__init__.py":
-            assert not any("further" in name for name in imports(path)), path
 
 
 def lines(paths: list[Path]) -> int:
@@ -58,16 +50,13 @@ def test_the_page_on_trust_counts_the_lines() -> None:
 
 
 def test_the_kernel_is_read_in_an_afternoon() -> None:
-    """Lines with more than a comment or a docstring: all of it, and the core beside its reader."""
-    code = {path: lines_of_code(path.read_text(encoding="utf-8")) for path in FILES}
-    reader = [KERNEL / name for name in ("reading.py", "statement.py", "substitution.py")]
-    assert sum(code.values()) <= 2800
-    assert sum(code[path] for path in CORE if path not in reader) <= 1750
+    """Count lines with more than a comment or a docstring."""
+    assert sum(lines_of_code(path.read_text(encoding="utf-8")) for path in FILES) <= 2800
 
 
-def alone(folder: Path, text: str, *left_out: str) -> subprocess.CompletedProcess[str]:
+def alone(folder: Path, text: str) -> subprocess.CompletedProcess[str]:
     """``python -m kernel FILE`` in a folder with nothing else."""
-    without = shutil.ignore_patterns("__pycache__", *left_out)
+    without = shutil.ignore_patterns("__pycache__")
     folder.mkdir(exist_ok=True)
     shutil.copytree(KERNEL, folder / "kernel", ignore=without)
     (folder / "proof.json").write_text(text, encoding="utf-8")
@@ -102,12 +91,3 @@ def test_the_folder_alone_refuses(tmp_path: Path, text: str, status: int, words:
     done = alone(tmp_path, text)
     assert (done.returncode, done.stdout) == (status, "")
     assert words in done.stderr
-
-
-def test_the_core_alone_refuses_what_goes_further(tmp_path: Path) -> None:
-    verdict = prove("u - v", "u = asinh(sinh(x)) ;; v = x")
-    text = json.dumps(verdict.certificates)  # type: ignore[union-attr]
-    assert alone(tmp_path / "all", text).returncode == 0
-    done = alone(tmp_path / "core", text, "further")
-    assert (done.returncode, done.stdout) == (1, "")
-    assert "no function of 1 arguments is called asinh" in done.stderr

@@ -9,11 +9,12 @@ from flint import acb, arb, ctx, fmpq
 from longwave.verify.kernel.axioms import FUNCTIONS
 from longwave.verify.kernel.bounds import Interval, of_constant
 from longwave.verify.kernel.field import Field, Hints
-from longwave.verify.kernel.further.inverse import PRINCIPAL
+from longwave.verify.kernel.inverse_rules import PRINCIPAL
 from longwave.verify.kernel.node_balls import BITS, Balls
 from longwave.verify.kernel.nodes import Nodes
 from longwave.verify.kernel.reading import Scope, axiom, formula
-from longwave.verify.kernel.substitution import Substitution
+from longwave.verify.kernel.statement import Substitution
+from longwave.verify.kernel.table import RULES
 
 INVERSE = [name for name in PRINCIPAL if FUNCTIONS[name].definition]
 UNARY = ("sin", "cos", "tanh", "sech", "cosh", "exp", "Abs", "sinh", "atan")
@@ -28,12 +29,12 @@ def test_an_inverse_function_is_its_definition_off_the_cuts(name: str) -> None:
     draw = random.Random(1)
     for _ in range(60):
         nodes = Nodes()
-        x, y = (nodes.made("symbol", letter, "real") for letter in "xy")
-        f = nodes.made("Add", x, nodes.made("Mul", nodes.made("I"), y))
+        x, y = (nodes.add("symbol", letter, "real") for letter in "xy")
+        f = nodes.add("Add", x, nodes.add("Mul", nodes.add("I"), y))
         point = {x: numbers(draw) / 4, y: numbers(draw) / 7}
         if point[y] == 0:
             continue
-        own, defined = nodes.made(name, f), axiom(nodes, FUNCTIONS[name].definition, z=f)
+        own, defined = nodes.add(name, f), axiom(nodes, FUNCTIONS[name].definition, z=f)
         with ctx.workprec(BITS):
             balls = Balls(nodes, point)
             gap = balls.ball(own) - balls.ball(defined)
@@ -46,11 +47,11 @@ def test_an_inverse_function_is_its_definition_where_it_is_real(name: str) -> No
     low, high = FUNCTIONS[name].between
     for share in (fmpq(1, 7), fmpq(1, 2), fmpq(8, 9)):
         nodes = Nodes()
-        x = nodes.made("symbol", "x", "real")
+        x = nodes.add("symbol", "x", "real")
         end = fmpq(9) if high is None else high
         value = share * end + (1 - share) * (fmpq(-9) if low is None else low)
         balls = Balls(nodes, {x: value})
-        own, defined = nodes.made(name, x), axiom(nodes, FUNCTIONS[name].definition, z=x)
+        own, defined = nodes.add(name, x), axiom(nodes, FUNCTIONS[name].definition, z=x)
         with ctx.workprec(BITS):
             assert (balls.ball(own) - balls.ball(defined)).contains(0)
             assert balls.ball(own).imag.contains(0)
@@ -59,26 +60,26 @@ def test_an_inverse_function_is_its_definition_where_it_is_real(name: str) -> No
 def grown(nodes: Nodes, leaves: list[int], draw: random.Random, depth: int) -> int:
     """A random real formula."""
     if depth == 0:
-        return draw.choice([*leaves, nodes.made("number", numbers(draw))])
+        return draw.choice([*leaves, nodes.add("number", numbers(draw))])
     kind = draw.randrange(5)
     parts = [grown(nodes, leaves, draw, depth - 1) for _ in range(2)]
     if kind == 0:
-        return nodes.made("Add", *parts)
+        return nodes.add("Add", *parts)
     if kind == 1:
-        return nodes.made("Mul", *parts)
+        return nodes.add("Mul", *parts)
     if kind == 2:
-        return nodes.made("Pow", parts[0], fmpq(draw.choice((2, 3, 4, -1, -2))))
+        return nodes.add("Pow", parts[0], fmpq(draw.choice((2, 3, 4, -1, -2))))
     if kind == 3:
         half = draw.choice((fmpq(1, 2), fmpq(-1, 2), fmpq(3, 2)))
-        return nodes.made("Pow", nodes.made("Pow", parts[0], fmpq(2)), half)
-    return nodes.made(draw.choice(UNARY), parts[0])
+        return nodes.add("Pow", nodes.add("Pow", parts[0], fmpq(2)), half)
+    return nodes.add(draw.choice(UNARY), parts[0])
 
 
 def domains(nodes: Nodes, draw: random.Random) -> Iterator[tuple[int, fmpq, fmpq, bool]]:
     for letter in "xyz":
         low = numbers(draw)
         high = low + fmpq(draw.randint(1, 30), draw.randint(1, 9))
-        yield nodes.made("symbol", letter, "real"), low, high, draw.random() < 0.5
+        yield nodes.add("symbol", letter, "real"), low, high, draw.random() < 0.5
 
 
 def test_bounds_hold_at_random_points_of_random_formulas() -> None:
@@ -86,12 +87,12 @@ def test_bounds_hold_at_random_points_of_random_formulas() -> None:
     for _ in range(400):
         nodes, positive, ends = Nodes(), {}, []
         for symbol, low, high, weak in domains(nodes, draw):
-            minus = nodes.made("Mul", nodes.rational(-1), symbol)
-            above = nodes.made("Add", symbol, nodes.made("number", -low))
-            below = nodes.made("Add", minus, nodes.made("number", high))
+            minus = nodes.add("Mul", nodes.rational(-1), symbol)
+            above = nodes.add("Add", symbol, nodes.add("number", -low))
+            below = nodes.add("Add", minus, nodes.add("number", high))
             positive |= {above: weak, below: weak}
             ends.append((symbol, low, high))
-        field = Field(nodes, len(ends), [], positive, Hints({}, {}))
+        field = Field(nodes, len(ends), [], positive, Hints({}, {}), RULES)
         for symbol, _, _ in ends:
             field.register(symbol)
         signs = field.signs
@@ -136,7 +137,7 @@ def read(text: str, domain: list[str]) -> Interval:
     """Where a formula in the real symbol s lies on a domain."""
     scope = Scope(Nodes())
     gaps = {formula(scope, gap.removesuffix("=")): gap.endswith("=") for gap in domain}
-    field = Field(scope.nodes, 1, [], gaps, Hints({}, {}))
+    field = Field(scope.nodes, 1, [], gaps, Hints({}, {}), RULES)
     field.register(formula(scope, "s"))
     return field.signs.interval(formula(scope, text))
 
@@ -163,11 +164,11 @@ def test_a_shifted_formula_has_the_values_of_the_formula_at_the_shifted_place() 
     draw = random.Random(3)
     for _ in range(60):
         nodes = Nodes()
-        n, t = nodes.made("symbol", "n", "integer"), nodes.made("symbol", "t", "real")
+        n, t = nodes.add("symbol", "n", "integer"), nodes.add("symbol", "t", "real")
         formula = grown(nodes, [n, t], draw, 3)
         put = Substitution(nodes, [n, t], [formula])
         for step in (-2, 0, 1, 3):
-            node = put(nodes.made("sin", nodes.made("unknown", 0, (step, 0))))
+            node = put(nodes.add("sin", nodes.add("unknown", 0, (step, 0))))
             here = {n: fmpq(2), t: fmpq(5, 7)}
             there = {n: fmpq(2 + step), t: fmpq(5, 7)}
             value = Balls(nodes, here).ball(node)

@@ -9,11 +9,11 @@ import pytest
 from flint import fmpq
 
 from longwave.verify.kernel import CertificateError, check_certificate
-from longwave.verify.kernel.derivations import Derivation
 from longwave.verify.kernel.field import Field, Hints, solved
 from longwave.verify.kernel.nodes import Nodes
 from longwave.verify.kernel.reading import Scope, formula
-from longwave.verify.kernel.ring import Element, Ring
+from longwave.verify.kernel.ring import Derivation, Element, Ring
+from longwave.verify.kernel.table import RULES
 from searches.forged_proofs import Data, Proof, signed
 from tests.verify.kernel.test_verify_kernel_attacks import refused
 
@@ -104,9 +104,9 @@ def test_a_derivation_follows_the_rules_of_products_and_quotients() -> None:
 def test_a_field_walks_over_what_has_an_image_and_over_even_powers_of_moduli() -> None:
     scope = Scope(Nodes())
     x = scope.node("x")
-    field = Field(scope.nodes, 2, [x], {}, Hints({}, {}))
+    field = Field(scope.nodes, 2, [x], {}, Hints({}, {}), RULES)
     field.register(x)
-    field.register(scope.nodes.made("I"))
+    field.register(scope.nodes.add("I"))
     for exponent, image in ((2, "1 + x**2"), (4, "(1 + x**2)**2"), (-2, "1/(1 + x**2)")):
         node = formula(scope, f"abs(1 + I*x)**({exponent})")
         field.walk([node])
@@ -122,5 +122,5 @@ def test_a_field_walks_over_what_has_an_image_and_over_even_powers_of_moduli() -
 def test_a_variable_that_is_an_integer_moves_nothing() -> None:
     scope = Scope(Nodes())
     n = scope.declare("n", "integer")
-    field = Field(scope.nodes, 1, [n], {}, Hints({}, {}))
+    field = Field(scope.nodes, 1, [n], {}, Hints({}, {}), RULES)
     assert field.moves(n) is False

@@ -276,8 +276,8 @@ def test_a_long_quotient(g: str, equation: str, message: str) -> None:
 
 def test_a_power_of_minus_one_has_a_value_at_integers_alone() -> None:
     nodes = Nodes()
-    n = nodes.made("symbol", "n", "integer")
-    turn = nodes.made("parity", n)
+    n = nodes.add("symbol", "n", "integer")
+    turn = nodes.add("parity", n)
     assert Balls(nodes, {n: fmpq(3)}).ball(turn) == -1
     with pytest.raises(CertificateError, match="to an integer at the point"):
         Balls(nodes, {n: fmpq(1, 2)}).ball(turn)

@@ -3,7 +3,7 @@
 import pytest
 from flint import acb, arb, ctx
 
-from longwave.verify.kernel.jacobi_values import Jacobi
+from longwave.verify.kernel.function_values import Jacobi
 
 M, Z = arb(0.25), acb(0.7)
 

@@ -19,12 +19,12 @@ from longwave.verify.kernel import (
     reading,
 )
 from longwave.verify.kernel import __main__ as command
-from longwave.verify.kernel.function_rules import whole
-from longwave.verify.kernel.further.turns import share_of_turn
+from longwave.verify.kernel.exponential_rules import share_of_turn
 from longwave.verify.kernel.limits import within
 from longwave.verify.kernel.nodes import Nodes, integer, listed, number
 from longwave.verify.kernel.reading import Scope, axiom, formula, rational
 from longwave.verify.kernel.ring import Ring
+from longwave.verify.kernel.root_rules import whole
 from longwave.verify.kernel.statement import read_statement
 from searches.forged_proofs import Data, Proof, certificate, signed
 
@@ -103,7 +103,7 @@ def deep(levels: int) -> Callable[[], object]:
         table = Nodes()
         node = table.rational(1)
         for _ in range(levels - 1):
-            node = table.made("exp", node)
+            node = table.add("exp", node)
 
     return grow
 

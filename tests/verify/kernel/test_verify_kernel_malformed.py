@@ -185,10 +185,10 @@ def test_derivatives_along_sites_and_of_formulas_in_solutions() -> None:
 
 def test_integers_follow_from_integers() -> None:
     nodes = Nodes()
-    n, x = nodes.made("symbol", "n", "integer"), nodes.made("symbol", "x", "real")
-    two, half = nodes.rational(2), nodes.made("number", number("1/2"))
-    whole = [n, two, nodes.made("Add", n, two), nodes.made("Mul", n, two)]
+    n, x = nodes.add("symbol", "n", "integer"), nodes.add("symbol", "x", "real")
+    two, half = nodes.rational(2), nodes.add("number", number("1/2"))
+    whole = [n, two, nodes.add("Add", n, two), nodes.add("Mul", n, two)]
     assert all(map(nodes.is_integer, whole))
-    assert nodes.is_integer(nodes.made("Pow", n, number("2")))
-    others = [x, half, nodes.made("Add", n, x), nodes.made("Pow", n, number("-1")), nodes.made("I")]
+    assert nodes.is_integer(nodes.add("Pow", n, number("2")))
+    others = [x, half, nodes.add("Add", n, x), nodes.add("Pow", n, number("-1")), nodes.add("I")]
     assert not any(map(nodes.is_integer, others))

@@ -7,10 +7,10 @@ from typing import Any
 import pytest
 from flint import fmpq, fmpq_poly
 
-from longwave.verify.kernel import CertificateError, check_certificate, opened
+from longwave.verify.kernel import CertificateError, check_certificate, opened, quotients
 from longwave.verify.kernel.check import registered
-from longwave.verify.kernel.further import quotients
-from longwave.verify.kernel.further.quotients import (
+from longwave.verify.kernel.nodes import Nodes
+from longwave.verify.kernel.quotients import (
     _Partials,
     _rows,
     _slope,
@@ -18,7 +18,6 @@ from longwave.verify.kernel.further.quotients import (
     long_quotient,
     shape,
 )
-from longwave.verify.kernel.nodes import Nodes
 from longwave.verify.kernel.reading import Scope, formula
 from longwave.verify.kernel.ring import Ring
 from searches.forged_proofs import Proof, certificate, signed

@@ -189,7 +189,7 @@ def test_a_domain_is_its_inequalities() -> None:
 def test_a_division_by_0_stands_as_it_is(text: str) -> None:
     scope = scope_of()
     inner = scope.nodes.all[formula(scope, text)]
-    assert scope.nodes.made("Pow", scope.nodes.rational(0), fmpq(-1)) in inner
+    assert scope.nodes.add("Pow", scope.nodes.rational(0), fmpq(-1)) in inner
 
 
 def test_a_power_of_0_or_of_a_negative_number_to_a_symbol() -> None:
@@ -209,8 +209,8 @@ def test_a_power_of_0_or_of_a_negative_number_to_a_symbol() -> None:
 def test_nodes_below_are_each_there_once_arguments_first() -> None:
     scope = Scope(Nodes())
     nodes, x = scope.nodes, scope.node("x")
-    exp = nodes.made("exp", x)
-    both = nodes.made("Add", x, exp)
+    exp = nodes.add("exp", x)
+    both = nodes.add("Add", x, exp)
     nodes.rational(7)
     assert list(nodes.below([])) == []
     assert list(nodes.below([x])) == [x]
@@ -222,10 +222,10 @@ def test_gaps_multiples_and_products_of_nodes() -> None:
     scope = scope_of()
     nodes = scope.nodes
     x, t, zero, one = (formula(scope, text) for text in ("x", "t", "0", "1"))
-    minus = nodes.made("Mul", nodes.rational(-1), x)
+    minus = nodes.add("Mul", nodes.rational(-1), x)
     assert nodes.gap(zero, x) == x
     assert nodes.gap(x, zero) == nodes.negative(x) == minus
-    assert nodes.gap(x, t) == nodes.made("Add", t, minus)
+    assert nodes.gap(x, t) == nodes.add("Add", t, minus)
     assert nodes.times(1, x) == x
     assert nodes.product() == one
     assert nodes.product(x) == x

@@ -9,10 +9,11 @@ from longwave.verify.kernel import CertificateError
 from longwave.verify.kernel.bounds import POSITIVE, UNIT, Interval
 from longwave.verify.kernel.denominators import is_continuous_end, is_linear
 from longwave.verify.kernel.field import Field, Hints
-from longwave.verify.kernel.further.inverse import is_continuous, is_convex, is_kept
-from longwave.verify.kernel.further.principal import angle_of, real_part
+from longwave.verify.kernel.inverse_rules import is_continuous, is_convex, is_kept
 from longwave.verify.kernel.nodes import Nodes
 from longwave.verify.kernel.reading import Scope, formula
+from longwave.verify.kernel.root_rules import angle_of, real_part
+from longwave.verify.kernel.table import RULES
 
 
 class Domain:
@@ -25,7 +26,7 @@ class Domain:
         gaps = {self.node(text.removesuffix("=")): text.endswith("=") for text in positive}
         hints = {self.node(left): self.node(right) for left, right in (signs or {}).items()}
         self.scope.variables = [self.node("x"), self.node("y")]
-        self.field = Field(self.scope.nodes, 4, self.scope.variables, gaps, Hints({}, hints))
+        self.field = Field(self.scope.nodes, 4, self.scope.variables, gaps, Hints({}, hints), RULES)
         for name in "xyabc"[:4]:
             self.field.register(self.node(name))
 

@@ -6,8 +6,7 @@ import pytest
 from flint import acb, acb_series, ctx, fmpq
 
 from longwave.verify.kernel import check_certificate
-from longwave.verify.kernel.further.free_functions import jet_ball, theta_ball
-from longwave.verify.kernel.further.weierstrass_values import weierstrass
+from longwave.verify.kernel.function_values import jet_ball, theta_ball, weierstrass
 from longwave.verify.kernel.node_balls import BITS, Balls
 from longwave.verify.kernel.nodes import Nodes
 from longwave.verify.kernel.reading import Scope, formula

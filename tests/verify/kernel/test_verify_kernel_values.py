@@ -9,10 +9,8 @@ import mpmath
 import pytest
 from flint import acb, arb, ctx, fmpq
 
-from longwave.verify.kernel import CertificateError
-from longwave.verify.kernel.further import weierstrass_values
-from longwave.verify.kernel.further.free_functions import generic_shift, jet_ball
-from longwave.verify.kernel.further.weierstrass_values import weierstrass
+from longwave.verify.kernel import CertificateError, function_values
+from longwave.verify.kernel.function_values import generic_shift, jet_ball, weierstrass
 from longwave.verify.kernel.node_balls import BITS, Balls, value_at
 from longwave.verify.kernel.nodes import Nodes
 from longwave.verify.kernel.reading import Scope, formula
@@ -110,13 +108,13 @@ def test_conjugates_and_parts_are_continued_by_their_formulas() -> None:
         plain_values = {"re": 2, "im": 4, "conjugate": acb(2, -4), "Abs": size}
         turned = {"re": -2, "im": 4, "conjugate": acb(-2, -4), "Abs": size}
         for name, value in plain_values.items():
-            node = nodes.made(name, z)
+            node = nodes.add(name, z)
             plain = Balls(nodes, point).ball(node)
             one = Balls(nodes, point, {root: fmpq(0)}, lambda inner: mirrored).ball(node)
             other = Balls(nodes, point, {root: fmpq(1, 2)}, lambda inner: mirrored).ball(node)
             for ball, expected in ((plain, value), (one, value), (other, turned[name])):
                 assert abs(ball - expected).upper() < 1e-60
-        modulus, sign = nodes.made("Abs", z), nodes.made("sign", z)
+        modulus, sign = nodes.add("Abs", z), nodes.add("sign", z)
         for share, way in ((fmpq(0), 1), (fmpq(1, 2), -1)):
             balls = Balls(nodes, point, {modulus: share, sign: share}, lambda inner: mirrored)
             assert abs(balls.ball(modulus) - way * size).upper() < 1e-60
@@ -132,14 +130,14 @@ def test_a_real_part_is_not_real_on_every_branch() -> None:
     )
     with ctx.workprec(BITS):
         for name, value in (("re", acb(-1, acb(3).sqrt().real)), ("im", acb(8))):
-            ball = turned.ball(scope.nodes.made(name, z))
+            ball = turned.ball(scope.nodes.add(name, z))
             assert abs(ball - value).upper() < 1e-60
 
 
 def test_a_parity_on_another_branch_is_a_unit() -> None:
     scope = Scope(Nodes())
     n = scope.declare("n", "integer")
-    turn = scope.nodes.made("parity", n)
+    turn = scope.nodes.add("parity", n)
     for k, value in ((0, 1), (1, -1)):
         assert Balls(scope.nodes, {n: fmpq(3)}, {turn: fmpq(k, 2)}).ball(turn).overlaps(acb(value))
     assert Balls(scope.nodes, {n: fmpq(-4)}).ball(turn) == 1
@@ -172,11 +170,11 @@ def test_the_rest_of_weierstrass_series_is_within_its_bound(
     with ctx.workprec(BITS):
         bound, z = arb(1), acb(1) / 4
         g2, g3 = acb(60), acb(84)
-        whole = weierstrass_values._series(z, g2, g3, bound)
+        whole = function_values._series(z, g2, g3, bound)
         assert all(part.rad() < 1e-80 for part in whole)
         for terms in (4, 5, 8):
-            monkeypatch.setattr(weierstrass_values, "TERMS", terms)
-            part = weierstrass_values._series(z, g2, g3, bound)[place - 1]
+            monkeypatch.setattr(function_values, "TERMS", terms)
+            part = function_values._series(z, g2, g3, bound)[place - 1]
             assert part.contains(whole[place - 1])
             assert part.real.rad() < 4 * 16.0 ** (1 - terms) * (1, 16 * terms)[place - 1]
 

@@ -15,11 +15,11 @@ from longwave.verify.proof.kept_verdict import kept_record, taken_again
 from longwave.verify.proof.near_misses import near_misses, with_hint
 from longwave.verify.proof.prover import prove as prove_expression
 from longwave.verify.proof.statement_latex import statement_latex
+from longwave.verify.proof.statement_problem import residual_of
 from longwave.verify.proof.statement_text import read_statement
 from longwave.verify.proof.statement_verdict import (
     StatementVerdict,
     decide_statement,
-    residual_of,
     verified_sentence,
 )
 from longwave.verify.proof.text_prover import prove

@@ -3,7 +3,7 @@
 import pytest
 from flint import acb, arb, ctx
 
-from longwave.verify.kernel.further.special import CYLINDER
+from longwave.verify.kernel.axioms import CYLINDER
 from longwave.verify.proof import taylor
 from longwave.verify.proof.text_prover import prove
 from longwave.verify.verdict import Outcome

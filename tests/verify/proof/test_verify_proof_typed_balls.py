@@ -15,9 +15,9 @@ from longwave.verify.proof.text_prover import prove
 from longwave.verify.proof.typed_balls import TypedBalls
 from longwave.verify.proof.typed_values import TypedValues
 from longwave.verify.verdict import Outcome
-from searches.statements.random_statement import Truth
 from searches.texts.ball_judge import CannotJudge, Judge
 from searches.texts.text_library import TEXT_KINDS, text_statement
+from searches.texts.text_statement import Truth
 
 X, Y, A, N = Fraction(-7, 10), Fraction(13, 10), Fraction(3, 4), -3
 POINT = {"x": X, "y": Y, "t": Fraction(1, 3), "a": A, "n": Fraction(N)}

@@ -14,12 +14,11 @@ from typing import Any
 
 from longwave.verify.kernel.check import opened, registered
 from longwave.verify.kernel.denominators import Denominators
-from longwave.verify.kernel.further.quotients import long_quotient, shape
 from longwave.verify.kernel.limits import CertificateError
 from longwave.verify.kernel.nodes import number
+from longwave.verify.kernel.quotients import long_quotient, shape
 from longwave.verify.kernel.ring import Element
-from longwave.verify.kernel.statement import Statement, statement_text
-from longwave.verify.kernel.substitution import Substitution
+from longwave.verify.kernel.statement import Statement, Substitution, statement_text
 
 from . import terms
 from .premises import RELATIONS, Question, polynomial_words
@@ -180,7 +179,7 @@ class _Equations:
                 value = None if self._long else plain(formula)
             else:
                 *before, last = along
-                below, lower = self._jet(nodes.made("diff", inner, *before) if before else inner)
+                below, lower = self._jet(nodes.add("diff", inner, *before) if before else inner)
                 term = ("slope", variables.index(last), below)
                 orders = tuple(along.count(variable) for variable in variables)
                 comment = f"derivative of {symbol} of order {orders}"

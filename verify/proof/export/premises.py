@@ -14,11 +14,12 @@ from functools import partial
 
 from flint import fmpq, fmpq_mpoly
 
+from longwave.derive.algebra.formula_tree import ATOM, SUM, Part
 from longwave.verify.kernel.field import Field
 from longwave.verify.kernel.nodes import Node, Nodes, children
 from longwave.verify.kernel.signs import Signs
 
-from ..text_writer import ATOM, SUM, Meaning, Part, node_text
+from ..text_writer import Meaning, node_text
 from ..text_writer import Node as WrittenNode
 
 

@@ -7,11 +7,11 @@ from typing import Any
 
 from flint import fmpq, fmpq_mpoly
 
-from longwave.verify.kernel.derivations import Slopes
-from longwave.verify.kernel.field import Field
+from longwave.derive.algebra.formula_tree import ATOM, Part
+from longwave.verify.kernel.field import Field, Slopes
 from longwave.verify.kernel.ring import Element
 
-from ..text_writer import ATOM, Part, node_text
+from ..text_writer import node_text
 from . import terms
 from .premises import PURPOSES, RELATIONS, FormulaWords, Question, TracedSigns
 from .terms import Definition, Premise, Rate, Relation, SlopeAxiom, Step, Term
@@ -28,52 +28,52 @@ class TracedSlopes(Slopes):
 
     def __init__(self, field: TracedField) -> None:
         super().__init__(field)
-        self._field = field
+        self._traced = field
         self._noted: set[tuple[int, int]] = set()
         self._wanted: set[tuple[int, int]] = set()
         self._rates_noted: set[tuple[int, Term]] = set()
 
     def slope(self, place: int, variable: int) -> Element:
-        """The derivative of a generator, noted when it is first asked for."""
-        self._field.trace.open.add((place, variable))
+        """Return the derivative of a generator, noted when it is first asked for."""
+        self._traced.trace.open.add((place, variable))
         value = super().slope(place, variable)
-        self._field.trace.open.discard((place, variable))
+        self._traced.trace.open.discard((place, variable))
         if (place, variable) not in self._noted:
             self._noted.add((place, variable))
-            axis = self._field.axis(variable)
-            self._field.note(SlopeAxiom(axis, place, term_of(value), None), value)
-        if not self._field.trace.open:
+            axis = self._traced.axis(variable)
+            self._traced.note(SlopeAxiom(axis, place, term_of(value), None), value)
+        if not self._traced.trace.open:
             while missing := self._wanted - self._noted:
                 self.slope(*min(missing))
-            self._field.trace.settle()
+            self._traced.trace.settle()
         return value
 
     def derivative(self, element: Element, variable: int) -> Element:
-        """The derivative of what is made of generators."""
+        """Return the derivative of what is made of generators."""
         return self._left(super().derivative(element, variable), element, variable)
 
     def rate(self, node: int, variable: int) -> Element:
-        """The derivative of a formula."""
-        return self._left(super().rate(node, variable), self._field.image(node), variable)
+        """Return the derivative of a formula."""
+        return self._left(super().rate(node, variable), self._traced.image(node), variable)
 
     def _left(self, value: Element, element: Element, variable: int) -> Element:
         """The derivative that the script takes of ``element``; its known ``value`` if it cannot."""
         if not element.places:
-            return self._field.zero
-        axis, term = self._field.axis(variable), term_of(element)
+            return self._traced.zero
+        axis, term = self._traced.axis(variable), term_of(element)
         written: Term = ("slope", axis, term)
         wanted = {(place, variable) for place in element.places}
-        if wanted & self._field.trace.open:
+        if wanted & self._traced.trace.open:
             self._wanted |= wanted
             gap = terms.added([written, terms.negated(term_of(value))])
-            self._field.trace.vanishing(gap, "a derivative that a slope contains")
+            self._traced.trace.vanishing(gap, "a derivative that a slope contains")
             return value
         for place, _ in sorted(wanted - self._noted):
             self.slope(place, variable)
         if term[0] == "node" and (axis, term) not in self._rates_noted:
             self._rates_noted.add((axis, term))
             if term_of(value) != written:
-                self._field.note(Rate(axis, term, term_of(value), None), value)
+                self._traced.note(Rate(axis, term, term_of(value), None), value)
         return traced(plain(value), written)
 
 
@@ -99,7 +99,7 @@ class TracedField(Field):
         return self.ring.trace
 
     def axis(self, variable: int) -> int:
-        """The place of a variable among those of the statement."""
+        """Return the place of a variable among those of the statement."""
         return list(self.variables).index(variable)
 
     def note(self, step: Step, value: Element) -> None:
@@ -107,7 +107,7 @@ class TracedField(Field):
         self.trace.steps.append((step, value))
 
     def image(self, node: int) -> TracedElement:
-        """The image of a node, under a name if it is made of others."""
+        """Return the image of a node, under a name if it is made of others."""
         if node in self._defined:
             return self._defined[node]
         with self.signs.asked() as asked:
@@ -118,7 +118,7 @@ class TracedField(Field):
         return self._defined[node]
 
     def register(self, node: int) -> None:
-        """The next generator, and what it needs, with what for."""
+        """Return the next generator, and what it needs, with what for."""
         with self.signs.asked() as asked:
             super().register(node)
             if self.nodes.all[node][0] == "parity":
@@ -126,21 +126,21 @@ class TracedField(Field):
         self.signs.keep(asked, self.purpose(node))
 
     def is_kept(self, name: str, f: int, value: int) -> bool:
-        """Whether a value is principal by continuity, with the premise that it is."""
+        """Return whether a value is principal by continuity, with the premise that it is."""
         with self.signs.asked():
             found = super().is_kept(name, f, value)
         if found:
-            turn = self.nodes.made("pi")
+            turn = self.nodes.add("pi")
             shares = (0, 1) if name == "acos" else (fmpq(-1, 2), fmpq(1, 2))
             low, high = (
-                self.nodes.made("Mul", self.nodes.made("number", fmpq(s)), turn) for s in shares
+                self.nodes.add("Mul", self.nodes.add("number", fmpq(s)), turn) for s in shares
             )
             self.signs.note(Question("less", (low, value)))
             self.signs.note(Question("less", (value, high)))
         return found
 
     def derivative(self, element: Element, variable: int) -> Element:
-        """The derivative of an element, for the script to take."""
+        """Return the derivative of an element, for the script to take."""
         value = super().derivative(plain(element), variable)
         return traced(plain(value), ("slope", self.axis(variable), term_of(element)))
 
@@ -153,12 +153,12 @@ class TracedField(Field):
         return traced(plain(value), ("node", node))
 
     def sum(self, parts: Sequence[Element]) -> Element:
-        """The sum."""
+        """Return the sum."""
         whole = super().sum([plain(part) for part in parts])
         return traced(plain(whole), terms.added([term_of(part) for part in parts]))
 
     def purpose(self, node: int) -> str:
-        """What the premises are for that the image of a node rests on."""
+        """Return the purpose of the premises that the image of a node rests on."""
         match self.nodes.all[node]:
             case ("Pow", _, exponent) if exponent.q == 1:
                 purpose = "for"
@@ -167,7 +167,7 @@ class TracedField(Field):
         return self.words.told(f"{purpose} {{}}", node)
 
     def premise(self, question: Question, comment: str) -> Premise:
-        """A premise as a script has it."""
+        """Return a premise as a script has it."""
         form, parts = RELATIONS[question.relation], question.nodes
         if question.nodes and self.nodes.value(parts[0]) == 0 and len(parts) == 2:
             form, parts = {"less": "{} > 0", "at_most": "{} >= 0"}[question.relation], parts[1:]
@@ -197,7 +197,7 @@ class TracedField(Field):
         return self.words.part(found.formula) if is_plain else (f"g{place}", ATOM)
 
     def written(self, node: int) -> str:
-        """A function of named arguments in words; nothing for sums, products and powers."""
+        """Return a function of named arguments in words; nothing for sums, products and powers."""
         match self.nodes.all[node]:
             case (("number" | "Add" | "Mul" | "poly"), *_):
                 return ""
@@ -206,7 +206,7 @@ class TracedField(Field):
         return self.words.written(node, self._short)[0]
 
     def meaning(self, place: int) -> str:
-        """What a generator stands for, in words."""
+        """Return the meaning of a generator in words."""
         if place >= len(self.generators):
             return "not used"
         found = self.generators[place]
@@ -220,7 +220,7 @@ class TracedField(Field):
         return text + ("" if found.scale.is_one() else f", times ({found.scale})")
 
     def _short(self, node: int) -> Part:
-        """The name of a node, or its text where it has none."""
+        """Return the name of a node, or its text where it has none."""
         if node in self._defined and self._defined[node].term[0] != "number":
             kind, place = self._defined[node].term
             return f"{kind[0]}{place}", ATOM

@@ -1,22 +1,23 @@
-"""Roots of unity, exponentials of i atan, powers of what is negative.
+"""Exponentials, roots of unity, and powers of negative numbers that are no generators.
 
-exp(i pi k/n), k and n coprime, is a primitive root of unity, of order n for even k and 2 n for odd
-k, and a root of the cyclotomic polynomial.  For an integer n and f < 0, f**n = (-1)**n (-f)**n.
+A sum of arguments is taken apart term by term.  exp(i pi k/n), k and n coprime, is a primitive root
+of unity, of order n for even k and 2 n for odd k, and a root of the cyclotomic polynomial.  For an
+integer n and f < 0, f**n = (-1)**n (-f)**n.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import reduce
+from operator import mul
 
 from flint import fmpq, fmpz_poly
 
-from ..axioms import FUNCTIONS, Function
-from ..field import RELATIONS, Field, rule
-from ..function_rules import whole
-from ..limits import CertificateError
-from ..nodes import Nodes
-from ..ring import Element
-from .principal import angle_of
+from .field import Field
+from .limits import CertificateError
+from .nodes import Nodes
+from .ring import Element
+from .root_rules import angle_of, whole
 
 UNITY: Mapping[int, str] = {
     1: "-1",
@@ -33,11 +34,18 @@ PHASE, HALF_PHASE = "(1 + I*z)/(1 - I*z)", "(1 + I*z)/sqrt(1 + z**2)"
 LARGEST_ORDER = 60
 """Denominator of a share of i pi whose exponential has a relation."""
 
-FUNCTIONS["parity"] = Function("jump")
+
+def exponential_of_lambert(field: Field, node: int) -> Element | None:
+    """Apply exp(n W(f)) = (f/W(f))**n."""
+    times, u = field.nodes.multiple(field.nodes.all[node][1])
+    match field.nodes.all[u]:
+        case ("lambert_w", f):
+            return (field.image(f) / field.image(u)) ** whole(times)
+    return None
 
 
 def turn_of(nodes: Nodes, z: int) -> tuple[fmpq, list[int]] | None:
-    """A number q and factors of a node that is i pi q times these; None for any other node."""
+    """Return a number q and the factors of a node i pi q times these; None for any other."""
     share, letters, others, waiting = fmpq(1), list[str](), list[int](), [z]
     while waiting:
         factor = waiting.pop()
@@ -56,13 +64,13 @@ def turn_of(nodes: Nodes, z: int) -> tuple[fmpq, list[int]] | None:
 
 
 def share_of_turn(nodes: Nodes, z: int) -> fmpq | None:
-    """q if a node is a product i pi q, with a number q of small denominator; else None."""
+    """Return q of a node i pi q, with a number q of small denominator; else None."""
     share, others = turn_of(nodes, z) or (None, [])
     return share if share is not None and not others and share.q <= LARGEST_ORDER else None
 
 
 def cyclotomic_relation(field: Field, node: int) -> tuple[int, Element] | None:
-    """The degree of exp(i pi q), a root of unity, and that power of it in lower ones."""
+    """Return the degree of exp(i pi q), a root of unity, and that power of it in lower ones."""
     share = share_of_turn(field.nodes, field.nodes.all[node][1])
     if share is None:
         return None
@@ -72,9 +80,8 @@ def cyclotomic_relation(field: Field, node: int) -> tuple[int, Element] | None:
     return len(lower), field.sum([field.ring.number(-c) * root**n for n, c in enumerate(lower)])
 
 
-@rule("exp", first=True)
 def root_of_unity(field: Field, node: int) -> Element | None:
-    """exp(i pi q) as a power of a generator, or of exp(i pi/n) for some small n."""
+    """Return exp(i pi q) as a power of a generator, or of exp(i pi/n) for some small n."""
     share = share_of_turn(field.nodes, field.nodes.all[node][1])
     if share is None:
         return None
@@ -87,21 +94,19 @@ def root_of_unity(field: Field, node: int) -> Element | None:
     return None if first is None else field.read(first) ** (int(share.p) % (2 * int(share.q)))
 
 
-@rule("exp", first=True)
 def turns_of_integer(field: Field, node: int) -> Element | None:
-    """exp(i pi n) = (-1)**n for an integer n, if such powers are among the generators."""
+    """Apply exp(i pi n) = (-1)**n for an integer n, if such powers are generators."""
     share, others = turn_of(field.nodes, field.nodes.all[node][1]) or (fmpq(1, 2), [])
     if share.q != 1 or not others or not all(map(field.nodes.is_integer, others)):
         return None
     if share.p % 2 == 0:
         return field.one
-    power = field.nodes.made("parity", field.nodes.product(*others))
+    power = field.nodes.add("parity", field.nodes.product(*others))
     return field.image(power) if field.primitives("parity") else None
 
 
-@rule("exp", first=True)
 def phase_of_arctangent(field: Field, node: int) -> Element | None:
-    """exp(n i atan f)."""
+    """Return exp(n i atan f) as a power of a fraction, times a root for odd n."""
     times, u = field.nodes.multiple(field.nodes.all[node][1])
     angle = angle_of(field, u)
     if angle is None or field.nodes.all[angle][0] != "atan":
@@ -112,35 +117,48 @@ def phase_of_arctangent(field: Field, node: int) -> Element | None:
 
 
 def parity_relation(field: Field, node: int) -> tuple[int, Element]:
-    """The square of (-1)**n for an integer symbol n."""
+    """Return the square of (-1)**n for an integer symbol n."""
     if field.nodes.all[field.nodes.all[node][1]][::2] != ("symbol", "integer"):
         raise CertificateError("parity is no generator")
     return 2, field.one
 
 
-RELATIONS |= {"exp": cyclotomic_relation, "parity": parity_relation}
-
-
-@rule("parity")
 def parity(field: Field, node: int) -> Element:
     """(-1)**z of a sum of integer symbols times integers, and of an integer."""
     z = field.nodes.all[node][1]
     terms, (times, rest) = field.nodes.terms(z), field.nodes.multiple(z)
     if len(terms) > 1:
-        return field.product([field.nodes.made("parity", term) for term in terms])
+        return field.product([field.nodes.add("parity", term) for term in terms])
     if field.nodes.value(z) is not None:
         return field.one if whole(times) % 2 == 0 else -field.one
     if rest == z:
         raise CertificateError("a power of -1 must be to a sum of integers")
-    return field.made("parity", rest) ** whole(times)
+    return field.image_of("parity", rest) ** whole(times)
 
 
-@rule("power", first=True)
 def power_of_negative(field: Field, node: int) -> Element | None:
-    """f**n for f < 0, unless f has a logarithm among the generators."""
+    """Return f**n for f < 0, unless f has a logarithm among the generators."""
     _, base, exponent = field.nodes.all[node]
     negative = field.nodes.negative(base)
     turns = field.nodes.is_integer(exponent) and field.signs.positive(negative)
-    if not turns or field.known(field.nodes.made("log", base)) is not None:
+    if not turns or field.known(field.nodes.add("log", base)) is not None:
         return None
-    return field.made("parity", exponent) * field.made("power", negative, exponent)
+    return field.image_of("parity", exponent) * field.image_of("power", negative, exponent)
+
+
+def exponential(field: Field, node: int) -> Element:
+    """Apply exp(u + v) = exp(u) exp(v), exp(n u) = exp(u)**n, exp(q log f) = f**q."""
+    z = field.nodes.all[node][1]
+    terms = field.nodes.terms(z)
+    if len(terms) > 1:
+        return reduce(mul, (field.image_of("exp", term) for term in terms))
+    times, u = field.nodes.multiple(z)
+    if field.nodes.all[u][0] == "log":
+        f = field.nodes.all[u][1]
+        return field.image(f) if times == 1 else field.image_of("Pow", f, times)
+    if times == 0:
+        field.image(u)  # a divisor in it counts, though it is multiplied by 0
+        return field.one
+    if u == z:
+        raise CertificateError("there is no generator for a function of a sum")
+    return field.image_of("exp", u) ** whole(times)

@@ -14,29 +14,14 @@ from operator import mul
 
 from flint import fmpq
 
-from ..axioms import FUNCTIONS, HALF_PI, Ends, Function
-from ..bounds import Interval
-from ..denominators import is_linear
-from ..field import CONTINUITY, Field, rule
-from ..limits import CertificateError
-from ..node_balls import Balls
-from ..ring import Element
-from .principal import angle_of
-from .turns import PHASE
-
-UNIT_ENDS: Ends = (fmpq(-1), fmpq(1))
-
-FUNCTIONS |= {
-    "asinh": Function("arc", definition="log(z + sqrt(1 + z**2))", symmetry="same"),
-    "acosh": Function("cut", definition="log(z + sqrt(z - 1)*sqrt(z + 1))",
-                      values=Interval(fmpq(0)), between=(fmpq(1), None)),
-    "atanh": Function("cut", definition="(log(1 + z) - log(1 - z))/2", symmetry="same",
-                      between=UNIT_ENDS),
-    "asin": Function("cut", definition="-I*log(I*z + sqrt(1 - z**2))", symmetry="same",
-                     between=UNIT_ENDS),
-    "acos": Function("cut", definition="pi/2 - asin(z)", values=Interval(fmpq(0)),
-                     between=UNIT_ENDS),
-}  # fmt: skip
+from .axioms import FUNCTIONS, HALF_PI, Ends
+from .denominators import is_linear
+from .exponential_rules import PHASE
+from .field import Field
+from .limits import CertificateError
+from .node_balls import Balls
+from .ring import Element
+from .root_rules import angle_of
 
 PRINCIPAL: Mapping[str, Ends] = {
     "asin": (-HALF_PI, HALF_PI),
@@ -49,9 +34,8 @@ PRINCIPAL: Mapping[str, Ends] = {
 """Between which real numbers the values of inverse functions lie."""
 
 
-@rule("log")
 def logarithm(field: Field, node: int) -> Element | None:
-    """log of a product of powers of positive factors, and of one factor of any kind; log 1 = 0."""
+    """Return log of a product of powers of positive factors and one of any kind; log 1 = 0."""
     nodes, inner = field.nodes, field.nodes.all[node][1]
     if nodes.value(inner) == 1:
         return field.zero
@@ -66,17 +50,17 @@ def logarithm(field: Field, node: int) -> Element | None:
     if powers not in ([], [1]):
         raise CertificateError("a factor in a logarithm is not shown to be positive")
     # It is not 0 where the logarithm is smooth.
-    product = reduce(mul, (field.made("Pow", f, q) for q, f in factors))
+    product = reduce(mul, (field.image_of("Pow", f, q) for q, f in factors))
     if product.is_zero or not (product - field.image(inner)).is_zero:
         raise CertificateError("the value given for a logarithm is that of another argument")
     return field.image(value)
 
 
 def _logarithm_of_exponential(field: Field, f: int) -> Element | None:
-    """log exp(z) = z for real z, and for z = i r with abs r < pi; log i = i pi/2."""
+    """Apply log exp(z) = z for real z, and z = i r with abs r < pi; log i = i pi/2."""
     match field.nodes.all[f]:
         case ("I",):
-            return field.image(f) * field.made("pi") * field.ring.number(fmpq(1, 2))
+            return field.image(f) * field.image_of("pi") * field.ring.number(fmpq(1, 2))
         case ("exp", z):
             angle = angle_of(field, z)
             turn = angle is not None and field.signs.is_between(angle, -2 * HALF_PI, 2 * HALF_PI)
@@ -85,17 +69,16 @@ def _logarithm_of_exponential(field: Field, f: int) -> Element | None:
 
 
 def _logarithm_of_negative(field: Field, f: int) -> Element | None:
-    """log f = log(-f) + i pi for f < 0."""
+    """Apply log f = log(-f) + i pi for f < 0."""
     number = field.nodes.value(f)
-    other = field.nodes.negative(f) if number is None else field.nodes.made("number", -number)
+    other = field.nodes.negative(f) if number is None else field.nodes.add("number", -number)
     if not field.signs.positive(other):
         return None
-    return field.made("log", other) + field.made("I") * field.made("pi")
+    return field.image_of("log", other) + field.image_of("I") * field.image_of("pi")
 
 
-@rule(*PRINCIPAL)
 def inverse_function(field: Field, node: int) -> Element | None:
-    """The principal one of the numbers of which the function is f; else the definition."""
+    """Return the principal one of the numbers of which the function is f; else the definition."""
     name, f = field.nodes.all[node]
     value = field.hinted(node)
     if value is None:
@@ -108,21 +91,21 @@ def inverse_function(field: Field, node: int) -> Element | None:
 
 
 def is_value(field: Field, name: str, f: int, value: int) -> bool:
-    """Whether a function of ``value`` is ``f``: tan v if exp(2 i v) = (1 + i f)/(1 - i f)."""
+    """Return whether a function of ``value`` is ``f``; tan v by exp(2 i v)."""
     nodes = field.nodes
     if name == "atan":
-        turned = field.made("exp", nodes.product(nodes.rational(2), nodes.made("I"), value))
+        turned = field.image_of("exp", nodes.product(nodes.rational(2), nodes.add("I"), value))
         return (turned - field.read(PHASE, z=f)).is_zero
-    return (field.made(name.removeprefix("a"), value) - field.image(f)).is_zero
+    return (field.image_of(name.removeprefix("a"), value) - field.image(f)).is_zero
 
 
 def is_kept(field: Field, name: str, f: int, value: int) -> bool:
-    """Whether ``value``, of which the function is ``f``, is the principal one on all the domain."""
+    """Return whether ``value``, of which the function is ``f``, is principal everywhere."""
     if name not in ("atan", "asin", "acos") or not is_convex(field):
         return False
     if not (is_continuous(field, f) and is_continuous(field, value)):
         return False
-    one, square = field.nodes.rational(1), field.nodes.made("Pow", f, fmpq(2))
+    one, square = field.nodes.rational(1), field.nodes.add("Pow", f, fmpq(2))
     if name != "atan" and not field.signs.positive(field.nodes.gap(square, one)):
         return False
     ball = Balls(field.nodes, field.point).ball(value)
@@ -130,11 +113,8 @@ def is_kept(field: Field, name: str, f: int, value: int) -> bool:
     return bool(ball.imag == 0 and turn > -1 and turn < 1)
 
 
-CONTINUITY.append(is_kept)
-
-
 def is_convex(field: Field) -> bool:
-    """Whether all inequalities of the domain are linear in real symbols."""
+    """Return whether all inequalities of the domain are linear in real symbols."""
     nodes = field.nodes
     inside = (nodes.all[node] for node in nodes.below([*field.positive]))
     whole = any(node[2:] == ("integer",) for node in inside)
@@ -142,7 +122,7 @@ def is_convex(field: Field) -> bool:
 
 
 def is_continuous(field: Field, node: int) -> bool:
-    """Whether a formula is evidently real and continuous on the whole domain."""
+    """Return whether a formula is evidently real and continuous on the whole domain."""
     return all(_is_continuous(field, inner) for inner in field.nodes.below([node]))
 
 
@@ -158,3 +138,16 @@ def _is_continuous(field: Field, node: int) -> bool:
         case "Pow":
             return arguments[1] > 0 or field.signs.interval(arguments[0]).is_not_zero
     return name in FUNCTIONS and FUNCTIONS[name].kind in ("entire", "regular", "arc")
+
+
+def lambert(field: Field, node: int) -> Element | None:
+    """Return r = W(f) if r exp(r) = f and r >= -1, where r exp(r) increases."""
+    value = field.hinted(node)
+    if value is None:
+        return None
+    if not field.signs.is_between(value, fmpq(-1), None):
+        raise CertificateError("the value given for lambert_w is not shown to be >= -1")
+    product = field.image(value) * field.image_of("exp", value)
+    if not (product - field.image(field.nodes.all[node][1])).is_zero:
+        raise CertificateError("the value given for lambert_w is that of another argument")
+    return field.image(value)

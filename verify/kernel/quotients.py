@@ -19,12 +19,11 @@ from operator import mul
 
 from flint import fmpq, fmpq_mpoly, fmpq_poly
 
-from ..check import SHORTCUTS
-from ..field import Field
-from ..limits import CertificateError
-from ..nodes import Nodes
-from ..ring import Element
-from ..statement import Statement
+from .field import Field
+from .limits import CertificateError
+from .nodes import Nodes
+from .ring import Element
+from .statement import Statement
 
 Rows = list[fmpq_poly]
 """Polynomials in x, the factors of the powers of t."""
@@ -43,7 +42,7 @@ Shape = tuple[int, frozenset[int]]
 
 
 def shape(nodes: Nodes, node: int) -> Shape | None:
-    """The shape of a polynomial in an unknown's derivatives over the rationals; None for others."""
+    """Return the shape of a rational polynomial in an unknown's derivatives; else None."""
     match nodes.all[node]:
         case ("number", _):
             return 0, frozenset({0})
@@ -81,7 +80,7 @@ class _Partials:
         self._found: dict[tuple[int, int], fmpq_poly] = {(0, 0): n, (0, 1): first}
 
     def value(self, node: int) -> tuple[fmpq_poly, int]:
-        """An equation, its numerator and the power of D below it."""
+        """Return an equation, its numerator and the power of D below it."""
         match self._nodes.all[node]:
             case ("number", value):
                 return fmpq_poly([value]), 0
@@ -101,7 +100,7 @@ class _Partials:
         return self._found[0, 0], 1
 
     def _jet(self, along: Sequence[int]) -> fmpq_poly:
-        """The numerator of a derivative along variables."""
+        """Return the numerator of a derivative along variables."""
         total = {(0, 0): fmpq(1)}
         for variable in along:
             moved: dict[tuple[int, int], fmpq] = {}
@@ -140,7 +139,7 @@ def _slope(rows: Rows, t: int) -> fmpq_poly:
 
 
 def long_quotient(field: Field, statement: Statement) -> tuple[Element, int, int, Rates] | None:
-    """The formula if it is a long quotient in two generators x and t of constant slopes."""
+    """Return the formula if it is a long quotient in two generators x and t of constant slopes."""
     if field.ring.relations or len(field.generators) != 2 or len(statement.formulas) > 1:
         return None
     image = field.image(statement.formulas[0])
@@ -158,7 +157,7 @@ def long_quotient(field: Field, statement: Statement) -> tuple[Element, int, int
 
 
 def quotient_vanishes(field: Field, statement: Statement, equation: int) -> bool | None:
-    """Whether an equation holds for a long quotient; None if the formula or equation is another."""
+    """Return whether an equation holds for a long quotient; None for any other formula."""
     own, found = shape(field.nodes, equation), long_quotient(field, statement)
     if own is None or found is None:
         return None
@@ -172,6 +171,3 @@ def quotient_vanishes(field: Field, statement: Statement, equation: int) -> bool
     field.ring.spend((last + 1 - first) * top * length * WORK_PER_TERM)
     values = (_Partials(field.nodes, above, below, t, rates) for t in range(first, last + 1))
     return not any(partials.value(equation)[0] for partials in values)
-
-
-SHORTCUTS.append(quotient_vanishes)
