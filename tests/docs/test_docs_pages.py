@@ -38,6 +38,7 @@ LONG = (
     "how-to/scheme.md",
     "how-to/stores.md",
     "how-to/sweeps.md",
+    "lattice-file.md",
     "library.md",
     "tutorial.md",
 )
