@@ -51,8 +51,12 @@ def test_every_key_has_a_line(kind: str) -> None:
 
 @pytest.mark.parametrize(
     ("kind", "name"),
-    [("", "measured.toml"), ("spring", "chain.toml"), ("site", "pendulums.toml")]
-    + [("bond", "strain.toml")],
+    [
+        ("", "measured.toml"),
+        ("spring", "chain.toml"),
+        ("site", "pendulums.toml"),
+        ("bond", "strain.toml"),
+    ],
 )
 def test_what_the_page_calls_required_is(kind: str, name: str) -> None:
     """Catches: a line that says `required` of a key with a default, or the other way round."""

@@ -40,6 +40,7 @@ LONG = (
     "how-to/sweeps.md",
     "lattice-file.md",
     "library.md",
+    "output-words.md",
     "tutorial.md",
 )
 """Pages whose commands take 1 to 20 s of a processor."""
