@@ -1,4 +1,4 @@
-"""What random scenes are estimated to cost beside what they take, each in a process of its own.
+"""Estimated and true cost of random scenes, each in a process of its own.
 
 Prints estimated over true processor seconds and bytes for every scene, then least, median and
 largest of both.
@@ -20,7 +20,7 @@ from searches.estimate_scenes import random_scene
 
 
 def ratios(seed: int, index: int, budget: float) -> tuple[str, float, float] | None:
-    """The scene, and estimated over true seconds and bytes; None if it is refused."""
+    """Return the scene, and estimated over true seconds and bytes; None if it is refused."""
     scene = random_scene(seed, index, budget).scene
     try:
         expected = expected_cost(scene)

@@ -39,20 +39,20 @@ Found = tuple[Array, float, float]
 
 
 def halo(every: int) -> int:
-    """Cells on either side of a block that become untrue in so many steps."""
+    """Return the number of cells at either end of a block that are wrong after so many steps."""
     flow, _ = stage_plan(LATTICE)
     return every * SCHEME.stages * max(flow.skew, flow.below)
 
 
 def by_integrate(sites: int, steps: int, _: int) -> Found:
-    """The ring by `integrate`, which looks at what comes out and keeps it."""
+    """Advance the ring by `integrate`, which checks and returns the snapshots."""
     begun = time.perf_counter()
     found = integrate(LATTICE, state(sites), [steps * STEP], step=STEP, measure_error=False)
     return found.f[-1, 0], time.perf_counter() - begun, 0.0
 
 
 def by_calls(sites: int, steps: int, every: int) -> Found:
-    """The same by the kernel alone, ``every`` steps a call."""
+    """Advance the ring by the kernel alone, ``every`` steps a call."""
     start, dynamics = state(sites), Dynamics(LATTICE)
     begun = time.perf_counter()
     for _ in range(steps // every):
@@ -61,13 +61,13 @@ def by_calls(sites: int, steps: int, every: int) -> Found:
 
 
 def by_one_thread(sites: int, steps: int, every: int) -> Found:
-    """`by_calls` on one core."""
+    """Run `by_calls` on one core."""
     keep_to_one_core()
     return by_calls(sites, steps, every)
 
 
 def by_blocks(sites: int, steps: int, every: int) -> Found | None:
-    """A block for each process, one thread each; the first process finds the whole ring."""
+    """Advance one block in each process, with one thread; the first returns the whole ring."""
     from mpi4py import MPI
 
     keep_to_one_core()
@@ -100,7 +100,7 @@ WAYS = {
 
 
 def apart(way: str, *counts: int) -> Found:
-    """What a way finds in processes of its own."""
+    """Return the result of a method run in processes of its own."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "found.npz"
         mpi = ["mpiexec", "-n", PROCESSES] if WAYS[way] is by_blocks else []
@@ -137,7 +137,7 @@ def compare(sites: int, every: int, rounds: int) -> None:
 
 
 def dask_seconds(exchanges: int = 200) -> float:
-    """Of one exchange between two Dask workers: a task on each takes both results before it."""
+    """Return seconds of an exchange between two Dask workers: each takes both results."""
     from distributed import Client
 
     with Client(n_workers=2, threads_per_worker=1, dashboard_address=None) as client:

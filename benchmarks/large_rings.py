@@ -1,4 +1,4 @@
-"""What a site costs on rings that leave the cache, with one core and with all, in time and bytes.
+"""Cost of a site on rings that leave the cache, with one core and with all, in time and bytes.
 
 The paper's chain: seconds of its steps per site and force evaluation, and the largest memory of a
 process that runs it to one time and a tolerance, its state and result counted, beyond that of a
@@ -31,13 +31,13 @@ FEW = 10_000
 
 
 def state(sites: int) -> State:
-    """Long waves of small strain, one in a thousand sites."""
+    """Return a state of long waves of small strain, one in a thousand sites."""
     phase = 2.0 * np.pi * np.arange(sites) / 1000.0
     return State(0.0, EPS * np.sin(phase)[None], np.zeros((1, sites)))
 
 
 def nanoseconds(sites: int) -> float:
-    """Elapsed time per site and force evaluation; the least of a few rounds."""
+    """Return the elapsed time per site and force evaluation; the least of a few rounds."""
     start = state(sites)
     steps = max(STEPS, STEPS * 100_000 // sites)
     spent = []
@@ -49,13 +49,13 @@ def nanoseconds(sites: int) -> float:
 
 
 def peak_bytes(sites: int) -> int:
-    """Largest memory of this process when it has run to the tolerance."""
+    """Return the largest memory of this process when it has run to the tolerance."""
     integrate(CONSTANTS.lattice, state(sites), [4.0], TOLERANCE)
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
 
 
 def apart(quantity: str, sites: int, cores: int) -> float:
-    """The quantity as a process of its own finds it, on so many cores."""
+    """Measure the quantity in a process of its own, on so many cores."""
     chosen = sorted(os.sched_getaffinity(0))[:cores]
     words = [sys.executable, __file__, "--quantity", quantity, "--sites", str(sites)]
     found = subprocess.run(

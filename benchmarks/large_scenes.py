@@ -1,4 +1,4 @@
-"""What scenes of millions of cells take: to plan, for their data, to integrate; and bytes a site.
+"""Cost of scenes of millions of cells: to plan, for their data, to integrate; and bytes a site.
 
 A soliton on a dimer, the Peregrine wave on one, and a soliton on the dn wave of the paper's chain,
 which has no end: compared in all but few cells at the end. The steps are those of the scene; it is
@@ -62,7 +62,7 @@ WAVES: dict[str, dict[str, Any]] = {
 
 
 def scene_of(wave: str, sites: int, steps: int, tolerance: float | None) -> Scene:
-    """The scene on a ring of so many cells; the tolerance chooses the engine site by site."""
+    """Return the scene on a ring of so many cells; a tolerance implies the engine site by site."""
     end = steps * STEP
     compared = sites // 2 - BESIDE - int(2.5 * end)
     numerics: dict[str, Any] = {"step": STEP, "domain": "ring", "sites": sites, "scheme": SCHEME}
@@ -80,13 +80,13 @@ def scene_of(wave: str, sites: int, steps: int, tolerance: float | None) -> Scen
 
 
 def data_of(scene: Scene) -> tuple[Any, State]:
-    """The lattice and the data of a stated scene."""
+    """Return the lattice and the data of a stated scene."""
     ring = SteppedCells(*domain_plan(scene)).ring
     return ring.lattice, State(ring.t, ring.f, ring.v)
 
 
 def whole(scene: Scene) -> list[float]:
-    """Seconds, processor seconds, bytes, and seconds of planning and of the last run."""
+    """Return seconds, processor seconds, bytes, and seconds of planning and of the last run."""
     few = scene_of(scene.name, 20_000, 20, scene.tolerance)
     few.run()
     begun, worked, held = time.perf_counter(), time.process_time(), _held()
@@ -97,7 +97,7 @@ def whole(scene: Scene) -> list[float]:
 
 
 def alone(scene: Scene) -> list[float]:
-    """Seconds of the data, then seconds and processor seconds of `integrate` with nothing else."""
+    """Return seconds of the data, then seconds and processor seconds of `integrate` alone."""
     begun = time.perf_counter()
     lattice, state = data_of(scene)
     made = time.perf_counter() - begun
@@ -118,7 +118,7 @@ def _held() -> int:
 
 
 def apart(part: str, wave: str, sites: int, asked: argparse.Namespace) -> list[float]:
-    """What a process of its own finds."""
+    """Return the numbers that a process of its own measures."""
     words = [sys.executable, "-P", __file__, "--part", part, "--wave", wave, "--sites", str(sites)]
     words += ["--steps", str(asked.steps)]
     if asked.tolerance is not None and part == "whole":

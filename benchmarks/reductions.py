@@ -1,4 +1,4 @@
-"""How long derivations take: every known long-wave limit, envelopes, and the catalogue's checks.
+"""Durations of derivations: every known long-wave limit, envelopes, and the catalogue's checks.
 
 Run ``python benchmarks/reductions.py`` from the top folder: a table of row, seconds of processor
 time, and whether the coefficients are symbolically those that are known. ``--checks`` adds the

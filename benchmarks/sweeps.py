@@ -1,4 +1,4 @@
-"""What a sweep costs beyond its cells, and what a second core gives.
+"""Cost of a sweep beyond its cells, and gain by a second core.
 
     python benchmarks/sweeps.py bookkeeping [CELLS]   # 10 000 small cells on all cores
     python benchmarks/sweeps.py speed [SCENES] [END]  # 400 to t = 16000: a loop, 1 and 2 processes
@@ -56,15 +56,17 @@ SCENE = {
 
 
 def sweep_of_solitons(count: int, end: float) -> Sweep:
-    """So many cells over the soliton's height; each takes 0.03 s of a processor to t = 50,
-    0.16 s to t = 16000."""
+    """Return a sweep of so many cells over the soliton's height.
+
+    Each takes 0.03 s of a processor to t = 50, 0.16 s to t = 16000.
+    """
     heights = {"from": 0.5, "to": 1, "count": count}
     scene = SCENE | {"snapshots": [0, end]}
     return sweep_of({"scene": scene, "grid": {"parameters.A": heights}})
 
 
 def resident(process: int | str = "self") -> float:
-    """Megabytes that a process has in memory."""
+    """Return the resident memory of a process in megabytes."""
     pages = int(Path(f"/proc/{process}/statm").read_text(encoding="ascii").split()[1])
     return pages * resource.getpagesize() / 1e6
 
@@ -105,7 +107,7 @@ def bookkeeping(count: int) -> None:
 
 
 def side_by_side(sweep: Sweep) -> tuple[float, float]:
-    """Processor seconds of a scene in a plain loop of runs, and in a worker's batches.
+    """Return processor seconds of a scene in a plain loop of runs, and in a worker's batches.
 
     Tens of scenes go to the one and to the other in turn, in one process that has done both
     before: what the machine gives changes within a minute by more than the two differ.
@@ -131,7 +133,7 @@ def side_by_side(sweep: Sweep) -> tuple[float, float]:
 
 
 def on_processes(sweep: Sweep, count: int) -> float:
-    """Seconds of a sweep with so many workers, their start and the data set included."""
+    """Return seconds of a sweep with so many workers, their start and the data set included."""
     workers = LocalWorkers(count, use_one_thread)
     with tempfile.TemporaryDirectory() as folder:
         begun = time.perf_counter()
@@ -164,7 +166,7 @@ PACKED = 5000
 
 
 def fill(sweep: Sweep, store: RunStore) -> None:
-    """Have packs say that the cells are done, each with a run of one number, but for some."""
+    """Write packs in which the cells are done, each with a run of one number, but for some."""
     run = xr.Dataset({"error": ("time", [0.0])})
     apart, records = len(sweep) // MISSED, list[CellRecord]()
     for number in range(len(sweep)):

@@ -84,7 +84,7 @@ def sweep_told(name: str) -> dict[str, object]:
 
 
 def measured(kind: str, names: Sequence[str]) -> Iterator[dict[str, object]]:
-    """What each is told to take and takes, in a process of its own on one core."""
+    """Yield the announced and the true time of each, in a process of its own on one core."""
     core = {min(os.sched_getaffinity(0))}
     for name in names:
         command = [sys.executable, "-P", "-m", "benchmarks.time_told", f"--one-{kind}", name]

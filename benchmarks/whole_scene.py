@@ -39,7 +39,7 @@ LADDER = 0.1 * 2.0 ** (-np.arange(16) / 8)
 
 
 def asked(cores: set[int]) -> tuple[float, xr.Dataset]:
-    """Seconds of the scene run on those cores to the tolerance, pilots included, and the run."""
+    """Run the scene on those cores to the tolerance; return seconds with pilots, and the run."""
     usable = os.sched_getaffinity(0)
     os.sched_setaffinity(0, cores)
     begin = time.perf_counter()
@@ -50,12 +50,12 @@ def asked(cores: set[int]) -> tuple[float, xr.Dataset]:
 
 
 def strain(**changes: object) -> Array:
-    """y/eps of the compared sites, with scheme, step and window stated."""
+    """Return y/eps of the compared sites, with scheme, step and window stated."""
     return np.asarray(run(SCENE.changed(**changes)).strain) / EPS  # type: ignore[arg-type]
 
 
 def rk4_step() -> float:
-    """RK4's longest step of a ladder that meets the tolerance about the crest, over all times."""
+    """Return RK4's longest step of a ladder that meets the tolerance about the crest."""
     crest = {"sites": 1024, "compared": 200}
     exact = strain(scheme="kahan_li_8", step=CHECK_STEP, **crest)
     for step in LADDER:
@@ -65,7 +65,7 @@ def rk4_step() -> float:
 
 
 def rk4_seconds_per_step(h: float) -> float:
-    """Processor seconds of one RK4 step on the wide ring; the least of a few rounds."""
+    """Return processor seconds of one RK4 step on the wide ring; the least of a few rounds."""
     y, s = initial(sites=WIDE, t0=0.0)
     return (
         min(numpy_rk4(PROBLEMS["fput_strain"], h, TIMED_STEPS, y, s)[0] for _ in range(ROUNDS))

@@ -126,7 +126,7 @@ def judge_scene(drawn: RandomScene, answer: Callable[[Scene], xr.Dataset] | None
 
 
 def _answer(scene: Scene, answer: Callable[[Scene], xr.Dataset] | None) -> _Answer:
-    """What the program says, its warnings being none."""
+    """Return the program's answer, without its warnings."""
     begun = time.process_time()
 
     def watch(_: float) -> None:
@@ -149,7 +149,7 @@ def _answer(scene: Scene, answer: Callable[[Scene], xr.Dataset] | None) -> _Answ
 
 
 def _verdict(scene: Scene, given: _Answer) -> tuple[str, float, float]:
-    """The verdict, the true error and the reference's."""
+    """Return the verdict, the true error and the reference's."""
     nothing = given.strain is None or not given.strain.size
     if not given.ended or (not given.reason and not math.isfinite(given.estimate)):
         return "no answer", math.nan, math.nan
@@ -171,7 +171,7 @@ def _verdict(scene: Scene, given: _Answer) -> tuple[str, float, float]:
 
 
 def _softens(scene: Scene) -> bool:
-    """Whether waves cease to exist in the reference, too."""
+    """Return whether waves cease to exist in the reference, too."""
     reference = CausalReference(scene)
     try:
         reference.run(FIRST * reference.longest_step)
@@ -181,7 +181,7 @@ def _softens(scene: Scene) -> bool:
 
 
 def _true_error(scene: Scene, strain: Array, estimate: float) -> tuple[float, float, bool]:
-    """Largest difference of y/eps to the reference, what that may err, and whether it is good.
+    """Return the largest difference of y/eps to the reference, its error, and whether that is good.
 
     Where a shorter step makes the reference worse, rounding is what is left.
     """

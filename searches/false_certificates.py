@@ -50,7 +50,7 @@ PROVED = [
 
 @cache
 def true_certificates(whole: bool) -> list[Data]:
-    """Certificates of the catalogue and of library statements, those that are not long."""
+    """Return certificates of the catalogue and of library statements, those that are not long."""
     found: list[Mapping[str, Any]] = []
     for equation, solution, parameters, domain in PROVED:
         verdict = prove(equation, solution, parameters=parameters, domain=domain)
@@ -63,7 +63,7 @@ def true_certificates(whole: bool) -> list[Data]:
 
 
 def shown_false(rng: Random, texts: Texts) -> bool:
-    """Whether an equation fails at two points of the domain at least."""
+    """Return whether an equation fails at two points of the domain at least."""
     balls, seen = TextBalls(texts), 0
     for point in points(rng, texts, 4):
         for text in texts["equations"]:
@@ -78,7 +78,7 @@ def shown_false(rng: Random, texts: Texts) -> bool:
 
 
 def library_certificates() -> list[Mapping[str, Any]]:
-    """Every sixteenth statement of the library."""
+    """Return every sixteenth statement of the library."""
     found: list[Mapping[str, Any]] = []
     for text in published()[::16]:
         found += decide_statement(text.problem().statement).certificates
@@ -107,7 +107,7 @@ SWAPS = (
 
 
 def changed_text(rng: Random, text: str) -> str:
-    """A text with one word changed: a number, a sign, a function, a letter."""
+    """Return a text with one word changed: a number, a sign, a function, a letter."""
     found = list(words(text))
     place = rng.randrange(len(found))
     word, others = found[place], [b for a, b in SWAPS if a == found[place]]
@@ -121,7 +121,7 @@ def changed_text(rng: Random, text: str) -> str:
 
 
 def changed(rng: Random, data: Data) -> Data:
-    """A certificate with its statement changed, and perhaps its hints alike, or by themselves."""
+    """Return a certificate with its statement or its hints changed, or both alike."""
     found = copy.deepcopy(data)
     texts, proof = found["statement"], found["proof"]
     part = rng.choice([p for p in ("equations", "solutions", "solutions", "parameters", "domain")
@@ -143,7 +143,7 @@ def changed(rng: Random, data: Data) -> Data:
 
 
 def change_hint(rng: Random, proof: Data) -> None:
-    """One hint changed, removed, swapped with another, or made to say what another says."""
+    """Change a hint: edit it, remove it, swap it with another, or copy another one."""
     part = rng.choice([p for p in proof if proof[p]])
     entries = proof[part]
     one, other = rng.randrange(len(entries)), rng.randrange(len(entries))
@@ -199,7 +199,7 @@ GAPS = (
 
 
 def forged(rng: Random) -> Data:
-    """A statement that a formula is what a hint says, with all hints that could support it."""
+    """Return a statement that a formula equals a hint, with all hints that could support it."""
     made = RandomText(rng, ["x", "x", "n", "k", "I", "y"], (*ONE_PLACE[:12], "jacobi"))
     f, g = (f"({made.formula(rng.choice((0, 0, 1, 2)))})" for _ in range(2))
     pattern = rng.choice(list(PAIRS))
@@ -248,7 +248,7 @@ def forged(rng: Random) -> Data:
 
 
 def void(rng: Random) -> Data:
-    """A statement of nothing: no integer lies in the domain, or no number does."""
+    """Return a statement of nothing: no integer lies in the domain, or no number does."""
     low = rng.randint(-5, 5)
     domain, value = rng.choice(
         (([f"{low} < n < {low + 1}"], f"{3 * low + 1}/3"), ([f"n > {low}", f"n < {low}"], f"{low}"),
@@ -261,7 +261,7 @@ def void(rng: Random) -> Data:
 
 
 def false_certificates(rng: Random, whole: bool = True) -> Iterator[tuple[str, Data]]:
-    """A few certificates of false statements, each with its kind."""
+    """Yield a few certificates of false statements, each with its kind."""
     yield "void", void(rng)
     for kind in ("forged", "forged", "forged", "changed", "changed"):
         true = rng.choice(true_certificates(whole and rng.random() < 0.15))

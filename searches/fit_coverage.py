@@ -88,19 +88,19 @@ class Experiment:
         return self.points >= terms + 3 and apart and self.layout != "clustered"
 
     def data(self, noise: Array, more: Array | float = 0.0) -> ForceData:
-        """The points with that noise, in units of its deviation, and further forces."""
+        """Return the points with that noise, in units of its deviation, and further forces."""
         stretch = self.stretch
         force = sum(factor * stretch**p for p, factor in enumerate(HIDDEN[self.hidden], 1))
         deviation = np.full(stretch.size, NOISE) if self.known else None
         return ForceData.of(stretch, force + NOISE * noise + more, deviation)
 
     def law(self) -> ForceLaw:
-        """The hidden law, as whoever knows it states it."""
+        """Return the hidden law, as whoever knows it states it."""
         terms = [f"K{p + 1}*x**{p}" for p, f in enumerate(HIDDEN[self.hidden], 1) if f]
         return _formula(" + ".join(terms))
 
     def holds(self, fit: ForceFit) -> bool:
-        """Whether the interval of the stiffness at rest, K2, holds the hidden one."""
+        """Return whether the interval of the stiffness at rest, K2, holds the hidden one."""
         place = fit.names.index("K2")
         apart = abs(fit.values[place] - HIDDEN[self.hidden][0])
         return bool(apart <= WIDE * np.sqrt(fit.covariance[place, place]))

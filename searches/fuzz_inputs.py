@@ -34,12 +34,12 @@ class FuzzCase:
 
 
 def scene(draw: Random) -> FuzzCase:
-    """A scene of the paper's chain, run or drawn."""
+    """Return a scene of the paper's chain, run or drawn."""
     return _with_scene(draw, "scene")
 
 
 def lattice_scene(draw: Random) -> FuzzCase:
-    """A scene on any lattice, run or drawn."""
+    """Return a scene on any lattice, run or drawn."""
     return _with_scene(draw, "lattice scene")
 
 
@@ -56,7 +56,7 @@ def _with_scene(draw: Random, kind: str) -> FuzzCase:
 
 
 def lattice(draw: Random) -> FuzzCase:
-    """A lattice's file, derived."""
+    """Return a lattice's file, derived."""
     content = changed_toml(draw, draw.choice(seeds("lattice")))
     words = ["derive", "hostile.toml"]
     if draw.random() < 0.2:
@@ -72,7 +72,7 @@ def lattice(draw: Random) -> FuzzCase:
 
 
 def force_law(draw: Random) -> FuzzCase:
-    """Points of a force law, fitted."""
+    """Return points of a force law, fitted."""
     rows = [re.split("([,;])", row) for row in draw.choice(seeds("force law")).splitlines()]
     for _ in range(few(draw)):
         row, likely = draw.choice(rows), f"{draw.uniform(-2, 2):.3g}"
@@ -102,7 +102,7 @@ FITTING = {
 
 
 def problem(draw: Random) -> FuzzCase:
-    """A file of problems, decided within 0.4 s each."""
+    """Return a file of problems, decided within 0.4 s each."""
     content = changed_toml(draw, draw.choice(seeds("problem")))
     words = ["prove", "hostile.toml", "--limit", "0.4"]
     if draw.random() < 0.3:
@@ -113,7 +113,9 @@ def problem(draw: Random) -> FuzzCase:
 
 
 def certificate(draw: Random) -> FuzzCase:
-    """A certificate, checked; its digest is made to fit, so that more than this is looked at."""
+    """Return a certificate, checked; its digest is made to fit, so that more than this is looked
+    at.
+    """
     from longwave.verify.kernel.limits import digest
 
     data: Any = json.loads(draw.choice(certificates()))
@@ -137,7 +139,7 @@ def certificate(draw: Random) -> FuzzCase:
 
 
 def sweep(draw: Random) -> FuzzCase:
-    """A sweep's file, run by one worker."""
+    """Return a sweep's file, run by one worker."""
     content = changed_toml(draw, draw.choice(seeds("sweep")))
     words = ["sweep", "hostile.toml", "--processes", "1"]
     if draw.random() < 0.1:
@@ -146,7 +148,7 @@ def sweep(draw: Random) -> FuzzCase:
 
 
 def run_file(draw: Random) -> FuzzCase:
-    """The file of a run with other attributes, variables or bytes: run anew, or drawn."""
+    """Return the file of a run with other attributes, variables or bytes: run anew, or drawn."""
     content = draw.choice(run_files())
     if draw.random() < 0.8:
         content = _changed_run(draw, content)
@@ -220,7 +222,7 @@ NAMED = {"small.toml": SMALL_SCENE, "lattice.toml": LATTICES[0], "problems.toml"
 
 
 def outputs() -> tuple[str, ...]:
-    """Paths for results: good ones, and ones that cannot be written."""
+    """Return paths for results: good ones, and ones that cannot be written."""
     return (
         *("out.nc", "out.json", "out.png", "out.pdf", "out.svg", "out", ".", "..", "/", "", "-"),
         *("no/out.nc", "hostile.toml", "small.toml", "/dev/full", "/dev/null", "/proc/out.nc"),
@@ -230,14 +232,14 @@ def outputs() -> tuple[str, ...]:
 
 @cache
 def option_texts() -> tuple[str, ...]:
-    """What may stand behind an option."""
+    """Draw the values of an option."""
     texts = tuple(text for text in TEXTS if "\x00" not in text and len(text) < 5000)
     return (*NUMBERS, *texts, "K2=1", "m1=1,m2=3", "m1=", "=", "K2=1/0", "k=pi", "10,20", "30,20")
 
 
 @cache
 def commands() -> tuple[tuple[tuple[str, ...], click.Command], ...]:
-    """Every command with the words that lead to it."""
+    """Return every command with the words that lead to it."""
     from longwave.cli.command_tree import longwave
 
     def below(words: tuple[str, ...], one: click.Command) -> Iterator[Any]:
@@ -254,7 +256,7 @@ LASTING = ("report", "explore", "recheck", "verify", "library")
 
 
 def command_line(draw: Random) -> FuzzCase:
-    """Words of the tree in their order, with what they do not expect."""
+    """Return words of the tree in their order, with what they do not expect."""
     path, command = draw.choice(commands())
     if set(path) & set(LASTING) and draw.random() < 0.8:
         path, command = draw.choice(commands())
@@ -328,7 +330,7 @@ KINDS: Mapping[str, Callable[[Random], FuzzCase]] = {
 
 
 def case_of(kind: str, seed: int, index: int) -> FuzzCase:
-    """The case of that number; it does not depend on the others.
+    """Return the case of that number; it does not depend on the others.
 
     >>> case_of("scene", 1, 5) == case_of("scene", 1, 5)
     True

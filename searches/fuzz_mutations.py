@@ -43,7 +43,7 @@ TEXTS = (
 
 
 def toml_values() -> tuple[str, ...]:
-    """Values as they stand in a TOML file, right or wrong."""
+    """Return values as they stand in a TOML file, right or wrong."""
     texts = tuple(_toml_text(text) for text in TEXTS)
     others = (
         *("true", "false", "1979-05-27", "07:32:00", "[]", "{}", "[[]]", "[1, 'a']", "[nan]"),
@@ -61,7 +61,7 @@ def _toml_text(text: str) -> str:
 
 
 def changed_toml(draw: Random, text: str, count: int | None = None) -> bytes:
-    """A TOML text after some changes of its lines, and sometimes of its bytes."""
+    """Change some lines of a TOML text, and sometimes its bytes."""
     lines = text.splitlines()
     for _ in range(few(draw) if count is None else count):
         draw.choice(LINE_CHANGES)(draw, lines)
@@ -70,7 +70,7 @@ def changed_toml(draw: Random, text: str, count: int | None = None) -> bytes:
 
 
 def few(draw: Random) -> int:
-    """A small number of changes, mostly one."""
+    """Return a small number of changes, mostly one."""
     return draw.choice([1, 1, 1, 2, 2, 3, 5])
 
 
@@ -92,7 +92,7 @@ def _other_value(draw: Random, lines: list[str]) -> None:
 
 
 def _other_number(draw: Random, lines: list[str]) -> None:
-    """A number, wherever it stands: within a list, a formula, a key."""
+    """Change a number anywhere: within a list, a formula, a key."""
     place = _place(draw, lines)
     found = list(re.finditer(r"\d+(?:\.\d+)?(?:e-?\d+)?", lines[place]))
     if found:
@@ -102,7 +102,7 @@ def _other_number(draw: Random, lines: list[str]) -> None:
 
 
 def _other_word(draw: Random, lines: list[str]) -> None:
-    """A part of a text, such as a name in a formula."""
+    """Change a part of a text, such as a name in a formula."""
     place = _place(draw, lines)
     found = list(re.finditer(r"[A-Za-z_]+|[-+*/()\[\]]", lines[place]))
     if found:
@@ -163,7 +163,7 @@ LINE_CHANGES = (
 
 
 def changed_bytes(draw: Random, content: bytes) -> bytes:
-    """Some bytes flipped, cut off, doubled, or a mark put in front."""
+    """Change some bytes: flip, cut off or double them, or put a mark in front."""
     kind = draw.randrange(5)
     place = draw.randint(0, len(content))
     if kind == 0:
@@ -180,7 +180,7 @@ def changed_bytes(draw: Random, content: bytes) -> bytes:
 
 
 def changed_json(draw: Random, value: Any, depth: int = 0) -> Any:
-    """Plain data with one place changed."""
+    """Change one place of plain data."""
     if isinstance(value, dict | list) and value and (depth < 2 or draw.random() < 0.85):
         copy: Any = value.copy()
         keys = list(copy) if isinstance(copy, dict) else list(range(len(copy)))

@@ -57,13 +57,13 @@ class ByteRandom(Random):
         self.left = content
 
     def getrandbits(self, k: int, /) -> int:
-        """The next ``k`` bits."""
+        """Return the next ``k`` bits."""
         size = -(-k // 8)
         taken, self.left = self.left[:size], self.left[size:]
         return int.from_bytes(taken.ljust(size, b"\0"), "big") >> (8 * size - k)
 
     def random(self) -> float:
-        """A number of 0 .. 1."""
+        """Return a number of 0 .. 1."""
         return self.getrandbits(53) / 2**53
 
 

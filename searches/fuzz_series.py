@@ -58,7 +58,7 @@ ENDING = 0.2
 
 
 def endings(server: FuzzServer, cases: Sequence[FuzzCase]) -> Iterator[Ending]:
-    """How the inputs ended, in their order."""
+    """Yield the endings of the inputs, in their order."""
     done = 0
     while done < len(cases):
         good, faults = _series(server, cases[done : done + LENGTH])
@@ -70,7 +70,7 @@ def endings(server: FuzzServer, cases: Sequence[FuzzCase]) -> Iterator[Ending]:
 
 
 def _alone(server: FuzzServer, case: FuzzCase, faults: Sequence[str]) -> Ending:
-    """How an input ended that was not plainly good in a series."""
+    """Return the ending of an input that was not plainly good in a series."""
     ending = server.ending(case)
     if "slow" in ending.kinds or "hangs" in ending.kinds:
         ending = server.ending(case)  # once more, before a busy machine is blamed on it
@@ -82,7 +82,7 @@ def _alone(server: FuzzServer, case: FuzzCase, faults: Sequence[str]) -> Ending:
 def _series(
     server: FuzzServer, cases: Sequence[FuzzCase]
 ) -> tuple[list[Ending], Sequence[str] | None]:
-    """The good endings of the first ones, and what is wrong with the next: None if nothing."""
+    """Return the good endings of the first ones, and what is wrong with the next: None if nothing."""
     place = server.folder / "case"
     reading, writing = os.pipe()
     child = forked()
@@ -143,13 +143,13 @@ def _run_and_exit(
 
 
 def _used() -> float:
-    """Processor time of this process and of those that it has started and that have ended."""
+    """Return the processor time of this process and of its children that have ended."""
     children = resource.getrusage(resource.RUSAGE_CHILDREN)
     return time.process_time() + children.ru_utime + children.ru_stime
 
 
 def _is_alone() -> bool:
-    """Whether this process has neither children nor threads but those that wait for work."""
+    """Return whether this process has neither children nor threads but those that wait for work."""
     for thread in threading.enumerate():
         if thread is not threading.main_thread() and not thread.name.startswith(WAITING):
             thread.join(ENDING)

@@ -67,7 +67,7 @@ USUAL_OUTPUTS = {"plot": (".png",), "animate": (".mp4", ".gif"), "sweep": (".sto
 
 @dataclass(frozen=True)
 class Ending:
-    """How an input ended; ``status`` is negative for a signal, None for what had to be killed."""
+    """Ending of an input; ``status`` is negative for a signal, None for what had to be killed."""
 
     status: int | None
     out: str
@@ -84,7 +84,7 @@ class Ending:
         return {fault.partition(":")[0] for fault in self.faults}
 
     def blamed(self, faults: Sequence[str]) -> Ending:
-        """The same with these faults."""
+        """Return the same with these faults."""
         return replace(self, faults=tuple(faults))
 
 
@@ -158,7 +158,7 @@ class FuzzServer:
 
 
 def _run_and_exit(command: Callable[[list[str]], int], case: FuzzCase, place: Path) -> NoReturn:
-    """The command in its own session and folder; ends this process."""
+    """Run the command in its own session and folder; end this process."""
     status = 1
     try:
         confine()
@@ -199,7 +199,7 @@ def enter(case: FuzzCase, place: Path) -> None:
 
 
 def call_longwave(words: list[str]) -> int:
-    """The exit status of the command line."""
+    """Return the exit status of the command line."""
     from longwave.__main__ import main
     from longwave.support.request_limits import request_limits
 
@@ -246,7 +246,7 @@ def _within(path: str, folder: str) -> bool:
 
 
 def _written(event: str, arguments: tuple[Any, ...]) -> str | None:
-    """The path that an event changes, if it is one of those."""
+    """Return the path that an event changes, if it is one of those."""
     if event == "open":
         path, _, flags = arguments
         writes = isinstance(flags, int) and flags & WRITES
@@ -264,7 +264,7 @@ def _written(event: str, arguments: tuple[Any, ...]) -> str | None:
 
 
 def lay_out(case: FuzzCase, place: Path) -> None:
-    """An empty folder with the case's files."""
+    """Make an empty folder with the case's files."""
     shutil.rmtree(place, ignore_errors=True)
     work = place / "work"
     work.mkdir(parents=True)
@@ -273,7 +273,7 @@ def lay_out(case: FuzzCase, place: Path) -> None:
 
 
 def forked() -> int:
-    """A fork: 0 within it."""
+    """Fork the process; return 0 within the fork."""
     sys.stdout.flush()
     sys.stderr.flush()
     with warnings.catch_warnings():
@@ -330,7 +330,7 @@ def _watch(child: int, place: Path, start: float) -> _Watched:
 
 
 def _excess(found: _Watched, passed: float, still: float, since_stop: float) -> str:
-    """What is too much, in words."""
+    """Return the limit that is exceeded, in words; "" for none."""
     if found.megabytes > MEGABYTES:
         return f"memory: more than {MEGABYTES:g} MB"
     if found.stopped and since_stop > END_SECONDS:
@@ -343,7 +343,7 @@ def _excess(found: _Watched, passed: float, still: float, since_stop: float) -> 
 
 
 def tree_of(process: int) -> Iterator[int]:
-    """A process and all that it has started."""
+    """Yield a process and all that it has started."""
     yield process
     with contextlib.suppress(OSError):
         for task in os.listdir(f"/proc/{process}/task"):
@@ -353,7 +353,7 @@ def tree_of(process: int) -> Iterator[int]:
 
 
 def seconds_of(process: int) -> float:
-    """Processor time of a process and of all that it has started."""
+    """Return the processor time of a process and of all that it has started."""
     ticks = 0
     for one in tree_of(process):
         with contextlib.suppress(OSError, IndexError):
@@ -363,7 +363,7 @@ def seconds_of(process: int) -> float:
 
 
 def runs(process: int) -> bool:
-    """Whether a process, or one that it has started, waits for nothing but the processor."""
+    """Return whether a process, or one that it has started, waits for nothing but the processor."""
     for one in tree_of(process):
         with contextlib.suppress(OSError, IndexError):
             told = Path(f"/proc/{one}/stat").read_text(encoding="utf-8", errors="replace")
@@ -373,12 +373,12 @@ def runs(process: int) -> bool:
 
 
 def megabytes_of(process: int, start: float) -> float:
-    """Memory beyond the start; of a process that was not forked from here, some is overlooked."""
+    """Return the memory beyond the start; too little for a process that was not forked from here."""
     return sum(max(0.0, kilobytes_of(one) - start) for one in tree_of(process)) / 1000
 
 
 def kilobytes_of(process: int) -> float:
-    """Memory of a process that no other has."""
+    """Return the memory of a process that no other has."""
     with contextlib.suppress(OSError):
         text = Path(f"/proc/{process}/status").read_text(encoding="utf-8", errors="replace")
         return float(sum(map(int, re.findall(r"Rss(?:Anon|Shmem):\s*(\d+)", text))))
@@ -386,7 +386,7 @@ def kilobytes_of(process: int) -> float:
 
 
 def announced(place: Path) -> bool:
-    """Whether it was said how long the input takes."""
+    """Return whether a duration of the input was announced."""
     return any(ANNOUNCED.search(_text(place / name)[:100_000]) for name in ("err", "out"))
 
 
@@ -399,13 +399,13 @@ def _text(path: Path) -> str:
 def faults_of(
     case: FuzzCase, place: Path, status: int | None, stopped: bool = False
 ) -> tuple[str, str, list[str]]:
-    """What was printed on both ways, and what is wrong with it, the status and the files."""
+    """Return both outputs, and the faults of outputs, status and files."""
     out, errors = (_text(place / name) for name in ("out", "err"))
     return out, errors, [*_said(status, stopped, out, errors), *_files(case, place)]
 
 
 def _said(status: int | None, stopped: bool, out: str, errors: str) -> Iterator[str]:
-    """Faults of status and words."""
+    """Yield faults of status and words."""
     if status is not None and status < 0:
         yield f"died: signal {-status}"
     elif status is not None and status not in (0, 1, 2) and not (status == 130 and stopped):
@@ -431,7 +431,7 @@ def _said(status: int | None, stopped: bool, out: str, errors: str) -> Iterator[
 
 
 def _are_errors(told: Sequence[str]) -> bool:
-    """Whether it is one error, or one of each statement that cannot be read and their number."""
+    """Return whether there is one error, or one for each unreadable statement and their number."""
     several = bool(told) and UNREADABLE.fullmatch(told[-1]) is not None
     errors = told[:-1] if several else told
     alone = several or len(errors) == 1
@@ -439,7 +439,7 @@ def _are_errors(told: Sequence[str]) -> bool:
 
 
 def _files(case: FuzzCase, place: Path) -> Iterator[str]:
-    """Faults of files: what was written elsewhere, over an input, or half."""
+    """Yield faults of files: what was written elsewhere, over an input, or half."""
     yield from sorted(set(_text(place / "watched").splitlines()))
     for name, content in case.files.items():
         path = place / "work" / name

@@ -76,7 +76,7 @@ def _arrays(file: Any) -> list[Any]:
 
 
 class _Place(NamedTuple):
-    """Where an array is to be made, and the attributes of the one that was there."""
+    """Place for a new array, and the attributes of the array that was there."""
 
     group: Any
     name: str
@@ -85,7 +85,7 @@ class _Place(NamedTuple):
 
 
 def _place(file: Any, random: Random) -> _Place:
-    """Somewhere new, or often the place of an array, which is removed."""
+    """Choose a new place, or often that of an array, which is removed."""
     arrays = _arrays(file)
     if not arrays or random.random() < 0.2:
         name = f"new{random.randrange(10**6)}"
@@ -98,7 +98,7 @@ def _place(file: Any, random: Random) -> _Place:
 
 
 def in_another_file(file: Any, random: Random, secret: Path) -> None:
-    """An array whose bytes stand in a file of the reader's."""
+    """Add an array whose bytes stand in a file of the reader's."""
     group, name, shape, kept = _place(file, random)
     size = 8 * int(np.prod(shape))
     external = [(str(secret), random.choice((0, 8)), size)]
@@ -106,7 +106,7 @@ def in_another_file(file: Any, random: Random, secret: Path) -> None:
 
 
 def virtual(file: Any, random: Random, secret: Path) -> None:
-    """An array that is made of one in another file."""
+    """Add an array that is made of one in another file."""
     group, name, shape, kept = _place(file, random)
     layout = h5py.VirtualLayout(shape, "f8")
     layout[...] = h5py.VirtualSource(secret.with_suffix(".h5"), "a", shape)
@@ -114,7 +114,7 @@ def virtual(file: Any, random: Random, secret: Path) -> None:
 
 
 def linked(file: Any, random: Random, secret: Path) -> None:
-    """A link to another file, another place, or the same object under another name."""
+    """Add a link to another file, another place, or the same object under another name."""
     group, name, *_ = _place(file, random)
     things = [*_arrays(file), *_groups(file)]
     group[name] = random.choice(
@@ -128,7 +128,7 @@ def linked(file: Any, random: Random, secret: Path) -> None:
 
 
 def linked_often(file: Any, random: Random, _: Path) -> None:
-    """The same groups in a group, each with the same arrays."""
+    """Add the same groups in a group, each with the same arrays."""
     group, arrays = random.choice(_groups(file)), _arrays(file)
     count = random.choice((2, MOST_LINKS))
     for number in range(count if arrays else 0):
@@ -138,7 +138,7 @@ def linked_often(file: Any, random: Random, _: Path) -> None:
 
 
 def filled(file: Any, random: Random, _: Path) -> None:
-    """An array of any size that was never written."""
+    """Add an array of any size that was never written."""
     group, name, shape, kept = _place(file, random)
     shape = (*shape[:-1], 10 ** random.randint(1, 11))
     kind = random.choice(("f8", "i1", TEXT, "S8"))
@@ -148,7 +148,7 @@ def filled(file: Any, random: Random, _: Path) -> None:
 
 
 def filtered(file: Any, random: Random, _: Path) -> None:
-    """An array packed by filters, once or upon each other."""
+    """Add an array packed by filters, once or upon each other."""
     group, name, shape = _place(file, random)[:3]
     plan = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
     plan.set_chunk(tuple(min(n, 1000) for n in shape))
@@ -159,7 +159,7 @@ def filtered(file: Any, random: Random, _: Path) -> None:
 
 
 def of_another_kind(file: Any, random: Random, _: Path) -> None:
-    """Records, references, lists, texts of any length, opaque bytes."""
+    """Add records, references, lists, texts of any length, or opaque bytes."""
     group, name, shape, kept = _place(file, random)
     kinds = (
         np.dtype([("x", "f8"), ("y", TEXT)]), h5py.ref_dtype, h5py.vlen_dtype("f8"), TEXT,
@@ -169,7 +169,7 @@ def of_another_kind(file: Any, random: Random, _: Path) -> None:
 
 
 def attributed(file: Any, random: Random, _: Path) -> None:
-    """An attribute that the libraries know, of another kind, or a long one."""
+    """Add an attribute that the libraries know, of another kind, or a long one."""
     thing = random.choice([*_arrays(file), *_groups(file)])
     value: Any = random.choice(
         (np.bytes_(random.choice(NAMES)), 1, 1e300, np.zeros(1000), 1000 * "x", h5py.Empty("f8"))
@@ -182,7 +182,7 @@ def attributed(file: Any, random: Random, _: Path) -> None:
 
 
 def grouped(file: Any, random: Random, _: Path) -> None:
-    """Groups in groups."""
+    """Add groups in groups."""
     group = random.choice(_groups(file))
     for _round in range(random.choice((1, 3, 50))):
         group = group.create_group(f"group{random.randrange(10**6)}")
@@ -246,7 +246,7 @@ def _memory() -> Memory:
 
 
 def wholes(folder: Path) -> dict[str, tuple[Path, Reader]]:
-    """Whole files of each kind, with their readers."""
+    """Return the whole files of each kind, with their readers."""
     store = folder / "store"
     pack, run = store / PACKS / "0.h5", folder / "run.nc"
     save_run(_run(), run)
@@ -296,7 +296,7 @@ def changed(whole: Path, path: Path, random: Random, secret: Path) -> str:
 
 
 def fault(path: Path, read: Reader) -> str:
-    """What is wrong with how a file is read, in words; "" if nothing is."""
+    """Return the fault in reading a file, in words; "" if there is none."""
     reset_peak()
     begin, before = time.perf_counter(), peak_bytes()
     with warnings.catch_warnings(record=True) as warned:
@@ -319,7 +319,7 @@ def fault(path: Path, read: Reader) -> str:
 
 
 def search(count: int, seed: int) -> tuple[Counter[str], list[str]]:
-    """How often each kind was read or refused, and the faults, each with its number."""
+    """Count how often each kind was read or refused; return also the numbered faults."""
     random = Random(seed)
     seen: Counter[str] = Counter()
     faults = []

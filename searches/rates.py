@@ -1,4 +1,4 @@
-"""How often the interval of a measured rate holds theory's: every case of the full report.
+"""Share of measured rates whose interval contains theory's: every case of the full report.
 
     python -m searches.rates
     python -m searches.rates --only 5e --only "bright, strain"

@@ -52,7 +52,7 @@ SAID = 60.0
 
 
 class Measured(NamedTuple):
-    """What a run of another lattice gave, the unit of its error, and the error's estimate."""
+    """Values of a run of another lattice, the unit of its error, and the error's estimate."""
 
     values: NDArray[np.float64]
     scale: float
@@ -61,7 +61,7 @@ class Measured(NamedTuple):
 
 @dataclass(frozen=True)
 class Soaked:
-    """How a scene ended: "result", "refused", "above its tolerance", "no answer" or "dishonest"."""
+    """Ending of a scene: "result", "refused", "above its tolerance", "no answer" or "dishonest"."""
 
     ending: str
     reason: str = ""
@@ -151,7 +151,7 @@ def _measured(scene: Scene, announce: Callable[[float], None]) -> Measured:
 
 
 def _judged(scene: Scene, first: Measured) -> tuple[str, str, bool]:
-    """What a tighter run says of a scene's run."""
+    """Judge a scene's run by a tighter run."""
     tighter = scene.changed(tolerance=max(LEAST, TIGHTER * scene.target.tolerance))
     found: list[Measured] = []
     try:
@@ -167,7 +167,7 @@ def _judged(scene: Scene, first: Measured) -> tuple[str, str, bool]:
 
 
 def _ended(work: Callable[[], tuple[str, str]], limit: float = ANSWER_SECONDS) -> tuple[str, str]:
-    """How a run ended, its warnings being none."""
+    """Return the ending of a run, without its warnings."""
     try:
         with time_limit(limit), warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -181,7 +181,7 @@ def _ended(work: Callable[[], tuple[str, str]], limit: float = ANSWER_SECONDS) -
 
 
 def main() -> int:
-    """Soak and print counts; 1 if a scene ended otherwise than it should."""
+    """Soak and print counts; return 1 if a scene ended otherwise than it should."""
     parser = argparse.ArgumentParser(description="Random scenes end with a result or a reason.")
     parser.add_argument("--count", type=int, default=1000)
     parser.add_argument("--start", type=int, default=0)

@@ -74,7 +74,7 @@ class Experiment:
 
     @classmethod
     def drawn(cls, kind: str, seed: int) -> Experiment:
-        """The experiment of that seed; noise is 0.5 to 3 % of a sensor's largest reading."""
+        """Return the experiment of that seed; noise is 0.5 to 3 % of a sensor's largest reading."""
         random = np.random.default_rng([seed, list(FREE).index(kind)])
         K2, K4, site = random.uniform(0.7, 1.4), random.uniform(0.5, 2.0), random.uniform(0.02, 0.1)
         hidden = {
@@ -102,7 +102,7 @@ class Experiment:
         return replace(made, noise=tuple(size.tolist()))
 
     def read(self, hidden: tuple[float, ...], times: Array, sensors: tuple[Sensor, ...]) -> Array:
-        """What sensors read on a chain with these constants, (times, sensors), by DOP853."""
+        """Return the sensors' readings with these constants, (times, sensors), by DOP853."""
         K2, K3, K4, site, bond = hidden
 
         def slopes(_: float, held: Array) -> Array:
@@ -123,17 +123,18 @@ class Experiment:
 
     @cached_property
     def exact(self) -> Array:
-        """What the sensors would read without noise."""
+        """Readings of the sensors without noise."""
         return self.read(self.hidden, TIMES, self.sensors)
 
     def record(self, draw: int = 0) -> SensorRecord:
-        """What they read with it."""
+        """Return the readings with noise."""
         normal = np.random.default_rng([self.seed, draw, 1]).standard_normal(self.exact.shape)
         deviations = np.broadcast_to(self.noise, self.exact.shape)
         return SensorRecord(TIMES, self.sensors, self.exact + normal * deviations, deviations)
 
     def scene(self, values: tuple[float, ...]) -> Scene:
-        """The scene as whoever fits it knows it: these values, and what is not fitted exactly.
+        """Return the scene as whoever fits it knows it: these values, and what is not fitted
+        exactly.
 
         What is hidden of a wrong one is not there.
         """
@@ -159,19 +160,19 @@ class Experiment:
         return tuple(hidden[name] for name in FREE[self.kind])
 
     def fitted(self) -> SceneFit:
-        """The fit, from values that are off."""
+        """Fit the constants, from wrong initial values."""
         random = np.random.default_rng([self.seed, 2])
         off = np.array(self.truth) * random.uniform(1 - OFF, 1 + OFF, len(self.truth))
         return fit_scene(self.scene(tuple(off.tolist())), [self.record()], FREE[self.kind])
 
     def elsewhere(self) -> Experiment:
-        """The run that is predicted: struck at the mirror cell, a fifth harder."""
+        """Return the predicted run: struck at the mirror cell, a fifth harder."""
         mirrored, harder = self.cells - 1 - self.struck, 1.2 * self.velocity
         return replace(self, struck=mirrored, velocity=harder)
 
 
 def crest_apart(experiment: Experiment, fit: SceneFit) -> float:
-    """The predicted crest less the true one, in its standard deviations.
+    """Return the predicted crest less the true one, in its standard deviations.
 
     The crest is the largest size of the strain in the middle of the chain.
     """
@@ -186,7 +187,7 @@ def crest_apart(experiment: Experiment, fit: SceneFit) -> float:
 
 
 def scatter(experiment: Experiment) -> Array:
-    """Root mean squares of errors of repeated fits, over the bounds of Cramer and Rao."""
+    """Return root mean squares of errors of repeated fits, over the bounds of Cramer and Rao."""
     free, truth = FREE[experiment.kind], np.array(experiment.truth)
     columns = []
     for name in free:

@@ -27,7 +27,7 @@ SEARCH_KINDS = ("real", *TEXT_KINDS)
 
 
 def ask_text(given: TextStatement) -> ProofVerdict:
-    """The prover's verdict on the texts."""
+    """Return the prover's verdict on the texts."""
     return prove(
         list(given.equations),
         list(given.solutions),
@@ -52,7 +52,7 @@ def judge_text(given: TextStatement, limit: float = LIMIT) -> Judgement:
 
 
 def marked_text(given: TextStatement, verdict: ProofVerdict) -> tuple[Mark, str]:
-    """Whether a verdict is right, and why not."""
+    """Return whether a verdict is right, and why not."""
     outcome, truth = verdict.outcome, given.truth
     if outcome is Outcome.UNDECIDED:
         return (Mark.RIGHT if truth is Truth.VOID else Mark.UNDECIDED), verdict.detail
@@ -66,12 +66,12 @@ def marked_text(given: TextStatement, verdict: ProofVerdict) -> tuple[Mark, str]
 
 
 def point_text(given: TextStatement) -> str:
-    """The counterexample of a false statement in words."""
+    """Return the counterexample of a false statement in words."""
     return ", ".join(f"{key} = {value}" for key, value in (given.counterexample or {}).items())
 
 
 def _witnessed(given: TextStatement, witness: dict[str, str]) -> tuple[Mark, str]:
-    """What a refutation is worth, by the residual at its witness.
+    """Return the worth of a refutation, by the residual at its witness.
 
     A letter that the witness leaves out may have any value of its range.
     """
@@ -95,12 +95,12 @@ def _shown(given: TextStatement, witness: dict[str, str]) -> dict[str, Fraction]
 
 
 def any_statement(kind: str, seed: int, index: int) -> RandomStatement | TextStatement:
-    """The statement of a kind of `SEARCH_KINDS`."""
+    """Return the statement of a kind of `SEARCH_KINDS`."""
     return statement(seed, index) if kind == "real" else text_statement(kind, seed, index)
 
 
 def judged(kind: str, seed: int, index: int, limit: float = LIMIT) -> Judgement:
-    """The judgement of that statement, its kind first and what there is within it behind."""
+    """Return the judgement of that statement, its kind first and what there is within it behind."""
     given = any_statement(kind, seed, index)
     if isinstance(given, TextStatement):
         return judge_text(given, limit)
@@ -108,16 +108,16 @@ def judged(kind: str, seed: int, index: int, limit: float = LIMIT) -> Judgement:
 
 
 def full_kind(kind: str, given: RandomStatement | TextStatement) -> str:
-    """The kind of `SEARCH_KINDS`, and what there is within it."""
+    """Return the kind of `SEARCH_KINDS`, and what there is within it."""
     return given.kind if isinstance(given, TextStatement) else f"{kind}: {given.kind}"
 
 
 def kind_of(judgement: Judgement) -> str:
-    """The kind of `SEARCH_KINDS` that a judged statement is of."""
+    """Return the kind of `SEARCH_KINDS` that a judged statement is of."""
     return judgement.kind.partition(":")[0]
 
 
 def digest(found: Iterable[Judgement]) -> str:
-    """A number of what became of each statement; in another order it is the same."""
+    """Return a number of what became of each statement; in another order it is the same."""
     lines = sorted(f"{j.kind} {j.seed} {j.index} {j.truth} {j.mark}" for j in found)
     return hashlib.sha256("\n".join(lines).encode()).hexdigest()[:16]

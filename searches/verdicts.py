@@ -38,12 +38,12 @@ Kinds = tuple[str, ...]
 
 
 def placed(kinds: Kinds, number: int) -> tuple[str, int]:
-    """The kind and the index of the statement of this number: the kinds take turns."""
+    """Return the kind and the index of the statement of this number: the kinds take turns."""
     return kinds[number % len(kinds)], number // len(kinds)
 
 
 def judged_at(kinds: Kinds, seed: int, number: int) -> Judgement:
-    """The judgement on the statement of this number."""
+    """Return the judgement on the statement of this number."""
     kind, index = placed(kinds, number)
     return judged(kind, seed, index)
 
@@ -51,7 +51,7 @@ def judged_at(kinds: Kinds, seed: int, number: int) -> Judgement:
 def search(
     kinds: Kinds, seed: int, count: int, workers: int, minutes: float, report: Progress
 ) -> list[Judgement]:
-    """All judgements, from ``workers`` processes.
+    """Return all judgements, from ``workers`` processes.
 
     That a process died at a statement, or said nothing for `PATIENCE`, is a judgement too. After
     ``minutes`` it ends with those that it has.
@@ -87,12 +87,12 @@ def _text(judgement: Judgement) -> str:
 
 
 def _within(judgement: Judgement) -> str:
-    """Two levels of the kind: "real: branch" and not which of them."""
+    """Return two levels of the kind: "real: branch" and not which of them."""
     return ":".join(judgement.kind.split(":")[:2])
 
 
 def table(found: list[Judgement], kind: str, seconds: float) -> Table:
-    """The tallies by kind, or by what there is within one kind."""
+    """Return the tallies by kind, or by what there is within one kind."""
     made = Table(title=f"{len(found)} statements in {seconds / 60:.1f} min")
     for place, heading in enumerate(HEADINGS):
         made.add_column(heading, justify="right" if place else "left")
@@ -102,7 +102,7 @@ def table(found: list[Judgement], kind: str, seconds: float) -> Table:
 
 
 def reasons(found: list[Judgement]) -> Table:
-    """Why statements in supported functions were left undecided, the most frequent first."""
+    """Tabulate the reasons why statements were left undecided, the most frequent first."""
     counts: dict[tuple[str, str], list[int]] = {}
     for judgement in found:
         if judgement.mark is Mark.UNDECIDED and judgement.supported:

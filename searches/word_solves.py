@@ -68,14 +68,14 @@ class Solved:
 
 
 def solved(seed: int, index: int) -> Solved:
-    """The statement of a number, the same each time."""
+    """Return the statement of a number, the same each time."""
     draw = random.Random(f"solves:{seed}:{index}")
     equation, formula, wanted = draw.choice(SOLVED)
     return Solved(equation, f"u = {formula.format(h=draw.choice(PLACES))}", wanted)
 
 
 def faults(given: Solved, verdict: ConditionalVerdict, seed: int = 0) -> Iterator[str]:
-    """What is false in the cases, and values that hold although they are said not to."""
+    """Yield false cases, and values that hold although the answer excludes them."""
     draw = random.Random(f"{given.words}{seed}")
     cases = [case.json() for case in verdict.cases if case.proved or case.trivial]
     reading = given.reading
@@ -116,7 +116,7 @@ def _holds(reading: Reading, condition: str, point: Mapping[str, Any]) -> bool:
 def _left_out(
     given: Solved, cases: Sequence[Mapping[str, Any]], draw: random.Random
 ) -> Iterator[str]:
-    """A real value with which the residual vanishes at all points, and which no case has."""
+    """Yield a real value with which the residual vanishes at all points, and which no case has."""
     reading, fixed = given.reading, _point(draw)
     points = [{**fixed, "x": p["x"], "t": p["t"]} for p in (_point(draw) for _ in range(POINTS))]
     for start in map(mp.mpf, (-3.5, -1, -0.25, 0.25, 1, 2, 3.5)):
@@ -132,7 +132,7 @@ def _left_out(
 
 
 def _root(reading: Reading, point: Mapping[str, Any], wanted: str, start: Any) -> Any:
-    """A value of the constant near one with which the residual is 0 at a point."""
+    """Return a value of the constant near one with which the residual is 0 at a point."""
     if reading.holds({**point, wanted: start}):
         return mp.mpc(start)
 
@@ -144,7 +144,7 @@ def _root(reading: Reading, point: Mapping[str, Any], wanted: str, start: Any) -
 
 
 def _is(case: Mapping[str, Any], wanted: str, value: Any, fixed: Mapping[str, Any]) -> bool:
-    """Whether a point with a value is in a case; where that is not known it is."""
+    """Return whether a point with a value is in a case; where that is not known it is."""
     point = {**fixed, wanted: value}
     if case["unsolved"]:
         return True

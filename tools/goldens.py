@@ -46,12 +46,12 @@ Golden = Iterator[tuple[str, Any]]
 
 
 def digest(content: bytes) -> str:
-    """The first 16 digits of SHA-256."""
+    """Return the first 16 digits of SHA-256."""
     return hashlib.sha256(content).hexdigest()[:16]
 
 
 def longwave(*argv: str, folder: Path = HOUSE) -> str:
-    """What a command prints; what is wrong instead, if it fails."""
+    """Return a command's output, or the error if it fails."""
     command = [sys.executable, "-P", "-m", "longwave", *argv]
     environment = {**os.environ, "PYTHONPATH": str(HOUSE)}
     ended = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
@@ -59,12 +59,12 @@ def longwave(*argv: str, folder: Path = HOUSE) -> str:
 
 
 def names(kind: str) -> list[str]:
-    """What is shipped of a kind."""
+    """Return the shipped names of a kind."""
     return [row["name"] for row in json.loads(longwave("list", kind, "--json"))]
 
 
 def of_dataset(name: str, path: Path) -> Golden:
-    """Each variable of a file."""
+    """Return each variable of a file."""
     if not path.is_file():
         yield name, "no file"
         return
@@ -88,13 +88,13 @@ def shipped_runs(folder: Path) -> Iterator[tuple[str, Path]]:
 
 
 def scenes(folder: Path) -> Golden:
-    """Runs of the shipped scenes."""
+    """Return runs of the shipped scenes."""
     for name, path in shipped_runs(folder):
         yield from of_dataset(name, path)
 
 
 def values(folder: Path) -> Golden:
-    """Variables of the runs of the shipped scenes, with the error of each."""
+    """Return variables of the runs of the shipped scenes, with the error of each."""
     for name, path in shipped_runs(folder):
         if not path.is_file():
             yield name, "no file"
@@ -109,7 +109,8 @@ def values(folder: Path) -> Golden:
 
 
 def run_error(data: xr.Dataset) -> float:
-    """Estimated error of what a run compares, in its unit; of a stated step, both measured parts.
+    """Return estimated error of what a run compares, in its unit; of a stated step, both measured
+    parts.
 
     Infinite where the run measured none.
     """
@@ -120,7 +121,7 @@ def run_error(data: xr.Dataset) -> float:
 
 
 def error_unit(data: xr.Dataset, variable: str) -> float:
-    """Unit of a run's error over that of a variable: 1, eps**-power, or the wave's size."""
+    """Return unit of a run's error over that of a variable: 1, eps**-power, or the wave's size."""
     scene = tomllib.loads(data.attrs["scene"])
     power = int(data.attrs.get("power", 0))
     unit = float(scene.get("eps", 1.0)) ** power
@@ -134,7 +135,7 @@ def error_unit(data: xr.Dataset, variable: str) -> float:
 
 
 def sweeps(folder: Path) -> Golden:
-    """Sweeps of the first value of each field."""
+    """Return sweeps of the first value of each field."""
     for name in names("sweeps"):
         (shipped,) = HOUSE.rglob(f"sweeps/{name}.toml")
         sweep = tomllib.loads(shipped.read_text())
@@ -146,7 +147,7 @@ def sweeps(folder: Path) -> Golden:
 
 
 def first_values(swept: Any) -> Any:
-    """The first value of a field alone, and so of each field in a table of them."""
+    """Return the first value of a field alone, and so of each field in a table of them."""
     if isinstance(swept, list):
         return swept[:1]
     if "from" in swept:
@@ -155,7 +156,7 @@ def first_values(swept: Any) -> Any:
 
 
 def certificates(folder: Path) -> Golden:
-    """Of each closed form."""
+    """Return the certificate of each closed form."""
     for name in names("waves"):
         path = folder / f"{name}.json"
         longwave("verify", "--only", name, "--output", str(path))
@@ -163,13 +164,13 @@ def certificates(folder: Path) -> Golden:
 
 
 def library(folder: Path) -> Golden:
-    """The verdicts."""
+    """Return the verdicts."""
     for row in json.loads(longwave("library", "--json")):
         yield row["name"], row["verdict"]
 
 
 def search(folder: Path) -> Golden:
-    """The digests by seed."""
+    """Return the digests by seed."""
     for seed in SEEDS:
         argv = ["--count", str(STATEMENTS), "--seed", str(seed), "--kind", "all", "--workers", "1"]
         command = [sys.executable, "-P", "-m", "searches.verdicts", *argv]
@@ -180,7 +181,7 @@ def search(folder: Path) -> Golden:
 
 
 def derivations(folder: Path) -> Golden:
-    """JSON of each lattice, of its long waves, and with numbers of its envelope."""
+    """Return JSON of each lattice, of its long waves, and with numbers of its envelope."""
     for row in json.loads(longwave("list", "lattices", "--json")):
         name = row["name"]
         numbers = ",".join(f"{c}={i + 1}" for i, c in enumerate(row["constants"]))
@@ -190,7 +191,7 @@ def derivations(folder: Path) -> Golden:
 
 
 def report(folder: Path) -> Golden:
-    """TeX by file."""
+    """Return the report's TeX by file."""
     longwave("report", "--output", str(folder / "report"))
     for path in sorted((folder / "report").rglob("*.tex")):
         if not any(word in path.stem for word in TIMED):

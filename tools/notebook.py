@@ -20,7 +20,7 @@ PATIENCE = 600
 
 
 def executed(path: Path = NOTEBOOK) -> Any:
-    """The notebook with the outputs that its cells have now, run in a folder of its own."""
+    """Return the notebook with the outputs that its cells have now, run in a folder of its own."""
     notebook = nbformat.read(path, as_version=4)
     with tempfile.TemporaryDirectory() as folder:
         made = {"PYTHONPATH": str(HOUSE), "PYTHONSAFEPATH": "1", "IPYTHONDIR": f"{folder}/ipython"}
@@ -34,12 +34,12 @@ def executed(path: Path = NOTEBOOK) -> Any:
 
 
 def code_cells(notebook: Any) -> Iterator[Any]:
-    """Its cells that are run."""
+    """Yield the cells that are run."""
     return (cell for cell in notebook.cells if cell.cell_type == "code")
 
 
 def shown(cell: Any) -> set[str]:
-    """The kinds of what a cell shows; what is told on the way is none."""
+    """Return the kinds of a cell's outputs, without messages on the way."""
     return {kind for output in cell.outputs for kind in output.get("data", {})}
 
 
