@@ -144,14 +144,14 @@ def heyoka_contender(problem: Problem) -> Contender:
     except TypeError as reason:
         raise ImportError(f"no NumPy function of its expressions ({reason})") from reason
     system = [*zip(f, v, strict=True), *zip(v, pulls, strict=True)]
-    made: dict[float, heyoka.taylor_adaptive] = {}
+    integrators: dict[float, heyoka.taylor_adaptive] = {}
 
     def run(sharpness: float, f: Array, v: Array) -> tuple[float, Array]:
         start = np.concatenate([f.ravel(), v.ravel()])
-        if sharpness not in made:
+        if sharpness not in integrators:
             options = {"tol": 1.0 / sharpness, "compact_mode": True}
-            made[sharpness] = heyoka.taylor_adaptive(system, list(start), **options)
-        program = made[sharpness]
+            integrators[sharpness] = heyoka.taylor_adaptive(system, list(start), **options)
+        program = integrators[sharpness]
         program.time, program.state[:] = 0.0, start
         begin = time.process_time()
         program.propagate_until(problem.duration)

@@ -29,8 +29,8 @@ def ratios(seed: int, index: int, budget: float) -> tuple[str, float, float] | N
     except ValueError:
         return None
     seconds = time.process_time() - begun
-    held = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
-    return repr(scene), expected.seconds / seconds, expected.memory_bytes / held
+    peak_memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+    return repr(scene), expected.seconds / seconds, expected.memory_bytes / peak_memory
 
 
 def main() -> None:

@@ -67,11 +67,11 @@ def written_for(by_library: bool) -> Iterator[None]:
         return
     ring_kernel._machine_code.cache_clear()
 
-    def kept(module: str, key: str, *more: object) -> object:
+    def keyed_functions(module: str, key: str, *more: object) -> object:
         return native_functions(module, f"{key} library", *more)
 
     with (
-        patch.object(ring_kernel, "native_functions", kept),
+        patch.object(ring_kernel, "native_functions", keyed_functions),
         patch.object(row_code, "FUNCTIONS_OF_LANES", {}),
         patch.object(
             row_code, "power", lambda x, p: x.made(x.code.function("pow", x.value, x.of(p)))

@@ -99,7 +99,7 @@ WAYS = {
 }
 
 
-def apart(way: str, *counts: int) -> Found:
+def in_processes(way: str, *counts: int) -> Found:
     """Return the result of a method run in processes of its own."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "found.npz"
@@ -122,10 +122,10 @@ def compare(sites: int, every: int, rounds: int) -> None:
     """Print a row for each way."""
     steps = every * max(2, WORK // (sites * every))
     print(f"{sites} sites, {steps} steps, {every} a call; halos of {halo(every)} cells")
-    found = {way: apart(way, sites, steps, every) for way in WAYS}
+    found = {way: in_processes(way, sites, steps, every) for way in WAYS}
     for _ in range(rounds - 1):
         for way, best in found.items():
-            found[way] = min(best, apart(way, sites, steps, every), key=lambda one: one[1])
+            found[way] = min(best, in_processes(way, sites, steps, every), key=lambda one: one[1])
     ring, threads, _ = found["two threads"]
     for way, (cells, spent, waited) in found.items():
         away = float(np.max(np.abs(cells - ring)))
@@ -158,15 +158,15 @@ def main() -> int:
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--dask", action="store_true", help="only time an exchange by Dask")
     parser.add_argument("--way", nargs=5, help=argparse.SUPPRESS)
-    asked = parser.parse_args()
-    if asked.way:
-        leave(*asked.way)
-    elif asked.dask:
+    options = parser.parse_args()
+    if options.way:
+        leave(*options.way)
+    elif options.dask:
         print(f"an exchange between two Dask workers: {dask_seconds() * 1e3:.2f} ms")
     else:
-        for sites in asked.sites:
-            for every in asked.every:
-                compare(sites, every, asked.rounds)
+        for sites in options.sites:
+            for every in options.every:
+                compare(sites, every, options.rounds)
     return 0
 
 

@@ -54,7 +54,7 @@ def peak_bytes(sites: int) -> int:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
 
 
-def apart(quantity: str, sites: int, cores: int) -> float:
+def in_process(quantity: str, sites: int, cores: int) -> float:
     """Measure the quantity in a process of its own, on so many cores."""
     chosen = sorted(os.sched_getaffinity(0))[:cores]
     words = [sys.executable, __file__, "--quantity", quantity, "--sites", str(sites)]
@@ -73,16 +73,16 @@ def main() -> int:
     parser = argparse.ArgumentParser(description="Time and bytes a site of large rings.")
     parser.add_argument("--sites", type=int, nargs="+", default=[FEW, 10**5, 10**6, 10**7])
     parser.add_argument("--quantity", choices=["time", "bytes"])
-    asked = parser.parse_args()
-    if asked.quantity:
-        print({"time": nanoseconds, "bytes": peak_bytes}[asked.quantity](*asked.sites))
+    options = parser.parse_args()
+    if options.quantity:
+        print({"time": nanoseconds, "bytes": peak_bytes}[options.quantity](*options.sites))
         return 0
     cores = len(os.sched_getaffinity(0))
-    base = apart("bytes", FEW, cores)
-    cached = apart("time", FEW, 1)
-    for sites in asked.sites:
-        one, all_ = (apart("time", sites, used) for used in (1, cores))
-        memory = (apart("bytes", sites, cores) - base) / sites
+    base = in_process("bytes", FEW, cores)
+    cached = in_process("time", FEW, 1)
+    for sites in options.sites:
+        one, all_ = (in_process("time", sites, used) for used in (1, cores))
+        memory = (in_process("bytes", sites, cores) - base) / sites
         print(
             f"{sites:9d} sites: {one:.3f} ns a site and force evaluation on one core "
             f"({one / cached:.2f} times that in the cache), {all_:.3f} on {cores}; "

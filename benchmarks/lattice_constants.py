@@ -70,8 +70,8 @@ def print_blocks() -> None:
             for value in (getattr(ring_kernel, name), *values)
         )
         shares = [share / whole for share in shares]
-        told = ", ".join(f"{v}: {share:.2f}" for v, share in zip(values, shares, strict=True))
-        print(f"{name} = {getattr(ring_kernel, name)} takes 1.00; {told}")
+        entries = ", ".join(f"{v}: {share:.2f}" for v, share in zip(values, shares, strict=True))
+        print(f"{name} = {getattr(ring_kernel, name)} takes 1.00; {entries}")
 
 
 def print_cores() -> None:
@@ -123,8 +123,8 @@ def print_absorbers() -> None:
                 f"{share * usual:g}": left_of(*packet, **absorbing, strength=share * usual)
                 for share in (0.5, 1.0, 2.0)
             }
-            told = ", ".join(f"{strength}: {part:.0e}" for strength, part in left.items())
-            print(f"{name} = 1/{1 / (factor * chosen):g}; left at a strength of {told}")
+            entries = ", ".join(f"{strength}: {part:.0e}" for strength, part in left.items())
+            print(f"{name} = 1/{1 / (factor * chosen):g}; left at a strength of {entries}")
         setattr(absorber, name, chosen)
 
 

@@ -184,14 +184,14 @@ def _work(tool: str, text: ProblemText, limit: float) -> tuple[str, float]:
 
 
 def attempts(
-    asked: Sequence[tuple[str, ProblemText]], limit: float, workers: int, report: Progress
+    statements: Sequence[tuple[str, ProblemText]], limit: float, workers: int, report: Progress
 ) -> Iterator[Attempt]:
     """Ask each tool about each statement, ``workers`` at a time, as they come to an end."""
-    task = report.add_task("attempts", total=len(asked))
-    jobs = [Job(_work, (tool, text, limit), seconds=PATIENCE * limit) for tool, text in asked]
+    task = report.add_task("attempts", total=len(statements))
+    jobs = [Job(_work, (tool, text, limit), seconds=PATIENCE * limit) for tool, text in statements]
     for place, call in as_ended(enumerate(jobs), LocalWorkers(workers, apart=True)):
         answer, seconds = (SILENT, limit) if call.error else call.value
-        tool, text = asked[place]
+        tool, text = statements[place]
         report.advance(task)
         yield Attempt(tool, text.name, _judged(answer, text.expect), seconds)
 
@@ -215,8 +215,8 @@ def attempts_table(found: list[Attempt], texts: Sequence[ProblemText], limit: fl
         table.add_column(heading, justify="right" if place > 1 else "left")
     holding = {text.name for text in texts if text.expect == Outcome.PROVED}
     for tool in TOOLS:
-        for kind, wanted in (("solutions", True), ("wrong variants", False)):
-            own = [a for a in found if a.tool == tool and (a.name in holding) == wanted]
+        for kind, is_solution in (("solutions", True), ("wrong variants", False)):
+            own = [a for a in found if a.tool == tool and (a.name in holding) == is_solution]
             if own:
                 counts = [sum(a.answer == k for a in own) for k in HEADINGS[3:7]]
                 times = [f"{f(a.seconds for a in own):.2f}" for f in (statistics.median, max)]
@@ -241,11 +241,11 @@ def main() -> None:
         console.print("maxima is not installed and left out")
         chosen = [tool for tool in chosen if tool != "maxima"]
     step = max(1, len(texts) // options.sample) if options.sample else 1
-    asked = [
+    statements = [
         (tool, text) for tool in chosen for text in (texts if tool == "longwave" else texts[::step])
     ]
     with Progress(console=console) as report:
-        found = list(attempts(asked, options.limit, options.workers, report))
+        found = list(attempts(statements, options.limit, options.workers, report))
     for attempt in found:
         if attempt.answer == WRONG:
             console.print(f"wrong: {attempt.tool} on {attempt.name}", highlight=False)

@@ -78,11 +78,13 @@ def bookkeeping(count: int) -> None:
     marks = dict.fromkeys((0.1, 0.5, 1.0), False)
 
     def look(state: SweepState) -> None:
-        for share, seen in marks.items():
-            if not seen and state.done >= share * state.cells:
+        for share, is_marked in marks.items():
+            if not is_marked and state.done >= share * state.cells:
                 marks[share] = True
-                held = [f"{resident(one.pid):.0f}" for one in active_children() if one.pid]
-                print(f"{share:.0%} done: {resident():.0f} MB here, workers {', '.join(held)} MB")
+                memories = [f"{resident(one.pid):.0f}" for one in active_children() if one.pid]
+                print(
+                    f"{share:.0%} done: {resident():.0f} MB here, workers {', '.join(memories)} MB"
+                )
 
     with tempfile.TemporaryDirectory() as folder:
         store = RunStore(folder)
@@ -168,9 +170,9 @@ PACKED = 5000
 def fill(sweep: Sweep, store: RunStore) -> None:
     """Write packs in which the cells are done, each with a run of one number, but for some."""
     run = xr.Dataset({"error": ("time", [0.0])})
-    apart, records = len(sweep) // MISSED, list[CellRecord]()
+    missing_step, records = len(sweep) // MISSED, list[CellRecord]()
     for number in range(len(sweep)):
-        if number % apart:
+        if number % missing_step:
             key = store.key(sweep.scene(number))
             records.append(CellRecord(key, DONE, "", {"error": 1e-3, "seconds": 1.0}, run))
         if records and (len(records) == PACKED or number == len(sweep) - 1):
@@ -187,7 +189,7 @@ def million(count: int) -> None:
     }
     sweep = sweep_of({"scene": SCENE | {"snapshots": [0, 10]}, "grid": grid})
 
-    def told(what: str, begun: float, files: int) -> None:
+    def report(what: str, begun: float, files: int) -> None:
         taken = time.perf_counter() - begun
         print(f"{what:32s} {taken:8.2f} s {files:7d} files {resident():7.0f} MB", flush=True)
 
@@ -199,27 +201,27 @@ def million(count: int) -> None:
 
         begun = time.perf_counter()
         fill(sweep, store)
-        told(f"{len(sweep)} cells made", begun, files())
+        report(f"{len(sweep)} cells made", begun, files())
         for what in ("first look, all packs read", "look by the index"):
             begun = time.perf_counter()
-            held = store.held()
-            told(what, begun, files())
+            stored = store.held()
+            report(what, begun, files())
         for what in ("resume", "again"):
             begun = time.perf_counter()
             workers = LocalWorkers(os.cpu_count() or 1, use_one_thread)
             try:
-                done = run_sweep(sweep, store, workers, held=held).done
+                done = run_sweep(sweep, store, workers, held=stored).done
             finally:
                 workers.stop()
-            told(f"{what}: {done} run", begun, files())
-            held = store.held()
-        del held
+            report(f"{what}: {done} run", begun, files())
+            stored = store.held()
+        del stored
         begun = time.perf_counter()
         write_sweep(sweep, store, Path(folder) / "out.nc")
-        told("data set", begun, files())
+        report("data set", begun, files())
         begun = time.perf_counter()
         cell_run(sweep, store, A=half // 2, eps=0)
-        told("one cell", begun, files())
+        report("one cell", begun, files())
 
 
 if __name__ == "__main__":

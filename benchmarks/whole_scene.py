@@ -6,8 +6,8 @@ RK4 in NumPy on a ring wide enough to hold the wave's path, at the largest step 
 meets the same tolerance. Nobody waits for that: its step is found in a window about the crest, its
 seconds are those of a few hundred steps on the wide ring, multiplied up.
 
-NumPy uses one core, the run all: both are timed on one core, and what is waited for on all is told
-beside. (Where two cores of the machine are two threads of one, processor seconds of both together
+NumPy uses one core, the run all: both are timed on one core, and the elapsed time on all is printed
+as well. (Where two cores of the machine are two threads of one, processor seconds of both together
 are no measure of either.)
 """
 
@@ -38,7 +38,7 @@ LADDER = 0.1 * 2.0 ** (-np.arange(16) / 8)
 """Steps of RK4."""
 
 
-def asked(cores: set[int]) -> tuple[float, xr.Dataset]:
+def timed_run(cores: set[int]) -> tuple[float, xr.Dataset]:
     """Run the scene on those cores to the tolerance; return seconds with pilots, and the run."""
     usable = os.sched_getaffinity(0)
     os.sched_setaffinity(0, cores)
@@ -76,11 +76,11 @@ def rk4_seconds_per_step(h: float) -> float:
 def main() -> int:
     """Print seconds, errors and the ratio."""
     cores = os.sched_getaffinity(0)
-    asked(cores)
+    timed_run(cores)
     step = rk4_step()
     direct = rk4_seconds_per_step(step) * (END - BEGIN) / step
-    waited = min(asked(cores)[0] for _ in range(ROUNDS))
-    runs = [asked({min(cores)}) for _ in range(ROUNDS)]
+    waited = min(timed_run(cores)[0] for _ in range(ROUNDS))
+    runs = [timed_run({min(cores)}) for _ in range(ROUNDS)]
     seconds = min(spent for spent, _ in runs)
     found = runs[0][1]
     finer = strain(scheme="kahan_li_8", sites=CHECK_WINDOW, step=CHECK_STEP)

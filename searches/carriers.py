@@ -61,9 +61,9 @@ class CarrierCase:
 
     def stretch(self, name: str, k: float) -> Complex:
         """Return the stretch of a spring by each field's wave."""
-        ahead, start, end = LINKS[name]
+        offset, start, end = LINKS[name]
         row = np.zeros(2, complex)
-        row[end] += np.exp(1j * k * ahead)
+        row[end] += np.exp(1j * k * offset)
         row[start] -= 1.0
         return row
 
@@ -72,10 +72,10 @@ class CarrierCase:
         """The lattice with a symbol for each number."""
         bonds = []
         for i, (name, _, cubic) in enumerate(self.springs):
-            ahead, start, end = LINKS[name]
+            offset, start, end = LINKS[name]
             force = Symbol(f"K{i}", positive=True) * x
             force += Symbol(f"g{i}", real=True) * x**3 if cubic else 0
-            bonds.append(spring(force, ((0,), start), ((ahead,), end)))
+            bonds.append(spring(force, ((0,), start), ((offset,), end)))
         for i, tie in enumerate(self.ties):
             if tie:
                 bonds.append(on_site(Symbol(f"w{i}", positive=True) * x, i))
@@ -144,20 +144,20 @@ def _sound(case: CarrierCase) -> float:
 
 def judged(case: CarrierCase) -> str:
     """Return the differences to the judge in words; "" if all agrees."""
-    wanted = expected(case)
+    reference = expected(case)
     lattice, constants = case.lattice, case.constants
     for k in (case.k, None):
         try:
             at = envelope(lattice, k, case.branch, **constants)
             found = at.coefficients(case.k, case.branch, **constants)
         except ValueError as error:
-            if not (isinstance(wanted, str) and re.search(wanted, str(error))):
-                return f"{wanted} got {error}"
+            if not (isinstance(reference, str) and re.search(reference, str(error))):
+                return f"{reference} got {error}"
             continue
-        if isinstance(wanted, str):
-            return f"{wanted} got {found}"
-        unit = max(abs(wanted["p"]), wanted["omega"], abs(wanted["q"]))
-        for name, value in wanted.items():
+        if isinstance(reference, str):
+            return f"{reference} got {found}"
+        unit = max(abs(reference["p"]), reference["omega"], abs(reference["q"]))
+        for name, value in reference.items():
             if abs(getattr(found, name) - value) > AGREE * unit:
                 return f"{name} = {value} got {getattr(found, name)}, k = {k}"
     return ""

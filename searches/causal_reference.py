@@ -174,10 +174,10 @@ class CausalReference:
                 y, s = cone.closed(t, span.y, span.s)
                 h = (until - t) / steps
                 advance(self._scheme, y[None], s[None], h, steps, scene.model.lattice)
-                held = _Span(span.first - cone.room, y, s)
+                span = _Span(span.first - cone.room, y, s)
                 t = until
                 first, last = cone.needed(t)
-                span = _Span(first, *(part.copy() for part in held.part(first, last)))
+                span = _Span(first, *(part.copy() for part in span.part(first, last)))
                 yield t, span, steps
 
 

@@ -114,7 +114,7 @@ def drawn(seed: int) -> DrivenCase:
     springs = _factors(
         random, range(-1 if ends[0] not in (None, "free") else 0, cells), len(lattice.bonds)
     )
-    made = driven_chain(
+    chain = driven_chain(
         lattice,
         cells,
         left=ends[0],
@@ -130,7 +130,7 @@ def drawn(seed: int) -> DrivenCase:
     )
     moving = random.choice([0.0, size])
     state = State(0.0, *(moving * random.standard_normal((2, fields, cells))))
-    return DrivenCase(name, made, ends, state, float(end), float(tolerance), size, masses, springs)
+    return DrivenCase(name, chain, ends, state, float(end), float(tolerance), size, masses, springs)
 
 
 PUSHED: dict[str, tuple[str, ...]] = {
@@ -180,7 +180,7 @@ def pushed(seed: int) -> DrivenCase:
     springs: dict[int, list[float]] = {}
     if random.random() < 0.3:
         springs[int(random.integers(1, cells - 2))] = [0.0] * len(lattice.bonds)
-    made = driven_chain(
+    chain = driven_chain(
         lattice,
         cells,
         left=ends[0],
@@ -191,7 +191,7 @@ def pushed(seed: int) -> DrivenCase:
     )
     state = State(0.0, *np.zeros((2, 1, cells)))
     tolerance = 10.0 ** random.uniform(-9.0, -3.0)
-    return DrivenCase(name, made, ends, state, end, tolerance, 1.0, {}, springs)
+    return DrivenCase(name, chain, ends, state, end, tolerance, 1.0, {}, springs)
 
 
 def _factors(
@@ -260,8 +260,8 @@ def _slopes(case: DrivenCase) -> Callable[[float, Array], Array]:
      as many cells as a force reaches stand at either end: what is wrong where they meet is not
     felt.
     """
-    lattice, made, (fields, cells) = case.chain.ordered, case.chain, case.state.f.shape
-    masses, rates = np.array(lattice.masses)[:, None], np.array(made.losses)[:, None]
+    lattice, chain, (fields, cells) = case.chain.ordered, case.chain, case.state.f.shape
+    masses, rates = np.array(lattice.masses)[:, None], np.array(chain.losses)[:, None]
     heavier, room = np.ones((fields, cells)), 3 * lattice.reach
     for cell, factors in case.mass_factors.items():
         heavier[:, cell] = factors
@@ -291,15 +291,15 @@ def _slopes(case: DrivenCase) -> Callable[[float, Array], Array]:
 
     reached = [held_by(bond) for bond in lattice.bonds]
 
-    def slopes(t: float, held: Array) -> Array:
-        f, v = held[:-2].reshape(2, fields, cells)
+    def slopes(t: float, state: Array) -> Array:
+        f, v = state[:-2].reshape(2, fields, cells)
         work, heat = 0.0, float(np.sum(masses * rates * v * v))
         at = [float(end(np.array(t))) if callable(end) else None for end in case.ends]
         speed = [float(end.slope(np.array(t))) if callable(end) else None for end in case.ends]
         x, rate = wide(f, (at[0], at[1])), wide(v, (speed[0], speed[1]))
         walls = np.zeros_like(rate) if case.ends[0] is None else wide(0.0 * v, (speed[0], speed[1]))
         total = np.zeros_like(x)
-        bonds = zip(lattice.bonds, made.dashpots, reached, stiffer, strict=True)
+        bonds = zip(lattice.bonds, chain.dashpots, reached, stiffer, strict=True)
         for bond, dashpot, (cut, own), factor in bonds:
             with np.errstate(all="ignore"):
                 force = bond.force(bond.stretched(x))
@@ -311,7 +311,7 @@ def _slopes(case: DrivenCase) -> Callable[[float, Array], Array]:
             for entry in bond.action:
                 total[entry.field] += entry.weight * np.roll(force, -entry.shift[0])
         total = total[:, room : room + cells]
-        for push in made.outer_forces:
+        for push in chain.outer_forces:
             value = float(push.value(np.array(t)))
             total[push.field, push.site] += value
             work += value * v[push.field, push.site]
@@ -342,19 +342,19 @@ def balance_error(case: DrivenCase, found: Refined, exact: tuple[Array, Array]) 
     assert found.trial.values is not None
     start, end = found.trial.values
     energy = case.chain.energy(*case.chain.held(State(case.end, *exact[0])).arrays)
-    apart = np.abs(end - [energy, *exact[1]]).max()
-    return max(float(apart), abs((end - start) @ [1.0, -1.0, 1.0]) / 3.0)
+    difference = np.abs(end - [energy, *exact[1]]).max()
+    return max(float(difference), abs((end - start) @ [1.0, -1.0, 1.0]) / 3.0)
 
 
 def true_error(case: DrivenCase, run: Trajectory, exact: Array) -> float:
     """Return the largest error of the displacements, or of the stretches of a free chain."""
-    apart = run.f[-1] - exact[0]
+    difference = run.f[-1] - exact[0]
     if case.ends[0] is None:
-        stretched = np.array(case.chain.ordered.stretches(apart))
+        stretched = np.array(case.chain.ordered.stretches(difference))
         return float(np.abs(stretched).max())
     if "free" in case.ends:
-        return float(np.abs(np.diff(apart, axis=1)).max())
-    return float(np.abs(apart).max())
+        return float(np.abs(np.diff(difference, axis=1)).max())
+    return float(np.abs(difference).max())
 
 
 def attacked(seed: int) -> tuple[float, float, str]:
@@ -461,20 +461,20 @@ def main() -> int:
     words.add_argument("--count", type=int, default=2000)
     words.add_argument("--seed", type=int, default=0)
     words.add_argument("--pushed", action="store_true", help="push walls beyond a bond's length")
-    asked = words.parse_args()
-    if asked.pushed:
-        return push(asked.seed, asked.count)
+    options = words.parse_args()
+    if options.pushed:
+        return push(options.seed, options.count)
     worst, refused = np.zeros(2), 0
-    for seed in range(asked.seed, asked.seed + asked.count):
+    for seed in range(options.seed, options.seed + options.count):
         *found, text = attacked(seed)
         shares = np.array(found)
         refused += bool(np.isnan(shares).any())
         worst = np.fmax(worst, shares)
         if np.fmax.reduce(shares) > NEAR:
-            told = ", of energies ".join(f"{share:.2f}" for share in shares)
-            print(f"seed {seed}: {told} of the estimate; {text}", flush=True)
+            ratios = ", of energies ".join(f"{share:.2f}" for share in shares)
+            print(f"seed {seed}: {ratios} of the estimate; {text}", flush=True)
     print(
-        f"{asked.count} chains, {refused} refused, largest error {worst[0]:.3f} of its estimate, "
+        f"{options.count} chains, {refused} refused, largest error {worst[0]:.3f} of its estimate, "
         f"of energy, work and heat {worst[1]:.3f}"
     )
     return int(worst.max() > 1.0)

@@ -186,11 +186,11 @@ def _true_error(scene: Scene, strain: Array, estimate: float) -> tuple[float, fl
     Where a shorter step makes the reference worse, rounding is what is left.
     """
     reference = CausalReference(scene)
-    wanted = GOOD * max(estimate, 1e-13)
-    share = max(FINE, FIRST * min(1.0, wanted / 1e-6) ** (1.0 / (ORDER + 1)))
+    accuracy = GOOD * max(estimate, 1e-13)
+    share = max(FINE, FIRST * min(1.0, accuracy / 1e-6) ** (1.0 / (ORDER + 1)))
     coarse = reference.run(share * reference.longest_step).strain
     largest = float(np.max(np.abs(coarse))) / scene.eps
-    wanted = max(GOOD * estimate, FLOOR * largest)
+    accuracy = max(GOOD * estimate, FLOOR * largest)
     shorter, best = RATIO, (math.inf, math.inf)
     while True:
         share *= shorter
@@ -199,10 +199,10 @@ def _true_error(scene: Scene, strain: Array, estimate: float) -> tuple[float, fl
         true = float(np.max(np.abs(strain - fine[: len(strain)]))) / scene.eps
         worse, best = best[0] <= min(own, ROUNDED * largest), min(best, (own, true))
         clear = own <= GOOD * (true - estimate)
-        shorter = min(RATIO, 0.9 * (wanted / max(own, NOTHING)) ** (1.0 / ORDER))
+        shorter = min(RATIO, 0.9 * (accuracy / max(own, NOTHING)) ** (1.0 / ORDER))
         step = share * shorter * reference.longest_step
         dear = UPDATE * reference.evaluations(step) > REFERENCE_SECONDS
-        if own <= wanted or clear or dear or worse or share < SHORTEST:
-            good = best[0] <= wanted
+        if own <= accuracy or clear or dear or worse or share < SHORTEST:
+            good = best[0] <= accuracy
             return best[1], best[0] if good else PARTED * best[0], good
         coarse = fine

@@ -64,15 +64,15 @@ def true_certificates(whole: bool) -> list[Data]:
 
 def shown_false(rng: Random, texts: Texts) -> bool:
     """Return whether an equation fails at two points of the domain at least."""
-    balls, seen = TextBalls(texts), 0
+    balls, failures = TextBalls(texts), 0
     for point in points(rng, texts, 4):
         for text in texts["equations"]:
             try:
-                seen += not balls.value(text, point).contains(0)
+                failures += not balls.value(text, point).contains(0)
                 break
             except (CannotJudge, LookupError, ValueError, TypeError, AttributeError):
                 continue
-        if seen >= SEEN:
+        if failures >= SEEN:
             return True
     return False
 
@@ -200,8 +200,8 @@ GAPS = (
 
 def forged(rng: Random) -> Data:
     """Return a statement that a formula equals a hint, with all hints that could support it."""
-    made = RandomText(rng, ["x", "x", "n", "k", "I", "y"], (*ONE_PLACE[:12], "jacobi"))
-    f, g = (f"({made.formula(rng.choice((0, 0, 1, 2)))})" for _ in range(2))
+    draft = RandomText(rng, ["x", "x", "n", "k", "I", "y"], (*ONE_PLACE[:12], "jacobi"))
+    f, g = (f"({draft.formula(rng.choice((0, 0, 1, 2)))})" for _ in range(2))
     pattern = rng.choice(list(PAIRS))
     left, value = (p.format(f=f, g=g) for p in (pattern, rng.choice(PAIRS[pattern])))
     gap = rng.choice(GAPS).format(f=f)
@@ -219,8 +219,8 @@ def forged(rng: Random) -> Data:
     atoms = ["I", "x", "n", "k", "y", "pi", "(-1)**n", f"abs({f})", f"{f}**(1/2)", f"{g}**(1/2)"]
     atoms += [f"abs({g})", f"exp({f})", f"exp(I*{f})", f"log({f})", f"log({g})", f"exp({g})"]
     atoms += [f"jacobi_{name}({f}, 1/2)" for name in ("sn", "cn", "dn")]
-    kept = [atom for atom in atoms[6:] if atom in f"{left} {value} {signs}" or rng.random() < 0.05]
-    rng.shuffle(kept)
+    used = [atom for atom in atoms[6:] if atom in f"{left} {value} {signs}" or rng.random() < 0.05]
+    rng.shuffle(used)
     inside = next(points(rng, texts, 1), None) or {}
     point = {k: str(v) for k, v in inside.items() if isinstance(v, fmpq)}
     point |= dict.fromkeys({"x", "n", "k", "y"} - point.keys(), rng.choice(("1", "1/2", "-1/3")))
@@ -229,11 +229,11 @@ def forged(rng: Random) -> Data:
     proof = Proof()
     whole, part = proof.place("1"), proof.place(value)
     more: list[Any] = [["part", 0]] if rng.random() < 0.3 else []
-    same = proof.data(atoms[:6] + kept, point)
+    same = proof.data(atoms[:6] + used, point)
     logs = {f"log({f}*{g})": {f: "1", g: "1"}, f"log({f}**2)": {f: "2"}}
     logs |= {f"log(exp({f}))": {f"exp({f})": "1"}, f"log(exp(I*{f}))": {f"exp(I*{f})": "1"}}
     data = proof.data(
-        [*atoms[:6], *kept, *([rng.choice(("2", "0"))] if more else [])],
+        [*atoms[:6], *used, *([rng.choice(("2", "0"))] if more else [])],
         point,
         more=more,
         parts=[[whole, whole, same], [part, part, same]][: 1 + rng.randrange(2)] if more else [],

@@ -265,7 +265,7 @@ def main() -> int:
     words = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     words.add_argument("--count", type=int, default=20_000)
     words.add_argument("--seed", type=int, default=0)
-    asked = words.parse_args()
+    options = words.parse_args()
     kinds: Counter[str] = Counter()
     worst = [0.0]
 
@@ -279,8 +279,8 @@ def main() -> int:
                 flush=True,
             )
 
-    seed = asked.seed
-    while kinds.total() < asked.count:
+    seed = options.seed
+    while kinds.total() < options.count:
         evolve(seed, tell)
         seed += 1
         print(f"{kinds.total()} runs, {dict(kinds)}, largest ratio {worst[0]:.3g}", flush=True)

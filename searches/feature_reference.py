@@ -52,15 +52,15 @@ def slopes(
     for place in range(n + 1):
         before = left if place == 0 else y[place - 1]
         x = (0.0 if place == n else y[place]) - before
-        ahead = x + quartic * x * x * x
+        force = x + quartic * x * x * x
         if kind == 0:
-            ahead += feature(x, numbers) - base
+            force += feature(x, numbers) - base
         if free and (place == n or (place == 0 and kind == 0)):
-            ahead = 0.0
+            force = 0.0
         if place:
-            found[n + place - 1] = ahead - pull - loss * y[n + place - 1]
+            found[n + place - 1] = force - pull - loss * y[n + place - 1]
             found[place - 1] = y[n + place - 1]
-        pull = ahead
+        pull = force
     if kind == 1:
         found[n] += feature(t, numbers)
     found[2 * n] = feature(t, numbers) if kind == 3 else 0.0

@@ -37,7 +37,7 @@ class Proof:
         return " + ".join(products) or "0"
 
     def words(self, functions: Sums) -> Pairs:
-        """Return functions whose arguments are sums, such as ``exp(x)`` or ``jacobi_sn(x, 1/2)``."""
+        """Return functions of sums, such as ``exp(x)`` or ``jacobi_sn(x, 1/2)``."""
         found = {}
         for text, terms in functions.items():
             name, _, inner = text.partition("(")

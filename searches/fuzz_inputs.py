@@ -113,9 +113,7 @@ def problem(draw: Random) -> FuzzCase:
 
 
 def certificate(draw: Random) -> FuzzCase:
-    """Return a certificate, checked; its digest is made to fit, so that more than this is looked
-    at.
-    """
+    """Return a certificate to be checked, with a fitting digest, so that the rest is read."""
     from longwave.verify.kernel.limits import digest
 
     data: Any = json.loads(draw.choice(certificates()))

@@ -82,7 +82,7 @@ def read_one(content: bytes) -> None:
 
 
 if __name__ == "__main__":
-    for made in KINDS.values():
-        made(Random(0))  # seeds are made before anything is measured
+    for make in KINDS.values():
+        make(Random(0))  # seeds are made before anything is measured
     atheris.Setup(sys.argv, read_one)
     atheris.Fuzz()

@@ -262,9 +262,7 @@ solve = "c"
 
 @cache
 def seeds(kind: str) -> tuple[str, ...]:
-    """Return the files that are changed; what is shipped takes longer than what is made to be
-    small.
-    """
+    """Return the files that are changed; the shipped ones take longer than those made small."""
     folders = {"scene": "scenes/shipped/paper", "lattice scene": "scenes/shipped/lattices"}
     if kind == "lattice":
         return LATTICES

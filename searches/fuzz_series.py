@@ -82,7 +82,7 @@ def _alone(server: FuzzServer, case: FuzzCase, faults: Sequence[str]) -> Ending:
 def _series(
     server: FuzzServer, cases: Sequence[FuzzCase]
 ) -> tuple[list[Ending], Sequence[str] | None]:
-    """Return the good endings of the first ones, and what is wrong with the next: None if nothing."""
+    """Return the good endings of the first ones, and the faults of the next, or None."""
     place = server.folder / "case"
     reading, writing = os.pipe()
     child = forked()
@@ -108,12 +108,12 @@ def _run_and_exit(
     command: Callable[[list[str]], int], cases: Sequence[FuzzCase], place: Path, pipe: int
 ) -> NoReturn:
     """Run inputs until one is not plainly good; each is a line in the pipe."""
-    watched: list[WriteWatcher] = []
+    watchers: list[WriteWatcher] = []
     try:
         confine()
 
         def watch(event: str, arguments: tuple[Any, ...]) -> None:
-            for one in watched:
+            for one in watchers:
                 one(event, arguments)
 
         sys.addaudithook(watch)
@@ -122,7 +122,7 @@ def _run_and_exit(
             lay_out(case, place)
             enter(case, place)
             begun = _used()
-            watched.append(watcher := WriteWatcher(case, place))
+            watchers.append(watcher := WriteWatcher(case, place))
             status: int | None = None
             try:
                 status = command(list(case.words))
@@ -130,7 +130,7 @@ def _run_and_exit(
                 traceback.print_exc()
             sys.stdout.flush()
             sys.stderr.flush()
-            watched.clear()
+            watchers.clear()
             os.close(watcher.report)
             *_, faults = faults_of(case, place, 1 if status is None else status)
             good = status is not None and not faults and not announced(place)

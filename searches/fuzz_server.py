@@ -145,12 +145,12 @@ class FuzzServer:
         child = forked()
         if child == 0:
             _run_and_exit(self.command or call_longwave, case, place)
-        watched = _watch(child, place, self.anonymous)
-        out, errors, found = faults_of(case, place, watched.status, watched.stopped)
-        faults = [*watched.faults, *found]
+        watcher = _watch(child, place, self.anonymous)
+        out, errors, found = faults_of(case, place, watcher.status, watcher.stopped)
+        faults = [*watcher.faults, *found]
         return Ending(
-            watched.status, out, errors, watched.seconds, watched.megabytes, watched.announced,
-            watched.stopped, tuple(dict.fromkeys(faults)),
+            watcher.status, out, errors, watcher.seconds, watcher.megabytes, watcher.announced,
+            watcher.stopped, tuple(dict.fromkeys(faults)),
         )  # fmt: skip
 
 
@@ -357,8 +357,8 @@ def seconds_of(process: int) -> float:
     ticks = 0
     for one in tree_of(process):
         with contextlib.suppress(OSError, IndexError):
-            told = Path(f"/proc/{one}/stat").read_text(encoding="utf-8", errors="replace")
-            ticks += sum(map(int, told.rpartition(")")[2].split()[11:15]))
+            status = Path(f"/proc/{one}/stat").read_text(encoding="utf-8", errors="replace")
+            ticks += sum(map(int, status.rpartition(")")[2].split()[11:15]))
     return ticks / os.sysconf("SC_CLK_TCK")
 
 
@@ -366,14 +366,14 @@ def runs(process: int) -> bool:
     """Return whether a process, or one that it has started, waits for nothing but the processor."""
     for one in tree_of(process):
         with contextlib.suppress(OSError, IndexError):
-            told = Path(f"/proc/{one}/stat").read_text(encoding="utf-8", errors="replace")
-            if told.rpartition(")")[2].split()[0] in "RD":
+            status = Path(f"/proc/{one}/stat").read_text(encoding="utf-8", errors="replace")
+            if status.rpartition(")")[2].split()[0] in "RD":
                 return True
     return False
 
 
 def megabytes_of(process: int, start: float) -> float:
-    """Return the memory beyond the start; too little for a process that was not forked from here."""
+    """Return memory beyond the start; too little for a process that was not forked from here."""
     return sum(max(0.0, kilobytes_of(one) - start) for one in tree_of(process)) / 1000
 
 
@@ -417,12 +417,12 @@ def _said(status: int | None, stopped: bool, out: str, errors: str) -> Iterator[
         yield f"warning: {errors[errors.index('Warning') - 30 :][:100]!r}"
     lines = errors.splitlines()
     pictures = status == 2  # the part of a formula that is meant, below the error
-    told = [line for line in lines if not ANNOUNCED.search(line)]
-    told = [line for line in told if not (pictures and line.startswith("    "))]
-    if status == 2 and not _are_errors(told):
-        yield f"lines: {len(told)} for status 2: {told[:2]}"
-    if status == 130 and not (told and told[-1].count("interrupted")):
-        yield f"lines: no word of the interruption: {told[-2:]}"
+    messages = [line for line in lines if not ANNOUNCED.search(line)]
+    messages = [line for line in messages if not (pictures and line.startswith("    "))]
+    if status == 2 and not _are_errors(messages):
+        yield f"lines: {len(messages)} for status 2: {messages[:2]}"
+    if status == 130 and not (messages and messages[-1].count("interrupted")):
+        yield f"lines: no word of the interruption: {messages[-2:]}"
     if any(len(line) > LONGEST_LINE for line in lines):
         yield f"long: a line of {max(map(len, lines))} characters"
     strange = sorted({sign for sign in out + errors if not sign.isprintable() and sign != "\n"})
@@ -430,10 +430,10 @@ def _said(status: int | None, stopped: bool, out: str, errors: str) -> Iterator[
         yield f"signs: {strange[:5]}"
 
 
-def _are_errors(told: Sequence[str]) -> bool:
+def _are_errors(messages: Sequence[str]) -> bool:
     """Return whether there is one error, or one for each unreadable statement and their number."""
-    several = bool(told) and UNREADABLE.fullmatch(told[-1]) is not None
-    errors = told[:-1] if several else told
+    several = bool(messages) and UNREADABLE.fullmatch(messages[-1]) is not None
+    errors = messages[:-1] if several else messages
     alone = several or len(errors) == 1
     return bool(errors) and alone and all(line.startswith("error: ") for line in errors)
 
@@ -443,8 +443,8 @@ def _files(case: FuzzCase, place: Path) -> Iterator[str]:
     yield from sorted(set(_text(place / "watched").splitlines()))
     for name, content in case.files.items():
         path = place / "work" / name
-        kept = path.is_file() and path.read_bytes() == content
-        if not kept and "--force" not in case.words:
+        is_unchanged = path.is_file() and path.read_bytes() == content
+        if not is_unchanged and "--force" not in case.words:
             yield f"overwritten: {name}"
     named = {word.strip("/") for word in case.words}
     for path in (place / "work").rglob("*"):

@@ -106,8 +106,8 @@ def _shorter(case: FuzzCase) -> Iterator[FuzzCase]:
         while size > 1:
             size //= 2
             for i in range(0, len(lines), size):
-                kept = b"\n".join(lines[:i] + lines[i + size :])
-                yield replace(case, files={**case.files, name: kept})
+                shorter = b"\n".join(lines[:i] + lines[i + size :])
+                yield replace(case, files={**case.files, name: shorter})
 
 
 def keep(folder: Path, name: str, case: FuzzCase, ending: Ending) -> None:
@@ -116,7 +116,7 @@ def keep(folder: Path, name: str, case: FuzzCase, ending: Ending) -> None:
     place.mkdir(parents=True, exist_ok=True)
     for file, content in case.files.items():
         (place / file).write_bytes(content)
-    seen = {
+    known = {
         "words": case.words,
         "faults": ending.faults,
         "status": ending.status,
@@ -125,7 +125,7 @@ def keep(folder: Path, name: str, case: FuzzCase, ending: Ending) -> None:
         "errors": ending.errors[-3000:],
         "out": ending.out[-500:],
     }
-    text = json.dumps(seen, indent=1)
+    text = json.dumps(known, indent=1)
     (place / "seen.json").write_text(text, encoding="utf-8")
 
 
@@ -135,7 +135,7 @@ def fuzz(kinds: Sequence[str], seed: int, rounds: range, folder: Path) -> dict[s
     Ctrl-C or SIGTERM ends it with the tallies until then.
     """
     tallies = {kind: Tally() for kind in kinds}
-    said = time.monotonic()
+    last_report = time.monotonic()
     with contextlib.suppress(KeyboardInterrupt), FuzzServer() as server:
         for kind, numbers in _portions(kinds, rounds):
             cases = [case_of(kind, seed, number) for number in numbers]
@@ -146,8 +146,8 @@ def fuzz(kinds: Sequence[str], seed: int, rounds: range, folder: Path) -> dict[s
                     words = shlex.join(word[:60] for word in case.words)
                     print(ascii(f"{name}: {'; '.join(ending.faults)[:300]}: {words}"), flush=True)
                     keep(folder, name, minimised(server, case, ending), ending)
-            if time.monotonic() - said > SAID:
-                said = time.monotonic()
+            if time.monotonic() - last_report > SAID:
+                last_report = time.monotonic()
                 inputs, faults = (
                     sum(getattr(tally, what) for tally in tallies.values())
                     for what in ("inputs", "faults")

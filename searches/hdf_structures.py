@@ -91,26 +91,26 @@ def _place(file: Any, random: Random) -> _Place:
         name = f"new{random.randrange(10**6)}"
         return _Place(random.choice(_groups(file)), name, (random.randint(1, 9),), {})
     old = random.choice(arrays)
-    kept = {key: old.attrs[key] for key in old.attrs if key not in LISTS}
-    place = _Place(old.parent, old.name.rpartition("/")[2], old.shape or (1,), kept)
+    attributes = {key: old.attrs[key] for key in old.attrs if key not in LISTS}
+    place = _Place(old.parent, old.name.rpartition("/")[2], old.shape or (1,), attributes)
     del place.group[place.name]
     return place
 
 
 def in_another_file(file: Any, random: Random, secret: Path) -> None:
     """Add an array whose bytes stand in a file of the reader's."""
-    group, name, shape, kept = _place(file, random)
+    group, name, shape, attributes = _place(file, random)
     size = 8 * int(np.prod(shape))
     external = [(str(secret), random.choice((0, 8)), size)]
-    _finish(group.create_dataset(name, shape, "f8", external=external), kept, random)
+    _finish(group.create_dataset(name, shape, "f8", external=external), attributes, random)
 
 
 def virtual(file: Any, random: Random, secret: Path) -> None:
     """Add an array that is made of one in another file."""
-    group, name, shape, kept = _place(file, random)
+    group, name, shape, attributes = _place(file, random)
     layout = h5py.VirtualLayout(shape, "f8")
     layout[...] = h5py.VirtualSource(secret.with_suffix(".h5"), "a", shape)
-    _finish(group.create_virtual_dataset(name, layout), kept, random)
+    _finish(group.create_virtual_dataset(name, layout), attributes, random)
 
 
 def linked(file: Any, random: Random, secret: Path) -> None:
@@ -139,12 +139,14 @@ def linked_often(file: Any, random: Random, _: Path) -> None:
 
 def filled(file: Any, random: Random, _: Path) -> None:
     """Add an array of any size that was never written."""
-    group, name, shape, kept = _place(file, random)
+    group, name, shape, attributes = _place(file, random)
     shape = (*shape[:-1], 10 ** random.randint(1, 11))
     kind = random.choice(("f8", "i1", TEXT, "S8"))
     value = random.choice((None, 60_000 * "x")) if kind == TEXT else None
     chunks = tuple(min(n, 10**5) for n in shape)
-    _finish(group.create_dataset(name, shape, kind, chunks=chunks, fillvalue=value), kept, random)
+    _finish(
+        group.create_dataset(name, shape, kind, chunks=chunks, fillvalue=value), attributes, random
+    )
 
 
 def filtered(file: Any, random: Random, _: Path) -> None:
@@ -160,12 +162,12 @@ def filtered(file: Any, random: Random, _: Path) -> None:
 
 def of_another_kind(file: Any, random: Random, _: Path) -> None:
     """Add records, references, lists, texts of any length, or opaque bytes."""
-    group, name, shape, kept = _place(file, random)
+    group, name, shape, attributes = _place(file, random)
     kinds = (
         np.dtype([("x", "f8"), ("y", TEXT)]), h5py.ref_dtype, h5py.vlen_dtype("f8"), TEXT,
         np.dtype("V16"), np.dtype("c16"), np.dtype("S100000"), np.dtype("f2"), np.dtype("?"),
     )  # fmt: skip
-    _finish(group.create_dataset(name, shape, random.choice(kinds)), kept, random)
+    _finish(group.create_dataset(name, shape, random.choice(kinds)), attributes, random)
 
 
 def attributed(file: Any, random: Random, _: Path) -> None:
@@ -194,10 +196,10 @@ CHANGES: tuple[Change, ...] = (
 )  # fmt: skip
 
 
-def _finish(array: Any, kept: dict[str, Any], random: Random) -> None:
+def _finish(array: Any, attributes: dict[str, Any], random: Random) -> None:
     """Give an array the attributes ``kept``, and a name that h5netcdf may know."""
     if random.random() < 0.8:
-        array.attrs.update(kept)
+        array.attrs.update(attributes)
     if random.random() < 0.5:
         name = random.choice(NAMES)
         if random.random() < 0.5 and array.shape:
@@ -228,8 +230,8 @@ def _read_pack(path: Path) -> list[NDArray[Any]]:
 
 
 def _read_index(path: Path) -> list[NDArray[Any]]:
-    held = pack_index(path.parents[1])
-    places = [cell for key in ("k0", "k1") if (cell := held.get(key)) is not None]
+    index = pack_index(path.parents[1])
+    places = [cell for key in ("k0", "k1") if (cell := index.get(key)) is not None]
     return [v for _, place in places if place is not None for v in _values(place.load())]
 
 
@@ -304,9 +306,9 @@ def fault(path: Path, read: Reader) -> str:
         try:
             values = read(path)
         except (ValueError, OSError, MemoryError) as error:
-            values, said = [], str(error)
-            if "\n" in said or len(said) > 2000:
-                return f"an error of several lines: {said[:80]!r}"
+            values, message = [], str(error)
+            if "\n" in message or len(message) > 2000:
+                return f"an error of several lines: {message[:80]!r}"
         except Exception as error:
             return f"{type(error).__name__}: {error}"
     if any(v.dtype.kind == "f" and np.any(v == SECRET) for v in values):
@@ -321,7 +323,7 @@ def fault(path: Path, read: Reader) -> str:
 def search(count: int, seed: int) -> tuple[Counter[str], list[str]]:
     """Count how often each kind was read or refused; return also the numbered faults."""
     random = Random(seed)
-    seen: Counter[str] = Counter()
+    counts: Counter[str] = Counter()
     faults = []
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -337,11 +339,11 @@ def search(count: int, seed: int) -> tuple[Counter[str], list[str]]:
             path.parent.mkdir(parents=True)
             names = changed(whole, path, random, secret)
             found = fault(path, read)
-            seen[kind] += 1
+            counts[kind] += 1
             if found:
                 faults.append(f"{kind} {number} of seed {seed} ({names}): {found}")
             shutil.rmtree(place)
-    return seen, faults
+    return counts, faults
 
 
 def main() -> int:
@@ -351,8 +353,8 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0)
     given = parser.parse_args()
     LOG.setLevel(logging.ERROR)
-    seen, faults = search(given.count, given.seed)
-    print(*faults, f"{len(faults)} faults in {dict(seen)}", sep="\n")
+    counts, faults = search(given.count, given.seed)
+    print(*faults, f"{len(faults)} faults in {dict(counts)}", sep="\n")
     return bool(faults)
 
 

@@ -78,8 +78,8 @@ def by_solving(texts: Texts, limit: float) -> tuple[int, list[str]]:
     """Run the same with ``--solve``: for k, or for the hostile part where it is short."""
     words = [word for part, text in zip(PARTS, texts, strict=True) for word in (f"--{part}", text)]
     sought = next((text for text in texts if text not in USUAL), "k")
-    wanted = sought if 0 < len(sought) < 20 else "k"
-    return _commanded([*words, "--solve", wanted, "--limit", str(limit), "--json"])
+    solve = sought if 0 < len(sought) < 20 else "k"
+    return _commanded([*words, "--solve", solve, "--limit", str(limit), "--json"])
 
 
 def by_file(texts: Texts, limit: float) -> tuple[int, list[str]]:

@@ -55,13 +55,13 @@ LIKENESSES = ("ux", "u_t", "ubar", "u_bar", "uxx", "ustar", "u_x", "\u0443")
 
 
 def field_of(
-    nodes: Nodes, statement: Statement, wanted: Sequence[int], hints: Hints = HINTLESS
+    nodes: Nodes, statement: Statement, roots: Sequence[int], hints: Hints = HINTLESS
 ) -> Field:
-    """Return a field with a generator for whatever may be one below ``wanted``."""
+    """Return a field with a generator for whatever may be one below ``roots``."""
     positive = {nodes.gap(a, b): weak for weak, a, b in statement.domain}
     field = Field(nodes, MOST, statement.variables, positive, hints)
     taken = []
-    for node in list(atoms(nodes, [*wanted, *statement.variables])):
+    for node in list(atoms(nodes, [*roots, *statement.variables])):
         if len(field.generators) < MOST and node not in hints.values:
             try:
                 field.register(node)
@@ -74,10 +74,10 @@ def field_of(
     return exact
 
 
-def atoms(nodes: Nodes, wanted: Sequence[int]) -> Iterator[int]:
-    """Yield the functions below ``wanted`` that may be generators, and their own arguments."""
+def atoms(nodes: Nodes, roots: Sequence[int]) -> Iterator[int]:
+    """Yield the functions below ``roots`` that may be generators, and their own arguments."""
     imaginary = nodes.made("I")
-    for node in [imaginary, *nodes.below(wanted)]:
+    for node in [imaginary, *nodes.below(roots)]:
         name, *inner = nodes.all[node]
         definition = FUNCTIONS[name].definition if name in FUNCTIONS else ""
         if "exp(I*z)" in definition:
@@ -227,9 +227,9 @@ def reading(rng: Random) -> Found:
 def trees_of(texts: Texts) -> TypedBalls | None:
     """Return the statement as the command line reads it; None where its grammar is narrower."""
     used = {word for part in ("equations", "solutions") for t in texts[part] for word in words(t)}
-    wanted = [text for text in texts["parameters"] if words(text)[0] in used]
+    declared = [text for text in texts["parameters"] if words(text)[0] in used]
     try:
-        trees = typed_statement(texts["equations"], texts["solutions"], "; ".join(wanted)).trees
+        trees = typed_statement(texts["equations"], texts["solutions"], "; ".join(declared)).trees
     except ERRORS:
         return None
     return None if trees is None else TypedBalls(trees, {"j"})
@@ -252,9 +252,9 @@ def trees_against(trees: TypedBalls | None, balls: TextBalls, texts: Texts, poin
 def signs(rng: Random) -> Found:
     """Compare what the kernel says on a domain with values in it."""
     names = ["x", "y", "n", "k"]
-    made = RandomText(rng, [*names, "x", "I"], (*ONE_PLACE, "jacobi"))
-    made.formula(3)
-    parts = sorted({part for part in made.parts if len(part) < 90})
+    draft = RandomText(rng, [*names, "x", "I"], (*ONE_PLACE, "jacobi"))
+    draft.formula(3)
+    parts = sorted({part for part in draft.parts if len(part) < 90})
     texts: Texts = {
         "variables": ["x", "n"],
         "parameters": ["k: 0 < k < 1", "y: real"],
@@ -335,15 +335,15 @@ def branch_claims(
     """Check values that the kernel accepts for roots, absolute values and inverse functions."""
     pattern = rng.choice(list(BRANCHES))
     whole, value = (p.format(f=part) for p in (pattern, rng.choice(BRANCHES[pattern])))
-    asked = whole.partition(" + ")[2] or whole
+    argument = whole.partition(" + ")[2] or whole
     try:
-        node, other = formula(scope, asked), formula(scope, value)
+        node, other = formula(scope, argument), formula(scope, value)
         field = field_of(nodes, statement, [other], Hints({node: other}, {}))
         if not field.equal(node, other):
             return []
     except ERRORS:
         return []
-    return [("branch", f"{asked} - ({value})", lambda v: v.contains(0))]
+    return [("branch", f"{argument} - ({value})", lambda v: v.contains(0))]
 
 
 def denominators(

@@ -336,7 +336,7 @@ def statement_of(draw: Random) -> KnownValue:
 
 
 def search(count: int, seed: int) -> tuple[Counter[tuple[str, str, str]], list[str], list[str]]:
-    """Return verdicts by kind and truth, a line for each wrong one, and one for each open true one."""
+    """Return verdicts by kind and truth, lines for wrong ones, and lines for open true ones."""
     counts, wrong, left_open = Counter[tuple[str, str, str]](), list[str](), list[str]()
     for number in range(count):
         draw = Random(f"known values {seed} {number}")

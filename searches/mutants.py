@@ -173,10 +173,10 @@ def mutants(paths: Sequence[Path], count: int, seed: int) -> list[Mutant]:
             found += [(path, tree, place, change) for change in changes(node)]
     draw = random.Random(seed)
     drawn = draw.sample(found, min(count, len(found)))
-    return [made(path, tree, place, change) for path, tree, place, change in drawn]
+    return [mutant_at(path, tree, place, change) for path, tree, place, change in drawn]
 
 
-def made(path: Path, tree: ast.Module, place: Place, change: Change) -> Mutant:
+def mutant_at(path: Path, tree: ast.Module, place: Place, change: Change) -> Mutant:
     """Return the mutant with a change at a place."""
     changed = copy.deepcopy(tree)
     old = at(changed, place)
@@ -198,10 +198,10 @@ class Copy:
 
     def __init__(self, folder: Path, tests: Sequence[str], seconds: float) -> None:
         self._folder, self._tests, self._seconds = folder, tests, seconds
-        kept = subprocess.run(
+        listing = subprocess.run(
             ["git", "ls-files"], cwd=HOUSE, check=True, capture_output=True, text=True
         )
-        for name in kept.stdout.splitlines():
+        for name in listing.stdout.splitlines():
             if (HOUSE / name).exists():
                 (folder / name).parent.mkdir(parents=True, exist_ok=True)
                 shutil.copy2(HOUSE / name, folder / name, follow_symlinks=False)
@@ -211,12 +211,12 @@ class Copy:
         if mutant is None:
             return self._tests_pass()
         target = self._folder / mutant.path
-        kept = target.read_text("utf-8")
+        original = target.read_text("utf-8")
         target.write_text(mutant.text, "utf-8")
         try:
             return self._tests_pass()
         finally:
-            target.write_text(kept, "utf-8")
+            target.write_text(original, "utf-8")
 
     def _tests_pass(self) -> bool:
         """Run the tests; what takes too long has failed, and is killed with what it started."""

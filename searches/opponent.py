@@ -118,8 +118,8 @@ def ratio_of_search(engine: StepSearch, wider: StepSearch, tolerance: float) -> 
         reference = engine.run(finer, False, lambda _: None)
     if reference.values is None:
         return found.error, math.inf
-    apart = compared_values(reference) - compared_values(trial)
-    return found.error, float(np.max(np.abs(apart))) - 4.0 * reference.rounding
+    difference = compared_values(reference) - compared_values(trial)
+    return found.error, float(np.max(np.abs(difference))) - 4.0 * reference.rounding
 
 
 def compared_values(trial: Trial) -> Array:
@@ -375,8 +375,8 @@ class StateFamily:
         gap = case.lattice.stretches(found.f[-1])
         other = case.lattice.stretches(fine.f[-1])
         true = max(float(np.max(np.abs(a - b))) for a, b in zip(gap, other, strict=True))
-        told = {"case": self.index, "size": size, "times": times, "tolerance": tolerance}
-        return found.error_estimate, true, json.dumps(told)
+        summary = {"case": self.index, "size": size, "times": times, "tolerance": tolerance}
+        return found.error_estimate, true, json.dumps(summary)
 
 
 FAMILIES: Mapping[str, Callable[[int, int], Any]] = {
@@ -464,8 +464,8 @@ def main() -> int:
         if one is None:
             continue
         found.append(one)
-        told = f"{one.ratio:8.3g} {one.family} ({one.answered} of {one.turns} answered)"
-        print(told, flush=True)
+        line = f"{one.ratio:8.3g} {one.family} ({one.answered} of {one.turns} answered)"
+        print(line, flush=True)
         if one.ratio > 1.0:
             print(f"  estimate {one.estimate:.3g}, true {one.true:.3g}\n{one.scene}", flush=True)
     turns, answered = (sum(getattr(one, key) for one in found) for key in ("turns", "answered"))

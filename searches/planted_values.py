@@ -144,8 +144,8 @@ def _false_case(given: Planted, verdict: ConditionalVerdict, draw: random.Random
                     whole |= values
                     known = all(holds(words, whole) for words in case["where"])
                     if known and residuals.largest(whole) > FAR:
-                        shown = {name: mp.nstr(v, 8) for name, v in whole.items()}
-                        return f"the case {case['values']} fails at {shown}"
+                        values_text = {name: mp.nstr(v, 8) for name, v in whole.items()}
+                        return f"the case {case['values']} fails at {values_text}"
     return ""
 
 
@@ -163,7 +163,7 @@ def _idle_condition(given: Planted, verdict: ConditionalVerdict, draw: random.Ra
     return ""
 
 
-def shown(given: Planted) -> str:
+def statement_text(given: Planted) -> str:
     """Return the statement as it is typed."""
     parts = [f"--equation {text!r}" for text in given.equations]
     parts += [f"--solution {text!r}" for text in given.solutions]
@@ -181,7 +181,9 @@ def search(seed: int, start: int, count: int, minutes: float) -> Counter[str]:
         word, reason = judged(given, seed)
         found[word] += 1
         if word in FINDINGS or word in ("SLOW", "not planted"):
-            print(f"{word} {index} ({given.kind}): {reason}\n    {shown(given)}", flush=True)
+            print(
+                f"{word} {index} ({given.kind}): {reason}\n    {statement_text(given)}", flush=True
+            )
     return found
 
 

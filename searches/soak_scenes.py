@@ -59,8 +59,7 @@ OWN: Mapping[tuple[str, str], Callable[[Draw], float]] = {
 def soak_scene(
     seed: int, index: int, redrawn: int = 0, lattice: str = "", enveloped: bool | None = None
 ) -> Scene:
-    """Return the scene of (seed, index), or the one that is drawn in its place after so many
-    others.
+    """Return the scene of (seed, index), or its substitute after so many others.
 
     It is on that ``lattice``, and ``enveloped`` or a long wave, where that is given.
 

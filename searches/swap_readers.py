@@ -156,28 +156,28 @@ def _values(run: xr.Dataset) -> set[float]:
 
 def _elsewhere(content: bytes, array: str, secret: Path) -> Iterator[tuple[str, bytes]]:
     """Yield files in HDF5 with an array in another file, one for each way to put it there."""
-    raw, held = secret / "raw", secret / "held.h5"
+    raw, container = secret / "raw", secret / "held.h5"
     for kind in ("external", "virtual", "linked"):
         image = BytesIO(content)
         with h5py.File(image, "r+") as file:
             group, _, name = array.rpartition("/")
             old, inside = file[array], file[group or "/"]
             shape = old.shape
-            told = {key: old.attrs[key] for key in old.attrs if key not in SCALES}
+            attributes = {key: old.attrs[key] for key in old.attrs if key not in SCALES}
             del file[array]
             values = np.full(shape, FOREIGN)
             raw.write_bytes(values.tobytes())
-            with h5py.File(held, "w") as other:
+            with h5py.File(container, "w") as other:
                 other["a"] = values
             if kind == "linked":
-                inside[name] = h5py.ExternalLink(held, "a")
+                inside[name] = h5py.ExternalLink(container, "a")
             elif kind == "external":
                 places = [(str(raw), 0, values.nbytes)]
-                inside.create_dataset(name, shape, "f8", external=places).attrs.update(told)
+                inside.create_dataset(name, shape, "f8", external=places).attrs.update(attributes)
             else:
                 layout = h5py.VirtualLayout(shape, "f8")
-                layout[...] = h5py.VirtualSource(held, "a", shape)
-                inside.create_virtual_dataset(name, layout).attrs.update(told)
+                layout[...] = h5py.VirtualSource(container, "a", shape)
+                inside.create_virtual_dataset(name, layout).attrs.update(attributes)
         yield kind, image.getvalue()
 
 
@@ -336,10 +336,10 @@ def _packed(folder: Folder, read: Callable[[Any], Values]) -> Case:
     assert (path.parents[1] / INDEX).exists()
 
     def values() -> Values:
-        held = pack_index(folder.place).get("k0")
-        if held is None or held[1] is None:
+        entry = pack_index(folder.place).get("k0")
+        if entry is None or entry[1] is None:
             raise ValueError("missing")
-        return read(held[1])
+        return read(entry[1])
 
     return Case(path, states, values)
 
@@ -388,8 +388,8 @@ def the_index_of_packs(folder: Folder) -> Case:
     ]  # fmt: skip
 
     def read() -> Values:
-        held = pack_index(folder.place)
-        return {held.table.record(row).numbers["error"] for row in range(len(held))}
+        index = pack_index(folder.place)
+        return {index.table.record(row).numbers["error"] for row in range(len(index))}
 
     return Case(folder.place / PACKS / INDEX, states, read)
 

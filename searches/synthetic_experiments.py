@@ -88,7 +88,7 @@ class Experiment:
         cells = int(random.integers(8, 13))
         places = random.choice(cells, size=SENSORS, replace=False)
         quantities = random.choice(["displacement", "velocity", "strain"], size=SENSORS)
-        made = cls(
+        experiment = cls(
             kind,
             tuple(map(float, hidden)),
             cells,
@@ -98,15 +98,15 @@ class Experiment:
             (),
             seed,
         )
-        size = np.abs(made.exact).max(axis=0) * random.uniform(0.005, 0.03, size=SENSORS)
-        return replace(made, noise=tuple(size.tolist()))
+        size = np.abs(experiment.exact).max(axis=0) * random.uniform(0.005, 0.03, size=SENSORS)
+        return replace(experiment, noise=tuple(size.tolist()))
 
     def read(self, hidden: tuple[float, ...], times: Array, sensors: tuple[Sensor, ...]) -> Array:
         """Return the sensors' readings with these constants, (times, sensors), by DOP853."""
         K2, K3, K4, site, bond = hidden
 
-        def slopes(_: float, held: Array) -> Array:
-            u, v = held[: self.cells], held[self.cells :]
+        def slopes(_: float, state: Array) -> Array:
+            u, v = state[: self.cells], state[self.cells :]
             x = np.diff(u, prepend=0.0, append=0.0)
             rate = np.diff(v, prepend=0.0, append=0.0)
             force = x * (K2 + x * (K3 + x * K4)) + bond * rate
@@ -118,8 +118,8 @@ class Experiment:
         found = solve_ivp(slopes, (0.0, float(times[-1])), start, method="DOP853", **words).y
         u, v = found[: self.cells], found[self.cells :]
         strain = np.diff(u, axis=0, append=0.0)
-        held = {"displacement": u, "velocity": v, "strain": strain}
-        return np.array([held[one.quantity][one.cell] for one in sensors]).T
+        readings = {"displacement": u, "velocity": v, "strain": strain}
+        return np.array([readings[one.quantity][one.cell] for one in sensors]).T
 
     @cached_property
     def exact(self) -> Array:
@@ -133,8 +133,7 @@ class Experiment:
         return SensorRecord(TIMES, self.sensors, self.exact + normal * deviations, deviations)
 
     def scene(self, values: tuple[float, ...]) -> Scene:
-        """Return the scene as whoever fits it knows it: these values, and what is not fitted
-        exactly.
+        """Return the scene for the fit: these values, and the exact ones of the rest.
 
         What is hidden of a wrong one is not there.
         """
@@ -212,33 +211,33 @@ def main() -> int:
     words = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     for name, count in (("count", 1000), ("wrong", 200), ("repeated", 50), ("seed", 0)):
         words.add_argument(f"--{name}", type=int, default=count)
-    asked = words.parse_args()
-    kept, doubted, spread = 0, 0, []
-    for seed in range(asked.seed, asked.seed + asked.count):
+    options = words.parse_args()
+    covered, doubted, spread = 0, 0, []
+    for seed in range(options.seed, options.seed + options.count):
         experiment = Experiment.drawn(RIGHT[seed % len(RIGHT)], seed)
         fit = experiment.fitted()
-        apart = crest_apart(experiment, fit)
-        spread.append(apart)
-        kept += abs(apart) <= WIDE
+        deviation = crest_apart(experiment, fit)
+        spread.append(deviation)
+        covered += abs(deviation) <= WIDE
         doubted += _is_doubted(fit)
-        if abs(apart) > 2.5 * WIDE:
-            print(f"seed {seed}: {experiment.kind}, crest off by {apart:.1f}", flush=True)
-    share, root = kept / asked.count, float(np.sqrt(np.mean(np.square(spread))))
+        if abs(deviation) > 2.5 * WIDE:
+            print(f"seed {seed}: {experiment.kind}, crest off by {deviation:.1f}", flush=True)
+    share, root = covered / options.count, float(np.sqrt(np.mean(np.square(spread))))
     print(
-        f"{asked.count} right scenes: the interval of the crest holds it in {100 * share:.1f} %, "
-        f"errors {root:.3f} of their deviation; doubted {100 * doubted / asked.count:.1f} %",
+        f"{options.count} right scenes: the interval of the crest holds it in {100 * share:.1f} %, "
+        f"errors {root:.3f} of their deviation; doubted {100 * doubted / options.count:.1f} %",
         flush=True,
     )
     found = []
     for place, kind in enumerate(WRONG):
-        seeds = range(asked.seed + place, asked.seed + asked.wrong, len(WRONG))
+        seeds = range(options.seed + place, options.seed + options.wrong, len(WRONG))
         hits = [_is_doubted(Experiment.drawn(kind, seed).fitted()) for seed in seeds]
         found += hits
         print(f"{len(hits)} scenes with a {kind}: {100 * np.mean(hits):.1f} % doubted", flush=True)
-    drawn = [Experiment.drawn(RIGHT[s % len(RIGHT)], s) for s in range(asked.repeated)]
+    drawn = [Experiment.drawn(RIGHT[s % len(RIGHT)], s) for s in range(options.repeated)]
     ratios = np.array([scatter(experiment) for experiment in drawn]).ravel()
     print(
-        f"{asked.repeated} experiments, each {REPEATS} times: scatter "
+        f"{options.repeated} experiments, each {REPEATS} times: scatter "
         f"{np.sqrt(np.mean(ratios**2)):.3f} of the bound, at most {ratios.max():.2f}"
     )
     good = 0.93 <= share <= 0.97 and np.mean(found) >= 0.9 and ratios.max() <= 2.0

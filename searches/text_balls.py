@@ -98,10 +98,10 @@ class Walk:
             raise KeyError(f"{self._words[self._at]} in {' '.join(self._words)}")
         return found
 
-    def _take(self, *wanted: str) -> str:
+    def _take(self, *expected: str) -> str:
         word = self._words[self._at]
-        self._at += word in wanted
-        return word if word in wanted else ""
+        self._at += word in expected
+        return word if word in expected else ""
 
     def _sum(self) -> Value:
         total = self._product()

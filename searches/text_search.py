@@ -57,8 +57,8 @@ def marked_text(given: TextStatement, verdict: ProofVerdict) -> tuple[Mark, str]
     if outcome is Outcome.UNDECIDED:
         return (Mark.RIGHT if truth is Truth.VOID else Mark.UNDECIDED), verdict.detail
     if outcome is Outcome.PROVED:
-        shown = "" if truth is Truth.VOID else f", but it fails at {point_text(given)}"
-        return (Mark.RIGHT, "") if truth is Truth.TRUE else (Mark.WRONG, f"PROVED{shown}")
+        failure = "" if truth is Truth.VOID else f", but it fails at {point_text(given)}"
+        return (Mark.RIGHT, "") if truth is Truth.TRUE else (Mark.WRONG, f"PROVED{failure}")
     witness = dict(verdict.witness or {})
     if truth is Truth.VOID:
         return Mark.WRONG, f"REFUTED at {witness}, where nothing is defined"
@@ -100,7 +100,7 @@ def any_statement(kind: str, seed: int, index: int) -> RandomStatement | TextSta
 
 
 def judged(kind: str, seed: int, index: int, limit: float = LIMIT) -> Judgement:
-    """Return the judgement of that statement, its kind first and what there is within it behind."""
+    """Return the judgement of that statement, labelled with its full kind."""
     given = any_statement(kind, seed, index)
     if isinstance(given, TextStatement):
         return judge_text(given, limit)
@@ -108,16 +108,16 @@ def judged(kind: str, seed: int, index: int, limit: float = LIMIT) -> Judgement:
 
 
 def full_kind(kind: str, given: RandomStatement | TextStatement) -> str:
-    """Return the kind of `SEARCH_KINDS`, and what there is within it."""
+    """Return the kind of `SEARCH_KINDS` with the statement's own kind behind it."""
     return given.kind if isinstance(given, TextStatement) else f"{kind}: {given.kind}"
 
 
 def kind_of(judgement: Judgement) -> str:
-    """Return the kind of `SEARCH_KINDS` that a judged statement is of."""
+    """Return the kind of `SEARCH_KINDS` of a judged statement."""
     return judgement.kind.partition(":")[0]
 
 
 def digest(found: Iterable[Judgement]) -> str:
-    """Return a number of what became of each statement; in another order it is the same."""
+    """Return a digest of the judgements, the same in any order."""
     lines = sorted(f"{j.kind} {j.seed} {j.index} {j.truth} {j.mark}" for j in found)
     return hashlib.sha256("\n".join(lines).encode()).hexdigest()[:16]

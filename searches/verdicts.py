@@ -93,12 +93,12 @@ def _within(judgement: Judgement) -> str:
 
 def table(found: list[Judgement], kind: str, seconds: float) -> Table:
     """Return the tallies by kind, or by what there is within one kind."""
-    made = Table(title=f"{len(found)} statements in {seconds / 60:.1f} min")
+    grid = Table(title=f"{len(found)} statements in {seconds / 60:.1f} min")
     for place, heading in enumerate(HEADINGS):
-        made.add_column(heading, justify="right" if place else "left")
+        grid.add_column(heading, justify="right" if place else "left")
     for tally in tallies(found, kind_of if kind == "all" else _within):
-        made.add_row(*tally.cells())
-    return made
+        grid.add_row(*tally.cells())
+    return grid
 
 
 def reasons(found: list[Judgement]) -> Table:
@@ -108,10 +108,10 @@ def reasons(found: list[Judgement]) -> Table:
         if judgement.mark is Mark.UNDECIDED and judgement.supported:
             last = judgement.words.rpartition("; then: ")[2]
             counts.setdefault((judgement.kind, last[:100]), []).append(judgement.index)
-    made = Table("count", "kind", "reason", "first", title="Undecided, in supported functions")
+    grid = Table("count", "kind", "reason", "first", title="Undecided, in supported functions")
     for (kind, words), own in sorted(counts.items(), key=lambda item: -len(item[1]))[:40]:
-        made.add_row(str(len(own)), kind, words, str(min(own)))
-    return made
+        grid.add_row(str(len(own)), kind, words, str(min(own)))
+    return grid
 
 
 def main() -> int:

@@ -223,8 +223,8 @@ class _Latex(_Words):
         if word == r"\pi":
             return "name", "pi"
         if word == r"\operatorname":
-            shown = self.raw()
-            return self.call({v: k for k, v in _PLAIN.items()}.get(shown, shown))
+            raw = self.raw()
+            return self.call({v: k for k, v in _PLAIN.items()}.get(raw, raw))
         if word in _NAMED:
             return self.call(_NAMED[word])
         if word == r"\mathrm":

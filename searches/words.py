@@ -143,7 +143,7 @@ def _read(equation: str, solution: str, parameters: str, domain: str) -> Stateme
     return read_statement(equation, solution, parameters, domain)
 
 
-def made(seed: int, index: int) -> Made:
+def random_statement(seed: int, index: int) -> Made:
     """Return the statement of a number, the same each time."""
     draw = random.Random(f"words:{seed}:{index}")
     while True:
@@ -292,9 +292,9 @@ class Judgement:
             case "REFUTED":
                 self._look_at_witness(verdict)
         sentence = verified_sentence(self.statement, verdict)
-        shown = re.findall(r"\\\[ (.*?) \\\]", sentence)
-        if shown:
-            self._look_at_latex(shown[0], shown[1], "sentence")
+        displayed = re.findall(r"\\\[ (.*?) \\\]", sentence)
+        if displayed:
+            self._look_at_latex(displayed[0], displayed[1], "sentence")
         if verdict.outcome.value == "PROVED":
             self._look_at_scope(_plain_scope(sentence.splitlines()[-1]), "sentence")
             self._look_at_scope(verdict.assumptions[0], "scope")
@@ -371,7 +371,7 @@ class Judgement:
         functions = ("f",) if "f(" in self.given.solution else ()
         try:
             _, _, right = formula.partition("=")
-            shown = Reading(
+            displayed = Reading(
                 [latex_tree(equation, "xtn", ("u",), functions)],
                 {"u": latex_tree(right, "xtn", ("u",), functions)},
             )
@@ -381,9 +381,9 @@ class Judgement:
             )
             return
         for point in self.drawn:
-            pairs = zip(shown.residuals(point), self.typed.residuals(point), strict=True)
+            pairs = zip(displayed.residuals(point), self.typed.residuals(point), strict=True)
             far = any(abs(a - b) > mp.mpf(10) ** -15 * size for (a, _), (b, size) in pairs)
-            values = [r.value(r.solutions["u"], point) for r in (shown, self.typed)]
+            values = [r.value(r.solutions["u"], point) for r in (displayed, self.typed)]
             if far or abs(values[0] - values[1]) > mp.mpf(10) ** -15 * (1 + abs(values[1])):
                 self.faults.append(f"LaTeX of the {where} differs: {equation} {formula}")
                 return
@@ -548,7 +548,7 @@ def _shown(point: Point) -> str:
 
 def judged(seed: int, index: int, hints: int) -> tuple[str, Made, list[str]]:
     """Return the outcome for a statement, and what is false."""
-    given = made(seed, index)
+    given = random_statement(seed, index)
     try:
         with time_limit(LIMIT):
             statement = given.read()
@@ -574,7 +574,7 @@ def solve_judged(seed: int, index: int) -> tuple[str, Solved, list[str]]:
     given = solved(seed, index)
     try:
         with time_limit(LIMIT):
-            verdict = prove(given.equation, given.solution, solve=given.wanted)
+            verdict = prove(given.equation, given.solution, solve=given.sought)
             assert isinstance(verdict, ConditionalVerdict)
             found = [*faults(given, verdict)]
     except OutOfTime:

@@ -64,7 +64,7 @@ def names(kind: str) -> list[str]:
 
 
 def of_dataset(name: str, path: Path) -> Golden:
-    """Return each variable of a file."""
+    """Return digests of each variable of a file."""
     if not path.is_file():
         yield name, "no file"
         return
@@ -101,16 +101,15 @@ def values(folder: Path) -> Golden:
             continue
         with xr.open_dataset(path, engine="h5netcdf", decode_timedelta=False) as data:
             error = run_error(data)
-            for variable, held in data.data_vars.items():
-                if held.dtype.kind == "f" and "seconds" not in str(variable):
+            for variable, array in data.data_vars.items():
+                if array.dtype.kind == "f" and "seconds" not in str(variable):
                     allowed = error / error_unit(data, str(variable))
-                    found = [repr(float(value)) for value in held.to_numpy().ravel()]
+                    found = [repr(float(value)) for value in array.to_numpy().ravel()]
                     yield f"{name}/{variable}", {"error": allowed, "values": found}
 
 
 def run_error(data: xr.Dataset) -> float:
-    """Return estimated error of what a run compares, in its unit; of a stated step, both measured
-    parts.
+    """Return the estimated error of a run, in its unit; with a stated step, both measured parts.
 
     Infinite where the run measured none.
     """
@@ -121,7 +120,7 @@ def run_error(data: xr.Dataset) -> float:
 
 
 def error_unit(data: xr.Dataset, variable: str) -> float:
-    """Return unit of a run's error over that of a variable: 1, eps**-power, or the wave's size."""
+    """Return a run's unit of error over a variable's: 1, eps**-power, or the wave's size."""
     scene = tomllib.loads(data.attrs["scene"])
     power = int(data.attrs.get("power", 0))
     unit = float(scene.get("eps", 1.0)) ** power
@@ -213,24 +212,24 @@ def differs(before: Any, after: Any) -> str:
         return f"{old.size} values -> {new.size}"
     allowed = before["error"] + after["error"]
     allowed += ROUNDING * np.max(np.abs(old), initial=0.0, where=np.isfinite(old))
-    apart = np.where(np.isnan(old) & np.isnan(new), 0.0, np.abs(old - new))
-    largest = float(np.max(apart, initial=0.0))
+    distance = np.where(np.isnan(old) & np.isnan(new), 0.0, np.abs(old - new))
+    largest = float(np.max(distance, initial=0.0))
     return "" if largest <= allowed else f"{largest:.3g} apart, {allowed:.3g} allowed"
 
 
 def main(mode: str, path: str, *parts: str) -> int:
     """Write digests, or compare with those written."""
-    kept = json.loads(Path(path).read_text()) if Path(path).is_file() else {}
+    stored = json.loads(Path(path).read_text()) if Path(path).is_file() else {}
     differ = 0
     for part in parts or PARTS:
         with tempfile.TemporaryDirectory() as folder:
             found = dict(PARTS[part](Path(folder)))
         if mode == "write":
-            kept[part] = found
-            Path(path).write_text(json.dumps(kept, indent=1))
+            stored[part] = found
+            Path(path).write_text(json.dumps(stored, indent=1))
             print(f"{part}: {len(found)} digests", flush=True)
             continue
-        before = kept.get(part, {})
+        before = stored.get(part, {})
         changed = 0
         for name in {**before, **found}:
             if difference := differs(before.get(name), found.get(name)):

@@ -111,18 +111,18 @@ def run_job(job: str, folder: Path, limit: float) -> Row:
     """Make the environment of a job and run the tests in it, for so many seconds at most."""
     oldest, needed = requirements()
     here = pythons()
-    wanted = tuple(map(int, oldest.split("."))) if job == "oldest" else max(here)
-    if wanted not in here:
-        return Row(job, ".".join(map(str, wanted)), "", 0, (), 0.0, "no such Python here")
+    version = tuple(map(int, oldest.split("."))) if job == "oldest" else max(here)
+    if version not in here:
+        return Row(job, ".".join(map(str, version)), "", 0, (), 0.0, "no such Python here")
     tree, venv = folder / job / "tree", folder / job / "venv"
     copy_tree(tree)
     folder.joinpath(job, "constraints.txt").write_text(
         "\n".join([*lowest(needed), *COMPANIONS] if job == "oldest" else []), encoding="utf-8"
     )
     if not (venv / "installed").exists():
-        fault = install(here[wanted], tree, venv)
+        fault = install(here[version], tree, venv)
         if fault:
-            return Row(job, ".".join(map(str, wanted)), "", 0, (), 0.0, f"no install: {fault}")
+            return Row(job, ".".join(map(str, version)), "", 0, (), 0.0, f"no install: {fault}")
     return tested(job, tree, venv / "bin" / "python", limit)
 
 

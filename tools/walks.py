@@ -42,9 +42,7 @@ class Call:
 
 
 def followed(ask: Callable[[], Any]) -> Call:
-    """Return the calls of this house's functions that a request makes, once it has been made
-    before.
-    """
+    """Return the calls of this package's functions by a request that was made before."""
     ask()
     top = Call("")
     open_calls: list[tuple[Call, float]] = []
