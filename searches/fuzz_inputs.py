@@ -16,9 +16,9 @@ import click
 from searches.fuzz_mutations import (
     NUMBERS,
     TEXTS,
-    changed_bytes,
-    changed_json,
-    changed_toml,
+    change_bytes,
+    change_json,
+    change_toml,
     few,
 )
 from searches.fuzz_seeds import LATTICES, PROBLEMS, SMALL_SCENE, certificates, run_files, seeds
@@ -44,7 +44,7 @@ def lattice_scene(draw: Random) -> FuzzCase:
 
 
 def _with_scene(draw: Random, kind: str) -> FuzzCase:
-    content = changed_toml(draw, draw.choice(seeds(kind)))
+    content = change_toml(draw, draw.choice(seeds(kind)))
     words = ["run", "hostile.toml"]
     if draw.random() < 0.15:
         words += [draw.choice(["--tolerance", "--engine"]), draw.choice(option_texts())]
@@ -57,7 +57,7 @@ def _with_scene(draw: Random, kind: str) -> FuzzCase:
 
 def lattice(draw: Random) -> FuzzCase:
     """Return a lattice's file, derived."""
-    content = changed_toml(draw, draw.choice(seeds("lattice")))
+    content = change_toml(draw, draw.choice(seeds("lattice")))
     words = ["derive", "hostile.toml"]
     if draw.random() < 0.2:
         words += ["--envelope", draw.choice(["k", "k=pi", "k=1/2", "k=0", *option_texts()])]
@@ -82,7 +82,7 @@ def force_law(draw: Random) -> FuzzCase:
         )
     content = "\n".join(map("".join, rows)).encode("utf-8", "surrogatepass")
     if draw.random() < 0.2:
-        content = changed_bytes(draw, content)
+        content = change_bytes(draw, content)
     words = ["fit", "hostile.csv"]
     for option, texts in FITTING.items():
         if draw.random() < 0.25:
@@ -103,7 +103,7 @@ FITTING = {
 
 def problem(draw: Random) -> FuzzCase:
     """Return a file of problems, decided within 0.4 s each."""
-    content = changed_toml(draw, draw.choice(seeds("problem")))
+    content = change_toml(draw, draw.choice(seeds("problem")))
     words = ["prove", "hostile.toml", "--limit", "0.4"]
     if draw.random() < 0.3:
         words.append(draw.choice(["--latex", "--json"]))
@@ -118,7 +118,7 @@ def certificate(draw: Random) -> FuzzCase:
 
     data: Any = json.loads(draw.choice(certificates()))
     for _ in range(few(draw)):
-        data = changed_json(draw, data)
+        data = change_json(draw, data)
     for one in data if isinstance(data, list) else [data]:
         if isinstance(one, dict) and draw.random() < 0.95:
             one["digest"] = digest(one)
@@ -127,7 +127,7 @@ def certificate(draw: Random) -> FuzzCase:
         text = draw.choice(["[" * 100_000, "{" + '"a":' * 9 + "1", "[" + "1," * 10**6 + "1]"])
     content = text.encode("utf-8", "surrogatepass")
     if draw.random() < 0.05:
-        content = changed_bytes(draw, content)
+        content = change_bytes(draw, content)
     words = ["check", "hostile.json"]
     if draw.random() < 0.2:
         words += ["--export", draw.choice(["pari", "maxima", "coq"]), "--output", "s.txt"]
@@ -138,7 +138,7 @@ def certificate(draw: Random) -> FuzzCase:
 
 def sweep(draw: Random) -> FuzzCase:
     """Return a sweep's file, run by one worker."""
-    content = changed_toml(draw, draw.choice(seeds("sweep")))
+    content = change_toml(draw, draw.choice(seeds("sweep")))
     words = ["sweep", "hostile.toml", "--processes", "1"]
     if draw.random() < 0.1:
         words += [draw.choice(["--store", "--output", "--scheduler"]), draw.choice(outputs())]
@@ -151,7 +151,7 @@ def run_file(draw: Random) -> FuzzCase:
     if draw.random() < 0.8:
         content = _changed_run(draw, content)
     if draw.random() < 0.3:
-        content = changed_bytes(draw, content)
+        content = change_bytes(draw, content)
     words = draw.choice([["run", "hostile.nc"], ["plot", "hostile.nc", "--output", "out.png"]])
     if words[0] == "plot" and draw.random() < 0.8:
         words += ["--kind", draw.choice(["snapshots", "space_time", "spectra", "errors", "crest"])]
@@ -178,7 +178,7 @@ def _other_attribute(draw: Random, file: Any) -> None:
 
 
 def _other_scene(draw: Random, file: Any) -> None:
-    file.attrs["scene"] = changed_toml(draw, str(file.attrs["scene"])).decode("utf-8", "replace")
+    file.attrs["scene"] = change_toml(draw, str(file.attrs["scene"])).decode("utf-8", "replace")
 
 
 def _without(draw: Random, file: Any) -> None:

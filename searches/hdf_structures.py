@@ -36,7 +36,7 @@ from longwave.runs.store_packs import PACKS, pack_index
 from longwave.support.checkpoint import LOOP, CheckpointFolder, Memory
 from longwave.support.plain_data import HEAD
 from longwave.support.sealed_file import LOG, SEAL_LENGTH, write_sealed
-from searches.fuzz_mutations import changed_json, few
+from searches.fuzz_mutations import change_json, few
 from searches.peak_memory import peak_bytes, reset_peak
 
 SECRET = 666.0
@@ -269,7 +269,7 @@ def _changed_checkpoint(whole: Path, path: Path, random: Random) -> str:
     end = HEAD + int.from_bytes(content[:HEAD], "little")
     tree, count = json.loads(content[HEAD:end]), few(random)
     for _ in range(count):
-        tree = changed_json(random, tree)
+        tree = change_json(random, tree)
     text = json.dumps(tree).encode()
     length = random.choice((*6 * (len(text),), 0, end, 2**62))
     write_sealed(path, b"".join([length.to_bytes(HEAD, "little"), text, content[end:]]))
