@@ -107,11 +107,11 @@ def words_on_page(section: str) -> set[str]:
 
 
 def commands_of(section: str) -> list[str]:
-    """Return the commands that a section shows, and those after the word Also."""
+    """Return the commands that a section shows, and those of paragraphs with Also or Type."""
     shown = [c.line for s in snippets(section) if s.kind == "console" for c in commands(s.text)]
-    also = re.findall(r"(?ms)^Also (.*?)\n\n", section)
+    also = re.findall(r"(?ms)^(?:Also|Type) (.*?)\n\n", section)
     return shown + [
-        line for text in also for line in re.findall(r"`(longwave .+?)`", " ".join(text.split()))
+        line for text in also for line in re.findall(r"`(longwave [^`]+?)`", " ".join(text.split()))
     ]
 
 
