@@ -160,7 +160,7 @@ def test_what_was_false_is_found_when_it_is_put_back(
     fault: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     given, changes = ONCE[fault]
-    monkeypatch.setattr(words, "made", lambda seed, index: given)
+    monkeypatch.setattr(words, "random_statement", lambda seed, index: given)
     outcome, _, faults = judged(0, 0, 1)
     assert outcome.split()[0] in ("PROVED", "REFUTED")
     assert not faults
