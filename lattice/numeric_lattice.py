@@ -73,11 +73,6 @@ class NumericBond:
     force: ForceProgram
     offset: float = 0.0
 
-    @property
-    def is_on_site(self) -> bool:
-        """Whether it feels the fields themselves, not their differences alone."""
-        return sum(entry.weight for entry in self.stretch) != 0.0
-
     def stretched(self, f: Array) -> Array:
         """The stretch in each cell, where these are the fields."""
         parts = (entry.weight * _shifted(f[entry.field], entry.shift) for entry in self.stretch)

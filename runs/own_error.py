@@ -15,13 +15,13 @@ from longwave.scenes.engines.methods import wave_size
 from longwave.scenes.observed.observables import measured_error
 
 if TYPE_CHECKING:
-    import xarray as xr
     from numpy.typing import NDArray
 
     from longwave.scenes.description.scene import Scene
+    from longwave.support.labelled_arrays import Labelled
 
 
-def scaled_own_error(run: xr.Dataset) -> NDArray[np.float64] | None:
+def scaled_own_error(run: Labelled) -> NDArray[np.float64] | None:
     """The run's own error at each snapshot, in units of eps or of its power that errors are told
     in; None if the run did not measure it."""
     estimate = run.attrs.get("error_estimate")
@@ -30,7 +30,7 @@ def scaled_own_error(run: xr.Dataset) -> NDArray[np.float64] | None:
     return measured_error(run)
 
 
-def own_error_at(run: xr.Dataset, scene: Scene, name: str, place: int) -> float:
+def own_error_at(run: Labelled, scene: Scene, name: str, place: int) -> float:
     """The run's own error in units of its variable ``name``, ``error``, ``error_curve`` or
     ``error_curve_far_field``, and at that place of it; NaN where it was not measured."""
     own, held = scaled_own_error(run), run.variables

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from longwave.scenes.description.scene import Scene
+    from longwave.support.labelled_arrays import Labelled
 
 PARTS = "real_imag"
 """The last dimension of what is complex."""
@@ -152,7 +153,7 @@ def _check_shapes(held: Any, file: Any) -> None:
             )
 
 
-def scene_of_run(run: xr.Dataset) -> Scene:
+def scene_of_run(run: Labelled) -> Scene:
     """The scene that a run was asked for; ValueError in one line if it carries none."""
     if SWEPT in run.attrs:
         raise ValueError(
@@ -167,18 +168,18 @@ def scene_of_run(run: xr.Dataset) -> Scene:
     return scene_of_toml(text)
 
 
-def strain_fault(run: xr.Dataset) -> str:
+def strain_fault(run: Labelled) -> str:
     """What is wrong with the strain of a run's file, in words; empty if nothing is.
 
     >>> import xarray as xr
     >>> strain_fault(xr.Dataset({"strain": (("time", "site"), np.zeros((2, 3), dtype=int))}))
     'strain must be floating-point numbers, got int64 (no run writes that; run the scene again)'
     """
-    if "site" not in run.dims or SWEPT in run.attrs:
+    if "site" not in run.sizes or SWEPT in run.attrs:
         return ""
-    if "strain" not in run:
+    if "strain" not in run.variables:
         return 'strain must be there for snapshots and spectra, got none (observables = ["strain"])'
-    strain = run["strain"]
+    strain = run.variables["strain"]
     if strain.dtype.kind != "f":
         return (
             f"strain must be floating-point numbers, got {strain.dtype} (no run writes that; run "

@@ -5,9 +5,10 @@
 ('time', 'site')
 """
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from longwave.scenes.description import run_hook
+from longwave.scenes.description import entries
 from longwave.scenes.engines.methods import run_scene
 from longwave.support.lazy_exports import lazy_exports
 
@@ -27,4 +28,11 @@ __getattr__, __dir__ = lazy_exports(
     },
 )
 
-run_hook.run = run_scene  # a scene is described below the engines that run it
+
+def _table(kind: type[entries.E]) -> Mapping[str, entries.E]:
+    from longwave.scenes import tables  # imported when the first scene is described
+
+    return {name: entry for name, entry in vars(tables).items() if isinstance(entry, kind)}
+
+
+entries.run, entries.table = run_scene, _table  # a scene is described below what runs it

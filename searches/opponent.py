@@ -44,7 +44,7 @@ from longwave.lattice import integrate
 from longwave.lattice.refine import refine
 from longwave.lattice.trial import StepSearch, Trial
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.description.scene_checks import PERTURBED_PLANE, Pairs
+from longwave.scenes.description.scene_checks import Pairs
 from longwave.scenes.engines.lattice_run import domain_plan
 from longwave.scenes.engines.run_record import RunRecord
 from longwave.scenes.engines.sideband_growth import SidebandRuns, growth_plan
@@ -199,7 +199,7 @@ class LatticeFamily:
         if self._sort == "growth":
             perturbed = {"amplitude": draw.uniform(0.2, 1.5), "share": draw.uniform(0.3, 1.3)}
             order = draw.choice(["leading", "slaved"])
-            changes = {"wave": PERTURBED_PLANE, "parameters": tuple(perturbed.items())}
+            changes = {"wave": "perturbed_plane", "parameters": tuple(perturbed.items())}
             return scene.changed(**plain, **changes, order=order, disorder=None)
         begin, span = draw.choice([0.0, 0.0, -20.0, -100.0]), draw.choice([20.0, 60.0, 200.0])
         compared = draw.choice([1, 1, 3, 12, 40])

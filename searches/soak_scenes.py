@@ -15,7 +15,7 @@ from fractions import Fraction
 from longwave.derive import LATTICES
 from longwave.lattice.random_sites import DISTRIBUTIONS
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.description.scene_checks import ORDERS, PERTURBED_PLANE
+from longwave.scenes.description.scene_checks import ORDERS
 from longwave.scenes.starts.lattice_derivation import derivation
 from longwave.solutions import CATALOGUE, closed_form
 
@@ -97,7 +97,9 @@ def _varied(draw: Draw, scene: Scene) -> Scene:
             draw.choice(["kappa", "share"]): _between(0.2, 2.0)(draw),
         }
         found = {"slow_times": (), "half_width": None, "order": draw.choice(ORDERS[:2])}
-        return scene.changed(wave=PERTURBED_PLANE, parameters=tuple(perturbation.items()), **found)
+        return scene.changed(
+            wave="perturbed_plane", parameters=tuple(perturbation.items()), **found
+        )
     return scene
 
 

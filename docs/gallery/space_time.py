@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 
 from longwave import Scene, run
 from longwave.reports.pictures.drawing import space_time_map
+from longwave.reports.pictures.run_data import placed
 
 SCENE = Scene.of(
     name="two_solitons",
@@ -27,4 +28,4 @@ SCENE = Scene.of(
 
 def picture() -> Figure:
     """The strain over time, in the frame that moves with the sound."""
-    return space_time_map(run(SCENE)["space_time"]).figure()
+    return space_time_map(placed(run(SCENE))).figure()

@@ -50,6 +50,13 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from longwave.lattice.kernels.active_cells import (
+    MARGIN,
+    SHARE,
+    moving_cells,
+    seems_still,
+    shortest_arc,
+)
 from longwave.lattice.kernels.streams import FUNCTIONS, StagePlan, rows_of, varied_stage_plan
 from longwave.support.compiled.cores import other_core, usable_cores
 from longwave.support.compiled.native_code import native_functions
@@ -108,6 +115,9 @@ MEETING = 64
 
 DOUBLED = 0.2
 """Most cells that both cores compute, in units of all."""
+
+LEAST_SEARCHED = 200_000
+"""Cells times stages from which on those that move are looked for."""
 
 WORDS = 1 + max(FUNCTIONS.values())
 """Words of a call: which function, and as many as the one with most arguments takes."""
@@ -318,7 +328,7 @@ class _Arc:
                     yield way, there, here, *at, size, *counts
 
     def _runs(self, begin: int, end: int) -> list[tuple[int, int, int]]:
-        """The rows of a plane where they begin in the ring and in the arc, and how many."""
+        """Return where cells, or rows, begin in the ring and in the arc, and how many they are."""
         found = []
         while begin < end:
             row = (self._first + begin) % self._size
@@ -332,11 +342,11 @@ class _Arc:
 
     def drift(self, f: Array, v: Array, length: float) -> Iterator[Call]:
         """``f += length v`` of the arc's own in the ring."""
-        first, past = (self._first + end for end in self._own)
-        for there, speeds in zip(f, v, strict=True):
+        for (first, _, count), (there, speeds) in product(
+            self._runs(*self._own), list(zip(f, v, strict=True))
+        ):
             at = (ring.ctypes.data + first * ring.strides[0] for ring in (there, speeds))
-            count = (past - first) * (self._columns or 1)
-            yield "drift", *at, np.array([length]), count
+            yield "drift", *at, np.array([length]), count * (self._columns or 1)
 
     def load(self, f: Array, v: Array) -> Iterator[Call]:
         """Take all of it from the ring."""
@@ -368,9 +378,10 @@ class _Arc:
         whole = stages // each * each
         for done, count, length in ((0, stages // each, each), (whole, 1, stages - whole)):
             if count * length:
-                turn = (begun + done + np.arange(period + each)) % period
+                asked = min(period, count * length)
+                turn = (begun + done + np.arange(asked + each)) % period
                 weights = drifts[turn], kicks[turn]
-                counts = self._plane, layout.pitch, layout.width, self._rows, length, count, period
+                counts = self._plane, layout.pitch, layout.width, self._rows, length, count, asked
                 yield "passages", *self._work, *weights, *self._repeated, *counts
 
 
@@ -390,6 +401,8 @@ class RingKernel:
         self._arcs: list[_Arc] = []
         self._between = 0
         self._scripts: dict[Hashable, tuple[Array, Array, list[list[_Script]]]] = {}
+        self._active: tuple[int, int, _Arc] | None = None
+        self._moved_from_rest: NDArray[np.bool_] | None = None
 
     def advance(self, f: Array, v: Array, drifts: Array, kicks: Array, steps: int) -> None:
         """Advance in place by a drift-kick splitting.
@@ -410,6 +423,21 @@ class RingKernel:
         Positions are ``ahead`` of the velocities before and after. Where drifts are damped or
         fields are kicked from outside, each row of ``kicks`` has the `StagePlan.weights`.
         """
+        for name, ring in (("f", f), ("v", v)):
+            if ring.dtype != np.float64 or not ring.flags.c_contiguous:
+                raise ValueError(
+                    f"{name} must be contiguous doubles, got {ring.dtype} with strides "
+                    f"{ring.strides} (np.ascontiguousarray makes them)"
+                )
+        if self._is_mostly_still(f, v, kicks, stages):
+            self._advance_active(f, v, drifts, kicks, stages, ahead)
+        else:
+            self._advance_whole(f, v, drifts, kicks, stages, ahead)
+
+    def _advance_whole(
+        self, f: Array, v: Array, drifts: Array, kicks: Array, stages: int, ahead: float
+    ) -> None:
+        """Advance all cells."""
         between = self._stages_between(len(kicks))
         if between != self._between or not self._arcs:
             self._arcs, self._between = self._made(between), between
@@ -424,16 +452,70 @@ class RingKernel:
         for scripts in found[-1]:
             _on_cores(scripts)
 
+    def _is_mostly_still(self, f: Array, v: Array, kicks: Array, stages: int) -> bool:
+        """Return whether so few cells of a chain move that they are worth finding."""
+        size = self._shape[0]
+        if len(self._shape) > 1 or size < 4 * MARGIN or stages * size < LEAST_SEARCHED:
+            return False
+        if 2 * max(self._reach) > MARGIN:
+            return False
+        return seems_still(f, v) and self._arc_of_active(f, v, kicks) is not None
+
+    def _advance_active(
+        self, f: Array, v: Array, drifts: Array, kicks: Array, stages: int, ahead: float
+    ) -> None:
+        """Advance the cells that move, as far as they need no others; then find them again."""
+        done, arc = 0, None
+        while done < stages and (found := self._arc_of_active(f, v, kicks)):
+            if found[0] is not arc:
+                arc = found[0]
+                store = arc.script(arc.store(f, v))
+                begin = [arc.drift(f, v, -ahead)] if ahead and not done else []
+                arc.script(*begin, arc.load(f, v))()
+            count = min(found[1], stages - done)
+            arc.script(arc.run(drifts, kicks, done, count))()
+            store()
+            done += count
+        if done < stages:
+            drifts, kicks = np.roll(drifts, -done, axis=0), np.roll(kicks, -done, axis=0)
+            self._advance_whole(f, v, drifts, kicks, stages - done, 0.0)
+        for part in (self._arcs if arc is None or done < stages else [arc]) if ahead else ():
+            part.script(part.drift(f, v, ahead))()
+
+    def _arc_of_active(self, f: Array, v: Array, kicks: Array) -> tuple[_Arc, int] | None:
+        """Return an arc with all cells that move, and for how many stages it has them all.
+
+        None if it would be larger than `SHARE` of the ring.
+        """
+        size = self._shape[0]
+        first, past = shortest_arc(moving_cells(f, v) | self._sources(kicks))
+        begin, end, arc = self._active or (0, 0, None)
+        below, above = (first - begin) % size, (end - past) % size
+        if (
+            arc is None
+            or below + past - first + above != end - begin
+            or min(below, above) < MARGIN // 2
+        ):
+            begin, end, below, above = first - MARGIN, past + MARGIN, MARGIN, MARGIN
+            if end - begin > SHARE * size / (2 if self._stages_between(len(kicks)) else 1):
+                return None
+            arc = self._arc((begin, end), (0, 0))
+            self._active = begin, end, arc
+        return arc, min(below, above) // max(1, *self._reach)
+
+    def _sources(self, kicks: Array) -> NDArray[np.bool_]:
+        """Return the cells of a chain that begin to move from rest, found by one stage of it."""
+        if self._moved_from_rest is None:
+            f, v = np.zeros((2, self._fields, *self._shape))
+            weights = np.linspace(0.5, 1.0, kicks[:1].size).reshape(kicks[:1].shape)
+            self._advance_whole(f, v, np.ones(1), weights, 1, 0.0)
+            self._moved_from_rest = moving_cells(f, v)
+        return self._moved_from_rest
+
     def _written(
         self, f: Array, v: Array, drifts: Array, kicks: Array, stages: int, ahead: float
     ) -> Iterator[list[_Script]]:
         """What each arc does between two meetings."""
-        for name, ring in (("f", f), ("v", v)):
-            if ring.dtype != np.float64 or not ring.flags.c_contiguous:
-                raise ValueError(
-                    f"{name} must be contiguous doubles, got {ring.dtype} with strides "
-                    f"{ring.strides} (np.ascontiguousarray makes them)"
-                )
         work = [partial(_Arc.load, f=f, v=v)]
         between = self._between or max(stages, 1)
         for done in range(0, stages, between):
@@ -470,10 +552,14 @@ class RingKernel:
         skew, below = self._reach
         ends = [(0, half), (half, size)] if between else [(0, size)]
         beside = between * below, between * skew
-        arcs = [_Arc(self._flow, self._numbers, self._shape, own, beside) for own in ends]
-        for arc in arcs if len(self._resting) else ():
+        return [self._arc(own, beside) for own in ends]
+
+    def _arc(self, own: tuple[int, int], beside: tuple[int, int]) -> _Arc:
+        """Return an arc with what differs from cell to cell."""
+        arc = _Arc(self._flow, self._numbers, self._shape, own, beside)
+        if len(self._resting):
             arc.script(arc.rest(self._resting, self._fields))()
-        return arcs
+        return arc
 
 
 def _on_cores(scripts: list[_Script]) -> None:

@@ -43,7 +43,6 @@ ROOMS = Path(__file__).parents[1]
 SWEEPS = ROOMS / "runs" / "sweeps"
 """Where the shipped sweeps lie."""
 
-ENGINES = ("stencil", "spectral")
 SCENES = ROOMS / "scenes" / "shipped"
 """Where the shipped scenes lie."""
 
@@ -157,7 +156,7 @@ def fit(
 @click.option(
     "--engine",
     metavar="E",
-    help=f"{' or '.join(ENGINES)}, with a tolerance; site by site or on a spectral ring.",
+    help="stencil or spectral, with a tolerance; site by site or on a spectral ring.",
 )
 @set_option
 @path_option("--output", "FILE.nc", "Write the run as NetCDF-4.")

@@ -18,6 +18,6 @@ def plot_and_print(
         picture_path(path)
     except (ValueError, OSError) as error:
         return fail(error)
-    from longwave.reports.pictures.plotting import draw  # Matplotlib and xarray, a second
+    from longwave.reports.pictures.plotting import draw  # Matplotlib, half a second
 
     return draw(source, path, program, **options)

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from longwave.lattice.refine import Announce
@@ -26,7 +25,7 @@ from longwave.reports.pictures.plotting import (
     read_source,
     shown_half_width,
 )
-from longwave.reports.pictures.run_data import check_run, placed
+from longwave.reports.pictures.run_data import check_run, placed, within
 from longwave.reports.pictures.style import styled
 from longwave.runs.run_file import SWEPT, names_a_run
 from longwave.scenes.description.scene import Scene
@@ -35,6 +34,7 @@ from longwave.scenes.engines.methods import expected_cost
 from longwave.support.command_line import fail, fail_for_memory, one_line
 from longwave.support.console import check_output, default_output, progress_bar
 from longwave.support.interruption import interrupted
+from longwave.support.labelled_arrays import Labelled, LabelledArray, LabelledArrays, at_places
 from longwave.support.request_limits import Announcer, ExpectedCost, check_request
 
 Array = NDArray[np.float64]
@@ -114,7 +114,8 @@ def animate(
     options = FilmOptions(duration, fps, dpi, times)
     told, progress = announce or (lambda _: None), progress or (lambda _: None)
     found = read_source(source)
-    if isinstance(found, xr.Dataset):
+    data: Labelled
+    if not isinstance(found, Scene):
         data = found
     else:
         scene = _scene_of_film(found, options)
@@ -188,13 +189,14 @@ def _frames(times: Sequence[float], count: int) -> tuple[float, ...]:
     return tuple(np.unique(np.linspace(times[0], times[-1], count)).tolist())
 
 
-def _within(data: xr.Dataset, times: tuple[float, float] | None) -> xr.Dataset:
+def _within(source: Labelled, times: tuple[float, float] | None) -> LabelledArrays:
     """The snapshots between two times that hold finite strains; ValueError if there are none."""
+    data = LabelledArrays.of(source)
     if SWEPT in data.attrs:
         raise ValueError(
             "source must be the run of a scene, got the result of a sweep (longwave plot draws it)"
         )
-    if "cell" in data.dims:
+    if "cell" in data.sizes:
         data = bench_frames(data)
     for name in ("strain", "analytic", "n", "error"):
         if name not in data:
@@ -207,7 +209,7 @@ def _within(data: xr.Dataset, times: tuple[float, float] | None) -> xr.Dataset:
     at = data["time"].values
     kept = np.flatnonzero((at >= first) & (at <= last))
     for name in ("strain",) if "tracked" in data.attrs else ("strain", "analytic"):
-        rows = np.asarray(data[name], dtype=float).reshape(at.size, -1)
+        rows = np.asarray(data[name].values, dtype=float).reshape(at.size, -1)
         kept = kept[np.isfinite(rows[kept]).all(axis=1)]
     if not kept.size:
         raise ValueError(
@@ -217,48 +219,47 @@ def _within(data: xr.Dataset, times: tuple[float, float] | None) -> xr.Dataset:
     return data.isel(time=kept)
 
 
-def bench_frames(data: xr.Dataset) -> xr.Dataset:
+def bench_frames(data: Labelled) -> LabelledArrays:
     """The displacements of a chain on a bench, of the first field, and its energy, for a film."""
     for name in ("displacement", "energy"):
-        if name not in data:
+        if name not in data.variables:
             raise ValueError(
                 f"source must hold the {name} of all cells at all times, got none (watch state and "
                 "energy)"
             )
-    moved = data["displacement"]
-    shown = moved.isel(field=0) if "field" in moved.dims else moved
-    cells = np.broadcast_to(np.arange(shown.sizes["cell"], dtype=float), shown.shape)
-    along, unseen = ("time", "site"), np.full(shown.shape, np.nan)
+    moved = data.variables["displacement"]
+    shown = at_places(moved, {"field": 0}).values
+    cells = np.broadcast_to(np.arange(shown.shape[1], dtype=float), shown.shape)
     told = {"tracked": "energy", "wave": "", "along": "$n$", "drawn": "$u_n$"}
-    return xr.Dataset(
-        {
-            "strain": (along, shown.values),
-            "analytic": (along, unseen),
-            "offset": (along, cells),
-            "n": (along, cells),
-            "error": ("time", data["energy"].values),
-        },
-        {"time": data["time"], "site": cells[0]},
-        told | {"title": data.attrs.get("title", "")},
-    )
+    along = ("time", "site")
+    frames = {
+        "time": data.variables["time"],
+        "site": LabelledArray(("site",), cells[0]),
+        "strain": LabelledArray(along, shown),
+        "analytic": LabelledArray(along, np.full(shown.shape, np.nan)),
+        "offset": LabelledArray(along, cells),
+        "n": LabelledArray(along, cells),
+        "error": LabelledArray(("time",), data.variables["energy"].values),
+    }
+    return LabelledArrays(frames, told | {"title": data.attrs.get("title", "")})
 
 
-def film_of(data: xr.Dataset, dpi: float = 110.0, half_width: int | None = None) -> Film:
+def film_of(data: Labelled, dpi: float = 110.0, half_width: int | None = None) -> Film:
     """The film of a run's snapshots: a chain's as lines, on two axes as maps.
 
     ``half_width`` is how many sites are shown to either side of c t, by default those where the
     wave is seen.
     """
-    run = data if "tracked" in data.attrs else placed(data)
+    run = LabelledArrays.of(data) if "tracked" in data.attrs else placed(data)
     title = one_line(data.attrs.get("title", ""))[:LONGEST_TITLE]
-    if "row" in run.dims:
+    if "row" in run.sizes:
         return PlaneFilm(run, title, dpi)
-    if run is data:
+    if "tracked" in run.attrs:
         return ChainFilm(run, title, dpi)
-    level = float(run["background"].mean()) if "background" in run else 0.0
+    levels = run["background"].values if "background" in run else np.zeros(1)
+    level = float(np.mean(levels[~np.isnan(levels)])) if np.isfinite(levels).any() else 0.0
     width = shown_half_width(run) if half_width is None else half_width
-    shown = run.sel(site=slice(-width, width)).assign_attrs(level=level)
-    return ChainFilm(shown, title, dpi)
+    return ChainFilm(within(run, width).assign_attrs(level=level), title, dpi)
 
 
 def draw_film(

@@ -11,11 +11,13 @@ from numpy.typing import NDArray
 from longwave.reports.pictures.drawing import add_legend, even_places
 from longwave.reports.pictures.style import CURVES, part
 from longwave.scenes.description.bench import OF_MEANS
+from longwave.support.labelled_arrays import at_places
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import FigureBase
+
+    from longwave.support.labelled_arrays import LabelledArrays, LabelledValues
 
 Array = NDArray[np.float64]
 
@@ -34,13 +36,12 @@ LEAST_POWER = 1e-2
 BALANCE = ("energy", "work", "heat")
 
 
-def _readings(data: xr.Dataset) -> list[str]:
-    names = map(str, data.data_vars)
-    return [name for name in names if name.startswith("sensor_") and not name.endswith(OF_MEANS)]
+def _readings(data: LabelledArrays) -> list[str]:
+    return [name for name in data if name.startswith("sensor_") and not name.endswith(OF_MEANS)]
 
 
 @part(lambda data: 0.4 + PANEL * len(_readings(data)))
-def sensor_readings(figure: FigureBase, data: xr.Dataset) -> None:
+def sensor_readings(figure: FigureBase, data: LabelledArrays) -> None:
     """What each sensor read over time, a panel for each thing that was read."""
     names = _readings(data)
     panels = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
@@ -51,20 +52,19 @@ def sensor_readings(figure: FigureBase, data: xr.Dataset) -> None:
 
 
 @part(0.4 + 1.4 * PANEL)
-def energy_balance(figure: FigureBase, data: xr.Dataset) -> None:
+def energy_balance(figure: FigureBase, data: LabelledArrays) -> None:
     """Energy, and since the start the work of walls and forces and the heat."""
     ax = figure.subplots()
     for name, look in zip(BALANCE, CURVES, strict=False):
-        ax.plot(
-            data["time"], data[name], label=data[name].attrs["long_name"], **look | {"marker": ""}
-        )
+        label = data[name].attrs["long_name"]
+        ax.plot(data["time"].values, data[name].values, label=label, **look | {"marker": ""})
     ax.set_xlabel("$t$")
     ax.set_ylabel(f"energy ({data['energy'].attrs['units']})")
     ax.legend()
 
 
 @part(0.4 + 2 * PANEL)
-def fluxes(figure: FigureBase, data: xr.Dataset) -> None:
+def fluxes(figure: FigureBase, data: LabelledArrays) -> None:
     """Power through bonds over time, and what went through."""
     panels = figure.subplots(2, 1, sharex=True)
     for ax, name in zip(panels, ("flux", "transmitted"), strict=True):
@@ -73,18 +73,19 @@ def fluxes(figure: FigureBase, data: xr.Dataset) -> None:
     _name_lines(figure, panels[0], data, "cut", "right of cell {}")
 
 
-def has_spectra(data: xr.Dataset) -> bool:
+def has_spectra(data: LabelledArrays) -> bool:
     """Whether sensors were read so often, and evenly, that a spectrum tells something."""
     gaps = np.diff(data["time"].values)
     return gaps.size >= LEAST_READINGS and bool(np.ptp(gaps) <= 1e-6 * gaps.max())
 
 
-def amplitude_spectra(readings: xr.DataArray) -> tuple[Array, Array]:
+def amplitude_spectra(times: Array, values: Array) -> tuple[Array, Array]:
     """Angular frequencies, and the amplitude of each sensor at them, (frequency, sensor).
+
+    The ``values`` are readings (time, sensor).
 
     With Hann's window, less what is steady: a sine has its own amplitude.
     """
-    values, times = readings.transpose("time", "sensor").values, readings["time"].values
     window = np.sin(np.pi * np.arange(times.size) / times.size)[:, np.newaxis] ** 2
     window /= window.sum()
     found = np.fft.rfft(window * (values - np.sum(window * values, axis=0)), axis=0)
@@ -92,10 +93,12 @@ def amplitude_spectra(readings: xr.DataArray) -> tuple[Array, Array]:
 
 
 @part(0.4 + 2 * PANEL)
-def sensor_spectra(figure: FigureBase, data: xr.Dataset) -> None:
+def sensor_spectra(figure: FigureBase, data: LabelledArrays) -> None:
     """The amplitude that each sensor saw at a frequency, and its ratio to that of the first one."""
     name = _readings(data)[0]
-    frequencies, amplitudes = _seen(*amplitude_spectra(_of_first(data[name], "time", "sensor")))
+    frequencies, amplitudes = _seen(
+        *amplitude_spectra(data["time"].values, _of_first(data[name], "time", "sensor"))
+    )
     first = amplitudes[:, :1]
     seen = first > LEAST_POWER * first[1:].max()
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -135,7 +138,7 @@ def _seen(frequencies: Array, amplitudes: Array) -> tuple[Array, Array]:
 
 
 @part(0.4 + 1.4 * PANEL)
-def mode_energies(figure: FigureBase, data: xr.Dataset) -> None:
+def mode_energies(figure: FigureBase, data: LabelledArrays) -> None:
     """The energies of the modes over time."""
     ax = figure.subplots()
     _lines(ax, data, "mode_energy", "mode")
@@ -144,7 +147,7 @@ def mode_energies(figure: FigureBase, data: xr.Dataset) -> None:
 
 
 @part(0.4 + 1.4 * PANEL)
-def cells_at_times(figure: FigureBase, data: xr.Dataset) -> None:
+def cells_at_times(figure: FigureBase, data: LabelledArrays) -> None:
     """The displacement of all cells at some times."""
     ax = figure.subplots()
     _lines(ax, data, "displacement", "time", along="cell")
@@ -152,28 +155,29 @@ def cells_at_times(figure: FigureBase, data: xr.Dataset) -> None:
     _name_lines(figure, ax, data, "time", "$t = {:g}$")
 
 
-def _of_first(values: xr.DataArray, *kept: str) -> xr.DataArray:
-    """Of several fields or bonds the first."""
-    return values.isel(dict.fromkeys(set(values.dims) - set(kept), 0))
+def _of_first(values: LabelledValues, *kept: str) -> Array:
+    """Return the values over the dimensions ``kept``, of the first of several fields or bonds."""
+    first = at_places(values, dict.fromkeys(set(values.dims) - set(kept), 0))
+    return np.transpose(first.values, [first.dims.index(name) for name in kept])
 
 
-def _lines(ax: Axes, data: xr.Dataset, name: str, each: str, along: str = "time") -> None:
+def _lines(ax: Axes, data: LabelledArrays, name: str, each: str, along: str = "time") -> None:
     """A line for each place on a dimension; of several fields or bonds the first."""
     values = _of_first(data[name], each, along)
     bars = _of_first(data[f"{name}_error"], each, along) if f"{name}_error" in data else None
-    axis = data[along].values if along in data.coords else np.arange(data.sizes[along])
-    for count, place in enumerate(even_places(data.sizes[each], MOST_LINES)):
+    axis = data[along].values if along in data else np.arange(values.shape[1])
+    for count, place in enumerate(even_places(len(values), MOST_LINES)):
         look = {key: value for key, value in CURVES[count].items() if key != "marker"}
-        line = values.isel({each: place}).transpose(along)
+        line = values[place]
         if bars is not None:
-            half = bars.isel({each: place}).transpose(along)
+            half = bars[place]
             ax.fill_between(axis, line - half, line + half, color=look["color"], alpha=0.2)
         ax.plot(axis, line, **look)
     ax.margins(x=0.0)
-    ax.set_ylabel(f"{values.attrs['long_name']}")
+    ax.set_ylabel(f"{data[name].attrs['long_name']}")
 
 
-def _name_lines(figure: FigureBase, ax: Axes, data: xr.Dataset, each: str, label: str) -> None:
+def _name_lines(figure: FigureBase, ax: Axes, data: LabelledArrays, each: str, label: str) -> None:
     """One legend above all panels of lines for each place on a dimension."""
     for line, place in zip(ax.lines, even_places(data.sizes[each], MOST_LINES), strict=True):
         line.set_label(label.format(data[each].values[place]))

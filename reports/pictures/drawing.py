@@ -5,13 +5,13 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, FigureBase
 from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
 
 from longwave.reports.latex import scientific
+from longwave.reports.pictures.error_curve import ErrorCurve
 from longwave.reports.pictures.style import (
     ANALYTICAL,
     BEADS,
@@ -24,13 +24,17 @@ from longwave.reports.pictures.style import (
     page_width,
     part,
 )
+from longwave.support.labelled_arrays import LabelledArrays, LabelledValues
 
 Sites = NDArray[np.float64]
 
 
 @part(lambda rows, wave="", of_one=False: SNAPSHOT * len(rows) + 0.35)
 def snapshot_panels(
-    figure: FigureBase, rows: Sequence[Sequence[xr.Dataset]], wave: str = "", of_one: bool = False
+    figure: FigureBase,
+    rows: Sequence[Sequence[LabelledArrays]],
+    wave: str = "",
+    of_one: bool = False,
 ) -> None:
     """Two panels for each of `run_data.snapshots`, one row per run, lettered (A), (B), ... .
 
@@ -105,18 +109,20 @@ def even_places(count: int, most: int) -> list[int]:
     return [round(place) for place in np.linspace(0, count - 1, min(count, most)).tolist()]
 
 
-def _draw_snapshot(ax: Axes, at: xr.Dataset, letter: str, wave: str) -> dict[str, Any]:
+def _draw_snapshot(ax: Axes, at: LabelledArrays, letter: str, wave: str) -> dict[str, Any]:
     """Draw one panel, the wave as a thin line on the lattice; return the signs by their labels.
 
     Of a carrier whose waves are too many to be seen the envelopes are compared.
     """
     offset, beads = at["offset"].values, _are_beads(ax, at["strain"].size)
-    if "strain_envelope" in at and np.isfinite(at["strain_envelope"]).any() and not beads:
+    enveloped = at.get("strain_envelope")
+    if enveloped is not None and np.isfinite(enveloped.values).any() and not beads:
         signs = _draw_envelopes(ax, at)
     else:
-        signs = {"lattice": ax.plot(offset, at["strain"], **BEADS if beads else NUMERICAL)[0]}
-        (signs[wave],) = ax.plot(offset, at["analytic"], **ANALYTICAL)
-    eps, time = at.attrs["eps"], float(at["time"])
+        look = BEADS if beads else NUMERICAL
+        signs = {"lattice": ax.plot(offset, at["strain"].values, **look)[0]}
+        (signs[wave],) = ax.plot(offset, at["analytic"].values, **ANALYTICAL)
+    eps, time = at.attrs["eps"], float(at["time"].values)
     ax.set_title(rf"({letter})  $\epsilon={eps:g}$, $t={time:g}$", loc="left")
     if np.unique(offset).size > 1:
         ax.set_xlim(offset[0], offset[-1])
@@ -124,17 +130,17 @@ def _draw_snapshot(ax: Axes, at: xr.Dataset, letter: str, wave: str) -> dict[str
     return signs
 
 
-def _draw_envelopes(ax: Axes, at: xr.Dataset) -> dict[str, Any]:
+def _draw_envelopes(ax: Axes, at: LabelledArrays) -> dict[str, Any]:
     """Draw a carrier's strain, and its envelope and the wave's to either side of zero."""
     offset = at["offset"].values
-    (line,) = ax.plot(offset, at["strain"], color=LATTICE, linewidth=0.5, zorder=1)
+    (line,) = ax.plot(offset, at["strain"].values, color=LATTICE, linewidth=0.5, zorder=1)
     signs = {"lattice": line}
     for name, label, look in (
         ("strain_envelope", r"its envelope, $\propto |A|$", NUMERICAL),
         ("analytic_envelope", "envelope of the wave", ANALYTICAL),
     ):
         for side in (1.0, -1.0):
-            (signs[label],) = ax.plot(offset, side * at[name], **look)
+            (signs[label],) = ax.plot(offset, side * at[name].values, **look)
     return signs
 
 
@@ -144,22 +150,23 @@ def _are_beads(ax: Axes, count: int) -> bool:
     return count <= BEADS_AN_INCH * page_width() / columns
 
 
-def _largest_difference(at: xr.Dataset) -> float:
+def _largest_difference(at: LabelledArrays) -> float:
     """What an axis of differences must hold."""
-    apart = np.abs((at["strain"] - at["analytic"]).values)
+    apart = np.abs(at["strain"].values - at["analytic"].values)
     return max(float(np.max(apart[np.isfinite(apart)], initial=0.0)), _own(at) or 0.0)
 
 
-def _own(at: xr.Dataset) -> float | None:
+def _own(at: LabelledArrays) -> float | None:
     """A snapshot's own error; None where it was not measured."""
-    own = float(at["own"]) if "own" in at else math.nan
+    own = float(at["own"].values) if "own" in at else math.nan
     return own if math.isfinite(own) else None
 
 
-def _draw_difference(ax: Axes, at: xr.Dataset, largest: float) -> dict[str, Any]:
+def _draw_difference(ax: Axes, at: LabelledArrays, largest: float) -> dict[str, Any]:
     """Draw the lattice less the wave on the band of the own error; return signs and labels."""
     offset, own = at["offset"].values, _own(at)
-    (line,) = ax.plot(offset, at["strain"] - at["analytic"], color="black", linewidth=0.8)
+    apart = at["strain"].values - at["analytic"].values
+    (line,) = ax.plot(offset, apart, color="black", linewidth=0.8)
     signs: dict[str, Any] = {"lattice $-$ wave": line}
     if own is not None:
         signs[OWN_ERROR] = ax.axhspan(-own, own, color=OWN, alpha=0.5, lw=0, zorder=0)
@@ -198,11 +205,8 @@ def spread_limits(arrays: Sequence[Sites]) -> tuple[float, float]:
     return low - margin, high + margin
 
 
-ErrorPanels = Mapping[str, Mapping[str, xr.DataArray]]
-"""For each title the relative sup errors over time, by labels that may hold mathematics in dollars.
-
-The coordinate ``own`` is the run's own error in the same units, NaN where it was not measured.
-"""
+ErrorPanels = Mapping[str, Mapping[str, ErrorCurve]]
+"""Curves of each title by their labels, which may hold mathematics in dollars."""
 
 
 @part(2.0)
@@ -212,12 +216,11 @@ def error_panels(figure: FigureBase, panels: ErrorPanels) -> None:
     for ax, (title, curves) in zip(axes, panels.items(), strict=True):
         ax.set_title(title, loc="left")
         for (label, curve), look in zip(curves.items(), CURVES, strict=False):
-            marker = "" if curve.size > 1 else look["marker"]
-            errors = np.where(np.isfinite(curve), curve, np.nan)
-            (along,) = curve.dims
-            ax.plot(curve[along].values, errors, label=label, **look | {"marker": marker})
-            if "own" in curve.coords and np.isfinite(curve["own"]).any():
-                _draw_own(ax, curve[along].values, curve.values, curve["own"].values, look["color"])
+            marker = "" if curve.errors.size > 1 else look["marker"]
+            errors = np.where(np.isfinite(curve.errors), curve.errors, np.nan)
+            ax.plot(curve.times, errors, label=label, **look | {"marker": marker})
+            if curve.own is not None and np.isfinite(curve.own).any():
+                _draw_own(ax, curve.times, curve.errors, curve.own, look["color"])
         ax.set_xlabel("$t$")
         ax.set_ylabel(r"$L^\infty_\epsilon$")
         entries = len(ax.get_legend_handles_labels()[1])
@@ -252,10 +255,10 @@ LEAST_CELLS = 24
 """Fewest cells of sites that are shown."""
 
 
-def field_label(run: xr.Dataset | xr.DataArray, strain: str = "$y_n$") -> str:
+def field_label(run: LabelledArrays | LabelledValues, strain: str = "$y_n$") -> str:
     """The axis label of what a run or one of its variables holds, ``strain`` unless told.
 
-    >>> field_label(xr.Dataset(attrs={"field_kind": "displacement"}))
+    >>> field_label(LabelledArrays({}, {"field_kind": "displacement"}))
     'displacement'
     """
     units = str(run.attrs.get("field_kind") or run.attrs.get("units", ""))
@@ -263,14 +266,14 @@ def field_label(run: xr.Dataset | xr.DataArray, strain: str = "$y_n$") -> str:
 
 
 @part(2.6)
-def space_time_map(figure: FigureBase, strain: xr.DataArray, half_width: int | None = None) -> None:
-    """The variable `space_time` of a run; it has a time and, then, the first sites of its cells.
+def space_time_map(figure: FigureBase, run: LabelledArrays, half_width: int | None = None) -> None:
+    """The variable ``space_time`` of a run, over the time and the first sites of its cells.
 
     It is drawn on an even grid of times and of places in the moving frame, which passes the sites
-    one by one: their coordinate ``shift`` says how far from c t those are that stand at 0.
+    one by one: the variable ``shift`` says how far from c t those are that stand at 0.
     `half_width` is how many sites are shown to either side of c t; `LEAST_CELLS` at least.
     """
-    times, place, values = moving_grid(strain)
+    times, place, values = moving_grid(run)
     edges = time_edges(place)
     ax = figure.subplots()
     extent: Any = (*time_edges(times)[[0, -1]], *edges[[0, -1]])
@@ -282,26 +285,32 @@ def space_time_map(figure: FigureBase, strain: xr.DataArray, half_width: int | N
         ax.set_ylim(-shown, shown)
     ax.set_xlabel("$t$")
     ax.set_ylabel(MOVING)
+    strain = run["space_time"]
     label = field_label(strain)
     figure.colorbar(
         drawn, ax=ax, label=f"envelope of {label}" if strain.attrs.get("carried") else label
     )
 
 
-def moving_grid(strain: xr.DataArray) -> tuple[Sites, Sites, Sites]:
-    """Even times, even places in the moving frame, and the values (time, place) of a map there.
+def moving_grid(run: LabelledArrays) -> tuple[Sites, Sites, Sites]:
+    """Even times, even places in the moving frame, and the values (time, place) of a run's map.
 
-    >>> kept = ("t", [0.0, 1.0]), ("map_site", [-1, 0, 1])
-    >>> ramp = xr.DataArray([[0.0, 1.0, 2.0], [0.0, 1.0, 2.0]], kept)
-    >>> moving_grid(ramp.assign_coords(shift=("t", [0.0, 0.5])))[2]
+    >>> from longwave.support.labelled_arrays import LabelledArray
+    >>> looks = {"look_time": np.array([0.0, 1.0]), "map_site": np.array([-1, 0, 1])}
+    >>> held = {name: LabelledArray((name,), values) for name, values in looks.items()}
+    >>> ramp = np.array([[0.0, 1.0, 2.0], [0.0, 1.0, 2.0]])
+    >>> held["space_time"] = LabelledArray(("look_time", "map_site"), ramp)
+    >>> held["shift"] = LabelledArray(("look_time",), np.array([0.0, 0.5]))
+    >>> moving_grid(LabelledArrays(held))[2]
     array([[0. , 1. , 2. ],
            [0. , 0.5, 1.5]])
     """
-    time, starts = (strain[dimension].values for dimension in strain.dims)
+    strain = run["space_time"]
+    time, starts = (run[dimension].values for dimension in strain.dims)
     edges = cell_edges(starts)
     middles = (edges[1:] + edges[:-1]) / 2
     place = np.linspace(middles[0], middles[-1], middles.size)
-    shift = strain["shift"].values if "shift" in strain.coords else np.zeros(time.size)
+    shift = run["shift"].values if "shift" in run else np.zeros(time.size)
     rows = zip(shift, strain.values, strict=True)
     sheared = np.array([np.interp(place, middles + by, row) for by, row in rows])
     even = np.linspace(time[0], time[-1], time.size)
@@ -344,7 +353,7 @@ def _crest_rows() -> int:
 
 
 @part(lambda run: 0.3 + 1.7 * _crest_rows())
-def crest_track(figure: FigureBase, run: xr.Dataset) -> None:
+def crest_track(figure: FigureBase, run: LabelledArrays) -> None:
     """The crest's position and strain as points: a crest may give way to another one.
 
     The wave's own, which a run that is `run_data.with_theory` has, and a soliton's strain by the
@@ -354,14 +363,16 @@ def crest_track(figure: FigureBase, run: xr.Dataset) -> None:
     panels = figure.subplots(rows, len(LABELS) // rows, squeeze=False)
     for ax, (name, label) in zip(panels.flat, LABELS.items(), strict=True):
         values, wave = run[name], run.get(f"{name}_wave")
-        times = values[values.dims[0]]
+        times = run[values.dims[0]].values
         every = max(1, -(-times.size // CREST_POINTS))
-        ax.plot(times[::every], values[::every], label="lattice", **BEADS)
+        ax.plot(times[::every], values.values[::every], label="lattice", **BEADS)
         if wave is not None:
             told = run.attrs["wave"]
-            ax.plot(times, wave.where(_is_steady(run[WAVES_CREST])), label=told, **ANALYTICAL)
+            steady = np.where(_is_steady(run[WAVES_CREST].values), wave.values, np.nan)
+            ax.plot(times, steady, label=told, **ANALYTICAL)
         if name == "crest_strain" and "crest_law" in run:
-            ax.plot(times, run["crest_law"], label="law", color="black", linestyle="--", lw=0.9)
+            law = run["crest_law"].values
+            ax.plot(times, law, label="law", color="black", linestyle="--", lw=0.9)
         ax.set_xlabel("$t$")
         field = "envelope" if run.attrs.get("carried") else field_label(run, "$y$")
         ax.set_ylabel(label.replace("$y$", field))
@@ -377,7 +388,7 @@ JUMP = 3.0, 8.0
 """A crest gives way to another where it moves so many sites, and so many times the median step."""
 
 
-def _is_steady(position: xr.DataArray) -> NDArray[np.bool_]:
+def _is_steady(position: Sites) -> NDArray[np.bool_]:
     """Where a crest has not given way to another one since the time before."""
     values = np.asarray(position, dtype=float)
     steps = np.abs(np.diff(values, prepend=values[:1]))
@@ -394,7 +405,7 @@ DECADES = 1.0
 
 
 @part(lambda found: 1.9 * grid_shape(found.sizes["time"])[0] + 0.35)
-def spectrum_panels(figure: FigureBase, found: xr.Dataset) -> None:
+def spectrum_panels(figure: FigureBase, found: LabelledArrays) -> None:
     """One panel for each time of `run_data.spectra`, all with the same axes.
 
     The run's own error is a line: amplitudes below it are not trusted, and can still be seen.
@@ -456,30 +467,32 @@ def draw_grid(ax: Axes) -> None:
     ax.grid(visible=True, which="major", linewidth=0.3, alpha=0.5)
 
 
-def _draw_spectrum(ax: Axes, at: xr.Dataset) -> dict[str, Any]:
+def _draw_spectrum(ax: Axes, at: LabelledArrays) -> dict[str, Any]:
     """Draw the amplitudes at one time; return the signs by their labels."""
     lattice, wave = (
-        at[name].where(np.isfinite(at[name]) & (at[name] > 0.0)) for name in ("lattice", "wave")
+        np.where(np.isfinite(values) & (values > 0.0), values, np.nan)
+        for values in (at["lattice"].values, at["wave"].values)
     )
     if np.isfinite([lattice, wave]).any():
         ax.set_yscale("log")
-    signs = {"lattice": ax.plot(at["wavenumber"], lattice, **NUMERICAL)[0]}
-    (signs["wave"],) = ax.plot(at["wavenumber"], wave, **ANALYTICAL)
+    wavenumbers = at["wavenumber"].values
+    signs = {"lattice": ax.plot(wavenumbers, lattice, **NUMERICAL)[0]}
+    (signs["wave"],) = ax.plot(wavenumbers, wave, **ANALYTICAL)
     looks: dict[str, tuple[str, Any]] = {
         "own": (OWN_ERROR + ", at most", {"color": OWN, "linestyle": "--", "linewidth": 1.2}),
         "rounding": ("rounding", {"color": "black", "linestyle": ":", "linewidth": 0.8}),
     }
     for name, (label, look) in looks.items():
-        level = float(at[name])
+        level = float(at[name].values)
         if 0.0 < level < math.inf:
             signs[label] = ax.axhline(level, zorder=1.5, **look)
     ax.set_xlim(0.0, np.pi)
     ax.set_xticks(*WAVENUMBER_TICKS)
-    ax.set_title(f"$t={float(at['time']):g}$", loc="left")
+    ax.set_title(f"$t={float(at['time'].values):g}$", loc="left")
     return signs
 
 
-def _amplitude_limits(found: xr.Dataset) -> tuple[float, float]:
+def _amplitude_limits(found: LabelledArrays) -> tuple[float, float]:
     """From below the rounding to above all amplitudes; some range where all is constant."""
     every = np.concatenate([found["lattice"].values.ravel(), found["wave"].values.ravel()])
     every = every[np.isfinite(every) & (every > 0.0)]

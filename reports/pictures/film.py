@@ -10,7 +10,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -19,6 +18,7 @@ from numpy.typing import NDArray
 from longwave.reports.pictures.drawing import field_label, spread_limits
 from longwave.reports.pictures.style import ANALYTICAL, LATTICE, WAVE, PowerTicks
 from longwave.reports.pictures.style import BEADS as BEAD
+from longwave.support.labelled_arrays import LabelledArrays
 
 Array = NDArray[np.float64]
 Image = NDArray[np.uint8]
@@ -42,10 +42,11 @@ class Film:
     The figure's layout is found once: every frame has the same places.
     """
 
-    def __init__(self, run: xr.Dataset, title: str, dpi: float) -> None:
+    def __init__(self, run: LabelledArrays, title: str, dpi: float) -> None:
         self._run = run
         self._times, self._errors, self._strain, self._wave = (
-            np.asarray(run[name], dtype=float) for name in ("time", "error", "strain", "analytic")
+            np.asarray(run[name].values, dtype=float)
+            for name in ("time", "error", "strain", "analytic")
         )
         self._tracked = run.attrs.get("tracked", "error")
         self._clock = clock(self._times, self._errors, self._tracked)
@@ -172,7 +173,7 @@ class PlaneFilm(Film):
     def _begin(self) -> list[Artist]:
         low, high = spread_limits([self._strain, self._wave])
         self._along, self._across = (
-            np.asarray(self._run[name], dtype=float) for name in ("site", "row")
+            np.asarray(self._run[name].values, dtype=float) for name in ("site", "row")
         )
         self._mesh = self._ax.pcolormesh(
             self._along, self._across, self._strain[0].T, cmap="viridis", vmin=low, vmax=high

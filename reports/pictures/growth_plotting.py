@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
 from matplotlib.figure import FigureBase
@@ -27,7 +26,10 @@ from longwave.reports.pictures.drawing import STABLE, WAVENUMBER_TICKS
 from longwave.reports.pictures.style import CURVES, part
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from longwave.scenes.description.scene import Scene
+    from longwave.support.labelled_arrays import LabelledArrays
 
 Array = NDArray[np.float64]
 
@@ -265,6 +267,8 @@ def _theory(curves: Sequence[xr.Dataset]) -> xr.Dataset | None:
     largest = float(np.max(shown, initial=0.0)) or 1.0
     kappas = np.linspace(0.0, BEYOND * largest, KAPPAS)
     rates = _rates(grid.p, grid.q, amplitude, kappas[:, None])
+    import xarray as xr  # a sweep is one already
+
     return xr.Dataset(
         {
             "lines": (("line", "k"), list(lines.values())),
@@ -463,7 +467,7 @@ def _legend(panels: Sequence[GrowthPanel], looks: Looks) -> list[Line2D | Patch]
 
 
 @part(2.8)
-def sideband_sizes(figure: FigureBase, run: xr.Dataset, verdict: str) -> None:
+def sideband_sizes(figure: FigureBase, run: LabelledArrays, verdict: str) -> None:
     """The two waves beside a carrier over the slow time, in a logarithm, and in theory."""
     ax, slow_times = figure.subplots(), run["slow_time"].values
     look = CURVES[0] | {"linestyle": ""}

@@ -22,10 +22,9 @@ from longwave.reports.pictures.drawing import (
 from longwave.reports.pictures.style import CURVES, page_width, part
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from longwave.scenes.convergence import ConvergencePoint
     from longwave.scenes.modulation import ModulationGrid
+    from longwave.support.labelled_arrays import Labelled, LabelledArrays
 
 Array = NDArray[np.float64]
 
@@ -33,34 +32,34 @@ ACROSS = 3
 """Times of a scene side by side."""
 
 
-def even_times(run: xr.Dataset) -> list[int]:
+def even_times(run: Labelled) -> list[int]:
     """The places of ``ACROSS`` times from the first to the last."""
     return even_places(run.sizes["time"], ACROSS)
 
 
 @part(4.6)
-def strain_maps(figure: FigureBase, run: xr.Dataset) -> None:
+def strain_maps(figure: FigureBase, run: LabelledArrays) -> None:
     """Heat maps of a run on two axes: the lattice's strain, and its difference from the theory.
 
     A run `run_data.with_own` has its own error beside the difference.
     """
     places = even_times(run)
     panels = figure.subplots(2, len(places), squeeze=False, sharey=True)
-    apart = run["strain"] - run["analytic"]
-    ends = float(run["strain"].min()), float(run["strain"].max())
-    largest = float(abs(apart).max())
+    strain = run["strain"].values
+    apart = strain - run["analytic"].values
+    ends = float(np.fmin.reduce(strain, axis=None)), float(np.fmax.reduce(strain, axis=None))
+    largest = float(np.fmax.reduce(np.abs(apart), axis=None))
     for axes, values, words, colours, (least, most) in (
-        (panels[0], run["strain"], field_label(run, "strain"), "viridis", ends),
+        (panels[0], strain, field_label(run, "strain"), "viridis", ends),
         (panels[1], apart, "lattice $-$ theory", "PuOr", (-largest, largest)),
     ):
         for place, ax in zip(places, axes, strict=True):
-            at = values.isel(time=place)
             drawn = ax.pcolormesh(
-                run["site"], run["row"], at.values.T,
+                run["site"].values, run["row"].values, values[place].T,
                 cmap=colours, vmin=least, vmax=most, rasterized=True,
             )  # fmt: skip
-            ax.set_title(f"$T={float(run['slow_time'][place]):.3g}$", loc="left")
-            own = float(run["own"][place]) if "own" in run.coords else np.nan
+            ax.set_title(f"$T={float(run['slow_time'].values[place]):.3g}$", loc="left")
+            own = float(run["own"].values[place]) if "own" in run else np.nan
             if values is apart and np.isfinite(own):
                 ax.set_title(f"own error {told_error(own)}", loc="right", fontsize=7.0)
         axes[0].set_ylabel("$m$")

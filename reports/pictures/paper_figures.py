@@ -3,12 +3,13 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-import xarray as xr
 from matplotlib.figure import Figure
 
 from longwave.reports.pictures.drawing import error_panels, snapshot_panels
+from longwave.reports.pictures.error_curve import ErrorCurve
 from longwave.reports.pictures.run_data import snapshots
 from longwave.reports.pictures.style import page_width
+from longwave.support.labelled_arrays import Labelled
 
 
 @dataclass(frozen=True)
@@ -79,14 +80,14 @@ ERROR_FIGURES = (
 )
 
 
-def paper_figures(runs: Mapping[str, xr.Dataset]) -> Iterator[tuple[str, Figure]]:
+def paper_figures(runs: Mapping[str, Labelled]) -> Iterator[tuple[str, Figure]]:
     """Every figure of the paper, drawn from the runs of its scenes, under its name."""
     for figure in SNAPSHOT_FIGURES:
         rows = [snapshots(runs[name], figure.half_width) for name in figure.scenes]
         yield figure.name, snapshot_panels(rows).figure()
     for curves in ERROR_FIGURES:
         panels = {
-            title: {label: runs[name]["error_curve"] for label, name in pairs}
+            title: {label: ErrorCurve.of(runs[name], "error_curve") for label, name in pairs}
             for title, pairs in curves.panels
         }
         width = page_width() if len(panels) > 1 else 0.5 * page_width()

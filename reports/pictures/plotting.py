@@ -11,10 +11,9 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
-import xarray as xr
 
 from longwave.lattice.refine import Announce
 from longwave.lattice.trial import Progress
@@ -52,20 +51,24 @@ from longwave.reports.pictures.run_data import (
 )
 from longwave.reports.pictures.shown import ShownFigure
 from longwave.reports.pictures.style import WIDTHS, Part, page_width, save, styled
-from longwave.reports.pictures.sweep_plotting import SWEEP_PICTURES, Choice, is_sweep, sweep_parts
+from longwave.reports.pictures.sweep_kinds import SWEEP_PICTURES, Choice, is_sweep
 from longwave.runs import load_run
 from longwave.runs.run_file import REMEDY, names_a_run, strain_fault
-from longwave.scenes import run
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines.methods import record_scene
 from longwave.scenes.engines.run_record import UnfinishedRun
 from longwave.scenes.observed.observables import MEASURED
 from longwave.support.command_line import fail, fail_for_memory, one_line
 from longwave.support.console import picture_path, progress_bar
 from longwave.support.interruption import interrupted
 from longwave.support.known_names import one_of
+from longwave.support.labelled_arrays import Labelled, LabelledArrays
 from longwave.support.request_limits import Announcer
 from longwave.support.user_files import shown
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 ALL, GROWTH = "all", "growth"
 
@@ -85,7 +88,8 @@ LOOKS, LATTICE_LOOKS = 201, 101
 """Times of map and crest track where the scene does not state any; of a scene on any lattice, whose
 snapshots they are."""
 
-Source = xr.Dataset | Scene | str | Path
+Source = Labelled | Scene | str | Path
+"""A run, of which a data set is one, or what is run or read first."""
 
 
 @dataclass(frozen=True)
@@ -95,8 +99,8 @@ class Picture:
 
     observable: str
     variables: Sequence[str]
-    part: Callable[[xr.Dataset], Part]
-    fits: Callable[[xr.Dataset], bool] = lambda _: True
+    part: Callable[[LabelledArrays], Part]
+    fits: Callable[[LabelledArrays], bool] = lambda _: True
 
 
 def plot(
@@ -132,9 +136,9 @@ def plot(
     if columns not in WIDTHS:
         raise ValueError(f"columns must be 1 or 2, got {shown(columns)} (of a journal)")
     found = read_source(source)
-    of_sweep = isinstance(found, xr.Dataset) and is_sweep(found)
+    of_sweep = not isinstance(found, Scene) and is_sweep(found)
     _check_words(of_sweep, kind, at or {}, variable)
-    data = found if isinstance(found, xr.Dataset) else _run(found, kind, progress, announce)
+    data = _run(found, kind, progress, announce) if isinstance(found, Scene) else found
     with styled(WIDTHS[columns]), warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph .* missing from font")
         figure = _draw_sweep(data, kind, at or {}, variable) if of_sweep else _draw(data, kind)
@@ -161,28 +165,28 @@ def _check_words(of_sweep: bool, kind: str, at: Choice, variable: str) -> None:
 
 def _run(
     scene: Scene, kind: str, progress: Progress | None, announce: Announce | None
-) -> xr.Dataset:
+) -> LabelledArrays:
     """Run a scene for what the pictures need.
 
     Where it has observables these are asked for; others are run at their own times and, where
     curves are drawn, between them.
     """
     if scene.bench:
-        return scene.run(progress, announce)
+        return record_scene(scene, progress, announce).arrays
     if scene.has_moving_wave:
-        return run(_for_pictures(scene, kind), progress, announce)
+        return record_scene(_for_pictures(scene, kind), progress, announce).arrays
     named = "slow_times" if scene.slow_times else "snapshots"
     own: tuple[float, ...] = getattr(scene, named)
     if not own or kind in ("snapshots", "spectra"):
-        return scene.run(progress, announce)
+        return record_scene(scene, progress, announce).arrays
     times = tuple(sorted({*own, *np.linspace(own[0], own[-1], LATTICE_LOOKS).tolist()}))
-    made = scene.changed(**{named: times}).run(progress, announce)
+    made = record_scene(scene.changed(**{named: times}), progress, announce).arrays
     return with_looks(placed(made)).isel(time=[times.index(t) for t in own])
 
 
-def read_source(source: Source) -> xr.Dataset | Scene:
+def read_source(source: Source) -> Labelled | Scene:
     """The run or the scene that is meant; ValueError if it is neither, or cannot be read."""
-    if isinstance(source, xr.Dataset | Scene):
+    if isinstance(source, Scene | Labelled):
         return source
     if not isinstance(source, str | Path):
         raise ValueError(
@@ -219,18 +223,21 @@ def _for_pictures(scene: Scene, kind: str) -> Scene:
     return replace(scene, observables=asked, look_points=scene.look_points or LOOKS)
 
 
-def _draw(data: xr.Dataset, kind: str) -> ShownFigure:
+def _draw(run: Labelled, kind: str) -> ShownFigure:
     """Draw the pictures of that kind, one below the other, the run's title above them."""
-    data = with_theory(with_looks(placed(data), LEAST_LOOKS if kind == ALL else 2))
+    data = with_theory(with_looks(placed(run), LEAST_LOOKS if kind == ALL else 2))
     drawn = _pictures(data, kind)
     return _stacked(_title(data), [picture.part(data) for picture in drawn])
 
 
-def _draw_sweep(data: xr.Dataset, kind: str, at: Choice, variable: str) -> ShownFigure:
+def _draw_sweep(data: Labelled, kind: str, at: Choice, variable: str) -> ShownFigure:
     """Draw the pictures of a sweep, what was chosen of it in the title."""
+    from longwave.reports.pictures.sweep_plotting import sweep_parts
+
     where = one_line(", ".join(f"{name} = {value}" for name, value in at.items()))[:MOST]
     title = "\n".join(filter(None, (_title(data), where)))
-    return _stacked(title, sweep_parts(data, None if kind == ALL else kind, at, variable))
+    sweep = cast("xr.Dataset", data)
+    return _stacked(title, sweep_parts(sweep, None if kind == ALL else kind, at, variable))
 
 
 def _stacked(title: str, parts: Sequence[Part]) -> ShownFigure:
@@ -248,35 +255,36 @@ def _stacked(title: str, parts: Sequence[Part]) -> ShownFigure:
     return figure
 
 
-def _title(data: xr.Dataset) -> str:
+def _title(data: Labelled) -> str:
     """The run's title, and a line on how it ended if it ended early, each cut and wrapped."""
     lines = [data.attrs.get("title", ""), data.attrs.get("blow_up"), data.attrs.get("unfinished")]
     short = (textwrap.shorten(one_line(line), MOST, placeholder=" ...") for line in lines if line)
     return "\n".join(short)
 
 
-def _pictures(data: xr.Dataset, kind: str) -> Sequence[Picture]:
+def _pictures(data: LabelledArrays, kind: str) -> Sequence[Picture]:
     """The pictures that can be drawn of the run; ValueError if there is none."""
     wanted = PICTURES.values() if kind == ALL else [PICTURES[kind]]
     found = [picture for picture in wanted if _has(data, picture)]
     if not found:
         missing = ", ".join(dict.fromkeys(name for picture in wanted for name in picture.variables))
         asked = ", ".join(dict.fromkeys(p.observable for p in wanted if p.observable))
-        held = ", ".join(map(str, data)) or "nothing"
+        given = (n for n in data if data[n].dims != (n,) and n != "offset")
+        held = ", ".join(given) or "nothing"
         remedy = f"the scene must ask for {asked}" if asked else "a chain on a bench watches it"
         raise ValueError(f"source must hold what is drawn ({missing}), got {held} ({remedy})")
     return found
 
 
-def _has(data: xr.Dataset, picture: Picture) -> bool:
+def _has(data: LabelledArrays, picture: Picture) -> bool:
     """Whether the run has the picture's variables, and numbers in them, and fits."""
-    held = all(name in data and np.isfinite(data[name]).any() for name in picture.variables)
+    held = all(name in data and np.isfinite(data[name].values).any() for name in picture.variables)
     return held and picture.fits(data)
 
 
-def _snapshots(data: xr.Dataset) -> Part:
+def _snapshots(data: LabelledArrays) -> Part:
     """Lattice against wave on a chain; on two axes maps of the strain and of the difference."""
-    if "row" in data.dims:
+    if "row" in data.sizes:
         return strain_maps(with_own(data))
     places = even_places(data.sizes["time"], MOST_PANELS)
     panels = snapshots(data, shown_half_width(data), places)
@@ -285,36 +293,37 @@ def _snapshots(data: xr.Dataset) -> Part:
     return snapshot_panels(rows, of_one=True)
 
 
-def _spectra(data: xr.Dataset) -> Part:
+def _spectra(data: LabelledArrays) -> Part:
     return spectrum_panels(spectra(data, even_places(data.sizes["time"], MOST_SPECTRA)))
 
 
-def shown_half_width(data: xr.Dataset) -> int:
+def shown_half_width(run: Labelled) -> int:
     """Half-width in sites of what is shown: the wave as far as it differs from its background.
 
     Every site that is compared, where the wave is its background, and without one.
     """
+    data = LabelledArrays.of(run)
     sites = np.abs(data["site"].values)
     if "background" not in data:
         return int(sites.max())
-    deviation = np.abs((data["analytic"] - data["background"]).values)
+    deviation = np.abs(data["analytic"].values - data["background"].values)
     others = tuple(axis for axis, name in enumerate(data["analytic"].dims) if name != "site")
     deviation = np.nan_to_num(deviation, posinf=0.0).max(axis=others)
     seen = sites[deviation > SHOWN * deviation.max()]
     return int(max(1.25 * seen.max(), LEAST_SHOWN)) if seen.size else int(sites.max())
 
 
-def _map(data: xr.Dataset) -> Part:
+def _map(data: LabelledArrays) -> Part:
     """The map about the sites that the snapshots show, if there are snapshots."""
     shown = shown_half_width(data) if _has(data, PICTURES["snapshots"]) else None
-    return space_time_map(data["space_time"], shown)
+    return space_time_map(data, shown)
 
 
-def _errors(data: xr.Dataset) -> Part:
+def _errors(data: LabelledArrays) -> Part:
     return error_panels({rf"$\epsilon={data.attrs['eps']:g}$": error_curves(data)})
 
 
-def _sizes(data: xr.Dataset) -> Part:
+def _sizes(data: LabelledArrays) -> Part:
     return sideband_sizes(data, one_line(data.attrs.get("verdict", ""))[:MOST])
 
 
@@ -366,13 +375,13 @@ def draw(
     """
     try:
         drawn = read_source(changed_source(source, changes))
-        if isinstance(drawn, xr.Dataset) and (fault := strain_fault(drawn)):
+        if not isinstance(drawn, Scene) and (fault := strain_fault(drawn)):
             print(f"{source}: {fault}", file=sys.stderr)
         with progress_bar(Path(source).name, source) as (advance, tell):
             plot(drawn, path, kind, advance, Announcer(tell), at, variable, columns)
     except UnfinishedRun as stop:
         with suppress(ValueError, OSError):
-            plot(stop.run, path, kind, columns=columns)
+            plot(stop.record.arrays, path, kind, columns=columns)
             return interrupted(program, f"what was run until then is in {path}")
         return interrupted(program, "too little was run to be drawn")
     except KeyboardInterrupt:

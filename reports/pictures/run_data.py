@@ -10,13 +10,18 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NoReturn
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
+from longwave.reports.pictures.error_curve import ErrorCurve
 from longwave.runs import scene_of_run
 from longwave.runs.own_error import own_error_at, scaled_own_error
 from longwave.scenes.observed.observables import amplitudes, cell_width, extremum
 from longwave.scenes.starts.moving_wave import moving_wave
+from longwave.support.labelled_arrays import (
+    Labelled,
+    LabelledArray,
+    LabelledArrays,
+)
 from longwave.support.user_files import shown
 
 Array = NDArray[np.float64]
@@ -34,12 +39,13 @@ UNIT_ROUNDOFF = 2.0**-53
 """Half a unit in the last place of 1."""
 
 
-def placed(data: xr.Dataset) -> xr.Dataset:
-    """A run with the attributes ``eps``, ``speed`` of its frame, ``unit`` of its errors, the name
-    of its ``wave``, ``carried`` for an envelope, and the coordinate ``offset`` n - c t in sites.
+def placed(data: Labelled) -> LabelledArrays:
+    """Return a run with the attributes ``eps``, ``speed`` of its frame, ``unit`` of its errors, the
+    name of its ``wave``, ``carried`` for an envelope, and the variable ``offset`` n - c t in sites.
 
     Raises ValueError in one line if it is no run with a scene that can be read.
     """
+    data = LabelledArrays.of(data)
     check_run(data)
     try:
         scene = scene_of_run(data)
@@ -60,21 +66,30 @@ def placed(data: xr.Dataset) -> xr.Dataset:
         wave="wave" if "sup_error" in data else "mKdV wave",
         carried=int(getattr(scene, "is_envelope", False)),
     )
-    return run.assign_coords(offset=run["n"] - speed * run["time"]) if "n" in run else run
+    if "n" not in run:
+        return run
+    gone = speed * run["time"].values
+    return run.assign(offset=LabelledArray(SNAPSHOT, run["n"].values - gone[:, np.newaxis]))
 
 
 def snapshots(
-    run: xr.Dataset, half_width: int, places: Iterable[int] | None = None
-) -> list[xr.Dataset]:
+    run: Labelled, half_width: int, places: Iterable[int] | None = None
+) -> list[LabelledArrays]:
     """A run at all its times, or some, ``half_width`` sites to either side of that next to c t.
 
     Each has the run's ``own`` error, NaN where it was not measured, and of a carrier what
     `with_envelope` adds.
     """
-    run = with_envelope(with_own(run if "offset" in run.coords else placed(run)))
-    shown = run.sel(site=slice(-half_width, half_width))
-    chosen = range(run.sizes["time"]) if places is None else places
+    found = LabelledArrays.of(run)
+    found = with_envelope(with_own(found if "offset" in found else placed(found)))
+    shown = within(found, half_width)
+    chosen = range(shown.sizes["time"]) if places is None else places
     return [shown.isel(time=place) for place in chosen]
+
+
+def within(run: LabelledArrays, half_width: int) -> LabelledArrays:
+    """Return a run at the sites up to ``half_width`` to either side of that next to c t."""
+    return run.isel(site=np.flatnonzero(np.abs(run["site"].values) <= half_width))
 
 
 SNAPSHOT, TIME, LOOK, CURVE = ("time", "site"), ("time",), ("look_time",), ("curve_time",)
@@ -102,25 +117,25 @@ DIMENSIONS: Mapping[str, tuple[str, ...]] = {
 """Of what pictures are drawn from; strains may have the dimension ``row`` besides."""
 
 
-def check_run(data: xr.Dataset) -> None:
+def check_run(data: Labelled) -> None:
     """Raise ValueError in one line if a data set is not as those of runs are: it may be any file's.
 
     Variables that pictures need not are not looked at; one that is missing is no fault.
     """
-    used = [name for name in DIMENSIONS if name in data.variables]
-    for name in used:
-        dims = tuple(dim for dim in data[name].dims if dim != "row" or name == "n")
-        if dims != DIMENSIONS[name] or data[name].dtype.kind not in "fiu":
-            _refuse(f"{name} over {', '.join(map(str, data[name].dims))}")
-    for dim in {dim for name in used for dim in data[name].dims}:
-        axis = data[dim] if dim in data.coords else None
-        if axis is None or axis.dtype.kind not in "fiu" or not np.isfinite(axis).all():
+    used = {name: data.variables[name] for name in DIMENSIONS if name in data.variables}
+    for name, held in used.items():
+        dims = tuple(dim for dim in held.dims if dim != "row" or name == "n")
+        if dims != DIMENSIONS[name] or held.dtype.kind not in "fiu":
+            _refuse(f"{name} over {', '.join(map(str, held.dims))}")
+    for dim in {dim for held in used.values() for dim in held.dims}:
+        axis = data.variables.get(dim)
+        if axis is None or axis.dtype.kind not in "fiu" or not np.isfinite(axis.values).all():
             _refuse(f"no finite numbers of {dim}")
     for name in ("error_estimate", "frame_speed"):
         value = data.attrs.get(name, 0.0)
         if not isinstance(value, int | float | np.number) or not np.isfinite(value):
             _refuse(f"{name} = {shown(value)}")
-    if not np.isfinite(np.asarray(data.get("n", 0.0), dtype=float)).all():
+    if "n" in used and not np.isfinite(used["n"].values).all():
         _refuse("n that is not finite")
 
 
@@ -131,28 +146,31 @@ def _refuse(what: str) -> NoReturn:
     )
 
 
-def own_error(data: xr.Dataset) -> Array | None:
+def own_error(data: LabelledArrays) -> Array | None:
     """The own error of a placed run in the strain, at each snapshot; None if it has none."""
     found = scaled_own_error(data)
     return None if found is None else data.attrs["unit"] * found
 
 
-def with_own(data: xr.Dataset) -> xr.Dataset:
-    """A placed run with its `own_error` as the coordinate ``own``, NaN where it has none."""
+def with_own(data: LabelledArrays) -> LabelledArrays:
+    """Return a placed run with its `own_error` at each snapshot as the variable ``own``.
+
+    It is NaN where the run has none.
+    """
     own = own_error(data)
-    return data.assign_coords(
-        own=("time", np.full(data.sizes["time"], np.nan) if own is None else own)
-    )
+    values = np.full(data.sizes["time"], np.nan) if own is None else own
+    return data.assign(own=LabelledArray(TIME, values))
 
 
-def with_envelope(data: xr.Dataset) -> xr.Dataset:
+def with_envelope(data: LabelledArrays) -> LabelledArrays:
     """A placed run of a carrier with the `envelope` of its strains, ``strain_envelope``, and of the
     wave's, ``analytic_envelope``, where it has one; other runs stay as they are."""
-    if not data.attrs["carried"] or "row" in data.dims:
+    if not data.attrs["carried"] or "row" in data.sizes:
         return data
-    found = {f"{name}_envelope": data[name] for name in ("strain", "analytic")}
-    rows = {name: [envelope(row) for row in values.values] for name, values in found.items()}
-    return data.assign({name: (("time", "site"), values) for name, values in rows.items()})
+    found = {f"{name}_envelope": data[name].values for name in ("strain", "analytic")}
+    rows = {name: [envelope(row) for row in values] for name, values in found.items()}
+    made = {name: np.array(row).reshape(found[name].shape) for name, row in rows.items()}
+    return data.assign(**{name: LabelledArray(SNAPSHOT, values) for name, values in made.items()})
 
 
 def envelope(strain: Array) -> Array:
@@ -191,7 +209,7 @@ LEAST_CARRIED, LEAST_APART = 48, 0.3
 """Fewest sites of which an envelope is made, and least distance of a carrier from 0 and pi."""
 
 
-def spectra(data: xr.Dataset, places: Sequence[int]) -> xr.Dataset:
+def spectra(data: LabelledArrays, places: Sequence[int]) -> LabelledArrays:
     """Amplitudes of ``lattice`` and ``wave`` over the compared sites at some snapshots.
 
     ``rounding`` is the amplitude that rounding the strain to doubles has, on average, ``own`` what
@@ -199,7 +217,7 @@ def spectra(data: xr.Dataset, places: Sequence[int]) -> xr.Dataset:
     most 2 e; NaN if it was not measured.
     """
     at = _middle_row(with_own(data).isel(time=list(places)))
-    strain, analytic = (np.asarray(at[name], dtype=float) for name in ("strain", "analytic"))
+    strain, analytic = (np.asarray(at[name].values, dtype=float) for name in ("strain", "analytic"))
     sites = strain.shape[1]
     largest = np.nanmax(np.abs(strain), axis=1, initial=0.0)
     rounding = UNIT_ROUNDOFF / np.sqrt(3.0) * largest
@@ -207,19 +225,18 @@ def spectra(data: xr.Dataset, places: Sequence[int]) -> xr.Dataset:
     with np.errstate(all="ignore"):
         lattice, wave = (np.array(list(map(amplitudes, part))) for part in (strain, analytic))
     over = ("time", "wavenumber")
-    return xr.Dataset(
-        {
-            "lattice": (over, lattice),
-            "wave": (over, wave),
-            "rounding": ("time", 2.0 * rounding * np.sqrt(1.5 / sites)),
-            "own": ("time", 2.0 * at["own"].values),
-        },
-        {"time": at["time"].values, "wavenumber": wavenumber},
-        _kind(data),
-    )
+    found = {
+        "time": at["time"],
+        "wavenumber": LabelledArray(("wavenumber",), wavenumber),
+        "lattice": LabelledArray(over, lattice),
+        "wave": LabelledArray(over, wave),
+        "rounding": LabelledArray(TIME, 2.0 * rounding * np.sqrt(1.5 / sites)),
+        "own": LabelledArray(TIME, 2.0 * at["own"].values),
+    }
+    return LabelledArrays(found, _kind(data))
 
 
-def _kind(data: xr.Dataset) -> dict[str, Any]:
+def _kind(data: LabelledArrays) -> dict[str, Any]:
     """Return the attribute that says which field a run compares, if it says so."""
     return {key: data.attrs[key] for key in ("field_kind",) if key in data.attrs}
 
@@ -228,27 +245,28 @@ CURVES = {"error_curve": "over background", "error_curve_far_field": "over far f
 """The errors over time, and against what of the wave they are measured."""
 
 
-def error_curves(data: xr.Dataset) -> dict[str, xr.DataArray]:
-    """The errors over time that a placed run holds, with their own errors as the coordinate
-    ``own``: NaN where it was not measured."""
-    curves = {label: data[name] for name, label in CURVES.items() if name in data}
-    if "own" in data.coords:
-        return curves
-    return {label: curve.assign_coords(own=_own(data, curve)) for label, curve in curves.items()}
+def error_curves(data: LabelledArrays) -> dict[str, ErrorCurve]:
+    """Return the errors over time that a placed run holds, by their labels, with its own errors."""
+    known = data["own"].values if "own" in data else None
+    return {
+        label: ErrorCurve.of(data, name, _own(data, name) if known is None else known)
+        for name, label in CURVES.items()
+        if name in data
+    }
 
 
-def _own(data: xr.Dataset, errors: xr.DataArray) -> tuple[str, list[float]]:
-    """The run's own error at each place of a variable, in its units, as a coordinate."""
-    scene, name = scene_of_run(data), str(errors.name)
-    return "curve_time", [own_error_at(data, scene, name, i) for i in range(errors.size)]
+def _own(data: LabelledArrays, name: str) -> Array:
+    """Return the run's own error at each place of a variable, in its units."""
+    scene = scene_of_run(data)
+    return np.array([own_error_at(data, scene, name, i) for i in range(data[name].size)])
 
 
-def with_looks(data: xr.Dataset, least: int = LEAST_LOOKS) -> xr.Dataset:
-    """A placed run with map, crest and errors over its snapshots, if it has ``least`` and no map.
+def with_looks(data: LabelledArrays, least: int = LEAST_LOOKS) -> LabelledArrays:
+    """Return a placed run with map, crest and errors over its snapshots.
 
-    On two axes map and crest are those of the row nearest to the middle. Of a carrier they are
-    those of its `envelope`, or, where it has none, of the largest modulus in some cells that it
-    moves through.
+    It needs ``least`` snapshots and no map; any other run is returned as it is. On two axes map and
+    crest are those of the row nearest to the middle. Of a carrier they are those of its `envelope`,
+    or, where it has none, of the largest modulus in some cells that it moves through.
     """
     needed = {"strain", "background", "n", "error", "sup_error"} <= set(data.variables)
     if not needed or data.sizes.get("time", 0) < least or "space_time" in data:
@@ -258,7 +276,7 @@ def with_looks(data: xr.Dataset, least: int = LEAST_LOOKS) -> xr.Dataset:
     line, speed, carried = _middle_row(data), data.attrs["speed"], data.attrs["carried"]
     names = ("strain", "analytic", "background", "n")
     strain, analytic, background, sites = (
-        np.asarray(line[name] if name in line else np.nan * line["n"], dtype=float)
+        np.asarray(line[name].values if name in line else np.nan * line["n"].values, dtype=float)
         for name in names
     )
     least_width = 1
@@ -272,27 +290,24 @@ def with_looks(data: xr.Dataset, least: int = LEAST_LOOKS) -> xr.Dataset:
     times = data["time"].values
     width = max(cell_width((strain.shape[1] - 1) // 2), least_width)
     starts = np.arange(0, strain.shape[1], width)
-    space_time = _farthest(strain, background, starts)
-    found: dict[str, Any] = {
-        "space_time": (("look_time", "map_site"), space_time, {"carried": carried, **_kind(data)})
-    }
+    looks = {"space_time": _farthest(strain, background, starts)}
     for end, values in (("", strain), ("_wave", analytic)):
-        place, top = _crests(values, background, sites)
-        found[f"crest_position{end}"] = ("look_time", place - speed * times)
-        found[f"crest_strain{end}"] = ("look_time", top)
+        place, looks[f"crest_strain{end}"] = _crests(values, background, sites)
+        looks[f"crest_position{end}"] = place - speed * times
     if "crest_law" in data:
-        law = np.interp(times, data["look_time"].values, data["crest_law"].values)
-        found["crest_law"] = ("look_time", law)
-    data = data.drop_dims("look_time", errors="ignore")
-    axes = {
-        "look_time": times,
-        "shift": ("look_time", line["offset"].values[:, 0] - data["site"].values[0]),
-        "map_site": np.asarray(data["site"])[starts],
+        looks["crest_law"] = np.interp(times, data["look_time"].values, data["crest_law"].values)
+    looks |= {"look_time": times, "shift": line["offset"].values[:, 0] - data["site"].values[0]}
+    told = {"space_time": {"carried": carried, **_kind(data)}}
+    found = {
+        name: LabelledArray(DIMENSIONS.get(name, LOOK), values, told.get(name, {}))
+        for name, values in looks.items()
     }
-    if "curve_time" not in data.dims:
-        found["error_curve"] = ("curve_time", np.asarray(data["error"], dtype=float))
-        axes |= {"curve_time": times, "own": _own(data, data["error"])}
-    return data.assign(found).assign_coords(axes)
+    found["map_site"] = LabelledArray(("map_site",), data["site"].values[starts])
+    if "curve_time" not in data.sizes:
+        errors = np.asarray(data["error"].values, dtype=float)
+        curve = {"error_curve": errors, "curve_time": times, "own": _own(data, "error")}
+        found |= {name: LabelledArray(CURVE, values) for name, values in curve.items()}
+    return data.without("look_time").assign(**found)
 
 
 def _farthest(strain: Array, background: Array, starts: NDArray[np.intp]) -> Array:
@@ -306,19 +321,18 @@ def _farthest(strain: Array, background: Array, starts: NDArray[np.intp]) -> Arr
         return np.asarray(level / counts + np.where(high + low >= 0.0, high, low))
 
 
-def with_theory(data: xr.Dataset) -> xr.Dataset:
-    """A placed run with what its frame says of its map, and its wave of the crest, on the paper's
-    chain.
+def with_theory(data: LabelledArrays) -> LabelledArrays:
+    """Return a placed run with what its frame says of its map, and its wave of the crest.
 
     ``shift`` is how far from c t the site is that stands in the middle of the map, the nearest one;
     ``crest_position_wave`` and ``crest_strain_wave`` are the crest of the wave at the sites that
     are compared.
     """
-    if "look_time" not in data.dims or "shift" in data.coords:
+    if "look_time" not in data.sizes or "shift" in data:
         return data
     times = data["look_time"].values
     gone = data.attrs["speed"] * times
-    data = data.assign_coords(shift=("look_time", np.floor(gone + 0.5) - gone))
+    data = data.assign(shift=LabelledArray(LOOK, np.floor(gone + 0.5) - gone))
     scene = scene_of_run(data)
     if "crest_position" not in data or not scene.has_moving_wave:
         return data
@@ -328,7 +342,7 @@ def with_theory(data: xr.Dataset) -> xr.Dataset:
     strain = np.array([scene.eps * moving.wave.value_at(at, t, scene.eps) for at, t in rows])
     place, top = _crests(strain, np.full_like(strain, moving.level), sites)
     found = {"crest_position_wave": place - gone, "crest_strain_wave": top}
-    return data.assign({name: ("look_time", values) for name, values in found.items()})
+    return data.assign(**{name: LabelledArray(LOOK, values) for name, values in found.items()})
 
 
 def _crests(strain: Array, background: Array, sites: Array) -> tuple[Array, Array]:
@@ -350,6 +364,8 @@ def _crest(strain: Array, background: Array, sites: Array) -> tuple[float, float
     return float(sites[top]) + offset, height + float(background[top])
 
 
-def _middle_row(data: xr.Dataset) -> xr.Dataset:
-    """The row nearest to the middle, if there are rows."""
-    return data.isel(row=int(np.argmin(np.abs(data["row"].values)))) if "row" in data.dims else data
+def _middle_row(data: LabelledArrays) -> LabelledArrays:
+    """Return the row nearest to the middle, if there are rows."""
+    if "row" not in data.sizes:
+        return data
+    return data.isel(row=int(np.argmin(np.abs(data["row"].values))))

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import wraps
 from pathlib import Path
-from typing import Any, Concatenate, ParamSpec
+from typing import Any, Concatenate, ParamSpec, cast
 
 import matplotlib as mpl
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -126,11 +126,29 @@ def part(
         @wraps(draw)
         def made(*shown: Shown.args, **words: Shown.kwargs) -> Part:
             inches = height(*shown, **words) if callable(height) else height
-            return Part(inches, lambda figure: draw(figure, *shown, **words))
+
+            def draw_on(figure: FigureBase) -> None:
+                draw(figure, *shown, **words)
+                _leave_out_spines(figure)
+
+            return Part(inches, draw_on)
 
         return made
 
     return declare
+
+
+def _leave_out_spines(figure: FigureBase) -> None:
+    """Have the search for the layout measure no spines, which takes a sixth of its time.
+
+    Ticks point inwards, so that the four spines of axes end where the axes do.
+    """
+    for ax in cast(Figure, figure).axes:  # SubFigure has them, too
+        for side in _SIDES & ax.spines.keys():
+            ax.spines[side].set_in_layout(False)
+
+
+_SIDES = {"left", "right", "bottom", "top"}
 
 
 class PowerTicks(ScalarFormatter):

@@ -23,6 +23,7 @@ from longwave.reports.pictures.sweep_drawing import (
     swept_curves,
     work_precision,
 )
+from longwave.reports.pictures.sweep_kinds import GROWTH_MAP, VALUES, WORK_PRECISION, Choice
 from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
 
@@ -55,17 +56,6 @@ ENDED = ("done", "blown up")
 
 PULSE = ("last_peak", "last_energy")
 """What disorder left of a pulse, which is drawn before its error: a mere delay is one."""
-
-VALUES, WORK_PRECISION, GROWTH_MAP = "values", "work_precision", "growth_map"
-SWEEP_PICTURES = (VALUES, WORK_PRECISION, GROWTH_MAP)
-"""The kinds of pictures of a sweep."""
-
-Choice = Mapping[str, str | float]
-
-
-def is_sweep(data: xr.Dataset) -> bool:
-    """Whether a data set is the result of a sweep."""
-    return "sweep" in data.attrs and "status" in data
 
 
 def sweep_parts(data: xr.Dataset, kind: str | None, at: Choice, variable: str) -> list[Part]:

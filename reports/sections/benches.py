@@ -26,6 +26,7 @@ from longwave.reports.studies.effects import CELLS, TOLERANCES, EffectCost
 from longwave.reports.studies.lattice_runs import SceneRun
 from longwave.scenes.description.bench import ACTING, Bench
 from longwave.scenes.description.losses import Losses
+from longwave.support.labelled_arrays import LabelledArrays
 
 
 def bench_table(runs: Mapping[str, SceneRun]) -> str:
@@ -148,7 +149,7 @@ def bench_figures(runs: Mapping[str, SceneRun]) -> Iterator[tuple[str, Figure]]:
     for name, found in runs.items():
         if found.run is not None:
             draw = next(draw for held, draw in DRAWN.items() if held in found.run.variables)
-            yield f"bench_{name}", draw(found.run).figure()
+            yield f"bench_{name}", draw(LabelledArrays.of(found.run)).figure()
 
 
 def bench_pictures(runs: Mapping[str, SceneRun]) -> str:

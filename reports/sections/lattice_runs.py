@@ -30,7 +30,7 @@ from longwave.reports.pictures.lattice_figures import even_times, rate_figure, s
 from longwave.reports.pictures.run_data import placed, snapshots, with_own
 from longwave.reports.studies.lattice_runs import SceneRun
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.description.scene_rules import COMPUTED
+from longwave.support.labelled_arrays import LabelledArrays
 
 if TYPE_CHECKING:
     from longwave.scenes.convergence import ConvergencePoint, FittedRate, SceneConvergence
@@ -136,7 +136,7 @@ def _by_lattice(
 
 
 def _wave(scene: Scene) -> str:
-    return "computed soliton" if scene.wave == COMPUTED else escape(scene.form.title)
+    return scene.wave_name.replace("_", " ") if scene.named_start else escape(scene.form.title)
 
 
 def interval(rate: FittedRate) -> str:
@@ -194,7 +194,7 @@ def lattice_figures(
     yield "lattice_rates", rate_figure(rate_panels(rates))
 
 
-def _peregrine_row(run: xr.Dataset) -> list[xr.Dataset]:
+def _peregrine_row(run: xr.Dataset) -> list[LabelledArrays]:
     """The wave at its crest, and its carrier there and at the end."""
     crest = int(np.argmin(np.abs(run["time"].values)))
     wide = snapshots(run, PEREGRINE_CELLS, (crest,))

@@ -28,6 +28,7 @@ from longwave.reports.pictures.run_data import snapshots
 from longwave.reports.studies.lattice_cost import PeakError, peak_laws
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.description.scene import Scene
+from longwave.support.labelled_arrays import LabelledArrays
 
 if TYPE_CHECKING:
     from longwave.reports.studies.claims import Claim, Measurement
@@ -192,7 +193,7 @@ def peak_panels(points: Iterable[PeakError]) -> CostPanels:
     return {"": curves}
 
 
-def split_rows(runs: Mapping[str, xr.Dataset]) -> list[list[xr.Dataset]]:
+def split_rows(runs: Mapping[str, xr.Dataset]) -> list[list[LabelledArrays]]:
     """The snapshots of the split wave's run, in rows of ``ACROSS``."""
     rows = []
     for run in runs.values():

@@ -212,7 +212,7 @@ def _zone_boundary_noise() -> Reading:
 )
 def _wrong_feed() -> Reading:
     from longwave.scenes.engines.lattice_run import domain_plan
-    from longwave.scenes.engines.stepped_cells import FedWave
+    from longwave.scenes.engines.window import FedWave
 
     scene = replace(load_scene("rational_2_eps_0.05"), t0=-400.0, snapshots=(0.0,))
     scene = scene.changed(sites=2048, compared=500)

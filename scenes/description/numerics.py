@@ -5,13 +5,34 @@ from dataclasses import dataclass
 from typing import Any
 
 from longwave.lattice.schemes import Scheme, scheme_named
+from longwave.scenes.description import entries
 from longwave.scenes.description import scene_checks as check
 
 NUMERICS = ("step", "domain", "sites", "scheme", "tolerance", "engine")
 """The keywords of both records."""
 
-DOMAINS = ("window", "ring", "closed_ring")
-ENGINES = ("stencil", "spectral")
+
+@dataclass(frozen=True, kw_only=True)
+class DomainRules(entries.Entry):
+    """Rules for scenes that state a domain.
+
+    One that ``moves`` with its wave drops cells, so it takes long waves on a lattice that is the
+    same in all cells and loses nothing. That its ``ends_meet`` is stated for the paper's waves
+    alone: those of others always do.
+    """
+
+    moves: bool = False
+    ends_meet: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class EngineRules(entries.Entry):
+    """Rules for scenes that name an engine.
+
+    One that does not step cells takes no scheme, no stated step and no disorder or losses.
+    """
+
+    steps_cells: bool = True
 
 
 @dataclass(frozen=True)
@@ -35,7 +56,12 @@ class Discretisation:
         scheme_named(self.scheme)
         object.__setattr__(self, "sites", check.whole("sites", self.sites))
         check.positive("step", self.step)
-        check.one_of("domain", self.domain, DOMAINS)
+        check.one_of("domain", self.domain, tuple(entries.table(DomainRules)))
+
+    @property
+    def rules(self) -> DomainRules:
+        """The entry of its domain."""
+        return entries.table(DomainRules)[self.domain]
 
     @property
     def table(self) -> Scheme:
@@ -64,14 +90,19 @@ class Tolerance:
             check.text(key, getattr(self, key))
         object.__setattr__(self, "tolerance", check.tolerance(self.tolerance))
         if self.engine:
-            check.one_of("engine", self.engine, ENGINES)
+            check.one_of("engine", self.engine, tuple(entries.table(EngineRules)))
         if self.scheme:
             scheme_named(self.scheme)
-            if self.engine == "spectral":
+            if not self.steps_cells:
                 raise ValueError(
-                    f"scheme must not be given for engine 'spectral', got {self.scheme!r} "
+                    f"scheme must not be given for engine {self.engine!r}, got {self.scheme!r} "
                     "(it has its own)"
                 )
+
+    @property
+    def steps_cells(self) -> bool:
+        """Whether the engine steps cells, as the usual one does."""
+        return not self.engine or entries.table(EngineRules)[self.engine].steps_cells
 
     def __str__(self) -> str:
         named = ", ".join(text for text in (self.engine, self.scheme) if text)
@@ -90,11 +121,10 @@ def numerics_of(given: Mapping[str, Any]) -> Discretisation | Tolerance:
                     "(the tolerance determines it; leave out one of the two)"
                 )
         return Tolerance(found["tolerance"], engine, scheme)
-    if engine:
-        check.one_of("engine", engine, ENGINES)
-    if engine == "spectral":
+    engines = entries.table(EngineRules)
+    if engine and not engines[check.one_of("engine", engine, tuple(engines))].steps_cells:
         raise ValueError(
-            "tolerance must be given for engine 'spectral', got none (it takes no step)"
+            f"tolerance must be given for engine {engine!r}, got none (it takes no step)"
         )
     stated = found.get("step", 0.0), found.get("domain", ""), found.get("sites", 0)
     return Discretisation(*stated, scheme) if scheme else Discretisation(*stated)

@@ -13,7 +13,7 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from longwave.scenes.description import run_hook
+from longwave.scenes.description import entries
 from longwave.scenes.description import scene_checks as check
 from longwave.scenes.description.bench import BENCH_TABLES, Bench, bench_of, check_bath
 from longwave.scenes.description.losses import Losses
@@ -29,10 +29,8 @@ from longwave.scenes.description.scene_file import (
     toml_text,
 )
 from longwave.scenes.description.scene_rules import (
-    USUAL_OBSERVABLES,
     check_any_lattice,
     check_eps,
-    check_growth,
     check_moving_wave,
 )
 from longwave.scenes.description.stated_tables import StatedTables
@@ -198,14 +196,13 @@ class Scene(SceneFields):
                 f"numerics must be a Discretisation or a Tolerance, got {shown(self.numerics)} "
                 "(such as Tolerance(1e-4))"
             )
-        if self.is_growth:
-            check_growth(self)
-        else:
+        self.start.check(self)
+        if not self.is_growth:
             self._check_moments()
             self._check_region()
         self._check_ansatz()
         is_usual = self.observables is None
-        asked = USUAL_OBSERVABLES[self.method] if is_usual else self.observables
+        asked = self.start.observables if is_usual else self.observables
         self._set("observables", check.names("observables", asked, tuple(OBSERVABLES)))
         if self.has_moving_wave:
             check_moving_wave(self)
@@ -339,7 +336,7 @@ class Scene(SceneFields):
 
     def run(self, progress: Progress | None = None, announce: Announce | None = None) -> xr.Dataset:
         """Run the scene as `longwave.run` does, and return its data set."""
-        return run_hook.run(self, progress, announce)
+        return entries.run(self, progress, announce)
 
     def changed(self, **changes: Any) -> Scene:
         """The scene with other values for some keywords of `of`.
@@ -393,7 +390,7 @@ class Scene(SceneFields):
     def _keywords(self) -> dict[str, Any]:
         """The keywords of `of`, those apart that say what is usual."""
         given = {key: getattr(self, key) for key in FIELDS} | asdict(self.numerics)
-        usual = _USUAL | {"observables": USUAL_OBSERVABLES[self.method]}
+        usual = _USUAL | {"observables": self.start.observables}
         usual |= {"eps": 1.0, "wave": ""} if self.bench else {}
         for key in said_otherwise([k for k in ("slow_times", "half_width") if given[k]]):
             given.pop(key, None)

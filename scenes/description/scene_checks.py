@@ -26,9 +26,6 @@ CHAIN_CONSTANTS = ("K2", "K3", "K4")
 NOT_GIVEN = -math.inf
 """The start of a scene that gives slow times."""
 
-PERTURBED_PLANE = "perturbed_plane"
-"""The wave of a scene that measures how fast a perturbed plane wave grows."""
-
 ORDERS = ("leading", "slaved", "corrected")
 """What the data hold: the wave alone; the fields that follow it too; the next order as well."""
 

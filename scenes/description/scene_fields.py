@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from longwave.lattice.model import Model
+from longwave.scenes.description import entries
 from longwave.scenes.description.bench import Bench
 from longwave.scenes.description.losses import Losses, lossy
 from longwave.scenes.description.numerics import Discretisation, Tolerance
@@ -15,7 +17,6 @@ from longwave.scenes.description.scene_checks import (
     CHAIN,
     CHAIN_CONSTANTS,
     NOT_GIVEN,
-    PERTURBED_PLANE,
     Pairs,
     Value,
 )
@@ -30,6 +31,26 @@ if TYPE_CHECKING:
 
 ROUNDING = 1e-12
 """Share by which a half-width may be above whole cells for rounding."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class StartRules(entries.Entry):
+    """Rules for scenes of one start; ``method`` is how they are run (`engines.methods.METHODS`).
+
+    Where something else is ``measured``, no wave is compared, and times and region are found.
+    ``check`` raises ValueError in one line for a scene that does not go with the start.
+    """
+
+    method: str = "ring"
+    observables: tuple[str, ...] = ("strain",)
+    measured: str = ""
+    check: Callable[[SceneFields], None] = lambda _: None
+
+
+BENCH = StartRules(method="bench", observables=())
+MOVING_WAVE = StartRules(method="moving_wave", observables=("strain", "error_curve"))
+CLOSED_FORM = StartRules()
+"""Rules of a chain on a bench, of the paper's waves, and of all other closed forms."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -69,9 +90,21 @@ class SceneFields:
         return self.carrier != ""
 
     @property
+    def named_start(self) -> StartRules | None:
+        """Entry of a wave that is no closed form."""
+        return entries.table(StartRules).get(self.wave) if isinstance(self.wave, str) else None
+
+    @property
+    def start(self) -> StartRules:
+        """Rules of what the run begins with."""
+        if self.bench:
+            return BENCH
+        return self.named_start or (MOVING_WAVE if self.has_moving_wave else CLOSED_FORM)
+
+    @property
     def is_growth(self) -> bool:
-        """Whether the growth rate of a plane wave is measured, and no wave compared."""
-        return self.wave == PERTURBED_PLANE
+        """Whether something such as a growth rate is measured, and no wave compared."""
+        return bool(self.start.measured)
 
     @property
     def has_moving_wave(self) -> bool:
@@ -83,7 +116,9 @@ class SceneFields:
         chosen = (self.order, self.background, self.amplitude, self.time, self.carrier)
         return (
             self.lattice == CHAIN
-            and not (self.declared or self.disorder or self.losses or self.is_growth or self.bench)
+            and not (
+                self.declared or self.disorder or self.losses or self.named_start or self.bench
+            )
             and chosen == ("leading", 0, None, None, "")
             and not any(isinstance(value, str) for value in values.values())
             and values.get("K3", 0) == 0
@@ -92,11 +127,7 @@ class SceneFields:
     @property
     def method(self) -> str:
         """How it is run, one of `engines.methods.METHODS`."""
-        if self.bench:
-            return "bench"
-        if self.is_growth:
-            return "sidebands"
-        return "moving_wave" if self.has_moving_wave else "ring"
+        return self.start.method
 
     @property
     def wave_name(self) -> str:
@@ -201,8 +232,8 @@ class SceneFields:
             )
         if self.is_growth:
             raise ValueError(
-                f"wave must be one that a lattice is compared with, got {self.wave}, whose growth "
-                "rate is measured (`longwave run`, `sweep` and `plot` take it)"
+                f"wave must be one that a lattice is compared with, got {self.wave}, whose "
+                f"{self.start.measured} is measured (`longwave run`, `sweep` and `plot` take it)"
             )
 
     def __getstate__(self) -> dict[str, Any]:

@@ -7,67 +7,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from longwave.scenes.description import entries
 from longwave.scenes.description import scene_checks as check
-from longwave.scenes.description.numerics import Discretisation, Tolerance
-from longwave.scenes.description.scene_checks import CHAIN, NOT_GIVEN, PERTURBED_PLANE
+from longwave.scenes.description.numerics import Discretisation, DomainRules, Tolerance
+from longwave.scenes.description.scene_checks import CHAIN
 from longwave.scenes.observed.observables import observable_named
-from longwave.support.user_files import shown
 
 if TYPE_CHECKING:
     from longwave.scenes.description.scene_fields import SceneFields
 
-PERTURBATION = ("amplitude", "kappa", "share")
-"""Parameters of a perturbed plane wave: |A|, and the wavenumber of the perturbation in X, or that
-in units of the one that grows fastest, which it is if neither is given."""
-
-COMPUTED = "computed_soliton"
-"""The soliton of a long-wave equation that has none in closed form, of a ``speed`` in X/T."""
-
 LARGEST_EPS = 1.0
 """A parameter that is not small is a mistake in its unit."""
-
-USUAL_OBSERVABLES: dict[str, tuple[str, ...]] = {
-    "bench": (),
-    "moving_wave": ("strain", "error_curve"),
-    "ring": ("strain",),
-    "sidebands": ("strain",),
-}
-
-
-def check_growth(scene: SceneFields) -> None:
-    """Refuse what does not go with a growth rate: what is found, and what it has no theory for."""
-    given: dict[str, object] = {"times": scene.snapshots, "compared": scene.compared or None}
-    given |= {"t0": None if scene.t0 == NOT_GIVEN else scene.t0}
-    for key in ("slow_times", "half_width"):
-        given[key] = getattr(scene, key)
-    for key, value in given.items():
-        if value not in ((), None):
-            raise ValueError(
-                f"{key} must not be given with the wave {PERTURBED_PLANE}, got {shown(value)} "
-                "(when its growth is measured is found)"
-            )
-    if not scene.is_envelope:
-        raise ValueError(
-            f"k in [envelope] must be given with the wave {PERTURBED_PLANE}, got nothing "
-            '(such as k = "pi/2")'
-        )
-    if scene.disorder:
-        raise ValueError(
-            f"disorder must not be given with the wave {PERTURBED_PLANE}, got "
-            f"{shown(dict(scene.disorder.pairs))} (its waves would be scattered into all others)"
-        )
-    names = [name for name, _ in scene.parameters]
-    unknown = [name for name in names if name not in PERTURBATION]
-    if unknown or "amplitude" not in names or {"kappa", "share"} <= {*names}:
-        raise ValueError(
-            f"parameters of {PERTURBED_PLANE} must be amplitude, and kappa or share or "
-            f"neither, got {shown(', '.join(names) or 'none')} (such as amplitude = 0.5)"
-        )
-    if scene.order == "corrected":
-        raise ValueError(
-            f"order must be leading or slaved with the wave {PERTURBED_PLANE}, got corrected "
-            "(its theory is the envelope equation alone)"
-        )
 
 
 def check_moving_wave(scene: SceneFields) -> None:
@@ -112,27 +62,30 @@ def _check_numerics(scene: SceneFields) -> None:
     numerics = scene.numerics
     if isinstance(numerics, Discretisation):
         same = not (scene.is_envelope or scene.disorder or scene.losses)
-        domains = ("ring", "window")[: 1 + same]
+        known = entries.table(DomainRules)
+        domains = [name for name, one in known.items() if not (one.moves or one.ends_meet)]
+        domains += [name for name, one in known.items() if one.moves and same]
         if numerics.domain not in domains or scene.is_growth:
             raise ValueError(
                 f"domain must be {' or '.join(map(repr, domains))} for {scene.wave} on "
                 f"{scene.lattice}, or a tolerance be given, got {numerics} (mKdV waves on {CHAIN} "
                 "have others)"
             )
-    elif numerics.engine == "spectral" and (scene.disorder or scene.losses or scene.is_growth):
-        effect = "losses" if scene.losses else f"the wave {PERTURBED_PLANE}"
+    elif not numerics.steps_cells and (scene.disorder or scene.losses or scene.is_growth):
+        effect = "losses" if scene.losses else f"the wave {scene.wave_name}"
         what = f"with {'disorder' if scene.disorder else effect}"
         raise ValueError(
-            f"engine must be 'stencil' {what}, got 'spectral' (it takes waves on a lattice that is "
-            "the same in all cells and loses nothing; leave the engine out)"
+            f"engine must be 'stencil' {what}, got {numerics.engine!r} (it takes waves on a "
+            "lattice that is the same in all cells and loses nothing; leave the engine out)"
         )
-    elif numerics.engine == "spectral" and "state" in scene.observables:
+    elif not numerics.steps_cells and "state" in scene.observables:
         raise ValueError(
-            "engine must be 'stencil' for state, got 'spectral' (it has no sites to go on with)"
+            f"engine must be 'stencil' for state, got {numerics.engine!r} (it has no sites to go "
+            "on with)"
         )
     elif numerics.scheme and scene.is_growth:
         raise ValueError(
-            f"scheme must not be given with the wave {PERTURBED_PLANE}, got {numerics.scheme} "
+            f"scheme must not be given with the wave {scene.wave_name}, got {numerics.scheme} "
             "(leave it out)"
         )
 
@@ -150,10 +103,10 @@ def _check_losses(scene: SceneFields) -> None:
 
 def check_observables(scene: SceneFields) -> None:
     """Refuse observables that do not go with how a scene is computed."""
-    if scene.is_growth and scene.observables != USUAL_OBSERVABLES[scene.method]:
+    if scene.is_growth and scene.observables != scene.start.observables:
         raise ValueError(
-            f"observables must not be given with the wave {PERTURBED_PLANE}, got "
-            f"{', '.join(scene.observables)} (its growth rate is what is measured)"
+            f"observables must not be given with the wave {scene.wave_name}, got "
+            f"{', '.join(scene.observables)} (its {scene.start.measured} is what is measured)"
         )
     numerics = scene.numerics
     for name in scene.observables:
@@ -163,7 +116,8 @@ def check_observables(scene: SceneFields) -> None:
                 f"observables must have no refinement with a tolerance, got {name} "
                 "(leave it out: the run reports an estimate of its own)"
             )
-        if asked.needs_ring and getattr(numerics, "domain", "") == "window":
+        if asked.needs_ring and isinstance(numerics, Discretisation) and numerics.rules.moves:
             raise ValueError(
-                f"domain must be 'ring' for {name}, got 'window' (a window drops sites)"
+                f"domain must be 'ring' for {name}, got {numerics.domain!r} (a {numerics.domain} "
+                "drops sites)"
             )

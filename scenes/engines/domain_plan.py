@@ -28,7 +28,6 @@ from longwave.scenes.engines.ring_cost import (
     USUAL_RUNS,
     search_cost,
 )
-from longwave.scenes.engines.window import front, least_window, round_up
 from longwave.scenes.starts.initial_cells import InitialCells
 from longwave.scenes.starts.lattice_wave import (
     LatticeWave,
@@ -58,6 +57,47 @@ so on few cells for a short time, and carry no signal far."""
 
 AROUND = 32
 """Cells beyond the compared ones on which is looked at what rounding has grown to."""
+
+
+MARGIN = 64
+"""Sites beyond the distance of sound that a window leaves for a signal's dispersive front."""
+
+FRONT = 12.0
+"""Airy lengths by which a signal's front runs ahead of the sound: Ai(12) is 1e-13."""
+
+SIZE_MULTIPLE = 64
+"""Sizes are multiples of this, which suits the kernels."""
+
+STRIDE = 64
+"""Most cells by which a window moves at once."""
+
+
+WATCHED = 8
+"""Cells next to the fed ones on which feed and lattice are compared."""
+
+
+def front(speed: float, duration: float) -> float:
+    """Sites by which the dispersive front of a signal of that speed is ahead of it."""
+    return max(MARGIN, FRONT * (speed * duration / 8.0) ** (1.0 / 3.0))
+
+
+def fed_cells(moved: int, ratio: float) -> int:
+    """Cells that a window feeds when it has moved by so many.
+
+    Signals from its seam, ``ratio`` times as fast as it, have reached them since the last move.
+    """
+    faster = math.ceil(ratio * moved) - MARGIN // 2  # the rest of the margin is their front
+    return moved + max(moved, faster) + MARGIN
+
+
+def least_window(reach: int, ratio: float = 1.0) -> int:
+    """Fewest cells of a window whose ends keep away from the cells within ``reach``."""
+    return 2 * (reach + max(2 * (STRIDE + MARGIN), fed_cells(STRIDE + 1, ratio) + WATCHED))
+
+
+def round_up(sites: float) -> int:
+    """The next multiple of ``SIZE_MULTIPLE``."""
+    return SIZE_MULTIPLE * math.ceil(sites / SIZE_MULTIPLE)
 
 
 @dataclass(frozen=True)

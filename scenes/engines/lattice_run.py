@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from longwave.lattice.refine import Announce
-from longwave.scenes.description.numerics import Tolerance
+from longwave.scenes.description import entries
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import enough_steps
-from longwave.scenes.engines.domain_plan import ComparedCells, DomainPlan, expected_rings
+from longwave.scenes.engines.domain_plan import STRIDE, ComparedCells, DomainPlan, expected_rings
+from longwave.scenes.engines.entry_kinds import CellDomain, WaveEngine, WaveRuns
 from longwave.scenes.engines.recorders import MOMENT_BYTES, exact_times
 from longwave.scenes.engines.ring_cost import SHOWN, USUAL_RUNS, search_cost
 from longwave.scenes.engines.run_record import (
@@ -29,8 +30,6 @@ from longwave.scenes.engines.run_record import (
 from longwave.scenes.engines.site_engine import SiteEngine
 from longwave.scenes.engines.spectral_run import run_spectral, spectral_cost
 from longwave.scenes.engines.stated_run import run_from, stated_runs
-from longwave.scenes.engines.stepped_cells import stated_cells
-from longwave.scenes.engines.window import STRIDE
 from longwave.scenes.observed.observables import MAP_CELLS, MEASURED, observable_named
 from longwave.scenes.starts.background_growth import check_trust, trust_attributes
 from longwave.scenes.starts.kept_long_wave import equation_of, scene_lattice_wave
@@ -39,9 +38,11 @@ from longwave.scenes.starts.pulse_meter import PULSE_VARIABLES, crest, pulse_tra
 from longwave.support.request_limits import Announcer, ExpectedCost, check_request
 
 if TYPE_CHECKING:
+    from longwave.lattice.refine import Refined
     from longwave.lattice.state import State
     from longwave.lattice.trial import Progress
     from longwave.scenes.engines.ring_spectral import SpectralRuns
+    from longwave.scenes.engines.stepped_cells import SteppedCells
     from longwave.scenes.starts.lattice_wave import LatticeWave
 
 ACROSS = 2
@@ -64,15 +65,17 @@ def scene_cost(scene: Scene) -> ExpectedCost:
 
     Raises ValueError as `record_scene` does for what is wrong before anything is run.
     """
-    is_spectral = isinstance(scene.numerics, Tolerance) and scene.numerics.engine == "spectral"
-    if is_spectral and not scene.has_moving_wave:
-        return engine_of(*domain_plan(scene)).expected
-    chosen = "" if scene.tolerance is None else choose_engine(scene)
-    return _rings_cost(scene) if chosen == "spectral" else _cells_cost(scene)
+    return cells_cost(scene) if scene.tolerance is None else _runs(scene).cost(scene)
 
 
-def _rings_cost(scene: Scene) -> ExpectedCost:
-    """The same of the paper's wave on spectral rings."""
+def _runs(scene: Scene) -> WaveRuns:
+    return entries.table(WaveEngine)[choose_engine(scene)].runs()
+
+
+def rings_cost(scene: Scene) -> ExpectedCost:
+    """Return what the scene is expected to cost on spectral rings."""
+    if not scene.has_moving_wave:
+        return _spectral_runs(scene).expected
     domains = spectral_cost(scene)
     kept = (2.0 * scene.compared + 1.0) * len({scene.t0, *exact_times(scene)})
     found = search_cost(moving_wave(scene).lattice, 0.0, 0.0, 1, kept)
@@ -85,8 +88,8 @@ RINGS = 4.0
 
 
 @lru_cache(maxsize=4)
-def _cells_cost(scene: Scene) -> ExpectedCost:
-    """The same cell by cell."""
+def cells_cost(scene: Scene) -> ExpectedCost:
+    """Return what the scene is expected to cost cell by cell."""
     wave = scene_wave(scene)
     timed = in_lattice_times(scene, wave.slow)
     _check_axes(timed, wave)
@@ -119,7 +122,7 @@ def _stated_cost(timed: Scene, wave: LatticeWave, compared: ComparedCells) -> Ex
     steps = duration / stated.step
     share = runs / USUAL_RUNS * stated.sites / sites
     found = search_cost(wave.lattice, sites, steps * share, stated.table.stages, kept)
-    moves = duration * abs(wave.speed) / STRIDE if stated.domain == "window" else 0.0
+    moves = duration * abs(wave.speed) / STRIDE if stated.rules.moves else 0.0
     return replace(
         found,
         seconds=found.seconds + MOVE_SECONDS * moves * runs,
@@ -159,13 +162,10 @@ VALUE_BYTES = 20.0
 """For each number that is kept: in rows, in an array, and as a file's content."""
 
 
-def engine_of(timed: Scene, domains: DomainPlan) -> SiteEngine | SpectralRuns:
-    """The engine that the scene names, or the one site by site."""
-    if timed.target.engine != "spectral":
-        return SiteEngine(timed, domains)
+def _spectral_runs(scene: Scene) -> SpectralRuns:
     from longwave.scenes.engines.ring_spectral import SpectralRuns  # with a library of its own
 
-    return SpectralRuns(timed, domains)
+    return SpectralRuns(*domain_plan(scene))
 
 
 def wave_size(scene: Scene, t: float, far_field: bool) -> float:
@@ -187,7 +187,7 @@ def in_lattice_times(scene: Scene, slow: int) -> Scene:
     """The scene with t0 and snapshots in the place of slow times; ``T = eps**slow t``."""
     times = scene.lattice_times(slow)
     timed = scene.changed(t0=times[0], snapshots=times if scene.keeps_start else times[1:])
-    if getattr(scene.numerics, "engine", "") != "spectral" or scene.look_points is not None:
+    if scene.tolerance is None or scene.target.steps_cells or scene.look_points is not None:
         return timed
     return timed.changed(look_points=scene.curve_points)  # it stops nowhere by itself
 
@@ -208,16 +208,17 @@ def domain_plan(scene: Scene) -> tuple[Scene, DomainPlan]:
         stated = _stated_cost(timed, wave, compared)
         check_request(timed.name, stated, "take a larger step or fewer sites, or end earlier")
     wave.start(timed.t0)
-    closed = getattr(scene.numerics, "domain", "") != "ring" or not scene.has_moving_wave
     tolerance, is_stated = _window_tolerance(timed), scene.tolerance is None
+    closed = not (is_stated and scene.has_moving_wave) or scene.discretisation.rules.ends_meet
     return timed, DomainPlan(wave, compared, _stops(timed), tolerance, closed, is_stated)
 
 
 def _window_tolerance(timed: Scene) -> float | None:
     """The tolerance of a scene that may be run in a window; None where it needs a ring."""
     needs_ring = any(observable_named(name).needs_ring for name in timed.observables)
-    is_stated = timed.tolerance is None or timed.target.engine == "spectral"
-    return None if needs_ring or is_stated else timed.tolerance
+    if needs_ring or timed.tolerance is None or not timed.target.steps_cells:
+        return None
+    return timed.tolerance
 
 
 def _check_axes(scene: Scene, wave: LatticeWave) -> None:
@@ -254,12 +255,16 @@ def record_scene(
     ValueError in one line for everything that lattice, wave and ansatz do not admit, for what would
     take too long, and for a lattice that blows up.
     """
-    begun, announce = perf_counter(), Announcer(announce or (lambda _: None))
+    announce, progress = Announcer(announce or (lambda _: None)), progress or (lambda _: None)
     if scene.has_moving_wave:
         check_trust(scene)
     try:
-        record = _by_rings(scene, progress, announce, begun)
-        record = record or _by_cells(scene, progress, announce, restart, begun)
+        if scene.tolerance is None:
+            timed, domains = domain_plan(scene)
+            announce(_stated_cost(timed, domains.wave, domains.compared).seconds)
+            record = run_from(stated_cells(timed, domains), restart, progress)
+        else:
+            record = _runs(scene).record(scene, progress, announce)
     except UnfinishedRun as stop:
         _tell(stop.record, scene)
         raise
@@ -267,43 +272,38 @@ def record_scene(
     return record
 
 
-def _by_cells(
-    scene: Scene,
-    progress: Progress | None,
-    announce: Announce,
-    restart: State | None,
-    begun: float,
-) -> RunRecord:
-    timed, domains = domain_plan(scene)
-    if scene.tolerance is not None:
-        return _to_tolerance(scene, engine_of(timed, domains), progress, announce, begun)
-    announce(_stated_cost(timed, domains.wave, domains.compared).seconds)
-    return run_from(stated_cells(timed, domains), restart, progress)
+def stated_cells(timed: Scene, domains: DomainPlan) -> SteppedCells:
+    """Return the cells of the domain that a scene states."""
+    return entries.table(CellDomain)[timed.discretisation.domain].cells(timed, domains)
 
 
 CHEAPER = "end earlier, compare fewer sites or see fewer times"
 
 
-def _by_rings(
-    scene: Scene, progress: Progress | None, announce: Announce, begun: float
-) -> RunRecord | None:
-    """The paper's wave on rings that need not be causal, where these are asked for or cheaper.
+def record_by_rings(scene: Scene, progress: Progress, announce: Announce) -> RunRecord:
+    """Run the scene on spectral rings, which for the paper's waves need not be causal.
 
-    None elsewhere, and where they refuse a scene that does not ask for them.
+    A scene that does not ask for rings, and is refused by them, is run cell by cell.
     """
-    if not scene.has_moving_wave or scene.tolerance is None or choose_engine(scene) == "stencil":
-        return None
-    expected = scene_cost(scene)
+    begun = perf_counter()
+    if not scene.has_moving_wave:
+        runs = _spectral_runs(scene)
+        announce(runs.expected.seconds)
+        found = searched(runs.engine, scene, progress, announce, runs.record_of)
+        record = _judged(runs.record_of(found.trial), found, scene, runs.times[-1], begun)
+        record.scene = scene  # the ring has no sites that say it
+        return record
+    expected = rings_cost(scene)
     check_request(scene.name, expected, CHEAPER)
     announce(expected.seconds)
-    cells, progress = _cells_cost(scene.changed(engine="stencil")), progress or (lambda _: None)
+    cells = cells_cost(scene.changed(engine="stencil"))
     first = (cells.seconds - cells.once) / USUAL_RUNS
     try:
         return judged(*run_spectral(scene, first, progress, announce), scene, begun)
     except ValueError:
         if scene.target.engine:
             raise
-    return None
+    return record_by_cells(scene, progress, announce)
 
 
 def choose_engine(scene: Scene) -> str:
@@ -311,17 +311,20 @@ def choose_engine(scene: Scene) -> str:
 
     Raises ValueError if the named one cannot compute an observable.
     """
-    needing = [name for name in scene.observables if observable_named(name).all_sites]
     named = scene.target
-    if named.engine == "spectral" and needing:
+    if named.engine and (named.steps_cells or not scene.has_moving_wave):
+        return named.engine
+    needing = [name for name in scene.observables if observable_named(name).all_sites]
+    if named.engine and needing:
         raise ValueError(
-            f"engine must be 'stencil' for {needing[0]}, got 'spectral' (it has no ring of sites)"
+            f"engine must be 'stencil' for {needing[0]}, got {named.engine!r} (it has no ring of "
+            "sites)"
         )
     if named.engine:
         return named.engine
     if needing or named.scheme or not scene.has_moving_wave:
         return "stencil"
-    is_cheap = _cells_cost(scene).seconds <= _rings_cost(scene).seconds
+    is_cheap = cells_cost(scene).seconds <= rings_cost(scene).seconds
     return "stencil" if is_cheap else "spectral"
 
 
@@ -367,36 +370,31 @@ LONG_NAMES = {
 """On other lattices it need be no strain."""
 
 
-def _to_tolerance(
-    scene: Scene,
-    runs: SiteEngine | SpectralRuns,
-    progress: Progress | None,
-    announce: Announce,
-    begun: float,
+def record_by_cells(scene: Scene, progress: Progress, announce: Announce) -> RunRecord:
+    """Run the scene cell by cell to its tolerance."""
+    begun, engine = perf_counter(), SiteEngine(*domain_plan(scene))
+    announce(engine.expected.seconds)
+    parts = engine.parts()
+    found = parts and searched_on_part(*parts, scene, progress, announce)
+    found = found or searched(engine, scene, progress, announce)
+    record = _judged(found.trial.payload, found, scene, engine.times[-1], begun)
+    _add_pulse(record, engine, found.trial.choices.step)
+    if engine.domains.wave.lattice.dimension > 1:
+        record.scene = scene  # the ring of a plane has no sites that say it
+    return record
+
+
+def _judged(
+    record: RunRecord | None, found: Refined, scene: Scene, end: float, begun: float
 ) -> RunRecord:
-    announce(runs.expected.seconds)
-    progress, found = progress or (lambda _: None), None
-    record: RunRecord | None
-    if isinstance(runs, SiteEngine):
-        parts = runs.parts()
-        found = parts and searched_on_part(*parts, scene, progress, announce)
-        found = found or searched(runs, scene, progress, announce)
-        record = found.trial.payload
-    else:
-        found = searched(runs.engine, scene, progress, announce, runs.record_of)
-        record = runs.record_of(found.trial)
+    """Return the record with what the judge says; ValueError where no step follows the lattice."""
     if record is None or (math.isinf(found.error) and not record.attrs["blow_up"]):
         raise ValueError(
-            f"times must end before {scene.lattice} blows up, got {runs.times[-1]:g} (steps "
+            f"times must end before {scene.lattice} blows up, got {end:g} (steps "
             f"down to {found.trial.choices.step:.2g} do not follow it; end earlier or take a "
             "smaller eps)"
         )
-    judged(record, found, scene, begun)
-    if isinstance(runs, SiteEngine):
-        _add_pulse(record, runs, found.trial.choices.step)
-    if not isinstance(runs, SiteEngine) or runs.domains.wave.lattice.dimension > 1:
-        record.scene = scene  # a spectral ring, and that of a plane, has no sites that say it
-    return record
+    return judged(record, found, scene, begun)
 
 
 def _add_pulse(record: RunRecord, engine: SiteEngine, step: float) -> None:

@@ -19,6 +19,7 @@ from longwave.lattice.trial import StoppedTrial, Trial, difference
 from longwave.scenes.observed.observables import TIME, axis_values
 from longwave.support.checkpoint import spared_seconds
 from longwave.support.html_tables import html_table
+from longwave.support.labelled_arrays import LabelledArray, LabelledArrays
 from longwave.support.provenance import provenance
 
 if TYPE_CHECKING:
@@ -74,17 +75,13 @@ class RunRecord:
         return np.asarray(self.variables[name][1])
 
     @cached_property
-    def dataset(self) -> xr.Dataset:
+    def arrays(self) -> LabelledArrays:
         """The run with its coordinates, the scene and what made it."""
-        import xarray as xr  # 0.4 s, for those who want a data set
-
         used = {name for dimensions, _, _ in self.variables.values() for name in dimensions}
         axes = {name: axis_values(name, self.reach) for name in used}
-        coordinates: dict[str, object] = {"time": ("time", list(self.reached), TIME)}
-        coordinates |= {name: (name, *axis) for name, axis in axes.items() if axis is not None}
-        names = {name for name, (found, _, _) in self.variables.items() if found == (name,)}
-        coordinates |= {name: self.variables[name] for name in names}
-        data = {name: value for name, value in self.variables.items() if name not in names}
+        held: Variables = {"time": (("time",), list(self.reached), dict(TIME))}
+        held |= {name: ((name,), *axis) for name, axis in axes.items() if axis is not None}
+        held |= self.variables
         asked = self.asked or self.scene
         attributes = {
             "title": asked.title or asked.name,
@@ -93,7 +90,20 @@ class RunRecord:
             **self.attrs,
             **provenance(),
         }
-        return xr.Dataset(data, coordinates, attributes)
+        found = {
+            name: LabelledArray(dimensions, np.asarray(values), told)
+            for name, (dimensions, values, told) in held.items()
+        }
+        return LabelledArrays(found, attributes)
+
+    @cached_property
+    def dataset(self) -> xr.Dataset:
+        """The `arrays` as a data set."""
+        import xarray as xr  # 0.4 s, for those who want a data set
+
+        held = {n: (v.dims, v.values, v.attrs) for n, v in self.arrays.variables.items()}
+        axes = {name: held.pop(name) for name in list(held) if held[name][0] == (name,)}
+        return xr.Dataset(held, axes, self.arrays.attrs)
 
 
 def judged(record: RunRecord, found: Refined, asked: Scene, begun: float) -> RunRecord:

@@ -32,13 +32,13 @@ from longwave.scenes.engines.domain_plan import (
     DomainPlan,
     longest_step,
     part_of,
+    round_up,
     sites_of,
 )
 from longwave.scenes.engines.recorders import Samples, exact_times
 from longwave.scenes.engines.run_record import UnfinishedRun
 from longwave.scenes.engines.stated_run import run_from
 from longwave.scenes.engines.stepped_cells import (
-    FedWave,
     SteppedCells,
     WindowCells,
     sees_all_cells,
@@ -49,8 +49,8 @@ from longwave.scenes.engines.window import (
     SIZE_RATIO,
     WINDOW_DECAY,
     WINDOW_SAFETY,
+    FedWave,
     judged_times,
-    round_up,
     widened,
     window_moves,
 )

@@ -16,7 +16,7 @@ from longwave.lattice.seam import (
     rest_at_seam,
 )
 from longwave.lattice.spectral.field_ring import FieldRing, modes_of, values_of
-from longwave.scenes.engines.window import front
+from longwave.scenes.engines.domain_plan import front
 from longwave.scenes.starts.moving_wave import MovingWave, WaveBounds, find_bounds
 
 Array = NDArray[np.float64]

@@ -20,7 +20,7 @@ from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines.domain_plan import ComparedCells, DomainPlan, Ends, sites_of
 from longwave.scenes.engines.ring_cost import cell_seconds
 from longwave.scenes.engines.run_record import RunRecord
-from longwave.scenes.engines.window import Window, stored_chain
+from longwave.scenes.engines.window import FedWave, Window, stored_chain
 from longwave.scenes.observed.observables import observable_named
 from longwave.scenes.observed.view import View
 from longwave.scenes.starts.initial_cells import InitialCells
@@ -85,7 +85,7 @@ class SteppedCells:
         if restart is not None:
             shape = state.f.shape
             state = State(restart.t, restart.f.reshape(shape), restart.v.reshape(shape))
-        domain = CellDomain(state, self.ends, self.domains, self._fading)
+        domain = RingDomain(state, self.ends, self.domains, self._fading)
         return self._stepper_of(state, domain), limit
 
     def _stepper_of(self, state: State, domain: Domain) -> Stepper:
@@ -148,7 +148,7 @@ def _ends_of(restart: State, needed: Sequence[Ends]) -> list[Ends]:
 
 
 @dataclass
-class CellDomain(FixedDomain):
+class RingDomain(FixedDomain):
     """A ring of cells with these ends, some of which may fade."""
 
     ends: Sequence[Ends]
@@ -305,92 +305,6 @@ def tell_energies(run: RunRecord, begin: float, end: float) -> None:
         run.attrs["energy_drift"] = abs(end - begin) / abs(begin) if begin else 0.0
 
 
-@dataclass(frozen=True)
-class FedWave:
-    """The wave of these domains as a window of ``size`` cells is fed with it (`WindowWave`).
-
-    With ``nudged`` the last digits of its data are changed.
-    """
-
-    domains: DomainPlan
-    size: int
-    nudged: bool = False
-
-    @property
-    def name(self) -> str:
-        """The wave's."""
-        return self.domains.wave.name
-
-    @property
-    def t0(self) -> float:
-        """The first of the times."""
-        return self.domains.times[0]
-
-    @property
-    def duration(self) -> float:
-        """From the first to the last."""
-        return self.domains.times[-1] - self.domains.times[0]
-
-    @property
-    def speed(self) -> float:
-        """That of the wave's frame."""
-        return self.domains.wave.speed
-
-    @property
-    def compared(self) -> int:
-        """Cells on either side of the frame's origin."""
-        return self.domains.compared.reach[0]
-
-    @property
-    def scale(self) -> float:
-        """The unit of errors."""
-        return self.domains.wave.scale
-
-    @property
-    def background_speed(self) -> float | None:
-        """The speed of small long waves far from the wave."""
-        return self.domains.wave.far_speed
-
-    @property
-    def fastest(self) -> float:
-        """The largest group velocity of any wave far from the wave."""
-        return self.domains.wave.far_fastest
-
-    def frame(self, t: float) -> int:
-        """The cell nearest to the frame's origin."""
-        return self.domains.compared.middle(t)
-
-    @cached_property
-    def ring(self) -> InitialCells:
-        """The data, with the mean strain that their displacements keep from end to end."""
-        first = self.frame(self.t0) - self.size // 2
-        ring = self.domains.wave.ring(np.arange(first, first + self.size, dtype=float), self.t0)
-        return ring.nudged() if self.nudged else ring
-
-    def initial_data(self, sites: Sites) -> tuple[Array, Array]:
-        """The periodic parts of the fields, and the velocities, in all cells of the window."""
-        return self.ring.f, self.ring.v
-
-    def rigid_offsets(self, speed: float, sites: Sites, t: float) -> Array:
-        """Cells at time t, from where the frame began, in one that moves at ``speed``."""
-        begin = self.speed * self.t0
-        return np.asarray((sites - begin) - speed * (t - self.t0), dtype=np.float64)
-
-    def rigid_data(self, speed: float, offsets: Array) -> tuple[Array, Array]:
-        """What deviates from the uniform far field, moving as it is at ``speed``."""
-        wave = self.domains.wave
-        f, slopes = wave.rigid(offsets, self.t0)
-        return f, wave.far_rates[1][:, np.newaxis] - speed * slopes
-
-    def uniform(self, sites: Sites, t: float) -> Array:
-        """The uniform far field, less the mean strain, which the lattice's bonds hold."""
-        wave, [mean] = self.domains.wave, self.ring.mean_strain
-        growth, velocity = wave.far_rates
-        left = growth - mean * np.array(wave.growth_shares)
-        moved = np.multiply.outer(left, np.asarray(sites, dtype=np.float64))
-        return np.asarray(moved + velocity[:, np.newaxis] * (t - self.t0))
-
-
 class WindowCells(SteppedCells):
     """The cells of a moving window as they are stepped; as many as the scene states.
 
@@ -400,20 +314,14 @@ class WindowCells(SteppedCells):
     def __init__(self, scene: Scene, domains: DomainPlan, nudged: bool = False) -> None:
         self.scene, self.domains, self._nudged = scene, domains, nudged
         self.scale, self.reach = domains.wave.scale, domains.compared.reach
-        self._window = Window(FedWave(domains, scene.discretisation.sites, nudged), self._size)
-        first = self._window.left(domains.times[0])
-        self.ends = [(first, first + self._size - 1)]
-
-    @property
-    def _size(self) -> int:
-        return self.scene.discretisation.sites
+        fed = FedWave(domains, scene.discretisation.sites, nudged)
+        self._window, first = Window(fed, fed.size), fed.first(fed.t0)
+        self.ends = [(first, first + fed.size - 1)]
 
     @cached_property
     def ring(self) -> InitialCells:
         """The data."""
-        wave = self._window.wave
-        assert isinstance(wave, FedWave)
-        return wave.ring
+        return self._window.wave.ring
 
     def stepper(self, restart: State | None) -> tuple[Stepper, float]:
         """What steps the cells, and the largest stable step."""
@@ -441,9 +349,3 @@ class WindowCells(SteppedCells):
     def told(self, stepper: Stepper) -> dict[str, Any]:
         """How well the feed fitted, and strains."""
         return {"feed_mismatch": stepper.domain.mismatch, **self._strains(stepper)}
-
-
-def stated_cells(scene: Scene, domains: DomainPlan) -> SteppedCells:
-    """The cells of the domain that a scene states."""
-    is_window = scene.discretisation.domain == "window"
-    return WindowCells(scene, domains) if is_window else SteppedCells(scene, domains)

@@ -12,108 +12,75 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Protocol
 
 import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from longwave.lattice.state import BlowUp, Domain, Sites, State
+from longwave.scenes.engines.domain_plan import (
+    STRIDE,
+    WATCHED,
+    DomainPlan,
+    fed_cells,
+    least_window,
+)
+from longwave.scenes.starts.initial_cells import InitialCells
 from longwave.support.checkpoint import Memory
 from longwave.support.compiled.jit import doubles, njit
 
 Array = NDArray[np.float64]
 
-MARGIN = 64
-"""Sites beyond the distance of sound that a window leaves for a signal's dispersive front."""
 
-FRONT = 12.0
-"""Airy lengths by which a signal's front runs ahead of the sound: Ai(12) is 1e-13."""
+class FedWave:
+    """The wave of these domains as a window of ``size`` cells is fed with it.
 
-SIZE_MULTIPLE = 64
-"""Sizes are multiples of this, which suits the kernels."""
+    ``compared`` cells on either side of the frame's origin are compared for a ``duration`` from
+    ``t0``. The far field moves at ``background_speed``. With ``nudged`` the last digits of the data
+    are changed.
+    """
 
-STRIDE = 64
-"""Most cells by which a window moves at once."""
-
-
-WATCHED = 8
-"""Cells next to the fed ones on which feed and lattice are compared."""
-
-
-class WindowWave(Protocol):
-    """What a window is to know of the wave in it."""
-
-    @property
-    def name(self) -> str:
-        """What a message calls the wave."""
-
-    @property
-    def t0(self) -> float:
-        """The time at which it begins."""
-
-    @property
-    def duration(self) -> float:
-        """The time from then on for which it is compared."""
-
-    @property
-    def speed(self) -> float:
-        """Cells a unit of time by which it moves."""
-
-    @property
-    def compared(self) -> int:
-        """Cells on either side of where its speed leads to in which it is compared."""
-
-    @property
-    def scale(self) -> float:
-        """The unit of errors."""
-
-    @property
-    def background_speed(self) -> float | None:
-        """The speed of its far field; None where the background is not constant."""
+    def __init__(self, domains: DomainPlan, size: int, nudged: bool = False) -> None:
+        self.domains, self.size, self.nudged = domains, size, nudged
+        wave, times = domains.wave, domains.times
+        self.t0, self.duration = times[0], times[-1] - times[0]
+        self.compared = domains.compared.reach[0]
+        self.speed, self.scale, self.background_speed = wave.speed, wave.scale, wave.far_speed
 
     @property
     def fastest(self) -> float:
-        """The speed of the fastest signal."""
+        """Largest group velocity of any wave far from the wave."""
+        return self.domains.wave.far_fastest
 
-    def frame(self, t: float) -> int:
-        """The cell nearest to where the wave's speed leads to by then."""
+    def first(self, t: float) -> int:
+        """Return the first cell of a window whose middle is nearest to the frame's origin."""
+        return self.domains.compared.middle(t) - self.size // 2
 
-    def initial_data(self, sites: Sites) -> tuple[Array, Array]:
-        """Fields and velocities at t0, (fields, cells)."""
+    @cached_property
+    def ring(self) -> InitialCells:
+        """The data, with the mean strain that their displacements keep from end to end."""
+        first = self.first(self.t0)
+        ring = self.domains.wave.ring(np.arange(first, first + self.size, dtype=float), self.t0)
+        return ring.nudged() if self.nudged else ring
 
     def rigid_offsets(self, speed: float, sites: Sites, t: float) -> Array:
-        """Cells at time t, from where the wave began, in a frame that moves at ``speed``."""
+        """Cells at time t, from where the frame began, in one that moves at ``speed``."""
+        begin = self.speed * self.t0
+        return np.asarray((sites - begin) - speed * (t - self.t0), dtype=np.float64)
 
     def rigid_data(self, speed: float, offsets: Array) -> tuple[Array, Array]:
-        """Fields and velocities, as `initial_data`, of the initial wave that moves rigidly."""
+        """What deviates from the uniform far field, moving as it is at ``speed``."""
+        wave = self.domains.wave
+        f, slopes = wave.rigid(offsets, self.t0)
+        return f, wave.far_rates[1][:, np.newaxis] - speed * slopes
 
     def uniform(self, sites: Sites, t: float) -> Array:
-        """What fields are at time t in these cells beside that: uniform in strain and velocity."""
-
-
-def front(speed: float, duration: float) -> float:
-    """Sites by which the dispersive front of a signal of that speed is ahead of it."""
-    return max(MARGIN, FRONT * (speed * duration / 8.0) ** (1.0 / 3.0))
-
-
-def fed_cells(moved: int, ratio: float) -> int:
-    """Cells that a window feeds when it has moved by so many.
-
-    Signals from its seam, ``ratio`` times as fast as it, have reached them since the last move.
-    """
-    faster = math.ceil(ratio * moved) - MARGIN // 2  # the rest of the margin is their front
-    return moved + max(moved, faster) + MARGIN
-
-
-def least_window(reach: int, ratio: float = 1.0) -> int:
-    """Fewest cells of a window whose ends keep away from the cells within ``reach``."""
-    return 2 * (reach + max(2 * (STRIDE + MARGIN), fed_cells(STRIDE + 1, ratio) + WATCHED))
-
-
-def signal_drift(wave: WindowWave) -> int:
-    """Cells by which the fastest signal gains on the wave's frame in that time."""
-    return math.ceil(max(0.0, wave.fastest - wave.speed) * wave.duration)
+        """The uniform far field, less the mean strain, which the lattice's bonds hold."""
+        wave, [mean] = self.domains.wave, self.ring.mean_strain
+        growth, velocity = wave.far_rates
+        left = growth - mean * np.array(wave.growth_shares)
+        moved = np.multiply.outer(left, np.asarray(sites, dtype=np.float64))
+        return np.asarray(moved + velocity[:, np.newaxis] * (t - self.t0))
 
 
 SIZE_RATIO = 1.3
@@ -134,23 +101,18 @@ SEEN = 16
 """Moves of a window at which runs are compared, beside the times that are asked for."""
 
 
-def round_up(sites: float) -> int:
-    """The next multiple of ``SIZE_MULTIPLE``."""
-    return SIZE_MULTIPLE * math.ceil(sites / SIZE_MULTIPLE)
-
-
 def widened(sites: float, excess: float, decay: float) -> float:
     """The size of a window whose error, which falls like 1/size^decay, is smaller by ``excess``."""
     return sites * min(LARGEST_GROWTH, max(1.2, 1.05 * excess ** (1.0 / decay)))
 
 
-def judged_times(wave: WindowWave, exact: Sequence[float]) -> tuple[float, ...]:
+def judged_times(wave: FedWave, exact: Sequence[float]) -> tuple[float, ...]:
     """The exact times and some of the stops that a window's moves make anyway."""
     moves = [t for t in window_moves(wave) if t < wave.t0 + wave.duration]
     return tuple(sorted({*moves[:: max(1, len(moves) // SEEN)], *exact}))
 
 
-def window_moves(wave: WindowWave) -> tuple[float, ...]:
+def window_moves(wave: FedWave) -> tuple[float, ...]:
     """The times, counted from t0, after which sound has gone ``STRIDE`` sites again."""
     stay = STRIDE / wave.speed
     count = math.ceil(wave.duration / stay)
@@ -199,7 +161,7 @@ class Tail:
     ``low`` and ``high`` are offsets in cells from where the wave began.
     """
 
-    wave: WindowWave
+    wave: FedWave
     speed: float
     low: float
     high: float
@@ -261,19 +223,20 @@ class Window(Domain):
     for a wave without a constant background, and for compared cells too near the window's ends.
     """
 
-    wave: WindowWave
+    wave: FedWave
     size: int
     mismatch: float = field(default=0.0, init=False)
 
     def __post_init__(self) -> None:
         if self.wave.background_speed is None:
             raise ValueError(
-                f"domain must be 'ring' for {self.wave.name}, got 'window' "
+                f"domain must be 'ring' for {self.wave.domains.wave.name}, got 'window' "
                 "(its far field is not that of a closed form on a constant background)"
             )
         self.background_speed = self.wave.background_speed
         self._ratio = self.wave.fastest / self.wave.speed
-        least = least_window(self.wave.compared + signal_drift(self.wave), self._ratio)
+        drift = math.ceil(max(0.0, self.wave.fastest - self.wave.speed) * self.wave.duration)
+        least = least_window(self.wave.compared + drift, self._ratio)
         if self.size < least:
             raise ValueError(
                 f"sites must satisfy sites >= {least} in this window, got {self.size} "
@@ -291,17 +254,12 @@ class Window(Domain):
 
     def start(self) -> State:
         """The initial state, centred on where the wave begins."""
-        left = self.left(self.wave.t0)
-        f, v = self.wave.initial_data(np.arange(left, left + self.size))
-        return stored_chain(self.wave.t0, left, f, v)
-
-    def left(self, t: float) -> int:
-        """The first cell once the window has moved at time t."""
-        return self.wave.frame(t) - self.size // 2
+        t, ring = self.wave.t0, self.wave.ring
+        return stored_chain(t, self.wave.first(t), ring.f, ring.v)
 
     def follow(self, state: State) -> BlowUp | None:
         """Move with the wave, feeding the cells in front; a feed that does not fit is told."""
-        left, cells = self.left(state.t), state.f.shape[1]
+        left, cells = self.wave.first(state.t), state.f.shape[1]
         fed = fed_cells(left - state.left, self._ratio)
         state.left = left
         end = left + cells

@@ -38,7 +38,7 @@ from longwave.scenes.observed.view import Array, View
 from longwave.support.known_names import one_of
 
 if TYPE_CHECKING:
-    import xarray as xr
+    from longwave.support.labelled_arrays import Labelled
 
 Moment = Literal["snapshots", "curve", "looks", "refinement"]
 
@@ -445,7 +445,7 @@ MEASURED = ("time_step_error", "domain_error")
 """What finer runs differ by at the snapshots, in y/eps."""
 
 
-def measured_error(run: xr.Dataset) -> NDArray[np.float64] | None:
+def measured_error(run: Labelled) -> NDArray[np.float64] | None:
     """What y/eps may be off at each snapshot by step and domain together; None if it was not
     measured.
 

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any, cast
 from longwave.lattice.force_program import ForceProgram
 from longwave.lattice.numeric_lattice import Entry, NumericBond, NumericLattice
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.description.scene_rules import COMPUTED
 from longwave.scenes.starts.first_correction import correction_interval
 from longwave.scenes.starts.jet_polynomial import JetPolynomial
 from longwave.scenes.starts.lattice_wave import LatticeWave
 from longwave.scenes.starts.long_wave_data import LongWaveData, LongWaveNumbers, SlowFrame
+from longwave.scenes.starts.start_entries import WaveStart
 from longwave.solutions import kept_data, kept_wave
 
 if TYPE_CHECKING:
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 def scene_lattice_wave(scene: Scene) -> LatticeWave:
     """Return `lattice_derivation.lattice_wave` of a scene, from what was kept if it was."""
+    if isinstance(start := scene.start, WaveStart):
+        return start.wave(scene)
     if not _is_kept(scene):
         from longwave.scenes.starts.lattice_derivation import lattice_wave  # with SymPy
 
@@ -37,13 +39,15 @@ def scene_lattice_wave(scene: Scene) -> LatticeWave:
 def equation_of(scene: Scene) -> tuple[str, bool]:
     """Return the equation that was derived in one line, and whether its lattice has
     displacements."""
+    if isinstance(start := scene.start, WaveStart):
+        return start.equation, scene.symbolic_lattice.has_displacements
     make = partial(_derived_equation, scene)
     return kept_data(__name__, f"equation {_key(scene)}", make) if _is_kept(scene) else make()
 
 
 def _is_kept(scene: Scene) -> bool:
     """Whether the wave is a shipped closed form, and its data those of a lossless long wave."""
-    is_other = scene.is_envelope or scene.losses or scene.disorder or scene.wave_name == COMPUTED
+    is_other = scene.is_envelope or scene.losses or scene.disorder or scene.named_start
     return isinstance(scene.wave, str) and not is_other
 
 

@@ -21,13 +21,13 @@ from longwave.derive.normal_form import equation_name
 from longwave.derive.symbols import constant_value
 from longwave.scenes.description.losses import loss_rates
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.description.scene_checks import Pairs, Value, plain
-from longwave.scenes.description.scene_rules import COMPUTED
+from longwave.scenes.description.scene_checks import Pairs, Value
 from longwave.scenes.starts.computed_soliton import ComputedSoliton
 from longwave.scenes.starts.damped_soliton import LAWFUL, DampedSoliton
 from longwave.scenes.starts.first_correction import correction_interval
 from longwave.scenes.starts.lattice_wave import LatticeWave
 from longwave.scenes.starts.long_wave_numbers import long_wave
+from longwave.scenes.starts.start_entries import ReducedStart
 from longwave.solutions import CATALOGUE, ClosedForm, Wave, closed_form
 from longwave.support.user_files import shown
 
@@ -88,7 +88,7 @@ def derivation(scene: Scene) -> LatticeDerivation:
     """
     form = _form(scene)
     same = {"eps": 0.1, "name": "", "title": "", "parameters": ()}
-    same["wave"] = "" if form else COMPUTED
+    same["wave"] = "" if form else scene.wave_name
     ran: dict[str, Any] = {"order": "leading", "disorder": None, "half_width": None, "compared": 1}
     ran |= {"observables": None, "curve_points": 201, "look_points": None}
     ran |= {"losses": scene.losses and scene.losses.weighed(scene.eps)}
@@ -132,7 +132,7 @@ def _derivations(scene: Scene) -> tuple[LatticeDerivation, ...]:
 def _form(scene: Scene) -> ClosedForm | None:
     """The closed form of a scene's wave; None if that is computed."""
     scene.check_compared()
-    if scene.wave_name == COMPUTED:
+    if scene.named_start:
         return None
     try:
         return closed_form(scene.wave_name, dict(scene.parameters))
@@ -165,7 +165,7 @@ def _reductions(scene: Scene, lattice: Lattice, mean: Expr) -> Iterator[LatticeD
         )
     refused, found = "", False
     for reduction in find_scaling(lattice, mean, scene.amplitude, scene.time, further=FURTHER):
-        if scene.wave_name == COMPUTED:
+        if scene.named_start:
             yield LatticeDerivation(lattice, reduction, None, {})
             found = True
             continue
@@ -255,28 +255,12 @@ def exact_parameters(parameters: Pairs) -> dict[str, float | Expr]:
 def wave_of(scene: Scene) -> Wave | ComputedSoliton | DampedSoliton:
     """The scene's wave with numbers in; ValueError for parameters that it does not admit."""
     found = derivation(scene)
-    if found.normal_form is None:
-        return _computed_soliton(scene, found)
+    if isinstance(start := scene.start, ReducedStart):
+        return start.solve(scene, cast(Reduction, found.source), _values(scene.parameters))
     values = exact_parameters(scene.parameters)
     form = closed_form(scene.wave_name, values)
-    wave = Wave(form, found.normal_form, **values)
+    wave = Wave(form, cast(NormalForm, found.normal_form), **values)
     return wave if found.law is None else DampedSoliton(wave, found.law)
-
-
-def _computed_soliton(scene: Scene, found: LatticeDerivation) -> ComputedSoliton:
-    values = _values(scene.parameters)
-    if {*values} != {"speed"}:
-        raise ValueError(
-            f"parameters of {COMPUTED} must be speed, got "
-            f"{', '.join(map(plain, values)) or 'none'} (its speed in X/T, such as 1)"
-        )
-    if scene.order == "corrected":
-        raise ValueError(
-            f"order must be leading or slaved with the wave {COMPUTED}, got corrected (its "
-            "derivatives are too noisy for the next order)"
-        )
-    assert isinstance(found.source, Reduction)
-    return ComputedSoliton(found.source, float(values["speed"]))
 
 
 def lattice_wave(scene: Scene) -> LatticeWave:

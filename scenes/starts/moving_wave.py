@@ -259,21 +259,22 @@ class MovingWave(LatticeWave):
         """The sites between which there is a wave; infinite on a periodic background."""
         if self.wave.wavelength is not None:
             return -math.inf, math.inf
-        x, deviation, _ = _places(self.constants, self.wave, self.eps, t)
+        x, deviation = _deviation(self.constants, self.wave, self.eps, t)
         low, high = support_of(x, deviation, FLAT) or (0.0, 0.0)
         return self.speed * t + low, self.speed * t + high
 
     def extent(self, times: Sequence[float], tolerance: float) -> tuple[float, float]:
         """Sites from c t between which the wave deviates; infinitely far inside out if nowhere."""
-        return extent([support_of(x, apart, tolerance) for x, apart, _ in self._places(times)])
+        key = self.constants, self.wave, self.eps, tuple(times)
+        return extent([support_of(*place, tolerance) for place in _deviations(*key)])
 
     def stretch_range(self, times: Sequence[float]) -> Array:
         """The least and the largest strain of the wave at any time."""
-        strains = [self.eps * value for _, _, value in self._places(times)]
+        values = (
+            _values(self.constants, self.wave, self.eps, t)[1] for t in watched_times(tuple(times))
+        )
+        strains = [self.eps * value for value in values]
         return np.array([min(map(np.min, strains)), max(map(np.max, strains))])
-
-    def _places(self, times: Sequence[float]) -> list[tuple[Array, Array, Array]]:
-        return _places_at_all_times(self.constants, self.wave, self.eps, tuple(times))
 
     def rigid(self, offsets: Array, t: float) -> tuple[Array, Array]:
         """Strains in the frame at time t, and their slopes from site to site (fields, sites)."""
@@ -348,22 +349,30 @@ def find_bounds(moving: MovingWave, tolerance: float) -> WaveBounds:
     return WaveBounds(min(-edge, low), max(edge, high), moving.stretch_range(moving.times))
 
 
+WATCHED = 256
+"""Times whose values are kept: those at which a few waves are watched."""
+
+
 @lru_cache(maxsize=4)
-def _places_at_all_times(
+def _deviations(
     constants: "Model", wave: NumericWave, eps: float, times: tuple[float, ...]
-) -> list[tuple[Array, Array, Array]]:
-    """`_places` at the times at which a wave is watched: whatever is planned asks for them."""
-    return [_places(constants, wave, eps, t) for t in watched_times(times)]
+) -> list[tuple[Array, Array]]:
+    """Return `_deviation` at the times at which a wave is watched; every plan asks for them."""
+    return [_deviation(constants, wave, eps, t) for t in watched_times(times)]
 
 
-def _places(
-    constants: "Model", wave: NumericWave, eps: float, t: float
-) -> tuple[Array, Array, Array]:
-    """Positions relative to c t in order, the deviation from the far fields there, and Y."""
+def _deviation(constants: "Model", wave: NumericWave, eps: float, t: float) -> tuple[Array, Array]:
+    """Return positions relative to c t in order, and the deviation from the far fields there."""
+    x, value = _values(constants, wave, eps, t)
+    cells = constants.sound_speed() * t + x
+    left, right = (wave.value_at(cells, t, eps, side) for side in FAR_FIELDS)
+    return x, np.minimum(np.abs(value - left), np.abs(value - right))
+
+
+@lru_cache(maxsize=WATCHED)
+def _values(constants: "Model", wave: NumericWave, eps: float, t: float) -> tuple[Array, Array]:
+    """Return positions relative to c t in order, and Y there: all that a range of strains needs."""
     origin = constants.sound_speed() * t
     zeros = wave.phase_zeros(t, eps) or [origin]
     x = places_about([zero - origin for zero in zeros], 1.0 / (wave.numbers.a * eps))
-    value = wave.value_at(origin + x, t, eps)
-    left, right = (wave.value_at(origin + x, t, eps, side) for side in FAR_FIELDS)
-    deviation = np.minimum(np.abs(value - left), np.abs(value - right))
-    return x, deviation, value
+    return x, wave.value_at(origin + x, t, eps)

@@ -26,7 +26,6 @@ from longwave.derive.__main__ import CONSTANTS
 from longwave.derive.models.lattices import FPUT_STRAIN
 from longwave.runs import load_run
 from longwave.scenes.description.named_scenes import KINDS, shipped_scenes
-from longwave.scenes.description.numerics import ENGINES
 from snippets import SLOW
 
 Output = pytest.CaptureFixture[str]
@@ -148,7 +147,6 @@ def test_wrong_input_is_one_line_and_status_2(
 
 
 def test_what_is_declared_is_what_the_rooms_take() -> None:
-    assert tree.ENGINES == ENGINES
     assert tuple(str(constant) for constant in FPUT_STRAIN.constants) == CONSTANTS
     assert tree.scene_names() == sorted(name for kind in KINDS for name in shipped_scenes(kind))
 

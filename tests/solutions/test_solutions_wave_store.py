@@ -219,6 +219,15 @@ def test_a_warm_run_imports_nothing_heavy_and_prints_the_same(
     assert runs[1].stderr.split() == ["imported:"]
 
 
+def test_a_picture_of_a_warm_run_imports_matplotlib_and_nothing_else_heavy(tmp_path: Path) -> None:
+    """Catches: a data set made for a picture, which reads names and values alone."""
+    words = ["plot", "rogue_cn_k_0.5", "--force", "--output", str(tmp_path / "rogue.png")]
+    line = [sys.executable, "-c", WARM, *words]
+    runs = [subprocess.run(line, capture_output=True, text=True, cwd=HOUSE) for _ in range(2)]
+    assert [run.returncode for run in runs] == [0, 0], runs[1].stderr
+    assert runs[1].stderr.split() == ["imported:", "matplotlib"]
+
+
 def test_the_imports_of_a_file_are_read_as_python_reads_them() -> None:
     """Without Python's parser; every file of the house."""
 

@@ -15,6 +15,8 @@ from longwave.runs import save_run
 from longwave.scenes import run
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines.methods import record_scene
+from longwave.scenes.engines.run_record import RunRecord
 
 SCENE = Scene.of(
     name="soliton",
@@ -71,7 +73,7 @@ def test_all_kinds_are_drawn_in_order_with_the_runs_own_numbers(made: xr.Dataset
     assert np.array_equal(axes[8].lines[0].get_ydata(), made["error_curve"])
     assert np.array_equal(axes[10].lines[0].get_ydata(), made["crest_strain"])
     drawn = np.asarray(axes[4].images[0].get_array())
-    assert np.array_equal(drawn, moving_grid(with_theory(placed(made))["space_time"])[2].T)
+    assert np.array_equal(drawn, moving_grid(with_theory(placed(made)))[2].T)
 
 
 @pytest.mark.parametrize("kind", [kind for kind, one in PICTURES.items() if one.observable])
@@ -153,11 +155,11 @@ def test_a_saved_run_gives_the_same_picture(made: xr.Dataset, tmp_path: Path) ->
 def test_a_scene_is_run_for_what_is_drawn_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[Scene] = []
 
-    def noted(scene: Scene, *_: object) -> xr.Dataset:
+    def noted(scene: Scene, *_: object) -> RunRecord:
         asked.append(scene)
-        return run(scene)
+        return record_scene(scene)
 
-    monkeypatch.setattr("longwave.reports.pictures.plotting.run", noted)
+    monkeypatch.setattr("longwave.reports.pictures.plotting.record_scene", noted)
     refined = replace(SCENE, observables=("strain", "time_step_error", "energy"), look_points=None)
     plot(refined)
     plot(refined, kind="errors")

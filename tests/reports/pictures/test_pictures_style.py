@@ -21,7 +21,13 @@ from longwave.reports.pictures.drawing import (
     snapshot_panels,
 )
 from longwave.reports.pictures.plotting import plot, shown_half_width
-from longwave.reports.pictures.run_data import envelope, placed, with_looks, with_theory
+from longwave.reports.pictures.run_data import (
+    envelope,
+    placed,
+    with_looks,
+    with_theory,
+    within,
+)
 from longwave.reports.pictures.style import (
     CURVES,
     LATTICE,
@@ -34,6 +40,7 @@ from longwave.reports.pictures.style import (
 )
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines import scene_run
+from longwave.support.labelled_arrays import LabelledArrays
 
 Array = NDArray[np.float64]
 
@@ -72,11 +79,11 @@ def test_below_each_snapshot_is_lattice_less_wave_on_the_runs_own_error(made: xr
     """Catches: wave less lattice, another time's band, half of it or twice."""
     half, run = shown_half_width(made), placed(made)
     own = 0.2 * 2.0 * (made.time_step_error + made.domain_error).values
-    parts = [run.sel(site=slice(-half, half)).isel(time=place) for place in range(3)]
+    parts = [within(run, half).isel(time=place) for place in range(3)]
     panels = differences(plot(made, kind="snapshots"))
     assert len(panels) == 3
     for ax, part, error in zip(panels, parts, own, strict=True):
-        wanted = (part["strain"] - part["analytic"]).values
+        wanted = part["strain"].values - part["analytic"].values
         assert np.array_equal(ax.lines[0].get_ydata(), wanted)
         (band,) = ax.patches
         assert (band.get_y(), band.get_height()) == pytest.approx((-error, 2.0 * error), abs=0.0)  # type: ignore[attr-defined]
@@ -94,25 +101,25 @@ def test_the_crest_of_the_wave_stands_beside_the_lattices(made: xr.Dataset) -> N
     """Catches: the lattice's crest once more, a crest in sites and not in the moving frame."""
     told = with_theory(placed(made))
     at, end = made["analytic"].isel(time=-1), told.isel(look_time=-1)
-    assert float(end.look_time) == float(at.time) == 20.0
+    assert float(end["look_time"].values) == float(at.time) == 20.0
     top = int(np.argmax(at.values))
-    assert abs(end.crest_position_wave - told["offset"].values[-1, top]) < 0.6
-    assert 1.0 <= end.crest_strain_wave / float(at.max()) < 1.01
-    assert abs(told.crest_strain - told.crest_strain_wave)[0] < 1e-12
-    assert abs(told.crest_strain - told.crest_strain_wave)[-1] > 1e-6
+    assert abs(end["crest_position_wave"].values - told["offset"].values[-1, top]) < 0.6
+    assert 1.0 <= float(end["crest_strain_wave"].values) / float(at.max()) < 1.01
+    apart = abs(told["crest_strain"].values - told["crest_strain_wave"].values)
+    assert apart[0] < 1e-12
+    assert apart[-1] > 1e-6
     position, height = plot(made, kind="crest").get_axes()
-    assert np.array_equal(position.lines[1].get_ydata(), told.crest_position_wave)
-    assert np.array_equal(height.lines[1].get_ydata(), told.crest_strain_wave)
-    other = told.copy(deep=True)
-    other["crest_position_wave"].values[5:] += 20.0
-    broken = crest_track(other).figure().get_axes()[1].lines[1].get_ydata()
+    assert np.array_equal(position.lines[1].get_ydata(), told["crest_position_wave"].values)
+    assert np.array_equal(height.lines[1].get_ydata(), told["crest_strain_wave"].values)
+    told["crest_position_wave"].values[5:] += 20.0
+    broken = crest_track(told).figure().get_axes()[1].lines[1].get_ydata()
     assert np.flatnonzero(np.isnan(np.asarray(broken))).tolist() == [5]
 
 
 def test_the_map_is_sheared_into_the_moving_frame(made: xr.Dataset) -> None:
     """Catches: stairs, where the frame passes the sites one by one."""
     told = with_theory(placed(made))
-    assert np.abs(told["shift"]).max() <= 0.5
+    assert np.abs(told["shift"].values).max() <= 0.5
     assert np.ptp(told["shift"].values) > 0.5
     image = plot(made, kind="space_time").get_axes()[0].images[0]
     values = np.asarray(image.get_array())
@@ -122,7 +129,7 @@ def test_the_map_is_sheared_into_the_moving_frame(made: xr.Dataset) -> None:
     moments = (middles[:, None] * values**2).sum(axis=0) / (values**2).sum(axis=0)
     apart = np.abs(np.diff(moments - told["crest_position"].values))
     assert apart.max() < 0.05
-    assert np.abs(np.diff(told["shift"])).max() > 0.3
+    assert np.abs(np.diff(told["shift"].values)).max() > 0.3
 
 
 def test_envelopes_are_those_of_carriers() -> None:
@@ -332,12 +339,11 @@ def test_a_run_with_a_law_has_it_at_the_times_of_its_map() -> None:
     data |= dict.fromkeys(("error", "sup_error"), (("time",), 0.0 * times))
     looks = np.linspace(0.0, 8.0, 81)
     data |= {name: (("look_time",), np.exp(-0.1 * looks)) for name in ("crest_law", "crest_strain")}
-    run = xr.Dataset(data, {"time": times, "site": sites, "look_time": looks})
-    told = with_looks(
-        run.assign_attrs(speed=0.0, carried=0, unit=1.0, scene=SCENE.toml()).assign_coords(
-            offset=(over, n)
-        )
-    )
+    data["offset"] = (over, n)
+    attrs = {"speed": 0.0, "carried": 0, "unit": 1.0, "scene": SCENE.toml()}
+    run = xr.Dataset(data, {"time": times, "site": sites, "look_time": looks}, attrs)
+    told = with_looks(LabelledArrays.of(run))
     assert told.sizes["look_time"] == 9
-    assert np.allclose(told.crest_law, told.crest_strain, rtol=2e-3)
-    assert np.allclose(told.crest_strain_wave, told.crest_strain)
+    law, strain, wave = (told[f"crest_{name}"].values for name in ("law", "strain", "strain_wave"))
+    assert np.allclose(law, strain, rtol=2e-3)
+    assert np.allclose(wave, strain)

@@ -13,7 +13,8 @@ from longwave.__main__ import main
 from longwave.cli.command_tree import SWEEP_PICTURES as WORDS
 from longwave.reports.pictures.plotting import plot
 from longwave.reports.pictures.sweep_drawing import SweptAxis, work_precision
-from longwave.reports.pictures.sweep_plotting import SWEEP_PICTURES, axis_of
+from longwave.reports.pictures.sweep_kinds import SWEEP_PICTURES
+from longwave.reports.pictures.sweep_plotting import axis_of
 from longwave.runs import save_run
 from tests.families import family
 

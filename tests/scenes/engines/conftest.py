@@ -7,7 +7,7 @@ import pytest
 
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines.lattice_run import domain_plan
-from longwave.scenes.engines.stepped_cells import FedWave
+from longwave.scenes.engines.window import FedWave
 
 RING = Scene.of(
     name="short",

@@ -8,8 +8,7 @@ import pytest
 
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.engines.stepped_cells import FedWave
-from longwave.scenes.engines.window import INTERPOLATION_ERROR, Tail, Window, window_moves
+from longwave.scenes.engines.window import INTERPOLATION_ERROR, FedWave, Tail, Window, window_moves
 
 SCENE = replace(load_scene("rational_2_eps_0.05"), t0=-3000.0, snapshots=(40_000.0,))
 WAVES: dict[str, dict[str, float]] = {

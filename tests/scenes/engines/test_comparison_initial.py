@@ -8,7 +8,7 @@ import pytest
 
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.engines.stepped_cells import FedWave
+from longwave.scenes.engines.window import FedWave
 from longwave.scenes.starts.moving_wave import moving_wave
 
 

@@ -18,10 +18,9 @@ from longwave.scenes import run
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines import lattice_run
-from longwave.scenes.engines.lattice_run import domain_plan
+from longwave.scenes.engines.lattice_run import domain_plan, stated_cells
 from longwave.scenes.engines.recorders import LOOK_EVALUATIONS
 from longwave.scenes.engines.spectral_run import view_of
-from longwave.scenes.engines.stepped_cells import stated_cells
 from longwave.scenes.observed.observables import (
     OBSERVABLES,
     Observable,

@@ -12,10 +12,9 @@ from longwave.lattice.state import BlowUp, State
 from longwave.scenes import run
 from longwave.scenes.description.named_scenes import load_scene, scene_of
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.engines.lattice_run import domain_plan
+from longwave.scenes.engines.lattice_run import domain_plan, stated_cells
 from longwave.scenes.engines.spectral_run import view_of
 from longwave.scenes.engines.stated_run import refined
-from longwave.scenes.engines.stepped_cells import stated_cells
 from longwave.scenes.starts.moving_wave import moving_wave
 
 Y2 = replace(load_scene("rational_2_eps_0.05"), observables=("strain",), snapshots=(0.0,))

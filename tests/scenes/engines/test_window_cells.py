@@ -15,8 +15,7 @@ from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines import site_engine
 from longwave.scenes.engines.lattice_run import domain_plan
 from longwave.scenes.engines.site_engine import SiteEngine
-from longwave.scenes.engines.stepped_cells import FedWave
-from longwave.scenes.engines.window import Window
+from longwave.scenes.engines.window import FedWave, Window
 from longwave.scenes.starts.lattice_wave import sound_speed
 from longwave.scenes.starts.long_wave_data import LongWaveData
 from longwave.support.request_limits import request_limits

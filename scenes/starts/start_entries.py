@@ -1,0 +1,105 @@
+"""Starts whose wave is no closed form: the records that describe them, and those of longwave."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from longwave.scenes.description.scene_checks import NOT_GIVEN, plain
+from longwave.scenes.description.scene_fields import SceneFields, StartRules
+from longwave.support.user_files import shown
+
+if TYPE_CHECKING:
+    from sympy import Expr
+
+    from longwave.derive import Reduction
+    from longwave.scenes.description.scene import Scene
+    from longwave.scenes.starts.computed_soliton import ComputedSoliton
+    from longwave.scenes.starts.lattice_wave import LatticeWave
+
+
+@dataclass(frozen=True, kw_only=True)
+class WaveStart(StartRules):
+    """A wave on the lattice itself, without a reduced equation; runs record ``equation``.
+
+    ``wave`` builds it, and raises ValueError in one line for parameters that it does not admit.
+    """
+
+    wave: Callable[[Scene], LatticeWave]
+    equation: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReducedStart(StartRules):
+    """A wave of the lattice's reduced equation that ``solve`` computes from its parameters.
+
+    Raises ValueError in one line for those that it does not admit.
+    """
+
+    solve: Callable[[Scene, Reduction, Mapping[str, Expr]], ComputedSoliton]
+
+
+def _solve_soliton(
+    scene: Scene, reduction: Reduction, parameters: Mapping[str, Expr]
+) -> ComputedSoliton:
+    from longwave.scenes.starts.computed_soliton import ComputedSoliton
+
+    if {*parameters} != {"speed"}:
+        raise ValueError(
+            f"parameters of {scene.wave_name} must be speed, got "
+            f"{', '.join(map(plain, parameters)) or 'none'} (its speed in X/T, such as 1)"
+        )
+    if scene.order == "corrected":
+        raise ValueError(
+            f"order must be leading or slaved with the wave {scene.wave_name}, got corrected (its "
+            "derivatives are too noisy for the next order)"
+        )
+    return ComputedSoliton(reduction, float(parameters["speed"]))
+
+
+computed_soliton = ReducedStart(solve=_solve_soliton)
+"""The soliton of an equation that has none in closed form, of a ``speed`` in X/T."""
+
+PERTURBATION = ("amplitude", "kappa", "share")
+"""Parameters of a perturbed plane wave: |A|, and the wavenumber of the perturbation in X, or that
+in units of the one that grows fastest, which it is if neither is given."""
+
+
+def _check_growth(scene: SceneFields) -> None:
+    """Refuse what does not go with a growth rate: what is found, and what it has no theory for."""
+    given: dict[str, object] = {"times": scene.snapshots, "compared": scene.compared or None}
+    given |= {"t0": None if scene.t0 == NOT_GIVEN else scene.t0}
+    given |= {"slow_times": scene.slow_times, "half_width": scene.half_width}
+    for key, value in given.items():
+        if value not in ((), None):
+            raise ValueError(
+                f"{key} must not be given with the wave {scene.wave_name}, got {shown(value)} "
+                "(when its growth is measured is found)"
+            )
+    if not scene.is_envelope:
+        raise ValueError(
+            f"k in [envelope] must be given with the wave {scene.wave_name}, got nothing "
+            '(such as k = "pi/2")'
+        )
+    if scene.disorder:
+        raise ValueError(
+            f"disorder must not be given with the wave {scene.wave_name}, got "
+            f"{shown(dict(scene.disorder.pairs))} (its waves would be scattered into all others)"
+        )
+    names = [name for name, _ in scene.parameters]
+    unknown = [name for name in names if name not in PERTURBATION]
+    if unknown or "amplitude" not in names or {"kappa", "share"} <= {*names}:
+        raise ValueError(
+            f"parameters of {scene.wave_name} must be amplitude, and kappa or share or "
+            f"neither, got {shown(', '.join(names) or 'none')} (such as amplitude = 0.5)"
+        )
+    if scene.order == "corrected":
+        raise ValueError(
+            f"order must be leading or slaved with the wave {scene.wave_name}, got corrected "
+            "(its theory is the envelope equation alone)"
+        )
+
+
+perturbed_plane = StartRules(method="sidebands", measured="growth rate", check=_check_growth)
+"""A carrier's plane wave, whose perturbation grows."""
