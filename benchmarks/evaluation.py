@@ -19,7 +19,7 @@ HARD_MODULI = {"rogue_cn": 1 - sp.Rational(1, 10**6), "soliton_dn": 1 - sp.Ratio
 
 
 def cases() -> list[WaveCase]:
-    """One ordinary case a wave, then cases near the end of a domain."""
+    """Return an ordinary case for each wave, then cases near the end of a domain."""
     half = sp.Rational(1, 2)
     values = {"k": sp.Rational(7, 10), "alpha": half, "A": sp.S.One, "X_0": sp.S.Zero}
     values |= {"p": half, "q": sp.S.One, "A_1": sp.S.One, "A_2": half}
@@ -32,7 +32,7 @@ def cases() -> list[WaveCase]:
 
 
 def least_seconds(function: Callable[[], object], repeats: int) -> float:
-    """The least time of several calls."""
+    """Return the least time of several calls."""
     best = float("inf")
     for _ in range(repeats):
         start = time.perf_counter()
@@ -42,7 +42,7 @@ def least_seconds(function: Callable[[], object], repeats: int) -> float:
 
 
 def row(case: WaveCase) -> str:
-    """One line: milliseconds for all points, mpmath's seconds, and their ratio."""
+    """Return a line: milliseconds for all points, mpmath's seconds, and their ratio."""
     wave = case.wave()
     X, T = np.linspace(-50.0, 50.0, POINTS), 0.3
     wave(X, T)

@@ -72,13 +72,15 @@ SMOOTH = (
 )
 FUNCTIONS = {function.__name__: (function, 1) for function in SMOOTH}
 
-_KEYS = {
+KEYS = {
     "": {"name", "title", "fields", "masses", "positive", "spring", "site", "bond"}
     | {"constants", "covariance"},
     "spring": {"between", "force"},
     "site": {"field", "force"},
     "bond": {"stretch", "action", "force"},
 }
+"""Keys of a file at its top and, by table, of each kind of entry."""
+
 _TERM = re.compile(
     r"\s*([+-]?)\s*(?:(\d{1,6})\s*\*\s*)?([A-Za-z][A-Za-z0-9]*)\[\s*n\s*([+-]\s*\d{1,6})?\s*"
     r"(?:,\s*m\s*([+-]\s*\d{1,6})?\s*)?\]\s*",
@@ -247,7 +249,7 @@ def time_formula(label: str, text: object) -> sp.Expr:
 
 
 def _check_keys(table: object, kind: str) -> None:
-    known = _KEYS[kind]
+    known = KEYS[kind]
     if not isinstance(table, Mapping):
         raise ValueError(f"[[{kind}]] must be a table, got {shown(table)}")
     for key in table:

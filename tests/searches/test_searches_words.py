@@ -25,7 +25,7 @@ from longwave.verify.verdict import Outcome
 from searches import word_solves, words
 from searches.word_judge import Reading, latex_tree, text_tree
 from searches.word_solves import Solved
-from searches.words import Made, judged, made
+from searches.words import Made, judged, random_statement
 
 COUNT = 12
 
@@ -52,7 +52,7 @@ def test_a_jump_where_an_arbitrary_function_of_a_parameter_is_0_is_in_the_senten
 
 
 def test_a_statement_is_the_same_each_time() -> None:
-    assert made(3, 5) == made(3, 5)
+    assert random_statement(3, 5) == random_statement(3, 5)
 
 
 READINGS = [
@@ -160,7 +160,7 @@ def test_what_was_false_is_found_when_it_is_put_back(
     fault: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     given, changes = ONCE[fault]
-    monkeypatch.setattr(words, "made", lambda seed, index: given)
+    monkeypatch.setattr(words, "random_statement", lambda seed, index: given)
     outcome, _, faults = judged(0, 0, 1)
     assert outcome.split()[0] in ("PROVED", "REFUTED")
     assert not faults
