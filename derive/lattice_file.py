@@ -36,7 +36,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -120,19 +120,32 @@ def lattice_of(document: Mapping[str, Any], name: str = "lattice") -> Lattice:
             )
     symbols = _Symbols(set(positive))
     masses = [symbols.mass(f"masses[{i}]", m) for i, m in enumerate(_masses(document, fields))]
-    bonds: list[Bond] = []
-    for kind, build in (("spring", _spring), ("site", _site), ("bond", _bond)):
-        for place, entry in _entries(document, kind):
-            try:
-                bonds.append(build(entry, fields, symbols))
-            except ValueError as error:
-                raise ValueError(f"{place}: {error}") from None
+    springs, others = (
+        _bonds(document, kind, lambda entry, build=build: build(entry, fields, symbols))
+        for kind, build in (("spring", _spring), ("bond", _bond))
+    )
+    axes = max((len(bond.stretch[0].shift) for bond in (*springs, *others)), default=1)
+    sites = _bonds(document, "site", lambda entry: _site(entry, fields, symbols, axes))
+    bonds = [*springs, *sites, *others]
     if not bonds:
         raise ValueError("bonds must be there, got none (write a [[spring]])")
     lattice_name = _title("name", document.get("name", name))
     title = _title("title", document.get("title", lattice_name))
     lattice = Lattice(lattice_name, title, tuple(fields), tuple(masses), tuple(bonds))
     return replace(lattice, measured=_measured(document, lattice))
+
+
+def _bonds(
+    document: Mapping[str, Any], kind: str, build: Callable[[Mapping[str, Any]], Bond]
+) -> list[Bond]:
+    """Build the bonds of all entries of a kind; errors name the entry."""
+    bonds = []
+    for place, entry in _entries(document, kind):
+        try:
+            bonds.append(build(entry))
+        except ValueError as error:
+            raise ValueError(f"{place}: {error}") from None
+    return bonds
 
 
 def document_of_lattice(lattice: Lattice) -> dict[str, Any]:
@@ -331,9 +344,9 @@ def _spring(entry: Mapping[str, Any], fields: list[str], symbols: _Symbols) -> B
     return spring(symbols.formula("force", entry.get("force")), ends[0], ends[1])
 
 
-def _site(entry: Mapping[str, Any], fields: list[str], symbols: _Symbols) -> Bond:
+def _site(entry: Mapping[str, Any], fields: list[str], symbols: _Symbols, axes: int) -> Bond:
     index = _field("field", entry.get("field"), fields)
-    return on_site(symbols.formula("force", entry.get("force")), index)
+    return on_site(symbols.formula("force", entry.get("force")), index, axes)
 
 
 def _bond(entry: Mapping[str, Any], fields: list[str], symbols: _Symbols) -> Bond:

@@ -106,11 +106,3 @@ def test_springs_and_sites_are_the_bonds_that_the_page_says() -> None:
     expected = lattice_of({"fields": ["u"], **short})
     assert lattice_of({"fields": ["u"], "bond": bonds}).bonds == expected.bonds
     assert not expected.missing_energies
-
-
-def test_a_site_has_one_axis() -> None:
-    """The page sends a tie of a lattice with two axes to a bond."""
-    document = read("membrane.toml")
-    document["site"] = [{"field": "u", "force": "x"}]
-    with pytest.raises(ValueError, match="along 2 axes, got field 0 and 1 axes"):
-        lattice_of(document)
