@@ -46,11 +46,12 @@ def row(case: WaveCase) -> str:
     """Return a line: milliseconds for all points, mpmath's seconds, and their ratio."""
     wave = case.wave()
     X, T = np.linspace(-50.0, 50.0, POINTS), 0.3
-    wave(X, T)
-    seconds = least_seconds(lambda: wave(X, T), REPEATS)
-    wave.mp(0.1, T, DIGITS)
+    across = {"Z": 0.0} if wave.form.equation.has_across else {}
+    wave(X, T, **across)
+    seconds = least_seconds(lambda: wave(X, T, **across), REPEATS)
+    wave.mp(0.1, T, DIGITS, **across)
     places = [0.3 + i for i in range(REFERENCE_POINTS)]
-    slow = least_seconds(lambda: [wave.mp(x, T, DIGITS) for x in places], 1) / REFERENCE_POINTS
+    slow = least_seconds(lambda: [wave.mp(x, T, DIGITS, **across) for x in places], 1) / REFERENCE_POINTS
     times = f"{1e3 * seconds:9.1f} {slow * POINTS:11.0f}"
     return f"{case.name:18} {case!s:18.18}{times} {slow * POINTS / seconds:10.0f}"
 
