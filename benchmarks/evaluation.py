@@ -51,7 +51,10 @@ def row(case: WaveCase) -> str:
     seconds = least_seconds(lambda: wave(X, T, **across), REPEATS)
     wave.mp(0.1, T, DIGITS, **across)
     places = [0.3 + i for i in range(REFERENCE_POINTS)]
-    slow = least_seconds(lambda: [wave.mp(x, T, DIGITS, **across) for x in places], 1) / REFERENCE_POINTS
+    slow = (
+        least_seconds(lambda: [wave.mp(x, T, DIGITS, **across) for x in places], 1)
+        / REFERENCE_POINTS
+    )
     times = f"{1e3 * seconds:9.1f} {slow * POINTS:11.0f}"
     return f"{case.name:18} {case!s:18.18}{times} {slow * POINTS / seconds:10.0f}"
 
