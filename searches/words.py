@@ -34,7 +34,6 @@ from longwave.derive.algebra.formula_printing import formula_as_text
 from longwave.derive.algebra.formula_text import FormulaError
 from longwave.support.processes import OutOfTime, time_limit
 from longwave.verify.proof.conditions import ConditionalVerdict
-from longwave.verify.proof.kept_verdict import kept_record, taken_again
 from longwave.verify.proof.mistyped_statements import split_outside
 from longwave.verify.proof.near_misses import with_hint
 from longwave.verify.proof.statement_text import read_statement
@@ -43,6 +42,7 @@ from longwave.verify.proof.statement_verdict import (
     decide_statement,
     verified_sentence,
 )
+from longwave.verify.proof.stored_verdict import checked_again, verdict_record
 from longwave.verify.proof.text_prover import prove
 from longwave.verify.proof.typed_statement import Statement
 from searches.word_judge import NEAR, CannotJudge, Point, Reading, latex_tree, names_in, text_tree
@@ -442,8 +442,8 @@ class Judgement:
         lies |= {"statement": "a lie", "seconds": 1e9}
         if verdict.outcome.value != "UNDECIDED":
             lies["reason"] = "a lie"
-        record = json.loads(json.dumps(kept_record(verdict))) | lies
-        again = taken_again(self.statement, record)
+        record = json.loads(json.dumps(verdict_record(verdict))) | lies
+        again = checked_again(self.statement, record)
         if again is None:
             self.faults.append("a verdict is not taken again")
         elif "a lie" in json.dumps(again.json()) or again.outcome != verdict.outcome:

@@ -8,7 +8,7 @@ import pytest
 import sympy as sp
 from mpmath import mp
 
-from longwave.verify.proof import kept_verdict, statement_verdict
+from longwave.verify.proof import statement_verdict, stored_verdict
 from longwave.verify.proof.conditions import ConditionalVerdict
 from longwave.verify.proof.near_misses import with_hint
 from longwave.verify.proof.seams import seams
@@ -126,7 +126,7 @@ def seams_alone(statement: Statement) -> Any:
 
 
 def believed(statement: Statement, record: Any) -> StatementVerdict:
-    found = kept_verdict.undecided(statement, "as it was")
+    found = stored_verdict.undecided(statement, "as it was")
     return replace(
         found, outcome=Outcome(record["verdict"]), witness=record["witness"], hint=record["hint"],
         assumptions=tuple(record["assumptions"]), certificate={},
@@ -146,7 +146,7 @@ ONCE: dict[str, tuple[Made, list[tuple[Any, str, Callable[..., Any]]]]] = {
     "hint": (MISREAD, [(words, "with_hint", unproved)]),
     "open hint": (MOVING, [(words, "with_hint", everywhere)]),
     "factor": (FACTOR, [(statement_verdict, "left_open", seams_alone)]),
-    "resumption": (CANCELS, [(words, "taken_again", believed)]),
+    "resumption": (CANCELS, [(words, "checked_again", believed)]),
     "places": (
         stated("u[n] - 1", "u = sign(n - 3)**2", n=(2, 4)),
         [(statement_verdict, "left_open", lambda _: ((), ()))],
