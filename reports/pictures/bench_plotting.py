@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from longwave.reports.pictures.drawing import add_legend, even_places
 from longwave.reports.pictures.style import CURVES, part
-from longwave.scenes.description.bench import OF_MEANS
+from longwave.scenes.description.bench import MEAN_SUFFIXES
 from longwave.support.labelled_arrays import at_places
 
 if TYPE_CHECKING:
@@ -40,7 +40,9 @@ BALANCE = ("energy", "work", "heat")
 
 
 def _readings(data: LabelledArrays) -> list[str]:
-    return [name for name in data if name.startswith("sensor_") and not name.endswith(OF_MEANS)]
+    return [
+        name for name in data if name.startswith("sensor_") and not name.endswith(MEAN_SUFFIXES)
+    ]
 
 
 @part(lambda data: 0.4 + PANEL * len(_readings(data)))

@@ -14,7 +14,7 @@ from longwave.lattice.energy_balance import Flow
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.state import State
 from longwave.lattice.time_integral import Integral
-from longwave.scenes.description.bench import ACTING, Bench, Cells, Drive, Impact
+from longwave.scenes.description.bench import FORCE_TABLES, Bench, Cells, Drive, Impact
 from longwave.scenes.description.losses import LossRates
 from longwave.scenes.description.time_functions import time_function
 from longwave.support.known_names import one_of
@@ -77,7 +77,7 @@ def chain_on_bench(
         _end(side, given, *span) for side, given in zip(("left", "right"), bench.ends, strict=True)
     )
     forces = [
-        ACTING[push.kind](
+        FORCE_TABLES[push.kind](
             push.site,
             time_function(f"value in [[{push.kind}]]", push.value),
             _field(lattice, push.field, f"[[{push.kind}]]"),

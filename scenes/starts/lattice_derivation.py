@@ -91,7 +91,7 @@ def derivation(scene: Scene) -> LatticeDerivation:
     same["wave"] = "" if form else scene.wave_name
     ran: dict[str, Any] = {"order": "leading", "disorder": None, "half_width": None, "compared": 1}
     ran |= {"observables": None, "curve_points": 201, "look_points": None}
-    ran |= {"losses": scene.losses and scene.losses.weighed(scene.eps)}
+    ran |= {"losses": scene.losses and scene.losses.as_eps_formulas(scene.eps)}
     found = _derivations(
         scene.with_tolerance(1.0).changed(**same, **ran, times=(0.0, 1.0), slow_times=())
     )
