@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from longwave.reports.pictures.drawing import add_legend, even_places
 from longwave.reports.pictures.style import CURVES, part
 from longwave.scenes.description.bench import MEAN_SUFFIXES
-from longwave.support.labelled_arrays import at_places
+from longwave.support.labelled_arrays import select
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -161,7 +161,7 @@ def cells_at_times(figure: FigureBase, data: LabelledArrays) -> None:
 
 def _first_series(values: LabelledValues, *dimensions: str) -> Array:
     """Return values over ``dimensions``, at index 0 of all other dimensions (fields or bonds)."""
-    first = at_places(values, dict.fromkeys(set(values.dims) - set(dimensions), 0))
+    first = select(values, dict.fromkeys(set(values.dims) - set(dimensions), 0))
     return np.transpose(first.values, [first.dims.index(name) for name in dimensions])
 
 

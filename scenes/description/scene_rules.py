@@ -111,13 +111,13 @@ def check_observables(scene: SceneFields) -> None:
     numerics = scene.numerics
     for name in scene.observables:
         observable = observable_named(name)
-        if isinstance(numerics, Tolerance) and observable.measured_at == "refinement":
-            raise ValueError(
-                f"observables must have no refinement with a tolerance, got {name} "
-                "(leave it out: the run reports an estimate of its own)"
-            )
-        moves = isinstance(numerics, Discretisation) and numerics.rules.moves
-        if observable.needs_ring and moves:
+        if isinstance(numerics, Tolerance):
+            if observable.measured_at == "refinement":
+                raise ValueError(
+                    f"observables must have no refinement with a tolerance, got {name} "
+                    "(leave it out: the run reports an estimate of its own)"
+                )
+        elif observable.needs_ring and numerics.rules.moves:
             raise ValueError(
                 f"domain must be 'ring' for {name}, got {numerics.domain!r} (a {numerics.domain} "
                 "drops sites)"

@@ -263,7 +263,7 @@ def test_parameters_are_formulas_or_multiples_of_K_at_every_order() -> None:
 
 
 def test_a_scene_runs_itself() -> None:
-    """`longwave.scenes` gives descriptions the function that runs them, which they cannot import."""
+    """`longwave.scenes` gives descriptions the function that runs scenes."""
     scene = Scene.of(**GIVEN)
     assert scene.run().strain.identical(run(scene).strain)
 
@@ -282,5 +282,5 @@ def test_a_ring_contains_the_compared_cells_and_all_that_can_affect_them() -> No
     assert high >= 50 + 10 + 200
     [(low_wider, high_wider)] = compared.ring(times, [2.0], 64)
     assert (high_wider - low_wider) - (high - low) == 64
-    [part] = compared.places([(low, high)], 100.0)
+    [part] = compared.slices([(low, high)], 100.0)
     assert (part.start + low, part.stop - 1 + low) == (40, 60)
