@@ -21,7 +21,7 @@ from longwave.derive.measured import Measured
 from longwave.derive.symbols import number_value
 from longwave.runs.run_file import file_content
 from longwave.runs.sweep_file import MOST_CELLS, SAMPLE, Sweep, SweptDimension
-from longwave.scenes.description.bench import OF_MEANS
+from longwave.scenes.description.bench import MEAN_SUFFIXES
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import whole
@@ -153,7 +153,7 @@ def observed_numbers(
         yield ObservedNumber("crest", lattice, float(np.nanmax(np.abs(lattice - theory))), numerics)
     numerics_or_nan = numerics if scene.bench else math.nan
     for name in map(str, dataset.data_vars):
-        if name.endswith(OF_MEANS):
+        if name.endswith(MEAN_SUFFIXES):
             continue
         values, inner_dims = dataset[name], dataset[name].dims[1:]
         if name.startswith("sensor_"):

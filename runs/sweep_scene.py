@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 from longwave.scenes.description.bench import KEYS
 from longwave.scenes.description.losses import KINDS
 from longwave.scenes.description.named_scenes import load_scene, names_a_file
-from longwave.scenes.description.scene import Scene, said_otherwise
+from longwave.scenes.description.scene import Scene, alternatives_of
 from longwave.scenes.description.scene_checks import CHAIN_CONSTANTS
 from longwave.scenes.description.scene_disorder import Disorder
 from longwave.scenes.description.scene_file import (
@@ -142,7 +142,7 @@ def changed_document(document: Document, changes: Mapping[str, Any]) -> Document
     if "tolerance" in changes and "tolerance" not in changed:
         _leave_to_tolerance(changed)
     for field, value in changes.items():
-        for other in said_otherwise([field]):
+        for other in alternatives_of([field]):
             changed.pop(other, None)
         if field == "lattice" and in_one_spelling({field: value}) != {field: value}:
             raise ValueError(

@@ -216,7 +216,7 @@ def at_eps(scene: Scene, eps: float) -> Scene:
         eps=eps,
         slow_times=scene.slow_times or times,
         half_width=scene.half_width or scene.compared * scene.eps,
-        losses=scene.losses and scene.losses.weighed(scene.eps),
+        losses=scene.losses and scene.losses.as_eps_formulas(scene.eps),
     )
 
 

@@ -20,7 +20,7 @@ from collections.abc import Iterator
 from longwave.derive import LATTICES
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import CHAIN
-from longwave.scenes.engines.domain_plan import DomainPlan, sites_of
+from longwave.scenes.engines.domain_plan import DomainPlan, count_cells
 from longwave.scenes.engines.lattice_run import domain_plan
 from longwave.support.processes import Job, LocalWorkers, OutOfTime, as_ended, time_limit
 from searches.estimate_judge import warm_up
@@ -62,7 +62,9 @@ def judge(seed: int, index: int, seconds: float) -> tuple[str, float | None]:
     if found is None:
         return "no window drawn", None
     scene, domains = found
-    text = f"{scene.lattice}/{scene.wave_name} {domains.window} of {sites_of(domains.ends())} cells"
+    text = (
+        f"{scene.lattice}/{scene.wave_name} {domains.window} of {count_cells(domains.ends())} cells"
+    )
     try:
         with time_limit(seconds):
             estimate, true = of_lattice(scene)

@@ -1,7 +1,7 @@
-"""Arrays over named dimensions, with attributes: what a data set holds, without its half second.
+"""Arrays with named dimensions and attributes: a small part of xarray without its import time.
 
-A run that is drawn at once needs names, values and places of them and no more. `LabelledArrays`
-have the words of an `xarray.Dataset` for that, and are made of one without copying it.
+Drawing a run needs only names, values and indexing, and importing xarray takes half a second.
+`LabelledArrays` has the methods of `xarray.Dataset` for that; it wraps one without a copy.
 """
 
 from __future__ import annotations
@@ -13,21 +13,21 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-Places = int | slice | Sequence[int] | NDArray[np.integer]
-"""Places along a dimension; one integer takes the dimension away."""
+Indexer = int | slice | Sequence[int] | NDArray[np.integer]
+"""Index along a dimension; a single integer removes the dimension."""
 
 
 @runtime_checkable
 class Labelled(Protocol):
-    """Variables with attributes: an `xarray.Dataset`, or `LabelledArrays`."""
+    """Protocol of variables with attributes: an `xarray.Dataset`, or `LabelledArrays`."""
 
     @property
     def attrs(self) -> dict[Any, Any]:
-        """Attributes of all variables together."""
+        """Attributes of the data set."""
 
     @property
     def variables(self) -> Mapping[Any, Any]:
-        """Variables by their names, coordinates among them."""
+        """Variables by name, including coordinates."""
 
     @property
     def sizes(self) -> Mapping[Any, int]:
@@ -35,7 +35,7 @@ class Labelled(Protocol):
 
 
 class LabelledValues(Protocol):
-    """Values over named dimensions: an `xarray.Variable`, or a `LabelledArray`."""
+    """Protocol of an array with named dimensions: an `xarray.Variable` or a `LabelledArray`."""
 
     @property
     def dims(self) -> tuple[Any, ...]:
@@ -64,7 +64,7 @@ class LabelledValues(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class LabelledArray:
-    """Values over named dimensions, with attributes."""
+    """Array with named dimensions and attributes."""
 
     dims: tuple[str, ...]
     values: NDArray[Any]
@@ -86,38 +86,38 @@ class LabelledArray:
         return self.values.dtype
 
 
-def at_places(values: LabelledValues, places: Mapping[str, Places]) -> LabelledValues:
-    """Return the values at some places along the dimensions that they have.
+def select(values: LabelledValues, indexers: Mapping[str, Indexer]) -> LabelledValues:
+    """Return the values at indices along some dimensions; other dimensions are ignored.
 
     >>> ramp = LabelledArray(("time", "site"), np.arange(6).reshape(2, 3))
-    >>> at_places(ramp, {"time": 1, "site": [2, 0], "row": 0})
+    >>> select(ramp, {"time": 1, "site": [2, 0], "row": 0})
     LabelledArray(dims=('site',), values=array([5, 3]), attrs={})
     """
-    if not set(places) & set(values.dims):
+    if not set(indexers) & set(values.dims):
         return values
-    dims, held = values.dims, values.values
+    dims, array = values.dims, values.values
     for name in values.dims:
-        if name in places:
-            place, axis = places[name], dims.index(name)
-            chosen = place if isinstance(place, int | slice) else np.asarray(place, dtype=np.intp)
-            held = np.asarray(held[(slice(None),) * axis + (chosen,)])
-            dims = dims if held.ndim == len(dims) else dims[:axis] + dims[axis + 1 :]
-    return LabelledArray(dims, held, values.attrs)
+        if name in indexers:
+            given, axis = indexers[name], dims.index(name)
+            index = given if isinstance(given, int | slice) else np.asarray(given, dtype=np.intp)
+            array = np.asarray(array[(slice(None),) * axis + (index,)])
+            dims = dims if array.ndim == len(dims) else dims[:axis] + dims[axis + 1 :]
+    return LabelledArray(dims, array, values.attrs)
 
 
 @dataclass(frozen=True, eq=False)
 class LabelledArrays:
-    """Variables that share dimensions, with attributes; coordinates are variables as well."""
+    """Variables with shared dimensions, and attributes; coordinates are variables as well."""
 
     variables: Mapping[str, LabelledValues]
     attrs: dict[Any, Any] = field(default_factory=dict)
 
     @classmethod
     def of(cls, data: Labelled) -> LabelledArrays:
-        """Return the variables and attributes of a data set; nothing is read and nothing copied."""
+        """Return a view of a data set's variables and attributes; nothing is read or copied."""
         if isinstance(data, cls):
             return data
-        return cls({str(name): held for name, held in data.variables.items()}, dict(data.attrs))
+        return cls({str(name): array for name, array in data.variables.items()}, dict(data.attrs))
 
     def __getitem__(self, name: str) -> LabelledValues:
         return self.variables[name]
@@ -135,25 +135,25 @@ class LabelledArrays:
     @property
     def sizes(self) -> Mapping[Any, int]:
         """Lengths of the dimensions."""
-        found: dict[Any, int] = {}
-        for held in self.variables.values():
-            found |= zip(held.dims, held.shape, strict=True)
-        return found
+        sizes: dict[Any, int] = {}
+        for array in self.variables.values():
+            sizes |= zip(array.dims, array.shape, strict=True)
+        return sizes
 
-    def isel(self, **places: Places) -> LabelledArrays:
-        """Return all variables at some places along dimensions, as `xarray.Dataset.isel` does."""
-        chosen = {name: at_places(held, places) for name, held in self.variables.items()}
-        return LabelledArrays(chosen, self.attrs)
+    def isel(self, **indexers: Indexer) -> LabelledArrays:
+        """Return all variables at indices along dimensions, as `xarray.Dataset.isel` does."""
+        selection = {name: select(array, indexers) for name, array in self.variables.items()}
+        return LabelledArrays(selection, self.attrs)
 
     def assign(self, **added: LabelledValues) -> LabelledArrays:
-        """Return the arrays with other variables, or more of them."""
+        """Return the arrays with variables added or replaced."""
         return LabelledArrays({**self.variables, **added}, self.attrs)
 
     def assign_attrs(self, **added: object) -> LabelledArrays:
-        """Return the arrays with other attributes, or more of them."""
+        """Return the arrays with attributes added or replaced."""
         return LabelledArrays(self.variables, self.attrs | added)
 
     def without(self, dimension: str) -> LabelledArrays:
-        """Return the variables that do not lie along the dimension."""
-        rest = {name: held for name, held in self.variables.items() if dimension not in held.dims}
+        """Return the arrays without the variables along the dimension."""
+        rest = {name: each for name, each in self.variables.items() if dimension not in each.dims}
         return LabelledArrays(rest, self.attrs)

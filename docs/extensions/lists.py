@@ -120,21 +120,21 @@ def observables() -> str:
 
 
 def bench_keys() -> str:
-    """What may stand in the tables of a chain on a bench: key, what, its value unless stated."""
+    """Return a table of the keys of a chain on a bench: table, key, meaning, default."""
     return table(
         ["table", "key", "what", "unless stated"],
         (
-            [f"`{name}`", f"`{key}`", entry.says, _usual(entry.usual)]
+            [f"`{name}`", f"`{key}`", entry.meaning, _default_text(entry.default)]
             for name, entries in KEYS.items()
             for key, entry in entries.items()
         ),
     )
 
 
-def _usual(value: object) -> str:
-    """A text, a number or a list of some as a file has it; nothing for what is left out."""
-    is_said = type(value) is int or (value and isinstance(value, str | tuple))
-    return f"`{json.dumps(value)}`" if is_said else ""
+def _default_text(value: object) -> str:
+    """Return a default value as it is written in a file; empty for an omitted key."""
+    is_shown = type(value) is int or (value and isinstance(value, str | tuple))
+    return f"`{json.dumps(value)}`" if is_shown else ""
 
 
 def schemes() -> str:

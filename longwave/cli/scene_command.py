@@ -21,7 +21,7 @@ from longwave.runs.run_output import (
 )
 from longwave.runs.run_store import RunStore
 from longwave.runs.sweep_scene import changed_scene
-from longwave.scenes.description.bench import OF_MEANS
+from longwave.scenes.description.bench import MEAN_SUFFIXES
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines.methods import record_scene
 from longwave.scenes.engines.recorders import Variables
@@ -230,7 +230,7 @@ def summary_lines(run: RunRecord, scene: Scene) -> Iterator[str]:
     if "peak" in run.variables:
         yield from _disorder_lines(run)
     for name in run.variables:
-        if name.startswith("sensor_") and not name.endswith(OF_MEANS):
+        if name.startswith("sensor_") and not name.endswith(MEAN_SUFFIXES):
             yield from _reading_lines(run, name)
     if "trust_rate" in attrs:
         yield _background_line(attrs, scene)

@@ -34,7 +34,7 @@ from longwave.scenes.engines.methods import expected_cost
 from longwave.support.command_line import fail, fail_for_memory, one_line
 from longwave.support.console import check_output, default_output, progress_bar
 from longwave.support.interruption import interrupted
-from longwave.support.labelled_arrays import Labelled, LabelledArray, LabelledArrays, at_places
+from longwave.support.labelled_arrays import Labelled, LabelledArray, LabelledArrays, select
 from longwave.support.request_limits import Announcer, ExpectedCost, check_request
 
 Array = NDArray[np.float64]
@@ -236,7 +236,7 @@ def bench_frames(data: Labelled) -> LabelledArrays:
                 "energy)"
             )
     moved = data.variables["displacement"]
-    displacement = at_places(moved, {"field": 0}).values
+    displacement = select(moved, {"field": 0}).values
     cells = np.broadcast_to(np.arange(displacement.shape[1], dtype=float), displacement.shape)
     attributes = {"tracked": "energy", "wave": "", "along": "$n$", "drawn": "$u_n$"}
     along = ("time", "site")

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from longwave.reports.pictures.drawing import add_legend, even_places
 from longwave.reports.pictures.style import CURVES, part
-from longwave.scenes.description.bench import OF_MEANS
-from longwave.support.labelled_arrays import at_places
+from longwave.scenes.description.bench import MEAN_SUFFIXES
+from longwave.support.labelled_arrays import select
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -40,7 +40,9 @@ BALANCE = ("energy", "work", "heat")
 
 
 def _readings(data: LabelledArrays) -> list[str]:
-    return [name for name in data if name.startswith("sensor_") and not name.endswith(OF_MEANS)]
+    return [
+        name for name in data if name.startswith("sensor_") and not name.endswith(MEAN_SUFFIXES)
+    ]
 
 
 @part(lambda data: 0.4 + PANEL * len(_readings(data)))
@@ -159,7 +161,7 @@ def cells_at_times(figure: FigureBase, data: LabelledArrays) -> None:
 
 def _first_series(values: LabelledValues, *dimensions: str) -> Array:
     """Return values over ``dimensions``, at index 0 of all other dimensions (fields or bonds)."""
-    first = at_places(values, dict.fromkeys(set(values.dims) - set(dimensions), 0))
+    first = select(values, dict.fromkeys(set(values.dims) - set(dimensions), 0))
     return np.transpose(first.values, [first.dims.index(name) for name in dimensions])
 
 

@@ -24,7 +24,7 @@ from longwave.reports.pictures.run_data import placed
 from longwave.reports.studies.bench_laws import mode_return
 from longwave.reports.studies.effects import CELLS, TOLERANCES, EffectCost
 from longwave.reports.studies.lattice_runs import SceneRun
-from longwave.scenes.description.bench import ACTING, Bench
+from longwave.scenes.description.bench import FORCE_TABLES, Bench
 from longwave.scenes.description.losses import Losses
 from longwave.support.labelled_arrays import LabelledArrays
 
@@ -84,7 +84,7 @@ def effects(bench: Bench, losses: Losses | None = None) -> str:
     acting: dict[str, object] = {
         "losses of cells": losses and losses.site is not None,
         "dashpots": losses and losses.bond is not None,
-        **{f"{kind}s": kind in acts for kind in ACTING},
+        **{f"{kind}s": kind in acts for kind in FORCE_TABLES},
         "a bath": bench.noise,
         "defects": bench.masses or bench.springs,
     }

@@ -73,12 +73,12 @@ def by_sites(name: str, share: float, progress: Progress | None = None) -> xr.Da
 
 def site_by_site(scene: Scene, share: float) -> Scene:
     """Return the scene on a ring whose seam cannot affect compared sites, with a stated step."""
-    from longwave.scenes.engines.domain_plan import SCHEME, longest_step, sites_of
+    from longwave.scenes.engines.domain_plan import SCHEME, count_cells, longest_step
     from longwave.scenes.engines.lattice_run import domain_plan
 
     _, domains = domain_plan(scene.changed(engine="stencil"))
     step = share * longest_step(domains.fastest, 0.0)
-    sites = sites_of(domains.plain_ends(0))
+    sites = count_cells(domains.plain_ends(0))
     return replace(scene, numerics=Discretisation(step, "ring", sites, SCHEME.name))
 
 

@@ -1,1 +1,1 @@
-"""What a scene says: its record, its file, its tables, and what goes together in them."""
+"""Descriptions of scenes: the record, its TOML file and tables, and rules between their fields."""

@@ -1,10 +1,9 @@
-"""A chain on a bench, as a scene's tables say it: ends, a start, forces, what is watched.
+"""A chain on a bench, as described by a scene's tables: ends, start, forces and observables.
 
-`KEYS` says what may stand in its tables; [start] may have columns instead, ``site`` and those of
-fields and their velocities, ``u``, ``du``. In any table ``file = "drive.csv"`` stands for the
-columns of that file, by their names: a scene holds the numbers. Losses are those of any scene
-(`losses.py`). With the energy of a chain that is driven or damped come work and heat since the
-start.
+`KEYS` lists the keys of each table. [start] may instead have the column ``site`` and columns of
+fields and velocities, such as ``u`` and ``du``. In any table ``file = "drive.csv"`` stands for the
+columns of that file; the scene stores the numbers. Losses are those of any scene (`losses.py`). If
+a chain is driven or damped, its energy is recorded with the work and the heat since the start.
 """
 
 from __future__ import annotations
@@ -28,34 +27,32 @@ from longwave.support.user_files import shown
 if TYPE_CHECKING:
     from longwave.scenes.description.losses import Losses
 
-ACTING = {"force": SiteForce}
-"""Tables of what acts on single cells, and of what kind it is; each has a site, a value and a
-field."""
+FORCE_TABLES = {"force": SiteForce}
+"""Class of the force for each table of forces on single cells."""
 
-BENCH_TABLES = ("chain", "start", *ACTING, "noise", "defects", "observables")
+BENCH_TABLES = ("chain", "start", *FORCE_TABLES, "noise", "defects", "observables")
 
 MOST_READINGS = 10**6
-"""Times at which sensors are read."""
+"""Maximum number of times at which sensors are read."""
 
-SENSED = ("displacement", "velocity", "strain", "force")
-"""What sensors read: of the cell, and of the bond from it to the next."""
+SENSOR_QUANTITIES = ("displacement", "velocity", "strain", "force")
+"""Quantities that sensors read, of a cell or of the bond from it to the next cell."""
 
+MEAN_SUFFIXES = ("_error", "_spread")
+"""Name endings of a mean's half confidence interval and standard deviation over runs."""
 
-OF_MEANS = ("_error", "_spread")
-"""Endings of what belongs to a mean over runs: half its interval, the standard deviation."""
-
-MOVES = ("displacement", "velocity", "force")
-"""What may be given of an end that does not rest, in time."""
+END_DRIVES = ("displacement", "velocity", "force")
+"""Quantities that may drive an end, as functions of time."""
 
 Drive: TypeAlias = "str | Mapping[str, Any]"
-"""A formula in t, or a table of times and values."""
+"""Formula in t, or table of times and values."""
 
-FACTOR = "{ 12 = 3 }"
+FACTOR_EXAMPLE = "{ 12 = 3 }"
 FROM_0 = partial(check.whole, least=0)
 
 
 def _drive(label: str, given: Drive) -> Drive:
-    """The value, if it is a function of time."""
+    """Return the value; ValueError unless it is a function of time."""
     from longwave.scenes.description.time_functions import time_function
 
     time_function(label, given)
@@ -69,49 +66,54 @@ def _truth(name: str, given: object) -> bool:
 
 
 def _numbers(name: str, given: object, of: str, least: int = 0, few: int = 0) -> tuple[int, ...]:
-    """A list of whole numbers, of a ``few`` at the least."""
+    """Return a list of at least ``few`` whole numbers, each at least ``least``."""
     if not isinstance(given, list | tuple) or len(given) < few:
         raise ValueError(f"{name} must be a list of {of}, got {shown(given)} (such as [1, 2])")
     return tuple(check.whole(name, number, least) for number in given)
 
 
 def _end(name: str, given: object) -> str | Mapping[str, Drive]:
-    """What is at an end: a word, or what moves in time."""
-    if isinstance(given, Mapping) and len(given) == 1 and set(given) <= set(MOVES):
+    """Return the condition at an end: "fixed", "free" or a drive {quantity: function of time}."""
+    if isinstance(given, Mapping) and len(given) == 1 and set(given) <= set(END_DRIVES):
         return {kind: _drive(f"{kind} of {name.split()[0]}", given[kind]) for kind in given}
     if isinstance(given, str) and given in ("fixed", "free"):
         return given
     raise ValueError(
-        f'{name} must be "fixed", "free" or one of {", ".join(MOVES)} in time, got {shown(given)} '
-        '(such as { displacement = "0.1*sin(t)" })'
+        f'{name} must be "fixed", "free" or one of {", ".join(END_DRIVES)} in time, got '
+        f'{shown(given)} (such as {{ displacement = "0.1*sin(t)" }})'
     )
 
 
 def _factors(name: str, given: object) -> dict[int, Any]:
-    """Factors by the numbers of cells or bonds: numbers, by field of masses, in a list of bonds."""
+    """Return factors by the number of a cell or bond.
+
+    A factor is a number; for masses also a table by field, for springs also a list by bond.
+    """
     if not isinstance(given, Mapping):
-        raise ValueError(f"{name} must be a table by cells, got {shown(given)} (such as {FACTOR})")
+        raise ValueError(
+            f"{name} must be a table by cells, got {shown(given)} (such as {FACTOR_EXAMPLE})"
+        )
     kind = name.split()[0]
-    found: dict[int, Any] = {}
+    factors: dict[int, Any] = {}
     for cell, value in given.items():
         if not re.fullmatch(r"-?\d{1,9}", str(cell)):
             raise ValueError(
                 f"{name} must be by the numbers of cells, got {check.plain(cell)} (such as "
-                f"{FACTOR})"
+                f"{FACTOR_EXAMPLE})"
             )
         label = f"{kind} of {cell} in [defects]"
         if isinstance(value, Mapping) and kind == "mass":
-            found[int(cell)] = {str(one): check.finite(label, value[one]) for one in value}
+            factors[int(cell)] = {str(name): check.finite(label, value[name]) for name in value}
         elif isinstance(value, list | tuple) and kind == "spring":
-            found[int(cell)] = tuple(check.finite(label, one) for one in value)
+            factors[int(cell)] = tuple(check.finite(label, factor) for factor in value)
         else:
-            found[int(cell)] = check.finite(label, value)
-    return found
+            factors[int(cell)] = check.finite(label, value)
+    return factors
 
 
 @dataclass(frozen=True)
 class Impact:
-    """Velocities of single cells at the start."""
+    """Velocity added to one cell at the start."""
 
     site: int
     velocity: float
@@ -120,7 +122,7 @@ class Impact:
 
 @dataclass(frozen=True)
 class Mode:
-    """``u_n = amplitude sin(pi number (n + 1) / (sites + 1))``."""
+    """Mode of a chain at the start: ``u_n = amplitude sin(pi number (n + 1) / (sites + 1))``."""
 
     number: int
     amplitude: float
@@ -128,7 +130,7 @@ class Mode:
 
 @dataclass(frozen=True)
 class Cells:
-    """What single cells do at the start: ``values`` by fields' names, of velocities as ``du``."""
+    """Initial ``values`` of single cells, by field ("u") or velocity of a field ("du")."""
 
     sites: tuple[int, ...]
     values: Mapping[str, tuple[float, ...]]
@@ -136,7 +138,7 @@ class Cells:
 
 @dataclass(frozen=True)
 class Push:
-    """A force on a cell, of a kind in `ACTING`."""
+    """Force on one cell; ``kind`` is a key of `FORCE_TABLES`."""
 
     site: int
     value: Drive
@@ -146,7 +148,7 @@ class Push:
 
 @dataclass(frozen=True)
 class Noise:
-    """A bath of that temperature beside the losses of cells, with noise drawn from a seed."""
+    """Heat bath on cells with losses: temperature (an energy) and the seed of its noise."""
 
     temperature: float
     seed: int = 0
@@ -163,18 +165,18 @@ def _rest(name: str, given: object) -> tuple[()]:
 
 
 def _parts(label: str, given: object, record: type) -> list[Any]:
-    """One of what cells do at the start, or several."""
+    """Return the records of one table, or of a list of tables."""
     name = label.split()[0]
-    return [record(**_read(name, part, f" of {name}")) for part in _each(given)]
+    return [record(**_read(name, part, f" of {name}")) for part in _as_list(given)]
 
 
-def _each(given: object) -> Sequence[Any]:
+def _as_list(given: object) -> Sequence[Any]:
     return given if isinstance(given, list | tuple) else [given]
 
 
 def _start(given: object) -> Iterator[Impact | Mode | Cells]:
-    """What the cells do at the start."""
-    for entry in _each(given) or [None]:
+    """Yield the parts whose sum is the initial state."""
+    for entry in _as_list(given) or [None]:
         if not entry and not isinstance(entry, str):
             raise ValueError(
                 "start must be stated, got nothing (such as rest = true below a line [start])"
@@ -187,7 +189,7 @@ def _start(given: object) -> Iterator[Impact | Mode | Cells]:
 
 
 def _cells(given: Mapping[str, Any]) -> Cells:
-    """What lists by cell say."""
+    """Return the initial values of single cells from columns, one of which is ``site``."""
     columns = {str(name): number_list(f"{name} in [start]", given[name]) for name in given}
     numbers = columns.pop("site")
     sites = tuple(
@@ -195,8 +197,8 @@ def _cells(given: Mapping[str, Any]) -> Cells:
     )
     if len({*sites}) < len(sites) or any(len(column) != len(sites) for column in columns.values()):
         raise ValueError(
-            f"lists in [start] must have each cell once and a number of each, got {len(sites)} "
-            f"rows with {len({*sites})} cells (leave out what is there twice)"
+            f"columns in [start] must be equally long and have each cell once, got {len(sites)} "
+            f"rows with {len({*sites})} cells (leave one of two equal cells out)"
         )
     return Cells(sites, {name: tuple(column.tolist()) for name, column in columns.items()})
 
@@ -205,83 +207,85 @@ def _pushes(kind: str, given: object) -> Iterator[Push]:
     if not isinstance(given, list | tuple):
         raise ValueError(f"{kind} must be [[{kind}]] tables, got {shown(given)} (write [[{kind}]])")
     for entry in given:
-        found = _read(kind, entry, f" in [[{kind}]]")
-        times, value = found.pop("t"), found.pop("value")
+        fields = _read(kind, entry, f" in [[{kind}]]")
+        times, value = fields.pop("t"), fields.pop("value")
         drive = value if times is None else {"t": times, "value": value}
-        yield Push(value=_drive(f"value in [[{kind}]]", drive), kind=kind, **found)
+        yield Push(value=_drive(f"value in [[{kind}]]", drive), kind=kind, **fields)
 
 
 FROM_2 = partial(check.whole, least=2, most=1e7)
 MODES = partial(_numbers, of="numbers of modes", least=1)
 CELLS = partial(_numbers, of="numbers of cells")
-WATCHED_CELLS = partial(_numbers, of="cells", few=1)
-QUANTITIES = partial(check.names, known=SENSED)
+SENSOR_CELLS = partial(_numbers, of="cells", few=1)
+QUANTITIES = partial(check.names, known=SENSOR_QUANTITIES)
 AT_END = '`"fixed"`, `"free"`, or one of `displacement`, `velocity`, `force` as a formula in t'
-FIELD = Entry(lambda _, given: str(given), "of a cell with several, the first unless stated", "")
-EVERY = Entry(check.positive, "so many time units between readings", math.inf, "every")
+FIELD = Entry(lambda _, given: str(given), "field of the cell, the first unless stated", "")
+EVERY = Entry(check.positive, "time units between readings", math.inf, "every")
 ON_CELLS = {
     "site": Entry(FROM_0, "the cell"),
     "value": Entry(lambda _, given: given, "a formula in t, or a list at the times `t`"),
     "field": FIELD,
-    "t": Entry(lambda _, given: given, "times of measured values", None),
+    "t": Entry(lambda _, given: given, "times of the values in a list", None),
 }
 
 KEYS: dict[str, Mapping[str, Entry]] = {
     "chain": {
-        "sites": Entry(FROM_2, "how many cells", remedy="such as sites = 24"),
+        "sites": Entry(FROM_2, "number of cells", remedy="such as sites = 24"),
         "left": Entry(_end, AT_END, "fixed"),
         "right": Entry(_end, AT_END, "fixed"),
     },
     "start": {
         "rest": Entry(_rest, "`true`", ()),
-        "mode": Entry(partial(_parts, record=Mode), "a mode of a chain between fixed walls", ()),
-        "impact": Entry(
-            partial(_parts, record=Impact), "a velocity of a cell, or a list of such", ()
+        "mode": Entry(
+            partial(_parts, record=Mode), "a mode of a chain between fixed walls, or a list", ()
         ),
+        "impact": Entry(partial(_parts, record=Impact), "a velocity of a cell, or a list", ()),
     },
     "mode": {
-        "number": Entry(check.whole, "from 1", 1),
-        "amplitude": Entry(check.finite, "the factor of its sine", None, "amplitude"),
+        "number": Entry(check.whole, "number of the mode, from 1", 1),
+        "amplitude": Entry(check.finite, "factor of its sine", None, "amplitude"),
     },
     "impact": {
         "site": Entry(FROM_0, "the cell", 0),
-        "velocity": Entry(check.finite, "of this cell", None),
+        "velocity": Entry(check.finite, "velocity of this cell", None),
         "field": FIELD,
     },
-    **dict.fromkeys(ACTING, ON_CELLS),
+    **dict.fromkeys(FORCE_TABLES, ON_CELLS),
     "defects": {
         "mass": Entry(_factors, "factors of masses, or tables by field", {}, field="masses"),
         "spring": Entry(_factors, "factors of bonds' forces, or lists", {}, field="springs"),
     },
     "noise": {
-        "temperature": Entry(check.positive, "of a bath, in units of energy", None),
-        "seed": Entry(FROM_0, "of its noise", 0),
+        "temperature": Entry(check.positive, "temperature of the bath, in units of energy", None),
+        "seed": Entry(FROM_0, "seed of its noise", 0),
     },
     "observables": {
-        "sensors": Entry(lambda _, given: given, "a table of cells and of what is read", {}),
+        "sensors": Entry(lambda _, given: given, "a table of cells and quantities", {}),
         "energy": Entry(_truth, "`true`: the energy, work and heat", False),
-        "mode_energies": Entry(MODES, "of these modes", (), "mode_energies", "modes"),
+        "mode_energies": Entry(MODES, "numbers of modes", (), "mode_energies", "modes"),
         "flux": Entry(
             CELLS, "the power through the bonds from these cells to the next", (), "flux"
         ),
-        "state": Entry(_truth, "`true`: all cells, as where nothing else is watched", False),
+        "state": Entry(_truth, "`true`: all cells; the default if nothing else is observed", False),
         "every": EVERY,
     },
     "sensors": {
-        "sites": Entry(WATCHED_CELLS, "the cells", None, field="sensors"),
-        "of": Entry(QUANTITIES, "what is read there", SENSED[:1], "of in sensors", "sensed"),
+        "sites": Entry(SENSOR_CELLS, "the cells", None, field="sensors"),
+        "of": Entry(
+            QUANTITIES, "quantities read there", SENSOR_QUANTITIES[:1], "of in sensors", "sensed"
+        ),
         "every": EVERY,
     },
 }
-"""What may stand in each table."""
+"""Keys of each table."""
 
 
 @dataclass(frozen=True)
 class Bench:
-    """What the tables say, checked as far as it can be without the lattice.
+    """Contents of a bench's tables, checked as far as possible without the lattice.
 
-    >>> made = Bench.of_tables({"chain": {"sites": 8}, "start": {"rest": True}})
-    >>> made.sites, made.ends
+    >>> bench = Bench.of_tables({"chain": {"sites": 8}, "start": {"rest": True}})
+    >>> bench.sites, bench.ends
     (8, ('fixed', 'fixed'))
     >>> Bench.of_tables({"chain": {"sites": 8, "ends": "free"}})
     Traceback (most recent call last):
@@ -312,13 +316,15 @@ class Bench:
         if not (
             (self.sensors and self.sensed) or self.energy or self.modes or self.flux or self.state
         ):
-            raise ValueError("observables must name what is watched, got nothing (state = true)")
-        named = [(f"of [[{push.kind}]]", [push.site]) for push in self.forces]
+            raise ValueError(
+                "observables must name at least one quantity, got nothing (state = true)"
+            )
+        mentioned = [(f"of [[{push.kind}]]", [push.site]) for push in self.forces]
         for part in self.start:
-            named += [("of impact", [part.site])] if isinstance(part, Impact) else []
-            named += [("in [start]", [*part.sites])] if isinstance(part, Cells) else []
-        named += [("of sensors", [*self.sensors]), ("of flux", [*self.flux])]
-        for where, sites in named:
+            mentioned += [("of impact", [part.site])] if isinstance(part, Impact) else []
+            mentioned += [("in [start]", [*part.sites])] if isinstance(part, Cells) else []
+        mentioned += [("of sensors", [*self.sensors]), ("of flux", [*self.flux])]
+        for where, sites in mentioned:
             if max(sites, default=0) >= self.sites:
                 raise ValueError(
                     f"site {where} must be 0 to {self.sites - 1}, got {max(sites)} (there are "
@@ -332,20 +338,22 @@ class Bench:
 
     @classmethod
     def of_tables(cls, tables: Mapping[str, Any]) -> Bench:
-        """The bench that a scene's tables describe; ValueError in one line."""
+        """Return the bench that a scene's tables describe; ValueError in one line."""
         stated = StatedTables(tables, "tables of a bench")
-        given = stated.tables  # without arrays
+        given = stated.tables  # as lists, without NumPy arrays
         chain = _read("chain", given.get("chain", {}))
-        asked = table(given, "observables")
-        at = table(asked, "sensors")
-        if "every" in asked and "every" in at:
+        requested = table(given, "observables")
+        sensor_table = table(requested, "sensors")
+        if "every" in requested and "every" in sensor_table:
             raise ValueError("every must be in [observables] or in sensors, got both (leave one)")
-        is_bare = not asked.keys() - {"every"}
-        watched = _read("observables", {"state": True, **asked} if is_bare else asked)
-        sensors = _read("sensors", at, " of sensors") if watched.pop("sensors") else {}
-        every = min(watched.pop("every"), sensors.pop("every", math.inf))
+        if not requested.keys() - {"every"}:
+            requested = {"state": True, **requested}
+        observables = _read("observables", requested)
+        has_sensors = bool(observables.pop("sensors"))
+        sensors = _read("sensors", sensor_table, " of sensors") if has_sensors else {}
+        every = min(observables.pop("every"), sensors.pop("every", math.inf))
         ends = {0: chain["left"], chain["sites"] - 1: chain["right"]}
-        pushes = [push for kind in ACTING for push in _pushes(kind, given.get(kind, []))]
+        pushes = [push for kind in FORCE_TABLES for push in _pushes(kind, given.get(kind, []))]
         for site, end in ends.items():
             if isinstance(end, Mapping) and "force" in end:
                 ends[site] = "free"
@@ -359,7 +367,7 @@ class Bench:
             noise=Noise(**_read("noise", given["noise"])) if "noise" in given else None,
             stated=stated,
             **_read("defects", given.get("defects", {})),
-            **watched,
+            **observables,
             **sensors,
         )
 
@@ -367,19 +375,19 @@ class Bench:
 def check_bath(bench: Bench, losses: Losses | None) -> None:
     """Raise ValueError for a bath without losses of cells, or with losses of bonds."""
     stated = losses.table if losses else {}
-    for kind, wanted in (("site", True), ("bond", False)) if bench.noise else ():
+    for kind, is_needed in (("site", True), ("bond", False)) if bench.noise else ():
         rates = stated.get(kind)
-        if bool(any(rates.values()) if isinstance(rates, Mapping) else rates) is not wanted:
+        if bool(any(rates.values()) if isinstance(rates, Mapping) else rates) is not is_needed:
             raise ValueError(
-                f"{kind} in [losses] must be {'given' if wanted else 'left out'} with [noise], got "
-                f"{shown(rates)} (the bath is at the cells that lose energy to it)"
+                f"{kind} in [losses] must be {'given' if is_needed else 'left out'} with [noise], "
+                f"got {shown(rates)} (the bath is at the cells that lose energy to it)"
             )
 
 
 def bench_of(given: Mapping[str, Any]) -> Bench | None:
     """Return the bench among a scene's keywords, None if there is none; ValueError in one line.
 
-    ``bench`` is a record or the JSON of its tables; tables given beside it take their places.
+    ``bench`` is a record or the JSON of its tables; other keywords with its tables replace them.
     """
     bench = given.get("bench")
     stated = dict(bench.stated.tables if isinstance(bench, Bench) else json.loads(bench or "{}"))

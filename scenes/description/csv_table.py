@@ -1,6 +1,6 @@
-"""Tables of numbers: as lists, or as text of which line 1 names the columns.
+"""Tables of numbers: as lists, or as CSV text whose first line names the columns.
 
-Commas, semicolons or tabs part them.
+Columns are separated by commas, semicolons or tabs.
 """
 
 from __future__ import annotations
@@ -19,86 +19,86 @@ from longwave.support.user_files import read_text, shown, shown_path
 Numbers = NDArray[np.float64]
 
 LARGEST = 1e50
-"""Of numbers: larger ones would leave the range of doubles on the way."""
+"""Largest number accepted; computations with larger ones may overflow."""
 
 LARGEST_FILE = 1_000_000
-"""Bytes of a table that a scene holds."""
+"""Maximum size in bytes of a table that a scene stores."""
 
 
 def with_columns(given: Any, folder: Path) -> Any:
-    """Tables in which ``file = "drive.csv"``, looked for in ``folder``, stands for its columns.
+    """Return tables in which ``file = "drive.csv"`` is replaced by the columns of that file.
 
-    Raises ValueError in one line for what is no such file.
+    The file is looked up in ``folder``. Raises ValueError in one line if it cannot be read.
     """
     if isinstance(given, list | tuple):
         return [with_columns(entry, folder) for entry in given]
     if not isinstance(given, Mapping):
         return given
-    found = {key: with_columns(value, folder) for key, value in given.items() if key != "file"}
+    columns = {key: with_columns(value, folder) for key, value in given.items() if key != "file"}
     if "file" not in given:
-        return found
+        return columns
     file = given["file"]
     if not isinstance(file, str):
         raise ValueError(f"file must be a name, got {shown(file)} (such as 'drive.csv')")
     try:
-        return found | table_columns(read_text(folder / file, "file", LARGEST_FILE))
+        return columns | table_columns(read_text(folder / file, "file", LARGEST_FILE))
     except (OSError, ValueError) as error:
         raise ValueError(f"{shown_path(file)}: {getattr(error, 'strerror', error)}") from None
 
 
-def _mark(header: str) -> str:
-    """Return what parts the columns of a table with this first line."""
-    return next((sign for sign in ";\t" if sign in header), ",")
+def _separator(header: str) -> str:
+    """Return the separator of columns in a table with this first line."""
+    return next((character for character in ";\t" if character in header), ",")
 
 
 def column_names(header: str) -> list[str]:
     """Return the names of columns in the first line of a table."""
-    return [part.strip().strip('"') for part in header.split(_mark(header))]
+    return [part.strip().strip('"') for part in header.split(_separator(header))]
 
 
 def table_columns(text: str) -> dict[str, list[float]]:
-    r"""The columns by name; ValueError, with the line, for what is no such table.
+    r"""Return the columns by name; ValueError, with the line, for text that is no such table.
 
     >>> table_columns("t;value\n0;1\n1;3")
     {'t': [0.0, 1.0], 'value': [1.0, 3.0]}
     """
     lines = text.rstrip().splitlines()
     header = lines[0] if lines else ""
-    mark, names = _mark(header), column_names(header)
+    separator, names = _separator(header), column_names(header)
     if len({*names}) < len(names):
-        raise ValueError(f"line 1 must name each column once, got {shown(header)} (name it anew)")
-    rows = [_numbers(line, mark, names, place) for place, line in enumerate(lines[1:], 2)]
-    return {name: [row[place] for row in rows] for place, name in enumerate(names)}
+        raise ValueError(f"line 1 must name each column once, got {shown(header)} (rename one)")
+    rows = [_numbers(line, separator, names, i) for i, line in enumerate(lines[1:], 2)]
+    return {name: [row[i] for row in rows] for i, name in enumerate(names)}
 
 
-def _numbers(line: str, mark: str, names: Sequence[str], place: int) -> list[float]:
-    parts = [part.strip() for part in line.split(mark)]
+def _numbers(line: str, separator: str, names: Sequence[str], row: int) -> list[float]:
+    parts = [part.strip() for part in line.split(separator)]
     if len(parts) != len(names):
         raise ValueError(
-            f"line {place} must hold {len(names)} numbers, {' '.join(names)}, got {shown(line)} "
-            "(mend the line or leave it out)"
+            f"line {row} must hold {len(names)} numbers, {' '.join(names)}, got "
+            f"{shown(line)} (correct the line or leave it out)"
         )
     try:
-        found = [float(part) for part in parts]
+        numbers = [float(part) for part in parts]
     except ValueError:
-        found = [math.nan]
-    if not all(abs(number) <= LARGEST for number in found):
+        numbers = [math.nan]
+    if not all(abs(number) <= LARGEST for number in numbers):
         raise ValueError(
-            f"line {place} must hold finite numbers, got {shown(line)} (with a point, as 0.5; mend "
-            "the line or leave it out)"
+            f"line {row} must hold finite numbers, got {shown(line)} (with a point, as 0.5; "
+            "correct the line or leave it out)"
         )
-    return found
+    return numbers
 
 
 def number_list(label: str, given: ArrayLike) -> Numbers:
-    """A list of finite numbers; ValueError in one line for what is none."""
-    found = real_array(f"every {label}", given, allows_nan=True)
-    if found.ndim != 1:
+    """Return a list of finite numbers as an array; ValueError in one line for anything else."""
+    numbers = real_array(f"every {label}", given, allows_nan=True)
+    if numbers.ndim != 1:
         raise ValueError(
             f"{label} must be a list of numbers, got {shown(given)} (such as [0, 0.1])"
         )
-    for row in np.flatnonzero(~(abs(found) <= LARGEST)):
+    for row in np.flatnonzero(~(abs(numbers) <= LARGEST)):
         raise ValueError(
-            f"{label} must be finite, got {found[row]:g} in row {row + 1} (leave the row out)"
+            f"{label} must be finite, got {numbers[row]:g} in row {row + 1} (leave the row out)"
         )
-    return found
+    return numbers

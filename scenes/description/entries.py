@@ -1,7 +1,7 @@
-"""Entries that a scene may name, and its run: both lie above a description.
+"""Hooks for the entries that a scene may name and for the function that runs a scene.
 
-`longwave.scenes` sets them when it is imported, before any of its modules. The entries are listed
-in `scenes/tables.py`.
+Descriptions must not import starts and engines. Therefore `longwave.scenes` sets the hooks when it
+is imported, before any of its modules. The entries are listed in `scenes/tables.py`.
 """
 
 from __future__ import annotations
@@ -14,13 +14,13 @@ if TYPE_CHECKING:
 
 
 class Entry:
-    """A start, a domain or an engine that a scene may name."""
+    """Start, domain or engine that a scene may name."""
 
 
 E = TypeVar("E", bound=Entry)
 
 table: Callable[[type[E]], Mapping[str, E]]
-"""Return the entries of one kind by their names."""
+"""Function that returns the entries of one kind by name."""
 
 run: Callable[..., xr.Dataset]
-"""Run a scene; takes it and the callbacks of `Scene.run`."""
+"""Function that runs a scene; it takes the scene and the callbacks of `Scene.run`."""

@@ -1,8 +1,9 @@
-"""Losses of a scene's lattice, as the table [losses] says them, of waves and of chains on a bench.
+"""Losses of a scene's lattice from the table [losses], for waves and for chains on a bench.
 
-``site`` is the factor g of the force ``-g du/dt`` on each cell, or a table of such by field;
-``bond`` that of a dashpot beside each spring, or a list with one for each. They are numbers, or
-formulas in the constants, new ones among them, and, under a wave, in eps: ``"eps**3*gamma"``.
+``site`` is the factor g of the force ``-g du/dt`` on each cell, or a table of factors by field.
+``bond`` is the factor of a dashpot parallel to each spring, or a list with one for each spring.
+Factors are numbers or formulas in the constants, which may introduce new constants. Under a wave
+they may contain eps: ``"eps**3*gamma"``.
 """
 
 from __future__ import annotations
@@ -23,15 +24,15 @@ if TYPE_CHECKING:
     from longwave.lattice.numeric_lattice import NumericLattice
 
 KINDS = {"site": 3, "bond": 1}
-"""Keys of the table, and powers of eps with which numbers under a long wave are weighed."""
+"""Keys of the table, and the power of eps by which numbers under a long wave are scaled."""
 
 
 @dataclass(frozen=True)
 class Losses:
-    """Losses of a scene's lattice as its table states them.
+    """Losses of a scene's lattice as stated in its table.
 
-    ``site`` is one rate or pairs of fields and rates, ``bond`` one rate or one for each spring;
-    None where there are none. Raises ValueError in one line for a negative number.
+    ``site`` is one rate, or pairs of field and rate; ``bond`` is one rate, or one for each spring.
+    None means no loss. Raises ValueError in one line for a negative number.
 
     >>> Losses.of({"site": "eps**3*gamma", "bond": 0.5})
     Losses(site='eps**3*gamma', bond=0.5)
@@ -42,42 +43,42 @@ class Losses:
 
     @classmethod
     def of(cls, given: object) -> Losses | None:
-        """Return the losses of a table, its JSON or a record; None if it states none."""
+        """Return the losses of a table, its JSON or a record; None if the table is empty."""
         if isinstance(given, Losses):
             return given
         if isinstance(given, str | None):
             given = json.loads(given or "{}")
         stated = check.as_table("losses", given)
         check.refuse_unknown(stated, KINDS, " in [losses]")
-        return cls.of_rates(stated, _checked) if stated else None
+        return cls.of_rates(stated, _check_rate) if stated else None
 
     @classmethod
     def of_rates(cls, table: Mapping[str, Any], change: Callable[[str, Any], Value]) -> Losses:
-        """Return the losses of a table with each rate changed, given its key and value."""
-        found: dict[str, Any] = {}
+        """Return the losses of a table with each rate replaced by ``change(key, rate)``."""
+        losses: dict[str, Any] = {}
         for key, given in table.items():
             if isinstance(given, Mapping) and key == "site":
-                found[key] = tuple((str(name), change(key, rate)) for name, rate in given.items())
+                losses[key] = tuple((str(name), change(key, rate)) for name, rate in given.items())
             elif isinstance(given, list | tuple) and key == "bond":
-                found[key] = tuple(change(key, rate) for rate in given)
+                losses[key] = tuple(change(key, rate) for rate in given)
             else:
-                found[key] = change(key, given)
-        return cls(**found)
+                losses[key] = change(key, given)
+        return cls(**losses)
 
     @property
     def table(self) -> dict[str, Any]:
-        """The table, with fields' rates as a table of its own."""
+        """Table [losses], in which rates by field are a table as well."""
         site = dict(self.site) if isinstance(self.site, tuple) else self.site
         bond = [*self.bond] if isinstance(self.bond, tuple) else self.bond
-        return {key: held for key, held in (("site", site), ("bond", bond)) if held is not None}
+        return {key: rate for key, rate in (("site", site), ("bond", bond)) if rate is not None}
 
     def __str__(self) -> str:
         return json.dumps(self.table)
 
-    def weighed(self, eps: float) -> Losses:
-        """Return the losses as formulas in eps whose values at that eps are those stated.
+    def as_eps_formulas(self, eps: float) -> Losses:
+        """Return the losses as formulas in eps that have the stated values at ``eps``.
 
-        Numbers of cells become eps**3 and those of bonds eps times a number.
+        A number for cells becomes a multiple of eps**3, one for bonds a multiple of eps.
 
         >>> Losses(bond=0.5).weighed(0.1)
         Losses(site=None, bond='eps**1*(0.5/0.1**1)')
@@ -91,15 +92,15 @@ class Losses:
         return self.of_rates(self.table, formula)
 
 
-def _checked(key: str, given: object) -> Value:
-    found = check.value(f"{key} in [losses]", given)
-    if not isinstance(found, str) and found < 0:
-        raise ValueError(f"{key} in [losses] must be 0 or more, got {found:g} (a loss)")
-    return found
+def _check_rate(key: str, given: object) -> Value:
+    rate = check.value(f"{key} in [losses]", given)
+    if not isinstance(rate, str) and rate < 0:
+        raise ValueError(f"{key} in [losses] must be 0 or more, got {rate:g} (a loss)")
+    return rate
 
 
 def lossy(lattice: Lattice, losses: Losses | None) -> Lattice:
-    """Return the lattice with the losses; ValueError in one line for those it cannot have."""
+    """Return the lattice with the losses; ValueError in one line if they do not fit it."""
     if losses is None:
         return lattice
     table = losses.table
@@ -115,45 +116,45 @@ def lossy(lattice: Lattice, losses: Losses | None) -> Lattice:
 
 
 class LossRates(NamedTuple):
-    """Losses with numbers in, of each field and each bond."""
+    """Loss rates of each field and each bond, as numbers."""
 
     sites: list[float]
     bonds: list[float]
 
     def on(self, lattice: NumericLattice, cells: int) -> DrivenChain:
-        """The lattice with the losses, on a ring of so many cells."""
+        """Return the lattice with these losses on a ring of ``cells`` cells."""
         from longwave.lattice.driving import driven_chain
 
         return driven_chain(lattice, cells, losses=self.sites, dashpots=self.bonds)
 
 
 def loss_rates(lattice: Lattice, values: Mapping[str, Expr]) -> LossRates | None:
-    """The losses of a lattice at these values of its constants, and of eps; None without any."""
+    """Return a lattice's losses at these values of its constants and eps; None without losses."""
     from longwave.derive.symbols import eps
 
     if not lattice.has_losses:
         return None
-    at = {s: values[str(s)] for s in (*lattice.constants, eps) if str(s) in values}
-    found = []
+    substitutions = {s: values[str(s)] for s in (*lattice.constants, eps) if str(s) in values}
+    rows = []
     for losses in (lattice.site_losses, [bond.loss for bond in lattice.bonds]):
-        rates = [loss.xreplace(at) for loss in losses]
+        rates = [loss.xreplace(substitutions) for loss in losses]
         for rate in rates:
             if not rate.is_number:
                 raise ValueError(
-                    f"losses must be numbers here, got {rate} (a constant is stated in "
-                    "[constants]; eps is that of a wave)"
+                    f"losses must be numbers here, got {rate} (state its constants in "
+                    "[constants]; only a wave has an eps)"
                 )
-        found.append([float(rate) for rate in rates])
-    return LossRates(*found)
+        rows.append([float(rate) for rate in rates])
+    return LossRates(*rows)
 
 
 def without_losses(
     lattice: Lattice, values: Mapping[str, Expr]
 ) -> tuple[NumericLattice, LossRates | None]:
-    """The lattice with numbers, and the losses that it has, with numbers too."""
+    """Return the numeric lattice without its losses, and the losses as numbers."""
     from longwave.lattice.numeric_lattice import numeric_lattice
 
     bare = lattice.with_losses() if lattice.has_losses else lattice
-    lost = {*map(str, lattice.constants)} - {*map(str, bare.constants)}
-    known = {name: value for name, value in values.items() if name not in lost}
+    loss_constants = {*map(str, lattice.constants)} - {*map(str, bare.constants)}
+    known = {name: value for name, value in values.items() if name not in loss_constants}
     return numeric_lattice(bare, known), loss_rates(lattice, values)

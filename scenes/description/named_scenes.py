@@ -1,4 +1,4 @@
-"""Scenes that come with the package, and scenes found by their name or in a file."""
+"""Shipped scenes, and loading of scenes by name or from a file."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def shipped_scenes(folder: str = "paper") -> tuple[str, ...]:
-    """Names of the scenes that come with the package, sorted: of the paper, or of a `FOLDERS`.
+    """Return the sorted names of the shipped scenes of one folder, a key of `FOLDERS`.
 
     >>> "rational_2_eps_0.05" in shipped_scenes(), "toda_soliton" in shipped_scenes("lattices")
     (True, True)
@@ -27,97 +27,97 @@ def shipped_scenes(folder: str = "paper") -> tuple[str, ...]:
         raise ValueError(
             f"folder must be a known one, got {shown(folder)} ({one_of(folder, FOLDERS)})"
         )
-    return _names(folder)
+    return _shipped_names(folder)
 
 
 def load_scene(text: str | Path, tolerance: float | None = None) -> Scene:
-    """The scene in a TOML file, or the shipped one of that name.
+    """Return the scene of a TOML file, or the shipped scene of that name.
 
-    ``-`` is the standard input, a file of a lattice being looked for in the working folder. A
-    ``tolerance`` is taken in the place of the scene's own, or of its step.
+    ``-`` reads the standard input; a lattice's file is then looked up in the working folder. A
+    ``tolerance`` replaces the scene's own tolerance or step.
 
-    Raises ValueError for a file that cannot be read and a name that is none.
+    Raises ValueError for a file that cannot be read or an unknown name.
     """
     if tolerance is not None:
-        return _named(text, {"tolerance": tolerance}).with_tolerance(tolerance)
-    return _named(text, {})
+        return _load(text, {"tolerance": tolerance}).with_tolerance(tolerance)
+    return _load(text, {})
 
 
 def names_a_file(name: str, folder: Path = Path()) -> bool:
-    """Whether a scene of that name is in a file, in the ``folder`` or the standard input."""
+    """Return whether the name is that of a scene file in ``folder``, or the standard input."""
     return name == STANDARD_INPUT or name.endswith(".toml") or (folder / name).is_file()
 
 
-def _named(text: str | Path, usual: Mapping[str, Any]) -> Scene:
-    """The scene, of a file that states no step with what is ``usual``."""
+def _load(text: str | Path, defaults: Mapping[str, Any]) -> Scene:
+    """Return a scene; ``defaults`` are keys for a file that states no scheme."""
     name = str(text)
     if names_a_file(name):
         document = read_document(name)
-        return _of_document({**({} if "scheme" in document else usual), **document}, Path(name))
+        return _of_document({**({} if "scheme" in document else defaults), **document}, Path(name))
     family = rational_family_scenes()
     if name in family:
         return family[name]
     for folder in FOLDERS:
-        if name in _names(folder):
+        if name in _shipped_names(folder):
             with as_file(files(FOLDERS[folder]) / f"{name}.toml") as path:
                 return Scene.from_toml(path)
-    known = one_of(name, (one for folder in FOLDERS for one in _names(folder)))
+    known = one_of(name, (one for folder in FOLDERS for one in _shipped_names(folder)))
     raise ValueError(f"scene must be a TOML file or a shipped scene, got {shown(text)} ({known})")
 
 
 def scene_of_toml(text: str) -> Scene:
-    """The scene that ``toml`` wrote; ValueError in one line for what is none."""
+    """Return the scene that `Scene.toml` wrote; ValueError in one line for other text."""
     return _of_document(parse_toml(text.encode(), "a text", "scene"), Path("scene"))
 
 
 def scene_of(run: xr.Dataset) -> Scene:
-    """The scene that a run carries, with step and domain where those were chosen.
+    """Return the scene stored in a run; step and domain are stated if the program chose them.
 
-    Raises KeyError for a data set without one, ValueError for what is no scene.
+    Raises KeyError for a data set without a scene, ValueError for an invalid one.
     """
     return scene_of_toml(run.attrs["plan" if "plan" in run.attrs else "scene"])
 
 
 def _of_document(document: Mapping[str, Any], path: Path) -> Scene:
-    swept = {"grid", "list", "random"} & document.keys()
-    if "scene" in document and swept:
+    sweep_tables = {"grid", "list", "random"} & document.keys()
+    if "scene" in document and sweep_tables:
         raise ValueError(
-            f"{path}: a scene must be one, got a sweep, which has [{min(swept)}] (run it with "
-            "`longwave sweep`)"
+            f"{path}: a scene must be one, got a sweep, which has [{min(sweep_tables)}] (run it "
+            "with `longwave sweep`)"
         )
     return Scene.of_document(document, path)
 
 
 KINDS = ("paper", "further", "lattices", "bench")
-"""Scenes of the paper, beyond it, on other lattices, of chains on a bench."""
+"""Folders of shipped scenes: of the paper, beyond it, on other lattices, on a bench."""
 
 FOLDERS = {name: f"longwave.scenes.shipped.{name}" for name in KINDS}
-"""The packages that hold the files."""
+"""Package of the files of each folder."""
 
 
 @cache
-def _names(folder: str) -> tuple[str, ...]:
-    found = (entry.name for entry in files(FOLDERS[folder]).iterdir())
-    return tuple(sorted(name.removesuffix(".toml") for name in found if name.endswith(".toml")))
+def _shipped_names(folder: str) -> tuple[str, ...]:
+    entries = (entry.name for entry in files(FOLDERS[folder]).iterdir())
+    return tuple(sorted(name.removesuffix(".toml") for name in entries if name.endswith(".toml")))
 
 
 ORDERS = (2, 3, 4, 5)
 EPS = (0.1, 0.05, 0.025, 0.0125, 0.00625)
 
 SLOW_START = -1.25
-"""T = eps^3 t at the beginning: t = -10000 at eps = 0.05, as in the paper's scene."""
+"""Slow time T = eps^3 t of the start: t = -10000 at eps = 0.05, as in the paper's scene."""
 
 SLOW_SNAPSHOTS = (-0.625, 0.0, 0.625)
 """Slow times of the snapshots: those of the paper's scene."""
 
 HALF_WIDTH = 75.0
-"""Half-width of the compared region in X, 1500 sites at eps = 0.05."""
+"""Half-width of the compared region in X: 1500 sites at eps = 0.05."""
 
 
 def rational_family_scenes(
     orders: Sequence[int] = ORDERS, eps: Sequence[float] = EPS, tolerance: float = 1e-4
 ) -> dict[str, Scene]:
-    """The scenes Y_j at each eps by name, same slow times and same range of X.
+    """Return the scenes of Y_j at each eps by name, with equal slow times and ranges of X.
 
     >>> scene = rational_family_scenes()["Y5_eps_0.025"]
     >>> scene.wave, scene.t0, scene.compared
@@ -144,5 +144,5 @@ def _member(order: int, eps: float, tolerance: float) -> Scene:
 
 
 def _time(T: float, eps: float) -> float:
-    """The lattice time of a slow time, rounded to whole units."""
+    """Return the lattice time of a slow time, rounded to a whole number."""
     return float(round(T / eps**3))

@@ -1,4 +1,4 @@
-"""How a scene is computed: with a stated discretisation, or to a tolerance."""
+"""Numerics of a scene: a stated discretisation, or a tolerance."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,16 +9,16 @@ from longwave.scenes.description import entries
 from longwave.scenes.description import scene_checks as check
 
 NUMERICS = ("step", "domain", "sites", "scheme", "tolerance", "engine")
-"""The keywords of both records."""
+"""Keywords of `Discretisation` and `Tolerance`."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class DomainRules(entries.Entry):
     """Rules for scenes that state a domain.
 
-    One that ``moves`` with its wave drops cells, so it takes long waves on a lattice that is the
-    same in all cells and loses nothing. That its ``ends_meet`` is stated for the paper's waves
-    alone: those of others always do.
+    A domain that ``moves`` with its wave drops cells. It takes only long waves on a lattice that is
+    equal in all cells and has no losses. ``ends_meet`` marks a ring whose ends are made to meet;
+    only scenes of the paper's waves name it, since the rings of other waves always meet.
     """
 
     moves: bool = False
@@ -29,7 +29,7 @@ class DomainRules(entries.Entry):
 class EngineRules(entries.Entry):
     """Rules for scenes that name an engine.
 
-    One that does not step cells takes no scheme, no stated step and no disorder or losses.
+    An engine that does not step cells takes no scheme, no stated step, no disorder and no losses.
     """
 
     steps_cells: bool = True
@@ -37,11 +37,11 @@ class EngineRules(entries.Entry):
 
 @dataclass(frozen=True)
 class Discretisation:
-    """A scene computed site by site, with everything stated.
+    """Stated discretisation of a scene that is computed site by site.
 
-    ``step`` is the largest time step. ``domain`` is a ``window`` that moves with the wave, for
-    constant backgrounds, a fixed ``ring``, or a ``closed_ring``, whose ends pass smoothly into each
-    other; it has so many ``sites``. Raises ValueError in one line.
+    ``step`` is the largest time step. ``domain`` is a ``window`` that moves with a wave on a
+    constant background, a fixed ``ring``, or a ``closed_ring``, whose ends are blended smoothly.
+    ``sites`` is its number of cells. Raises ValueError in one line.
     """
 
     step: float
@@ -60,12 +60,12 @@ class Discretisation:
 
     @property
     def rules(self) -> DomainRules:
-        """The entry of its domain."""
+        """Entry of the domain."""
         return entries.table(DomainRules)[self.domain]
 
     @property
     def table(self) -> Scheme:
-        """The scheme itself."""
+        """Table of the scheme."""
         return scheme_named(self.scheme)
 
     def __str__(self) -> str:
@@ -75,10 +75,11 @@ class Discretisation:
 
 @dataclass(frozen=True)
 class Tolerance:
-    """A scene computed to ``tolerance``, the program choosing scheme, step and domain.
+    """Tolerance of a scene for which the program chooses scheme, step and domain.
 
-    It is the sup error of y/eps over the compared sites, against the infinite lattice started from
-    the same data. ``engine`` and ``scheme`` may be named. Raises ValueError in one line.
+    ``tolerance`` bounds the sup error of y/eps over the compared sites, relative to the infinite
+    lattice started from the same data. ``engine`` and ``scheme`` are optional names. Raises
+    ValueError in one line.
     """
 
     tolerance: float
@@ -101,30 +102,30 @@ class Tolerance:
 
     @property
     def steps_cells(self) -> bool:
-        """Whether the engine steps cells, as the usual one does."""
+        """Whether the engine steps cells; True if none is named."""
         return not self.engine or entries.table(EngineRules)[self.engine].steps_cells
 
     def __str__(self) -> str:
-        named = ", ".join(text for text in (self.engine, self.scheme) if text)
-        return f"to {self.tolerance:g}" + (f" by {named}" if named else "")
+        names = ", ".join(text for text in (self.engine, self.scheme) if text)
+        return f"to {self.tolerance:g}" + (f" by {names}" if names else "")
 
 
 def numerics_of(given: Mapping[str, Any]) -> Discretisation | Tolerance:
-    """The record among keywords; older files leave what does not apply empty."""
-    found = {key: given[key] for key in NUMERICS if key in given and given[key] not in (None, "")}
-    engine, scheme = found.get("engine", ""), found.get("scheme", "")
-    if "tolerance" in found:
+    """Return the numerics among keywords; older files have empty values for keys not in use."""
+    values = {key: given[key] for key in NUMERICS if key in given and given[key] not in (None, "")}
+    engine, scheme = values.get("engine", ""), values.get("scheme", "")
+    if "tolerance" in values:
         for key in ("step", "domain", "sites"):
-            if found.get(key):
+            if values.get(key):
                 raise ValueError(
-                    f"{key} must not be given with a tolerance, got {found[key]} "
+                    f"{key} must not be given with a tolerance, got {values[key]} "
                     "(the tolerance determines it; leave out one of the two)"
                 )
-        return Tolerance(found["tolerance"], engine, scheme)
+        return Tolerance(values["tolerance"], engine, scheme)
     engines = entries.table(EngineRules)
     if engine and not engines[check.one_of("engine", engine, tuple(engines))].steps_cells:
         raise ValueError(
             f"tolerance must be given for engine {engine!r}, got none (it takes no step)"
         )
-    stated = found.get("step", 0.0), found.get("domain", ""), found.get("sites", 0)
+    stated = values.get("step", 0.0), values.get("domain", ""), values.get("sites", 0)
     return Discretisation(*stated, scheme) if scheme else Discretisation(*stated)

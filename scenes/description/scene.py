@@ -1,6 +1,6 @@
-"""A scene: a wave on a lattice, when and where they are compared, how exactly, what is observed.
+"""Scene: a wave on a lattice, the times and cells compared, the accuracy and the observables.
 
-What lies between the lattice's name and the comparison is derived when the scene is run.
+The reduced equation is not part of a scene; it is derived when the scene is run.
 """
 
 from __future__ import annotations
@@ -48,46 +48,45 @@ ALTERNATIVES = (
     (("slow_times",), ("times",), ("t0", "snapshots")),
     (("half_width",), ("compared",)),
 )
-"""Keywords that say one thing in several ways; None is as if it were not given."""
+"""Groups of keywords that state the same thing in different ways; None counts as absent."""
 
-SAID_IN_ONE_WAY = [key for ways in ALTERNATIVES for way in ways for key in way]
+ALTERNATIVE_KEYS = [key for ways in ALTERNATIVES for way in ways for key in way]
 
 
 @dataclass(frozen=True, repr=False)
 class Scene(SceneFields):
-    """One run, stated in full; checked when the record is made.
+    """Complete description of one run; checked on construction.
 
     ``lattice`` is a name of the catalogue, or any name if ``declared`` holds the tables of the
-    lattice's file. ``constants`` are its numbers, as (name, value) pairs or a
-    mapping; a value in text may have eps in it: ``"eps/2"`` is small. ``wave`` is the name of a
-    closed form of the lattice's own equation, or a closed form; ``parameters`` are its.
+    lattice's file. ``constants`` are its constants, as (name, value) pairs or a mapping; a value
+    may be a formula with eps, such as ``"eps/2"``. ``wave`` is a closed form of the lattice's
+    reduced equation, or the name of one; ``parameters`` are the parameters of the wave.
 
-    The run begins at ``t0`` and is kept at the ``snapshots``, in the lattice's time, or begins at
-    the first of ``slow_times``, T in the wave's own time, and is kept at all of them. Compared are
-    the cells within ``half_width`` in X, or within ``compared`` cells, of where the frame is.
-    ``numerics`` says how it is computed: a `Discretisation`, or a `Tolerance`, in units of eps to
-    the power with which what is compared is small.
+    The run starts at ``t0`` and is stored at the ``snapshots``, in lattice time. Alternatively it
+    starts at the first of ``slow_times``, in the wave's time T, and is stored at all of them. The
+    compared cells are those within ``half_width`` in X, or within ``compared`` cells, of the
+    frame's origin. ``numerics`` is a `Discretisation`, or a `Tolerance` in units of ``eps**power``,
+    the size of the compared quantities.
 
     A long wave takes ``amplitude``, ``time`` (powers of eps) and ``background``, the uniform mean
-    of the fields, which may be a formula in the constants; what is not given is found. The wave
-    "computed_soliton", of a ``speed`` in X/T, is for equations with none in closed form. A
-    ``carrier``, its wavenumber, makes the wave an envelope, on a ``branch``.  ``disorder``, a
-    record, or pairs or a mapping with its names, lets masses or springs deviate. ``losses``, a
-    record or a table as `losses.py` says it, are in the lattice and in its equation.
+    of the fields, which may be a formula in the constants; missing values are derived. The wave
+    "computed_soliton", of a ``speed`` in X/T, is for equations without a soliton in closed form. A
+    ``carrier``, the carrier's wavenumber, makes the wave an envelope, on a ``branch``.
+    ``disorder``, a record, a mapping or pairs, lets masses or springs deviate. ``losses``, a record
+    or a table (`losses.py`), enter both the lattice and its equation.
 
-    Of ``observables`` the error curve is sampled at ``curve_points`` equidistant times and the
-    snapshots; what is only looked at (energy, crest, ...) is seen at most as often, where the run
-    stops anyway, or at ``look_points`` equidistant times if that is given. Leading data of a wave
-    of the mKdV equation on the paper's chain (`has_moving_wave`) have windows and the spectral
-    engine besides, and their parameters may be multiples of the quarter period ("K/2").
+    The error curve is sampled at ``curve_points`` equidistant times and at the snapshots. Other
+    observables (energy, crest, ...) are sampled at most as often, at times where the run stops
+    anyway, or at ``look_points`` equidistant times. For leading data of a wave of the mKdV equation
+    on the paper's chain (`has_moving_wave`) there are also windows and the spectral engine, and
+    parameters may be multiples of the quarter period ("K/2").
 
-    A ``bench`` is a chain with ends and forces that starts without a wave; `of` takes the tables of
-    `scenes.description.bench` as keywords, too. What it watches is what has the
-    tolerance.
+    A ``bench`` is a chain with ends and forces that starts without a wave; `of` also takes the
+    tables of `scenes.description.bench` as keywords. The tolerance applies to its observables.
 
-    With the wave "perturbed_plane" the growth rate of a carrier's plane wave is measured
-    (`is_growth`): parameters are `PERTURBATION`, times and region are found, and the tolerance is
-    that of the rate, in units of the largest that the envelope equation has.
+    The wave "perturbed_plane" measures the growth rate of a carrier's perturbed plane wave
+    (`is_growth`). Its parameters are `PERTURBATION`; times and region are computed. The tolerance
+    is that of the rate, in units of the largest rate of the envelope equation.
 
     Raises ValueError in one line: argument, condition, value, remedy.
 
@@ -105,50 +104,50 @@ class Scene(SceneFields):
 
     @classmethod
     def of(cls, **given: Any) -> Scene:
-        """A scene from keywords as scene files have them.
+        """Return a scene from keywords named as in scene files.
 
-        Those of the `Discretisation` (step, domain, sites, scheme) or of the `Tolerance`
-        (tolerance, engine, scheme) stand among the others. ``lattice`` may be a `derive.Lattice`
-        or the tables of a lattice's file. ``K2``, ``K3``, ``K4`` stand for the constants of the
-        paper's chain; ``times`` for t0 and the snapshots, of which it is one.
+        Among them are those of a `Discretisation` (step, domain, sites, scheme) or a `Tolerance`
+        (tolerance, engine, scheme). ``lattice`` may be a `derive.Lattice` or the tables of a
+        lattice's file. ``K2``, ``K3``, ``K4`` are the constants of the paper's chain. ``times``
+        are the snapshots, the first of which is t0.
         """
         known = (*FIELDS, *CHAIN_CONSTANTS, "times", *NUMERICS, *BENCH_TABLES)
         check.refuse_unknown(given, known, what="keywords")
         if not isinstance(given.get("lattice", ""), str):
             given |= lattice_keywords(given["lattice"])
-        unsaid = [key for key in SAID_IN_ONE_WAY if given.get(key) is None]
-        found = {key: value for key, value in given.items() if key in FIELDS and key not in unsaid}
+        absent = [key for key in ALTERNATIVE_KEYS if given.get(key) is None]
+        values = {key: value for key, value in given.items() if key in FIELDS and key not in absent}
         if bench := bench_of(given):
-            found = {"wave": "", "eps": 1.0} | found | {"bench": bench, "observables": ()}
-        if "compared" in found:
-            found["compared"] = check.whole("compared", found["compared"])
+            values = {"wave": "", "eps": 1.0} | values | {"bench": bench, "observables": ()}
+        if "compared" in values:
+            values["compared"] = check.whole("compared", values["compared"])
         own = {key: given[key] for key in CHAIN_CONSTANTS if key in given}
-        if own and found.get("constants"):
+        if own and values.get("constants"):
             raise ValueError(
                 f"constants must not be given with {', '.join(own)}, got both (leave one out)"
             )
-        found |= {"constants": tuple(own.items())} if own else {}
-        if _is_said(given, "times"):
+        values |= {"constants": tuple(own.items())} if own else {}
+        if _is_given(given, "times"):
             for key in ("t0", "snapshots"):
-                if _is_said(given, key):
+                if _is_given(given, key):
                     raise ValueError(
                         f"{key} must not be given with times, got both (times are t0 and snapshots)"
                     )
             moments = check.times("times", given["times"], 2)
-            found |= {"t0": moments[0], "snapshots": moments}
+            values |= {"t0": moments[0], "snapshots": moments}
         for key in ("name", "wave", "eps"):
-            if key not in found:
+            if key not in values:
                 raise ValueError(f"{key} must be stated, got nothing (state it)")
-        return cls(numerics=numerics_of(given), **found)
+        return cls(numerics=numerics_of(given), **values)
 
     @classmethod
     def from_toml(cls, path: str | Path) -> Scene:
-        """Read a scene file (`scene_file.py` says what may stand in it)."""
+        """Read a scene file, whose format is described in `scene_file.py`."""
         return cls.of_document(read_document(path), Path(path))
 
     @classmethod
     def of_document(cls, document: Mapping[str, Any], path: Path) -> Scene:
-        """The scene that the tables of a file at ``path`` describe."""
+        """Return the scene described by the tables of a file at ``path``."""
         try:
             return cls.of(**{"name": file_stem(path)} | scene_fields(document, path.parent))
         except ValueError as error:
@@ -156,7 +155,7 @@ class Scene(SceneFields):
 
     @classmethod
     def from_json(cls, text: str) -> Scene:
-        """The scene that `json` wrote. One with a wave of your own can be shown, but not run."""
+        """Return the scene that `json` wrote; one with your own wave can be shown but not run."""
         given = json.loads(text)
         if not isinstance(given, Mapping):
             raise ValueError(f"a scene must be an object of JSON, got {shown(given)}")
@@ -177,13 +176,13 @@ class Scene(SceneFields):
         if self.t0 != NOT_GIVEN:
             self._set("t0", check.finite("t0", self.t0))
         for key, least, start in (("snapshots", 1, self.t0), ("slow_times", 2, -math.inf)):
-            said = _is_said({key: getattr(self, key)}, key)
-            times = check.times(key, getattr(self, key), least, start) if said else ()
+            is_given = _is_given({key: getattr(self, key)}, key)
+            times = check.times(key, getattr(self, key), least, start) if is_given else ()
             self._set(key, times)
         self._set("carrier", check.value("k", self.carrier))
         self._set("background", check.value("background", self.background))
         self._set("disorder", Disorder.of_pairs(self.disorder) if self.disorder else None)
-        self._set("declared", _declared(self.declared))
+        self._set("declared", _declaration_of(self.declared))
         self._set("losses", Losses.of(self.losses))
         if self.bench is not None:
             self._check_bench(self.bench)
@@ -201,18 +200,18 @@ class Scene(SceneFields):
             self._check_moments()
             self._check_region()
         self._check_ansatz()
-        is_usual = self.observables is None
-        asked = self.start.observables if is_usual else self.observables
-        self._set("observables", check.names("observables", asked, tuple(OBSERVABLES)))
+        has_default = self.observables is None
+        names = self.start.observables if has_default else self.observables
+        self._set("observables", check.names("observables", names, tuple(OBSERVABLES)))
         if self.has_moving_wave:
             check_moving_wave(self)
         else:
             check_any_lattice(self)
 
     def _check_bench(self, bench: Bench) -> None:
-        """Refuse what belongs to a wave, and what the tables of a bench do not admit."""
-        for key in WAVE_ALONE:
-            if getattr(self, key) != _USUAL[key] and not (key == "wave" and not self.wave):
+        """Raise ValueError for fields of a wave, or numerics that a bench does not admit."""
+        for key in WAVE_FIELDS:
+            if getattr(self, key) != _DEFAULTS[key] and not (key == "wave" and not self.wave):
                 raise ValueError(
                     f"{key} must not be given with a chain on a bench, got "
                     f"{shown(getattr(self, key))} (there is no wave to compare with)"
@@ -221,7 +220,7 @@ class Scene(SceneFields):
         if not isinstance(self.numerics, Tolerance) or self.numerics.engine:
             raise ValueError(
                 "tolerance must be given for a chain on a bench, without an engine, got "
-                f"{self.numerics} (of what is watched, in its own units)"
+                f"{self.numerics} (it is the error of the observables, in their units)"
             )
         if len({self.t0, *self.snapshots}) < 2:
             raise ValueError("times must be given, the first is the start (such as [0, 40])")
@@ -267,7 +266,7 @@ class Scene(SceneFields):
             if value is not None and (isinstance(value, bool) or value not in range(most + 1)):
                 raise ValueError(
                     f"{key} must be a whole number, 0 <= {key} <= {most}, got {shown(value)} "
-                    "(leave it out and it is found)"
+                    "(leave it out to have it derived)"
                 )
             self._set(key, None if value is None else int(value))
         if self.is_envelope:
@@ -288,7 +287,7 @@ class Scene(SceneFields):
             )
 
     def _check_constants(self) -> None:
-        """Put the constants of the paper's chain in order; K3 is 0 where it is not given."""
+        """Check and order the constants of the paper's chain; a missing K3 becomes 0."""
         if self.lattice != CHAIN or self.declared:
             return
         given: dict[str, Value] = {"K3": 0} | dict(self.constants)
@@ -298,8 +297,8 @@ class Scene(SceneFields):
         for name in CHAIN_CONSTANTS:
             if name not in given:
                 raise ValueError(f"{name} in [constants] must be stated, got nothing (state it)")
-        found = tuple((name, given[name]) for name in (*CHAIN_CONSTANTS, *others))
-        self._set("constants", found)
+        constants = tuple((name, given[name]) for name in (*CHAIN_CONSTANTS, *others))
+        self._set("constants", constants)
 
     def __repr__(self) -> str:
         values = ", ".join(
@@ -314,23 +313,23 @@ class Scene(SceneFields):
         if self.half_width is not None:
             region = f"|X| <= {self.half_width:g}"
         if self.bench:
-            seen = f"t = {times[0]:g} .. {times[-1]:g}"
-            return f"<Scene {self.name}: {self.lattice} on a bench, {seen}, {self.numerics}>"
-        seen = f", {name} = {times[0]:g} .. {times[-1]:g}, {region} compared"
+            span = f"t = {times[0]:g} .. {times[-1]:g}"
+            return f"<Scene {self.name}: {self.lattice} on a bench, {span}, {self.numerics}>"
+        comparison = f", {name} = {times[0]:g} .. {times[-1]:g}, {region} compared"
         order = "" if self.order == "leading" else f", {self.order} order"
         return (
             f"<Scene {self.name}: {wave} on {self.lattice}, eps = {self.eps:g}{order}"
-            f"{'' if self.is_growth else seen}, {self.numerics}>"
+            f"{'' if self.is_growth else comparison}, {self.numerics}>"
         )
 
     def _repr_html_(self) -> str:
-        """What its file says, and the formula of its wave, as notebooks show it."""
+        """HTML table for notebooks: entries of the scene's file, equations of motion, formula."""
         document = self.document() | {"lattice": self.lattice}
         rows = [(key, _in_words(value)) for key, value in document.items() if key != "title"]
-        with suppress(ValueError):  # of a lattice that is not known
+        with suppress(ValueError):  # unknown lattice
             rows.append(("motion", self.symbolic_lattice._repr_latex_()))
         if not (self.bench or self.is_growth):
-            with suppress(ValueError):  # of a wave without a closed form
+            with suppress(ValueError):  # wave without a closed form
                 rows.append(("formula", self.form._repr_latex_() or "too long to be read"))
         return html_table(self.title or self.name, rows)
 
@@ -339,12 +338,12 @@ class Scene(SceneFields):
         return entries.run(self, progress, announce)
 
     def changed(self, **changes: Any) -> Scene:
-        """The scene with other values for some keywords of `of`.
+        """Return the scene with other values for some keywords of `of`.
 
-        What a change says in one way is no longer said in another: slow_times in place of t0.
+        A changed keyword replaces its alternatives: slow_times replace t0 and snapshots.
         """
         given = self._keywords()
-        for other in said_otherwise([key for key in changes if _is_said(changes, key)]):
+        for other in alternatives_of([key for key in changes if _is_given(changes, key)]):
             given.pop(other, None)
         own = {key: changes[key] for key in CHAIN_CONSTANTS if key in changes}
         if own:
@@ -354,72 +353,72 @@ class Scene(SceneFields):
         return Scene.of(**(given | changes))
 
     def with_tolerance(self, tolerance: float) -> Scene:
-        """The scene with a tolerance in the place of its step, domain and measured refinements."""
-        kept = (
+        """Return the scene with a tolerance instead of its step, domain and refinement runs."""
+        names = (
             name for name in self.observables if observable_named(name).measured_at != "refinement"
         )
         stated = dict.fromkeys(NUMERICS) if isinstance(self.numerics, Discretisation) else {}
-        return self.changed(**stated | {"tolerance": tolerance, "observables": tuple(kept)})
+        return self.changed(**stated | {"tolerance": tolerance, "observables": tuple(names)})
 
     def json(self) -> str:
-        """The keywords of `of` as JSON, sorted; a wave of your own is said not to be shipped."""
+        """Return the keywords of `of` as sorted JSON; your own wave is marked as not shipped."""
         return json.dumps(self._stated() | self._texts(), sort_keys=True)
 
     def toml(self) -> str:
-        """The scene as a file, with its name and, if it is declared, its lattice."""
+        """Return the scene as the text of a file, with its name and any declared lattice."""
         return toml_text(self.document())
 
     def document(self) -> dict[str, Any]:
-        """The tables of its file."""
+        """Return the tables of its file."""
         return document_of(self._stated())
 
     def _stated(self) -> dict[str, Any]:
-        """The keywords of `of`, a wave of one's own by a name that is not shipped."""
+        """Return the keywords of `of`; your own wave is replaced by a text with its name."""
         if isinstance(self.wave, str):
             return self._keywords()
         return self._keywords() | {"wave": f"{self.wave.name} (a closed form that is not shipped)"}
 
     def _texts(self) -> dict[str, Any]:
-        """The records among the keywords as JSON has them."""
-        found = {
+        """Return the keywords whose values are records, in a form for JSON."""
+        texts = {
             "disorder": self.disorder and self.disorder.pairs,
             "declared": self.declared and self.declared.json,
             "losses": self.losses and str(self.losses),
             "bench": self.bench and self.bench.stated.json,
         }
-        return {key: held for key, held in found.items() if held is not None}
+        return {key: text for key, text in texts.items() if text is not None}
 
     def _keywords(self) -> dict[str, Any]:
-        """The keywords of `of`, those apart that say what is usual."""
+        """Return the keywords of `of` whose values are not the defaults."""
         given = {key: getattr(self, key) for key in FIELDS} | asdict(self.numerics)
-        usual = _USUAL | {"observables": self.start.observables}
-        usual |= {"eps": 1.0, "wave": ""} if self.bench else {}
-        for key in said_otherwise([k for k in ("slow_times", "half_width") if given[k]]):
+        defaults = _DEFAULTS | {"observables": self.start.observables}
+        defaults |= {"eps": 1.0, "wave": ""} if self.bench else {}
+        for key in alternatives_of([k for k in ("slow_times", "half_width") if given[k]]):
             given.pop(key, None)
-        return {key: value for key, value in given.items() if value != usual.get(key, "")}
+        return {key: value for key, value in given.items() if value != defaults.get(key, "")}
 
 
-WAVE_ALONE = (
+WAVE_FIELDS = (
     *("wave", "parameters", "order", "slow_times", "compared", "half_width", "amplitude", "time"),
     *("background", "carrier", "branch", "disorder"),
 )
-"""Fields of a wave that is compared."""
+"""Fields that only scenes with a wave may have."""
 
 LONGEST_ENTRY = 200
-"""Characters that a notebook shows of an entry of a scene."""
+"""Maximum number of characters that a notebook shows of one entry of a scene."""
 
 FIELDS = tuple(field.name for field in fields(Scene) if field.name != "numerics")
-_USUAL = {field.name: field.default for field in fields(Scene)}
+_DEFAULTS = {field.name: field.default for field in fields(Scene)}
 
 
-def _is_said(given: Mapping[str, Any], key: str) -> bool:
-    """Whether a keyword is given, and neither None nor an empty list."""
+def _is_given(given: Mapping[str, Any], key: str) -> bool:
+    """Return whether a keyword is given and is neither None nor an empty list."""
     value = given.get(key)
     return value is not None and not (isinstance(value, list | tuple) and not value)
 
 
 def _in_words(value: object) -> str:
-    """A value of a scene's file in a few words."""
+    """Return a value of a scene's file as short text."""
     if isinstance(value, Mapping):
         return cut(", ".join(f"{k} = {_in_words(v)}" for k, v in value.items()), LONGEST_ENTRY)
     if isinstance(value, list | tuple):
@@ -427,10 +426,10 @@ def _in_words(value: object) -> str:
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 
-def said_otherwise(said: Sequence[str]) -> list[str]:
-    """The keywords that say in other ways what the given ones say.
+def alternatives_of(stated: Sequence[str]) -> list[str]:
+    """Return the keywords that the stated ones replace, see `ALTERNATIVES`.
 
-    >>> said_otherwise(["times", "eps"])
+    >>> alternatives_of(["times", "eps"])
     ['slow_times', 't0', 'snapshots']
     """
     return [
@@ -438,23 +437,23 @@ def said_otherwise(said: Sequence[str]) -> list[str]:
         for ways in ALTERNATIVES
         for way in ways
         for key in way
-        if any(one in said for other in ways for one in other) and not any(k in said for k in way)
+        if any(k in stated for other in ways for k in other) and not any(k in stated for k in way)
     ]
 
 
-def _declared(given: object) -> StatedTables | None:
-    """A declared lattice without its name; ValueError for what is no table."""
+def _declaration_of(given: object) -> StatedTables | None:
+    """Return a declared lattice's tables without its name; ValueError unless it is a table."""
     if not given:
         return None
     if isinstance(given, StatedTables):
         return given
-    found = given
+    tables = given
     if isinstance(given, str):
         with suppress(ValueError, RecursionError):
-            found = json.loads(given)
-    if not isinstance(found, Mapping):
+            tables = json.loads(given)
+    if not isinstance(tables, Mapping):
         raise ValueError(
             f"declared must be a lattice's tables as JSON, got {shown(given)} (read_lattice "
             "says what they hold)"
         )
-    return StatedTables({key: value for key, value in found.items() if key != "name"}, "lattice")
+    return StatedTables({key: value for key, value in tables.items() if key != "name"}, "lattice")

@@ -1,4 +1,4 @@
-"""What each field of a scene may be, and the reader of tables: a new key is one `Entry`.
+"""Checks of the fields of a scene, and the reader of tables: a new key is one `Entry`.
 
 A check raises ValueError in one line: argument, condition, value, remedy.
 """
@@ -13,28 +13,29 @@ from longwave.support import known_names
 from longwave.support.user_files import cut, shown
 
 Value: TypeAlias = "int | float | str"
-"""A number, or a formula in text such as "1/3", "sqrt(2)" or "K/2"."""
+"""Number, or formula in text such as "1/3", "sqrt(2)" or "K/2"."""
 
 Pairs: TypeAlias = "tuple[tuple[str, Value], ...]"
-"""Names and values."""
+"""Pairs of name and value."""
 
 CHAIN = "fput_strain"
-"""The paper's lattice, which K2, K3, K4 alone stand for."""
+"""The paper's lattice, which a scene may state by K2, K3, K4 alone."""
 
 CHAIN_CONSTANTS = ("K2", "K3", "K4")
 
 NOT_GIVEN = -math.inf
-"""The start of a scene that gives slow times."""
+"""Value of ``t0`` in a scene that states slow times."""
 
 ORDERS = ("leading", "slaved", "corrected")
-"""What the data hold: the wave alone; the fields that follow it too; the next order as well."""
+"""Orders of initial data: the wave alone, with slaved fields, or with the first correction."""
 
 MOST_STEPS = 1e10
+"""Maximum number of time steps of a run."""
 
 LONGEST_FORMULA = 200
-"""Characters of a value in text."""
+"""Maximum number of characters of a formula."""
 
-USUAL: Mapping[str, str] = {
+EXAMPLES: Mapping[str, str] = {
     "eps": "0.05",
     "t0": "-1000",
     "K2": "1",
@@ -50,35 +51,36 @@ USUAL: Mapping[str, str] = {
     "times": "[0, 100]: the first is the start",
     "slow_times": "[0, 1]: the first is the start",
 }
-"""What may be written instead of a wrong value."""
+"""Valid example of each field, shown in the message about a wrong value."""
 
 LEAST_TOLERANCE = 1e-11
-"""Sup error of y/eps that double precision still tells from rounding (Y2 over t = 15000)."""
+"""Least sup error of y/eps distinguishable from rounding errors (Y2 over t = 15000)."""
 
 SMALLEST = 1e-50
-"""Numbers below it, and above its reciprocal, would leave the range of doubles on the way."""
+"""Smallest nonzero size of a number; below it or above its reciprocal computations may overflow."""
 
 FARTHEST_SITE = 2.0**52
-"""Beyond it numbers of sites are not all doubles."""
+"""Largest site number accepted; up to it, multiples of 1/2 are exact doubles."""
 
 LARGEST = 1e9
-"""Whole numbers above it would be more than any memory holds."""
+"""Largest whole number accepted; more cells would exceed any memory."""
 
-STATED = object()
-"""The usual value of a key that must be stated."""
+REQUIRED = object()
+"""Default of a key that must be stated."""
 
 
 @dataclass(frozen=True)
 class Entry:
-    """A key of a table: what reads a value, given its name, what it says, the usual value.
+    """Key of a table: function that checks a value, given its name; meaning; default value.
 
-    Messages call it ``name``, unless that is "KEY in [TABLE]", and say in ``remedy`` what to state.
-    A record has it as ``field``, unless that is the key. The usual value None is read, too.
+    Messages call the key ``name``, or "KEY in [TABLE]" if that is empty, and append ``remedy`` if
+    the key is missing. ``field`` is the field of the record, if not the key itself. A default of
+    None is passed to ``read`` as well.
     """
 
     read: Callable[[str, Any], Any]
-    says: str
-    usual: Any = STATED
+    meaning: str
+    default: Any = REQUIRED
     name: str = ""
     field: str = ""
     remedy: str = "state it"
@@ -87,31 +89,34 @@ class Entry:
 def read_table(
     name: str, entries: Mapping[str, Entry], given: object, where: str = ""
 ) -> dict[str, Any]:
-    """The values that a table states, in its order, and the usual ones, by the fields of a record.
+    """Return the values of a table by field of a record: those stated, in order, then defaults.
 
     >>> read_table("noise", {"seed": Entry(whole, "of draws", 0)}, {})
     {'seed': 0}
     """
     stated = as_table(name, given)
     refuse_unknown(stated, entries, f" in [{name}]")
-    found = {}
+    values = {}
     for key in dict.fromkeys((*stated, *entries)):
         entry = entries[key]
-        label, value = entry.name or key + (where or f" in [{name}]"), stated.get(key, entry.usual)
-        if value is STATED:
+        label, value = (
+            entry.name or key + (where or f" in [{name}]"),
+            stated.get(key, entry.default),
+        )
+        if value is REQUIRED:
             raise ValueError(f"{label} must be stated, got nothing ({entry.remedy})")
         is_read = key in stated or value is None
-        found[entry.field or key] = entry.read(label, value) if is_read else value
-    return found
+        values[entry.field or key] = entry.read(label, value) if is_read else value
+    return values
 
 
 def table(document: Mapping[str, Any], name: str) -> Mapping[str, Any]:
-    """The table of that name, empty if there is none; ValueError if it is something else."""
+    """Return the table of that name, empty if there is none; ValueError unless it is a table."""
     return as_table(name, document.get(name, {}))
 
 
 def as_table(name: str, given: object) -> Mapping[str, Any]:
-    """The value of that name, if it is a table."""
+    """Return a value that is a table; ValueError otherwise."""
     if not isinstance(given, Mapping):
         raise ValueError(f"{name} must be a table, got {shown(given)} (write [{name}])")
     return given
@@ -120,7 +125,7 @@ def as_table(name: str, given: object) -> Mapping[str, Any]:
 def refuse_unknown(
     given: Iterable[str], known: Iterable[str], where: str = "", what: str = "keys"
 ) -> None:
-    """Refuse keys that are not known, ``where`` saying in which table they are."""
+    """Raise ValueError for an unknown key; ``where`` names its table in the message."""
     for key in given:
         if key not in known:
             remedy = known_names.one_of(key, known)
@@ -128,7 +133,7 @@ def refuse_unknown(
 
 
 def finite(name: str, value: object) -> float:
-    """The value as a float, if it is a finite number."""
+    """Return a finite number as a float; ValueError for other values."""
     if isinstance(value, bool) or not isinstance(value, Real):
         raise ValueError(f"{name} must be a number, got {shown(value)}{_remedy(name)}")
     number = value if isinstance(value, int) else float(value)
@@ -143,7 +148,7 @@ def finite(name: str, value: object) -> float:
 
 
 def positive(name: str, value: object) -> float:
-    """The value as a float, if it is a finite number above 0."""
+    """Return a finite number above 0 as a float; ValueError for other values."""
     number = finite(name, value)
     if number <= 0:
         raise ValueError(f"{name} must satisfy {name} > 0, got {number:g}{_remedy(name)}")
@@ -151,7 +156,7 @@ def positive(name: str, value: object) -> float:
 
 
 def tolerance(given: object) -> float:
-    """The tolerance as a float, if it is positive and not below rounding."""
+    """Return a tolerance as a float; ValueError unless it is positive and above rounding."""
     value = positive("tolerance", given)
     if value < LEAST_TOLERANCE:
         raise ValueError(
@@ -162,7 +167,7 @@ def tolerance(given: object) -> float:
 
 
 def whole(name: str, value: object, least: int = 1, most: float = LARGEST) -> int:
-    """The value as an int, if it is a whole number, from 1 to what some memory holds or as told."""
+    """Return a whole number from ``least`` to ``most`` as an int; ValueError for other values."""
     is_whole = isinstance(value, Integral) and not isinstance(value, bool)
     if not is_whole or not least <= int(value) <= most:  # type: ignore[call-overload]
         raise ValueError(
@@ -173,7 +178,7 @@ def whole(name: str, value: object, least: int = 1, most: float = LARGEST) -> in
 
 
 def enough_steps(step: float, duration: float) -> None:
-    """Refuse a step with which nobody will see the run's end."""
+    """Raise ValueError for a step so small that the run would never end."""
     if duration > MOST_STEPS * step:
         raise ValueError(
             f"step must satisfy step >= {duration / MOST_STEPS:.3g} for {duration:g} time units, "
@@ -182,7 +187,7 @@ def enough_steps(step: float, duration: float) -> None:
 
 
 def within_reach(speed: float, times: Iterable[float]) -> None:
-    """Refuse times at which the wave is at a site whose number is no exact double."""
+    """Raise ValueError for times at which the wave is beyond `FARTHEST_SITE`."""
     farthest = max(map(abs, times))
     if speed * farthest > FARTHEST_SITE:
         raise ValueError(
@@ -192,17 +197,17 @@ def within_reach(speed: float, times: Iterable[float]) -> None:
 
 
 def text(name: str, value: object) -> str:
-    """The value, if it is a text that a file can hold: one without halves of signs."""
+    """Return a text that can be written to a file: no surrogates; ValueError for other values."""
     if not isinstance(value, str):
         raise ValueError(f"{name} must be a text, got {shown(value)} (write it in quotes)")
-    if any("\ud800" <= sign <= "\udfff" for sign in value):
-        raise ValueError(f"{name} must be a text in Unicode, got {shown(value)} (name it anew)")
+    if any("\ud800" <= character <= "\udfff" for character in value):
+        raise ValueError(f"{name} must be a text in Unicode, got {shown(value)} (rename it)")
     return value
 
 
 def closed_form(value: object) -> None:
-    """Refuse what is no closed form."""
-    from longwave.solutions import ClosedForm  # only a wave that is not named needs formulas
+    """Raise ValueError for a value that is not a closed form."""
+    from longwave.solutions import ClosedForm  # slow import, only needed for a wave without a name
 
     if not isinstance(value, ClosedForm):
         raise ValueError(
@@ -211,7 +216,7 @@ def closed_form(value: object) -> None:
 
 
 def one_of(name: str, value: object, known: tuple[str, ...]) -> str:
-    """The value, if it is a known word."""
+    """Return a known word; ValueError for other values."""
     if not isinstance(value, str) or value not in known:
         raise ValueError(
             f"{name} must be a known one, got {shown(value)} ({known_names.one_of(value, known)})"
@@ -220,8 +225,8 @@ def one_of(name: str, value: object, known: tuple[str, ...]) -> str:
 
 
 def times(name: str, values: object, least: int = 1, start: float = -math.inf) -> tuple[float, ...]:
-    """Increasing times from ``start`` on: one, or two, at the least."""
-    values = values.tolist() if hasattr(values, "tolist") else values  # an array of NumPy's
+    """Return increasing times, at least ``least`` (1 or 2), none before ``start``."""
+    values = values.tolist() if hasattr(values, "tolist") else values  # NumPy array
     if not isinstance(values, list | tuple) or len(values) < least:
         raise ValueError(
             f"{name} must be a list of at least {('one time', 'two times')[least - 1]}, got "
@@ -238,7 +243,7 @@ def times(name: str, values: object, least: int = 1, start: float = -math.inf) -
 
 
 def names(name: str, values: object, known: tuple[str, ...]) -> tuple[str, ...]:
-    """Known names."""
+    """Return a list of different known names as a tuple; ValueError for other values."""
     if not isinstance(values, list | tuple):
         raise ValueError(
             f'{name} must be a list of names, got {shown(values)} (such as ["{known[0]}"])'
@@ -251,7 +256,7 @@ def names(name: str, values: object, known: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def value(name: str, given: object) -> Value:
-    """A finite number, whole if it is, or a short text."""
+    """Return a finite number, as an int if it is whole, or a short text."""
     if isinstance(given, str):
         if len(given) > LONGEST_FORMULA:
             raise ValueError(
@@ -263,36 +268,36 @@ def value(name: str, given: object) -> Value:
 
 
 def pairs(name: str, given: object) -> Pairs:
-    """Pairs of names and values, from a mapping or such pairs."""
-    found = list(given.items()) if isinstance(given, Mapping) else given
-    if not isinstance(found, list | tuple) or not all(
-        isinstance(pair, list | tuple) and len(pair) == 2 for pair in found
+    """Return checked pairs of name and value from a mapping or from pairs."""
+    entries = list(given.items()) if isinstance(given, Mapping) else given
+    if not isinstance(entries, list | tuple) or not all(
+        isinstance(pair, list | tuple) and len(pair) == 2 for pair in entries
     ):
-        usual = '{"k": 0.5}' if name == "parameters" else '{"K2": 1}'
+        example = '{"k": 0.5}' if name == "parameters" else '{"K2": 1}'
         raise ValueError(
-            f"{name} must be pairs of names and values, got {shown(given)} (such as {usual})"
+            f"{name} must be pairs of names and values, got {shown(given)} (such as {example})"
         )
-    checked = tuple((str(key), value(str(key), entry)) for key, entry in found)
-    differing(name, checked)
+    checked = tuple((str(key), value(str(key), entry)) for key, entry in entries)
+    _check_names(name, checked)
     return checked
 
 
-def differing(where: str, pairs: Iterable[tuple[str, object]]) -> None:
-    """Refuse pairs of which two have one name, and texts that no file can hold."""
-    seen = set()
+def _check_names(where: str, pairs: Iterable[tuple[str, object]]) -> None:
+    """Raise ValueError for a repeated name, or for a text that cannot be written to a file."""
+    previous = set()
     for name, value in pairs:
-        if name in seen:
+        if name in previous:
             raise ValueError(f"{where} must have each name once, got {name} twice (leave one)")
-        seen.add(name)
+        previous.add(name)
         text(f"name in {where}", name)
         if isinstance(value, str):
             text(name, value)
 
 
 def plain(key: object) -> str:
-    """A key as it is put into a message: short, without quotes."""
+    """Return a key as shown in a message: shortened, without quotes."""
     return cut(str(key), 60)
 
 
 def _remedy(name: str) -> str:
-    return f" (such as {USUAL.get(name, '0.5')})"
+    return f" (such as {EXAMPLES.get(name, '0.5')})"

@@ -1,9 +1,9 @@
-"""What a scene says of disorder: what deviates from cell to cell, by how much, drawn how and where.
+"""Disorder of a scene: deviations of masses or of a constant of the springs from cell to cell.
 
 [disorder]
 of = "mass"                 # all masses, or a constant of the springs, such as "K2"
 spread = 0.1                # the largest deviation: m (1 + d) with |d| <= 0.1
-seed = 1                    # of the realisation, which belongs to the cells and not to a ring
+seed = 1                    # of the realisation, the same on every ring
 distribution = "uniform"    # or "binary": d is -spread or spread
 sites = [0, 999]            # the first and the last cell that deviate; all without it
 """
@@ -24,10 +24,10 @@ from longwave.support.user_files import shown
 Array = NDArray[np.float64]
 
 MASS = "mass"
-"""What `Disorder.of` says where masses deviate."""
+"""Value of `Disorder.of` if masses deviate."""
 
 FARTHEST = 2**53
-"""Cells are told apart by doubles."""
+"""Largest number of a cell that is an exact double."""
 
 LARGEST_SEED = 2**63 - 1
 
@@ -38,7 +38,7 @@ class Disorder:
 
     ``of``: "mass" or the constant's name. ``spread``: the largest size of a deviation.
     ``distribution``: one of `DISTRIBUTIONS`. ``sites``: the first and the last cell that deviate,
-    None for all. Raises ValueError in one line for what is none of these.
+    None for all. Raises ValueError in one line for other values.
 
     >>> Disorder("K2", 0.1, seed=1, sites=(0, 9)).deviations([-1, 0, 1]).round(3)
     array([ 0.   , -0.04 , -0.092])
@@ -66,7 +66,7 @@ class Disorder:
 
     @classmethod
     def of_pairs(cls, given: object) -> Disorder:
-        """Return the disorder of names and values, as pairs, a mapping or a record."""
+        """Return the disorder from a record, or from names and values as a mapping or pairs."""
         if isinstance(given, Disorder):
             return given
         pairs = list(given.items()) if isinstance(given, Mapping) else given
@@ -78,31 +78,34 @@ class Disorder:
                 f"disorder must be pairs of names and values, got {shown(given)} (such as "
                 '{"of": "mass", "spread": 0.1, "seed": 1})'
             )
-        found: dict[str, Any] = {str(name): value for name, value in pairs}
-        refuse_unknown(found, [field.name for field in fields(cls)], " in [disorder]")
+        values: dict[str, Any] = {str(name): value for name, value in pairs}
+        refuse_unknown(values, [field.name for field in fields(cls)], " in [disorder]")
         for name in ("of", "spread", "seed"):
-            if name not in found:
+            if name not in values:
                 raise ValueError(f"{name} in [disorder] must be stated, got nothing (state it)")
-        return cls(**found)
+        return cls(**values)
 
     @property
     def pairs(self) -> tuple[tuple[str, Any], ...]:
-        """Names and values that `of_pairs` reads, without those that are usual."""
-        usual = {field.name: field.default for field in fields(self)}
-        found = ((name, getattr(self, name)) for name in usual)
-        return tuple((name, value) for name, value in found if value != usual[name])
+        """Names and values in the form that `of_pairs` reads, without default values."""
+        defaults = {field.name: field.default for field in fields(self)}
+        values = ((name, getattr(self, name)) for name in defaults)
+        return tuple((name, value) for name, value in values if value != defaults[name])
 
     def deviations(self, cells: ArrayLike, row: int = 0) -> Array:
-        """The deviations of consecutive cells; ``row`` tells apart what deviates in a cell."""
-        where = np.asarray(cells)
-        found = self.spread * site_deviations(where, self.seed, row, self.distribution)
+        """Return the deviations of consecutive cells.
+
+        ``row`` is the index of the deviating quantity if several in a cell deviate independently.
+        """
+        n = np.asarray(cells)
+        deviations = self.spread * site_deviations(n, self.seed, row, self.distribution)
         if self.sites is None:
-            return found
-        return np.asarray(found * ((where >= self.sites[0]) & (where <= self.sites[1])))
+            return deviations
+        return np.asarray(deviations * ((n >= self.sites[0]) & (n <= self.sites[1])))
 
 
 def _ends(given: object) -> tuple[int, int]:
-    """The first and the last of the sites."""
+    """Return the first and the last of the sites."""
     if not isinstance(given, Sequence) or isinstance(given, str) or len(given) != 2:
         raise ValueError(
             f"sites in [disorder] must be the first and the last cell that deviate, got "

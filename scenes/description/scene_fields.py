@@ -1,4 +1,4 @@
-"""The fields of a scene, and what follows from them."""
+"""Fields of a scene, and properties computed from them."""
 
 from __future__ import annotations
 
@@ -30,15 +30,15 @@ if TYPE_CHECKING:
     from longwave.solutions import ClosedForm
 
 ROUNDING = 1e-12
-"""Share by which a half-width may be above whole cells for rounding."""
+"""Relative rounding error by which a half-width may exceed a whole number of cells."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class StartRules(entries.Entry):
-    """Rules for scenes of one start; ``method`` is how they are run (`engines.methods.METHODS`).
+    """Rules for scenes of one start; ``method`` is a key of `engines.methods.METHODS`.
 
-    Where something else is ``measured``, no wave is compared, and times and region are found.
-    ``check`` raises ValueError in one line for a scene that does not go with the start.
+    ``measured`` names a quantity that is measured instead of comparing a wave; times and region are
+    then computed. ``check`` raises ValueError in one line for an inadmissible scene.
     """
 
     method: str = "ring"
@@ -50,12 +50,12 @@ class StartRules(entries.Entry):
 BENCH = StartRules(method="bench", observables=())
 MOVING_WAVE = StartRules(method="moving_wave", observables=("strain", "error_curve"))
 CLOSED_FORM = StartRules()
-"""Rules of a chain on a bench, of the paper's waves, and of all other closed forms."""
+"""Rules for chains on a bench, for the paper's waves, and for all other closed forms."""
 
 
 @dataclass(frozen=True, repr=False)
 class SceneFields:
-    """Fields of a `Scene`, whose docstring says what they mean, and what follows from them."""
+    """Fields of a `Scene`, explained in its docstring, and properties computed from them."""
 
     name: str
     wave: str | ClosedForm
@@ -79,7 +79,7 @@ class SceneFields:
     declared: StatedTables | None = None
     losses: Losses | None = None
     bench: Bench | None = None
-    observables: tuple[str, ...] = None  # type: ignore[assignment] # those that are usual
+    observables: tuple[str, ...] = None  # type: ignore[assignment] # those of the start
     curve_points: int = 201
     look_points: int | None = None
     title: str = ""
@@ -91,57 +91,57 @@ class SceneFields:
 
     @property
     def named_start(self) -> StartRules | None:
-        """Entry of a wave that is no closed form."""
+        """Entry of a wave that is not a closed form; None for a closed form."""
         return entries.table(StartRules).get(self.wave) if isinstance(self.wave, str) else None
 
     @property
     def start(self) -> StartRules:
-        """Rules of what the run begins with."""
+        """Rules for the start of the run."""
         if self.bench:
             return BENCH
         return self.named_start or (MOVING_WAVE if self.has_moving_wave else CLOSED_FORM)
 
     @property
     def is_growth(self) -> bool:
-        """Whether something such as a growth rate is measured, and no wave compared."""
+        """Whether a quantity such as a growth rate is measured and no wave is compared."""
         return bool(self.start.measured)
 
     @property
     def has_moving_wave(self) -> bool:
-        """Whether it is the paper's: leading data of a long wave on its chain, with K3 = 0.
+        """Whether the wave is of the paper's kind: leading long-wave data on its chain, K3 = 0.
 
-        The equation is then the mKdV equation.
+        The reduced equation is then the mKdV equation.
         """
         values = dict(self.constants)
-        chosen = (self.order, self.background, self.amplitude, self.time, self.carrier)
+        ansatz = (self.order, self.background, self.amplitude, self.time, self.carrier)
         return (
             self.lattice == CHAIN
             and not (
                 self.declared or self.disorder or self.losses or self.named_start or self.bench
             )
-            and chosen == ("leading", 0, None, None, "")
+            and ansatz == ("leading", 0, None, None, "")
             and not any(isinstance(value, str) for value in values.values())
             and values.get("K3", 0) == 0
         )
 
     @property
     def method(self) -> str:
-        """How it is run, one of `engines.methods.METHODS`."""
+        """Key of the function in `engines.methods.METHODS` that runs the scene."""
         return self.start.method
 
     @property
     def wave_name(self) -> str:
-        """The wave's name."""
+        """Name of the wave."""
         return self.wave if isinstance(self.wave, str) else self.wave.name
 
     @property
     def tolerance(self) -> float | None:
-        """The tolerance; None if the discretisation is stated."""
+        """Tolerance; None if the discretisation is stated."""
         return self.numerics.tolerance if isinstance(self.numerics, Tolerance) else None
 
     @property
     def discretisation(self) -> Discretisation:
-        """The stated discretisation; ValueError if there is a tolerance instead."""
+        """Stated discretisation; ValueError if there is a tolerance instead."""
         if isinstance(self.numerics, Discretisation):
             return self.numerics
         raise ValueError(
@@ -151,7 +151,7 @@ class SceneFields:
 
     @property
     def target(self) -> Tolerance:
-        """The tolerance as a record; ValueError if the discretisation is stated instead."""
+        """Tolerance as a record; ValueError if the discretisation is stated instead."""
         if isinstance(self.numerics, Tolerance):
             return self.numerics
         raise ValueError(
@@ -161,7 +161,7 @@ class SceneFields:
 
     @property
     def own_bench(self) -> Bench:
-        """The chain on a bench; ValueError if the scene compares a wave instead."""
+        """Chain on a bench; ValueError if the scene compares a wave instead."""
         if self.bench is None:
             raise ValueError(
                 f"scene must be a chain on a bench, got {self.name}, which compares a wave (state "
@@ -171,15 +171,15 @@ class SceneFields:
 
     @cached_property
     def model(self) -> Model:
-        """The constants of the paper's chain."""
+        """Constants of the paper's chain."""
         values = dict(self.constants)
         return Model(*(float(values.get(name, 0.0)) for name in CHAIN_CONSTANTS))
 
     @property
     def form(self) -> ClosedForm:
-        """The closed form that is named or given; a ValueError lists the known names."""
+        """Closed form of the wave; a ValueError for an unknown name lists the known ones."""
         from longwave.solutions import (
-            closed_form,  # scenes are read, listed and shown without formulas
+            closed_form,  # slow import, not needed to read, list or show scenes
         )
 
         if isinstance(self.wave, str):
@@ -188,7 +188,7 @@ class SceneFields:
 
     @property
     def symbolic_lattice(self) -> Lattice:
-        """The lattice in symbols, with its losses; ValueError if its name is not known."""
+        """Lattice in symbols, with its losses; ValueError if its name is unknown."""
         from longwave.derive import LATTICES
         from longwave.derive.lattice_file import lattice_of
 
@@ -203,28 +203,28 @@ class SceneFields:
 
     @property
     def end(self) -> float:
-        """The last time of the run."""
+        """Last time of the run."""
         return self.snapshots[-1]
 
     @property
     def keeps_start(self) -> bool:
-        """Whether what it starts from is one of its snapshots."""
+        """Whether the initial state is one of the snapshots."""
         return bool(self.slow_times) or self.t0 in self.snapshots
 
     def lattice_times(self, slow: int) -> tuple[float, ...]:
-        """The lattice's times, the first of which is the start; ``T = eps**slow t``."""
+        """Return the start and the snapshots in lattice time t, where ``T = eps**slow t``."""
         if self.slow_times:
             return tuple(T / self.eps**slow for T in self.slow_times)
         return (self.t0, *(t for t in self.snapshots if t > self.t0))
 
     def cells_within(self, power: int) -> int:
-        """Cells that are compared on either side, along an axis that is slow as eps^power."""
+        """Return the number of cells compared on either side along an axis with X = eps^power n."""
         if self.half_width is None:
             return self.compared
         return max(1, math.ceil(self.half_width / self.eps**power * (1.0 - ROUNDING)))
 
     def check_compared(self) -> None:
-        """Raise ValueError where no wave is compared but a growth rate measured, or nothing."""
+        """Raise ValueError for a scene without a comparison: a bench, or a growth rate."""
         if self.bench:
             raise ValueError(
                 f"scene must have a wave that the lattice is compared with, got {self.name}, a "
@@ -237,5 +237,5 @@ class SceneFields:
             )
 
     def __getstate__(self) -> dict[str, Any]:
-        """The fields alone: what is computed from them is computed again where it is asked for."""
+        """Return the fields without cached properties."""
         return {entry.name: getattr(self, entry.name) for entry in fields(self)}

@@ -1,23 +1,22 @@
-"""The files of scenes: TOML with a whitelist of keys.
+"""Scene files: TOML with a whitelist of keys.
 
     name, title, lattice, wave, eps, order, t0, snapshots, times, slow_times, compared, half_width,
     observables, curve_points, look_points, tolerance, engine
-    [constants]   the lattice's: numbers, or formulas in text, with eps in it where they are small
-    [parameters]  the wave's: numbers, or texts such as "K/2", "1/3"
-    [long_wave]   amplitude, time (powers of eps), background (a mean strain); all may be left out
+    [constants]   of the lattice: numbers, or formulas in text, which may contain eps
+    [parameters]  of the wave: numbers, or formulas in text such as "K/2", "1/3"
+    [long_wave]   amplitude, time (powers of eps), background (a mean strain); all optional
     [envelope]    k (the carrier's wavenumber, such as "pi/2"), branch
     [disorder]    of, spread, seed, distribution, sites: see `scene_disorder.py`
     [losses]      site, bond: see `losses.py`
     [scheme]      name, step
     [domain]      kind, sites
 
-or, in the place of a wave, the tables of a chain on a bench (`bench.py`).
+A chain on a bench has the tables of `bench.py` instead of a wave.
 
-``lattice`` is a name of the catalogue, the file of a lattice (in the scene's folder), or the
-lattice itself, as a table with the keys of such a file; as a table of K2, K3 and K4 it is the
-paper's chain. Constants that are not stated are as the lattice's file has them. ``compared`` may
-stand in [domain], too. A scene with a tolerance states no step, kind and sites; one without a name
-has that of its file.
+``lattice`` is a name of the catalogue, a lattice's file in the scene's folder, or a table with the
+keys of such a file; a table of K2, K3 and K4 stands for the paper's chain. Constants that are not
+stated are taken from the lattice's file. ``compared`` may also be in [domain]. A scene with a
+tolerance states no step, kind or sites. The default name is that of the file.
 """
 
 from __future__ import annotations
@@ -48,7 +47,7 @@ TOP = (
     *("tolerance", "engine"),
 )
 PAIRS = ("constants", "parameters")
-"""Tables whose keys a lattice or a wave decides."""
+"""Tables whose keys depend on the lattice or the wave."""
 
 TABLES = {
     "long_wave": {"amplitude": "amplitude", "time": "time", "background": "background"},
@@ -56,22 +55,22 @@ TABLES = {
     "scheme": {"name": "scheme", "step": "step"},
     "domain": {"kind": "domain", "sites": "sites", "compared": "compared"},
 }
-"""Their keys, and the fields of a scene that these are."""
+"""Field of a scene for each key of each table."""
 
 LATTICE_KEYS = ("fields", "masses", "positive", "spring", "site", "bond")
-"""Keys of which a table that declares a lattice has one."""
+"""Keys of a table that declares a lattice, which has at least one of them."""
 
-STATED = {"step": "step in [scheme]", "domain": "kind in [domain]", "sites": "sites in [domain]"}
-"""Required unless there is a tolerance."""
+NEEDED = {"step": "step in [scheme]", "domain": "kind in [domain]", "sites": "sites in [domain]"}
+"""Fields required without a tolerance, and their places in a file."""
 
 LARGEST_FILE = 1_000_000
-"""Bytes of a scene's file."""
+"""Maximum size of a scene's file, in bytes."""
 
 
 def read_document(path: str | Path, what: str = "scene") -> Mapping[str, Any]:
-    """The tables of a TOML file, or of the standard input for ``-``; ``what`` it is to be.
+    """Return the tables of a TOML file, or of the standard input for ``-``.
 
-    Raises ValueError, in one line, for what is none.
+    Raises ValueError in one line for a file that cannot be read; ``what`` names its kind there.
     """
     try:
         return read_toml(path, what, LARGEST_FILE)
@@ -83,32 +82,32 @@ def read_document(path: str | Path, what: str = "scene") -> Mapping[str, Any]:
 
 
 def in_one_spelling(document: Mapping[str, Any]) -> dict[str, Any]:
-    """The tables with the paper's chain by its name.
+    """Return the tables with the paper's chain by name and ``compared`` at the top.
 
     >>> in_one_spelling({"lattice": {"K2": 1, "K4": 2}, "domain": {"compared": 9}})
     {'lattice': 'fput_strain', 'constants': {'K2': 1, 'K4': 2}, 'compared': 9}
     """
-    found = dict(document)
-    lattice = found.get("lattice")
+    tables = dict(document)
+    lattice = tables.get("lattice")
     if isinstance(lattice, Mapping) and not any(key in lattice for key in LATTICE_KEYS):
         refuse_unknown(lattice, CHAIN_CONSTANTS, " in [lattice]")
         if table(document, "constants"):
             raise ValueError(
                 "K2, K3 and K4 must be in [constants] or in [lattice], got both (leave one out)"
             )
-        found |= {"lattice": CHAIN, "constants": dict(lattice)}
-    domain = found.get("domain")
+        tables |= {"lattice": CHAIN, "constants": dict(lattice)}
+    domain = tables.get("domain")
     if isinstance(domain, Mapping) and "compared" in domain:
-        if "compared" in found:
+        if "compared" in tables:
             raise ValueError("compared must be given once, got it in [domain], too (leave one out)")
         rest = {key: value for key, value in domain.items() if key != "compared"}
-        found.pop("domain")
-        found |= ({"domain": rest} if rest else {}) | {"compared": domain["compared"]}
-    return found
+        tables.pop("domain")
+        tables |= ({"domain": rest} if rest else {}) | {"compared": domain["compared"]}
+    return tables
 
 
 def scene_fields(given: Mapping[str, Any], folder: Path = Path()) -> dict[str, Any]:
-    """The keywords of `Scene.of` for a parsed document; files are looked for in ``folder``.
+    """Return the keywords of `Scene.of` for a parsed document; files are looked up in ``folder``.
 
     >>> scene_fields({"colour": 3})
     Traceback (most recent call last):
@@ -128,36 +127,39 @@ def scene_fields(given: Mapping[str, Any], folder: Path = Path()) -> dict[str, A
                 f"[{name}])"
             )
     refuse_unknown(document, known)
-    found = {key: document[key] for key in TOP if key in document}
-    found |= with_columns({key: document[key] for key in BENCH_TABLES if key in document}, folder)
-    found |= _lattice(document.get("lattice"), folder)
-    found |= {name: tuple(table(document, name).items()) for name in PAIRS}
-    measured = table(found["declared"].tables, "constants") if "declared" in found else {}
-    found["constants"] = tuple({**measured, **dict(found["constants"])}.items())
+    keywords = {key: document[key] for key in TOP if key in document}
+    keywords |= with_columns(
+        {key: document[key] for key in BENCH_TABLES if key in document}, folder
+    )
+    keywords |= _lattice(document.get("lattice"), folder)
+    keywords |= {name: tuple(table(document, name).items()) for name in PAIRS}
+    declared = keywords.get("declared")
+    of_lattice = table(declared.tables, "constants") if declared else {}
+    keywords["constants"] = tuple({**of_lattice, **dict(keywords["constants"])}.items())
     for name, fields in TABLES.items():
         entries = table(document, name)
         refuse_unknown(entries, fields, f" in [{name}]")
-        found |= {fields[key]: value for key, value in entries.items()}
+        keywords |= {fields[key]: value for key, value in entries.items()}
     if "losses" in document:
-        found["losses"] = table(document, "losses")
+        keywords["losses"] = table(document, "losses")
     if "disorder" in document:
-        found["disorder"] = Disorder.of_pairs(table(document, "disorder"))
-    if "envelope" in document and found.get("carrier", "") == "":
+        keywords["disorder"] = Disorder.of_pairs(table(document, "disorder"))
+    if "envelope" in document and keywords.get("carrier", "") == "":
         raise ValueError('k in [envelope] must be stated, got nothing (such as k = "pi/2")')
     if "long_wave" in document and "envelope" in document:
         raise ValueError("[long_wave] must not be given with [envelope], got both (leave one)")
-    if "tolerance" not in found and found.keys() & {"chain", "start"}:
+    if "tolerance" not in keywords and keywords.keys() & {"chain", "start"}:
         raise ValueError(
-            "tolerance must be stated, got nothing (of what is watched, such as tolerance = 1e-8)"
+            "tolerance must be stated, got nothing (such as tolerance = 1e-8, for the observables)"
         )
-    missing = [where for key, where in STATED.items() if key not in found]
-    if missing and "tolerance" not in found:
+    missing = [where for key, where in NEEDED.items() if key not in keywords]
+    if missing and "tolerance" not in keywords:
         raise ValueError(f"{missing[0]} must be stated, got nothing (state it or a tolerance)")
-    return found
+    return keywords
 
 
 def _lattice(given: object, folder: Path) -> dict[str, Any]:
-    """The lattice by name, or as its name and its declaration."""
+    """Return the keywords for a lattice given by name, file or table."""
     if isinstance(given, Mapping):
         return _declaration(given, "lattice")
     if not isinstance(given, str):
@@ -176,7 +178,7 @@ def _lattice(given: object, folder: Path) -> dict[str, Any]:
 
 
 def lattice_keywords(given: object) -> dict[str, Any]:
-    """The keywords of `Scene.of` for a `derive.Lattice`, or for the tables of a lattice's file.
+    """Return the keywords of `Scene.of` for a `derive.Lattice`, or a lattice file's tables.
 
     >>> from longwave.derive import LATTICES
     >>> lattice_keywords(LATTICES["toda"])
@@ -184,7 +186,7 @@ def lattice_keywords(given: object) -> dict[str, Any]:
     """
     if isinstance(given, Mapping):
         return _declaration(given, "lattice")
-    from longwave.derive import LATTICES, Lattice  # scenes are read without SymPy
+    from longwave.derive import LATTICES, Lattice  # slow import
     from longwave.derive.lattice_file import document_of_lattice
 
     if not isinstance(given, Lattice):
@@ -197,43 +199,42 @@ def lattice_keywords(given: object) -> dict[str, Any]:
 
 
 def _declaration(document: Mapping[str, Any], name: str) -> dict[str, Any]:
-    """The lattice's name, and what else its tables say."""
-    found = dict(document)
-    called = found.pop("name", name)
-    text("name in [lattice]", called)
-    return {"lattice": called, "declared": StatedTables(found, "lattice")}
+    """Return the keywords for a declared lattice; ``name`` is used if its tables have none."""
+    tables = dict(document)
+    lattice_name = tables.pop("name", name)
+    text("name in [lattice]", lattice_name)
+    return {"lattice": lattice_name, "declared": StatedTables(tables, "lattice")}
 
 
 def document_of(given: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the document that `scene_fields` reads as these keywords of a scene.
+    """Return the tables from which `scene_fields` reads these keywords of a scene.
 
     >>> document_of({"wave": "kink", "constants": [["K2", 1]], "step": None, "sites": 8})
     {'lattice': 'fput_strain', 'wave': 'kink', 'constants': {'K2': 1}, 'domain': {'sites': 8}}
     """
     given = {"lattice": CHAIN} | {k: v for k, v in given.items() if v is not None}
-    found = {key: given[key] for key in TOP if key in given}
+    document = {key: given[key] for key in TOP if key in given}
     if "declared" in given:
-        found["lattice"] = {"name": given["lattice"], **given["declared"].tables}
-    found |= {name: dict(given[name]) for name in PAIRS if name in given}
-    found |= {"disorder": dict(given["disorder"].pairs)} if "disorder" in given else {}
-    found |= {"losses": given["losses"].table} if "losses" in given else {}
-    found |= given["bench"].stated.tables if "bench" in given else {}
+        document["lattice"] = {"name": given["lattice"], **given["declared"].tables}
+    document |= {name: dict(given[name]) for name in PAIRS if name in given}
+    document |= {"disorder": dict(given["disorder"].pairs)} if "disorder" in given else {}
+    document |= {"losses": given["losses"].table} if "losses" in given else {}
+    document |= given["bench"].stated.tables if "bench" in given else {}
     for name, fields in TABLES.items():
         entries = {k: given[field] for k, field in fields.items() if field in given}
         entries.pop("compared", None)
-        found |= {name: entries} if entries else {}
-    return found
+        document |= {name: entries} if entries else {}
+    return document
 
 
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
 
 
 def toml_text(document: Mapping[str, object]) -> str:
-    """The document as TOML: values first, then its tables, each with all that is in it inline.
+    """Return the document as TOML: values first, then tables, whose inner tables are inline.
 
-    Reading gives the same tables: numbers to the last bit.
-
-    A value is a text, a truth value, a number, a list or a table; ValueError for any other.
+    Reading gives equal tables, with numbers equal to the last bit. Values are texts, truth values,
+    numbers, lists or tables; ValueError for any other.
 
     >>> print(toml_text({"wave": "kink", "lattice": {"K2": 0.1}, "times": [0, 1e-5]}), end="")
     wave = "kink"
@@ -277,5 +278,5 @@ def _value(value: object) -> str:
 
 
 def _text(text: str) -> str:
-    """A text in quotes; JSON writes what TOML reads, but for one sign that steers terminals."""
+    """Return a text in quotes: as in JSON, but TOML also requires DEL to be escaped."""
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")

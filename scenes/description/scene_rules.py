@@ -1,6 +1,6 @@
-"""What goes together in a scene: rules that ask more than one of its fields.
+"""Rules between several fields of a scene.
 
-Each raises ValueError in one line: argument, condition, value, remedy.
+Each check raises ValueError in one line: argument, condition, value, remedy.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ if TYPE_CHECKING:
     from longwave.scenes.description.scene_fields import SceneFields
 
 LARGEST_EPS = 1.0
-"""A parameter that is not small is a mistake in its unit."""
+"""Largest eps accepted; a larger one is likely a mistake of units."""
 
 
 def check_moving_wave(scene: SceneFields) -> None:
-    """Refuse numerics that do not go with what is asked for."""
+    """Raise ValueError for numerics, observables or times that a moving wave does not admit."""
     numerics = scene.numerics
     if isinstance(numerics, Discretisation):
         check.enough_steps(numerics.step, scene.end - scene.t0)
@@ -30,7 +30,7 @@ def check_moving_wave(scene: SceneFields) -> None:
 
 
 def check_eps(given: object) -> float:
-    """The value as a float, if it is small and positive."""
+    """Return eps as a float; ValueError unless it is positive and at most `LARGEST_EPS`."""
     eps = check.positive("eps", given)
     if eps > LARGEST_EPS:
         raise ValueError(
@@ -41,7 +41,7 @@ def check_eps(given: object) -> float:
 
 
 def check_any_lattice(scene: SceneFields) -> None:
-    """Refuse what is there for mKdV waves on the paper's chain alone."""
+    """Raise ValueError for fields that only mKdV waves on the paper's chain may have."""
     if not isinstance(scene.wave, str):
         raise ValueError(
             f"wave must be the name of a closed form on {scene.lattice}, got {scene.wave.name}, "
@@ -58,13 +58,13 @@ def check_any_lattice(scene: SceneFields) -> None:
 
 
 def _check_numerics(scene: SceneFields) -> None:
-    """Refuse domains and engines that are there for mKdV waves on the paper's chain alone."""
+    """Raise ValueError for domains and engines that the scene's wave does not admit."""
     numerics = scene.numerics
     if isinstance(numerics, Discretisation):
-        same = not (scene.is_envelope or scene.disorder or scene.losses)
+        may_move = not (scene.is_envelope or scene.disorder or scene.losses)
         known = entries.table(DomainRules)
-        domains = [name for name, one in known.items() if not (one.moves or one.ends_meet)]
-        domains += [name for name, one in known.items() if one.moves and same]
+        domains = [name for name, rule in known.items() if not (rule.moves or rule.ends_meet)]
+        domains += [name for name, rule in known.items() if rule.moves and may_move]
         if numerics.domain not in domains or scene.is_growth:
             raise ValueError(
                 f"domain must be {' or '.join(map(repr, domains))} for {scene.wave} on "
@@ -80,8 +80,8 @@ def _check_numerics(scene: SceneFields) -> None:
         )
     elif not numerics.steps_cells and "state" in scene.observables:
         raise ValueError(
-            f"engine must be 'stencil' for state, got {numerics.engine!r} (it has no sites to go "
-            "on with)"
+            f"engine must be 'stencil' for state, got {numerics.engine!r} (it has no sites to "
+            "resume from)"
         )
     elif numerics.scheme and scene.is_growth:
         raise ValueError(
@@ -91,9 +91,9 @@ def _check_numerics(scene: SceneFields) -> None:
 
 
 def _check_losses(scene: SceneFields) -> None:
-    """Refuse losses where no theory has them."""
+    """Raise ValueError for losses in a scene whose theory does not include them."""
     for word, is_given, why in (
-        ("disorder", scene.disorder, "what scatters and what is lost would not be told apart"),
+        ("disorder", scene.disorder, "scattering and losses could not be distinguished"),
         ("an envelope", scene.is_envelope, "its waves have no closed form with losses"),
         ("order corrected", scene.order == "corrected", "take slaved"),
     ):
@@ -102,21 +102,22 @@ def _check_losses(scene: SceneFields) -> None:
 
 
 def check_observables(scene: SceneFields) -> None:
-    """Refuse observables that do not go with how a scene is computed."""
+    """Raise ValueError for observables that the scene's numerics do not admit."""
     if scene.is_growth and scene.observables != scene.start.observables:
         raise ValueError(
             f"observables must not be given with the wave {scene.wave_name}, got "
-            f"{', '.join(scene.observables)} (its {scene.start.measured} is what is measured)"
+            f"{', '.join(scene.observables)} (only its {scene.start.measured} is measured)"
         )
     numerics = scene.numerics
     for name in scene.observables:
-        asked = observable_named(name)
-        if isinstance(numerics, Tolerance) and asked.measured_at == "refinement":
-            raise ValueError(
-                f"observables must have no refinement with a tolerance, got {name} "
-                "(leave it out: the run reports an estimate of its own)"
-            )
-        if asked.needs_ring and isinstance(numerics, Discretisation) and numerics.rules.moves:
+        observable = observable_named(name)
+        if isinstance(numerics, Tolerance):
+            if observable.measured_at == "refinement":
+                raise ValueError(
+                    f"observables must have no refinement with a tolerance, got {name} "
+                    "(leave it out: the run reports an estimate of its own)"
+                )
+        elif observable.needs_ring and numerics.rules.moves:
             raise ValueError(
                 f"domain must be 'ring' for {name}, got {numerics.domain!r} (a {numerics.domain} "
                 "drops sites)"

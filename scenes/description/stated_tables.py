@@ -1,4 +1,4 @@
-"""Tables of a scene's file whose keys another room reads, kept as they were stated."""
+"""Tables of a scene's file as they were stated, for keys that other modules interpret."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ import numpy as np
 
 
 class StatedTables:
-    """Tables that are equal, and hashed alike, if they say the same in the same order.
+    """Hashable tables; they are equal if their entries are, in the same order.
 
-    Raises ValueError in one line for values that JSON does not have; ``what`` names the tables in
-    that message.
+    Raises ValueError in one line for values that JSON cannot represent; ``what`` names the tables
+    in the message.
 
     >>> StatedTables({"sites": 8}) == StatedTables({"sites": 8}), StatedTables({"sites": 8}).json
     (True, '{"sites": 8}')
@@ -30,9 +30,9 @@ class StatedTables:
 
     @cached_property
     def tables(self) -> dict[str, Any]:
-        """The tables; not to be changed."""
-        found: dict[str, Any] = json.loads(self.json)
-        return found
+        """Tables as a dict; do not modify it."""
+        tables: dict[str, Any] = json.loads(self.json)
+        return tables
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, StatedTables) and self.json == other.json

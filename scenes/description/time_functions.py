@@ -22,27 +22,27 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Smooth: TypeAlias = "ForceProgram | Samples"
-"""A function of an array of times that has a slope."""
+"""Function of an array of times, with a slope."""
 
 DEGREE = 5
-"""Of the spline through measured values: its first four derivatives have no jumps, and a scheme of
-order 6 keeps its order (of order 4 with a cubic spline, of order 3 with one that is monotone)."""
+"""Degree of the spline through measured values. Its first four derivatives are continuous, so a
+scheme of order 6 keeps its order; a cubic spline gives order 4, a monotone one order 3."""
 
 OUTSIDE = 0.5
-"""Share of the range of measured values by which a spline may leave it: between values that follow
-what they are measured of it does by a few hundredths."""
+"""Fraction of the range of measured values by which a spline may exceed it; between values sampled
+densely enough it does by a few hundredths."""
 
 
 @dataclass(frozen=True)
 class Samples:
-    """Values at increasing times, and between them the spline of degree `DEGREE` through them."""
+    """Values at increasing times, interpolated by a spline of degree `DEGREE`."""
 
     times: tuple[float, ...]
     values: tuple[float, ...]
 
     @classmethod
     def of(cls, label: str, given: Mapping[str, Any]) -> Samples:
-        """From a table of lists ``t`` and ``value``; ValueError in one line for what is none.
+        """Return samples from lists ``t`` and ``value``; ValueError in one line for other tables.
 
         >>> samples = Samples.of("value", {"t": range(7), "value": [0, 1, 4, 9, 16, 25, 36]})
         >>> round(float(samples(np.array(2.5))), 12), round(float(samples.slope(np.array(2.5))), 12)
@@ -68,23 +68,24 @@ class Samples:
 
     @cached_property
     def _spline(self) -> BSpline:
-        """The spline; ValueError where it leaves the range of the values far between them."""
+        """Spline through the values; ValueError if it leaves their range by over `OUTSIDE`."""
         from scipy.interpolate import make_interp_spline
 
-        found: BSpline = make_interp_spline(self.times, self.values, k=DEGREE)
+        spline: BSpline = make_interp_spline(self.times, self.values, k=DEGREE)
         rows = np.arange(8 * len(self.times)) / 8
         times = np.interp(rows, np.arange(len(self.times)), self.times)
-        beyond = np.abs(found(times) - np.clip(found(times), min(self.values), max(self.values)))
+        values = spline(times)
+        beyond = np.abs(values - np.clip(values, min(self.values), max(self.values)))
         allowed = OUTSIDE * np.ptp(self.values) + ROUNDING * max(map(abs, self.values))
         if not beyond.max() <= allowed:
             raise ValueError(
                 "measured values must be dense and even, got a spline that leaves their range by "
                 f"{beyond.max():.2g} at t = {times[beyond.argmax()]:g} (measure more often there)"
             )
-        return found
+        return spline
 
     def __call__(self, times: Array, /) -> Array:
-        """The values at these times; ValueError outside those of the table."""
+        """Return the values at these times; ValueError for times outside the table."""
         first, last = self.times[0], self.times[-1]
         room = 1e-9 * (last - first)
         if not first - room <= np.min(times) <= np.max(times) <= last + room:
@@ -95,14 +96,15 @@ class Samples:
         return np.asarray(self._spline(times))
 
     def slope(self, times: Array, /) -> Array:
-        """Their derivatives in time."""
+        """Return the time derivatives at these times."""
         return np.asarray(self._spline(times, 1))
 
 
 def time_function(label: str, given: object) -> Smooth:
-    """A formula in t, read with the whitelist of forces, or a table of ``t`` and ``value``.
+    """Return a drive as a function of an array of times.
 
-    As a function of an array of times.
+    A drive is a formula in t, with the functions allowed in forces, or a table of ``t`` and
+    ``value``. Raises ValueError in one line for anything else.
 
     >>> time_function("value", "0.3*cos(0.9*t)")(np.array([0.0]))
     array([0.3])
@@ -119,7 +121,7 @@ def time_function(label: str, given: object) -> Smooth:
     formula = time_formula(label, given)
     if formula.has(Abs, sign):
         raise ValueError(
-            f"{label} must have a slope without jumps, got {shown(given)}, which turns at a corner "
+            f"{label} must have a slope without jumps, got {shown(given)}, which has a corner "
             "(round it: sqrt((t - 5)**2 + 1/10**6))"
         )
     return program_of(formula)

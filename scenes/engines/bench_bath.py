@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.stats import t as student
 
 from longwave.lattice.state import State
-from longwave.scenes.description.bench import OF_MEANS
+from longwave.scenes.description.bench import MEAN_SUFFIXES
 from longwave.scenes.engines.bench_readings import BenchReadings, bench_and_chain
 from longwave.support.checkpoint import begin_loop
 from longwave.support.request_limits import ExpectedCost, check_request
@@ -294,7 +294,7 @@ def record_means(
 
 def _means_record(bath: Bath, means: Means, tolerance: float, seconds: float) -> RunRecord:
     """Return the record of the means, with their intervals and the spread of single runs."""
-    error, spread = OF_MEANS
+    error, spread = MEAN_SUFFIXES
     half = means.by_chance + means.by_steps
     prefix = f"half of the {CONFIDENCE:.0%} interval of the "
     variables = bath.readings.variables(means.mean, meaning="mean ")

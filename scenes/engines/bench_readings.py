@@ -18,10 +18,10 @@ from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines.run_record import RunRecord
 from longwave.scenes.starts.bench_chain import (
     Moment,
+    bench_variables,
     chain_on_bench,
+    energy_cuts,
     start_on_bench,
-    watched,
-    watched_cuts,
 )
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ class BenchReadings:
     def __init__(self, scene: Scene, bench: Bench, chain: DrivenChain) -> None:
         self.bench, self.chain, self.scene = bench, chain, scene
         self.times = reading_times(scene, bench)
-        self.watched = list(watched(bench, chain))
+        self.outputs = list(bench_variables(bench, chain))
         scheme = scheme_named(scene.target.scheme) if scene.target.scheme else REDUCED_PHASE_6
         start = chain.with_walls(start_on_bench(bench, chain, scene.t0))
         self.engine = CellEngine(
@@ -76,7 +76,7 @@ class BenchReadings:
             scheme,
             StateComparison(self.read),
             stored_times=self.times[:0],
-            cuts=watched_cuts(bench, chain),
+            cuts=energy_cuts(bench, chain),
             tolerance=scene.target.tolerance,
         )
         self.sizes = [part.shape for part in self._parts(start, self.engine.balance(start))]
@@ -84,7 +84,7 @@ class BenchReadings:
     def _parts(self, state: State, balance: EnergyBalance | None) -> list[Array]:
         flows = () if balance is None else (balance.total, balance.rate)
         now = Moment(self.chain, *state.arrays, *flows)
-        return [np.asarray(one.read(now)) for one in self.watched]
+        return [np.asarray(one.read(now)) for one in self.outputs]
 
     def read(self, state: State, balance: EnergyBalance | None = None) -> Array:
         """Return all readings of a state, flattened into one array."""
@@ -98,7 +98,7 @@ class BenchReadings:
         variables: Variables = {}
         splits = np.cumsum([math.prod(size) for size in self.sizes])[:-1]
         parts = np.split(readings, splits, axis=1)
-        for one, size, part in zip(self.watched, self.sizes, parts, strict=True):
+        for one, size, part in zip(self.outputs, self.sizes, parts, strict=True):
             values = part.reshape(len(part), *size)
             dimensions = one.dimensions
             if dimensions[1:] and size[-1] == 1:

@@ -16,7 +16,7 @@ from longwave.scenes.description.scene_checks import MOST_STEPS
 from longwave.scenes.engines.bench_readings import BenchReadings, bench_and_chain, reading_times
 from longwave.scenes.engines.ring_cost import USUAL_RUNS, search_cost
 from longwave.scenes.engines.run_record import RunRecord, add_error_estimate, refine_scene
-from longwave.scenes.starts.bench_chain import watched_cuts
+from longwave.scenes.starts.bench_chain import energy_cuts
 from longwave.support.request_limits import OverBudgetError, check_request
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ def scene_cost(scene: Scene) -> ExpectedCost:
         )
     readings = times.size * max(1, len(bench.sensed)) * max(1, len(bench.sensors))
     cost = search_cost(chain, bench.sites, steps, REDUCED_PHASE_6.stages, float(readings))
-    balance = steps * BALANCE_SECONDS if watched_cuts(bench, chain) is not None else 0.0
+    balance = steps * BALANCE_SECONDS if energy_cuts(bench, chain) is not None else 0.0
     reading = times.size * READING_SECONDS
     return replace(cost, seconds=cost.seconds + USUAL_RUNS * (reading + balance))
 

@@ -51,13 +51,12 @@ follows the scheme's order to within a tenth; at 4.7 the amplitude error changes
 WIDER = 64
 """Additional cells along each axis on the ring of a control run."""
 
-GROWN = 0.05
+STRAIN_GROWTH = 0.05
 """Fraction by which a lattice's strains may exceed those of the wave. Larger strains occur on few
 cells and for a short time, so their faster signals do not travel far."""
 
-AROUND = 32
+OUTER_CELLS = 32
 """Cells beyond the compared ones that are inspected for growth of rounding errors."""
-
 
 MARGIN = 64
 """Sites that a window leaves for a signal's dispersive front, beyond the distance that sound
@@ -72,8 +71,7 @@ SIZE_MULTIPLE = 64
 STRIDE = 64
 """Maximum number of cells by which a window moves at once."""
 
-
-WATCHED = 8
+CHECKED_CELLS = 8
 """Number of cells next to the fed ones in which feed and lattice are compared."""
 
 
@@ -97,7 +95,7 @@ def least_window(reach: int, ratio: float = 1.0) -> int:
 
     ``ratio`` is the speed of the fastest signal over that of the window.
     """
-    return 2 * (reach + max(2 * (STRIDE + MARGIN), fed_cells(STRIDE + 1, ratio) + WATCHED))
+    return 2 * (reach + max(2 * (STRIDE + MARGIN), fed_cells(STRIDE + 1, ratio) + CHECKED_CELLS))
 
 
 def round_up(sites: float) -> int:
@@ -140,7 +138,7 @@ class ComparedCells:
             ends.append((low - wider // 2, high + wider - wider // 2))
         return ends
 
-    def places(self, ring: Sequence[Ends], t: float, beyond: int = 0) -> tuple[slice, ...]:
+    def slices(self, ring: Sequence[Ends], t: float, beyond: int = 0) -> tuple[slice, ...]:
         """Return the slices of the compared cells on a ring, one an axis.
 
         ``ring`` holds the ring's first and last cell along each axis; ``beyond`` cells are added
@@ -167,7 +165,7 @@ def _grid(ends: Sequence[Ends]) -> Array:
     return axes[0] if len(axes) == 1 else np.stack(np.meshgrid(*axes, indexing="ij"))
 
 
-def sites_of(ends: Sequence[Ends]) -> int:
+def count_cells(ends: Sequence[Ends]) -> int:
     """Return the number of cells of a ring with these ends."""
     return math.prod(high - low + 1 for low, high in ends)
 
@@ -226,7 +224,7 @@ def _window_size(
     reach = max(float(compared.reach[0]), -low, high)
     drift = max(0.0, fastest - wave.speed) * (times[-1] - times[0])
     size = round_up(least_window(math.ceil(reach + drift), fastest / wave.speed))
-    return size if size < sites_of(compared.ring(times, signals, 0)) else None
+    return size if size < count_cells(compared.ring(times, signals, 0)) else None
 
 
 def _cost(
@@ -240,38 +238,38 @@ def _cost(
 ) -> tuple[float, ExpectedCost]:
     """Return the number of cells of the widest ring, or of the window, and the search's cost."""
     more = WIDER + 2 * (wave.lattice.spread_within(times[-1] - times[0]) + room)
-    cells = float(window or sites_of(compared.ring(times, signals, more)))
+    cells = float(window or count_cells(compared.ring(times, signals, more)))
     shortest = max(
         fastest / (LIMIT_SHARE * stability_limit(SCHEME)),
         1.0 / (DRIVEN_SHARE * wave.lattice.driven_within(times[0], times[:2][-1])),
     )
     steps = (times[-1] - times[0]) * shortest
     values = math.prod(2.0 * reach + 1.0 for reach in compared.reach) * len(times)
-    part = part_of(wave, compared, times, signals)
+    part = representative_cells(wave, compared, times, signals)
     share = 1.0
     if part is not None and window is None:
         values *= SHOWN
-        share = sites_of(part.ring(times, signals, WIDER)) / cells + 1.0 / USUAL_RUNS
+        share = count_cells(part.ring(times, signals, WIDER)) / cells + 1.0 / USUAL_RUNS
     cost = search_cost(wave.lattice, cells, steps * share, SCHEME.stages, values)
     return cells, replace(cost, steps=steps)
 
 
-FITTING = 64
+MOST_ADDED = 64
 """Maximum number of cells added to a ring so that a periodic wave closes on it; a wavelength if
 that is more."""
 
-MOST_FITTING = 4096
+MOST_SIZES = 4096
 """Maximum number of ring sizes tried for a periodic wave to close on the ring."""
 
-CLOSED, BESIDE = 1e-6, 4
+SEAM_TOLERANCE, SEAM_CELLS = 1e-6, 4
 """Largest relative mismatch of a carrier at a closed seam, and the number of cells on either side
 of the seam in which it is measured."""
 
-REPEATED = 100.0
+REPEAT_DISTANCE = 100.0
 """Distance in X on either side of the frame after which an infinite wave repeats its behaviour."""
 
 
-def part_of(
+def representative_cells(
     wave: LatticeWave, compared: ComparedCells, times: Sequence[float], signals: Sequence[float]
 ) -> ComparedCells | None:
     """Return compared cells that represent all those of a large chain; None if there are none.
@@ -282,27 +280,28 @@ def part_of(
     if others or 2 * reach < LARGE or wave.disorder is not None:
         return None
     ends = wave.support(times[0])
-    reached = REPEATED / wave.eps
+    reach_of_wave = REPEAT_DISTANCE / wave.eps
     if math.isfinite(ends[1] - ends[0]):
-        reached = max(
+        reach_of_wave = max(
             abs(end - wave.speed * t) + _signal(signals[0], t - times[0])
             for end in ends
             for t in times
         )
     elif wave.watches_strains:
         low, high = wave.extent(times, PART_TOLERANCE)
-        travelled = _signal(wave.speed + signals[0], times[-1] - times[0])
-        reached = max(reached, PERIODS * wave.seam_room(times[0]))
-        reached += max(0.0, -low, high) + travelled
-    part = math.ceil(reached)
-    return replace(compared, reach=(part,)) if SHARE * part <= reach else None
+        path = _signal(wave.speed + signals[0], times[-1] - times[0])
+        reach_of_wave = max(reach_of_wave, PERIODS * wave.seam_room(times[0]))
+        reach_of_wave += max(0.0, -low, high) + path
+    cells = math.ceil(reach_of_wave)
+    return replace(compared, reach=(cells,)) if SHARE * cells <= reach else None
 
 
 PART_TOLERANCE = 1e-6
-"""Deviation from a periodic background above which a cell belongs to the wave, in `part_of`."""
+"""Deviation from a periodic background above which a cell belongs to the wave, in
+`representative_cells`."""
 
 PERIODS = 20
-"""Wavelengths of a periodic background that a representative part contains at least."""
+"""Minimum number of wavelengths of a periodic background among representative cells."""
 
 
 class DomainPlan:
@@ -335,12 +334,12 @@ class DomainPlan:
         self._check_cost(lattice.highest_frequency(rest), _signal_speeds(lattice, rest))
         near = wave.ring(compared.cells(self.times[0]), self.times[0])
         stiffest = [stiffest_slopes(near)]
-        met = wave.stretch_range(self.times)
-        if met is None:
-            stiffest += map(stiffest_slopes, self._beside())
+        stretches = wave.stretch_range(self.times)
+        if stretches is None:
+            stiffest += map(stiffest_slopes, self._whole_wave())
         else:
-            met = (1.0 + GROWN) * met
-            stiffest.append([lattice.steepest(place, met) for place in range(len(rest))])
+            stretches = (1.0 + STRAIN_GROWTH) * stretches
+            stiffest.append([lattice.steepest(i, stretches) for i in range(len(rest))])
         slopes = np.max(stiffest, axis=0).tolist()
         self.signals = [
             max(pair)
@@ -369,7 +368,7 @@ class DomainPlan:
                 "take a larger eps, end earlier or compare fewer cells",
             )
 
-    def _beside(self) -> Iterator[InitialCells]:
+    def _whole_wave(self) -> Iterator[InitialCells]:
         """Yield the initial data of the whole wave on a chain, piece by piece.
 
         A soliton that starts outside the compared cells may be faster than any signal inside them
@@ -406,54 +405,57 @@ class DomainPlan:
         For an infinite periodic wave a few more cells are added, so that it closes on the ring.
         """
         if self._fills_line and wider not in self._fitting:
-            most = max(FITTING, self.room)
-            tried = np.unique(np.linspace(0.0, most - 1.0, min(most, MOST_FITTING)).astype(int))
-            gaps = self.gaps([self.plain_ends(wider + more)[0] for more in tried.tolist()])
-            closed = np.flatnonzero(gaps <= CLOSED)
-            self._fitting[wider] = int(tried[closed[0] if closed.size else np.argmin(gaps)])
+            most = max(MOST_ADDED, self.room)
+            tried = np.unique(np.linspace(0.0, most - 1.0, min(most, MOST_SIZES)).astype(int))
+            rings = [self.plain_ends(wider + more)[0] for more in tried.tolist()]
+            mismatches = self.seam_mismatch(rings)
+            closed = np.flatnonzero(mismatches <= SEAM_TOLERANCE)
+            self._fitting[wider] = int(tried[closed[0] if closed.size else np.argmin(mismatches)])
         return self.plain_ends(wider + self._fitting.get(wider, 0))
 
     @property
     def _fills_line(self) -> bool:
         """Whether the wave is an infinite periodic wave on a chain."""
         wave = self.wave
-        filled = math.isinf(max(map(abs, wave.support(self.times[0]))))
+        is_infinite = math.isinf(max(map(abs, wave.support(self.times[0]))))
         is_periodic = wave.frequency or self.room
-        return bool(filled and is_periodic and wave.lattice.dimension == 1)
+        return bool(is_infinite and is_periodic and wave.lattice.dimension == 1)
 
-    def gaps(self, domains: Sequence[Ends]) -> Array:
+    def seam_mismatch(self, rings: Sequence[Ends]) -> Array:
         """Return the carrier's mismatch at the seam of each ring, relative to its amplitude."""
-        near = np.arange(-BESIDE, BESIDE + 1)
+        near = np.arange(-SEAM_CELLS, SEAM_CELLS + 1)
         sides = []
         for firsts in (
-            np.array([low for low, _ in domains]),
-            np.array([high + 1 for _, high in domains]),
+            np.array([low for low, _ in rings]),
+            np.array([high + 1 for _, high in rings]),
         ):
-            cells = np.arange(firsts.min() - BESIDE, firsts.max() + BESIDE + 1)
+            cells = np.arange(firsts.min() - SEAM_CELLS, firsts.max() + SEAM_CELLS + 1)
             f, v = self.wave.state(cells.astype(np.float64), self.times[0])
             indices = firsts[:, np.newaxis] + near - cells[0]
             sides.append(
-                np.concatenate([np.diff(f[:, indices]), v[:, indices] / self.wave.turn], axis=2)
+                np.concatenate(
+                    [np.diff(f[:, indices]), v[:, indices] / self.wave.rate_unit], axis=2
+                )
             )
         size = max(float(np.max(np.abs(sides[0]))), 1e-300)
         return np.asarray(np.abs(sides[0] - sides[1]).max(axis=(0, 2)) / size)
 
-    def located(self, found: BlowUp, ends: Sequence[Ends]) -> BlowUp:
+    def with_seam_distance(self, blow_up: BlowUp, ends: Sequence[Ends]) -> BlowUp:
         """Return a blow-up with its distance from an open seam, if the seam can have caused it.
 
         The distance is left out if no signal from the seam can have arrived in time.
         """
         if len(ends) > 1 or not self._is_open(ends):
-            return found
+            return blow_up
         [(low, high)] = ends
-        distance = min(found.site - low, high - found.site)
-        reach = 2 * self.room + _signal(self.signals[0], found.t - self.times[0])
-        return replace(found, from_seam=distance) if distance <= reach else found
+        distance = min(blow_up.site - low, high - blow_up.site)
+        reach = 2 * self.room + _signal(self.signals[0], blow_up.t - self.times[0])
+        return replace(blow_up, from_seam=distance) if distance <= reach else blow_up
 
     def _is_open(self, ends: Sequence[Ends]) -> bool:
         """Whether a chain's ring has a seam at which the wave does not close."""
         if self.wave.frequency and self._fills_line:
-            return bool(self.gaps(ends)[0] > CLOSED)
+            return bool(self.seam_mismatch(ends)[0] > SEAM_TOLERANCE)
         return not self.room and self.wave.seam_room(self.times[0]) > 0
 
     def plain_ends(self, wider: int) -> list[Ends]:
@@ -466,7 +468,7 @@ class DomainPlan:
 
     def ring(self, ends: Sequence[Ends]) -> InitialCells:
         """Return the wave's initial data on the ring with these ends, blended at its seam."""
-        return self.wave.closed(self.wave.ring(_grid(ends), self.times[0]), self.room)
+        return self.wave.closed_ring(self.wave.ring(_grid(ends), self.times[0]), self.room)
 
     def fading(self) -> Fading | None:
         """Return the damping of cells that can no longer affect a compared one; None without it."""
@@ -484,10 +486,11 @@ class DomainPlan:
         """
         cells, reach = ring.f.shape[-1], self.wave.lattice.reach
         if ring.cells.ndim > 1 or cells <= PIECE:
-            return _largest(self.wave.seen(ring.f, ring.v, ring.mean_strain))
+            return _largest(self.wave.values_and_rates(ring.f, ring.v, ring.mean_strain))
         ends = [*range(reach, cells - reach, PIECE), cells - reach]
+        arrays = ring.f, ring.v, ring.mean_strain
         pieces = [
-            _largest(self.wave.seen_at(ring.f, ring.v, ring.mean_strain, (slice(first, last),)))
+            _largest(self.wave.values_and_rates_at(*arrays, (slice(first, last),)))
             for first, last in itertools.pairwise(ends)
         ]
         return np.asarray(np.max(pieces, axis=0))
@@ -516,7 +519,7 @@ def check_rest(lattice: NumericLattice, slopes: Sequence[float]) -> None:
     if not lattice.is_stable(slopes):
         raise ValueError(
             f"constants must make waves of {lattice.name} stable, got one that grows at "
-            "rest, beside the wave (take stiffer springs)"
+            "rest, far from the wave (take stiffer springs)"
         )
 
 
@@ -526,14 +529,14 @@ def stiffest_slopes(ring: InitialCells) -> list[float]:
     Raises ValueError where a force is undefined or a contact is open.
     """
     stretches = ring.lattice.stretches(ring.f)
-    slopes = [ring.lattice.steepest(place, x) for place, x in enumerate(stretches)]
+    slopes = [ring.lattice.steepest(i, x) for i, x in enumerate(stretches)]
     is_open = any(
         bond.force.opening is not None and not bond.force.slope(x).all()
         for bond, x in zip(ring.lattice.bonds, stretches, strict=True)
     )
     if is_open or not all(map(math.isfinite, slopes)):
         raise ValueError(
-            f"eps must leave every bond of {ring.lattice.name} within its force, got a wave that "
-            "stretches one beyond what its force is for (take a smaller eps)"
+            f"eps must keep every bond of {ring.lattice.name} where its force is defined, got a "
+            "wave that stretches one beyond (take a smaller eps)"
         )
     return slopes

@@ -1,4 +1,4 @@
-"""Domains and engines of longwave; their modules are imported when they are run."""
+"""Domains and engines of longwave; their modules are imported on first use."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Records of the domains and engines that a scene may name, as runs use them."""
+"""Record types of the domains and engines that a scene may name, with their functions."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class CellDomain(DomainRules):
-    """A domain, whose ``cells`` are stepped by a scene that states it."""
+    """Domain of a stated discretisation; ``cells`` builds the cells that are stepped."""
 
     cells: Callable[[Scene, DomainPlan], SteppedCells]
 
 
 class WaveRuns(NamedTuple):
-    """Run of a scene's wave to its tolerance, and what it is expected to cost."""
+    """Functions that run a scene's wave to its tolerance and that predict the cost."""
 
     record: Callable[[Scene, Progress, Announce], RunRecord]
     cost: Callable[[Scene], ExpectedCost]
@@ -34,6 +34,6 @@ class WaveRuns(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class WaveEngine(EngineRules):
-    """An engine for the wave of a scene; ``runs`` imports what computes it."""
+    """Engine for the wave of a scene; ``runs`` imports and returns its functions."""
 
     runs: Callable[[], WaveRuns]

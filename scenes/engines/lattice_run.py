@@ -32,7 +32,7 @@ from longwave.scenes.engines.spectral_run import run_spectral, spectral_cost
 from longwave.scenes.engines.stated_run import run_from, stated_runs
 from longwave.scenes.observed.observables import MAP_CELLS, MEASURED, observable_named
 from longwave.scenes.starts.background_growth import check_trust, trust_attributes
-from longwave.scenes.starts.kept_long_wave import equation_of, scene_lattice_wave
+from longwave.scenes.starts.cached_long_wave import equation_of, scene_lattice_wave
 from longwave.scenes.starts.moving_wave import moving_wave
 from longwave.scenes.starts.pulse_meter import PULSE_VARIABLES, crest, pulse_track
 from longwave.support.request_limits import Announcer, ExpectedCost, check_request

@@ -20,7 +20,7 @@ from longwave.lattice.spectral.spectral_integration import FieldComparison, Fiel
 from longwave.lattice.state import State
 from longwave.lattice.trial import Trial
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.engines.domain_plan import AROUND, WIDER, DomainPlan, Ends, sites_of
+from longwave.scenes.engines.domain_plan import OUTER_CELLS, WIDER, DomainPlan, Ends, count_cells
 from longwave.scenes.engines.recorders import Variables, build_recorders
 from longwave.scenes.engines.ring_cost import USUAL_RUNS, search_cost
 from longwave.scenes.engines.run_record import RunRecord
@@ -60,7 +60,7 @@ class SpectralRuns:
             wave.scale,
             at_sites=True,
             stored=self._observed,
-            around=lambda state: self._view(state).judged(AROUND),
+            around=lambda state: self._view(state).judged(OUTER_CELLS),
             limit=domains.limit(ring),
             wider=self._wider,
         )
@@ -76,7 +76,7 @@ class SpectralRuns:
         self.engine.amplifies_rounding = wave.amplifies_rounding(self.times[0])
         self.expected = self._expected()
         check_request(
-            f"scene of {sites_of(self._ends(wider=True)):.3g} cells on a spectral ring",
+            f"scene of {count_cells(self._ends(wider=True)):.3g} cells on a spectral ring",
             self.expected,
             "take a larger eps, end earlier or compare fewer cells",
         )
@@ -84,7 +84,7 @@ class SpectralRuns:
     def _expected(self) -> ExpectedCost:
         """Return the expected cost of the search, extrapolated from its first run."""
         engine, fields = self.engine, len(self.domains.wave.lattice.fields)
-        cells = float(sites_of(self._ends(wider=True)))
+        cells = float(count_cells(self._ends(wider=True)))
         compared = math.prod(2.0 * reach + 1.0 for reach in self.domains.compared.reach)
         cost = search_cost(self.domains.wave.lattice, cells, 0.0, 1, compared * len(self.times))
         work, points = engine.work(engine.first()), engine.points(engine.first())

@@ -401,7 +401,7 @@ class SidebandRuns:
         )
 
     def _largest(self, f: Array) -> float:
-        return float(np.max(np.abs(self.plan.data.measured(f, self.ring.mean_strain))))
+        return float(np.max(np.abs(self.plan.data.quantity_values(f, self.ring.mean_strain))))
 
     def _sidebands(self, state: State, _: EnergyBalance | None) -> Complex:
         """Return the amplitudes of both sidebands and the carrier, shape (3, fields).

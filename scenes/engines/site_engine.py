@@ -25,15 +25,15 @@ from longwave.lattice.trial import (
 from longwave.scenes.description.numerics import Discretisation
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines.domain_plan import (
-    AROUND,
+    OUTER_CELLS,
     SCHEME,
     WIDER,
     ComparedCells,
     DomainPlan,
+    count_cells,
     longest_step,
-    part_of,
+    representative_cells,
     round_up,
-    sites_of,
 )
 from longwave.scenes.engines.recorders import Samples, exact_times
 from longwave.scenes.engines.run_record import UnfinishedRun
@@ -104,7 +104,7 @@ class SiteEngine(StepSearch):
         longest = min(
             longest, DRIVEN_SHARE * wave.lattice.driven_within(self.times[0], self.times[:2][-1])
         )
-        self._ring = float(sites_of(domains.ends()))
+        self._ring = float(count_cells(domains.ends()))
         self._uses_rings, self._widened = domains.window is None, 1.0
         allowed = FEED_SHARE * scene.target.tolerance / FEED_SAFETY
         self._largest_misfit = min(LARGEST_MISFIT, allowed)
@@ -140,7 +140,7 @@ class SiteEngine(StepSearch):
         records = (shown or self._is_ring(choices)) and not choices.nudged
         cells = self._cells(choices, records)
         judged = Samples(self.times, lambda view: view.judged(0, self.judged))
-        around = Samples(ends[1:], lambda view: view.judged(AROUND, self.judged))
+        around = Samples(ends[1:], lambda view: view.judged(OUTER_CELLS, self.judged))
         energies = Samples(ends, lambda view: np.array(view.energy))
         witnesses = [judged, around, energies]
         limit, largest = self.domains.limit(cells.ring), float(np.max(np.abs(cells.ring.f)))
@@ -205,7 +205,7 @@ class SiteEngine(StepSearch):
         None if no part is representative: nowhere may the data be larger or steeper than there.
         """
         domains = self.domains
-        part = part_of(domains.wave, domains.compared, domains.times, domains.signals)
+        part = representative_cells(domains.wave, domains.compared, domains.times, domains.signals)
         if part is None:
             return None
         inner = DomainPlan(domains.wave, part, domains.times, domains.tolerance)
@@ -229,7 +229,7 @@ class SiteEngine(StepSearch):
         ends = self.domains.ends(WIDER if choices.size > least else 0)
         closes = self.domains.wave.watches_strains and self.domains.room  # others are always closed
         domain = "closed_ring" if closes else "ring"
-        stated = Discretisation(choices.step, domain, sites_of(ends), scheme)
+        stated = Discretisation(choices.step, domain, count_cells(ends), scheme)
         plan = replace(self.scene, numerics=stated, observables=observables)
         return SteppedCells(plan, self.domains, ends, choices.nudged, self._fades)
 

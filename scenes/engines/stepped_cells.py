@@ -17,7 +17,7 @@ from longwave.lattice.seam import Fading
 from longwave.lattice.state import BlowUp, Domain, Sites, State
 from longwave.lattice.stepper import CHUNK, LEAST_CHUNK, FixedDomain, Stepper
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.engines.domain_plan import ComparedCells, DomainPlan, Ends, sites_of
+from longwave.scenes.engines.domain_plan import ComparedCells, DomainPlan, Ends, count_cells
 from longwave.scenes.engines.ring_cost import cell_seconds
 from longwave.scenes.engines.run_record import RunRecord
 from longwave.scenes.engines.window import FedWave, Window, stored_chain
@@ -55,7 +55,7 @@ class SteppedCells:
         self._fades = not measures_all_cells(scene) if fades is None else fades
         self.scale, self.reach = domains.wave.scale, domains.compared.reach
         if ends is None:
-            least, sites = sites_of(domains.plain_ends(0)), scene.discretisation.sites
+            least, sites = count_cells(domains.plain_ends(0)), scene.discretisation.sites
             if sites < least:
                 raise ValueError(
                     f"sites must satisfy sites >= {least} on this ring, got {sites} (else signals "
@@ -124,7 +124,7 @@ class SteppedCells:
 
     def attributes(self, stepper: Stepper) -> dict[str, Any]:
         """Return run attributes: the number of sites, and the strain range if it is monitored."""
-        return {"sites": sites_of(self.ends), **self._strains(stepper)}
+        return {"sites": count_cells(self.ends), **self._strains(stepper)}
 
     def _strains(self, stepper: Stepper) -> dict[str, float]:
         """Return the smallest and largest strain of the run; empty for a wave without strains."""
@@ -176,7 +176,7 @@ class RingDomain(FixedDomain):
         """Return a blow-up with the cell's number instead of its storage index."""
         columns = state.f[0].size // state.f.shape[1]
         site = self.ends[0][0] + found.site // columns
-        return self.domains.located(replace(found, site=site), self.ends)
+        return self.domains.with_seam_distance(replace(found, site=site), self.ends)
 
 
 def ring_stepper(
@@ -240,8 +240,8 @@ class CellView(View):
     @cached_property
     def numerics(self) -> Array:
         """Compared quantities of the run, (quantities, *sites); a copy, as the state changes."""
-        wide, inner = self.wave.beside(self._places(self.compared))
-        values = self.wave.measured(self.arrays[0][:, *wide], self.mean_strain)
+        wide, inner = self.wave.with_neighbours(self._places(self.compared))
+        values = self.wave.quantity_values(self.arrays[0][:, *wide], self.mean_strain)
         return np.array(values[:, *inner], subok=True)
 
     @cached_property
@@ -276,7 +276,7 @@ class CellView(View):
 
     def displaced(self, shift: float) -> tuple[Array, Array, Array, Array]:
         """Return wave, background and their slopes, shifted by ``shift`` cells."""
-        return self.wave.displaced(self._cells - shift, self.t)
+        return self.wave.values_and_slopes(self._cells - shift, self.t)
 
     @property
     def energy(self) -> float:
@@ -286,7 +286,7 @@ class CellView(View):
     @property
     def means(self) -> tuple[float, float]:
         """Mean of the first quantity over the ring, and mass-weighted mean velocity."""
-        strain = self.wave.measured(self.arrays[0], self.mean_strain)[0]
+        strain = self.wave.quantity_values(self.arrays[0], self.mean_strain)[0]
         masses = np.array(self.lattice.masses)
         velocities = self.arrays[1].reshape(masses.size, -1).mean(axis=1)
         return float(np.mean(strain)), float(np.average(velocities, weights=masses))
@@ -306,14 +306,16 @@ class CellView(View):
         The cells are ``compared``, by default those of the view, and ``beyond`` cells around them.
         """
         places = self._places(compared or self.compared, beyond)
-        return self.wave.seen_at(*self.arrays, self.mean_strain, places) / self.wave.scale
+        return (
+            self.wave.values_and_rates_at(*self.arrays, self.mean_strain, places) / self.wave.scale
+        )
 
     @cached_property
     def _cells(self) -> Array:
         return self.compared.cells(self.t)
 
     def _places(self, compared: ComparedCells, beyond: int = 0) -> tuple[slice, ...]:
-        return compared.places(self.ends, self.t, beyond)
+        return compared.slices(self.ends, self.t, beyond)
 
 
 def add_energy_drift(run: RunRecord, begin: float, end: float) -> None:

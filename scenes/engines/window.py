@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from longwave.lattice.state import BlowUp, Domain, Sites, State
 from longwave.scenes.engines.domain_plan import (
+    CHECKED_CELLS,
     STRIDE,
-    WATCHED,
     DomainPlan,
     fed_cells,
     least_window,
@@ -74,7 +74,7 @@ class FedWave:
         The uniform far field is subtracted (see `uniform`).
         """
         wave = self.domains.wave
-        f, slopes = wave.rigid(offsets, self.t0)
+        f, slopes = wave.rigid_fields(offsets, self.t0)
         return f, wave.far_rates[1][:, np.newaxis] - speed * slopes
 
     def uniform(self, sites: Sites, t: float) -> Array:
@@ -271,10 +271,10 @@ class Window(Domain):
         fed = fed_cells(left - state.left, self._ratio)
         state.left = left
         end = left + cells
-        front = np.arange(end - fed - WATCHED, end)
+        front = np.arange(end - fed - CHECKED_CELLS, end)
         f, v = self._tail.at(front, state.t)
-        fault = self._misfit(state, front[:WATCHED], f[:, :WATCHED])
-        state.store(front[WATCHED:], f[:, WATCHED:], v[:, WATCHED:])
+        fault = self._misfit(state, front[:CHECKED_CELLS], f[:, :CHECKED_CELLS])
+        state.store(front[CHECKED_CELLS:], f[:, CHECKED_CELLS:], v[:, CHECKED_CELLS:])
         return fault
 
     def _misfit(self, state: State, sites: Sites, feed: Array) -> BlowUp | None:
@@ -296,7 +296,7 @@ class Window(Domain):
         """Far field on all offsets at which the window's moves fill or check cells."""
         drift = (self.background_speed - self.wave.speed) * self.wave.duration
         end = (self.size + 1) // 2
-        begin = end - (fed_cells(STRIDE + 1, self._ratio) + WATCHED)
+        begin = end - (fed_cells(STRIDE + 1, self._ratio) + CHECKED_CELLS)
         low, high = begin - 1 - max(0.0, drift), end + 1 - min(0.0, drift)
         return Tail(self.wave, self.background_speed, low, high)
 

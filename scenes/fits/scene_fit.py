@@ -25,7 +25,7 @@ from longwave.lattice.driving import DrivenChain
 from longwave.lattice.force_program import program_of
 from longwave.lattice.integration import integrate
 from longwave.lattice.sensitivities import FreeParameter, Sensor, VariedChain
-from longwave.scenes.description.bench import ACTING
+from longwave.scenes.description.bench import FORCE_TABLES
 from longwave.scenes.description.losses import Losses, lossy, without_losses
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.description.scene import Scene
@@ -43,7 +43,7 @@ from longwave.support.user_files import shown
 
 Array = NDArray[np.float64]
 
-FITTED = ("chain", "start", *ACTING, "observables")
+FITTED = ("chain", "start", *FORCE_TABLES, "observables")
 """Tables of a bench that are allowed in a fit; derivatives of readings exist for these."""
 
 LOSSES = {"siteloss": "losses.site", "bondloss": "losses.bond"}

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.sensitivities import Sensor
-from longwave.scenes.description.bench import SENSED
+from longwave.scenes.description.bench import SENSOR_QUANTITIES
 from longwave.scenes.description.csv_table import table_columns
 from longwave.scenes.fits.force_data import LARGEST
 from longwave.scenes.starts.bench_chain import READINGS
@@ -33,7 +33,9 @@ Array = NDArray[np.float64]
 
 DEVIATION = "_deviation"
 
-COLUMN = re.compile(rf"({'|'.join(SENSED)})_(\d{{1,7}})(?:_([A-Za-z]+|\d{{1,3}}))?", re.ASCII)
+COLUMN = re.compile(
+    rf"({'|'.join(SENSOR_QUANTITIES)})_(\d{{1,7}})(?:_([A-Za-z]+|\d{{1,3}}))?", re.ASCII
+)
 
 
 @dataclass(frozen=True)
@@ -111,8 +113,8 @@ def _sensor(name: str, lattice: NumericLattice, cells: int) -> Sensor:
     match = COLUMN.fullmatch(name)
     if match is None:
         raise ValueError(
-            f"columns must be time, or {', '.join(SENSED)} with a cell, got {shown(name)} (such as "
-            "displacement_0)"
+            f"columns must be time, or {', '.join(SENSOR_QUANTITIES)} with a cell, got "
+            f"{shown(name)} (such as displacement_0)"
         )
     quantity, cell, inner = match[1], int(match[2]), match[3]
     if cell >= cells:

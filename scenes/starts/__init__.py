@@ -1,1 +1,1 @@
-"""What runs start from: waves with their derivation and their data, and chains on a bench."""
+"""Starts of runs: waves with their derivation and initial data, and chains on a bench."""

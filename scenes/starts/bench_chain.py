@@ -1,4 +1,4 @@
-"""A bench with its lattice: the chain that is run, how it starts, and what is watched of it."""
+"""Chain of a bench on its lattice: driven chain, initial state and recorded variables."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from longwave.lattice.energy_balance import Flow
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.state import State
 from longwave.lattice.time_integral import Integral
-from longwave.scenes.description.bench import ACTING, Bench, Cells, Drive, Impact
+from longwave.scenes.description.bench import FORCE_TABLES, Bench, Cells, Drive, Impact
 from longwave.scenes.description.losses import LossRates
 from longwave.scenes.description.time_functions import time_function
 from longwave.support.known_names import one_of
@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 
 
 class Moment(NamedTuple):
-    """A chain at a time: fields and velocities, and the energy that flowed, if that is followed."""
+    """Chain at a time: fields, velocities and, if it is integrated, energy flow and power."""
 
     chain: DrivenChain
     f: Array
@@ -37,8 +37,8 @@ Reader = Callable[[Moment], ArrayLike]
 
 
 @dataclass(frozen=True)
-class Watched:
-    """One variable of a run: its dimensions beside time, and how it is read."""
+class BenchVariable:
+    """Variable of a run: its dimensions besides time, and the function that reads it."""
 
     name: str
     dimensions: tuple[str, ...]
@@ -50,17 +50,19 @@ class Watched:
 _UNIT, _NEXT = "lattice units", "the bond to the next cell"
 
 READINGS = {
-    found.name: found
-    for found in (
-        Watched("displacement", ("field",), _UNIT, "displacement", lambda at: at.f),
-        Watched("velocity", ("field",), "per lattice time", "velocity", lambda at: at.v),
-        Watched(
+    variable.name: variable
+    for variable in (
+        BenchVariable("displacement", ("field",), _UNIT, "displacement", lambda at: at.f),
+        BenchVariable("velocity", ("field",), "per lattice time", "velocity", lambda at: at.v),
+        BenchVariable(
             "strain", ("bond",), _UNIT, f"stretch of {_NEXT}", lambda at: at.chain.stretches(at.f)
         ),
-        Watched("force", ("bond",), _UNIT, f"force in {_NEXT}", lambda at: at.chain.forces(at.f)),
+        BenchVariable(
+            "force", ("bond",), _UNIT, f"force in {_NEXT}", lambda at: at.chain.forces(at.f)
+        ),
     )
 }
-"""What sensors read, in all cells, which come last."""
+"""Quantities that sensors read, in all cells; the cells are the last axis."""
 
 
 def chain_on_bench(
@@ -69,7 +71,7 @@ def chain_on_bench(
     span: tuple[float, float],
     losses: LossRates | None = None,
 ) -> DrivenChain:
-    """The chain, from one time to another; ValueError for fields that it does not have."""
+    """Return the driven chain for a span of times; ValueError for an unknown field."""
     for given in bench.masses.values():
         for name in given if isinstance(given, Mapping) else ():
             _field(lattice, name, "[defects]")
@@ -77,7 +79,7 @@ def chain_on_bench(
         _end(side, given, *span) for side, given in zip(("left", "right"), bench.ends, strict=True)
     )
     forces = [
-        ACTING[push.kind](
+        FORCE_TABLES[push.kind](
             push.site,
             time_function(f"value in [[{push.kind}]]", push.value),
             _field(lattice, push.field, f"[[{push.kind}]]"),
@@ -106,12 +108,12 @@ def _end(side: str, given: str | Mapping[str, Drive], begin: float, end: float) 
     if isinstance(given, str):
         return "free" if given == "free" else "fixed"
     [(kind, value)] = given.items()
-    moved = time_function(f"{kind} of {side}", value)
-    return moved if kind == "displacement" else Integral.of(moved, begin, end)
+    drive = time_function(f"{kind} of {side}", value)
+    return drive if kind == "displacement" else Integral.of(drive, begin, end)
 
 
 def _field(lattice: NumericLattice, name: str, where: str) -> int:
-    """The place of a field; the first for none."""
+    """Return the index of a field; 0 for an empty name."""
     if name and name not in lattice.fields:
         raise ValueError(
             f"field in {where} must be one of {lattice.name}, got {shown(name)} "
@@ -121,80 +123,80 @@ def _field(lattice: NumericLattice, name: str, where: str) -> int:
 
 
 def start_on_bench(bench: Bench, chain: DrivenChain, t: float) -> State:
-    """The cells at the start."""
+    """Return the initial state."""
     f, v = np.zeros((2, len(chain.fields), bench.sites))
     for part in bench.start:
         if isinstance(part, Impact):
             v[_field(chain, part.field, "impact"), part.site] += part.velocity
         elif isinstance(part, Cells):
             for name, values in part.values.items():
-                moved = f if name in chain.fields else v
-                place = _field(chain, name if moved is f else name.removeprefix("d"), "state")
-                moved[place, list(part.sites)] += values
+                rows = f if name in chain.fields else v
+                row = _field(chain, name if rows is f else name.removeprefix("d"), "state")
+                rows[row, list(part.sites)] += values
         else:
             f += part.amplitude * _mode(bench, part.number)
     return State(t, f, v)
 
 
 def _mode(bench: Bench, number: int) -> Array:
-    """A mode of a chain between fixed walls; ValueError for one that it does not have."""
+    """Return the shape of a mode between fixed walls; ValueError for too large a number."""
     if number > bench.sites:
         raise ValueError(
             f"modes must be 1 to {bench.sites}, got {number} (a chain has as many as cells)"
         )
-    place = np.arange(1, bench.sites + 1)
-    return np.asarray(np.sin(np.pi * number * place / (bench.sites + 1)))
+    n = np.arange(1, bench.sites + 1)
+    return np.asarray(np.sin(np.pi * number * n / (bench.sites + 1)))
 
 
-def watched_cuts(bench: Bench, chain: DrivenChain) -> Sequence[int] | None:
-    """Through which cuts energy is followed; None if no balance is kept."""
-    return bench.flux if bench.flux or is_balanced(bench, chain) else None
+def energy_cuts(bench: Bench, chain: DrivenChain) -> Sequence[int] | None:
+    """Return the cuts through which energy flow is integrated; None without an energy balance."""
+    return bench.flux if bench.flux or has_balance(bench, chain) else None
 
 
-def is_balanced(bench: Bench, chain: DrivenChain) -> bool:
-    """Whether work and heat are told beside the energy; what a bath does is not followed."""
+def has_balance(bench: Bench, chain: DrivenChain) -> bool:
+    """Return whether work and heat are recorded with the energy; they are not for a heat bath."""
     return bench.energy and bench.noise is None and chain.exchanges_energy
 
 
-def watched(bench: Bench, chain: DrivenChain) -> Iterator[Watched]:
-    """All that is observed, in the order of its values."""
+def bench_variables(bench: Bench, chain: DrivenChain) -> Iterator[BenchVariable]:
+    """Yield the recorded variables, in the order of their values in a reading."""
     for name in bench.sensed if bench.sensors else ():
         yield _in_cells(f"sensor_{name}", "sensor", name, bench.sensors)
     if bench.energy:
-        yield Watched("energy", (), _UNIT, "energy of chain and bonds", _energy)
-    if is_balanced(bench, chain):
+        yield BenchVariable("energy", (), _UNIT, "energy of chain and bonds", _energy)
+    if has_balance(bench, chain):
         yield from _balance(chain)
     if bench.flux:
         name = "energy sent to the right"
-        yield Watched("transmitted", ("cut",), _UNIT, name, lambda at: at.total.through)
+        yield BenchVariable("transmitted", ("cut",), _UNIT, name, lambda at: at.total.through)
         name, unit = "power to the right", "lattice units per lattice time"
-        yield Watched("flux", ("cut",), unit, name, lambda at: at.rate.through)
+        yield BenchVariable("flux", ("cut",), unit, name, lambda at: at.rate.through)
     if bench.modes:
         what = "energy of the mode of a linear chain"
         read = _mode_reader(bench, chain)
-        yield Watched("mode_energy", ("mode",), _UNIT, what, read)
+        yield BenchVariable("mode_energy", ("mode",), _UNIT, what, read)
     for name in ("displacement", "velocity") if bench.state else ():
         yield _in_cells(name, "cell", name, range(bench.sites))
 
 
-def _balance(chain: DrivenChain) -> Iterator[Watched]:
-    """What the energy of a chain is made of, beside that at the start."""
+def _balance(chain: DrivenChain) -> Iterator[BenchVariable]:
+    """Yield the variables of the energy balance: work and heat since the start."""
     unit, since = "lattice units", "since the start"
-    yield Watched("work", (), unit, f"work done {since}", lambda at: at.total.work.sum())
-    yield Watched("heat", (), unit, f"energy lost {since}", lambda at: at.total.heat.sum())
+    yield BenchVariable("work", (), unit, f"work done {since}", lambda at: at.total.work.sum())
+    yield BenchVariable("heat", (), unit, f"energy lost {since}", lambda at: at.total.heat.sum())
     if len(chain.drivers) > 1:
         name = f"work done by a wall or force {since}"
-        yield Watched("driver_work", ("driver",), unit, name, lambda at: at.total.work)
+        yield BenchVariable("driver_work", ("driver",), unit, name, lambda at: at.total.work)
 
 
-def _in_cells(name: str, dimension: str, what: str, places: Sequence[int]) -> Watched:
-    """What is read in some cells, by field or bond."""
-    whole, at = READINGS[what], list(places)
+def _in_cells(name: str, dimension: str, what: str, cells: Sequence[int]) -> BenchVariable:
+    """Return the variable that reads a quantity of `READINGS` in some cells."""
+    whole, indices = READINGS[what], list(cells)
     return replace(
         whole,
         name=name,
         dimensions=(dimension, *whole.dimensions),
-        read=lambda now: np.asarray(whole.read(now))[:, at].T,
+        read=lambda now: np.asarray(whole.read(now))[:, indices].T,
     )
 
 
@@ -203,7 +205,7 @@ def _energy(at: Moment) -> float:
 
 
 def _mode_reader(bench: Bench, chain: DrivenChain) -> Reader:
-    """What reads energies of modes of displacement and velocity, by the force's slope at rest."""
+    """Return the reader of mode energies, by the force's slope at rest."""
     is_even = bench.ends == ("fixed", "fixed") and not (bench.masses or bench.springs)
     if len(chain.fields) > 1 or not is_even:
         raise ValueError(
@@ -216,7 +218,7 @@ def _mode_reader(bench: Bench, chain: DrivenChain) -> Reader:
     )[:, 0]
 
     def read(at: Moment) -> Array:
-        along, moving = (shapes @ part[0, : bench.sites] for part in (at.f, at.v))
-        return np.asarray(chain.masses[0] * (moving**2 + squares * along**2) / (bench.sites + 1))
+        a, rate = (shapes @ part[0, : bench.sites] for part in (at.f, at.v))
+        return np.asarray(chain.masses[0] * (rate**2 + squares * a**2) / (bench.sites + 1))
 
     return read

@@ -1,4 +1,4 @@
-"""A wave's lattice with disorder, and what is left of the wave there."""
+"""Disordered lattice of a wave, and the meter of the wave on it."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ Array = NDArray[np.float64]
 
 
 class WaveDisorder:
-    """Deviations of a wave's ``lattice``; its data and theory stay those of the ordered one.
+    """Disorder of a wave's ``lattice``; initial data and theory remain those of the ordered one.
 
-    ``symbolic`` is the lattice's declaration and ``values`` are its constants. ``far``: what a long
-    wave tends to on both sides, None of an envelope and of what does not end; ``uniform``: the
-    strain of each field that it is added to. Only a wave that tends to 0 has a crest, whose
-    largest force is where it is. Raises ValueError in one line for a
-    lattice without such a disorder, and for springs that differ where a background stretches them.
+    ``symbolic`` is the lattice's declaration and ``values`` are its constants. ``far`` is the
+    constant background of a long wave; None for an envelope or an infinite wave. ``uniform`` is the
+    uniform strain of each field. Only a wave that tends to 0 has a crest, which is where the force
+    is largest. Raises ValueError in one line for a lattice without such a disorder, and for unequal
+    springs that a background stretches.
     """
 
     def __init__(
@@ -56,21 +56,22 @@ class WaveDisorder:
         if not self._variation.masses and (far or any(self._rest)):
             raise ValueError(
                 f"of in [disorder] must be {MASS} with a wave on a background, got "
-                f"{disorder.of} (springs that differ would move where they are stretched alike)"
+                f"{disorder.of} (a uniform stretch would set unequal springs in motion)"
             )
 
     def on(self, lattice: NumericLattice, cells: Array) -> DisorderedLattice:
-        """The ordered lattice, about whatever strain, with the deviations of these cells."""
+        """Return the ordered lattice, about any mean strain, with the deviations of these cells."""
         rows = range(self._variation.rows(len(lattice.fields)))
         deviations = [self._disorder.deviations(cells, row) for row in rows]
         return disordered(lattice, self._variation, deviations)
 
     @property
     def effective_speed(self) -> float:
-        """The speed of very long waves, in units of the ordered lattice's.
+        """Speed of very long waves, in units of that of the ordered lattice.
 
-        ``1/sqrt(<m/m_n> <K/K_n>)``, means over the distribution: springs in series and masses add
-        up. nan for a lattice with several bonds, whose springs are not all in series.
+        It is ``1/sqrt(<m_n/m> <K/K_n>)`` with means over the distribution, since masses and the
+        compliances of springs in series add up. NaN for a lattice with several bonds, whose springs
+        are not all in series.
         """
         if self._variation.masses:
             return 1.0
@@ -83,14 +84,14 @@ class WaveDisorder:
         return mean_inverse(self._disorder.distribution, share * self._disorder.spread) ** -0.5
 
     def meter(self, ring: InitialCells) -> PulseMeter | None:
-        """What measures the crest on its way."""
+        """Return the meter of the crest; None for a wave without a crest."""
         return PulseMeter(ring, self._rest) if self._has_crest else None
 
 
 def variation_of(
     disorder: Disorder, symbolic: Lattice, values: Mapping[str, Expr], lattice: NumericLattice
 ) -> Variation:
-    """What varies in the lattice under that disorder; ValueError in one line where nothing may."""
+    """Return the varying masses or forces; ValueError in one line for an inadmissible disorder."""
     name = disorder.of
     if lattice.dimension != 1:
         raise ValueError(
@@ -107,7 +108,7 @@ def variation_of(
             f"{shown(name)} ({one_of(name, (MASS, *constants))})"
         )
     symbol = constants[name]
-    at = {s: values[str(s)] for s in symbolic.constants}
+    substitutions = {s: values[str(s)] for s in symbolic.constants}
     parts: list[ForceProgram | None] = []
     for bond in symbolic.bonds:
         slope = bond.force.diff(symbol)
@@ -116,7 +117,7 @@ def variation_of(
                 f"of in [disorder] must name a constant that forces are proportional to, got "
                 f"{name} of {lattice.name} (take {MASS} or another)"
             )
-        part = (symbol * slope).xreplace(at)
+        part = (symbol * slope).xreplace(substitutions)
         parts.append(force_program(part) if part != 0 else None)
     if not any(parts):
         raise ValueError(

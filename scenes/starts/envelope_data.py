@@ -121,11 +121,11 @@ class EnvelopeData(LatticeWave):
         names = {str(symbol) for symbol in self._declared.constants}
         self._numbers = {name: value for name, value in numbers.items() if name in names}
         self._strained: dict[tuple[float, ...], NumericLattice] = {}
-        self.lattice = self.strained((0.0,))
+        self.lattice = self.strained_lattice((0.0,))
         background = sum(term.value.real for term in self.carrier.mean if term.power == 2)
         self._uniform = self.eps**2 * background * mean_square if order == "leading" else 0.0
 
-    def strained(self, mean_strain: tuple[float, ...]) -> NumericLattice:
+    def strained_lattice(self, mean_strain: tuple[float, ...]) -> NumericLattice:
         """Return the lattice about this uniform strain; cached."""
         if mean_strain not in self._strained:
             used = mean_strain if any(mean_strain) else ()
@@ -246,12 +246,12 @@ class EnvelopeData(LatticeWave):
             return tuple(stretch_text(bond.stretch, self.lattice.fields) for bond in bonds)
         return super().quantities
 
-    def measured(self, f: ArrayLike, mean_strain: tuple[float, ...]) -> Array:
+    def quantity_values(self, f: ArrayLike, mean_strain: tuple[float, ...]) -> Array:
         """Return the compared quantities of the fields on a ring with this mean strain."""
         fields = np.asarray(f, dtype=np.float64)
         if not self.carrier.is_displacement:
             return fields
-        return np.stack(self.strained(mean_strain).stretches(fields))
+        return np.stack(self.strained_lattice(mean_strain).stretches(fields))
 
     def _terms(self, terms: CarrierTerms) -> CarrierTerms:
         """Return the terms up to the power of eps of the data's order."""

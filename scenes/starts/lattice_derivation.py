@@ -1,7 +1,7 @@
-"""From a lattice's name to its wave: numbers in, its equation derived, the wave that must solve it.
+"""Derivation of a scene's wave: from lattice and constants to the reduced equation and the wave.
 
-Nothing is looked up: the equation of a scene is what the expansion of its lattice leaves at its
-constants, and a wave of another equation is refused.
+No equation is looked up: it results from the expansion of the lattice at the scene's constants. A
+wave of another equation is refused.
 """
 
 from __future__ import annotations
@@ -36,16 +36,16 @@ if TYPE_CHECKING:
     from longwave.derive.amplitude_law import AmplitudeLaw
 
 FURTHER = 2
-"""Orders behind the reduced equation that data of the next order take."""
+"""Number of orders beyond the reduced equation that initial data of the next order need."""
 
 
 @dataclass(frozen=True)
 class LatticeDerivation:
-    """What a scene's lattice is found to be: its reduction or envelope, and the map of that.
+    """Derived equation of a scene's lattice: its reduction or envelope, with the normal form.
 
-    Before a reduction the numbers are put into ``lattice``, with eps where they are small; an
-    envelope has symbols, whose values are ``numbers``. A computed soliton asks for no normal form.
-    With a ``law`` the normal form is that without losses, whose soliton follows the law.
+    For a reduction the constants' values, which may contain eps, are already in ``lattice``. An
+    envelope has symbols, whose values are ``numbers``. A computed soliton needs no normal form.
+    With an amplitude ``law`` the normal form is the lossless one, whose soliton follows the law.
     """
 
     lattice: Lattice
@@ -56,7 +56,7 @@ class LatticeDerivation:
 
     @property
     def equation(self) -> str:
-        """The equation's name, with its sign where waves depend on it."""
+        """Name of the equation, with its sign if waves depend on it."""
         if self.normal_form is None or self.law is not None:
             assert isinstance(self.source, Reduction)
             return self.source.pde.kind
@@ -64,45 +64,43 @@ class LatticeDerivation:
 
     @property
     def slow(self) -> int:
-        """``T = eps**slow t``."""
+        """Power of eps in the slow time ``T = eps**slow t``."""
         return self.source.scaling.time if isinstance(self.source, Reduction) else 2
 
     def text(self) -> str:
-        """The equation as it was derived, in one line."""
+        """Return the derived equation in one line."""
         if isinstance(self.source, Reduction):
             return f"{self.equation}: {self.source.pde.text()}"
         return f"{self.equation} envelope: i A_T + p A_XX + q |A|^2 A = 0"
 
     def latex(self) -> str:
-        """The equation in LaTeX."""
+        """Return the derived equation in LaTeX."""
         if isinstance(self.source, Reduction):
             return self.source.pde.latex()
         return r"i A_T + p\, A_{XX} + q\, |A|^2 A = 0"
 
 
 def derivation(scene: Scene) -> LatticeDerivation:
-    """The equation of the scene's lattice that its wave solves, and how it was derived.
+    """Return the equation derived from the scene's lattice that its wave solves.
 
-    Raises ValueError for constants that are missing or wrong, where there is no equation, and for
-    a wave of another one: the line says which is derived and which waves it has.
+    Raises ValueError for missing or wrong constants, for a lattice without such an equation, and
+    for a wave of another equation; the message names the derived equation and its waves.
     """
     form = _form(scene)
-    same = {"eps": 0.1, "name": "", "title": "", "parameters": ()}
-    same["wave"] = "" if form else scene.wave_name
-    ran: dict[str, Any] = {"order": "leading", "disorder": None, "half_width": None, "compared": 1}
-    ran |= {"observables": None, "curve_points": 201, "look_points": None}
-    ran |= {"losses": scene.losses and scene.losses.weighed(scene.eps)}
-    found = _derivations(
-        scene.with_tolerance(1.0).changed(**same, **ran, times=(0.0, 1.0), slow_times=())
-    )
+    unused: dict[str, Any] = {"eps": 0.1, "name": "", "title": "", "parameters": ()}
+    unused |= {"wave": "" if form else scene.wave_name, "order": "leading", "disorder": None}
+    unused |= {"half_width": None, "compared": 1, "times": (0.0, 1.0), "slow_times": ()}
+    unused |= {"observables": None, "curve_points": 201, "look_points": None}
+    unused |= {"losses": scene.losses and scene.losses.as_eps_formulas(scene.eps)}
+    candidates = _derivations(scene.with_tolerance(1.0).changed(**unused))
     if form is None:
-        return found[0]
-    for one in found:
-        if _fits(form, one):
-            return one
-    told = [one for one in found if one.law is None] or found
-    names = ", ".join(one.equation for one in told)
-    fitting = [f.name for f in CATALOGUE if any(_fits(f, one) for one in found)]
+        return candidates[0]
+    for candidate in candidates:
+        if _fits(form, candidate):
+            return candidate
+    without_law = [each for each in candidates if each.law is None] or candidates
+    names = ", ".join(each.equation for each in without_law)
+    fitting = [f.name for f in CATALOGUE if any(_fits(f, each) for each in candidates)]
     remedy = f"one of {', '.join(fitting)}" if fitting else "none of the catalogue does"
     if form.equation.normal == "NLS" and not scene.is_envelope:
         remedy += "; an envelope needs the carrier's k"
@@ -116,7 +114,7 @@ def derivation(scene: Scene) -> LatticeDerivation:
 
 @lru_cache(maxsize=8)
 def _derivations(scene: Scene) -> tuple[LatticeDerivation, ...]:
-    """All that are found of a scene's lattice, whatever its wave."""
+    """Return all equations derived from a scene's lattice, for any wave."""
     symbolic = scene.symbolic_lattice
     values = _constant_values(scene, symbolic)
     numeric = symbolic.with_values(values)
@@ -130,7 +128,7 @@ def _derivations(scene: Scene) -> tuple[LatticeDerivation, ...]:
 
 
 def _form(scene: Scene) -> ClosedForm | None:
-    """The closed form of a scene's wave; None if that is computed."""
+    """Return the closed form of a scene's wave; None if the wave is not a closed form."""
     scene.check_compared()
     if scene.named_start:
         return None
@@ -141,55 +139,55 @@ def _form(scene: Scene) -> ClosedForm | None:
 
 
 def equation_of_form(form: ClosedForm) -> str:
-    """The name of the equation that a closed form solves."""
+    """Return the name of the equation that a closed form solves."""
     return equation_name(form.equation.normal, form.equation.s, form.equation.r)
 
 
-def _fits(form: ClosedForm, found: LatticeDerivation) -> bool:
-    """Whether the closed form solves the normal form's equation, and follows its law if any."""
-    equation, normal = form.equation, found.normal_form
-    if normal is None or (found.law is not None and form.name not in LAWFUL):
+def _fits(form: ClosedForm, derived: LatticeDerivation) -> bool:
+    """Return whether the form solves the derived equation, and follows its law if it has one."""
+    equation, normal = form.equation, derived.normal_form
+    if normal is None or (derived.law is not None and form.name not in LAWFUL):
         return False
     signs = ((equation.s, normal.s), (equation.r, normal.r))
     return equation.normal == normal.equation and all(
-        own == there or not isinstance(own, int) for own, there in signs
+        sign == required or not isinstance(sign, int) for sign, required in signs
     )
 
 
 def _reductions(scene: Scene, lattice: Lattice, mean: Expr) -> Iterator[LatticeDerivation]:
-    """Long waves, those first that ask for nothing; ValueError if there are none."""
+    """Yield the reductions to long waves that have a normal form or law; ValueError if none has."""
     if mean and lattice.is_displacement:
         raise ValueError(
             f"background must be 0 on a lattice of displacements, got {shown(str(mean))} (their "
-            "mean does nothing; declare the lattice in its strain)"
+            "mean has no effect; declare the lattice in its strain)"
         )
-    refused, found = "", False
+    refusal, has_any = "", False
     for reduction in find_scaling(lattice, mean, scene.amplitude, scene.time, further=FURTHER):
         if scene.named_start:
             yield LatticeDerivation(lattice, reduction, None, {})
-            found = True
+            has_any = True
             continue
         try:
             yield LatticeDerivation(lattice, reduction, reduction.normal_form(), {})
-            found = True
+            has_any = True
         except ValueError as error:
-            refused = refused or str(error)
+            refusal = refusal or str(error)
         law = reduction.amplitude_law() if lattice.has_losses else None
         if law is not None:
             yield LatticeDerivation(lattice, reduction, reduction.lossless_form(), {}, law)
-            found = True
-    if not found:
-        raise ValueError(f"no long wave of {lattice.name} has a normal form: {refused}")
+            has_any = True
+    if not has_any:
+        raise ValueError(f"no long wave of {lattice.name} has a normal form: {refusal}")
 
 
 def _constant_values(scene: Scene, lattice: Lattice) -> dict[str, Expr]:
-    """The scene's constants exactly; ValueError for one of the lattice's that is missing."""
+    """Return the scene's constants exactly; ValueError if one of the lattice's is missing."""
     values = {name: constant_value(name, value) for name, value in scene.constants}
     for name, value in values.items() if scene.is_envelope else ():
         if value.free_symbols:
             raise ValueError(
                 f"{name} must not depend on eps with an envelope, got {shown(str(value))} (give a "
-                "number: the wave alone is small)"
+                "number; only the wave is small)"
             )
     missing = [str(s) for s in lattice.constants if str(s) not in values]
     if missing:
@@ -215,33 +213,35 @@ def _envelope(
 
 
 def scene_envelope(scene: Scene) -> tuple[Envelope, Mapping[str, Expr]]:
-    """The envelope equation of a scene's lattice and branch at any k, and the lattice's numbers.
+    """Return the envelope equation of a scene's lattice and branch, and the lattice's numbers.
 
-    It is derived once for all wavenumbers; that of k = pi, where it is shorter, by itself. Raises
+    It is derived once for all wavenumbers, and separately at k = pi, where it is shorter. Raises
     ValueError as `derivation` does.
     """
-    same = {"eps": 0.1, "tolerance": 1.0, "name": "", "title": "", "parameters": {"amplitude": 1}}
+    unused = {"eps": 0.1, "tolerance": 1.0, "name": "", "title": ""}
     at_pi = exact_value("k", scene.carrier) == pi
-    return _scene_envelope(scene.changed(**same, carrier="pi" if at_pi else 1))
+    return _scene_envelope(
+        scene.changed(**unused, parameters={"amplitude": 1}, carrier="pi" if at_pi else 1)
+    )
 
 
 @lru_cache(maxsize=8)
 def _scene_envelope(scene: Scene) -> tuple[Envelope, Mapping[str, Expr]]:
     lattice = scene.symbolic_lattice
     values = _constant_values(scene, lattice)
-    lattice.with_values(values)  # refuses what is no constant
+    lattice.with_values(values)  # refuses unknown constants
     return _envelope(scene, lattice, values, pi if scene.carrier == "pi" else None)
 
 
 def _values(
     pairs: Iterable[tuple[str, Value]], names: Mapping[str, Expr] | None = None
 ) -> dict[str, Expr]:
-    """Names and exact values."""
+    """Return exact values by name."""
     return {name: exact_value(name, value, names) for name, value in pairs}
 
 
 def exact_parameters(parameters: Pairs) -> dict[str, float | Expr]:
-    """A wave's parameters, texts exactly: in them K is the quarter period of the modulus k.
+    """Return a wave's parameters, formulas exactly; K in them is the quarter period of modulus k.
 
     >>> exact_parameters((("k", 0.5), ("alpha", "3*K/4")))["alpha"]
     3*elliptic_k(1/4)/4
@@ -253,21 +253,21 @@ def exact_parameters(parameters: Pairs) -> dict[str, float | Expr]:
 
 
 def wave_of(scene: Scene) -> Wave | ComputedSoliton | DampedSoliton:
-    """The scene's wave with numbers in; ValueError for parameters that it does not admit."""
-    found = derivation(scene)
+    """Return the scene's wave with numbers; ValueError for inadmissible parameters."""
+    derived = derivation(scene)
     if isinstance(start := scene.start, ReducedStart):
-        return start.solve(scene, cast(Reduction, found.source), _values(scene.parameters))
+        return start.solve(scene, cast(Reduction, derived.source), _values(scene.parameters))
     values = exact_parameters(scene.parameters)
     form = closed_form(scene.wave_name, values)
-    wave = Wave(form, cast(NormalForm, found.normal_form), **values)
-    return wave if found.law is None else DampedSoliton(wave, found.law)
+    wave = Wave(form, cast(NormalForm, derived.normal_form), **values)
+    return wave if derived.law is None else DampedSoliton(wave, derived.law)
 
 
 def lattice_wave(scene: Scene) -> LatticeWave:
-    """The wave on the scene's lattice: data, theory and what is compared.
+    """Return the wave on the scene's lattice, with initial data, theory and compared quantities.
 
-    Raises ValueError as `derivation` and `wave_of` do, and for a disorder that the lattice cannot
-    have.
+    Raises ValueError as `derivation` and `wave_of` do, and for a disorder that the lattice does not
+    admit.
     """
     wave = _ordered_wave(scene)
     if scene.losses:
@@ -289,17 +289,18 @@ def lattice_wave(scene: Scene) -> LatticeWave:
 
 
 def _ordered_wave(scene: Scene) -> LatticeWave:
-    found, wave = derivation(scene), wave_of(scene)
+    derived, wave = derivation(scene), wave_of(scene)
     interval = correction_interval(scene, wave)
-    if isinstance(found.source, Reduction):
-        return long_wave(found.source, {}, wave, scene.eps, scene.order, found.lattice, interval)
+    source, lattice = derived.source, derived.lattice
+    if isinstance(source, Reduction):
+        return long_wave(source, {}, wave, scene.eps, scene.order, lattice, interval)
     from longwave.scenes.starts.envelope_data import EnvelopeData, EnvelopeWave
 
     A = cast(EnvelopeWave, wave)
     far = mean_square_far(cast(Wave, wave)) if scene.order == "leading" else 0.0
     return EnvelopeData(
-        found.source,
-        found.numbers,
+        source,
+        derived.numbers,
         A,
         scene.eps,
         scene.order,
@@ -309,11 +310,11 @@ def _ordered_wave(scene: Scene) -> LatticeWave:
 
 
 FAR, SAMPLES = 200.0, 4096
-"""Where an envelope is far from its middle, in units of its width, and the points of a mean."""
+"""Distance of an envelope's far field from its middle, in widths; number of points of a mean."""
 
 
 def mean_square_far(wave: Wave) -> float:
-    """The mean of |A|^2 far away, which a uniform strain in the data belongs to."""
+    """Return the mean of |A|^2 in the far field, which sets the uniform strain of initial data."""
     reach = FAR / float(wave.normal_form.a)
     X = np.concatenate([sign * np.linspace(reach, 2.0 * reach, SAMPLES) for sign in (-1.0, 1.0)])
     return float(np.mean(np.abs(wave(X, 0.0).Y) ** 2))

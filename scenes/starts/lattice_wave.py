@@ -1,6 +1,6 @@
-"""The face of every wave on a lattice: what to start the lattice from, what to compare it with.
+"""Base class of waves on a lattice: initial data, and reference values for the comparison.
 
-Cells are real numbers: an array (sites,) on a chain, (axes, *sites) on a lattice of more axes.
+Cells are real numbers: an array (sites,) on a chain, (axes, *sites) on a lattice of several axes.
 """
 
 from __future__ import annotations
@@ -29,14 +29,14 @@ Array = NDArray[np.float64]
 
 
 class LatticeWave(ABC):
-    """A long wave or an envelope on a lattice with numbers.
+    """Long wave or envelope on a lattice with numbers.
 
-    ``lattice``: without mean strain.  ``eps``, ``order``: the ansatz, one of `ORDERS`.  ``power``:
-    what is compared is of the size ``eps**power``.  ``slow``: ``T = eps**slow t``.  ``speed``: the
-    frame moves so many cells a unit of time along the first axis.  ``disorder`` is that of its
-    rings, and of ``lattice``, which then has no cells: it tells of frequencies and speeds alone.
-    So are the ``losses``.  ``watches_strains``: whether a run ends where waves about some strain
-    cease to exist, and tells the strains that it met.
+    ``lattice`` has no mean strain. ``order`` is one of `ORDERS`. The compared quantities have the
+    size ``eps**power``; the slow time is ``T = eps**slow t``. ``speed`` is that of the frame along
+    the first axis, in cells per unit of time. ``disorder`` and ``losses`` are those of its rings
+    and of ``lattice``, which then only gives frequencies and speeds, since it has no cells.
+    ``watches_strains``: whether a run ends when linear waves about some strain become unstable, and
+    records its smallest and largest strain.
     """
 
     lattice: NumericLattice
@@ -51,139 +51,137 @@ class LatticeWave(ABC):
 
     @abstractmethod
     def state(self, cells: ArrayLike, t: float) -> tuple[Array, Array]:
-        """Fields and their time derivatives, (fields, *sites): data at the first time.
+        """Return fields and their time derivatives, each (fields, *sites).
 
-        Of displacements all of them, with what grows with the cell.
+        Displacements include the part that grows with the cell.
         """
 
     @abstractmethod
     def strain(self, cells: ArrayLike, t: float) -> Array:
-        """What is compared, (quantities, *sites): the theory at a time."""
+        """Return the theory's compared quantities at a time, (quantities, *sites)."""
 
     @property
     def quantities(self) -> tuple[str, ...]:
-        """What is compared, as lattice files write it: the fields themselves unless overridden."""
+        """Names of the compared quantities, as in lattice files: the fields unless overridden."""
         here = (0,) * self.lattice.dimension
         return tuple(place_text(name, here) for name in self.lattice.fields)
 
     @abstractmethod
-    def measured(self, f: ArrayLike, mean_strain: tuple[float, ...]) -> Array:
-        """The same from the periodic parts of the fields on a ring with this mean strain."""
+    def quantity_values(self, f: ArrayLike, mean_strain: tuple[float, ...]) -> Array:
+        """Return the compared quantities of the fields' periodic parts on a ring."""
 
     @cached_property
-    def turn(self) -> float:
-        """The unit of rates: the carrier's frequency, or the lattice's highest."""
+    def rate_unit(self) -> float:
+        """Unit of rates: the carrier's frequency, or the lattice's highest."""
         return self.frequency or self.lattice.highest_frequency(self.lattice.rest_slopes())
 
-    def seen(self, f: Array, v: Array, mean_strain: tuple[float, ...]) -> Array:
-        """What is compared, and its rate in the same unit: (2, quantities, *sites)."""
-        rates = self.measured(v, (0.0,) * len(mean_strain)) / self.turn
-        return np.stack([self.measured(f, mean_strain), rates])
+    def values_and_rates(self, f: Array, v: Array, mean_strain: tuple[float, ...]) -> Array:
+        """Return compared quantities, and their rates over `rate_unit`: (2, quantities, *sites)."""
+        rates = self.quantity_values(v, (0.0,) * len(mean_strain)) / self.rate_unit
+        return np.stack([self.quantity_values(f, mean_strain), rates])
 
-    def seen_at(
-        self, f: Array, v: Array, mean_strain: tuple[float, ...], places: Sequence[slice]
+    def values_and_rates_at(
+        self, f: Array, v: Array, mean_strain: tuple[float, ...], slices: Sequence[slice]
     ) -> Array:
-        """The same in some of the cells of a ring, none of which is at its ends."""
-        wide, inner = self.beside(places)
-        return np.asarray(self.seen(f[:, *wide], v[:, *wide], mean_strain)[:, :, *inner])
+        """Return `values_and_rates` in a block of a ring's cells, away from the ring's ends."""
+        wide, inner = self.with_neighbours(slices)
+        return np.asarray(
+            self.values_and_rates(f[:, *wide], v[:, *wide], mean_strain)[:, :, *inner]
+        )
 
-    def beside(self, places: Sequence[slice]) -> tuple[list[slice], list[slice]]:
-        """These places with those that their bonds reach, and where they are among them."""
+    def with_neighbours(self, slices: Sequence[slice]) -> tuple[list[slice], list[slice]]:
+        """Return slices widened by the reach of bonds, and the given slices relative to them."""
         reach = self.lattice.reach
-        wide = [slice(max(0, one.start - reach), one.stop + reach) for one in places]
-        starts = [one.start - more.start for one, more in zip(places, wide, strict=True)]
-        lengths = [one.stop - one.start for one in places]
+        wide = [slice(max(0, cells.start - reach), cells.stop + reach) for cells in slices]
+        starts = [cells.start - more.start for cells, more in zip(slices, wide, strict=True)]
+        lengths = [cells.stop - cells.start for cells in slices]
         return wide, [slice(s, s + n) for s, n in zip(starts, lengths, strict=True)]
 
     @abstractmethod
     def support(self, t: float) -> tuple[float, float]:
-        """The cells, along the first axis, between which there is a wave; infinite where it fills
-        the line.
-        """
+        """Return the first and last cell of the wave along the first axis; infinite if endless."""
 
     @abstractmethod
-    def strained(self, mean_strain: tuple[float, ...]) -> NumericLattice:
-        """The lattice about this uniform strain, one entry an axis."""
+    def strained_lattice(self, mean_strain: tuple[float, ...]) -> NumericLattice:
+        """Return the lattice about a uniform strain, one entry for each axis."""
 
     def start(self, t: float) -> None:
-        """Let what is solved for, of the next order, begin at this time; nothing unless overridden.
+        """Start the correction of the next order from 0 at a time; does nothing unless overridden.
 
-        To be called before anything is asked for.
+        Call it before the other methods.
         """
         return
 
     def crest(self, t: float) -> float | None:
-        """The first quantity at the crest by the law of losses; None, unless overridden."""
+        """Return the first quantity at the crest by the law of losses; None unless overridden."""
         return None
 
     @property
     def name(self) -> str:
-        """What messages call it."""
+        """Name of the wave in messages."""
         return f"this wave on {self.lattice.name}"
 
     @property
     def scale(self) -> float:
-        """The unit in which errors are told."""
+        """Unit of errors, ``eps**power``."""
         return float(self.eps**self.power)
 
     @property
     def frequency(self) -> float:
-        """The carrier's; 0, unless overridden, where the wave itself is long."""
+        """Frequency of the carrier; 0 for a long wave."""
         return 0.0
 
     @abstractmethod
     def background(self, cells: ArrayLike, t: float) -> Array:
-        """What the wave deviates from, as `strain`: the bare wave on its uniform strain."""
+        """Return the wave's background, as `strain` does: the bare wave on its uniform strain."""
 
     def uniform(self) -> Array:
-        """The strain of each quantity that the wave is added to; 0 unless overridden."""
+        """Return the uniform strain of each quantity; 0 unless overridden."""
         return np.zeros(len(self.strain(np.arange(3.0), 0.0)))
 
     def mean_strain(self, cells: Array, t: float) -> tuple[float, ...]:
-        """What displacements grow by in a cell, on average over a ring of these cells.
+        """Return the mean growth of displacements per cell over a ring of these cells.
 
-        It makes their rest periodic: a soliton's displacement ends elsewhere than it began. Zero on
-        every axis unless overridden.
+        Without it displacements are periodic; a soliton's displacement differs between its two
+        sides. Zero on every axis unless overridden.
         """
         return (0.0,) * self.lattice.dimension
 
     @property
     def growth_shares(self) -> tuple[float, ...]:
-        """The share of the mean strain by which each field grows; all of it unless overridden."""
+        """Ratio of each field's growth per cell to the mean strain; 1 unless overridden."""
         return (1.0,) * len(self.lattice.fields)
 
     def ring(self, cells: ArrayLike, t: float) -> InitialCells:
-        """The state at a time on a ring of these consecutive cells.
+        """Return the initial state at a time on a ring of these consecutive cells.
 
-        Where the wave does not end, its ring has a seam, which must be farther from what is
-        compared than signals come.
+        The ring of an infinite wave has a seam. Its signals must not reach the compared cells.
         """
-        where = np.asarray(cells, dtype=np.float64)
-        mean = self.mean_strain(where, t)
-        f, v = self.state(where, t)
-        axes = where if len(mean) > 1 else where[np.newaxis]
-        grown = sum(slope * axis for slope, axis in zip(mean, axes, strict=True))
-        f -= np.multiply.outer(self.growth_shares, grown)
-        lattice = self.strained(mean)
+        n = np.asarray(cells, dtype=np.float64)
+        mean = self.mean_strain(n, t)
+        f, v = self.state(n, t)
+        axes = n if len(mean) > 1 else n[np.newaxis]
+        growth = sum(slope * axis for slope, axis in zip(mean, axes, strict=True))
+        f -= np.multiply.outer(self.growth_shares, growth)
+        lattice = self.strained_lattice(mean)
         if self.disorder is not None:
-            lattice = self.disorder.on(lattice, where)
+            lattice = self.disorder.on(lattice, n)
         if self.losses is not None:
-            lattice = self.losses.on(lattice, where.size)
-        return InitialCells(lattice, mean, where, t, f, v)
+            lattice = self.losses.on(lattice, n.size)
+        return InitialCells(lattice, mean, n, t, f, v)
 
     def seam_room(self, t: float) -> int:
-        """Cells at either end of a ring in which the ends are made to meet; 0 unless overridden."""
+        """Return the number of cells blended at either end of a ring; 0 unless overridden."""
         return 0
 
-    def closed(self, ring: InitialCells, room: int) -> InitialCells:
-        """The ring with ends that meet, made to within so many cells of either."""
+    def closed_ring(self, ring: InitialCells, room: int) -> InitialCells:
+        """Return the ring with its ends blended within ``room`` cells of the seam."""
         return ring.smoothed(room)
 
-    def blended(self, ring: InitialCells, room: int) -> InitialCells:
-        """A chain of strains that passes, within so many cells of either end, into its own copy.
+    def blended_ring(self, ring: InitialCells, room: int) -> InitialCells:
+        """Return a ring of strains blended, within ``room`` cells of its ends, with its copy.
 
-        That is the wave as it goes on beyond the other end. Where it passes over moves with the
-        wave.
+        The copy is the wave beyond the other end. The blending weights move with the wave.
         """
         if not room:
             return ring
@@ -194,114 +192,116 @@ class LatticeWave(ABC):
             (slice(room), share, slope, size),
             (slice(-room, None), share[::-1], -slope[::-1], -size),
         )
-        for near, weight, steepness, on in ends:
-            copies = self.state(ring.cells[near] + on, ring.t)
-            apart, turned = (copy - own[:, near] for copy, own in zip(copies, (f, v), strict=True))
-            f[:, near] += weight * apart
-            v[:, near] += weight * turned - self.speed * steepness * apart
+        for near, weight, steepness, shift in ends:
+            copies = self.state(ring.cells[near] + shift, ring.t)
+            df, dv = (copy - own[:, near] for copy, own in zip(copies, (f, v), strict=True))
+            f[:, near] += weight * df
+            v[:, near] += weight * dv - self.speed * steepness * df
         return replace(ring, f=f, v=v)
 
     def fading(self, t: float, speed: float) -> Fading | None:
-        """What draws a ring to rest where signals of that speed have come from its seam since t.
+        """Return the damping of a ring where signals from its seam, at ``speed`` since t, arrive.
 
         None unless overridden.
         """
         return None
 
     def amplifies_rounding(self, t: float) -> bool:
-        """Whether perturbations may grow: where the wave does not end, unless overridden."""
+        """Return whether perturbations may grow: for an infinite wave, unless overridden."""
         return math.isinf(max(map(abs, self.support(t))))
 
     @property
     def has_energy(self) -> bool:
-        """Whether an energy of its rings is known."""
+        """Whether its rings have a known energy."""
         return self.lattice.conserves_energy
 
     def energy(self, lattice: NumericLattice, f: Array, v: Array) -> float:
-        """Kinetic and potential energy of a ring."""
+        """Return the kinetic and potential energy of a ring."""
         with np.errstate(all="ignore"):
             return lattice.energy(f, v)
 
     def far_field(self, sites: Sites, t: float) -> Array | None:
-        """What is compared of the wave's true far field (quantities, sites); None where it is not
-        told apart from the background."""
+        """Return the compared quantities of the true far field, (quantities, sites).
+
+        None if the far field equals the background.
+        """
         return None
 
-    def displaced(self, cells: Array, t: float) -> tuple[Array, Array, Array, Array]:
-        """The first quantity of wave and background, then their slopes, which are differences."""
-        at = [cells + apart for apart in (0.0, SLOPE_APART, -SLOPE_APART)]
-        found = []
-        for made in (self.strain, self.background):
-            value, ahead, behind = (np.asarray(made(place, t)[0]) for place in at)
-            found += [value, (ahead - behind) / (2.0 * SLOPE_APART)]
-        return found[0], found[2], found[1], found[3]
+    def values_and_slopes(self, cells: Array, t: float) -> tuple[Array, Array, Array, Array]:
+        """Return the first quantity of wave and background, then their slopes by differences."""
+        points = [cells + shift for shift in (0.0, SLOPE_STEP, -SLOPE_STEP)]
+        results = []
+        for function in (self.strain, self.background):
+            value, upper, lower = (np.asarray(function(point, t)[0]) for point in points)
+            results += [value, (upper - lower) / (2.0 * SLOPE_STEP)]
+        return results[0], results[2], results[1], results[3]
 
     def stretch_range(self, times: Sequence[float]) -> Array | None:
-        """The least and the largest stretch of a chain's bond at any of the times.
+        """Return the smallest and largest stretch of a chain's bonds over all times.
 
-        None, unless overridden: they are then those of the data.
+        None unless overridden; the range is then taken from the initial data.
         """
         return None
 
     @property
     def far_speed(self) -> float | None:
-        """The speed of small long waves far from the wave, with which its far field moves.
+        """Speed of sound far from the wave, at which its far field moves.
 
-        None, unless overridden: a window that moves with the wave cannot be fed with that.
+        None unless overridden; a moving window can then not be fed with the far field.
         """
         return None
 
     @property
     def far_fastest(self) -> float:
-        """The largest group velocity of any wave far from the wave."""
+        """Largest group velocity of linear waves far from the wave."""
         raise NotImplementedError
 
     @property
     def far_rates(self) -> tuple[Array, Array]:
-        """What each field grows by far from the wave, from cell to cell and in a unit of time."""
+        """Growth of each field far from the wave, per cell and per unit of time."""
         raise NotImplementedError
 
     def extent(self, times: Sequence[float], tolerance: float) -> tuple[float, float]:
-        """Cells from the frame's origin between which a wave with a `far_speed` counts.
+        """Return the ends of a wave with a `far_speed`, in cells from the frame's origin.
 
-        At all times from the first to the last, with errors up to ``tolerance``.
+        They hold over all times; beyond them the wave is negligible for errors up to ``tolerance``.
         """
         raise NotImplementedError
 
-    def rigid(self, offsets: Array, t: float) -> tuple[Array, Array]:
-        """Fields without what they grow by, and their slopes from cell to cell (fields, cells).
+    def rigid_fields(self, offsets: Array, t: float) -> tuple[Array, Array]:
+        """Return fields without the far field's growth, and their slopes per cell, (fields, cells).
 
         ``offsets`` are cells from the frame's origin at that time.
         """
         raise NotImplementedError
 
     def rest_slopes(self, ring: InitialCells) -> list[float]:
-        """The slope of each bond's force beside the wave.
+        """Return the slope of each bond's force far from the wave.
 
-        A long wave is all but uniform about each cell, so that the ring's first one tells it.
+        It is taken from the ring's first cell, since a long wave is almost uniform there.
         """
         corner = (0,) * ring.lattice.dimension
-        return [float(found[corner]) for found in ring.slopes]
+        return [float(slopes[corner]) for slopes in ring.slopes]
 
 
 FARTHEST = 2.0**53
-"""Cells are told apart by doubles."""
+"""Largest number of a cell that is an exact double."""
 
 
 def nearest_cell(speed: float, t: float) -> int:
-    """The cell nearest to where a frame has gone; ValueError if it is too far.
+    """Return the cell nearest to a frame's origin at time t; ValueError beyond `FARTHEST`.
 
     >>> nearest_cell(2.0, -0.25), nearest_cell(2.0, 0.25)
     (0, 1)
     """
-    place = speed * t + 0.5
-    if not abs(place) < FARTHEST:
+    position = speed * t + 0.5
+    if not abs(position) < FARTHEST:
         raise ValueError(f"t must leave c t within 2^53 sites, got t = {t:g}")
-    return math.floor(place)
+    return math.floor(position)
 
 
 def largest_group_velocity(lattice: NumericLattice, slopes: list[float], axis: int = 0) -> float:
-    """max |dw/dk| along an axis over all branches of a lattice, forces linearised."""
+    """Return max |dw/dk| along an axis over all branches, for forces with these slopes."""
     k = np.linspace(0.0, np.pi, WAVENUMBERS)
     waves = np.zeros((k.size, lattice.dimension))
     waves[:, axis] = k
@@ -311,9 +311,9 @@ def largest_group_velocity(lattice: NumericLattice, slopes: list[float], axis: i
 
 
 def sound_speed(lattice: NumericLattice, slopes: Sequence[float], near: float) -> float:
-    """The speed of waves along the first axis as they grow long: that nearest to ``near``.
+    """Return the speed of infinitely long waves along the first axis that is nearest to ``near``.
 
-    Forces are linearised with these slopes. It is extrapolated from waves of three lengths.
+    Forces have these slopes. The speed is extrapolated from waves of three lengths.
     """
     k = LONG_WAVE * np.array([1.0, 2.0, 4.0])
     waves = np.zeros((k.size, lattice.dimension))
@@ -322,15 +322,15 @@ def sound_speed(lattice: NumericLattice, slopes: Sequence[float], near: float) -
     speeds = np.sqrt(np.maximum(squares, 0.0)) / k[:, np.newaxis]
     (one, two), (_, four) = itertools.pairwise(speeds)
     finer, coarser = (4.0 * one - two) / 3.0, (4.0 * two - four) / 3.0
-    found = (16.0 * finer - coarser) / 15.0
-    return float(found[np.argmin(np.abs(found - near))])
+    limits = (16.0 * finer - coarser) / 15.0
+    return float(limits[np.argmin(np.abs(limits - near))])
 
 
-SLOPE_APART = 1e-3
-"""Cells on either side of which the difference is a slope: a wave is much longer."""
+SLOPE_STEP = 1e-3
+"""Half step, in cells, of the difference quotients for slopes; waves are much longer."""
 
 LONG_WAVE = 0.02
-"""The smallest wavenumber: what is left of dispersion is below 1e-11, of rounding 1e-12."""
+"""Smallest wavenumber for the speed of sound; dispersion errors are below 1e-11, rounding 1e-12."""
 
 WAVENUMBERS = 1025
-"""Of a grid over half the zone; slopes are differences of neighbours."""
+"""Number of wavenumbers in 0 .. pi between which group velocities are difference quotients."""

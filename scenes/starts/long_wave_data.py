@@ -106,7 +106,7 @@ class LongWaveData(LatticeWave):
             self._planar = PlanarFields(numbers, cast(PlanarWave, wave), eps)
         self._series = numbers.series
 
-    def strained(self, mean_strain: tuple[float, ...]) -> NumericLattice:
+    def strained_lattice(self, mean_strain: tuple[float, ...]) -> NumericLattice:
         """Return the lattice about this uniform strain."""
         return self.numbers.lattice.with_mean_strain(mean_strain, self.growth_shares)
 
@@ -226,7 +226,7 @@ class LongWaveData(LatticeWave):
             for name in self.lattice.fields
         )
 
-    def measured(self, f: ArrayLike, mean_strain: tuple[float, ...]) -> Array:
+    def quantity_values(self, f: ArrayLike, mean_strain: tuple[float, ...]) -> Array:
         """Return the compared quantities of the fields' periodic parts on a ring."""
         fields = np.asarray(f, dtype=np.float64)
         if not self._is_displacement:
@@ -338,7 +338,7 @@ class LongWaveData(LatticeWave):
         low, high = extent(supports)
         return low / self._unit, high / self._unit
 
-    def rigid(self, offsets: Array, t: float) -> tuple[Array, Array]:
+    def rigid_fields(self, offsets: Array, t: float) -> tuple[Array, Array]:
         """Return fields at offsets from the frame and their slopes from cell to cell.
 
         The growth of the background is subtracted from both.

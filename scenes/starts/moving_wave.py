@@ -235,7 +235,7 @@ class MovingWave(LatticeWave):
         ]
         return np.concatenate(strains, axis=1)
 
-    def displaced(self, cells: Array, t: float) -> tuple[Array, Array, Array, Array]:
+    def values_and_slopes(self, cells: Array, t: float) -> tuple[Array, Array, Array, Array]:
         """Return wave, background and their slopes from cell to cell."""
         wave, background = (
             at(cells, t, self.eps) for at in (self.wave.at, self.wave.background_at)
@@ -243,7 +243,7 @@ class MovingWave(LatticeWave):
         slopes = self.eps**2 * wave.Y_X, self.eps**2 * background.Y_X
         return self.eps * wave.Y, self.eps * background.Y, *slopes
 
-    def measured(self, f: ArrayLike, mean_strain: tuple[float, ...]) -> Array:
+    def quantity_values(self, f: ArrayLike, mean_strain: tuple[float, ...]) -> Array:
         """Return the compared quantities, which are the strains themselves."""
         return np.asanyarray(f, dtype=np.float64)
 
@@ -255,7 +255,7 @@ class MovingWave(LatticeWave):
         """Return the strain of the constant background, (1,)."""
         return np.array([self.level])
 
-    def strained(self, mean_strain: tuple[float, ...]) -> NumericLattice:
+    def strained_lattice(self, mean_strain: tuple[float, ...]) -> NumericLattice:
         """Return the lattice itself; a mean strain is part of its fields, the strains."""
         return self.lattice
 
@@ -283,7 +283,7 @@ class MovingWave(LatticeWave):
         strains = [self.eps * value for value in values]
         return np.array([min(map(np.min, strains)), max(map(np.max, strains))])
 
-    def rigid(self, offsets: Array, t: float) -> tuple[Array, Array]:
+    def rigid_fields(self, offsets: Array, t: float) -> tuple[Array, Array]:
         """Return strains at offsets from c t, and their slopes from site to site, (1, sites)."""
         value = self.wave(self.eps * offsets, self.eps**3 * t)
         return self._scaled(value.Y), self.eps**2 * value.Y_X[np.newaxis]
@@ -301,13 +301,13 @@ class MovingWave(LatticeWave):
         height = float(np.max(np.abs(wave.far_field(0.0, 0.0, "right").Y)))
         return math.ceil(KINK_ROOM / (wave.numbers.a * self.eps * height))
 
-    def closed(self, ring: InitialCells, room: int) -> InitialCells:
+    def closed_ring(self, ring: InitialCells, room: int) -> InitialCells:
         """Return the ring with its ends blended into each other within ``room`` sites of the seam.
 
         The far fields of a kink differ; it is closed by its own negative, centred at the seam.
         """
         if not room or self.wave.wavelength is not None:
-            return self.blended(ring, room)
+            return self.blended_ring(ring, room)
         size, t = ring.cells.size, ring.t
         middle = ring.cells[0] + 0.5 * size
         crest = round(self.wave.phase_zeros(t, self.eps)[0]) - middle

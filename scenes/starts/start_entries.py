@@ -1,4 +1,4 @@
-"""Starts whose wave is no closed form: the records that describe them, and those of longwave."""
+"""Starts whose wave is not a closed form: their record types, and the entries of longwave."""
 
 from __future__ import annotations
 
@@ -21,9 +21,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class WaveStart(StartRules):
-    """A wave on the lattice itself, without a reduced equation; runs record ``equation``.
+    """Start with a wave of the lattice itself, without a reduced equation.
 
-    ``wave`` builds it, and raises ValueError in one line for parameters that it does not admit.
+    ``wave`` builds the wave and raises ValueError in one line for inadmissible parameters. Runs
+    record ``equation``.
     """
 
     wave: Callable[[Scene], LatticeWave]
@@ -32,9 +33,9 @@ class WaveStart(StartRules):
 
 @dataclass(frozen=True, kw_only=True)
 class ReducedStart(StartRules):
-    """A wave of the lattice's reduced equation that ``solve`` computes from its parameters.
+    """Start with a numerical solution of the lattice's reduced equation.
 
-    Raises ValueError in one line for those that it does not admit.
+    ``solve`` computes it and raises ValueError in one line for inadmissible parameters.
     """
 
     solve: Callable[[Scene, Reduction, Mapping[str, Expr]], ComputedSoliton]
@@ -59,15 +60,15 @@ def _solve_soliton(
 
 
 computed_soliton = ReducedStart(solve=_solve_soliton)
-"""The soliton of an equation that has none in closed form, of a ``speed`` in X/T."""
+"""Soliton, of a ``speed`` in X/T, of an equation without a soliton in closed form."""
 
 PERTURBATION = ("amplitude", "kappa", "share")
-"""Parameters of a perturbed plane wave: |A|, and the wavenumber of the perturbation in X, or that
-in units of the one that grows fastest, which it is if neither is given."""
+"""Parameters of a perturbed plane wave: |A|, and the perturbation's wavenumber in X or its ratio to
+the wavenumber that grows fastest, 1 by default."""
 
 
 def _check_growth(scene: SceneFields) -> None:
-    """Refuse what does not go with a growth rate: what is found, and what it has no theory for."""
+    """Raise ValueError for fields that are computed, or not in the theory, for a growth rate."""
     given: dict[str, object] = {"times": scene.snapshots, "compared": scene.compared or None}
     given |= {"t0": None if scene.t0 == NOT_GIVEN else scene.t0}
     given |= {"slow_times": scene.slow_times, "half_width": scene.half_width}
@@ -75,7 +76,7 @@ def _check_growth(scene: SceneFields) -> None:
         if value not in ((), None):
             raise ValueError(
                 f"{key} must not be given with the wave {scene.wave_name}, got {shown(value)} "
-                "(when its growth is measured is found)"
+                "(the times and cells of its measurement are computed)"
             )
     if not scene.is_envelope:
         raise ValueError(
@@ -102,4 +103,4 @@ def _check_growth(scene: SceneFields) -> None:
 
 
 perturbed_plane = StartRules(method="sidebands", measured="growth rate", check=_check_growth)
-"""A carrier's plane wave, whose perturbation grows."""
+"""Plane wave of a carrier, with a perturbation that grows."""

@@ -1,4 +1,4 @@
-"""Catches: a cell that is left at rest though something acts on it, or a bit that this changes."""
+"""Catches: a cell left at rest although a force acts on it, or a result with other bits."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -24,7 +24,7 @@ CELLS = 203
 
 @pytest.fixture
 def searched(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[int]]:
-    """Look for moving cells however few the stages are; lists the cells of each arc so advanced."""
+    """Search for moving cells in every call, and list the number of cells of each arc advanced."""
     arcs: list[int] = []
     found = RingKernel._arc_of_active
 
@@ -42,7 +42,7 @@ def searched(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[int]]:
 def advanced(
     lattice: NumericLattice, scheme: DriftKick, start: np.ndarray, steps: int, share: float
 ) -> np.ndarray:
-    """Fields and velocities after steps of 0.05, where arcs may be that part of the ring."""
+    """Return fields and velocities after steps of 0.05; arcs are at most ``share`` of the ring."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(ring_kernel, "SHARE", share)
         dynamics, ring = Dynamics(lattice), lattice.with_walls(State(0.0, *start.copy()))

@@ -1,4 +1,4 @@
-"""Catches: a bench that is read otherwise than it is written, a sensor at another cell or time."""
+"""Catches: a bench that is not read as written, a sensor at another cell or time."""
 
 import copy
 import re
@@ -18,7 +18,7 @@ from longwave.lattice.numeric_lattice import numeric_lattice
 from longwave.lattice.time_integral import Integral
 from longwave.runs.run_file import load_run
 from longwave.runs.sweep_scene import changed_document, check_field, make_scene
-from longwave.scenes.description.bench import SENSED, Bench
+from longwave.scenes.description.bench import SENSOR_QUANTITIES, Bench
 from longwave.scenes.description.named_scenes import load_scene, scene_of_toml, shipped_scenes
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_file import toml_text
@@ -68,9 +68,9 @@ def test_losses_and_ends_are_swept() -> None:
     document = tomllib.loads(Scene.of(**DRIVEN).toml())
     for field, value in (("losses.site", 0.5), ("chain.sites", 16), ("constants.K4", 0)):
         check_field(field)
-        made = make_scene(changed_document(document, {field: value}), "driven", Path())
+        scene = make_scene(changed_document(document, {field: value}), "driven", Path())
         table, _, key = field.partition(".")
-        assert made == Scene.of(**changed(**{table: DRIVEN[table] | {key: value}}))
+        assert scene == Scene.of(**changed(**{table: DRIVEN[table] | {key: value}}))
 
 
 def test_sensors_read_what_the_cells_do() -> None:
@@ -97,24 +97,24 @@ def test_sensors_read_what_the_cells_do() -> None:
 
 def test_the_shipped_driven_chain_is_its_modes() -> None:
     found = run(load_scene("driven_chain").changed(times=[0, 20, 60]))
-    times, shown = found.time.values, found.sensor_displacement.values
+    times, readings = found.time.values, found.sensor_displacement.values
     exact = [modal_chain(24, 0.05, 5, 0.7, t)[[0, 5, 23]] for t in times[1:]]
-    assert np.abs(shown[1:] - exact).max() < found.attrs["error_estimate"] <= 1e-10
+    assert np.abs(readings[1:] - exact).max() < found.attrs["error_estimate"] <= 1e-10
 
 
 def test_work_and_heat_of_the_shipped_driven_chain_are_those_of_its_modes() -> None:
-    """The force and the square of velocities, from the closed form's difference quotients."""
+    """Compare with power and squared velocities, by difference quotients of the closed form."""
     found = run(load_scene("driven_chain").changed(times=[0, 10], tolerance=1e-9))
     nodes, weights = np.polynomial.legendre.leggauss(40)
     t, weights = 5.0 * (1.0 + nodes), 5.0 * weights
-    step, ahead = 0.02, np.array([672.0, -168.0, 32.0, -3.0]) / 840.0
+    step, factors = 0.02, np.array([672.0, -168.0, 32.0, -3.0]) / 840.0
     v = np.array(
         [
             sum(
                 part
                 / step
                 * (modal_chain(24, 0.05, 5, 0.7, at + by) - modal_chain(24, 0.05, 5, 0.7, at - by))
-                for part, by in zip(ahead, step * np.arange(1, 5), strict=True)
+                for part, by in zip(factors, step * np.arange(1, 5), strict=True)
             )
             for at in t
         ]
@@ -124,8 +124,11 @@ def test_work_and_heat_of_the_shipped_driven_chain_are_those_of_its_modes() -> N
 
 
 def test_energy_is_what_was_done_less_what_was_lost() -> None:
-    losses, watched = {"site": 0.03, "bond": 0.1}, {"energy": True, "flux": [3, 8], "every": 1.5}
-    found = run(Scene.of(**changed(losses=losses, observables=watched)))
+    losses, observables = (
+        {"site": 0.03, "bond": 0.1},
+        {"energy": True, "flux": [3, 8], "every": 1.5},
+    )
+    found = run(Scene.of(**changed(losses=losses, observables=observables)))
     gained = found.energy - found.energy[0]
     error = found.attrs["error_estimate"]
     assert np.abs(gained - found.work + found.heat).max() < 3.0 * error <= 3e-7
@@ -137,9 +140,9 @@ def test_energy_is_what_was_done_less_what_was_lost() -> None:
 
 
 def test_what_went_through_a_bond_is_beyond_it() -> None:
-    """Without losses; half of the bond's own energy is on either side."""
-    watched = {"flux": [5], "state": True}
-    found = run(Scene.of(**changed(losses={}, force=[], observables=watched, times=[0, 6, 9])))
+    """Check without losses; half of the bond's own energy is on either side."""
+    observables = {"flux": [5], "state": True}
+    found = run(Scene.of(**changed(losses={}, force=[], observables=observables, times=[0, 6, 9])))
     stretch = np.diff(found.displacement, axis=1)[:, 5:]
     stored = stretch**2 / 2 + stretch**4 / 2
     beyond = np.sum(found.velocity[:, 6:] ** 2, axis=1) / 2 + stored.sum(axis=1) - stored[:, 0] / 2
@@ -162,7 +165,7 @@ def test_what_neither_gains_nor_loses_is_not_followed() -> None:
 
 
 def test_every_reading_has_its_name() -> None:
-    assert tuple(READINGS) == SENSED
+    assert tuple(READINGS) == SENSOR_QUANTITIES
 
 
 def test_mode_energies_are_those_of_a_linear_chain() -> None:
@@ -175,15 +178,15 @@ def test_mode_energies_are_those_of_a_linear_chain() -> None:
 
 
 def test_a_struck_hertz_chain_has_a_wave_of_its_speed() -> None:
-    """The speed goes as the fifth root of the velocity, the velocity after some cells as it."""
+    """The wave's speed scales as the fifth root of the impact velocity."""
     speeds = []
     for velocity in (0.05, 0.4):
         scene = load_scene("struck_grains")
         struck = {"impact": {"site": 0, "velocity": velocity}}
-        watched = {"sensors": {"sites": [12, 24], "of": ["velocity"]}, "every": 0.05}
+        observables = {"sensors": {"sites": [12, 24], "of": ["velocity"]}, "every": 0.05}
         end = 60 * (0.1 / velocity) ** 0.2
         found = run(
-            scene.changed(start=struck, observables=watched, times=[0, end], tolerance=1e-4)
+            scene.changed(start=struck, observables=observables, times=[0, end], tolerance=1e-4)
         )
         read = found.sensor_velocity.values
         first, second = found.time.values[read.argmax(axis=0)]
@@ -200,19 +203,19 @@ def test_shipped_benches_are_read(name: str) -> None:
     assert expected_cost(scene).seconds < 60.0
 
 
-def test_runs_are_kept_told_and_made_again(
+def test_runs_are_stored_printed_and_repeated(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "driven.toml").write_text(toml_text(DRIVEN), encoding="utf-8")
-    kept = tmp_path / "run.nc"
-    assert main(["run", str(tmp_path / "driven.toml"), "--output", str(kept)]) == 0
-    told = capsys.readouterr().out
-    assert re.search(r"3 +│ 0\.\d+", told)
-    assert "cell 7: velocity at most" in told
-    assert main(["run", str(kept)]) == 0
+    path = tmp_path / "run.nc"
+    assert main(["run", str(tmp_path / "driven.toml"), "--output", str(path)]) == 0
+    output = capsys.readouterr().out
+    assert re.search(r"3 +│ 0\.\d+", output)
+    assert "cell 7: velocity at most" in output
+    assert main(["run", str(path)]) == 0
     assert "same bits" in capsys.readouterr().out
-    assert load_run(kept).sizes["time"] == 9
-    assert main(["plot", str(kept), "--output", str(tmp_path / "run.png")]) == 0
+    assert load_run(path).sizes["time"] == 9
+    assert main(["plot", str(path), "--output", str(tmp_path / "run.png")]) == 0
     assert (tmp_path / "run.png").stat().st_size > 10_000
     capsys.readouterr()
     assert main(["converge", str(tmp_path / "driven.toml")]) == 2
@@ -220,7 +223,7 @@ def test_runs_are_kept_told_and_made_again(
 
 
 def written(path: Path, **columns: Any) -> Path:
-    """A file of these columns, to the last bit."""
+    """Write a CSV file of these columns, with every digit, and return its path."""
     lines = [
         ",".join(columns),
         *(",".join(map(repr, row)) for row in zip(*columns.values(), strict=True)),
@@ -235,7 +238,7 @@ TIMES = np.linspace(-0.5, 6.5, 71)
 def test_files_stand_for_their_numbers(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A run is made again to the same bits without them; another number makes another scene."""
+    """A run is repeated bit by bit without the files; another number gives another scene."""
     wave = (0.05 * np.sin(1.3 * TIMES)).tolist()
     drive = written(tmp_path / "drive.csv", t=TIMES.tolist(), value=wave)
     written(tmp_path / "state.csv", site=[0, 5], u=[0.1, -0.1], du=[0.0, 0.3])
@@ -272,22 +275,22 @@ def test_files_stand_for_their_numbers(
 
 
 def test_measured_drives_keep_the_order_of_a_scheme() -> None:
-    """With a spline of degree 3 it is 4, with a monotone one 3."""
+    """A spline of degree 3 would reduce the order to 4, a monotone one to 3."""
     times = np.arange(26) / 2
     noise = 0.1 * np.random.default_rng(0).standard_normal(26)
     measured = Samples.of("value", {"t": times, "value": noise})
     lattice = numeric_lattice(LATTICES["alpha_fput"], {"K2": 1, "K3": 1})
-    made = driven_chain(lattice, 20, left="free", right="free", forces=[SiteForce(3, measured)])
+    chain = driven_chain(lattice, 20, left="free", right="free", forces=[SiteForce(3, measured)])
     state = State(0.0, *np.zeros((2, 1, 20)))
     coarse, fine, exact = (
-        integrate(made, state, [12.0], step=12 / steps, measure_error=False).f
+        integrate(chain, state, [12.0], step=12 / steps, measure_error=False).f
         for steps in (37, 148, 1480)
     )
     assert np.log2(np.abs(coarse - exact).max() / np.abs(fine - exact).max()) / 2 > 5.5
     np.testing.assert_allclose(measured(times), noise, atol=1e-16)
     within = times[1:-1]
-    apart = measured(within + 1e-5) - measured(within - 1e-5)
-    np.testing.assert_allclose(measured.slope(within), apart / 2e-5, atol=1e-9)
+    difference = measured(within + 1e-5) - measured(within - 1e-5)
+    np.testing.assert_allclose(measured.slope(within), difference / 2e-5, atol=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -333,8 +336,8 @@ def test_defects_are_of_single_cells_and_bonds() -> None:
     assert forces[[-1, 0, 5, 10]].tolist() == [6.0, 3.0, 0.75, 0.0]
     document = tomllib.loads(scene.toml())
     check_field("defects.mass")
-    made = make_scene(changed_document(document, {"defects.mass": {"2": 4}}), "driven", Path())
-    assert made == Scene.of(**changed(defects=defects | {"mass": {"2": 4}}))
+    swept = make_scene(changed_document(document, {"defects.mass": {"2": 4}}), "driven", Path())
+    assert swept == Scene.of(**changed(defects=defects | {"mass": {"2": 4}}))
 
 
 def test_what_defects_and_measured_walls_gain_is_work_less_heat() -> None:
@@ -366,8 +369,14 @@ def test_formulas_in_time_are_read_not_run() -> None:
 
 
 REFUSED: list[tuple[dict[str, Any], str]] = [
-    ({"observables": {"energy": False}}, "observables must name what is watched, got nothing"),
-    ({"observables": {"sensors": {"sites": [0], "of": []}}}, "observables must name what"),
+    (
+        {"observables": {"energy": False}},
+        "observables must name at least one quantity, got nothing",
+    ),
+    (
+        {"observables": {"sensors": {"sites": [0], "of": []}}},
+        "observables must name at least one quantity",
+    ),
     ({"observables": {"every": 1, "sensors": {"every": 2}}}, "every must be in [observables] or"),
     (
         {"chain": {"sites": date(2000, 1, 1)}},
@@ -418,8 +427,14 @@ REFUSED: list[tuple[dict[str, Any], str]] = [
     ({"force": [{"site": 1, "file": 3}]}, "file must be a name, got 3"),
     ({"force": [{"site": 1, "file": "no.csv"}]}, "no.csv: No such file or directory"),
     ({"force": [{"site": 1, "value": "t", "file": "/dev/null"}]}, "must be a regular file, got"),
-    ({"start": {"site": [0, 0], "u": [1, 1]}}, "each cell once and a number of each, got 2 rows"),
-    ({"start": {"site": [0, 1], "u": [1]}}, "each cell once and a number of each"),
+    (
+        {"start": {"site": [0, 0], "u": [1, 1]}},
+        "columns in [start] must be equally long and have each cell once, got 2 rows",
+    ),
+    (
+        {"start": {"site": [0, 1], "u": [1]}},
+        "must be equally long and have each cell once, got 2 rows with 2 cells",
+    ),
     ({"start": {"site": [0.5], "u": [1]}}, "site in [start] must be a whole number"),
     ({"start": {"site": [12], "u": [1]}}, "site in [start] must be 0 to 11, got 12"),
     ({"start": {"site": [1], "w": [1]}}, "field in state must be one of beta_fput, got 'w'"),
@@ -493,7 +508,7 @@ def test_a_bench_is_run_from_its_start_and_with_a_chain() -> None:
 
 
 def test_a_piston_goes_further_than_a_grain_is_compressed(tmp_path: Path) -> None:
-    """Right values by SciPy's DOP853 at 1e-12."""
+    """Reference values are from SciPy's DOP853 at 1e-12."""
     (tmp_path / "c.toml").write_text(
         'fields = ["u"]\npositive = ["A", "d", "p"]\n[[spring]]\n'
         'between = ["u[n]", "u[n+1]"]\nforce = "-A*(d - x)**p"\n',
@@ -518,7 +533,7 @@ def test_a_piston_goes_further_than_a_grain_is_compressed(tmp_path: Path) -> Non
 
 
 def test_the_reason_for_too_many_steps_is_what_asks_for_them() -> None:
-    """Catches: stiff springs that are told as losses or drives."""
+    """Catches: stiff springs that are reported as losses or drives."""
     for tables, reason in (
         ({"constants": {"K2": 1e30, "K4": 2}}, "the highest frequency is 2e\\+15"),
         ({"losses": {"site": 1e15}}, "losses and drivers must need at most"),

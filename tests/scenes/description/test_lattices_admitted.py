@@ -1,4 +1,4 @@
-"""Scenes that are admissible, each of which was refused once."""
+"""Admissible scenes that an earlier check refused."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ GRANULAR = {"lattice": "granular", "wave": "kdv_soliton", "parameters": {"kappa"
 
 @pytest.mark.parametrize("d", [2, "3/5"])
 def test_a_granular_chain_has_solitons_where_its_coefficients_are_roots(d: int | str) -> None:
-    """Catches: a second ansatz, which does not fit, taken for the lack of any."""
+    """Catches: a refusal because a second ansatz does not fit, although the first does."""
     found = run(Scene.of(**SCENE, **GRANULAR, constants={"A": 1, "d": d}))
     assert found.equation.startswith("KdV: ")
     assert float(found["sup_error"].max()) < 0.1
 
 
 def test_a_carrier_whose_first_cell_is_far_from_rest_is_run() -> None:
-    """Catches: the stiffness of a cell within the carrier taken for that of the rest."""
+    """Catches: the stiffness of a cell within the carrier used as that of the lattice at rest."""
     constants = {"K2": 0.636, "g1": 1, "g2": 0, "g3": -1}
     wave = {"wave": "nls_plane", "parameters": {"A": 1}, "carrier": "pi", "eps": 0.6}
     scene = Scene.of(**SCENE | wave, lattice="klein_gordon", constants=constants)

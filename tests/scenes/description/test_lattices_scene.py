@@ -1,4 +1,4 @@
-"""Scenes that name a lattice: what a file may say, what the record refuses, what comes back."""
+"""Scenes that name a lattice: their files, refused values, and reading them back."""
 
 import copy
 import pickle
@@ -160,13 +160,13 @@ def same(scene: Scene, other: Scene) -> bool:
     return scene == other and scene.json() == other.json()
 
 
-def test_what_can_be_said_in_two_ways_means_the_same() -> None:
-    wanted = Scene.of(**CHAIN | TIMED)
+def test_alternative_keywords_give_equal_scenes() -> None:
+    expected = Scene.of(**CHAIN | TIMED)
     bare = {key: value for key, value in (CHAIN | TIMED).items() if key not in ("K2", "K4")}
     constants = {"K4": 1, "K2": 1.0, "K3": 0}
-    assert same(Scene.of(**bare, constants=constants), wanted)
+    assert same(Scene.of(**bare, constants=constants), expected)
     moments = {key: value for key, value in (CHAIN | TIMED).items() if key not in TIMED}
-    assert same(Scene.of(**moments, times=[0, 50], compared=60), wanted)
+    assert same(Scene.of(**moments, times=[0, 50], compared=60), expected)
     slow = Scene.of(**moments, slow_times=[0, 0.05], half_width=6)
     assert (slow.t0, slow.snapshots, slow.compared) == (0.0, (0.0, 0.05 / 0.1**3), 60)
 
@@ -187,7 +187,7 @@ def test_a_scene_comes_back_as_it_was(given: dict[str, Any], changes: dict[str, 
 
 
 def test_slow_times_and_half_width_stay_where_others_change() -> None:
-    """Catches: the chain's scene keeping the lattice's times and cells of its first eps."""
+    """Catches: lattice times and cells that are not recomputed when eps changes."""
     given = CHAIN | {"slow_times": [0, 0.1], "half_width": 6}
     scene = Scene.of(**given)
     assert same(scene.changed(eps=0.05), Scene.of(**given | {"eps": 0.05}))
@@ -263,7 +263,7 @@ def test_parameters_are_formulas_or_multiples_of_K_at_every_order() -> None:
 
 
 def test_a_scene_runs_itself() -> None:
-    """The engines are above it: `longwave.scenes` tells it which function runs scenes."""
+    """`longwave.scenes` gives descriptions the function that runs scenes."""
     scene = Scene.of(**GIVEN)
     assert scene.run().strain.identical(run(scene).strain)
 
@@ -274,7 +274,7 @@ def test_cells_of_a_half_width_are_whole_at_any_eps() -> None:
         assert at_eps(scene, scene.eps).compared == compared
 
 
-def test_a_ring_holds_all_that_is_compared_and_what_reaches_it() -> None:
+def test_a_ring_contains_the_compared_cells_and_all_that_can_affect_them() -> None:
     compared = ComparedCells(0.5, (10,))
     times = (0.0, 100.0)
     [(low, high)] = compared.ring(times, [2.0], 0)
@@ -282,5 +282,5 @@ def test_a_ring_holds_all_that_is_compared_and_what_reaches_it() -> None:
     assert high >= 50 + 10 + 200
     [(low_wider, high_wider)] = compared.ring(times, [2.0], 64)
     assert (high_wider - low_wider) - (high - low) == 64
-    [part] = compared.places([(low, high)], 100.0)
+    [part] = compared.slices([(low, high)], 100.0)
     assert (part.start + low, part.stop - 1 + low) == (40, 60)

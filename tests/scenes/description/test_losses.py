@@ -1,6 +1,6 @@
-"""Catches: losses that the lattice has and its equation does not, or the other way round, a law
-that the compared soliton does not follow, a seam that dashpots carry to the compared cells, a rate
-that is not theory's, two grammars of one table.
+"""Catches: losses in the lattice but not in its equation or vice versa, a soliton that does not
+follow its law, a seam whose signals dashpots carry to the compared cells, a wrong convergence rate,
+two grammars of one table.
 """
 
 from __future__ import annotations
@@ -59,11 +59,11 @@ def scene(base: dict[str, Any] = SOLITON, **changes: Any) -> Scene:
 
 
 def test_losses_are_in_the_equation_and_in_the_lattice() -> None:
-    made = scene(losses={"site": "eps**3*gamma", "bond": "eps*gamma/2"})
-    assert derivation(made).text() == (
+    damped = scene(losses={"site": "eps**3*gamma", "bond": "eps*gamma/2"})
+    assert derivation(damped).text() == (
         "damped KdV-Burgers: Y_T + (1/c) Y Y_X + (1/(24 c)) Y_XXX + (1/20) Y - (1/40) Y_XX = 0"
     )
-    wave = lattice_wave(made)
+    wave = lattice_wave(damped)
     ring = wave.ring(np.arange(-40.0, 40.0), 0.0)
     assert isinstance(ring.lattice, DrivenChain)
     assert ring.lattice.losses == pytest.approx((0.2**3 * 0.1,), rel=1e-15)
@@ -71,8 +71,8 @@ def test_losses_are_in_the_equation_and_in_the_lattice() -> None:
     assert (ring.lattice.cells, ring.lattice.walls) == (80, ())
 
 
-def test_numbers_are_weighed_by_eps() -> None:
-    """The same losses as numbers have the same equation and bits; at another eps they are kept."""
+def test_numbers_are_scaled_by_eps() -> None:
+    """Losses as numbers give the same equation and bits, and scale with eps in `at_eps`."""
     formula = scene(constants={"K2": 1, "K3": 1})
     formula = formula.changed(losses={"site": "eps**3/10"})
     number = formula.changed(losses={"site": 0.0008})
@@ -87,12 +87,12 @@ def test_numbers_are_weighed_by_eps() -> None:
 def test_the_compared_soliton_solves_its_equation_to_leading_order(
     base: dict[str, Any], power: int, decay: float
 ) -> None:
-    """Y_T of the wave by differences is the equation's but for a part as small as gamma.
+    """Y_T by differences equals that of the equation up to a residual of order gamma.
 
-    What is left is orthogonal to the soliton: the law is the balance of its momentum.
+    The residual is orthogonal to the soliton, since the law is its momentum balance.
     """
-    made = scene(base, losses={"site": "eps**3*gamma", "bond": "eps*gamma/7"})
-    found, wave = derivation(made), wave_of(made)
+    damped = scene(base, losses={"site": "eps**3*gamma", "bond": "eps*gamma/7"})
+    found, wave = derivation(damped), wave_of(damped)
     assert found.law is not None
     terms = found.source.coefficients().terms  # type: ignore[union-attr]
     X, T, h = np.linspace(-14.0, 14.0, 2801), 0.7, 1e-4
@@ -105,8 +105,8 @@ def test_the_compared_soliton_solves_its_equation_to_leading_order(
     left += float(terms["Y"]) * Y + float(terms["Y_XX"]) * Y_XX
     assert np.abs(left).max() < 0.6 * 0.1 * np.abs(Y).max()
     assert abs(np.sum(left * Y)) < 1e-6 * np.sum(Y * Y)
-    if power == 1:  # of a chain that softens it is the same upside down
-        softer = scene(base, constants={"K2": 1, "K3": -1, "gamma": 0.1}, losses=made.losses)
+    if power == 1:  # on a softening chain the soliton is inverted
+        softer = scene(base, constants={"K2": 1, "K3": -1, "gamma": 0.1}, losses=damped.losses)
         assert wave_of(softer).jets(X, T, 0)[0] == pytest.approx(-Y, rel=1e-12)
     alone = wave_of(scene(base))
     crest = alone.crest(T) / alone.crest(0.0)  # type: ignore[union-attr]
@@ -126,9 +126,9 @@ def test_the_law_is_recorded_beside_the_crest() -> None:
 
 
 def damped_equation(power: int, damping: float, end: float) -> float:
-    """The crest at that time of U_tau + 6 U^power U_xi + U_xixixi = -damping U, from the soliton.
+    """Return the final crest of U_tau + 6 U^power U_xi + U_xixixi = -damping U over the law's.
 
-    By Fourier's series, in units of the law's; power 1 has 2 sech^2, power 2 sech.
+    The solution is a Fourier series; it starts from 2 sech^2 (power 1) or sech (power 2).
     """
     count, length = 512, 96.0
     xi = np.arange(count) * length / count - 48.0
@@ -151,17 +151,17 @@ def damped_equation(power: int, damping: float, end: float) -> float:
 
 @pytest.mark.parametrize("power", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_the_equation_leaves_its_law_with_the_first_power_of_the_damping(power: int) -> None:
-    """At one `damping * tau`, and the library's own interval for the limit."""
+    """The final `damping * tau` is the same for all dampings."""
     dampings = [0.02, 0.01, 0.005] if power == 2 else [0.08, 0.04, 0.02]
-    apart = [damped_equation(power, one, 0.08 / one) - 1 for one in dampings]
-    assert all(0.0 < value < 0.05 for value in apart)
-    assert fitted_rate(dampings, apart).holds(1)
+    deviations = [damped_equation(power, one, 0.08 / one) - 1 for one in dampings]
+    assert all(0.0 < value < 0.05 for value in deviations)
+    assert fitted_rate(dampings, deviations).holds(1)
 
 
 def worn(eps: float, gamma: float, base: dict[str, Any] = SOLITON) -> float:
-    """What the lattice leaves of a crest in units of the law's, less 1; eps alone cancels.
+    """Return the relative deviation of the lattice's crest from the law.
 
-    A soliton without losses that is run as long has shed what its data have too much.
+    Effects of eps alone cancel: the crest is divided by that of an equally long lossless run.
     """
     ends = {"eps": eps, "slow_times": [0, 0.3 / gamma], "half_width": 10, "tolerance": 1e-4}
     ends |= {"observables": ["crest_track"], "look_points": 2}
@@ -170,8 +170,8 @@ def worn(eps: float, gamma: float, base: dict[str, Any] = SOLITON) -> float:
         constants = base["constants"] | {"gamma": gamma}
         if not losses:
             del constants["gamma"]
-        made = scene(base, **ends, constants=constants, losses=losses)
-        left.append(float(run(made).crest_strain[-1]))
+        damped = scene(base, **ends, constants=constants, losses=losses)
+        left.append(float(run(damped).crest_strain[-1]))
     law = wave_of(scene(base, constants=base["constants"] | {"gamma": gamma}))
     return left[0] / left[1] * law.crest(0.0) / law.crest(0.3 / gamma) - 1  # type: ignore[union-attr]
 
@@ -184,15 +184,15 @@ def worn(eps: float, gamma: float, base: dict[str, Any] = SOLITON) -> float:
 def test_the_lattice_leaves_the_law_with_the_first_power_of_the_losses(
     base: dict[str, Any], gammas: list[float], largest: float
 ) -> None:
-    """At one gamma T, less what falls as eps^2 whatever the losses, by two eps."""
-    apart = [2 * worn(0.1, g, base) - worn(math.sqrt(0.02), g, base) for g in gammas]
-    assert fitted_rate(gammas, apart).holds(1)
-    assert 0.0 < apart[-1] < 0.4 * apart[0] < largest
+    """All runs end at the same gamma T; two eps extrapolate the error of order eps^2."""
+    deviations = [2 * worn(0.1, g, base) - worn(math.sqrt(0.02), g, base) for g in gammas]
+    assert fitted_rate(gammas, deviations).holds(1)
+    assert 0.0 < deviations[-1] < 0.4 * deviations[0] < largest
 
 
 @pytest.mark.slow
 def test_the_shock_of_dashpots_runs_on_the_lattice_with_the_rate_of_theory() -> None:
-    """Strains are off by eps^4, so the wave of size eps^2 is off by eps^2 of itself."""
+    """Strains have errors of order eps^4, which is eps^2 relative to the wave's eps^2."""
     found = scene_convergence(scene(SHOCK), [0.2, 0.14, 0.1, 0.07])
     assert (found.equation, found.theory, found.reached) == ("KdV-Burgers (s = 1)", 4, True)
     assert found.points[-1].relative < 0.01
@@ -201,35 +201,35 @@ def test_the_shock_of_dashpots_runs_on_the_lattice_with_the_rate_of_theory() -> 
 
 @pytest.mark.parametrize("lattice", ["fput", "fput_strain"])
 def test_the_seam_of_a_shock_is_not_felt_however_dashpots_smear_it(lattice: str) -> None:
-    """A ring that is twice as wide gives the same to rounding; without the margin 1e-8 is felt."""
-    made = scene(SHOCK, lattice=lattice, slow_times=[0, 8], tolerance=1e-8)
-    timed, domains = domain_plan(made)
+    """A ring twice as wide agrees to rounding; without the margin the error is 1e-8."""
+    shock = scene(SHOCK, lattice=lattice, slow_times=[0, 8], tolerance=1e-8)
+    timed, domains = domain_plan(shock)
     least = math.prod(high - low + 1 for low, high in domains.ends())
     stated = {"tolerance": None, "domain": "ring", "step": 0.5, "scheme": "reduced_phase_6"}
     narrow, wide = (
-        record_scene(made.changed(**stated, sites=sites)).values("strain")
+        record_scene(shock.changed(**stated, sites=sites)).values("strain")
         for sites in (least, 2 * least)
     )
     assert np.abs(narrow - wide).max() < 1e-12
-    assert compared_cells(made, domains.wave).reach[0] < least / 4
+    assert compared_cells(shock, domains.wave).reach[0] < least / 4
     assert timed.end == pytest.approx(1000.0)
 
 
-def test_losses_are_kept_in_files_and_swept() -> None:
-    made = scene()
-    assert Scene.from_json(made.json()) == made
+def test_losses_are_stored_in_files_and_swept() -> None:
+    damped = scene()
+    assert Scene.from_json(damped.json()) == damped
     document = {key: value for key, value in SOLITON.items() if key != "name"}
     from_file = make_scene(document, "worn", Path())
-    assert from_file == made
-    assert 'site = "eps**3*gamma"' in made.toml()
+    assert from_file == damped
+    assert 'site = "eps**3*gamma"' in damped.toml()
     swept = make_scene(changed_document(document, {"losses.site": "eps**3/50"}), "worn", Path())
     assert swept.losses == Losses(site="eps**3/50")
-    assert run(made).attrs["scene"].count("losses") == 1
+    assert run(damped).attrs["scene"].count("losses") == 1
 
 
-def test_a_run_with_losses_goes_on_from_its_state() -> None:
-    made = scene(observables=["strain", "state"], losses={"site": "eps**3*gamma", "bond": 0.02})
-    whole = run(made)
+def test_a_run_with_losses_resumes_from_its_state() -> None:
+    damped = scene(observables=["strain", "state"], losses={"site": "eps**3*gamma", "bond": 0.02})
+    whole = run(damped)
     later = resume(whole, at=float(whole.time[1]))
     assert np.array_equal(later.strain[-1], whole.strain[-1])
 
@@ -288,9 +288,9 @@ def test_what_is_refused(changes: dict[str, Any], text: str) -> None:
 
 def test_a_table_has_one_spelling() -> None:
     assert Losses.of({}) is Losses.of("") is Losses.of(None) is None
-    made = Losses.of({"bond": (1, "eta")})
-    assert str(made) == '{"bond": [1, "eta"]}'
-    assert Losses.of(str(made)) == Losses.of(made) == made
+    stated = Losses.of({"bond": (1, "eta")})
+    assert str(stated) == '{"bond": [1, "eta"]}'
+    assert Losses.of(str(stated)) == Losses.of(stated) == stated
 
 
 @pytest.mark.parametrize(
@@ -299,6 +299,6 @@ def test_a_table_has_one_spelling() -> None:
 )
 def test_shipped_solitons_fade_as_the_law_has_it(name: str, least: float, most: float) -> None:
     found = run(load_scene(name))
-    apart = found.crest_strain / found.crest_law - 1
-    assert least < float(apart.min()) < float(apart.max()) < most
+    deviations = found.crest_strain / found.crest_law - 1
+    assert least < float(deviations.min()) < float(deviations.max()) < most
     assert float(found.crest_law[-1]) < 0.72 * float(found.crest_law[0])

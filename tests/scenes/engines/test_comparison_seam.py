@@ -161,7 +161,7 @@ def test_a_wave_that_passes_into_its_copy_still_runs_one_way(size: int) -> None:
     moving = moving_wave(scene)
     sites = np.arange(size, dtype=float)
     whole = moving.ring(sites, 0.0)
-    ring = moving.closed(whole, moving.seam_room(0.0))
+    ring = moving.closed_ring(whole, moving.seam_room(0.0))
     interior = slice(moving.seam_room(0.0), -moving.seam_room(0.0))
     np.testing.assert_array_equal(ring.f[:, interior], whole.f[:, interior])
     y, s = ring.f[0], ring.v[0]

@@ -1,4 +1,4 @@
-"""Catches: a ring on which a carrier does not close, and its blow-up told of the lattice."""
+"""Catches: a ring on which a carrier does not close, a blow-up at its seam blamed on the lattice."""
 
 import numpy as np
 import pytest
@@ -29,7 +29,7 @@ SOFT = Scene.of(
 @pytest.mark.slow
 @pytest.mark.parametrize("order", ["slaved", "leading"])
 def test_neighbours_that_move_against_each_other_do_so_all_round_the_ring(order: str) -> None:
-    """Against the equation of one of them, by SciPy; it blew up at the seam of an odd ring."""
+    """Compare with the equation of one neighbour, by SciPy. Catches: a blow-up on an odd ring."""
     scene = SOFT.changed(order=order)
     found = run(scene)
     f, v = (float(values[0, 0]) for values in lattice_wave(scene).state(np.zeros(1), 0.0))
@@ -54,30 +54,35 @@ def test_rings_are_commensurate_with_carriers_that_can_be(k: str) -> None:
     for wider in (0, rings_module.WIDER):
         ends = domains.ends(wider)
         [(low, high)], [(_, least)] = ends, domains.plain_ends(wider)
-        assert domains.gaps(ends)[0] < 1e-9
-        assert least <= high < least + rings_module.FITTING
+        assert domains.seam_mismatch(ends)[0] < 1e-9
+        assert least <= high < least + rings_module.MOST_ADDED
         turns = (high + 1 - low) * float(lattice_wave(SOFT.changed(carrier=k)).carrier.k)
         assert abs(turns / (2 * np.pi) - round(turns / (2 * np.pi))) < 1e-9
 
 
-def test_a_carrier_that_closes_on_no_ring_does_so_as_well_as_it_can() -> None:
+def test_a_carrier_that_closes_on_no_ring_gets_the_one_of_least_mismatch() -> None:
     found = run(SOFT.changed(carrier=3))
     assert not found.attrs["blow_up"]
     _, domains = domain_plan(SOFT.changed(carrier=3, times=[0, 3]))
-    assert domains.gaps(domains.ends())[0] < 0.1 * domains.gaps(domains.plain_ends(0))[0]
+    assert (
+        domains.seam_mismatch(domains.ends())[0]
+        < 0.1 * domains.seam_mismatch(domains.plain_ends(0))[0]
+    )
 
 
 @pytest.mark.slow
-def test_what_blows_up_at_a_seam_is_told_as_from_there(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_blow_up_at_a_seam_has_its_distance_from_the_seam(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     _, domains = domain_plan(SOFT.changed(times=[0, 3]))
     closed = domains.ends()
     torn = [(closed[0][0], closed[0][1] + 1)]
     found = BlowUp("the fields are not finite", 2.0, torn[0][0] + 1)
-    assert domains.located(found, torn).from_seam == 1
-    assert "and not the lattice" in str(domains.located(found, torn))
-    assert domains.located(found, closed).from_seam is None
+    assert domains.with_seam_distance(found, torn).from_seam == 1
+    assert "and not the lattice" in str(domains.with_seam_distance(found, torn))
+    assert domains.with_seam_distance(found, closed).from_seam is None
     far = BlowUp("the fields are not finite", 0.01, (torn[0][0] + torn[0][1]) // 2)
-    assert domains.located(far, torn).from_seam is None
-    monkeypatch.setattr(rings_module, "FITTING", 1)
+    assert domains.with_seam_distance(far, torn).from_seam is None
+    monkeypatch.setattr(rings_module, "MOST_ADDED", 1)
     message = run(SOFT).attrs["blow_up"]
     assert "from the ring's seam" in message

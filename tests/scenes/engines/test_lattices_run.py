@@ -66,7 +66,7 @@ def reference(scene: Scene) -> list[np.ndarray]:
     strains = []
     for t, state in zip(times, found.y.T, strict=True):
         middle = round(wave.speed * t) - first + room
-        strain = wave.measured(state.reshape(shape)[0], ring.mean_strain)
+        strain = wave.quantity_values(state.reshape(shape)[0], ring.mean_strain)
         strains.append(strain[:, middle - reach : middle + reach + 1])
     return strains
 

@@ -19,7 +19,7 @@ WAVES = {
     ),
     "plane": (1, exp(2 * I * tau)),
 }
-"""Each with its sign s."""
+"""Waves by name, each with its sign s."""
 
 
 @cache
@@ -29,7 +29,7 @@ def derivatives(name: str, highest: int) -> Any:
 
 
 class SymbolicWave:
-    """A wave of `WAVES` in the variables of a lattice's envelope equation."""
+    """Wave of `WAVES` in the variables of a lattice's envelope equation."""
 
     def __init__(self, name: str, form: NormalForm, amplitude: float = 1.0) -> None:
         assert form.s == WAVES[name][0], f"{name} needs s = {WAVES[name][0]}"

@@ -48,7 +48,7 @@ def without_drift(wave: EnvelopeData, f: np.ndarray) -> np.ndarray:
 
 
 def rates(wave: EnvelopeData, t: float) -> tuple[np.ndarray, np.ndarray]:
-    """Time derivatives of positions and velocities by differences, a common drift taken off."""
+    """Return time derivatives of positions and velocities by differences, without common drift."""
     n, h = around(wave, t), 1e-3
     states = [[without_drift(wave, f) for f in wave.state(n, t + j * h)] for j in range(-2, 3)]
     first, second, _, third, fourth = (np.array(state) for state in states)
@@ -67,7 +67,7 @@ def test_velocities_are_time_derivatives(case: str) -> None:
 
 
 def left(wave: EnvelopeData, t: float) -> float:
-    """Residual of the equations of motion near the wave's middle."""
+    """Return the residual of the equations of motion near the wave's middle."""
     f = wave.state(around(wave, t), t)[0]
     forced = without_drift(wave, wave.lattice.acceleration(f))
     return float(np.max(np.abs(rates(wave, t)[1] - forced)[:, 4:-4]))
@@ -93,12 +93,14 @@ def test_a_ring_of_displacements_holds_the_mean_strain(case: str) -> None:
     cells = np.arange(-402.0, 400.0)
     ring = wave.ring(cells, 0.0)
     inner = slice(2, -2)
-    found = wave.measured(ring.f, ring.mean_strain)[:, inner]
+    found = wave.quantity_values(ring.f, ring.mean_strain)[:, inner]
     np.testing.assert_allclose(found, wave.strain(cells, 0.0)[:, inner], atol=1e-13)
     strain = wave.eps**2 * derived(case).coefficients(**CASES[case][2]).mean
     values = np.abs(wave.wave.jets(wave.eps * cells, 0.0, 0)[0]) ** 2
     assert ring.mean_strain[0] == pytest.approx(strain * np.mean(values), rel=1e-3)
-    assert np.max(np.abs(wave.measured(ring.f, ring.mean_strain))) < 2 * np.max(np.abs(found))
+    assert np.max(np.abs(wave.quantity_values(ring.f, ring.mean_strain))) < 2 * np.max(
+        np.abs(found)
+    )
 
 
 def test_leading_data_have_the_strain_of_their_background_alone() -> None:

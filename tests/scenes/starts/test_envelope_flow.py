@@ -1,4 +1,4 @@
-"""Envelopes solved by Fourier, against closed forms and plane waves with the next order."""
+"""Envelopes solved by Fourier series, against closed forms and plane waves with the next order."""
 
 from dataclasses import replace
 from functools import cache
@@ -47,7 +47,7 @@ def test_without_the_next_order_it_is_the_closed_form(
 
 
 def test_a_plane_wave_turns_as_the_next_order_says() -> None:
-    """Omega = p x^2 - q a^2 + eps (a3 x^3 + (a1 + a2) a^2 x) at the wavenumber x."""
+    """Return Omega = p x^2 - q a^2 + eps (a3 x^3 + (a1 + a2) a^2 x) at the wavenumber x."""
     found = derived().coefficients(**GIVEN)
     length, a = 3.0, 0.7
     x = (2 * np.pi + 0.4) / length

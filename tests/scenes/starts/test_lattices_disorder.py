@@ -1,7 +1,7 @@
-"""Scenes with disorder: what is left of a soliton.
+"""Solitons on disordered lattices.
 
-Catches: a realisation that changes with the ring or is left out of a store's key, a measure of the
-wrong crest, an energy that is not kept, a loss or a delay that is not that of weak disorder.
+Catches: a realisation that changes with the ring or is missing in a store's key, a measurement of
+the wrong crest, an energy that is not conserved, a wrong loss or delay for weak disorder.
 """
 
 import json
@@ -54,7 +54,7 @@ def last(of: xr.Dataset) -> dict[str, Any]:
 
 @pytest.mark.parametrize("of", ["mass", "K2"])
 def test_a_loss_is_as_the_square_of_a_small_spread(of: str) -> None:
-    """For one realisation the scattered wave is linear in the deviations, its energy quadratic."""
+    """The scattered wave of one realisation is linear in the deviations, its energy quadratic."""
     none, small, large = (last(run(spread, of)) for spread in (0.0, 0.03, 0.06))
     losses = [none["last_energy"] - found["last_energy"] for found in (small, large)]
     assert losses[1] / losses[0] == pytest.approx(4.0, rel=0.1)
@@ -82,7 +82,7 @@ def test_what_is_measured_is_within_its_error(of: str) -> None:
 
 
 def test_an_energy_on_a_ring_that_cuts_the_wave_is_within_its_error() -> None:
-    """Two runs are compared: one that tells no energy leaves none, and not one +- nan."""
+    """If one of the two runs has no energy, neither energy nor error is recorded."""
     wide = run(0.3, "K4", half_width=20)
     for half_width in (1, 2, 3, 5, 7, 10):
         found = run(0.3, "K4", half_width=half_width)
@@ -103,7 +103,7 @@ def test_no_spread_has_the_bits_of_no_disorder() -> None:
 
 
 def test_strains_and_displacements_lose_alike_and_keep_their_energy() -> None:
-    """The two waves begin half a cell apart."""
+    """The initial waves differ by a shift of half a cell."""
     strained, displaced = run(0.3), run(0.3, lattice="fput")
     for found in (strained, displaced):
         assert found.energy_drift < 1e-5
@@ -125,7 +125,7 @@ def test_strains_and_displacements_lose_alike_and_keep_their_energy() -> None:
 def test_the_effective_medium_is_that_of_springs_in_series(
     lattice: str, of: str, constants: dict[str, Any], share: float
 ) -> None:
-    """<1/(1 + d)> over d uniform within r is artanh(r)/r, whatever the springs' mean."""
+    """<1/(1 + d)> for d uniform in -r .. r is artanh(r)/r, for any mean spring."""
     scene = SOLITON | {"lattice": lattice, "constants": SOLITON["constants"] | constants}
     disorder = MASSES | {"of": of, "spread": 0.4}
     wave = lattice_wave(Scene.of(**(scene | {"disorder": disorder})))
@@ -172,7 +172,7 @@ def test_the_meter_finds_the_crest_and_the_energy_about_it() -> None:
 
 
 def test_a_crest_is_followed_out_of_the_cells_that_are_compared() -> None:
-    """It is late by 15 cells, and 10 are compared on either side."""
+    """The crest is delayed by 15 cells, and 10 cells are compared on either side."""
     springs = {"of": "K2", "spread": 0.5}
     wide, narrow = (
         last(run(0.5, disorder=MASSES | springs, times=(0.0, 500.0), half_width=half))
@@ -183,7 +183,7 @@ def test_a_crest_is_followed_out_of_the_cells_that_are_compared() -> None:
 
 
 def test_on_a_background_is_measured_what_rises_above_it() -> None:
-    """About the strain 1/5 the forces are those of springs with K2 = 0.88 and without K3."""
+    """About the strain 1/5 the forces equal those of springs with K2 = 0.88 and K3 = 0."""
     mean: dict[str, Any] = {"background": "-K3/(3*K4)"}
     mean["constants"] = {"K2": 1, "K3": -0.6, "K4": 1}
     same = last(run(0.2, constants={"K2": 0.88, "K3": 0, "K4": 1}))
@@ -203,7 +203,7 @@ def test_disorder_leaves_a_wave_its_uniform_strain_and_the_room_of_its_seam() ->
 
 
 def test_a_lattice_without_masses_has_no_energy() -> None:
-    """Its second bond is stretched by strains and pulls at them: no spring between masses does."""
+    """Its second bond acts between strains, unlike any spring between masses."""
     near = {"stretch": "y[n]", "force": "K2*x + K4*x**3", "action": {"y": "F[n+1]-2*F[n]+F[n-1]"}}
     far = {"stretch": "y[n+1] - y[n-1]", "force": "K2*x/4", "action": {"y": "F[n+1] - F[n-1]"}}
     declared = json.dumps({"fields": ["y"], "masses": [1], "positive": ["K2"], "bond": [near, far]})

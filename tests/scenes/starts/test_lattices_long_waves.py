@@ -1,4 +1,4 @@
-"""Long waves on lattices: data, what is compared, the first correction, and measured rates."""
+"""Long waves on lattices: initial data, compared quantities, first correction, measured rates."""
 
 import math
 from dataclasses import replace
@@ -28,7 +28,7 @@ from longwave.solutions import Wave, closed_form
 from searches.soak_scenes import soak_scene
 
 FAST = {"1": "leading", "4b": "leading"}
-"""Cases that are measured whenever the tests are run, at three eps."""
+"""Cases measured in every test run, at three eps."""
 
 
 def scene_of(name: str, at: float = 0.1, order: str = "slaved") -> Scene:
@@ -73,7 +73,7 @@ def test_the_next_order_is_two_powers_better() -> None:
 
 
 def test_a_narrow_wave_is_sampled_finely_and_one_too_narrow_refused() -> None:
-    """With the points of a broad one its correction would be wrong, and nothing would say so."""
+    """Catches: a wrong correction of a narrow wave, sampled as coarsely as a broad one."""
     cells, found = np.arange(60.0, 141.0), []
     reduction, wave = reduction_of("2"), wave_of(scene_of("2"))
     for half in (24.0, 72.0):
@@ -89,10 +89,10 @@ def test_a_narrow_wave_is_sampled_finely_and_one_too_narrow_refused() -> None:
 
 
 @pytest.mark.parametrize("index", [108, pytest.param(798, marks=pytest.mark.slow)])
-def test_what_a_step_tries_says_nothing_of_the_waves_modes(
+def test_rejected_steps_do_not_count_among_the_modes_of_a_wave(
     index: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """One that is refused has modes of any size; 6144 points were taken for them, and a minute."""
+    """Catches: the modes of a rejected step taken for the wave's, which asked for 6144 points."""
     monkeypatch.setattr(first_correction, "MOST_POINTS", first_correction.POINTS)
     scene = soak_scene(1, index)
     wave = lattice_wave(scene)
@@ -103,7 +103,7 @@ def test_what_a_step_tries_says_nothing_of_the_waves_modes(
 
 @pytest.mark.slow
 def test_a_sharp_wave_has_its_correction() -> None:
-    """It takes 12288 points: at most 6144 were taken, and it was refused."""
+    """Catches: a limit of 6144 points, since the correction needs 12288."""
     scene = soak_scene(21, 56)
     wave = lattice_wave(scene)
     times = scene.lattice_times(derivation(scene).slow)
@@ -118,7 +118,7 @@ def test_a_wave_without_width_is_refused_for_its_correction() -> None:
 
 
 def residual(data: LongWaveData, t: float) -> float:
-    """The largest difference of the theory's acceleration and the lattice's."""
+    """Return the largest difference between the theory's and the lattice's acceleration."""
     low, high = data.support(t)
     cells = np.arange(math.floor(low), math.ceil(high) + 1)
     ring, h = data.ring(cells, t), 1e-3 / data.eps
@@ -129,8 +129,8 @@ def residual(data: LongWaveData, t: float) -> float:
 
 @pytest.mark.parametrize("name", ["6a", "6d"])
 def test_slaved_fields_meet_the_equations_of_motion(name: str) -> None:
-    """Every row of them falls with eps to the order of the reduction; without slaved fields the
-    rows are of the order of the bonds' forces."""
+    """The residual falls with eps to the order of the reduction, or of the bonds' forces without
+    slaved fields."""
     for order, power in (("slaved", 6), ("leading", 1)):
         found = [residual(data_of(name, at, order), 1.0 / at**3) for at in (0.2, 0.1)]
         least = power + reduction_of(name).scaling.amplitude
@@ -140,8 +140,8 @@ def test_slaved_fields_meet_the_equations_of_motion(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["1", "4b", "6c"])
 def test_velocity_is_the_fields_time_derivative(name: str) -> None:
-    """Up to what the reduced equation leaves out; of displacements the antiderivative's constant
-    is free at each time, so strains are compared."""
+    """They agree up to terms beyond the reduced equation. Displacements are compared by strains, since
+    their constant is free at each time."""
     data, h = data_of(name), 0.05
     cells = np.arange(-300, 301)
     slope = (data.strain(cells, 7.0 + h) - data.strain(cells, 7.0 - h)) / (2 * h)
@@ -157,7 +157,7 @@ def test_mean_strain_makes_the_displacement_of_a_soliton_periodic() -> None:
     cells = np.arange(math.floor(2 * low), math.ceil(2 * high))
     ring = data.ring(cells, 0.0)
     assert abs(ring.mean_strain[0]) > 1e-3
-    strain = data.measured(ring.f, ring.mean_strain)
+    strain = data.quantity_values(ring.f, ring.mean_strain)
     assert strain == pytest.approx(data.strain(cells, 0.0), abs=1e-12)
     assert np.abs(strain[:, -1]).max() < 1e-9
     stretches = ring.lattice.stretches(ring.f)
@@ -173,7 +173,7 @@ def test_mean_strain_is_that_of_the_cells_of_the_ring() -> None:
     cells = np.arange(-7, 16)
     ring, strain = data.ring(cells, 0.0), data.strain(cells, 0.0)
     assert ring.mean_strain[0] == pytest.approx(strain.mean(), rel=1e-12)
-    assert data.measured(ring.f, ring.mean_strain) == pytest.approx(strain, abs=1e-13)
+    assert data.quantity_values(ring.f, ring.mean_strain) == pytest.approx(strain, abs=1e-13)
 
 
 def test_forces_with_eps_and_no_polynomials_are_those_that_run() -> None:
@@ -214,7 +214,7 @@ def test_what_data_refuse() -> None:
 
 
 def test_computed_soliton_solves_its_equation() -> None:
-    """And is the closed form where there is one."""
+    """It also equals the closed form if there is one."""
     soliton = wave_of(scene_of("5d"))
     assert isinstance(soliton, ComputedSoliton)
     X = np.linspace(-8.0, 8.0, 300)
@@ -280,7 +280,7 @@ def test_waves_of_kp_meet_the_square_lattice(
         data, h = long_wave(reduction, {}, wave, eps), 1e-3 / eps
         ring = data.ring(cells, 0.0)
         assert ring.mean_strain[0] > 0.0 == ring.mean_strain[1]
-        strain = data.measured(ring.f, ring.mean_strain)
+        strain = data.quantity_values(ring.f, ring.mean_strain)
         assert strain[:, :-1] == pytest.approx(data.strain(cells, 0.0)[:, :-1], abs=1e-12)
         before, after = (data.state(cells, d)[1] for d in (-h, h))
         gap = (after - before) / (2 * h) - ring.lattice.acceleration(ring.f)
@@ -314,7 +314,7 @@ def test_fitted_rate() -> None:
 def test_the_interval_holds_the_limit_of_a_rate_that_drifts(
     power: int, drift: float, later: int, ratio: float
 ) -> None:
-    """Errors eps^p (1 + d eps^q), q = 1 or 2: their slope at these eps is another than p."""
+    """For errors eps^p (1 + d eps^q), q = 1 or 2, the slope at these eps differs from p."""
     eps = 0.2 * ratio ** np.arange(4)
     rate = fitted_rate(list(eps), list(eps**power * np.exp(drift * eps**later)))
     assert rate.holds(power)

@@ -1,4 +1,4 @@
-"""Waves on lattices from what was kept of their derivation."""
+"""Waves on lattices from the cached results of their derivation."""
 
 from dataclasses import astuple
 from typing import Any
@@ -9,8 +9,8 @@ import pytest
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.rate_cases import rate_cases
-from longwave.scenes.starts import kept_long_wave
-from longwave.scenes.starts.kept_long_wave import _key, equation_of, scene_lattice_wave
+from longwave.scenes.starts import cached_long_wave
+from longwave.scenes.starts.cached_long_wave import _key, equation_of, scene_lattice_wave
 from longwave.scenes.starts.lattice_derivation import derivation, lattice_wave
 from longwave.scenes.starts.long_wave_data import LongWaveData
 from longwave.solutions import Wave
@@ -30,12 +30,12 @@ SCENES = {
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_a_kept_wave_is_the_derived_one(name: str) -> None:
-    """Catches: a field that is not kept, or not put back where it was."""
+def test_a_cached_wave_equals_the_derived_one(name: str) -> None:
+    """Catches: a field that is not cached, or not restored."""
     scene = SCENES[name]()
     derived = lattice_wave(scene)
     assert isinstance(derived, LongWaveData)
-    for _ in range(2):  # made, and found
+    for _ in range(2):  # derived, then from the cache
         cached = scene_lattice_wave(scene)
         assert isinstance(cached, LongWaveData)
         assert cached.numbers == derived.numbers
@@ -63,13 +63,13 @@ def test_a_kept_wave_is_the_derived_one(name: str) -> None:
 def test_what_a_wave_depends_on_is_in_its_key(change: dict[str, Any]) -> None:
     scene = load_scene("toda_soliton")
     assert _key(scene.changed(**change)) != _key(scene)
-    unseen = scene.changed(name="other", title="", slow_times=(0, 3)).with_tolerance(1e-6)
-    assert _key(unseen) == _key(scene)
+    other = scene.changed(name="other", title="", slow_times=(0, 3)).with_tolerance(1e-6)
+    assert _key(other) == _key(scene)
 
 
 def test_other_waves_are_derived(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Catches: losses, disorder or an envelope that are forgotten where a wave is kept."""
-    monkeypatch.setattr(kept_long_wave, "kept_wave", None)
+    """Catches: losses, disorder or an envelope that a cached wave ignores."""
+    monkeypatch.setattr(cached_long_wave, "kept_wave", None)
     toda = load_scene("toda_soliton")
     computed = toda.changed(wave="computed_soliton", parameters={"speed": 1})
     for scene in (load_scene("damped_kdv_soliton"), load_scene("fput_peregrine"), computed):

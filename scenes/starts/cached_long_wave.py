@@ -1,4 +1,4 @@
-"""The wave of a scene on its lattice. What SymPy makes for it is kept for the next process."""
+"""Wave of a scene on its lattice; results from SymPy are cached for other processes."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ if TYPE_CHECKING:
 
 
 def scene_lattice_wave(scene: Scene) -> LatticeWave:
-    """Return `lattice_derivation.lattice_wave` of a scene, from what was kept if it was."""
+    """Return `lattice_derivation.lattice_wave` of a scene, from the cache if possible."""
     if isinstance(start := scene.start, WaveStart):
         return start.wave(scene)
-    if not _is_kept(scene):
-        from longwave.scenes.starts.lattice_derivation import lattice_wave  # with SymPy
+    if not _is_cached(scene):
+        from longwave.scenes.starts.lattice_derivation import lattice_wave  # slow import
 
         return lattice_wave(scene)
     key = _key(scene)
@@ -37,25 +37,24 @@ def scene_lattice_wave(scene: Scene) -> LatticeWave:
 
 
 def equation_of(scene: Scene) -> tuple[str, bool]:
-    """Return the equation that was derived in one line, and whether its lattice has
-    displacements."""
+    """Return the reduced equation in one line, and whether the lattice has displacements."""
     if isinstance(start := scene.start, WaveStart):
         return start.equation, scene.symbolic_lattice.has_displacements
-    make = partial(_derived_equation, scene)
-    return kept_data(__name__, f"equation {_key(scene)}", make) if _is_kept(scene) else make()
+    derive = partial(_derived_equation, scene)
+    return kept_data(__name__, f"equation {_key(scene)}", derive) if _is_cached(scene) else derive()
 
 
-def _is_kept(scene: Scene) -> bool:
-    """Whether the wave is a shipped closed form, and its data those of a lossless long wave."""
-    is_other = scene.is_envelope or scene.losses or scene.disorder or scene.named_start
-    return isinstance(scene.wave, str) and not is_other
+def _is_cached(scene: Scene) -> bool:
+    """Return whether results are cached: for shipped closed forms as lossless long waves."""
+    needs_more = scene.is_envelope or scene.losses or scene.disorder or scene.named_start
+    return isinstance(scene.wave, str) and not needs_more
 
 
 def _key(scene: Scene) -> str:
-    """Return the scene without what neither its wave nor its equation depends on."""
-    unseen: dict[str, Any] = {"name": "", "title": "", "observables": None, "curve_points": 201}
+    """Return a cache key: the scene's JSON without fields that do not affect wave or equation."""
+    unused: dict[str, Any] = {"name": "", "title": "", "observables": None, "curve_points": 201}
     times = {"times": (0.0, 1.0), "slow_times": (), "look_points": None}
-    return scene.with_tolerance(1.0).changed(**unseen, **times).json()
+    return scene.with_tolerance(1.0).changed(**unused, **times).json()
 
 
 def _derived_wave(scene: Scene) -> Wave:
@@ -69,9 +68,9 @@ def _derived_parts(scene: Scene) -> tuple[Any, ...]:
     from longwave.scenes.starts.lattice_derivation import derivation
     from longwave.scenes.starts.long_wave_numbers import long_wave_numbers
 
-    found = derivation(scene)
-    source = cast("Reduction", found.source)
-    return astuple(long_wave_numbers(source, {}, scene.eps, scene.order, found.lattice))
+    derived = derivation(scene)
+    source = cast("Reduction", derived.source)
+    return astuple(long_wave_numbers(source, {}, scene.eps, scene.order, derived.lattice))
 
 
 def _numbers_of(parts: tuple[Any, ...]) -> LongWaveNumbers:
@@ -80,7 +79,7 @@ def _numbers_of(parts: tuple[Any, ...]) -> LongWaveNumbers:
     return LongWaveNumbers(
         NumericLattice(name, fields, masses, tuple(map(_bond_of, bonds))),
         tuple(SlowFrame(*frame) for frame in frames),
-        tuple((JetPolynomial(*place), JetPolynomial(*change)) for place, change in series),
+        tuple((JetPolynomial(*field), JetPolynomial(*rate)) for field, rate in series),
         correction and (correction[0], *(JetPolynomial(*terms) for terms in correction[1:])),
         *plain,
     )
@@ -95,5 +94,5 @@ def _bond_of(parts: tuple[Any, ...]) -> NumericBond:
 def _derived_equation(scene: Scene) -> tuple[str, bool]:
     from longwave.scenes.starts.lattice_derivation import derivation
 
-    found = derivation(scene)
-    return found.text(), found.lattice.has_displacements
+    derived = derivation(scene)
+    return derived.text(), derived.lattice.has_displacements
