@@ -38,6 +38,7 @@ import math
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -120,12 +121,10 @@ def lattice_of(document: Mapping[str, Any], name: str = "lattice") -> Lattice:
             )
     symbols = _Symbols(set(positive))
     masses = [symbols.mass(f"masses[{i}]", m) for i, m in enumerate(_masses(document, fields))]
-    springs, others = (
-        _bonds(document, kind, lambda entry, build=build: build(entry, fields, symbols))
-        for kind, build in (("spring", _spring), ("bond", _bond))
-    )
+    springs = _bonds(document, "spring", partial(_spring, fields=fields, symbols=symbols))
+    others = _bonds(document, "bond", partial(_bond, fields=fields, symbols=symbols))
     axes = max((len(bond.stretch[0].shift) for bond in (*springs, *others)), default=1)
-    sites = _bonds(document, "site", lambda entry: _site(entry, fields, symbols, axes))
+    sites = _bonds(document, "site", partial(_site, fields=fields, symbols=symbols, axes=axes))
     bonds = [*springs, *sites, *others]
     if not bonds:
         raise ValueError("bonds must be there, got none (write a [[spring]])")
