@@ -87,8 +87,8 @@ class ConditionalVerdict(StatementVerdict):
         ending = f", {self._ending}" if self._ending else ""
         if not self.cases:
             open_ends = self.unknown or self.left_out
-            found = "no value was found" if open_ends else "holds for no value"
-            return f"{found} of {names}{ending}"
+            opening = "no value was found" if open_ends else "holds for no value"
+            return f"{opening} of {names}{ending}"
         always = next((case for case in self.cases if case.proved and case.is_unconditional), None)
         if always is not None:
             return f"holds for all values of {names}{' (trivial)' * always.trivial}"
@@ -146,8 +146,8 @@ def conditional_sentence(verdict: ConditionalVerdict) -> str:
     names = ", ".join(map(name_latex, verdict.solved))
     exceptions = ", ".join((*verdict.unknown, *verdict.left_out))
     other, does = ("other ", "does") if verdict.cases else ("", "holds")
-    found = "There are no" if verdict.complete else "We found no"
-    last = f"{found} {other}values of ${names}$ with which it {does}."
+    opening = "There are no" if verdict.complete else "We found no"
+    last = f"{opening} {other}values of ${names}$ with which it {does}."
     sentences = [verified_sentence(c.statement, c.verdict) for c in verdict.cases if c.verdict]
     return "\n\n".join([*sentences, last + (f"\n% left out: {exceptions}" if exceptions else "")])
 
@@ -259,9 +259,9 @@ def _constants(system: ResidualSystem, degenerate: Sequence[Sequence[Terms]]) ->
     relations = [terms for _, terms in system.relations.values()]
     entries = [entry for entries in degenerate for entry in entries]
     everything = [*system.polynomials, *relations, *entries]
-    found = {g for terms in everything for monomial in terms for g, _ in monomial}
-    found |= system.relations.keys()
-    return found | {s for g in found for s in g.free_symbols}
+    constants = {g for terms in everything for monomial in terms for g, _ in monomial}
+    constants |= system.relations.keys()
+    return constants | {s for g in constants for s in g.free_symbols}
 
 
 def with_phase(
@@ -318,7 +318,7 @@ def _verdict(
         whole = decide_statement(statement)
         if whole.outcome is Outcome.REFUTED:
             outcome, witness = whole.outcome, whole.witness
-    found = ConditionalVerdict(
+    answer = ConditionalVerdict(
         **statement_fields(statement) | {"sides": sides(seams(statement))},
         outcome=outcome,
         detail=reason or "solved",
@@ -333,5 +333,5 @@ def _verdict(
         unknown=tuple(search.unknown),
         is_solved=not reason,
     )
-    front = f"{found.restriction}: " if found.restriction else ""
-    return found if reason else replace(found, detail=front + found.words())
+    front = f"{answer.restriction}: " if answer.restriction else ""
+    return answer if reason else replace(answer, detail=front + answer.words())

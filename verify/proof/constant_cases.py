@@ -113,8 +113,8 @@ def with_values(case: ConstantCase, more: Explicit) -> ConstantCase | None:
 def symbols_of(statement: Statement) -> set[sp.Symbol]:
     """Return the variables and parameters of a statement."""
     formulas = (*statement.equations, *statement.solutions.values())
-    found = {s for formula in formulas for s in formula.free_symbols}
-    return found | {s for domain in statement.domains.values() for s in domain.symbols}
+    symbols = {s for formula in formulas for s in formula.free_symbols}
+    return symbols | {s for domain in statement.domains.values() for s in domain.symbols}
 
 
 def _put_into(
@@ -191,8 +191,8 @@ def _explicit(statement: Statement, implicit: Sequence[sp.Expr]) -> Statement | 
             if slope.is_Rational and slope != 0:
                 values = {s: sp.expand(s - polynomial / slope)}
                 domains = {q: d for q, d in statement.domains.items() if not {q, *d.symbols} & {s}}
-                found = _put_into(statement, values, domains)
+                solved = _put_into(statement, values, domains)
                 rest = [sp.numer(sp.together(p.xreplace(values))) for p in implicit[place + 1 :]]
-                return found and _explicit(found, [p for p in map(sp.expand, rest) if p != 0])
+                return solved and _explicit(solved, [p for p in map(sp.expand, rest) if p != 0])
         return None
     return statement

@@ -72,21 +72,21 @@ def _turned(constant: sp.Expr) -> sp.Expr:
 
 def as_terms(entries: Sequence[Terms | sp.Expr], relations: Relations) -> list[Terms]:
     """Return expressions as polynomials; add the relations of new roots to ``relations``."""
-    found: list[Terms] = []
+    polynomials: list[Terms] = []
     for entry in entries:
         if not isinstance(entry, sp.Expr):
-            found.append(entry)
+            polynomials.append(entry)
             continue
         above = sp.numer(sp.together(entry))
         if above.is_number:
-            found.append({(): fmpq(1)} if above != 0 else {})
+            polynomials.append({(): fmpq(1)} if above != 0 else {})
             continue
         polynomial = sp.Poly(above)
-        found.append(terms_of(polynomial))
+        polynomials.append(terms_of(polynomial))
         for g in polynomial.gens:
             if g.is_Pow and g.exp.is_Rational and g.exp.p == 1 and g not in relations:
                 relations[g] = (int(g.exp.q), terms_of(sp.Poly(g.base)))
-    return found
+    return polynomials
 
 
 def terms_of(polynomial: sp.Poly) -> Terms:

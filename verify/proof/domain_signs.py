@@ -87,18 +87,18 @@ class DomainSigns:
 
     def is_positive(self, expression: sp.Expr) -> bool:
         """Return whether ``expression`` is shown to be positive."""
-        found = self.range(expression)
-        return found is not None and found.is_positive
+        values = self.range(expression)
+        return values is not None and values.is_positive
 
     def is_nonnegative(self, expression: sp.Expr) -> bool:
         """Return whether ``expression`` is shown to be at least 0."""
-        found = self.range(expression)
-        return found is not None and found.is_not_negative
+        values = self.range(expression)
+        return values is not None and values.is_not_negative
 
     def is_nonpositive(self, expression: sp.Expr) -> bool:
         """Return whether ``expression`` is shown to be at most 0."""
-        found = self.range(expression)
-        return found is not None and (-found).is_not_negative
+        values = self.range(expression)
+        return values is not None and (-values).is_not_negative
 
     def is_nonzero(self, expression: sp.Expr) -> bool:
         """Return whether ``expression``, real or not, is shown to be nowhere 0."""
@@ -112,8 +112,8 @@ class DomainSigns:
             return True
         if isinstance(expression, sp.Abs | sp.conjugate):
             return self.is_nonzero(expression.args[0])
-        found = self.range(expression)
-        return found is not None and found.is_not_zero
+        values = self.range(expression)
+        return values is not None and values.is_not_zero
 
     def _range(self, node: sp.Expr) -> Interval | None:
         if node.is_Rational:
@@ -166,7 +166,7 @@ class DomainSigns:
         excess = excess_of_exponential(node)
         if excess is not None and self.is_positive(excess[1].args[0]):
             yield POSITIVE
-        for gap, found in self._gaps.items():
+        for gap, gap_range in self._gaps.items():
             symbol = next(iter(gap.free_symbols), None)
             slope = gap.coeff(symbol, 1) if gap.free_symbols <= node.free_symbols else 0
             ratio = node.coeff(symbol, 1) / slope if slope else sp.S.Zero
@@ -174,7 +174,7 @@ class DomainSigns:
                 rest = sp.expand(node - ratio * gap)
                 if rest.is_Rational:
                     number = Interval(exact(rest), exact(rest))
-                    yield found * Interval(exact(ratio), exact(ratio)) + number
+                    yield gap_range * Interval(exact(ratio), exact(ratio)) + number
 
     def _factored(self, node: sp.Expr) -> Interval | None:
         """Return the range of the factored polynomial, or its sign if it has no root there."""
@@ -186,14 +186,14 @@ class DomainSigns:
 
     def _without_root(self, node: sp.Expr, symbol: sp.Symbol) -> Interval | None:
         polynomial = sp.Poly(node, symbol, domain="QQ")
-        found = self.range(symbol)
-        if found is None:
+        values = self.range(symbol)
+        if values is None:
             return None
-        low, high = domain_of(found).ends({})
+        low, high = domain_of(values).ends({})
         inner = polynomial.count_roots(
             None if low == -sp.oo else low, None if high == sp.oo else high
         )
-        for end, is_open in ((low, found.low_open), (high, found.high_open)):
+        for end, is_open in ((low, values.low_open), (high, values.high_open)):
             if is_open and end.is_finite and polynomial(end) == 0:
                 inner -= 1
         if inner:
@@ -228,14 +228,14 @@ def _gaps(domains: Domains) -> Iterator[tuple[sp.Expr, Interval]]:
             (domain.upper, domain.upper_open, -1),
         ):
             if end.is_finite and not end.is_Rational:
-                found = POSITIVE if is_open else NONNEGATIVE
-                yield side * (symbol - end), found
-                yield side * (end - symbol), -found
+                sign_range = POSITIVE if is_open else NONNEGATIVE
+                yield side * (symbol - end), sign_range
+                yield side * (end - symbol), -sign_range
 
 
-def lies_between(found: Interval | None, low: fmpq | None, high: fmpq | None) -> bool:
+def lies_between(values: Interval | None, low: fmpq | None, high: fmpq | None) -> bool:
     """Return whether a range is real and within two numbers (None: unbounded)."""
-    return found is not None and found & Interval(low, high) == found & REAL
+    return values is not None and values & Interval(low, high) == values & REAL
 
 
 def _is_below_one(inner: Interval) -> bool:
@@ -276,8 +276,8 @@ def _power(base: Interval, exponent: sp.Expr) -> Interval | None:
     if exponent < 0:
         halves = [half & (-POSITIVE if half.is_below else POSITIVE) for half in halves]
     long = times > LARGEST_POWER
-    found = _hull([h.power(times) if long else reduce(mul, [h] * times) for h in halves])
-    return found if exponent > 0 else found.inverse()
+    result = _hull([h.power(times) if long else reduce(mul, [h] * times) for h in halves])
+    return result if exponent > 0 else result.inverse()
 
 
 def _function(node: sp.Expr, arguments: Sequence[Interval]) -> Interval | None:
@@ -296,10 +296,10 @@ def _function(node: sp.Expr, arguments: Sequence[Interval]) -> Interval | None:
         return None
     if own.above_zero and not all(m.is_positive for m in parameters):
         return None
-    found = own.values & z.side() if own.symmetry == "same" else own.values
+    values = own.values & z.side() if own.symmetry == "same" else own.values
     if isinstance(node, jacobi_dn) and _is_below_one(parameters[0]):
         return POSITIVE
-    return found & SHARPER[node.func](z) if node.func in SHARPER else found
+    return values & SHARPER[node.func](z) if node.func in SHARPER else values
 
 
 def _sign(z: Interval) -> Interval:
@@ -321,14 +321,14 @@ SHARPER: dict[type, Callable[[Interval], Interval]] = {
 """Ranges of some functions that are narrower than the table's, from the range of z."""
 
 
-def domain_of(found: Interval) -> Domain:
+def domain_of(values: Interval) -> Domain:
     """Return an interval as the domain of a symbol."""
-    low, high = (None if end is None else rational(end) for end, _ in found.ends)
+    low, high = (None if end is None else rational(end) for end, _ in values.ends)
     return Domain(
         -sp.oo if low is None else low,
         sp.oo if high is None else high,
-        found.low_open,
-        found.high_open,
+        values.low_open,
+        values.high_open,
     )
 
 
@@ -355,12 +355,12 @@ def singularities(expressions: Iterable[sp.Expr], domains: Domains) -> tuple[str
     """
     signs = DomainSigns(domains)
     nodes = (node for expression in expressions for node in distinct_nodes(expression))
-    found = (
+    places = (
         words.format(_short(node if argument is None else node.args[argument]))
         for node in nodes
         for words, argument in rough_places(node, signs)
     )
-    return tuple(dict.fromkeys(found))
+    return tuple(dict.fromkeys(places))
 
 
 def corners(

@@ -96,7 +96,7 @@ END_DIGITS = 60
 REAL = Domain()
 
 HARMLESS = {"commutative", "extended_real", "hermitian", "imaginary", "finite", "infinite"}
-"""Assumptions that an undeclared symbol may have and still be taken as real."""
+"""Assumptions that a symbol not declared real may have and still be taken as real."""
 
 KINDS_OF_INTEGERS = ("even", "odd", "prime", "composite")
 

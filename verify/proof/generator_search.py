@@ -346,7 +346,7 @@ class GeneratorSearch:
             plain = sp.expand(cancelled(v))
             sides = (plain, -plain) if isinstance(node, sp.besselk) else (plain,)
             keys = [(node.func, v - sp.floor(v.as_coeff_Add(rational=True)[0]), z) for v in sides]
-            if self._orders.isdisjoint(keys):  # all other orders follow from two
+            if self._orders.isdisjoint(keys):  # two orders determine all others
                 self._orders.add(keys[0])
                 name, argument = NAMES[node.func], self._place(z)
                 for order in (v, v + 1):

@@ -71,7 +71,7 @@ def linear_forms(expressions: Iterable[sp.Expr], dependence: Dependence) -> list
 def with_one_integral(expressions: Sequence[sp.Expr], dependence: Dependence) -> list[sp.Expr]:
     """Remove shifts of epsilon by its addition theorem, and write zeta(z) = epsilon(z) - z E/K.
 
-    Expressions without any epsilon are returned unchanged.
+    If no expression contains epsilon, all are returned unchanged.
     """
     nodes = {expression: distinct_nodes(expression) for expression in expressions}
     if not any(isinstance(node, jacobi_epsilon) for inner in nodes.values() for node in inner):

@@ -235,9 +235,9 @@ def _difference(old: FormulaTree, new: FormulaTree) -> tuple[FormulaTree, Formul
     pairs = [pair for pair in zip(old.inner(), new.inner(), strict=True) if pair[0] != pair[1]]
     if len(pairs) != 1:
         return old, new
-    found = _difference(*pairs[0])
+    difference = _difference(*pairs[0])
     is_part = isinstance(old, Sum | Call | Derivative)
-    return found if is_part or found != pairs[0] else (old, new)
+    return difference if is_part or difference != pairs[0] else (old, new)
 
 
 def _moduli(formula: FormulaTree) -> Iterator[tuple[str, FormulaTree]]:
@@ -321,7 +321,7 @@ def _of_node(node: FormulaTree, parameters: Iterable[str]) -> Iterator[Change]:
     """Yield a node with one change of a term, factor, exponent, argument or shift."""
     match node:
         case Sum(parts=parts):
-            for place, part in reversed([*enumerate(parts)]):  # the first is rarely the wrong one
+            for place, part in reversed([*enumerate(parts)]):  # the first term is rarely wrong
                 for rank, new in (*_of_term(part, parameters), *_shifted(part)):
                     yield rank, Sum((*parts[:place], new, *parts[place + 1 :]))
         case Product(parts=parts):

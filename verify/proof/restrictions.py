@@ -143,7 +143,7 @@ class KnownSigns:
 def _in_distances(domains: Domains) -> tuple[dict[sp.Symbol, sp.Expr], dict[sp.Symbol, Domain]]:
     """Return each symbol in terms of its distance from an end, and the distances' domains.
 
-    Symbols that later ones need come last.  Between two ends the symbol is at the fraction
+    A symbol comes before those in its ends.  Between two ends the symbol is at the fraction
     p/(1 + p) of the way, with p as its distance.
     """
     images, distances = dict[sp.Symbol, sp.Expr](), dict[sp.Symbol, Domain]()

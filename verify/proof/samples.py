@@ -10,7 +10,7 @@ import sympy as sp
 from .domains import Domain, Domains, Point, in_order
 
 DENOMINATORS = (1009, 2147483647, 65537, 1009)
-"""Prime denominators, so that no drawn value is a common fraction or shares a denominator."""
+"""Prime denominators of drawn values; several, so that no small multiple of all is whole."""
 
 SIZES = (1, 1, 1, 4, 4, sp.Rational(1, 30), 30, sp.Rational(1, 1000), 1000)
 """Scales of values drawn from an unbounded domain; most are moderate, where balls are narrow."""
@@ -19,7 +19,7 @@ MARGINS = (sp.Rational(1, 20),) * 3 + (sp.Rational(1, 1000), sp.Rational(1, 10**
 """Fractions of a bounded domain that are left out at its ends."""
 
 SLIVER, EVERY = sp.Rational(1, 10**31), 4
-"""Every ``EVERY``-th later point is within about ``SLIVER`` of an end of one symbol's domain."""
+"""Margin ``SLIVER`` is used for one symbol in every ``EVERY``-th of the later points."""
 
 REJECTIONS = 1000
 """Successive points outside the domains after which these are taken to be empty."""

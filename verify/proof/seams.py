@@ -82,9 +82,9 @@ def seams(statement: Statement) -> tuple[Seam, ...]:
     return _places(_all_seams(statement))
 
 
-def _places(found: Sequence[Seam]) -> tuple[Seam, ...]:
+def _places(all_seams: Sequence[Seam]) -> tuple[Seam, ...]:
     """Return the seams that have places, without repeats."""
-    return tuple({seam.place: seam for seam in found if seam.place}.values())
+    return tuple({seam.place: seam for seam in all_seams if seam.place}.values())
 
 
 def left_open(statement: Statement) -> tuple[tuple[Seam, ...], tuple[str, ...]]:
@@ -110,11 +110,11 @@ def _all_seams(statement: Statement) -> tuple[Seam, ...]:
     return tuple(chain.from_iterable((*own, *of_equations)))
 
 
-def sides(found: Sequence[Seam]) -> str:
+def sides(jumps: Sequence[Seam]) -> str:
     """Return in words what a proof claims and leaves open at seams."""
     return on_each_side(
-        [seam.place for seam in found if not seam.at_sites],
-        [seam.place for seam in found if seam.at_sites],
+        [seam.place for seam in jumps if not seam.at_sites],
+        [seam.place for seam in jumps if seam.at_sites],
     )
 
 

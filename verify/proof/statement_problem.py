@@ -68,7 +68,7 @@ class StatementProblem(Problem):
             yield from self._parts(part)
         if size or isinstance(node, CONJUGATES):
             for part in inner:
-                yield from (found.xreplace({sp.I: -sp.I}) for found in self._parts(part))
+                yield from (formula.xreplace({sp.I: -sp.I}) for formula in self._parts(part))
         plain = node.is_Add or node.is_Mul or (node.is_Pow and node.exp.is_Integer)
         if not (plain or size or isinstance(node, (sp.Derivative, sp.conjugate))):
             arguments = (residual_of(self.statement, part) for part in node.args)

@@ -241,11 +241,11 @@ class _Reading:
         undeclared = self._real_parameter if part.label == "domain" else None
         vocabulary = Vocabulary(FUNCTIONS, variables, names=names, unknown_name=undeclared)
         parser = part.parser(vocabulary, skipped)
-        found = REAL
+        domain = REAL
         while True:
             place = part.words.index(parser.next)
             try:
-                found &= condition(part, parser, name)
+                domain &= condition(part, parser, name)
             except FormulaError:
                 raise
             except ValueError as error:
@@ -254,7 +254,7 @@ class _Reading:
                 break
         parser.expect_end()
         self.used |= parser.used - {name}
-        return inhabited(part, found, name, place)
+        return inhabited(part, domain, name, place)
 
     def _make_variables(self, letters: Sequence[str]) -> None:
         """Create the symbols of the variables, with the domains stated in ``domain``."""
@@ -368,13 +368,13 @@ class _Reading:
             sides.append(parser.formula())
         parser.expect_end()
         left, *right = (self._built(parser, side) for side in sides)
-        found = left - right[0] if right else left
+        residual = left - right[0] if right else left
         minus = (Product((MINUS_ONE, side)) for side in sides[1:])
         self.left_sides.append(Sum((sides[0], *minus)) if right else sides[0])
         if not any(isinstance(node, Unknown) for node in self.left_sides[-1].nodes()):
             known = ", ".join(self.fields)
             raise part.error(f"expected an equation for {known}, got one without")
-        return found
+        return residual
 
     def _vocabulary(self) -> Vocabulary:
         site = self.variables.get(SITE)

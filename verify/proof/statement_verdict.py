@@ -79,7 +79,7 @@ class StatementVerdict(ProofVerdict):
             "singularities": list(self.singularities),
             "statement": self.statement,
             "certificates": [certificate["digest"] for certificate in self.certificates],
-            "hint_certificates": [found["digest"] for found in self.hint_certificates],
+            "hint_certificates": [certificate["digest"] for certificate in self.hint_certificates],
         }
 
 
@@ -147,7 +147,7 @@ def refuted(statement: Statement, witness: Mapping[str, str]) -> StatementVerdic
     number, residual = failing
     where = f"equation {number}: " if len(statement.equations) > 1 else ""
     ends = (s for domain in statement.domains.values() for s in domain.symbols)
-    bounds = {*map(str, ends)} & witness.keys()  # parameters that the formulas need not contain
+    bounds = {*map(str, ends)} & witness.keys()  # parameters that may be missing from the formulas
     names = (statement.trees.names | bounds) - {*statement.functions}
     chosen = {name: f"1/gamma(z + {generic_shift(name)})" for name in statement.functions}
     return StatementVerdict(

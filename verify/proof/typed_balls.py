@@ -95,10 +95,10 @@ class TypedBalls:
                 place = TypedPlace(self, moved, shape)
                 top.unknowns[name, shift] = place.value(self.trees.solutions[name])
             for equation in self.trees.equations:
-                found = top.value(equation).jet.value
-                if not found.is_finite():
+                ball = top.value(equation).jet.value
+                if not ball.is_finite():
                     raise ValueError("a residual must have a finite value")
-                yield found
+                yield ball
 
     def steps_of(self, steps: Collection[str]) -> Index:
         """Return the order of a derivative in each variable."""
@@ -135,9 +135,9 @@ class TypedPlace:
     def value(self, formula: FormulaTree) -> TypedBall:
         """Return the jet of a formula."""
         if formula not in self._found:
-            found = self._value(formula)
-            fixed = not found.is_real and found.jet.value.imag == 0 and not _varies(formula)
-            self._found[formula] = TypedBall(found.jet, found.is_real or fixed)
+            ball = self._value(formula)
+            fixed = not ball.is_real and ball.jet.value.imag == 0 and not _varies(formula)
+            self._found[formula] = TypedBall(ball.jet, ball.is_real or fixed)
         return self._found[formula]
 
     def _value(self, formula: FormulaTree) -> TypedBall:

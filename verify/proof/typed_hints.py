@@ -108,7 +108,7 @@ def _as_typed(statement: Statement, number: int, opaque: tuple[type, ...] = ()) 
     also = tuple(dict.fromkeys(e for part in parts for e in (part.plain, part.value)))
     left = statement.equations[number - 1]
     if opaque or not left.atoms(AppliedUndef):
-        left = next(iter(statement.solutions))  # the certificate states what was typed anyway
+        left = next(iter(statement.solutions))  # the certificate states the typed texts in any case
         also = tuple(dict.fromkeys(part.plain for part in parts))
     domains = all_domains(statement, left, *also, *vocabulary(statement).names.values())
     problem = replace(_problem(statement, number, left), domains=domains, also=also)
@@ -188,12 +188,12 @@ def put_in(trees: StatementTrees, formula: FormulaTree) -> FormulaTree:
     def image(node: FormulaTree) -> FormulaTree | None:
         if not isinstance(node, Unknown):
             return trees.meaning(node)
-        found = put_in(trees, trees.solutions[node.name])
+        result = put_in(trees, trees.solutions[node.name])
         if node.shift:
             site = Name(node.site)
             moved = Sum((site, Number(Fraction(node.shift))))
-            found = mapped(found, lambda inner: moved if inner == site else None)
-        return Derivative((found,), node.steps) if node.steps else found
+            result = mapped(result, lambda inner: moved if inner == site else None)
+        return Derivative((result,), node.steps) if node.steps else result
 
     return mapped(formula, image)
 

@@ -105,17 +105,17 @@ class TypedValues:
     def fails_at(self, point: TextPoint, bits: Sequence[int] = BITS) -> bool | None:
         """Return whether an equation fails at a point; None if it cannot be decided."""
         is_small = False
-        for size, found in self._residuals(point, bits):
-            if any(not residual.contains(0) for residual in found):
+        for size, balls in self._residuals(point, bits):
+            if any(not residual.contains(0) for residual in balls):
                 return True
             least = arb(2) ** (-size // 4)
-            is_small = bool(found) and all(residual.abs_upper() < least for residual in found)
+            is_small = bool(balls) and all(residual.abs_upper() < least for residual in balls)
         return False if is_small else None
 
     def failing(self, point: TextPoint) -> tuple[int, acb] | None:
         """Return the number of an equation that fails at a point, and its ball, or None."""
-        for _, found in self._residuals(point, BITS):
-            for number, residual in enumerate(found, 1):
+        for _, balls in self._residuals(point, BITS):
+            for number, residual in enumerate(balls, 1):
                 if not residual.contains(0):
                     return number, residual
         return None

@@ -200,8 +200,8 @@ def travelling_plane(statement: Statement) -> Plane:
     by_name = {str(v): v for v in statement.variables}
     name = places[0].place.partition(" = ")[0] if len(places) == 1 else ""
     if name not in by_name or places[0].at_sites:
-        found = ", ".join(seam.place for seam in places) or "none"
-        raise ValueError(f"with weak the formulas must jump at one plane, got {found}")
+        listed = ", ".join(seam.place for seam in places) or "none"
+        raise ValueError(f"with weak the formulas must jump at one plane, got {listed}")
     trees, words = statement.trees, vocabulary(statement)
     build = ExpressionBuilder(words).expression
     whole = {name: put_in(trees, tree) for name, tree in trees.solutions.items()}

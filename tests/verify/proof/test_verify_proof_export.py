@@ -205,7 +205,7 @@ def changed(found: WrittenProof, draw: random.Random) -> WrittenProof:
 @pytest.mark.slow
 @pytest.mark.parametrize(("system", "count"), [("pari", 40), ("maxima", 20), ("coq", 5)])
 def test_a_system_rejects_a_proof_with_one_number_changed(system: str, count: int) -> None:
-    """In these proofs every changed coefficient, exponent, slope or relation is false.
+    """Every changed coefficient, exponent, slope or relation of these proofs is false.
 
     The kink is left out: tanh changed to (e^2 + 1)/(e^2 + 1) is a constant, which is a solution.
     """

@@ -56,7 +56,7 @@ def test_the_parametrisation_is_the_normal_form_record(s: int) -> None:
 
 
 def test_the_papers_letters_are_the_normal_form_variables() -> None:
-    """In Y2 b X = 2 xi and a T = -2 tau, in Y3 c T = 24 tau, with the paper's b, a, c."""
+    """The paper has b X = 2 xi and a T = -2 tau in Y2, c T = 24 tau in Y3, with its b, a, c."""
     frame, pde = lab_frame(1), mkdv_reduction().pde
     at = frame.constants()
     beta, gamma_3 = pde.nonlinear_coefficient.subs(at), -pde.dispersive_coefficient.subs(at)

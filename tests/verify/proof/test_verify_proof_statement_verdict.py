@@ -402,7 +402,7 @@ def test_the_latex_has_jets_sites_and_domains() -> None:
     [("x", "x>0", "PROVED"), ("x", "x<0", "REFUTED"), ("x - 1", "x>2", "PROVED")],
 )
 def test_the_sign_of_what_is_declared_positive(formula: str, domain: str, outcome: str) -> None:
-    """In SymPy the absolute value of a positive symbol is the symbol itself."""
+    """Catches: the sign of a positive symbol, whose absolute value SymPy reads as the symbol."""
     statement = read_statement("sign(u) - 1", f"u = {formula}", domain=domain)
     assert decide_statement(statement).outcome.value == outcome
 
