@@ -21,7 +21,7 @@ Contender = Callable[[float, Array, Array], tuple[float, Array]]
 
 
 def stencil_contender(problem: Problem, scheme: Scheme) -> Contender:
-    """The project's engine with one of its schemes."""
+    """Return the contender that is this project's engine with one of its schemes."""
 
     def run(steps: float, f: Array, v: Array) -> tuple[float, Array]:
         f, v, count = f.copy(), v.copy(), round(steps)
@@ -38,7 +38,7 @@ def _rate(problem: Problem, t: float, state: Array, shape: tuple[int, ...]) -> A
 
 
 def numpy_rk4(problem: Problem, h: float, count: int, f: Array, v: Array) -> tuple[float, Array]:
-    """Processor seconds of ``count`` steps of the classical scheme in NumPy, and positions."""
+    """Return processor seconds of ``count`` classical steps in NumPy, and the positions."""
     shape, state = f.shape, np.concatenate([f.ravel(), v.ravel()])
     begin = time.process_time()
     for t in h * np.arange(count):
@@ -51,14 +51,14 @@ def numpy_rk4(problem: Problem, h: float, count: int, f: Array, v: Array) -> tup
 
 
 def rk4_contender(problem: Problem) -> Contender:
-    """The classical scheme in NumPy."""
+    """Return the contender that is the classical scheme in NumPy."""
     return lambda steps, f, v: numpy_rk4(
         problem, problem.duration / round(steps), round(steps), f, v
     )
 
 
 def scipy_contender(problem: Problem) -> Contender:
-    """SciPy's DOP853."""
+    """Return the contender that is SciPy's DOP853."""
 
     def run(sharpness: float, f: Array, v: Array) -> tuple[float, Array]:
         start = np.concatenate([f.ravel(), v.ravel()])
@@ -77,7 +77,7 @@ def scipy_contender(problem: Problem) -> Contender:
 
 
 def boost_contender(problem: Problem, name: str, folder: Path) -> Contender:
-    """Boost odeint, compiled into ``folder``.
+    """Return the contender that is Boost odeint, compiled into ``folder``.
 
     Its RKN composition (McLachlan, order 4), or its Runge-Kutta-Fehlberg 7(8) where forces depend
     on velocities or times.
@@ -101,7 +101,7 @@ def boost_contender(problem: Problem, name: str, folder: Path) -> Contender:
 
 
 def diffrax_contender(problem: Problem) -> Contender:
-    """Diffrax' Dopri8 under XLA, on one thread."""
+    """Return the contender that is Diffrax' Dopri8 under XLA, on one thread."""
     os.environ["XLA_FLAGS"] = "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1"
     import diffrax
     import jax
@@ -132,7 +132,7 @@ def diffrax_contender(problem: Problem) -> Contender:
 
 
 def heyoka_contender(problem: Problem) -> Contender:
-    """heyoka.py's adaptive Taylor method; its program is made once for each tolerance."""
+    """Return heyoka.py's adaptive Taylor method; it is compiled once for each tolerance."""
     import heyoka  # type: ignore[import-untyped]
 
     shape = problem.start()[0].shape
@@ -144,14 +144,14 @@ def heyoka_contender(problem: Problem) -> Contender:
     except TypeError as reason:
         raise ImportError(f"no NumPy function of its expressions ({reason})") from reason
     system = [*zip(f, v, strict=True), *zip(v, pulls, strict=True)]
-    made: dict[float, heyoka.taylor_adaptive] = {}
+    integrators: dict[float, heyoka.taylor_adaptive] = {}
 
     def run(sharpness: float, f: Array, v: Array) -> tuple[float, Array]:
         start = np.concatenate([f.ravel(), v.ravel()])
-        if sharpness not in made:
+        if sharpness not in integrators:
             options = {"tol": 1.0 / sharpness, "compact_mode": True}
-            made[sharpness] = heyoka.taylor_adaptive(system, list(start), **options)
-        program = made[sharpness]
+            integrators[sharpness] = heyoka.taylor_adaptive(system, list(start), **options)
+        program = integrators[sharpness]
         program.time, program.state[:] = 0.0, start
         begin = time.process_time()
         program.propagate_until(problem.duration)

@@ -1,4 +1,4 @@
-"""What random scenes are estimated to cost beside what they take, each in a process of its own.
+"""Estimated and true cost of random scenes, each in a process of its own.
 
 Prints estimated over true processor seconds and bytes for every scene, then least, median and
 largest of both.
@@ -20,7 +20,7 @@ from searches.estimate_scenes import random_scene
 
 
 def ratios(seed: int, index: int, budget: float) -> tuple[str, float, float] | None:
-    """The scene, and estimated over true seconds and bytes; None if it is refused."""
+    """Return the scene, and estimated over true seconds and bytes; None if it is refused."""
     scene = random_scene(seed, index, budget).scene
     try:
         expected = expected_cost(scene)
@@ -29,8 +29,8 @@ def ratios(seed: int, index: int, budget: float) -> tuple[str, float, float] | N
     except ValueError:
         return None
     seconds = time.process_time() - begun
-    held = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
-    return repr(scene), expected.seconds / seconds, expected.memory_bytes / held
+    peak_memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+    return repr(scene), expected.seconds / seconds, expected.memory_bytes / peak_memory
 
 
 def main() -> None:

@@ -1,4 +1,4 @@
-"""How long derivations of large cells take: those that took over a minute, five runs each.
+"""Durations of derivations of large cells: those that took over a minute, five runs each.
 
 Run ``python benchmarks/derivations.py [CASE ...]`` from the top folder: for each case the seconds
 of processor time of each run, and by the clock, each in a process of its own; nothing is kept.
@@ -39,7 +39,7 @@ def main() -> int:
 
 
 def _seconds(name: str) -> list[str]:
-    """Seconds of processor time, and by the clock."""
+    """Return seconds of processor time, and by the clock."""
     command = [sys.executable, "-P", "-c", RUN, name]
     ended = subprocess.run(command, cwd=HOUSE, capture_output=True, text=True, check=True)
     return ended.stdout.split()

@@ -1,4 +1,4 @@
-"""What each effect of a chain on a bench costs (`longwave.reports.studies.effects`), a line each.
+"""Cost of each effect of a chain on a bench (`longwave.reports.studies.effects`), a line each.
 
 python benchmarks/effects.py
 """

@@ -1,4 +1,4 @@
-"""What force laws cost: nanoseconds a cell and stage, as vectors and by the C library.
+"""Cost of force laws: nanoseconds a cell and stage, as vectors and by the C library.
 
 A chain of 4096 cells with each law; kernels of both kinds run in turn, the least time of each
 counts.
@@ -41,7 +41,7 @@ LAWS = {
 
 
 def kernel(force: object, by_library: bool) -> Callable[[int], float]:
-    """Seconds of so many stages of a chain with that force."""
+    """Return seconds of so many stages of a chain with that force."""
     law = numeric_lattice(
         Lattice("tried", "", ("u",), (1,), (spring(force, ((0,), 0), ((1,), 0)),)), {}
     )
@@ -61,17 +61,17 @@ def kernel(force: object, by_library: bool) -> Callable[[int], float]:
 
 @contextmanager
 def written_for(by_library: bool) -> Iterator[None]:
-    """Kernels whose functions are the C library's, kept under another key."""
+    """Build kernels with the C library's functions in this block, cached under another key."""
     if not by_library:
         yield
         return
     ring_kernel._machine_code.cache_clear()
 
-    def kept(module: str, key: str, *more: object) -> object:
+    def keyed_functions(module: str, key: str, *more: object) -> object:
         return native_functions(module, f"{key} library", *more)
 
     with (
-        patch.object(ring_kernel, "native_functions", kept),
+        patch.object(ring_kernel, "native_functions", keyed_functions),
         patch.object(row_code, "FUNCTIONS_OF_LANES", {}),
         patch.object(
             row_code, "power", lambda x, p: x.with_value(x.code.function("pow", x.value, x.of(p)))

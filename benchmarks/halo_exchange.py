@@ -39,20 +39,20 @@ Found = tuple[Array, float, float]
 
 
 def halo(every: int) -> int:
-    """Cells on either side of a block that become untrue in so many steps."""
+    """Return the number of cells at either end of a block that are wrong after so many steps."""
     flow, _ = stage_plan(LATTICE)
     return every * SCHEME.stages * max(flow.skew, flow.below)
 
 
 def by_integrate(sites: int, steps: int, _: int) -> Found:
-    """The ring by `integrate`, which looks at what comes out and keeps it."""
+    """Advance the ring by `integrate`, which checks and returns the snapshots."""
     begun = time.perf_counter()
     found = integrate(LATTICE, state(sites), [steps * STEP], step=STEP, measure_error=False)
     return found.f[-1, 0], time.perf_counter() - begun, 0.0
 
 
 def by_calls(sites: int, steps: int, every: int) -> Found:
-    """The same by the kernel alone, ``every`` steps a call."""
+    """Advance the ring by the kernel alone, ``every`` steps a call."""
     start, dynamics = state(sites), Dynamics(LATTICE)
     begun = time.perf_counter()
     for _ in range(steps // every):
@@ -61,13 +61,13 @@ def by_calls(sites: int, steps: int, every: int) -> Found:
 
 
 def by_one_thread(sites: int, steps: int, every: int) -> Found:
-    """`by_calls` on one core."""
+    """Run `by_calls` on one core."""
     keep_to_one_core()
     return by_calls(sites, steps, every)
 
 
 def by_blocks(sites: int, steps: int, every: int) -> Found | None:
-    """A block for each process, one thread each; the first process finds the whole ring."""
+    """Advance one block in each process, with one thread; the first returns the whole ring."""
     from mpi4py import MPI
 
     keep_to_one_core()
@@ -99,8 +99,8 @@ WAYS = {
 }
 
 
-def apart(way: str, *counts: int) -> Found:
-    """What a way finds in processes of its own."""
+def in_processes(way: str, *counts: int) -> Found:
+    """Return the result of a method run in processes of its own."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "found.npz"
         mpi = ["mpiexec", "-n", PROCESSES] if WAYS[way] is by_blocks else []
@@ -122,10 +122,10 @@ def compare(sites: int, every: int, rounds: int) -> None:
     """Print a row for each way."""
     steps = every * max(2, WORK // (sites * every))
     print(f"{sites} sites, {steps} steps, {every} a call; halos of {halo(every)} cells")
-    found = {way: apart(way, sites, steps, every) for way in WAYS}
+    found = {way: in_processes(way, sites, steps, every) for way in WAYS}
     for _ in range(rounds - 1):
         for way, best in found.items():
-            found[way] = min(best, apart(way, sites, steps, every), key=lambda one: one[1])
+            found[way] = min(best, in_processes(way, sites, steps, every), key=lambda one: one[1])
     ring, threads, _ = found["two threads"]
     for way, (cells, spent, waited) in found.items():
         away = float(np.max(np.abs(cells - ring)))
@@ -137,7 +137,7 @@ def compare(sites: int, every: int, rounds: int) -> None:
 
 
 def dask_seconds(exchanges: int = 200) -> float:
-    """Of one exchange between two Dask workers: a task on each takes both results before it."""
+    """Return seconds of an exchange between two Dask workers: each takes both results."""
     from distributed import Client
 
     with Client(n_workers=2, threads_per_worker=1, dashboard_address=None) as client:
@@ -158,15 +158,15 @@ def main() -> int:
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--dask", action="store_true", help="only time an exchange by Dask")
     parser.add_argument("--way", nargs=5, help=argparse.SUPPRESS)
-    asked = parser.parse_args()
-    if asked.way:
-        leave(*asked.way)
-    elif asked.dask:
+    options = parser.parse_args()
+    if options.way:
+        leave(*options.way)
+    elif options.dask:
         print(f"an exchange between two Dask workers: {dask_seconds() * 1e3:.2f} ms")
     else:
-        for sites in asked.sites:
-            for every in asked.every:
-                compare(sites, every, asked.rounds)
+        for sites in options.sites:
+            for every in options.every:
+                compare(sites, every, options.rounds)
     return 0
 
 

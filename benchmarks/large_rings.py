@@ -1,4 +1,4 @@
-"""What a site costs on rings that leave the cache, with one core and with all, in time and bytes.
+"""Cost of a site on rings that leave the cache, with one core and with all, in time and bytes.
 
 The paper's chain: seconds of its steps per site and force evaluation, and the largest memory of a
 process that runs it to one time and a tolerance, its state and result counted, beyond that of a
@@ -31,13 +31,13 @@ FEW = 10_000
 
 
 def state(sites: int) -> State:
-    """Long waves of small strain, one in a thousand sites."""
+    """Return a state of long waves of small strain, one in a thousand sites."""
     phase = 2.0 * np.pi * np.arange(sites) / 1000.0
     return State(0.0, EPS * np.sin(phase)[None], np.zeros((1, sites)))
 
 
 def nanoseconds(sites: int) -> float:
-    """Elapsed time per site and force evaluation; the least of a few rounds."""
+    """Return the elapsed time per site and force evaluation; the least of a few rounds."""
     start = state(sites)
     steps = max(STEPS, STEPS * 100_000 // sites)
     spent = []
@@ -49,13 +49,13 @@ def nanoseconds(sites: int) -> float:
 
 
 def peak_bytes(sites: int) -> int:
-    """Largest memory of this process when it has run to the tolerance."""
+    """Return the largest memory of this process when it has run to the tolerance."""
     integrate(CONSTANTS.lattice, state(sites), [4.0], TOLERANCE)
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
 
 
-def apart(quantity: str, sites: int, cores: int) -> float:
-    """The quantity as a process of its own finds it, on so many cores."""
+def in_process(quantity: str, sites: int, cores: int) -> float:
+    """Measure the quantity in a process of its own, on so many cores."""
     chosen = sorted(os.sched_getaffinity(0))[:cores]
     words = [sys.executable, __file__, "--quantity", quantity, "--sites", str(sites)]
     found = subprocess.run(
@@ -73,16 +73,16 @@ def main() -> int:
     parser = argparse.ArgumentParser(description="Time and bytes a site of large rings.")
     parser.add_argument("--sites", type=int, nargs="+", default=[FEW, 10**5, 10**6, 10**7])
     parser.add_argument("--quantity", choices=["time", "bytes"])
-    asked = parser.parse_args()
-    if asked.quantity:
-        print({"time": nanoseconds, "bytes": peak_bytes}[asked.quantity](*asked.sites))
+    options = parser.parse_args()
+    if options.quantity:
+        print({"time": nanoseconds, "bytes": peak_bytes}[options.quantity](*options.sites))
         return 0
     cores = len(os.sched_getaffinity(0))
-    base = apart("bytes", FEW, cores)
-    cached = apart("time", FEW, 1)
-    for sites in asked.sites:
-        one, all_ = (apart("time", sites, used) for used in (1, cores))
-        memory = (apart("bytes", sites, cores) - base) / sites
+    base = in_process("bytes", FEW, cores)
+    cached = in_process("time", FEW, 1)
+    for sites in options.sites:
+        one, all_ = (in_process("time", sites, used) for used in (1, cores))
+        memory = (in_process("bytes", sites, cores) - base) / sites
         print(
             f"{sites:9d} sites: {one:.3f} ns a site and force evaluation on one core "
             f"({one / cached:.2f} times that in the cache), {all_:.3f} on {cores}; "

@@ -1,4 +1,4 @@
-"""What scenes of millions of cells take: to plan, for their data, to integrate; and bytes a site.
+"""Cost of scenes of millions of cells: to plan, for their data, to integrate; and bytes a site.
 
 A soliton on a dimer, the Peregrine wave on one, and a soliton on the dn wave of the paper's chain,
 which has no end: compared in all but few cells at the end. The steps are those of the scene; it is
@@ -62,7 +62,7 @@ WAVES: dict[str, dict[str, Any]] = {
 
 
 def scene_of(wave: str, sites: int, steps: int, tolerance: float | None) -> Scene:
-    """The scene on a ring of so many cells; the tolerance chooses the engine site by site."""
+    """Return the scene on a ring of so many cells; a tolerance implies the engine site by site."""
     end = steps * STEP
     compared = sites // 2 - BESIDE - int(2.5 * end)
     numerics: dict[str, Any] = {"step": STEP, "domain": "ring", "sites": sites, "scheme": SCHEME}
@@ -80,33 +80,39 @@ def scene_of(wave: str, sites: int, steps: int, tolerance: float | None) -> Scen
 
 
 def data_of(scene: Scene) -> tuple[Any, State]:
-    """The lattice and the data of a stated scene."""
+    """Return the lattice and the data of a stated scene."""
     ring = SteppedCells(*domain_plan(scene)).ring
     return ring.lattice, State(ring.t, ring.f, ring.v)
 
 
 def whole(scene: Scene) -> list[float]:
-    """Seconds, processor seconds, bytes, and seconds of planning and of the last run."""
+    """Return seconds, processor seconds, bytes, and seconds of planning and of the last run."""
     few = scene_of(scene.name, 20_000, 20, scene.tolerance)
     few.run()
-    begun, worked, held = time.perf_counter(), time.process_time(), _held()
+    begun, worked, memory = time.perf_counter(), time.process_time(), _held()
     run = scene.run()
     seconds, work = time.perf_counter() - begun, time.process_time() - worked
-    told = run.attrs
-    return [seconds, work, _held() - held, told.get("planning_seconds", 0.0), told["seconds"]]
+    attributes = run.attrs
+    return [
+        seconds,
+        work,
+        _held() - memory,
+        attributes.get("planning_seconds", 0.0),
+        attributes["seconds"],
+    ]
 
 
 def alone(scene: Scene) -> list[float]:
-    """Seconds of the data, then seconds and processor seconds of `integrate` with nothing else."""
+    """Return seconds of the data, then seconds and processor seconds of `integrate` alone."""
     begun = time.perf_counter()
     lattice, state = data_of(scene)
-    made = time.perf_counter() - begun
+    data_seconds = time.perf_counter() - begun
     stated = scene.discretisation
     table = scheme_named(stated.scheme)
     integrate(lattice, _few(state), [STEP], scheme=table, step=STEP, measure_error=False)
     begun, worked = time.perf_counter(), time.process_time()
     integrate(lattice, state, [scene.end], scheme=table, step=stated.step, measure_error=False)
-    return [made, time.perf_counter() - begun, time.process_time() - worked]
+    return [data_seconds, time.perf_counter() - begun, time.process_time() - worked]
 
 
 def _few(state: State) -> State:
@@ -117,12 +123,12 @@ def _held() -> int:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
 
 
-def apart(part: str, wave: str, sites: int, asked: argparse.Namespace) -> list[float]:
-    """What a process of its own finds."""
+def in_process(part: str, wave: str, sites: int, options: argparse.Namespace) -> list[float]:
+    """Return the numbers that a process of its own measures."""
     words = [sys.executable, "-P", __file__, "--part", part, "--wave", wave, "--sites", str(sites)]
-    words += ["--steps", str(asked.steps)]
-    if asked.tolerance is not None and part == "whole":
-        words += ["--tolerance", str(asked.tolerance)]
+    words += ["--steps", str(options.steps)]
+    if options.tolerance is not None and part == "whole":
+        words += ["--tolerance", str(options.tolerance)]
     found = subprocess.run(words, capture_output=True, text=True, check=True).stdout
     return [float(word) for word in found.split()]
 
@@ -135,21 +141,21 @@ def main() -> int:
     parser.add_argument("--tolerance", type=float)
     parser.add_argument("--wave", choices=WAVES)
     parser.add_argument("--part", choices=["whole", "alone"])
-    asked = parser.parse_args()
-    if asked.part:
-        tolerance = asked.tolerance if asked.part == "whole" else None
-        scene = scene_of(asked.wave, asked.sites[0], asked.steps, tolerance)
-        print(*{"whole": whole, "alone": alone}[asked.part](scene))
+    options = parser.parse_args()
+    if options.part:
+        tolerance = options.tolerance if options.part == "whole" else None
+        scene = scene_of(options.wave, options.sites[0], options.steps, tolerance)
+        print(*{"whole": whole, "alone": alone}[options.part](scene))
         return 0
-    print(f"{len(os.sched_getaffinity(0))} cores, {asked.steps} steps of {STEP}, {SCHEME}")
-    for wave in [asked.wave] if asked.wave else WAVES:
-        for sites in asked.sites:
-            seconds, work, memory, planned, last = apart("whole", wave, sites, asked)
+    print(f"{len(os.sched_getaffinity(0))} cores, {options.steps} steps of {STEP}, {SCHEME}")
+    for wave in [options.wave] if options.wave else WAVES:
+        for sites in options.sites:
+            seconds, work, memory, planned, last = in_process("whole", wave, sites, options)
             row = f"{wave}, {sites:9d} sites, stencil: {seconds:6.1f} s in all"
-            if asked.tolerance is not None:
+            if options.tolerance is not None:
                 row += f", planned {planned:.1f} ({planned / seconds:.0%}), last run {last:.1f}"
             else:
-                data, integrated, worked = apart("alone", wave, sites, asked)
+                data, integrated, worked = in_process("alone", wave, sites, options)
                 row += f", data {data:.1f}, integrate alone {integrated:.1f}; "
                 row += f"{seconds / integrated:.2f} times that ({work / worked:.2f} in processor s)"
             print(

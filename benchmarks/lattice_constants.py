@@ -1,4 +1,4 @@
-"""What the constants of the lattice's kernels and absorbers rest on, measured anew in a minute.
+"""Measurements behind the constants of the lattice's kernels and absorbers, in a minute.
 
 Kernels: processor time of a ring of 4096 sites with other blocks, in units of that with the ones
 that are chosen, and the elapsed time of long rings on one core in units of that on two; the time
@@ -31,7 +31,7 @@ LINEAR, CUBIC = Model(1.0, 0.0, 0.0), Model(1.0, 0.0, 1.0)
 
 
 def advanced(shape: tuple[int, ...], steps: int, **constants: int) -> Callable[[], None]:
-    """The steps of a chain or plane of that shape, by the kernel with these constants."""
+    """Advance a chain or plane of that shape by the kernel with these constants."""
     lattice = CUBIC.lattice if len(shape) == 1 else PROBLEMS["square"].lattice
     kernel = RingKernel(lattice, *shape)
     ring = 0.01 * np.random.default_rng(0).standard_normal((2, 1, *shape))
@@ -47,7 +47,7 @@ def advanced(shape: tuple[int, ...], steps: int, **constants: int) -> Callable[[
 
 
 def seconds(advance: Callable[[], None], clock: Callable[[], float]) -> float:
-    """What the shortest of ``ROUNDS`` runs takes."""
+    """Return the duration of the shortest of ``ROUNDS`` runs."""
     taken = []
     for _ in range(ROUNDS):
         begun = clock()
@@ -57,7 +57,7 @@ def seconds(advance: Callable[[], None], clock: Callable[[], float]) -> float:
 
 
 def print_blocks() -> None:
-    """Kernels with other blocks."""
+    """Print the time of kernels with other blocks."""
     for name, shape, values in (
         ("ROWS", (4096,), (64, 128, 512)),
         ("STAGES", (4096,), (13, 52)),
@@ -70,12 +70,12 @@ def print_blocks() -> None:
             for value in (getattr(ring_kernel, name), *values)
         )
         shares = [share / whole for share in shares]
-        told = ", ".join(f"{v}: {share:.2f}" for v, share in zip(values, shares, strict=True))
-        print(f"{name} = {getattr(ring_kernel, name)} takes 1.00; {told}")
+        entries = ", ".join(f"{v}: {share:.2f}" for v, share in zip(values, shares, strict=True))
+        print(f"{name} = {getattr(ring_kernel, name)} takes 1.00; {entries}")
 
 
 def print_cores() -> None:
-    """One core against two."""
+    """Print the time on one core against that on two."""
     for size in (8192, ring_kernel.LEAST_SHARED, 65_536, 10**6, 10**7):
         steps = max(2, 2_000_000 // size)
         one, two = (
@@ -86,7 +86,7 @@ def print_cores() -> None:
 
 
 def print_planes() -> None:
-    """Planes within the caches and beyond."""
+    """Print the time on planes within the caches and beyond."""
     for side, steps in ((64, 64), (256, 64), (1024, 4), (3163, 2)):
         taken = seconds(advanced((side, side), steps, LEAST_SHARED=10**9), time.thread_time)
         updates = steps * REDUCED_PHASE_6.stages * side**2
@@ -96,7 +96,7 @@ def print_planes() -> None:
 
 
 def left_of(wave_number: float, direction: float, **absorbing: float) -> float:
-    """The share of a packet's largest strain that is left when it has gone round the ring once."""
+    """Return the share of a packet's largest strain that is left after one turn of the ring."""
     length, count, width = 600.0, 2400, 25.0
     x = length * (np.arange(count) / count - 0.5)
     modes = np.fft.fft(np.exp(-((x / width) ** 2)) * np.exp(1j * wave_number * x))
@@ -110,7 +110,7 @@ def left_of(wave_number: float, direction: float, **absorbing: float) -> float:
 
 
 def print_absorbers() -> None:
-    """Waves to the left, and short waves to the right, with other widths and strengths."""
+    """Print what other absorbers leave of waves to the left, and of short waves to the right."""
     usual = absorber.ABSORBER_STRENGTH
     for name, packet, absorbing in (
         ("WIDTH", (0.1, -1.0), {"absorbed": 1.0}),
@@ -123,8 +123,8 @@ def print_absorbers() -> None:
                 f"{share * usual:g}": left_of(*packet, **absorbing, strength=share * usual)
                 for share in (0.5, 1.0, 2.0)
             }
-            told = ", ".join(f"{strength}: {part:.0e}" for strength, part in left.items())
-            print(f"{name} = 1/{1 / (factor * chosen):g}; left at a strength of {told}")
+            entries = ", ".join(f"{strength}: {part:.0e}" for strength, part in left.items())
+            print(f"{name} = 1/{1 / (factor * chosen):g}; left at a strength of {entries}")
         setattr(absorber, name, chosen)
 
 

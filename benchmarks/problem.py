@@ -73,15 +73,15 @@ class Problem:
         f[:], v[:] = ring.f[:, :cells], ring.v[:, :cells]
 
     def stretches(self, f: Array) -> Array:
-        """What errors are measured of."""
+        """Return the stretches, whose errors are measured."""
         return np.array(self.lattice.stretches(self.lattice.with_walls(State(0.0, f, f)).f))
 
     def error(self, f: Array, exact: Array) -> float:
-        """Sup over cells of the stretches' difference, in the unit."""
+        """Return the sup over cells of the stretches' difference, in the unit."""
         return float(np.abs(self.stretches(f) - self.stretches(exact)).max()) / self.unit
 
     def reference(self, f: Array, v: Array) -> Array:
-        """Positions at the end, to 1e-9 units; to 1e-5 where contacts open."""
+        """Return positions at the end, to 1e-9 units; to 1e-5 where contacts open."""
         f, v = f.copy(), v.copy()
         self.advanced(SOFRONIOU_SPALETTA, self.references, f, v)
         return f
@@ -94,7 +94,7 @@ class Problem:
 
 
 def initial(eps: float = EPS, t0: float = T0, sites: int = SITES) -> tuple[Array, Array]:
-    """Strain and velocity of Y2 at ``t0`` on a ring centred on c t0."""
+    """Return the strain and velocity of Y2 at ``t0`` on a ring centred on c t0."""
     wave = Wave(closed_form("rational_2"), derive.mkdv_normal_form(4, 1))
     c = CONSTANTS.sound_speed()
     value = wave.at(np.arange(sites) - sites // 2 + c * t0, t0, eps)
@@ -106,7 +106,7 @@ WIDTH = 10.0
 
 
 def hump(*cells: int, places: tuple[float, ...] = (0.0,)) -> tuple[Array, Array]:
-    """A hump at rest, which runs apart; of fields at these ``places`` in the cell."""
+    """Return a hump at rest, which splits in two; of fields at these ``places`` in the cell."""
     f = []
     for place in places:
         axes = [(np.arange(count) - count // 2 + place) / WIDTH for count in cells]
@@ -115,30 +115,30 @@ def hump(*cells: int, places: tuple[float, ...] = (0.0,)) -> tuple[Array, Array]
 
 
 def strained_wave() -> tuple[Array, Array]:
-    """`initial`, as fields."""
+    """Return the state of `initial` as fields."""
     y, s = initial()
     return y[np.newaxis], s[np.newaxis]
 
 
 def strained_hump() -> tuple[Array, Array]:
-    """A strain of that shape and size."""
+    """Return a strain of that shape and size."""
     f, v = hump(SITES)
     return EPS * f, v
 
 
 def spring(x: Any, K2: float, K4: float) -> Any:
-    """K2 x + K4 x^3."""
+    """Return the force K2 x + K4 x^3."""
     return x * (K2 + K4 * x * x)
 
 
 def fput(xp: Any, y: Any, *_: Any) -> Any:
-    """The FPUT lattice in its strain."""
+    """Return the FPUT lattice in its strain."""
     force = spring(y, 4.0, 1.0)
     return xp.roll(force, 1) - 2.0 * force + xp.roll(force, -1)
 
 
 def next_nearest(xp: Any, f: Any, *_: Any) -> Any:
-    """The same with springs between next-nearest neighbours."""
+    """Return the FPUT lattice with springs between next-nearest neighbours."""
     y = f[0]
     far = spring(y + xp.roll(y, -1), 1.0, 0.5)
     bend = xp.roll(far, -1) - far - xp.roll(far, 1) + xp.roll(far, 2)
@@ -146,7 +146,7 @@ def next_nearest(xp: Any, f: Any, *_: Any) -> Any:
 
 
 def dimer(xp: Any, f: Any, *_: Any) -> Any:
-    """Masses 1 and 2, and two kinds of springs."""
+    """Return a dimer: masses 1 and 2, and two kinds of springs."""
     u, v = f[0], f[1]
     near, far = spring(v - u, 4.0, 1.0), spring(xp.roll(u, -1) - v, 6.0, 0.5)
     return xp.stack([near - xp.roll(far, 1), 0.5 * (far - near)])
@@ -158,7 +158,7 @@ SOFT = 0.6
 
 
 def square(xp: Any, f: Any, *_: Any) -> Any:
-    """One displacement a site; springs along both axes."""
+    """Return a plane: one displacement a site, springs along both axes."""
     u = f[0]
     along = spring(xp.roll(u, -1, 0) - u, 4.0, 1.0)
     across = spring(xp.roll(u, -1, 1) - u, 3.0, 0.5)
@@ -169,25 +169,25 @@ LOSS, PUSHED = 0.01, (np.arange(SITES) == SITES // 2).astype(float)
 
 
 def driven(xp: Any, f: Any, v: Any, t: Any) -> Any:
-    """A chain of displacements between walls, with losses, pushed at one cell."""
+    """Return a chain of displacements between walls, with losses, pushed at one cell."""
     force = spring(xp.diff(f[0], prepend=0.0, append=0.0), 4.0, 1.0)
     return xp.stack([xp.diff(force) - LOSS * v[0] + PUSHED * 0.3 * xp.cos(0.9 * t)])
 
 
 def hertz(xp: Any, f: Any, *_: Any) -> Any:
-    """Grains that touch and do not press, the first one free, a wall behind the last."""
+    """Return grains that touch and do not press, the first one free, a wall behind the last."""
     contact = xp.maximum(-xp.diff(f[0], prepend=f[0, :1], append=0.0), 0.0)
     return xp.stack([-xp.diff(contact * xp.sqrt(contact))])
 
 
 def toda(xp: Any, f: Any, *_: Any) -> Any:
-    """The Toda lattice in its displacement."""
+    """Return the Toda lattice in its displacement."""
     force = xp.exp(xp.roll(f, -1, 1) - f)
     return force - xp.roll(force, 1, 1)
 
 
 def struck() -> tuple[Array, Array]:
-    """The first grain moves."""
+    """Return a start in which the first grain moves."""
     f, v = np.zeros((2, 1, SITES))
     v[0, 0] = 1.0
     return f, v

@@ -63,13 +63,13 @@ class Attempt:
 
 
 def by_proof(statement: Statement) -> str:
-    """The prover's answer."""
+    """Return the prover's answer."""
     outcome = decide_statement(statement).outcome
     return {Outcome.PROVED: HOLDS, Outcome.REFUTED: FAILS}.get(outcome, SILENT)
 
 
 def by_checkpdesol(statement: Statement) -> str:
-    """SymPy's answer: (True, 0), or (False, residual), which says that it is no solution."""
+    """Return SymPy's answer: (True, 0), or (False, residual) for what is no solution."""
     (equation, *others), solutions = statement.equations, statement.solutions
     (unknown, formula), *more = solutions.items()
     sites = any(argument.is_integer for argument in unknown.args)
@@ -82,13 +82,13 @@ def by_checkpdesol(statement: Statement) -> str:
 
 
 def residuals(statement: Statement) -> Iterator[sp.Expr]:
-    """The residuals, with the formulas put in and differentiated by SymPy."""
+    """Yield the residuals, with the formulas put in and differentiated by SymPy."""
     for equation in statement.equations:
         yield residual_of(statement, equation).doit()
 
 
 def by_simplify(statement: Statement) -> str:
-    """Whether ``simplify`` brings the residuals to 0; anything else says nothing."""
+    """Return whether ``simplify`` brings the residuals to 0; anything else says nothing."""
     zero = all(sp.simplify(residual) == 0 for residual in residuals(statement))
     return HOLDS if zero else SILENT
 
@@ -116,7 +116,7 @@ SIMPLIFIERS = (
 
 
 def by_maxima(statement: Statement) -> str:
-    """Whether one of Maxima's simplifiers brings each residual to 0."""
+    """Return whether one of Maxima's simplifiers brings each residual to 0."""
     lines = [f"{known}$" for known in _known(statement)]
     for residual in residuals(statement):
         lines.append(f"r: {in_maxima(residual)}$")
@@ -131,7 +131,7 @@ def by_maxima(statement: Statement) -> str:
 
 
 def in_maxima(formula: sp.Expr) -> str:
-    """A formula in Maxima's words, each symbol with a v before its name.
+    """Return a formula in Maxima's words, each symbol with a v before its name.
 
     >>> x = sp.Symbol("x", real=True)
     >>> in_maxima(sp.sin(x) ** 2 + sp.I)
@@ -148,7 +148,7 @@ def in_maxima(formula: sp.Expr) -> str:
 
 
 def _known(statement: Statement) -> Iterator[str]:
-    """What is said of the variables and parameters."""
+    """Yield the assumptions on variables and parameters."""
     for symbol, domain in statement.domains.items():
         name = in_maxima(symbol)
         if domain.lower != -sp.oo:
@@ -171,7 +171,7 @@ TOOLS: dict[str, Callable[[Statement], str]] = {
 
 
 def _work(tool: str, text: ProblemText, limit: float) -> tuple[str, float]:
-    """The answer of a tool, and the seconds of the processor that it took with what it started."""
+    """Return a tool's answer, and the processor seconds of the tool and its children."""
     os.setpgrp()
     limit_processor(ceil(limit))
     start = time.process_time()
@@ -184,14 +184,14 @@ def _work(tool: str, text: ProblemText, limit: float) -> tuple[str, float]:
 
 
 def attempts(
-    asked: Sequence[tuple[str, ProblemText]], limit: float, workers: int, report: Progress
+    statements: Sequence[tuple[str, ProblemText]], limit: float, workers: int, report: Progress
 ) -> Iterator[Attempt]:
     """Ask each tool about each statement, ``workers`` at a time, as they come to an end."""
-    task = report.add_task("attempts", total=len(asked))
-    jobs = [Job(_work, (tool, text, limit), seconds=PATIENCE * limit) for tool, text in asked]
+    task = report.add_task("attempts", total=len(statements))
+    jobs = [Job(_work, (tool, text, limit), seconds=PATIENCE * limit) for tool, text in statements]
     for place, call in as_ended(enumerate(jobs), LocalWorkers(workers, isolated=True)):
         answer, seconds = (SILENT, limit) if call.error else call.value
-        tool, text = asked[place]
+        tool, text = statements[place]
         report.advance(task)
         yield Attempt(tool, text.name, _judged(answer, text.expect), seconds)
 
@@ -209,14 +209,14 @@ HEADINGS = ("tool", "of", "statements", RIGHT, WRONG, SILENT, NOT_TAKEN, "median
 
 
 def attempts_table(found: list[Attempt], texts: Sequence[ProblemText], limit: float) -> Table:
-    """Two rows a tool: of the statements that hold, and of the wrong variants."""
+    """Return a table with two rows a tool: the statements that hold, and the wrong variants."""
     table = Table(title=f"The library's statements, {limit:g} s of the processor each")
     for place, heading in enumerate(HEADINGS):
         table.add_column(heading, justify="right" if place > 1 else "left")
     holding = {text.name for text in texts if text.expect == Outcome.PROVED}
     for tool in TOOLS:
-        for kind, wanted in (("solutions", True), ("wrong variants", False)):
-            own = [a for a in found if a.tool == tool and (a.name in holding) == wanted]
+        for kind, is_solution in (("solutions", True), ("wrong variants", False)):
+            own = [a for a in found if a.tool == tool and (a.name in holding) == is_solution]
             if own:
                 counts = [sum(a.answer == k for a in own) for k in HEADINGS[3:7]]
                 times = [f"{f(a.seconds for a in own):.2f}" for f in (statistics.median, max)]
@@ -241,11 +241,11 @@ def main() -> None:
         console.print("maxima is not installed and left out")
         chosen = [tool for tool in chosen if tool != "maxima"]
     step = max(1, len(texts) // options.sample) if options.sample else 1
-    asked = [
+    statements = [
         (tool, text) for tool in chosen for text in (texts if tool == "longwave" else texts[::step])
     ]
     with Progress(console=console) as report:
-        found = list(attempts(asked, options.limit, options.workers, report))
+        found = list(attempts(statements, options.limit, options.workers, report))
     for attempt in found:
         if attempt.answer == WRONG:
             console.print(f"wrong: {attempt.tool} on {attempt.name}", highlight=False)

@@ -1,4 +1,4 @@
-"""How long derivations take: every known long-wave limit, envelopes, and the catalogue's checks.
+"""Durations of derivations: every known long-wave limit, envelopes, and the catalogue's checks.
 
 Run ``python benchmarks/reductions.py`` from the top folder: a table of row, seconds of processor
 time, and whether the coefficients are symbolically those that are known. ``--checks`` adds the
@@ -43,11 +43,12 @@ def main() -> int:
 def _told(name: str, work: Callable[[], bool]) -> bool:
     begun = time.process_time()
     try:
-        good, said = work(), ""
+        good, message = work(), ""
     except ValueError as error:
-        good, said = False, f" {error}"
+        good, message = False, f" {error}"
     print(
-        f"{name:42} {time.process_time() - begun:8.2f}  {'yes' if good else 'NO'}{said}", flush=True
+        f"{name:42} {time.process_time() - begun:8.2f}  {'yes' if good else 'NO'}{message}",
+        flush=True,
     )
     return good
 

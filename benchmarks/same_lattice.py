@@ -73,7 +73,7 @@ FIRST = next(iter(ENTRANTS))
 
 
 def coarsest(contender: Contender, ladder: Ladder, problem: Problem, exact: Array) -> float | None:
-    """The least resolution of the ladder that meets the target, by bisection.
+    """Return the least resolution of the ladder that meets the target, by bisection.
 
     None if the ladder's last rung misses it.
     """
@@ -93,7 +93,7 @@ def coarsest(contender: Contender, ladder: Ladder, problem: Problem, exact: Arra
 def entered(
     name: str, folder: Path, skip: list[str], exact: Array
 ) -> dict[str, tuple[Contender, float]]:
-    """The contenders that meet the target, with their resolutions; tells of the others."""
+    """Return the contenders that meet the target, with their resolutions; print the others."""
     found = {}
     for entrant, (make, ladder) in ENTRANTS.items():
         if entrant in skip:
@@ -114,7 +114,7 @@ def entered(
 
 
 def print_share(problem: Problem, seconds: float, steps: float, rate: float) -> None:
-    """The kernel's arithmetic as a share of the core's multiply-add rate."""
+    """Print the kernel's arithmetic as a share of the core's multiply-add rate."""
     cells = problem.start()[0][0].size
     done = problem.operations * cells * round(steps) * REDUCED_PHASE_6.stages / seconds
     print(

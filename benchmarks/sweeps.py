@@ -1,4 +1,4 @@
-"""What a sweep costs beyond its cells, and what a second core gives.
+"""Cost of a sweep beyond its cells, and gain by a second core.
 
     python benchmarks/sweeps.py bookkeeping [CELLS]   # 10 000 small cells on all cores
     python benchmarks/sweeps.py speed [SCENES] [END]  # 400 to t = 16000: a loop, 1 and 2 processes
@@ -56,15 +56,17 @@ SCENE = {
 
 
 def sweep_of_solitons(count: int, end: float) -> Sweep:
-    """So many cells over the soliton's height; each takes 0.03 s of a processor to t = 50,
-    0.16 s to t = 16000."""
+    """Return a sweep of so many cells over the soliton's height.
+
+    Each takes 0.03 s of a processor to t = 50, 0.16 s to t = 16000.
+    """
     heights = {"from": 0.5, "to": 1, "count": count}
     scene = SCENE | {"snapshots": [0, end]}
     return sweep_of({"scene": scene, "grid": {"parameters.A": heights}})
 
 
 def resident(process: int | str = "self") -> float:
-    """Megabytes that a process has in memory."""
+    """Return the resident memory of a process in megabytes."""
     pages = int(Path(f"/proc/{process}/statm").read_text(encoding="ascii").split()[1])
     return pages * resource.getpagesize() / 1e6
 
@@ -76,11 +78,13 @@ def bookkeeping(count: int) -> None:
     marks = dict.fromkeys((0.1, 0.5, 1.0), False)
 
     def look(state: SweepState) -> None:
-        for share, seen in marks.items():
-            if not seen and state.done >= share * state.cells:
+        for share, is_marked in marks.items():
+            if not is_marked and state.done >= share * state.cells:
                 marks[share] = True
-                held = [f"{resident(one.pid):.0f}" for one in active_children() if one.pid]
-                print(f"{share:.0%} done: {resident():.0f} MB here, workers {', '.join(held)} MB")
+                memories = [f"{resident(one.pid):.0f}" for one in active_children() if one.pid]
+                print(
+                    f"{share:.0%} done: {resident():.0f} MB here, workers {', '.join(memories)} MB"
+                )
 
     with tempfile.TemporaryDirectory() as folder:
         store = RunStore(folder)
@@ -105,7 +109,7 @@ def bookkeeping(count: int) -> None:
 
 
 def side_by_side(sweep: Sweep) -> tuple[float, float]:
-    """Processor seconds of a scene in a plain loop of runs, and in a worker's batches.
+    """Return processor seconds of a scene in a plain loop of runs, and in a worker's batches.
 
     Tens of scenes go to the one and to the other in turn, in one process that has done both
     before: what the machine gives changes within a minute by more than the two differ.
@@ -131,7 +135,7 @@ def side_by_side(sweep: Sweep) -> tuple[float, float]:
 
 
 def on_processes(sweep: Sweep, count: int) -> float:
-    """Seconds of a sweep with so many workers, their start and the data set included."""
+    """Return seconds of a sweep with so many workers, their start and the data set included."""
     workers = LocalWorkers(count, use_one_thread)
     with tempfile.TemporaryDirectory() as folder:
         begun = time.perf_counter()
@@ -164,11 +168,11 @@ PACKED = 5000
 
 
 def fill(sweep: Sweep, store: RunStore) -> None:
-    """Have packs say that the cells are done, each with a run of one number, but for some."""
+    """Write packs in which the cells are done, each with a run of one number, but for some."""
     run = xr.Dataset({"error": ("time", [0.0])})
-    apart, records = len(sweep) // MISSED, list[CellRecord]()
+    missing_step, records = len(sweep) // MISSED, list[CellRecord]()
     for number in range(len(sweep)):
-        if number % apart:
+        if number % missing_step:
             key = store.key(sweep.scene(number))
             records.append(CellRecord(key, DONE, "", {"error": 1e-3, "seconds": 1.0}, run))
         if records and (len(records) == PACKED or number == len(sweep) - 1):
@@ -185,7 +189,7 @@ def million(count: int) -> None:
     }
     sweep = sweep_of({"scene": SCENE | {"snapshots": [0, 10]}, "grid": grid})
 
-    def told(what: str, begun: float, files: int) -> None:
+    def report(what: str, begun: float, files: int) -> None:
         taken = time.perf_counter() - begun
         print(f"{what:32s} {taken:8.2f} s {files:7d} files {resident():7.0f} MB", flush=True)
 
@@ -197,11 +201,11 @@ def million(count: int) -> None:
 
         begun = time.perf_counter()
         fill(sweep, store)
-        told(f"{len(sweep)} cells made", begun, files())
+        report(f"{len(sweep)} cells made", begun, files())
         for what in ("first look, all packs read", "look by the index"):
             begun = time.perf_counter()
             stored_keys = store.stored_runs()
-            told(what, begun, files())
+            report(what, begun, files())
         for what in ("resume", "again"):
             begun = time.perf_counter()
             workers = LocalWorkers(os.cpu_count() or 1, use_one_thread)
@@ -209,15 +213,15 @@ def million(count: int) -> None:
                 done = run_sweep(sweep, store, workers, stored_keys=stored_keys).done
             finally:
                 workers.stop()
-            told(f"{what}: {done} run", begun, files())
+            report(f"{what}: {done} run", begun, files())
             stored_keys = store.stored_runs()
         del stored_keys
         begun = time.perf_counter()
         write_sweep(sweep, store, Path(folder) / "out.nc")
-        told("data set", begun, files())
+        report("data set", begun, files())
         begun = time.perf_counter()
         cell_run(sweep, store, A=half // 2, eps=0)
-        told("one cell", begun, files())
+        report("one cell", begun, files())
 
 
 if __name__ == "__main__":

@@ -51,9 +51,9 @@ def scene_told(name: str) -> dict[str, object]:
 
     scene = load_scene(name)
     first = expected_cost(scene).seconds
-    told: list[Told] = []
-    scene.run(announce=lambda seconds: told.append((time.process_time(), seconds)))
-    return {"told": first, "left": told, "taken": time.process_time()}
+    announced: list[Told] = []
+    scene.run(announce=lambda seconds: announced.append((time.process_time(), seconds)))
+    return {"told": first, "left": announced, "taken": time.process_time()}
 
 
 def sweep_told(name: str) -> dict[str, object]:
@@ -64,7 +64,7 @@ def sweep_told(name: str) -> dict[str, object]:
     from longwave.runs.sweep_file import load_sweep
     from longwave.support.processes import LocalWorkers
 
-    sweep, told = load_sweep(name), []
+    sweep, announced = load_sweep(name), []
     workers = LocalWorkers(1)
     with tempfile.TemporaryDirectory() as folder:
         store = RunStore(Path(folder))
@@ -73,18 +73,18 @@ def sweep_told(name: str) -> dict[str, object]:
         begun = time.perf_counter()
 
         def tell(state: SweepState) -> None:
-            told.append((time.perf_counter() - begun, state.seconds_left))
+            announced.append((time.perf_counter() - begun, state.seconds_left))
 
         state = SweepState(len(sweep), expected=expected.seconds_by_cell)
         run_sweep(sweep, store, workers, tell, state)
         workers.stop()
         whole = time.perf_counter() - begun
-    later = [entry for entry in told[1:] if whole - entry[0] > FIRST_LEFT * whole]
+    later = [entry for entry in announced[1:] if whole - entry[0] > FIRST_LEFT * whole]
     return {"told": first, "left": later, "taken": state.worker_seconds, "end": whole}
 
 
 def measured(kind: str, names: Sequence[str]) -> Iterator[dict[str, object]]:
-    """What each is told to take and takes, in a process of its own on one core."""
+    """Yield the announced and the true time of each, in a process of its own on one core."""
     core = {min(os.sched_getaffinity(0))}
     for name in names:
         command = [sys.executable, "-P", "-m", "benchmarks.time_told", f"--one-{kind}", name]

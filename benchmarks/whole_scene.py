@@ -6,8 +6,8 @@ RK4 in NumPy on a ring wide enough to hold the wave's path, at the largest step 
 meets the same tolerance. Nobody waits for that: its step is found in a window about the crest, its
 seconds are those of a few hundred steps on the wide ring, multiplied up.
 
-NumPy uses one core, the run all: both are timed on one core, and what is waited for on all is told
-beside. (Where two cores of the machine are two threads of one, processor seconds of both together
+NumPy uses one core, the run all: both are timed on one core, and the elapsed time on all is printed
+as well. (Where two cores of the machine are two threads of one, processor seconds of both together
 are no measure of either.)
 """
 
@@ -38,8 +38,8 @@ LADDER = 0.1 * 2.0 ** (-np.arange(16) / 8)
 """Steps of RK4."""
 
 
-def asked(cores: set[int]) -> tuple[float, xr.Dataset]:
-    """Seconds of the scene run on those cores to the tolerance, pilots included, and the run."""
+def timed_run(cores: set[int]) -> tuple[float, xr.Dataset]:
+    """Run the scene on those cores to the tolerance; return seconds with pilots, and the run."""
     usable = os.sched_getaffinity(0)
     os.sched_setaffinity(0, cores)
     begin = time.perf_counter()
@@ -50,12 +50,12 @@ def asked(cores: set[int]) -> tuple[float, xr.Dataset]:
 
 
 def strain(**changes: object) -> Array:
-    """y/eps of the compared sites, with scheme, step and window stated."""
+    """Return y/eps of the compared sites, with scheme, step and window stated."""
     return np.asarray(run(SCENE.changed(**changes)).strain) / EPS  # type: ignore[arg-type]
 
 
 def rk4_step() -> float:
-    """RK4's longest step of a ladder that meets the tolerance about the crest, over all times."""
+    """Return RK4's longest step of a ladder that meets the tolerance about the crest."""
     crest = {"sites": 1024, "compared": 200}
     exact = strain(scheme="kahan_li_8", step=CHECK_STEP, **crest)
     for step in LADDER:
@@ -65,7 +65,7 @@ def rk4_step() -> float:
 
 
 def rk4_seconds_per_step(h: float) -> float:
-    """Processor seconds of one RK4 step on the wide ring; the least of a few rounds."""
+    """Return processor seconds of one RK4 step on the wide ring; the least of a few rounds."""
     y, s = initial(sites=WIDE, t0=0.0)
     return (
         min(numpy_rk4(PROBLEMS["fput_strain"], h, TIMED_STEPS, y, s)[0] for _ in range(ROUNDS))
@@ -76,11 +76,11 @@ def rk4_seconds_per_step(h: float) -> float:
 def main() -> int:
     """Print seconds, errors and the ratio."""
     cores = os.sched_getaffinity(0)
-    asked(cores)
+    timed_run(cores)
     step = rk4_step()
     direct = rk4_seconds_per_step(step) * (END - BEGIN) / step
-    waited = min(asked(cores)[0] for _ in range(ROUNDS))
-    runs = [asked({min(cores)}) for _ in range(ROUNDS)]
+    waited = min(timed_run(cores)[0] for _ in range(ROUNDS))
+    runs = [timed_run({min(cores)}) for _ in range(ROUNDS)]
     seconds = min(spent for spent, _ in runs)
     found = runs[0][1]
     finer = strain(scheme="kahan_li_8", sites=CHECK_WINDOW, step=CHECK_STEP)

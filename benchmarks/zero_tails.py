@@ -1,4 +1,4 @@
-"""What the far field of a wave costs that is zero, beside one that is noise of 1e-13.
+"""Cost of a wave's far field that is zero, and of one that is noise of 1e-13.
 
 The tails of a pulse on zero fall through the subnormal numbers, which Intel's processors take 100
 cycles for; the lattice's machine code takes them for 0 (`longwave.support.compiled.subnormals`).
@@ -28,7 +28,7 @@ NOISE = 1e-13
 
 
 def lattices() -> Iterator[tuple[str, NumericLattice, Array]]:
-    """Each lattice with the positions that it starts from."""
+    """Yield each lattice with the positions that it starts from."""
     [strain], _ = hump(CELLS)
     yield "chain", CONSTANTS.lattice, EPS * strain[np.newaxis]
     yield "dimer", PROBLEMS["dimer"].lattice, PROBLEMS["dimer"].start()[0]
@@ -38,7 +38,7 @@ def lattices() -> Iterator[tuple[str, NumericLattice, Array]]:
 
 
 def step_time(lattice: NumericLattice, f: Array) -> float:
-    """Nanoseconds of processor time a cell and step."""
+    """Return nanoseconds of processor time a cell and step."""
     ring = lattice.with_walls(State(0.0, f.copy(), np.zeros_like(f)))
     dynamics = Dynamics(lattice)
     dynamics.advance(REDUCED_PHASE_6, ring.f, ring.v, 0.05, 4)
@@ -48,7 +48,7 @@ def step_time(lattice: NumericLattice, f: Array) -> float:
 
 
 def processor_name() -> str:
-    """The processor's name as the system tells it."""
+    """Return the processor's name, as reported by the system."""
     lines = (
         Path("/proc/cpuinfo").read_text().splitlines() if os.path.exists("/proc/cpuinfo") else []
     )

@@ -36,8 +36,9 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -72,13 +73,15 @@ SMOOTH = (
 )
 FUNCTIONS = {function.__name__: (function, 1) for function in SMOOTH}
 
-_KEYS = {
+KEYS = {
     "": {"name", "title", "fields", "masses", "positive", "spring", "site", "bond"}
     | {"constants", "covariance"},
     "spring": {"between", "force"},
     "site": {"field", "force"},
     "bond": {"stretch", "action", "force"},
 }
+"""Keys of a file at its top and, by table, of each kind of entry."""
+
 _TERM = re.compile(
     r"\s*([+-]?)\s*(?:(\d{1,6})\s*\*\s*)?([A-Za-z][A-Za-z0-9]*)\[\s*n\s*([+-]\s*\d{1,6})?\s*"
     r"(?:,\s*m\s*([+-]\s*\d{1,6})?\s*)?\]\s*",
@@ -118,19 +121,30 @@ def lattice_of(document: Mapping[str, Any], name: str = "lattice") -> Lattice:
             )
     symbols = _Symbols(set(positive))
     masses = [symbols.mass(f"masses[{i}]", m) for i, m in enumerate(_masses(document, fields))]
-    bonds: list[Bond] = []
-    for kind, build in (("spring", _spring), ("site", _site), ("bond", _bond)):
-        for place, entry in _entries(document, kind):
-            try:
-                bonds.append(build(entry, fields, symbols))
-            except ValueError as error:
-                raise ValueError(f"{place}: {error}") from None
+    springs = _bonds(document, "spring", partial(_spring, fields=fields, symbols=symbols))
+    others = _bonds(document, "bond", partial(_bond, fields=fields, symbols=symbols))
+    axes = max((len(bond.stretch[0].shift) for bond in (*springs, *others)), default=1)
+    sites = _bonds(document, "site", partial(_site, fields=fields, symbols=symbols, axes=axes))
+    bonds = [*springs, *sites, *others]
     if not bonds:
         raise ValueError("bonds must be there, got none (write a [[spring]])")
     lattice_name = _title("name", document.get("name", name))
     title = _title("title", document.get("title", lattice_name))
     lattice = Lattice(lattice_name, title, tuple(fields), tuple(masses), tuple(bonds))
     return replace(lattice, measured=_measured(document, lattice))
+
+
+def _bonds(
+    document: Mapping[str, Any], kind: str, build: Callable[[Mapping[str, Any]], Bond]
+) -> list[Bond]:
+    """Build the bonds of all entries of a kind; errors name the entry."""
+    bonds = []
+    for place, entry in _entries(document, kind):
+        try:
+            bonds.append(build(entry))
+        except ValueError as error:
+            raise ValueError(f"{place}: {error}") from None
+    return bonds
 
 
 def document_of_lattice(lattice: Lattice) -> dict[str, Any]:
@@ -247,7 +261,7 @@ def time_formula(label: str, text: object) -> sp.Expr:
 
 
 def _check_keys(table: object, kind: str) -> None:
-    known = _KEYS[kind]
+    known = KEYS[kind]
     if not isinstance(table, Mapping):
         raise ValueError(f"[[{kind}]] must be a table, got {shown(table)}")
     for key in table:
@@ -329,9 +343,9 @@ def _spring(entry: Mapping[str, Any], fields: list[str], symbols: _Symbols) -> B
     return spring(symbols.formula("force", entry.get("force")), ends[0], ends[1])
 
 
-def _site(entry: Mapping[str, Any], fields: list[str], symbols: _Symbols) -> Bond:
+def _site(entry: Mapping[str, Any], fields: list[str], symbols: _Symbols, axes: int) -> Bond:
     index = _field("field", entry.get("field"), fields)
-    return on_site(symbols.formula("force", entry.get("force")), index)
+    return on_site(symbols.formula("force", entry.get("force")), index, axes)
 
 
 def _bond(entry: Mapping[str, Any], fields: list[str], symbols: _Symbols) -> Bond:

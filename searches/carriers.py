@@ -52,7 +52,7 @@ class CarrierCase:
     branch: int
 
     def matrix(self, k: float) -> Complex:
-        """The dynamical matrix, whose eigenvalues are omega^2."""
+        """Return the dynamical matrix, whose eigenvalues are omega^2."""
         found = np.diag(np.array(self.ties, complex))
         for name, stiffness, _ in self.springs:
             row = self.stretch(name, k)
@@ -60,10 +60,10 @@ class CarrierCase:
         return found / np.sqrt(np.outer(self.masses, self.masses))
 
     def stretch(self, name: str, k: float) -> Complex:
-        """The stretch of a spring by each field's wave."""
-        ahead, start, end = LINKS[name]
+        """Return the stretch of a spring by each field's wave."""
+        offset, start, end = LINKS[name]
         row = np.zeros(2, complex)
-        row[end] += np.exp(1j * k * ahead)
+        row[end] += np.exp(1j * k * offset)
         row[start] -= 1.0
         return row
 
@@ -72,10 +72,10 @@ class CarrierCase:
         """The lattice with a symbol for each number."""
         bonds = []
         for i, (name, _, cubic) in enumerate(self.springs):
-            ahead, start, end = LINKS[name]
+            offset, start, end = LINKS[name]
             force = Symbol(f"K{i}", positive=True) * x
             force += Symbol(f"g{i}", real=True) * x**3 if cubic else 0
-            bonds.append(spring(force, ((0,), start), ((ahead,), end)))
+            bonds.append(spring(force, ((0,), start), ((offset,), end)))
         for i, tie in enumerate(self.ties):
             if tie:
                 bonds.append(on_site(Symbol(f"w{i}", positive=True) * x, i))
@@ -93,7 +93,7 @@ class CarrierCase:
 
 
 def random_case(seed: int) -> CarrierCase:
-    """The case of that number."""
+    """Return the case of that number."""
     random = np.random.default_rng(seed)
     masses = tuple(int(m) for m in random.choice([1, 1, 2, 3, 4], 2))
     names = ["uv", "vu", *(n for n in ("uu", "vv", "uv1") if random.random() < 0.25)]
@@ -108,12 +108,12 @@ def random_case(seed: int) -> CarrierCase:
 
 
 def omegas(case: CarrierCase, k: float) -> NDArray[np.float64]:
-    """Both frequencies, the lower one first."""
+    """Return both frequencies, the lower one first."""
     return np.sqrt(np.maximum(np.linalg.eigvalsh(case.matrix(k)), 0.0))
 
 
 def expected(case: CarrierCase) -> dict[str, float] | str:
-    """omega, v, p and q, or why there is no NLS equation."""
+    """Return omega, v, p and q, or the reason why there is no NLS equation."""
     k = float(case.k)  # type: ignore[arg-type]
     squared, vectors = np.linalg.eigh(case.matrix(k))
     own = np.sqrt(max(squared[case.branch], 0.0))
@@ -138,26 +138,26 @@ def expected(case: CarrierCase) -> dict[str, float] | str:
 
 
 def _sound(case: CarrierCase) -> float:
-    """The speed of long waves."""
+    """Return the speed of long waves."""
     return float(omegas(case, 1e-4)[0] / 1e-4)
 
 
 def judged(case: CarrierCase) -> str:
-    """What differs from the judge; nothing if all agrees."""
-    wanted = expected(case)
+    """Return the differences to the judge in words; "" if all agrees."""
+    reference = expected(case)
     lattice, constants = case.lattice, case.constants
     for k in (case.k, None):
         try:
             at = envelope(lattice, k, case.branch, **constants)
             found = at.coefficients(case.k, case.branch, **constants)
         except ValueError as error:
-            if not (isinstance(wanted, str) and re.search(wanted, str(error))):
-                return f"{wanted} got {error}"
+            if not (isinstance(reference, str) and re.search(reference, str(error))):
+                return f"{reference} got {error}"
             continue
-        if isinstance(wanted, str):
-            return f"{wanted} got {found}"
-        unit = max(abs(wanted["p"]), wanted["omega"], abs(wanted["q"]))
-        for name, value in wanted.items():
+        if isinstance(reference, str):
+            return f"{reference} got {found}"
+        unit = max(abs(reference["p"]), reference["omega"], abs(reference["q"]))
+        for name, value in reference.items():
             if abs(getattr(found, name) - value) > AGREE * unit:
                 return f"{name} = {value} got {getattr(found, name)}, k = {k}"
     return ""

@@ -151,7 +151,7 @@ class CausalReference:
         return _Span(first, *np.concatenate(moving.state(np.arange(first, last + 1), moving.t0)))
 
     def _fastest(self, strain: Array) -> float:
-        """The fastest signal about the strains, not slower than the frame."""
+        """Return the fastest signal about the strains, not slower than the frame."""
         constants = self.scene.model
         stiffness = constants.stiffness(strain)
         largest = float(np.max(np.abs(strain), initial=0.0))
@@ -174,10 +174,10 @@ class CausalReference:
                 y, s = cone.closed(t, span.y, span.s)
                 h = (until - t) / steps
                 advance(self._scheme, y[None], s[None], h, steps, scene.model.lattice)
-                held = _Span(span.first - cone.room, y, s)
+                span = _Span(span.first - cone.room, y, s)
                 t = until
                 first, last = cone.needed(t)
-                span = _Span(first, *(part.copy() for part in held.part(first, last)))
+                span = _Span(first, *(part.copy() for part in span.part(first, last)))
                 yield t, span, steps
 
 
@@ -209,7 +209,7 @@ class _Cone:
         return self.fastest * (self.scene.end - self.scene.t0)
 
     def needed(self, t: float) -> tuple[int, int]:
-        """First and last site that matter at ``t``."""
+        """Return the first and last site that matter at ``t``."""
         scene = self.scene
         sites = moving_wave(scene).compared_sites(scene.end)
         front = _front(self._way)
@@ -221,7 +221,7 @@ class _Cone:
         return int(min(first, compared[0])), int(max(last, compared[-1]))
 
     def closed(self, t: float, y: Array, s: Array) -> tuple[Array, Array]:
-        """The data with room on either side, a multiple of eight in all.
+        """Return the data with room on either side, a multiple of eight in all.
 
         Where they are constant they go on like that. A wave goes on as its mirror image that runs
         the same way and fades: at rest it would run both ways and double the strains that it
@@ -238,7 +238,7 @@ class _Cone:
 
 
 def _continued(y: Array, s: Array, room: int, constant: bool) -> tuple[Array, Array]:
-    """Strain and velocity on the sites after the data's end."""
+    """Return the strain and velocity on the sites after the data's end."""
     if constant:
         return np.full(room, y[-1]), np.zeros(room)
     fading = np.maximum(0.0, np.linspace(1.0, -SPARE / (room - SPARE), room))
@@ -249,5 +249,5 @@ def _continued(y: Array, s: Array, room: int, constant: bool) -> tuple[Array, Ar
 
 
 def _front(distance: float) -> int:
-    """Sites by which a front is ahead after sound has gone that far."""
+    """Return sites by which a front is ahead after sound has gone that far."""
     return SPARE + math.ceil(AIRY * (max(distance, 1.0) / 8.0) ** (1.0 / 3.0))

@@ -82,7 +82,7 @@ class DrivenCase:
 
 
 def drawn(seed: int) -> DrivenCase:
-    """The case of that seed."""
+    """Return the case of that seed."""
     random = np.random.default_rng(seed)
     name = str(random.choice(CHAINS))
     free = {
@@ -114,7 +114,7 @@ def drawn(seed: int) -> DrivenCase:
     springs = _factors(
         random, range(-1 if ends[0] not in (None, "free") else 0, cells), len(lattice.bonds)
     )
-    made = driven_chain(
+    chain = driven_chain(
         lattice,
         cells,
         left=ends[0],
@@ -130,7 +130,7 @@ def drawn(seed: int) -> DrivenCase:
     )
     moving = random.choice([0.0, size])
     state = State(0.0, *(moving * random.standard_normal((2, fields, cells))))
-    return DrivenCase(name, made, ends, state, float(end), float(tolerance), size, masses, springs)
+    return DrivenCase(name, chain, ends, state, float(end), float(tolerance), size, masses, springs)
 
 
 PUSHED: dict[str, tuple[str, ...]] = {
@@ -148,7 +148,7 @@ PUSHED: dict[str, tuple[str, ...]] = {
 
 
 def pushed(seed: int) -> DrivenCase:
-    """A case in which a wall goes further than a bond is long."""
+    """Return a case in which a wall goes further than a bond is long."""
     random = np.random.default_rng(seed)
     name = str(random.choice(list(PUSHED)))
     near, *others = PUSHED[name]
@@ -180,7 +180,7 @@ def pushed(seed: int) -> DrivenCase:
     springs: dict[int, list[float]] = {}
     if random.random() < 0.3:
         springs[int(random.integers(1, cells - 2))] = [0.0] * len(lattice.bonds)
-    made = driven_chain(
+    chain = driven_chain(
         lattice,
         cells,
         left=ends[0],
@@ -191,13 +191,13 @@ def pushed(seed: int) -> DrivenCase:
     )
     state = State(0.0, *np.zeros((2, 1, cells)))
     tolerance = 10.0 ** random.uniform(-9.0, -3.0)
-    return DrivenCase(name, made, ends, state, end, tolerance, 1.0, {}, springs)
+    return DrivenCase(name, chain, ends, state, end, tolerance, 1.0, {}, springs)
 
 
 def _factors(
     random: np.random.Generator, numbers: Sequence[int], count: int
 ) -> dict[int, list[float]]:
-    """Up to two defects."""
+    """Draw up to two defects."""
     return {
         int(random.choice(numbers)): (10.0 ** random.uniform(-1.0, 1.0, count)).tolist()
         for _ in range(random.integers(3))
@@ -209,7 +209,7 @@ def _rates(random: np.random.Generator, count: int) -> list[float]:
 
 
 def _drive(random: np.random.Generator, size: float, end: float) -> str | dict[str, list[float]]:
-    """A formula, or a walk as if it had been measured."""
+    """Draw a formula, or a walk as if it had been measured."""
     if random.random() < 0.7:
         return _formula(random, size)
     times = np.linspace(0.0, end, int(random.integers(6, 60)))
@@ -218,7 +218,7 @@ def _drive(random: np.random.Generator, size: float, end: float) -> str | dict[s
 
 
 def _formula(random: np.random.Generator, size: float) -> str:
-    """Something that goes on, is short, is switched on, beats, or is steady."""
+    """Return a formula that oscillates, is short, is switched on, beats, or is steady."""
     fast, slow = 10.0 ** random.uniform(-1.0, 2.2), 10.0 ** random.uniform(-1.0, 1.3)
     width, when = 10.0 ** random.uniform(-3.0, 0.5), random.uniform(0.0, 10.0)
     return str(
@@ -235,12 +235,12 @@ def _formula(random: np.random.Generator, size: float) -> str:
 
 
 def exact_state(case: DrivenCase) -> Array:
-    """Fields and velocities at the end, (2, fields, cells), by SciPy."""
+    """Return fields and velocities at the end, (2, fields, cells), by SciPy."""
     return exact_end(case)[0]
 
 
 def exact_end(case: DrivenCase) -> tuple[Array, Array]:
-    """The same, and work and heat since the start; nan where SciPy gives up."""
+    """Return the same, and work and heat since the start; nan where SciPy gives up."""
     within = case.chain.driven_within(0.0, case.end)
     opens = any(bond.force.opening is not None for bond in case.chain.bonds)
     longest = min(SHORT_STEP if opens else LONGEST_STEP, within / 4.0)
@@ -254,14 +254,14 @@ def exact_end(case: DrivenCase) -> tuple[Array, Array]:
 
 
 def _slopes(case: DrivenCase) -> Callable[[float, Array], Array]:
-    """The velocities and accelerations of the cells, written between those of their walls.
+    """Return the velocities and accelerations of the cells, written between those of their walls.
 
     Then the rates of work and heat: a wall does what the bonds that it stretches would take. Three
      as many cells as a force reaches stand at either end: what is wrong where they meet is not
     felt.
     """
-    lattice, made, (fields, cells) = case.chain.ordered, case.chain, case.state.f.shape
-    masses, rates = np.array(lattice.masses)[:, None], np.array(made.losses)[:, None]
+    lattice, chain, (fields, cells) = case.chain.ordered, case.chain, case.state.f.shape
+    masses, rates = np.array(lattice.masses)[:, None], np.array(chain.losses)[:, None]
     heavier, room = np.ones((fields, cells)), 3 * lattice.reach
     for cell, factors in case.mass_factors.items():
         heavier[:, cell] = factors
@@ -280,7 +280,7 @@ def _slopes(case: DrivenCase) -> Callable[[float, Array], Array]:
         return np.concatenate([low, f, high], axis=1)
 
     def held_by(bond: NumericBond) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-        """Where a bond reaches over an end at which there is no wall; where it is the chain's."""
+        """Return where a bond reaches over an end without a wall, and where it is the chain's."""
         base = np.arange(-room, cells + room)
         met = np.array([base + entry.shift[0] for entry in bond.stretch])
         low, high = met.min(axis=0) < 0, met.max(axis=0) >= cells
@@ -291,15 +291,15 @@ def _slopes(case: DrivenCase) -> Callable[[float, Array], Array]:
 
     reached = [held_by(bond) for bond in lattice.bonds]
 
-    def slopes(t: float, held: Array) -> Array:
-        f, v = held[:-2].reshape(2, fields, cells)
+    def slopes(t: float, state: Array) -> Array:
+        f, v = state[:-2].reshape(2, fields, cells)
         work, heat = 0.0, float(np.sum(masses * rates * v * v))
         at = [float(end(np.array(t))) if callable(end) else None for end in case.ends]
         speed = [float(end.slope(np.array(t))) if callable(end) else None for end in case.ends]
         x, rate = wide(f, (at[0], at[1])), wide(v, (speed[0], speed[1]))
         walls = np.zeros_like(rate) if case.ends[0] is None else wide(0.0 * v, (speed[0], speed[1]))
         total = np.zeros_like(x)
-        bonds = zip(lattice.bonds, made.dashpots, reached, stiffer, strict=True)
+        bonds = zip(lattice.bonds, chain.dashpots, reached, stiffer, strict=True)
         for bond, dashpot, (cut, own), factor in bonds:
             with np.errstate(all="ignore"):
                 force = bond.force(bond.stretched(x))
@@ -311,7 +311,7 @@ def _slopes(case: DrivenCase) -> Callable[[float, Array], Array]:
             for entry in bond.action:
                 total[entry.field] += entry.weight * np.roll(force, -entry.shift[0])
         total = total[:, room : room + cells]
-        for push in made.outer_forces:
+        for push in chain.outer_forces:
             value = float(push.value(np.array(t)))
             total[push.field, push.site] += value
             work += value * v[push.field, push.site]
@@ -322,7 +322,7 @@ def _slopes(case: DrivenCase) -> Callable[[float, Array], Array]:
 
 
 def balanced(case: DrivenCase, tolerance: float) -> Refined:
-    """The chain's energy, work and heat at the start and at the end, to that tolerance."""
+    """Return the chain's energy, work and heat at the start and at the end, to that tolerance."""
     chain, times = case.chain, np.array([0.0, case.end])
 
     def looked(state: State, balance: EnergyBalance | None) -> Array:
@@ -338,29 +338,29 @@ def balanced(case: DrivenCase, tolerance: float) -> Refined:
 
 
 def balance_error(case: DrivenCase, found: Refined, exact: tuple[Array, Array]) -> float:
-    """The largest error of energy, work and heat, and of their balance, which has three."""
+    """Return the largest error of energy, work and heat, and of their balance, which has three."""
     assert found.trial.values is not None
     start, end = found.trial.values
     energy = case.chain.energy(*case.chain.with_walls(State(case.end, *exact[0])).arrays)
-    apart = np.abs(end - [energy, *exact[1]]).max()
-    return max(float(apart), abs((end - start) @ [1.0, -1.0, 1.0]) / 3.0)
+    difference = np.abs(end - [energy, *exact[1]]).max()
+    return max(float(difference), abs((end - start) @ [1.0, -1.0, 1.0]) / 3.0)
 
 
 def true_error(case: DrivenCase, run: Trajectory, exact: Array) -> float:
-    """The largest error of the displacements, or of what is stretched where nothing holds them."""
-    apart = run.f[-1] - exact[0]
+    """Return the largest error of the displacements, or of the stretches of a free chain."""
+    difference = run.f[-1] - exact[0]
     if case.ends[0] is None:
-        stretched = np.array(case.chain.ordered.stretches(apart))
+        stretched = np.array(case.chain.ordered.stretches(difference))
         return float(np.abs(stretched).max())
     if "free" in case.ends:
-        return float(np.abs(np.diff(apart, axis=1)).max())
-    return float(np.abs(apart).max())
+        return float(np.abs(np.diff(difference, axis=1)).max())
+    return float(np.abs(difference).max())
 
 
 def attacked(seed: int) -> tuple[float, float, str]:
-    """The true errors of the run and of its energies in units of the estimates, the case in words.
+    """Return true errors of the run and its energies over the estimates, and the case in words.
 
-    nan where it is refused.
+    An error is nan if the case is refused.
     """
     case = _unless_refused(partial(drawn, seed))
     if case is None:
@@ -376,7 +376,7 @@ def attacked(seed: int) -> tuple[float, float, str]:
 
 
 def _unless_refused(work: Callable[[], T]) -> T | None:
-    """What the work gives, None where the chain is refused."""
+    """Return the result of the work, None if the chain is refused."""
     try:
         return work()
     except ValueError as refusal:
@@ -386,13 +386,13 @@ def _unless_refused(work: Callable[[], T]) -> T | None:
 
 
 def run_share(case: DrivenCase, exact: tuple[Array, Array]) -> float:
-    """The true error of the displacements in units of its estimate."""
+    """Return the true error of the displacements in units of its estimate."""
     run = integrate(case.chain, case.state, [case.end], case.tolerance)
     return true_error(case, run, exact[0]) / run.error_estimate
 
 
 def balance_share(case: DrivenCase, exact: tuple[Array, Array]) -> float:
-    """That of energy, work and heat, to the same part of them."""
+    """Return the same share for energy, work and heat."""
     start, end = (
         case.chain.energy(*case.chain.with_walls(State(t, *state)).arrays)
         for t, state in ((0.0, case.state.arrays), (case.end, exact[0]))
@@ -414,7 +414,7 @@ class Pushed:
 
 
 def attacked_by_pushing(seed: int) -> Pushed | None:
-    """The case of that seed at two tolerances, and its energies; None where SciPy gives up."""
+    """Return the case at two tolerances, and its energies; None where SciPy gives up."""
     case = pushed(seed)
     ends = ", ".join("moved" if callable(end) else str(end) for end in case.ends)
     cut = ", a bond cut" if case.spring_factors else ""
@@ -461,20 +461,20 @@ def main() -> int:
     words.add_argument("--count", type=int, default=2000)
     words.add_argument("--seed", type=int, default=0)
     words.add_argument("--pushed", action="store_true", help="push walls beyond a bond's length")
-    asked = words.parse_args()
-    if asked.pushed:
-        return push(asked.seed, asked.count)
+    options = words.parse_args()
+    if options.pushed:
+        return push(options.seed, options.count)
     worst, refused = np.zeros(2), 0
-    for seed in range(asked.seed, asked.seed + asked.count):
+    for seed in range(options.seed, options.seed + options.count):
         *found, text = attacked(seed)
         shares = np.array(found)
         refused += bool(np.isnan(shares).any())
         worst = np.fmax(worst, shares)
         if np.fmax.reduce(shares) > NEAR:
-            told = ", of energies ".join(f"{share:.2f}" for share in shares)
-            print(f"seed {seed}: {told} of the estimate; {text}", flush=True)
+            ratios = ", of energies ".join(f"{share:.2f}" for share in shares)
+            print(f"seed {seed}: {ratios} of the estimate; {text}", flush=True)
     print(
-        f"{asked.count} chains, {refused} refused, largest error {worst[0]:.3f} of its estimate, "
+        f"{options.count} chains, {refused} refused, largest error {worst[0]:.3f} of its estimate, "
         f"of energy, work and heat {worst[1]:.3f}"
     )
     return int(worst.max() > 1.0)

@@ -127,7 +127,7 @@ def judge_scene(drawn: RandomScene, answer: Callable[[Scene], xr.Dataset] | None
 
 
 def _answer(scene: Scene, answer: Callable[[Scene], xr.Dataset] | None) -> _Answer:
-    """What the program says, its warnings being none."""
+    """Return the program's answer, without its warnings."""
     begun = time.process_time()
 
     def watch(_: float) -> None:
@@ -150,7 +150,7 @@ def _answer(scene: Scene, answer: Callable[[Scene], xr.Dataset] | None) -> _Answ
 
 
 def _verdict(scene: Scene, given: _Answer) -> tuple[str, float, float]:
-    """The verdict, the true error and the reference's."""
+    """Return the verdict, the true error and the reference's."""
     nothing = given.strain is None or not given.strain.size
     if not given.ended or (not given.reason and not math.isfinite(given.estimate)):
         return "no answer", math.nan, math.nan
@@ -172,7 +172,7 @@ def _verdict(scene: Scene, given: _Answer) -> tuple[str, float, float]:
 
 
 def _softens(scene: Scene) -> bool:
-    """Whether waves cease to exist in the reference, too."""
+    """Return whether waves cease to exist in the reference, too."""
     reference = CausalReference(scene)
     try:
         reference.run(FIRST * reference.longest_step)
@@ -182,16 +182,16 @@ def _softens(scene: Scene) -> bool:
 
 
 def _true_error(scene: Scene, strain: Array, estimate: float) -> tuple[float, float, bool]:
-    """Largest difference of y/eps to the reference, what that may err, and whether it is good.
+    """Return the largest difference of y/eps to the reference, its error, and whether that is good.
 
     Where a shorter step makes the reference worse, rounding is what is left.
     """
     reference = CausalReference(scene)
-    wanted = GOOD * max(estimate, 1e-13)
-    share = max(FINE, FIRST * min(1.0, wanted / 1e-6) ** (1.0 / (ORDER + 1)))
+    accuracy = GOOD * max(estimate, 1e-13)
+    share = max(FINE, FIRST * min(1.0, accuracy / 1e-6) ** (1.0 / (ORDER + 1)))
     coarse = reference.run(share * reference.longest_step).strain
     largest = float(np.max(np.abs(coarse))) / scene.eps
-    wanted = max(GOOD * estimate, FLOOR * largest)
+    accuracy = max(GOOD * estimate, FLOOR * largest)
     shorter, best = RATIO, (math.inf, math.inf)
     while True:
         share *= shorter
@@ -200,10 +200,10 @@ def _true_error(scene: Scene, strain: Array, estimate: float) -> tuple[float, fl
         true = float(np.max(np.abs(strain - fine[: len(strain)]))) / scene.eps
         worse, best = best[0] <= min(own, ROUNDED * largest), min(best, (own, true))
         clear = own <= GOOD * (true - estimate)
-        shorter = min(RATIO, 0.9 * (wanted / max(own, NOTHING)) ** (1.0 / ORDER))
+        shorter = min(RATIO, 0.9 * (accuracy / max(own, NOTHING)) ** (1.0 / ORDER))
         step = share * shorter * reference.longest_step
         dear = UPDATE * reference.evaluations(step) > REFERENCE_SECONDS
-        if own <= wanted or clear or dear or worse or share < SHORTEST:
-            good = best[0] <= wanted
+        if own <= accuracy or clear or dear or worse or share < SHORTEST:
+            good = best[0] <= accuracy
             return best[1], best[0] if good else PARTED * best[0], good
         coarse = fine

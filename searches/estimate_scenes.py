@@ -68,7 +68,7 @@ class RandomScene:
 
 
 def random_scene(seed: int, index: int, budget: float = BUDGET) -> RandomScene:
-    """The scene that belongs to (seed, index).
+    """Return the scene that belongs to (seed, index).
 
     >>> random_scene(1, 2).scene == random_scene(1, 2).scene
     True
@@ -115,7 +115,7 @@ def _scene(draw: Draw, wave: str, name: str) -> tuple[Scene, float]:
 
 
 def predicted_seconds(scene: Scene, shape: WaveShape, e: float) -> float:
-    """About what run and reference take, from the scene alone.
+    """Estimate the seconds of run and reference, from the scene alone.
 
     Site by site: sites times time, more for less tolerance. A window needs the compared sites and
     some hundred more; on a periodic background, and for the reference of a wave with long tails,
@@ -137,7 +137,7 @@ def predicted_seconds(scene: Scene, shape: WaveShape, e: float) -> float:
 
 
 def _ring_seconds(compared: int, way: float, tolerance: float, shape: WaveShape, e: float) -> float:
-    """What the spectral rings take: the last one is as long as its tails ask for, or causal."""
+    """Estimate the seconds of the spectral rings; the last one is causal, or long for its tails."""
     number = e * max(1.0, shape.number / shape.largest)
     turns = way * e**2 * number / 24.0
     power = 1.0 / 2.0 if shape.tails == "periodic" else 1.0 / 3.0
@@ -148,7 +148,7 @@ def _ring_seconds(compared: int, way: float, tolerance: float, shape: WaveShape,
 
 
 def _slenderness(draw: Draw) -> float:
-    """e: mostly from long waves to those of a site's width; some far longer, some shorter."""
+    """Draw e: mostly from long waves to those of a site's width; some far longer, some shorter."""
     kind = draw.random()
     if kind < 0.1:
         return _power(draw, 0.004, 0.02)
@@ -156,7 +156,7 @@ def _slenderness(draw: Draw) -> float:
 
 
 def _start(draw: Draw, drift: float, compared: int, way: float) -> float:
-    """c t0: the wave's centre runs through 0, or is at a chosen site at a chosen time."""
+    """Draw c t0: the wave's centre runs through 0, or is at a chosen site at a chosen time."""
     kind, slow = draw.random(), max(abs(drift), 1e-12) * (1.0 if drift > 0 else -1.0)
     if kind < 0.4:
         return -draw.random() * way
@@ -170,7 +170,7 @@ def _start(draw: Draw, drift: float, compared: int, way: float) -> float:
 
 
 def _snapshots(draw: Draw, t0: float, span: float) -> tuple[float, ...]:
-    """One to four times; sometimes t0, sometimes nothing else, sometimes two that almost agree."""
+    """Draw one to four times; sometimes t0 alone or among them, sometimes two that almost agree."""
     kind, end = draw.random(), t0 + span
     if kind < 0.02:
         return (t0,)
@@ -185,7 +185,7 @@ def _snapshots(draw: Draw, t0: float, span: float) -> tuple[float, ...]:
 
 
 def _power(draw: Draw, low: float, high: float) -> float:
-    """A number whose logarithm is uniform."""
+    """Draw a number whose logarithm is uniform."""
     return math.exp(draw.uniform(math.log(low), math.log(high)))
 
 
@@ -207,7 +207,7 @@ def _modulus(draw: Draw) -> float:
 
 
 def _place(draw: Draw, number: float) -> float:
-    """X_0: mostly 0, sometimes some widths away."""
+    """Draw X_0: mostly 0, sometimes some widths away."""
     return 0.0 if draw.random() < 0.5 else _short(draw.uniform(-8.0, 8.0) / number)
 
 

@@ -63,7 +63,7 @@ def _options() -> argparse.Namespace:
 
 
 def _judged(seed: int, indices: list[int], workers: int) -> Iterator[Judged]:
-    """The scenes' records as they come."""
+    """Yield the scenes' records as they come."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # else its idle threads use up the limits
     jobs = ((index, Job(judge, (seed, index))) for index in indices)
     for _, call in as_ended(jobs, LocalWorkers(workers, warm_up)):
@@ -83,7 +83,7 @@ def _keep(path: Path | None, one: Judged) -> None:
 
 
 def _tell(one: Judged, done: int, count: int) -> None:
-    """A line on stderr for a scene that is not sound, and for every fiftieth."""
+    """Print a line on stderr for a scene that is not sound, and for every fiftieth."""
     if not one.sound or one.verdict == "undecided":
         print(
             f"{one.verdict}: scene {one.seed}:{one.index} ({one.wave}, {one.engine or one.asked}): "

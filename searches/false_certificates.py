@@ -50,7 +50,7 @@ PROVED = [
 
 @cache
 def true_certificates(whole: bool) -> list[Data]:
-    """Certificates of the catalogue and of library statements, those that are not long."""
+    """Return certificates of the catalogue and of library statements, those that are not long."""
     found: list[Mapping[str, Any]] = []
     for equation, solution, parameters, domain in PROVED:
         verdict = prove(equation, solution, parameters=parameters, domain=domain)
@@ -63,22 +63,22 @@ def true_certificates(whole: bool) -> list[Data]:
 
 
 def shown_false(rng: Random, texts: Texts) -> bool:
-    """Whether an equation fails at two points of the domain at least."""
-    balls, seen = TextBalls(texts), 0
+    """Return whether an equation fails at two points of the domain at least."""
+    balls, failures = TextBalls(texts), 0
     for point in points(rng, texts, 4):
         for text in texts["equations"]:
             try:
-                seen += not balls.value(text, point).contains(0)
+                failures += not balls.value(text, point).contains(0)
                 break
             except (CannotJudge, LookupError, ValueError, TypeError, AttributeError):
                 continue
-        if seen >= SEEN:
+        if failures >= SEEN:
             return True
     return False
 
 
 def library_certificates() -> list[Mapping[str, Any]]:
-    """Every sixteenth statement of the library."""
+    """Return every sixteenth statement of the library."""
     found: list[Mapping[str, Any]] = []
     for text in published()[::16]:
         found += decide_statement(text.problem().statement).certificates
@@ -107,7 +107,7 @@ SWAPS = (
 
 
 def changed_text(rng: Random, text: str) -> str:
-    """A text with one word changed: a number, a sign, a function, a letter."""
+    """Return a text with one word changed: a number, a sign, a function, a letter."""
     found = list(words(text))
     place = rng.randrange(len(found))
     word, others = found[place], [b for a, b in SWAPS if a == found[place]]
@@ -121,7 +121,7 @@ def changed_text(rng: Random, text: str) -> str:
 
 
 def changed(rng: Random, data: Data) -> Data:
-    """A certificate with its statement changed, and perhaps its hints alike, or by themselves."""
+    """Return a certificate with its statement or its hints changed, or both alike."""
     found = copy.deepcopy(data)
     texts, proof = found["statement"], found["proof"]
     part = rng.choice([p for p in ("equations", "solutions", "solutions", "parameters", "domain")
@@ -143,7 +143,7 @@ def changed(rng: Random, data: Data) -> Data:
 
 
 def change_hint(rng: Random, proof: Data) -> None:
-    """One hint changed, removed, swapped with another, or made to say what another says."""
+    """Change a hint: edit it, remove it, swap it with another, or copy another one."""
     part = rng.choice([p for p in proof if proof[p]])
     entries = proof[part]
     one, other = rng.randrange(len(entries)), rng.randrange(len(entries))
@@ -199,9 +199,9 @@ GAPS = (
 
 
 def forged(rng: Random) -> Data:
-    """A statement that a formula is what a hint says, with all hints that could support it."""
-    made = RandomText(rng, ["x", "x", "n", "k", "I", "y"], (*ONE_PLACE[:12], "jacobi"))
-    f, g = (f"({made.formula(rng.choice((0, 0, 1, 2)))})" for _ in range(2))
+    """Return a statement that a formula equals a hint, with all hints that could support it."""
+    draft = RandomText(rng, ["x", "x", "n", "k", "I", "y"], (*ONE_PLACE[:12], "jacobi"))
+    f, g = (f"({draft.formula(rng.choice((0, 0, 1, 2)))})" for _ in range(2))
     pattern = rng.choice(list(PAIRS))
     left, value = (p.format(f=f, g=g) for p in (pattern, rng.choice(PAIRS[pattern])))
     gap = rng.choice(GAPS).format(f=f)
@@ -219,8 +219,8 @@ def forged(rng: Random) -> Data:
     atoms = ["I", "x", "n", "k", "y", "pi", "(-1)**n", f"abs({f})", f"{f}**(1/2)", f"{g}**(1/2)"]
     atoms += [f"abs({g})", f"exp({f})", f"exp(I*{f})", f"log({f})", f"log({g})", f"exp({g})"]
     atoms += [f"jacobi_{name}({f}, 1/2)" for name in ("sn", "cn", "dn")]
-    kept = [atom for atom in atoms[6:] if atom in f"{left} {value} {signs}" or rng.random() < 0.05]
-    rng.shuffle(kept)
+    used = [atom for atom in atoms[6:] if atom in f"{left} {value} {signs}" or rng.random() < 0.05]
+    rng.shuffle(used)
     inside = next(points(rng, texts, 1), None) or {}
     point = {k: str(v) for k, v in inside.items() if isinstance(v, fmpq)}
     point |= dict.fromkeys({"x", "n", "k", "y"} - point.keys(), rng.choice(("1", "1/2", "-1/3")))
@@ -229,11 +229,11 @@ def forged(rng: Random) -> Data:
     proof = Proof()
     whole, part = proof.place("1"), proof.place(value)
     more: list[Any] = [["part", 0]] if rng.random() < 0.3 else []
-    same = proof.data(atoms[:6] + kept, point)
+    same = proof.data(atoms[:6] + used, point)
     logs = {f"log({f}*{g})": {f: "1", g: "1"}, f"log({f}**2)": {f: "2"}}
     logs |= {f"log(exp({f}))": {f"exp({f})": "1"}, f"log(exp(I*{f}))": {f"exp(I*{f})": "1"}}
     data = proof.data(
-        [*atoms[:6], *kept, *([rng.choice(("2", "0"))] if more else [])],
+        [*atoms[:6], *used, *([rng.choice(("2", "0"))] if more else [])],
         point,
         more=more,
         parts=[[whole, whole, same], [part, part, same]][: 1 + rng.randrange(2)] if more else [],
@@ -248,7 +248,7 @@ def forged(rng: Random) -> Data:
 
 
 def void(rng: Random) -> Data:
-    """A statement of nothing: no integer lies in the domain, or no number does."""
+    """Return a statement of nothing: no integer lies in the domain, or no number does."""
     low = rng.randint(-5, 5)
     domain, value = rng.choice(
         (([f"{low} < n < {low + 1}"], f"{3 * low + 1}/3"), ([f"n > {low}", f"n < {low}"], f"{low}"),
@@ -261,7 +261,7 @@ def void(rng: Random) -> Data:
 
 
 def false_certificates(rng: Random, whole: bool = True) -> Iterator[tuple[str, Data]]:
-    """A few certificates of false statements, each with its kind."""
+    """Yield a few certificates of false statements, each with its kind."""
     yield "void", void(rng)
     for kind in ("forged", "forged", "forged", "changed", "changed"):
         true = rng.choice(true_certificates(whole and rng.random() < 0.15))

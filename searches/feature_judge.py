@@ -56,7 +56,7 @@ FALSE_REASONS = ("blows up", "flies apart", "run away", "rounding or an instabil
 
 @dataclass(frozen=True)
 class Family:
-    """What does not evolve: the kind and shape of a feature, and the chain it is in."""
+    """Fixed part of a family: the kind and shape of a feature, and the chain it is in."""
 
     kind: str
     shape: str
@@ -69,7 +69,7 @@ class Family:
 
     @classmethod
     def drawn(cls, random: np.random.Generator) -> Family:
-        """A family at random."""
+        """Draw a family at random."""
         return cls(
             str(random.choice(KINDS)),
             str(random.choice(SHAPES)),
@@ -84,7 +84,7 @@ class Family:
 
 @dataclass(frozen=True)
 class Member:
-    """What evolves: place 0..1, and powers of ten of width, of height and of the tolerance."""
+    """Evolving part: place 0..1, and powers of ten of width, of height and of the tolerance."""
 
     family: Family
     genes: Array
@@ -112,11 +112,11 @@ class Member:
 
     @property
     def tolerance(self) -> float:
-        """What is asked for."""
+        """Tolerance of the run."""
         return float(10.0 ** (-9.0 + 6.0 * self.genes[3]))
 
     def text(self, name: str) -> str:
-        """The feature as a formula of a variable, with the carrier."""
+        """Return the feature as a formula of a variable, with the carrier."""
         at, w, h = f"({name} - {self.place!r})", f"{self.width!r}", f"{self.height!r}"
         found = {
             "bump": f"{h}*exp(-({at}/{w})**2)",
@@ -150,7 +150,7 @@ def _law(member: Member) -> NumericBond:
 
 
 def answer(member: Member) -> tuple[Array, float]:
-    """What the program says at the end, and the error that it estimates."""
+    """Return the program's values at the end, and its estimated error."""
     family = member.family
     lattice = NumericLattice("chain", ("u",), (1.0,), (_law(member),))
     ends: dict[str, object] = {"left": "fixed", "right": "free" if family.free else "fixed"}
@@ -171,7 +171,7 @@ def answer(member: Member) -> tuple[Array, float]:
 
 
 def reference(member: Member, rtol: float, share: float = 1.0) -> Array | None:
-    """Displacements at the end by DOP853; None where it takes too long.
+    """Return displacements at the end by DOP853; None where it takes too long.
 
     ``share`` shortens its longest steps.
     """
@@ -193,7 +193,7 @@ def reference(member: Member, rtol: float, share: float = 1.0) -> Array | None:
 
 
 def _spans(member: Member, share: float) -> Array:
-    """Times between which a reference goes, with its longest step: it sees the feature."""
+    """Return times between which a reference goes, with its longest step: it sees the feature."""
     family, at, w = member.family, member.place, member.width
     around = np.array([-12.0, -6.0, -3.0, -1.0, 0.0, 1.0, 3.0, 6.0, 12.0])
     if family.shape == "corner":  # which turns within a thousandth of its width
@@ -242,7 +242,7 @@ def judge(member: Member) -> Verdict:
 
 
 def evolve(seed: int, tell: Callable[[Member, Verdict], None]) -> None:
-    """One family, whose members move to where errors are largest beside their estimates."""
+    """Evolve a family: its members move to where errors are largest relative to estimates."""
     random = np.random.default_rng(seed)
     family = Family.drawn(random)
     genes, ratios = random.random((POPULATION, 4)), np.zeros(POPULATION)
@@ -265,7 +265,7 @@ def main() -> int:
     words = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     words.add_argument("--count", type=int, default=20_000)
     words.add_argument("--seed", type=int, default=0)
-    asked = words.parse_args()
+    options = words.parse_args()
     kinds: Counter[str] = Counter()
     worst = [0.0]
 
@@ -279,8 +279,8 @@ def main() -> int:
                 flush=True,
             )
 
-    seed = asked.seed
-    while kinds.total() < asked.count:
+    seed = options.seed
+    while kinds.total() < options.count:
         evolve(seed, tell)
         seed += 1
         print(f"{kinds.total()} runs, {dict(kinds)}, largest ratio {worst[0]:.3g}", flush=True)

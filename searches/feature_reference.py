@@ -28,7 +28,7 @@ _E3, _E5 = np.ascontiguousarray(dop853.E3), np.ascontiguousarray(dop853.E5)
 
 @numba.njit(cache=True)
 def feature(s: float, numbers: Array) -> float:
-    """The feature (shape, place, width, height, carrier) at a stretch or time."""
+    """Return the feature (shape, place, width, height, carrier) at a stretch or time."""
     shape, place, width, height, carrier = numbers
     z = (s - place) / width
     if shape < 2:
@@ -44,7 +44,7 @@ def feature(s: float, numbers: Array) -> float:
 def slopes(
     t: float, y: Array, kind: int, quartic: float, loss: float, free: bool, numbers: Array
 ) -> Array:
-    """Rates of the positions, the velocities and the left wall's position, in this order."""
+    """Return rates of the positions, the velocities and the left wall's position, in this order."""
     n, base = y.size // 2, feature(0.0, numbers)
     found = np.empty_like(y)
     left = feature(t, numbers) if kind == 2 else (y[2 * n] if kind == 3 else 0.0)
@@ -52,15 +52,15 @@ def slopes(
     for place in range(n + 1):
         before = left if place == 0 else y[place - 1]
         x = (0.0 if place == n else y[place]) - before
-        ahead = x + quartic * x * x * x
+        force = x + quartic * x * x * x
         if kind == 0:
-            ahead += feature(x, numbers) - base
+            force += feature(x, numbers) - base
         if free and (place == n or (place == 0 and kind == 0)):
-            ahead = 0.0
+            force = 0.0
         if place:
-            found[n + place - 1] = ahead - pull - loss * y[n + place - 1]
+            found[n + place - 1] = force - pull - loss * y[n + place - 1]
             found[place - 1] = y[n + place - 1]
-        pull = ahead
+        pull = force
     if kind == 1:
         found[n] += feature(t, numbers)
     found[2 * n] = feature(t, numbers) if kind == 3 else 0.0
@@ -79,7 +79,7 @@ def solved(
     free: bool,
     numbers: Array,
 ) -> tuple[Array, bool]:
-    """The state at the end, and whether it was reached.
+    """Return the state at the end, and whether it was reached.
 
     ``spans`` of time have the columns begin, end and longest step. The end is not reached after
     ``dearest`` evaluations, nor where a number overflows.

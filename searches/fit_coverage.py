@@ -84,26 +84,26 @@ class Experiment:
     def is_stated(self) -> bool:
         """Whether whoever states the law has points for it: three to spare, and told apart."""
         terms, places = sum(map(bool, HIDDEN[self.hidden])), np.abs(self.stretch)
-        apart = np.unique(places[places > 0.0]).size >= terms
-        return self.points >= terms + 3 and apart and self.layout != "clustered"
+        is_determined = np.unique(places[places > 0.0]).size >= terms
+        return self.points >= terms + 3 and is_determined and self.layout != "clustered"
 
     def data(self, noise: Array, more: Array | float = 0.0) -> ForceData:
-        """The points with that noise, in units of its deviation, and further forces."""
+        """Return the points with that noise, in units of its deviation, and further forces."""
         stretch = self.stretch
         force = sum(factor * stretch**p for p, factor in enumerate(HIDDEN[self.hidden], 1))
         deviation = np.full(stretch.size, NOISE) if self.known else None
         return ForceData.of(stretch, force + NOISE * noise + more, deviation)
 
     def law(self) -> ForceLaw:
-        """The hidden law, as whoever knows it states it."""
+        """Return the hidden law, as whoever knows it states it."""
         terms = [f"K{p + 1}*x**{p}" for p, f in enumerate(HIDDEN[self.hidden], 1) if f]
         return _formula(" + ".join(terms))
 
     def holds(self, fit: ForceFit) -> bool:
-        """Whether the interval of the stiffness at rest, K2, holds the hidden one."""
+        """Return whether the interval of the stiffness at rest, K2, holds the hidden one."""
         place = fit.names.index("K2")
-        apart = abs(fit.values[place] - HIDDEN[self.hidden][0])
-        return bool(apart <= WIDE * np.sqrt(fit.covariance[place, place]))
+        distance = abs(fit.values[place] - HIDDEN[self.hidden][0])
+        return bool(distance <= WIDE * np.sqrt(fit.covariance[place, place]))
 
 
 def _formula(text: str) -> ForceLaw:
@@ -126,12 +126,12 @@ def draws(count: int, points: int, seed: int, correlation: float = 0.0) -> Itera
 def coverage(experiment: Experiment, count: int, seed: int, states: bool) -> tuple[float, float]:
     """Return the share of fits without a warning, and of these the share that hold."""
     law = experiment.law() if states else None
-    held = []
+    covered = []
     for noise in draws(count, experiment.points, seed):
         fit = fit_points(experiment.data(noise), law)
         if states or not fit.doubts:
-            held.append(experiment.holds(fit))
-    return len(held) / count, float(np.mean(held)) if held else np.nan
+            covered.append(experiment.holds(fit))
+    return len(covered) / count, float(np.mean(covered)) if covered else np.nan
 
 
 def missing_term(stretch: Array, size: float) -> Array:
@@ -176,8 +176,8 @@ def hostile(seed: int) -> str | None:
             data = ForceData.of(*given, None if deviation is None else deviation * forces)
             fit = fit_points(data, stated_law(str(law) or None))
         whole = np.isfinite(fit.covariance).all() and np.isfinite(fit.values).all()
-        told = fit.doubts + [str(test.p_value) for test in fit.tests]
-        return None if whole and "\n" not in "".join(told) else f"seed {seed}: {law}, {fit!r}"
+        messages = fit.doubts + [str(test.p_value) for test in fit.tests]
+        return None if whole and "\n" not in "".join(messages) else f"seed {seed}: {law}, {fit!r}"
     except ValueError as error:
         good = "must" in str(error) and "\n" not in str(error)
         return None if good else f"seed {seed}: {law}, {error}"
@@ -191,30 +191,30 @@ def main() -> int:
     words.add_argument("--count", type=int, default=500)
     words.add_argument("--seed", type=int, default=0)
     words.add_argument("--only", default="")
-    asked = words.parse_args()
+    options = words.parse_args()
     bad = 0
-    allowed = 3.0 * np.sqrt(0.05 * 0.95 / asked.count)
+    allowed = 3.0 * np.sqrt(0.05 * 0.95 / options.count)
     for layout, hidden, known in product(LAYOUTS, HIDDEN, (True, False)):
         label = f"{layout}, {hidden}, {'known' if known else 'unknown'}"
-        if not label.startswith(asked.only):
+        if not label.startswith(options.only):
             continue
         print(f"{label}: stated/quiet*chosen:", end="", flush=True)
         for points in POINTS:
             experiment = Experiment(hidden, layout, points, known)
             stated = ""
             if experiment.is_stated:
-                _, held = coverage(experiment, asked.count, asked.seed, states=True)
-                bad += not HELD[0] - allowed <= held <= HELD[1] + allowed
-                stated = f"{100 * held:.0f}/"
-            quiet, held = coverage(experiment, asked.count, asked.seed, states=False)
-            bad += bool(quiet) and quiet * (1.0 - held) > 1.0 - HELD[0] + allowed
-            chosen = f"{100 * quiet:.0f}*{100 * held:.0f}" if quiet else "0"
+                _, covered = coverage(experiment, options.count, options.seed, states=True)
+                bad += not HELD[0] - allowed <= covered <= HELD[1] + allowed
+                stated = f"{100 * covered:.0f}/"
+            quiet, covered = coverage(experiment, options.count, options.seed, states=False)
+            bad += bool(quiet) and quiet * (1.0 - covered) > 1.0 - HELD[0] + allowed
+            chosen = f"{100 * quiet:.0f}*{100 * covered:.0f}" if quiet else "0"
             print(f" {points}: {stated}{chosen}", end="", flush=True)
         print()
-    if not asked.only:
-        bad += residual_tests(asked.count, asked.seed, allowed)
-        broken = [b for s in range(asked.seed, asked.seed + asked.count) if (b := hostile(s))]
-        print("\n".join([f"{len(broken)} of {asked.count} hostile fits broke", *broken]))
+    if not options.only:
+        bad += residual_tests(options.count, options.seed, allowed)
+        broken = [b for s in range(options.seed, options.seed + options.count) if (b := hostile(s))]
+        print("\n".join([f"{len(broken)} of {options.count} hostile fits broke", *broken]))
         bad += len(broken)
     return int(bad > 0)
 
@@ -229,8 +229,8 @@ def residual_tests(count: int, seed: int, allowed: float) -> int:
         }
         bad += shares["right"] > 0.05 + allowed
         bad += (known or points > 30) and shares["missing"] < TOLD - allowed
-        told = ", ".join(f"{case} {100 * share:.0f}" for case, share in shares.items())
-        print(f"{points} points, {'known' if known else 'unknown'} noise: % doubted: {told}")
+        shares_text = ", ".join(f"{case} {100 * share:.0f}" for case, share in shares.items())
+        print(f"{points} points, {'known' if known else 'unknown'} noise: % doubted: {shares_text}")
     return bad
 
 

@@ -19,17 +19,17 @@ class Proof:
         self.formulas: list[str] = []
 
     def place(self, text: str) -> int:
-        """The place of a formula among the hints."""
+        """Return the place of a formula among the hints."""
         if text not in self.formulas:
             self.formulas.append(text)
         return self.formulas.index(text)
 
     def pairs(self, hints: Pairs) -> list[list[int]]:
-        """Hints that name another formula."""
+        """Return hints that name another formula."""
         return [[self.place(left), self.place(right)] for left, right in hints.items()]
 
     def combination(self, terms: Pairs, wrapped: str = "{}") -> str:
-        """A sum of multiples of formulas, each within another."""
+        """Return a sum of multiples of formulas, each within another."""
         texts = [wrapped.format(f"#{self.place(u)}") for u in terms]
         products = [
             t if n == "1" else f"({n})*({t})" for t, n in zip(texts, terms.values(), strict=True)
@@ -37,7 +37,7 @@ class Proof:
         return " + ".join(products) or "0"
 
     def words(self, functions: Sums) -> Pairs:
-        """Functions of arguments that are sums, such as ``exp(x)`` or ``jacobi_sn(x, 1/2)``."""
+        """Return functions of sums, such as ``exp(x)`` or ``jacobi_sn(x, 1/2)``."""
         found = {}
         for text, terms in functions.items():
             name, _, inner = text.partition("(")
@@ -57,7 +57,7 @@ class Proof:
         sums: Sums | None = None,
         logs: Sums | None = None,
     ) -> Data:
-        """All of the proof but its formulas."""
+        """Return all of the proof but its formulas."""
         named = {**(values or {}), **self.words(sums or {})}
         named |= {
             log: self.combination(factors, "log({})") for log, factors in (logs or {}).items()
@@ -72,7 +72,7 @@ class Proof:
 
 
 def signed(statement: Mapping[str, Sequence[str]], proof: Proof, data: Data) -> Data:
-    """The certificate of a statement with a proof, and its digest."""
+    """Return the certificate of a statement with a proof, and its digest."""
     parts = {"variables": ["x"], "parameters": [], "domain": [], **statement}
     body: Data = {"format": FORMAT, "name": "attack", "statement": parts}
     body["proof"] = {"formulas": proof.formulas, **data}
@@ -87,7 +87,7 @@ def certificate(
     statement: Mapping[str, Sequence[str]] | None = None,
     **hints: Any,
 ) -> Data:
-    """The certificate of one equation and one solution."""
+    """Return the certificate of one equation and one solution."""
     proof = Proof()
     stated = {"equations": [equation], "solutions": [solution], **(statement or {})}
     return signed(stated, proof, proof.data(atoms, point, **hints))

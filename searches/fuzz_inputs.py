@@ -16,9 +16,9 @@ import click
 from searches.fuzz_mutations import (
     NUMBERS,
     TEXTS,
-    changed_bytes,
-    changed_json,
-    changed_toml,
+    change_bytes,
+    change_json,
+    change_toml,
     few,
 )
 from searches.fuzz_seeds import LATTICES, PROBLEMS, SMALL_SCENE, certificates, run_files, seeds
@@ -34,17 +34,17 @@ class FuzzCase:
 
 
 def scene(draw: Random) -> FuzzCase:
-    """A scene of the paper's chain, run or drawn."""
+    """Return a scene of the paper's chain, run or drawn."""
     return _with_scene(draw, "scene")
 
 
 def lattice_scene(draw: Random) -> FuzzCase:
-    """A scene on any lattice, run or drawn."""
+    """Return a scene on any lattice, run or drawn."""
     return _with_scene(draw, "lattice scene")
 
 
 def _with_scene(draw: Random, kind: str) -> FuzzCase:
-    content = changed_toml(draw, draw.choice(seeds(kind)))
+    content = change_toml(draw, draw.choice(seeds(kind)))
     words = ["run", "hostile.toml"]
     if draw.random() < 0.15:
         words += [draw.choice(["--tolerance", "--engine"]), draw.choice(option_texts())]
@@ -56,8 +56,8 @@ def _with_scene(draw: Random, kind: str) -> FuzzCase:
 
 
 def lattice(draw: Random) -> FuzzCase:
-    """A lattice's file, derived."""
-    content = changed_toml(draw, draw.choice(seeds("lattice")))
+    """Return a lattice's file, derived."""
+    content = change_toml(draw, draw.choice(seeds("lattice")))
     words = ["derive", "hostile.toml"]
     if draw.random() < 0.2:
         words += ["--envelope", draw.choice(["k", "k=pi", "k=1/2", "k=0", *option_texts()])]
@@ -72,7 +72,7 @@ def lattice(draw: Random) -> FuzzCase:
 
 
 def force_law(draw: Random) -> FuzzCase:
-    """Points of a force law, fitted."""
+    """Return points of a force law, fitted."""
     rows = [re.split("([,;])", row) for row in draw.choice(seeds("force law")).splitlines()]
     for _ in range(few(draw)):
         row, likely = draw.choice(rows), f"{draw.uniform(-2, 2):.3g}"
@@ -82,7 +82,7 @@ def force_law(draw: Random) -> FuzzCase:
         )
     content = "\n".join(map("".join, rows)).encode("utf-8", "surrogatepass")
     if draw.random() < 0.2:
-        content = changed_bytes(draw, content)
+        content = change_bytes(draw, content)
     words = ["fit", "hostile.csv"]
     for option, texts in FITTING.items():
         if draw.random() < 0.25:
@@ -102,8 +102,8 @@ FITTING = {
 
 
 def problem(draw: Random) -> FuzzCase:
-    """A file of problems, decided within 0.4 s each."""
-    content = changed_toml(draw, draw.choice(seeds("problem")))
+    """Return a file of problems, decided within 0.4 s each."""
+    content = change_toml(draw, draw.choice(seeds("problem")))
     words = ["prove", "hostile.toml", "--limit", "0.4"]
     if draw.random() < 0.3:
         words.append(draw.choice(["--latex", "--json"]))
@@ -113,12 +113,12 @@ def problem(draw: Random) -> FuzzCase:
 
 
 def certificate(draw: Random) -> FuzzCase:
-    """A certificate, checked; its digest is made to fit, so that more than this is looked at."""
+    """Return a certificate to be checked, with a fitting digest, so that the rest is read."""
     from longwave.verify.kernel.limits import digest
 
     data: Any = json.loads(draw.choice(certificates()))
     for _ in range(few(draw)):
-        data = changed_json(draw, data)
+        data = change_json(draw, data)
     for one in data if isinstance(data, list) else [data]:
         if isinstance(one, dict) and draw.random() < 0.95:
             one["digest"] = digest(one)
@@ -127,7 +127,7 @@ def certificate(draw: Random) -> FuzzCase:
         text = draw.choice(["[" * 100_000, "{" + '"a":' * 9 + "1", "[" + "1," * 10**6 + "1]"])
     content = text.encode("utf-8", "surrogatepass")
     if draw.random() < 0.05:
-        content = changed_bytes(draw, content)
+        content = change_bytes(draw, content)
     words = ["check", "hostile.json"]
     if draw.random() < 0.2:
         words += ["--export", draw.choice(["pari", "maxima", "coq"]), "--output", "s.txt"]
@@ -137,8 +137,8 @@ def certificate(draw: Random) -> FuzzCase:
 
 
 def sweep(draw: Random) -> FuzzCase:
-    """A sweep's file, run by one worker."""
-    content = changed_toml(draw, draw.choice(seeds("sweep")))
+    """Return a sweep's file, run by one worker."""
+    content = change_toml(draw, draw.choice(seeds("sweep")))
     words = ["sweep", "hostile.toml", "--processes", "1"]
     if draw.random() < 0.1:
         words += [draw.choice(["--store", "--output", "--scheduler"]), draw.choice(outputs())]
@@ -146,12 +146,12 @@ def sweep(draw: Random) -> FuzzCase:
 
 
 def run_file(draw: Random) -> FuzzCase:
-    """The file of a run with other attributes, variables or bytes: run anew, or drawn."""
+    """Return the file of a run with other attributes, variables or bytes: run anew, or drawn."""
     content = draw.choice(run_files())
     if draw.random() < 0.8:
         content = _changed_run(draw, content)
     if draw.random() < 0.3:
-        content = changed_bytes(draw, content)
+        content = change_bytes(draw, content)
     words = draw.choice([["run", "hostile.nc"], ["plot", "hostile.nc", "--output", "out.png"]])
     if words[0] == "plot" and draw.random() < 0.8:
         words += ["--kind", draw.choice(["snapshots", "space_time", "spectra", "errors", "crest"])]
@@ -178,7 +178,7 @@ def _other_attribute(draw: Random, file: Any) -> None:
 
 
 def _other_scene(draw: Random, file: Any) -> None:
-    file.attrs["scene"] = changed_toml(draw, str(file.attrs["scene"])).decode("utf-8", "replace")
+    file.attrs["scene"] = change_toml(draw, str(file.attrs["scene"])).decode("utf-8", "replace")
 
 
 def _without(draw: Random, file: Any) -> None:
@@ -220,7 +220,7 @@ NAMED = {"small.toml": SMALL_SCENE, "lattice.toml": LATTICES[0], "problems.toml"
 
 
 def outputs() -> tuple[str, ...]:
-    """Paths for results: good ones, and ones that cannot be written."""
+    """Return paths for results: good ones, and ones that cannot be written."""
     return (
         *("out.nc", "out.json", "out.png", "out.pdf", "out.svg", "out", ".", "..", "/", "", "-"),
         *("no/out.nc", "hostile.toml", "small.toml", "/dev/full", "/dev/null", "/proc/out.nc"),
@@ -230,14 +230,14 @@ def outputs() -> tuple[str, ...]:
 
 @cache
 def option_texts() -> tuple[str, ...]:
-    """What may stand behind an option."""
+    """Draw the values of an option."""
     texts = tuple(text for text in TEXTS if "\x00" not in text and len(text) < 5000)
     return (*NUMBERS, *texts, "K2=1", "m1=1,m2=3", "m1=", "=", "K2=1/0", "k=pi", "10,20", "30,20")
 
 
 @cache
 def commands() -> tuple[tuple[tuple[str, ...], click.Command], ...]:
-    """Every command with the words that lead to it."""
+    """Return every command with the words that lead to it."""
     from longwave.cli.command_tree import longwave
 
     def below(words: tuple[str, ...], one: click.Command) -> Iterator[Any]:
@@ -254,7 +254,7 @@ LASTING = ("report", "explore", "recheck", "verify", "library")
 
 
 def command_line(draw: Random) -> FuzzCase:
-    """Words of the tree in their order, with what they do not expect."""
+    """Return words of the tree in their order, with what they do not expect."""
     path, command = draw.choice(commands())
     if set(path) & set(LASTING) and draw.random() < 0.8:
         path, command = draw.choice(commands())
@@ -328,7 +328,7 @@ KINDS: Mapping[str, Callable[[Random], FuzzCase]] = {
 
 
 def case_of(kind: str, seed: int, index: int) -> FuzzCase:
-    """The case of that number; it does not depend on the others.
+    """Return the case of that number; it does not depend on the others.
 
     >>> case_of("scene", 1, 5) == case_of("scene", 1, 5)
     True

@@ -1,7 +1,9 @@
 """Hostile values, and changes of texts, plain data and bytes.
 
-Everything is drawn from a `random.Random`: one that is seeded, one of hypothesis
-(``st.randoms(use_true_random=False)``, which shrinks), or one that reads a fuzzer's bytes.
+Everything is drawn from a `random.Random`, so that one set of changes serves three drivers: a
+seeded generator, whose cases are repeated by their numbers; one of hypothesis
+(``st.randoms(use_true_random=False)``), which shrinks; and one that reads the bytes of atheris.
+The changes start from valid files. Strategies of hypothesis generate values and change none.
 """
 
 from __future__ import annotations
@@ -43,7 +45,7 @@ TEXTS = (
 
 
 def toml_values() -> tuple[str, ...]:
-    """Values as they stand in a TOML file, right or wrong."""
+    """Return values as they stand in a TOML file, right or wrong."""
     texts = tuple(_toml_text(text) for text in TEXTS)
     others = (
         *("true", "false", "1979-05-27", "07:32:00", "[]", "{}", "[[]]", "[1, 'a']", "[nan]"),
@@ -60,17 +62,17 @@ def _toml_text(text: str) -> str:
     return json.dumps(text, ensure_ascii=True)
 
 
-def changed_toml(draw: Random, text: str, count: int | None = None) -> bytes:
-    """A TOML text after some changes of its lines, and sometimes of its bytes."""
+def change_toml(draw: Random, text: str, count: int | None = None) -> bytes:
+    """Change some lines of a TOML text, and sometimes its bytes."""
     lines = text.splitlines()
     for _ in range(few(draw) if count is None else count):
         draw.choice(LINE_CHANGES)(draw, lines)
     found = "\n".join(lines).encode("utf-8", "surrogatepass")
-    return changed_bytes(draw, found) if draw.random() < 0.1 else found
+    return change_bytes(draw, found) if draw.random() < 0.1 else found
 
 
 def few(draw: Random) -> int:
-    """A small number of changes, mostly one."""
+    """Return a small number of changes, mostly one."""
     return draw.choice([1, 1, 1, 2, 2, 3, 5])
 
 
@@ -84,15 +86,15 @@ def _place(draw: Random, lines: list[str]) -> int:
     return draw.randrange(len(lines))
 
 
-def _other_value(draw: Random, lines: list[str]) -> None:
+def _change_value(draw: Random, lines: list[str]) -> None:
     _place(draw, lines)
     place = draw.choice(_pairs(lines))
     key = lines[place].partition("=")[0]
     lines[place] = f"{key}= {draw.choice(toml_values())}"
 
 
-def _other_number(draw: Random, lines: list[str]) -> None:
-    """A number, wherever it stands: within a list, a formula, a key."""
+def _change_number(draw: Random, lines: list[str]) -> None:
+    """Change a number anywhere: within a list, a formula, a key."""
     place = _place(draw, lines)
     found = list(re.finditer(r"\d+(?:\.\d+)?(?:e-?\d+)?", lines[place]))
     if found:
@@ -101,8 +103,8 @@ def _other_number(draw: Random, lines: list[str]) -> None:
         lines[place] = lines[place][: one.start()] + new + lines[place][one.end() :]
 
 
-def _other_word(draw: Random, lines: list[str]) -> None:
-    """A part of a text, such as a name in a formula."""
+def _change_word(draw: Random, lines: list[str]) -> None:
+    """Change a part of a text, such as a name in a formula."""
     place = _place(draw, lines)
     found = list(re.finditer(r"[A-Za-z_]+|[-+*/()\[\]]", lines[place]))
     if found:
@@ -112,7 +114,7 @@ def _other_word(draw: Random, lines: list[str]) -> None:
         lines[place] = lines[place][: one.start()] + new + lines[place][one.end() :]
 
 
-def _other_key(draw: Random, lines: list[str]) -> None:
+def _rename_key(draw: Random, lines: list[str]) -> None:
     _place(draw, lines)
     place = draw.choice(_pairs(lines))
     value = lines[place].partition("=")[2]
@@ -120,21 +122,21 @@ def _other_key(draw: Random, lines: list[str]) -> None:
     lines[place] = f"{draw.choice(keys)} ={value}"
 
 
-def _missing(draw: Random, lines: list[str]) -> None:
+def _delete_line(draw: Random, lines: list[str]) -> None:
     del lines[_place(draw, lines)]
 
 
-def _doubled(draw: Random, lines: list[str]) -> None:
+def _double_line(draw: Random, lines: list[str]) -> None:
     place = _place(draw, lines)
     lines.insert(_place(draw, lines), lines[place])
 
 
-def _swapped(draw: Random, lines: list[str]) -> None:
+def _swap_lines(draw: Random, lines: list[str]) -> None:
     first, second = _place(draw, lines), _place(draw, lines)
     lines[first], lines[second] = lines[second], lines[first]
 
 
-def _inserted(draw: Random, lines: list[str]) -> None:
+def _insert_line(draw: Random, lines: list[str]) -> None:
     new = (
         *("[lattice]", "[constants]", "[[spring]]", "[[problem]]", "[envelope]", "[long_wave]"),
         *("[sweep]", "[parameters]", "[" + "a." * 100 + "b]", "[[[x]]]", "tolerance = 1e-3", "#"),
@@ -147,7 +149,7 @@ def _inserted(draw: Random, lines: list[str]) -> None:
     lines.insert(_place(draw, lines), draw.choice(new))
 
 
-def _truncated(draw: Random, lines: list[str]) -> None:
+def _truncate_line(draw: Random, lines: list[str]) -> None:
     place = _place(draw, lines)
     lines[place] = lines[place][: draw.randint(0, len(lines[place]))]
     if draw.random() < 0.5:
@@ -155,15 +157,15 @@ def _truncated(draw: Random, lines: list[str]) -> None:
 
 
 LINE_CHANGES = (
-    *(_other_value,) * 5,
-    *(_other_number,) * 4,
-    *(_other_word,) * 2,
-    *(_other_key, _missing, _doubled, _swapped, _inserted, _truncated),
+    *(_change_value,) * 5,
+    *(_change_number,) * 4,
+    *(_change_word,) * 2,
+    *(_rename_key, _delete_line, _double_line, _swap_lines, _insert_line, _truncate_line),
 )
 
 
-def changed_bytes(draw: Random, content: bytes) -> bytes:
-    """Some bytes flipped, cut off, doubled, or a mark put in front."""
+def change_bytes(draw: Random, content: bytes) -> bytes:
+    """Change some bytes: flip, cut off or double them, or put a mark in front."""
     kind = draw.randrange(5)
     place = draw.randint(0, len(content))
     if kind == 0:
@@ -179,8 +181,8 @@ def changed_bytes(draw: Random, content: bytes) -> bytes:
     )
 
 
-def changed_json(draw: Random, value: Any, depth: int = 0) -> Any:
-    """Plain data with one place changed."""
+def change_json(draw: Random, value: Any, depth: int = 0) -> Any:
+    """Change one place of plain data."""
     if isinstance(value, dict | list) and value and (depth < 2 or draw.random() < 0.85):
         copy: Any = value.copy()
         keys = list(copy) if isinstance(copy, dict) else list(range(len(copy)))
@@ -193,7 +195,7 @@ def changed_json(draw: Random, value: Any, depth: int = 0) -> Any:
         elif kind < 0.11:
             copy[key] = copy[draw.choice(keys)]
         else:
-            copy[key] = changed_json(draw, copy[key], depth + 1)
+            copy[key] = change_json(draw, copy[key], depth + 1)
         return copy
     if isinstance(value, int) and draw.random() < 0.7:
         return value + draw.choice([-1, 1, 2, -1000, 10**6])

@@ -57,13 +57,13 @@ class ByteRandom(Random):
         self.left = content
 
     def getrandbits(self, k: int, /) -> int:
-        """The next ``k`` bits."""
+        """Return the next ``k`` bits."""
         size = -(-k // 8)
         taken, self.left = self.left[:size], self.left[size:]
         return int.from_bytes(taken.ljust(size, b"\0"), "big") >> (8 * size - k)
 
     def random(self) -> float:
-        """A number of 0 .. 1."""
+        """Return a number of 0 .. 1."""
         return self.getrandbits(53) / 2**53
 
 
@@ -82,7 +82,7 @@ def read_one(content: bytes) -> None:
 
 
 if __name__ == "__main__":
-    for made in KINDS.values():
-        made(Random(0))  # seeds are made before anything is measured
+    for make in KINDS.values():
+        make(Random(0))  # seeds are made before anything is measured
     atheris.Setup(sys.argv, read_one)
     atheris.Fuzz()

@@ -1,4 +1,4 @@
-"""What hostile inputs are made from: small files of each kind, and those that are shipped."""
+"""Seeds of hostile inputs: small files of each kind, and those that are shipped."""
 
 from __future__ import annotations
 
@@ -262,7 +262,7 @@ solve = "c"
 
 @cache
 def seeds(kind: str) -> tuple[str, ...]:
-    """The files that are changed; what is shipped takes longer than what is made to be small."""
+    """Return the files that are changed; the shipped ones take longer than those made small."""
     folders = {"scene": "scenes/shipped/paper", "lattice scene": "scenes/shipped/lattices"}
     if kind == "lattice":
         return LATTICES
@@ -282,7 +282,7 @@ def seeds(kind: str) -> tuple[str, ...]:
 
 
 def _library() -> Iterator[list[str]]:
-    """The published problems, three a text."""
+    """Yield the published problems, three a text."""
     for path in sorted((HOUSE / "solutions" / "library").glob("*.toml")):
         tables = re.split(r"^(?=\[\[problem\]\])", path.read_text(encoding="utf-8"), flags=re.M)
         yield ["".join(tables[i : i + 3]) for i in range(1, len(tables), 3)]
@@ -309,7 +309,7 @@ STATED = (
 
 @cache
 def certificates() -> tuple[str, ...]:
-    """Certificates of closed forms and of statements in text, as JSON."""
+    """Return certificates of closed forms and of statements in text, as JSON."""
     from longwave import prove
     from longwave.verify.proof.catalogue_proofs import prove_named
 
@@ -320,7 +320,7 @@ def certificates() -> tuple[str, ...]:
 
 @cache
 def run_files() -> tuple[bytes, ...]:
-    """Files of small runs of both kinds."""
+    """Return files of small runs of both kinds."""
     import tempfile
 
     from longwave.runs.run_file import save_run

@@ -58,7 +58,7 @@ ENDING = 0.2
 
 
 def endings(server: FuzzServer, cases: Sequence[FuzzCase]) -> Iterator[Ending]:
-    """How the inputs ended, in their order."""
+    """Yield the endings of the inputs, in their order."""
     done = 0
     while done < len(cases):
         good, faults = _series(server, cases[done : done + LENGTH])
@@ -70,7 +70,7 @@ def endings(server: FuzzServer, cases: Sequence[FuzzCase]) -> Iterator[Ending]:
 
 
 def _alone(server: FuzzServer, case: FuzzCase, faults: Sequence[str]) -> Ending:
-    """How an input ended that was not plainly good in a series."""
+    """Return the ending of an input that was not plainly good in a series."""
     ending = server.ending(case)
     if "slow" in ending.kinds or "hangs" in ending.kinds:
         ending = server.ending(case)  # once more, before a busy machine is blamed on it
@@ -82,7 +82,7 @@ def _alone(server: FuzzServer, case: FuzzCase, faults: Sequence[str]) -> Ending:
 def _series(
     server: FuzzServer, cases: Sequence[FuzzCase]
 ) -> tuple[list[Ending], Sequence[str] | None]:
-    """The good endings of the first ones, and what is wrong with the next: None if nothing."""
+    """Return the good endings of the first ones, and the faults of the next, or None."""
     place = server.folder / "case"
     reading, writing = os.pipe()
     child = forked()
@@ -108,12 +108,12 @@ def _run_and_exit(
     command: Callable[[list[str]], int], cases: Sequence[FuzzCase], place: Path, pipe: int
 ) -> NoReturn:
     """Run inputs until one is not plainly good; each is a line in the pipe."""
-    watched: list[WriteWatcher] = []
+    watchers: list[WriteWatcher] = []
     try:
         confine()
 
         def watch(event: str, arguments: tuple[Any, ...]) -> None:
-            for one in watched:
+            for one in watchers:
                 one(event, arguments)
 
         sys.addaudithook(watch)
@@ -122,7 +122,7 @@ def _run_and_exit(
             lay_out(case, place)
             enter(case, place)
             begun = _used()
-            watched.append(watcher := WriteWatcher(case, place))
+            watchers.append(watcher := WriteWatcher(case, place))
             status: int | None = None
             try:
                 status = command(list(case.words))
@@ -130,7 +130,7 @@ def _run_and_exit(
                 traceback.print_exc()
             sys.stdout.flush()
             sys.stderr.flush()
-            watched.clear()
+            watchers.clear()
             os.close(watcher.report)
             *_, faults = faults_of(case, place, 1 if status is None else status)
             good = status is not None and not faults and not announced(place)
@@ -143,13 +143,13 @@ def _run_and_exit(
 
 
 def _used() -> float:
-    """Processor time of this process and of those that it has started and that have ended."""
+    """Return the processor time of this process and of its children that have ended."""
     children = resource.getrusage(resource.RUSAGE_CHILDREN)
     return time.process_time() + children.ru_utime + children.ru_stime
 
 
 def _is_alone() -> bool:
-    """Whether this process has neither children nor threads but those that wait for work."""
+    """Return whether this process has neither children nor threads but those that wait for work."""
     for thread in threading.enumerate():
         if thread is not threading.main_thread() and not thread.name.startswith(WAITING):
             thread.join(ENDING)

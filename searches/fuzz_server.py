@@ -67,7 +67,7 @@ USUAL_OUTPUTS = {"plot": (".png",), "animate": (".mp4", ".gif"), "sweep": (".sto
 
 @dataclass(frozen=True)
 class Ending:
-    """How an input ended; ``status`` is negative for a signal, None for what had to be killed."""
+    """Ending of an input; ``status`` is negative for a signal, None for what had to be killed."""
 
     status: int | None
     out: str
@@ -84,7 +84,7 @@ class Ending:
         return {fault.partition(":")[0] for fault in self.faults}
 
     def blamed(self, faults: Sequence[str]) -> Ending:
-        """The same with these faults."""
+        """Return the same with these faults."""
         return replace(self, faults=tuple(faults))
 
 
@@ -145,12 +145,12 @@ class FuzzServer:
         child = forked()
         if child == 0:
             _run_and_exit(self.command or call_longwave, case, place)
-        watched = _watch(child, place, self.anonymous)
-        out, errors, found = faults_of(case, place, watched.status, watched.stopped)
-        faults = [*watched.faults, *found]
+        watcher = _watch(child, place, self.anonymous)
+        out, errors, found = faults_of(case, place, watcher.status, watcher.stopped)
+        faults = [*watcher.faults, *found]
         return Ending(
-            watched.status, out, errors, watched.seconds, watched.megabytes, watched.announced,
-            watched.stopped, tuple(dict.fromkeys(faults)),
+            watcher.status, out, errors, watcher.seconds, watcher.megabytes, watcher.announced,
+            watcher.stopped, tuple(dict.fromkeys(faults)),
         )  # fmt: skip
 
 
@@ -158,7 +158,7 @@ class FuzzServer:
 
 
 def _run_and_exit(command: Callable[[list[str]], int], case: FuzzCase, place: Path) -> NoReturn:
-    """The command in its own session and folder; ends this process."""
+    """Run the command in its own session and folder; end this process."""
     status = 1
     try:
         confine()
@@ -199,7 +199,7 @@ def enter(case: FuzzCase, place: Path) -> None:
 
 
 def call_longwave(words: list[str]) -> int:
-    """The exit status of the command line."""
+    """Return the exit status of the command line."""
     from longwave.__main__ import main
     from longwave.support.request_limits import request_limits
 
@@ -246,7 +246,7 @@ def _within(path: str, folder: str) -> bool:
 
 
 def _written(event: str, arguments: tuple[Any, ...]) -> str | None:
-    """The path that an event changes, if it is one of those."""
+    """Return the path that an event changes, if it is one of those."""
     if event == "open":
         path, _, flags = arguments
         writes = isinstance(flags, int) and flags & WRITES
@@ -264,7 +264,7 @@ def _written(event: str, arguments: tuple[Any, ...]) -> str | None:
 
 
 def lay_out(case: FuzzCase, place: Path) -> None:
-    """An empty folder with the case's files."""
+    """Make an empty folder with the case's files."""
     shutil.rmtree(place, ignore_errors=True)
     work = place / "work"
     work.mkdir(parents=True)
@@ -273,7 +273,7 @@ def lay_out(case: FuzzCase, place: Path) -> None:
 
 
 def forked() -> int:
-    """A fork: 0 within it."""
+    """Fork the process; return 0 within the fork."""
     sys.stdout.flush()
     sys.stderr.flush()
     with warnings.catch_warnings():
@@ -330,7 +330,7 @@ def _watch(child: int, place: Path, start: float) -> _Watched:
 
 
 def _excess(found: _Watched, passed: float, still: float, since_stop: float) -> str:
-    """What is too much, in words."""
+    """Return the limit that is exceeded, in words; "" for none."""
     if found.megabytes > MEGABYTES:
         return f"memory: more than {MEGABYTES:g} MB"
     if found.stopped and since_stop > END_SECONDS:
@@ -343,7 +343,7 @@ def _excess(found: _Watched, passed: float, still: float, since_stop: float) -> 
 
 
 def tree_of(process: int) -> Iterator[int]:
-    """A process and all that it has started."""
+    """Yield a process and all that it has started."""
     yield process
     with contextlib.suppress(OSError):
         for task in os.listdir(f"/proc/{process}/task"):
@@ -353,32 +353,32 @@ def tree_of(process: int) -> Iterator[int]:
 
 
 def seconds_of(process: int) -> float:
-    """Processor time of a process and of all that it has started."""
+    """Return the processor time of a process and of all that it has started."""
     ticks = 0
     for one in tree_of(process):
         with contextlib.suppress(OSError, IndexError):
-            told = Path(f"/proc/{one}/stat").read_text(encoding="utf-8", errors="replace")
-            ticks += sum(map(int, told.rpartition(")")[2].split()[11:15]))
+            status = Path(f"/proc/{one}/stat").read_text(encoding="utf-8", errors="replace")
+            ticks += sum(map(int, status.rpartition(")")[2].split()[11:15]))
     return ticks / os.sysconf("SC_CLK_TCK")
 
 
 def runs(process: int) -> bool:
-    """Whether a process, or one that it has started, waits for nothing but the processor."""
+    """Return whether a process, or one that it has started, waits for nothing but the processor."""
     for one in tree_of(process):
         with contextlib.suppress(OSError, IndexError):
-            told = Path(f"/proc/{one}/stat").read_text(encoding="utf-8", errors="replace")
-            if told.rpartition(")")[2].split()[0] in "RD":
+            status = Path(f"/proc/{one}/stat").read_text(encoding="utf-8", errors="replace")
+            if status.rpartition(")")[2].split()[0] in "RD":
                 return True
     return False
 
 
 def megabytes_of(process: int, start: float) -> float:
-    """Memory beyond the start; of a process that was not forked from here, some is overlooked."""
+    """Return memory beyond the start; too little for a process that was not forked from here."""
     return sum(max(0.0, kilobytes_of(one) - start) for one in tree_of(process)) / 1000
 
 
 def kilobytes_of(process: int) -> float:
-    """Memory of a process that no other has."""
+    """Return the memory of a process that no other has."""
     with contextlib.suppress(OSError):
         text = Path(f"/proc/{process}/status").read_text(encoding="utf-8", errors="replace")
         return float(sum(map(int, re.findall(r"Rss(?:Anon|Shmem):\s*(\d+)", text))))
@@ -386,7 +386,7 @@ def kilobytes_of(process: int) -> float:
 
 
 def announced(place: Path) -> bool:
-    """Whether it was said how long the input takes."""
+    """Return whether a duration of the input was announced."""
     return any(ANNOUNCED.search(_text(place / name)[:100_000]) for name in ("err", "out"))
 
 
@@ -399,13 +399,13 @@ def _text(path: Path) -> str:
 def faults_of(
     case: FuzzCase, place: Path, status: int | None, stopped: bool = False
 ) -> tuple[str, str, list[str]]:
-    """What was printed on both ways, and what is wrong with it, the status and the files."""
+    """Return both outputs, and the faults of outputs, status and files."""
     out, errors = (_text(place / name) for name in ("out", "err"))
     return out, errors, [*_said(status, stopped, out, errors), *_files(case, place)]
 
 
 def _said(status: int | None, stopped: bool, out: str, errors: str) -> Iterator[str]:
-    """Faults of status and words."""
+    """Yield faults of status and words."""
     if status is not None and status < 0:
         yield f"died: signal {-status}"
     elif status is not None and status not in (0, 1, 2) and not (status == 130 and stopped):
@@ -417,12 +417,12 @@ def _said(status: int | None, stopped: bool, out: str, errors: str) -> Iterator[
         yield f"warning: {errors[errors.index('Warning') - 30 :][:100]!r}"
     lines = errors.splitlines()
     pictures = status == 2  # the part of a formula that is meant, below the error
-    told = [line for line in lines if not ANNOUNCED.search(line)]
-    told = [line for line in told if not (pictures and line.startswith("    "))]
-    if status == 2 and not _are_errors(told):
-        yield f"lines: {len(told)} for status 2: {told[:2]}"
-    if status == 130 and not (told and told[-1].count("interrupted")):
-        yield f"lines: no word of the interruption: {told[-2:]}"
+    messages = [line for line in lines if not ANNOUNCED.search(line)]
+    messages = [line for line in messages if not (pictures and line.startswith("    "))]
+    if status == 2 and not _are_errors(messages):
+        yield f"lines: {len(messages)} for status 2: {messages[:2]}"
+    if status == 130 and not (messages and messages[-1].count("interrupted")):
+        yield f"lines: no word of the interruption: {messages[-2:]}"
     if any(len(line) > LONGEST_LINE for line in lines):
         yield f"long: a line of {max(map(len, lines))} characters"
     strange = sorted({sign for sign in out + errors if not sign.isprintable() and sign != "\n"})
@@ -430,21 +430,21 @@ def _said(status: int | None, stopped: bool, out: str, errors: str) -> Iterator[
         yield f"signs: {strange[:5]}"
 
 
-def _are_errors(told: Sequence[str]) -> bool:
-    """Whether it is one error, or one of each statement that cannot be read and their number."""
-    several = bool(told) and UNREADABLE.fullmatch(told[-1]) is not None
-    errors = told[:-1] if several else told
+def _are_errors(messages: Sequence[str]) -> bool:
+    """Return whether there is one error, or one for each unreadable statement and their number."""
+    several = bool(messages) and UNREADABLE.fullmatch(messages[-1]) is not None
+    errors = messages[:-1] if several else messages
     alone = several or len(errors) == 1
     return bool(errors) and alone and all(line.startswith("error: ") for line in errors)
 
 
 def _files(case: FuzzCase, place: Path) -> Iterator[str]:
-    """Faults of files: what was written elsewhere, over an input, or half."""
+    """Yield faults of files: what was written elsewhere, over an input, or half."""
     yield from sorted(set(_text(place / "watched").splitlines()))
     for name, content in case.files.items():
         path = place / "work" / name
-        kept = path.is_file() and path.read_bytes() == content
-        if not kept and "--force" not in case.words:
+        is_unchanged = path.is_file() and path.read_bytes() == content
+        if not is_unchanged and "--force" not in case.words:
             yield f"overwritten: {name}"
     named = {word.strip("/") for word in case.words}
     for path in (place / "work").rglob("*"):

@@ -77,7 +77,7 @@ class Tally:
             self.slowest = max(self.slowest, ending.seconds)
 
     def cells(self) -> list[str]:
-        """A row of the table."""
+        """Return a row of the table."""
         ended = self.statuses
         return [
             *(f"{self.inputs}", f"{ended[0]}", f"{ended[1]}", f"{ended[2]}", f"{self.announced}"),
@@ -87,7 +87,7 @@ class Tally:
 
 
 def minimised(server: FuzzServer, case: FuzzCase, ending: Ending) -> FuzzCase:
-    """A case with fewer lines and words that has the same kind of fault; quick ones only."""
+    """Return a case with fewer lines and words that has the same kind of fault; quick ones only."""
     if ending.seconds > 1.0 or ending.status is None:
         return case
     for _, shorter in zip(range(TRIES), _shorter(case), strict=False):
@@ -97,7 +97,7 @@ def minimised(server: FuzzServer, case: FuzzCase, ending: Ending) -> FuzzCase:
 
 
 def _shorter(case: FuzzCase) -> Iterator[FuzzCase]:
-    """The case without one of its words, or without a stretch of a file's lines."""
+    """Yield the case without one of its words, or without a stretch of a file's lines."""
     for i in range(len(case.words) - 1, 1, -1):
         yield replace(case, words=case.words[:i] + case.words[i + 1 :])
     for name, content in case.files.items():
@@ -106,8 +106,8 @@ def _shorter(case: FuzzCase) -> Iterator[FuzzCase]:
         while size > 1:
             size //= 2
             for i in range(0, len(lines), size):
-                kept = b"\n".join(lines[:i] + lines[i + size :])
-                yield replace(case, files={**case.files, name: kept})
+                shorter = b"\n".join(lines[:i] + lines[i + size :])
+                yield replace(case, files={**case.files, name: shorter})
 
 
 def keep(folder: Path, name: str, case: FuzzCase, ending: Ending) -> None:
@@ -116,7 +116,7 @@ def keep(folder: Path, name: str, case: FuzzCase, ending: Ending) -> None:
     place.mkdir(parents=True, exist_ok=True)
     for file, content in case.files.items():
         (place / file).write_bytes(content)
-    seen = {
+    known = {
         "words": case.words,
         "faults": ending.faults,
         "status": ending.status,
@@ -125,7 +125,7 @@ def keep(folder: Path, name: str, case: FuzzCase, ending: Ending) -> None:
         "errors": ending.errors[-3000:],
         "out": ending.out[-500:],
     }
-    text = json.dumps(seen, indent=1)
+    text = json.dumps(known, indent=1)
     (place / "seen.json").write_text(text, encoding="utf-8")
 
 
@@ -135,7 +135,7 @@ def fuzz(kinds: Sequence[str], seed: int, rounds: range, folder: Path) -> dict[s
     Ctrl-C or SIGTERM ends it with the tallies until then.
     """
     tallies = {kind: Tally() for kind in kinds}
-    said = time.monotonic()
+    last_report = time.monotonic()
     with contextlib.suppress(KeyboardInterrupt), FuzzServer() as server:
         for kind, numbers in _portions(kinds, rounds):
             cases = [case_of(kind, seed, number) for number in numbers]
@@ -146,8 +146,8 @@ def fuzz(kinds: Sequence[str], seed: int, rounds: range, folder: Path) -> dict[s
                     words = shlex.join(word[:60] for word in case.words)
                     print(ascii(f"{name}: {'; '.join(ending.faults)[:300]}: {words}"), flush=True)
                     keep(folder, name, minimised(server, case, ending), ending)
-            if time.monotonic() - said > SAID:
-                said = time.monotonic()
+            if time.monotonic() - last_report > SAID:
+                last_report = time.monotonic()
                 inputs, faults = (
                     sum(getattr(tally, what) for tally in tallies.values())
                     for what in ("inputs", "faults")
@@ -157,7 +157,7 @@ def fuzz(kinds: Sequence[str], seed: int, rounds: range, folder: Path) -> dict[s
 
 
 def _portions(kinds: Sequence[str], rounds: range) -> Iterator[tuple[str, range]]:
-    """Of each kind in turn, the numbers of its inputs in some rounds."""
+    """Yield each kind in turn, with the numbers of its inputs in some rounds."""
     for first in range(rounds.start, rounds.stop, ROUNDS):
         last = min(first + ROUNDS, rounds.stop)
         for kind in kinds:
@@ -165,7 +165,7 @@ def _portions(kinds: Sequence[str], rounds: range) -> Iterator[tuple[str, range]
 
 
 def main() -> int:
-    """Fuzz and print a table; 1 if there was a fault."""
+    """Fuzz and print a table; return 1 if there was a fault."""
     parser = argparse.ArgumentParser(description="Hostile files and command lines.")
     parser.add_argument("--kind", action="append", choices=list(KINDS))
     parser.add_argument("--count", type=int, default=1000, help="inputs of all kinds together")

@@ -36,7 +36,7 @@ from longwave.runs.store_packs import PACKS, pack_index
 from longwave.support.checkpoint import LOOP, CheckpointFolder, Memory
 from longwave.support.plain_data import HEAD
 from longwave.support.sealed_file import LOG, SEAL_LENGTH, write_sealed
-from searches.fuzz_mutations import changed_json, few
+from searches.fuzz_mutations import change_json, few
 from searches.peak_memory import peak_bytes, reset_peak
 
 SECRET = 666.0
@@ -76,7 +76,7 @@ def _arrays(file: Any) -> list[Any]:
 
 
 class _Place(NamedTuple):
-    """Where an array is to be made, and the attributes of the one that was there."""
+    """Place for a new array, and the attributes of the array that was there."""
 
     group: Any
     name: str
@@ -85,36 +85,36 @@ class _Place(NamedTuple):
 
 
 def _place(file: Any, random: Random) -> _Place:
-    """Somewhere new, or often the place of an array, which is removed."""
+    """Choose a new place, or often that of an array, which is removed."""
     arrays = _arrays(file)
     if not arrays or random.random() < 0.2:
         name = f"new{random.randrange(10**6)}"
         return _Place(random.choice(_groups(file)), name, (random.randint(1, 9),), {})
     old = random.choice(arrays)
-    kept = {key: old.attrs[key] for key in old.attrs if key not in LISTS}
-    place = _Place(old.parent, old.name.rpartition("/")[2], old.shape or (1,), kept)
+    attributes = {key: old.attrs[key] for key in old.attrs if key not in LISTS}
+    place = _Place(old.parent, old.name.rpartition("/")[2], old.shape or (1,), attributes)
     del place.group[place.name]
     return place
 
 
 def in_another_file(file: Any, random: Random, secret: Path) -> None:
-    """An array whose bytes stand in a file of the reader's."""
-    group, name, shape, kept = _place(file, random)
+    """Add an array whose bytes stand in a file of the reader's."""
+    group, name, shape, attributes = _place(file, random)
     size = 8 * int(np.prod(shape))
     external = [(str(secret), random.choice((0, 8)), size)]
-    _finish(group.create_dataset(name, shape, "f8", external=external), kept, random)
+    _finish(group.create_dataset(name, shape, "f8", external=external), attributes, random)
 
 
 def virtual(file: Any, random: Random, secret: Path) -> None:
-    """An array that is made of one in another file."""
-    group, name, shape, kept = _place(file, random)
+    """Add an array that is made of one in another file."""
+    group, name, shape, attributes = _place(file, random)
     layout = h5py.VirtualLayout(shape, "f8")
     layout[...] = h5py.VirtualSource(secret.with_suffix(".h5"), "a", shape)
-    _finish(group.create_virtual_dataset(name, layout), kept, random)
+    _finish(group.create_virtual_dataset(name, layout), attributes, random)
 
 
 def linked(file: Any, random: Random, secret: Path) -> None:
-    """A link to another file, another place, or the same object under another name."""
+    """Add a link to another file, another place, or the same object under another name."""
     group, name, *_ = _place(file, random)
     things = [*_arrays(file), *_groups(file)]
     group[name] = random.choice(
@@ -128,7 +128,7 @@ def linked(file: Any, random: Random, secret: Path) -> None:
 
 
 def linked_often(file: Any, random: Random, _: Path) -> None:
-    """The same groups in a group, each with the same arrays."""
+    """Add the same groups in a group, each with the same arrays."""
     group, arrays = random.choice(_groups(file)), _arrays(file)
     count = random.choice((2, MOST_LINKS))
     for number in range(count if arrays else 0):
@@ -138,17 +138,19 @@ def linked_often(file: Any, random: Random, _: Path) -> None:
 
 
 def filled(file: Any, random: Random, _: Path) -> None:
-    """An array of any size that was never written."""
-    group, name, shape, kept = _place(file, random)
+    """Add an array of any size that was never written."""
+    group, name, shape, attributes = _place(file, random)
     shape = (*shape[:-1], 10 ** random.randint(1, 11))
     kind = random.choice(("f8", "i1", TEXT, "S8"))
     value = random.choice((None, 60_000 * "x")) if kind == TEXT else None
     chunks = tuple(min(n, 10**5) for n in shape)
-    _finish(group.create_dataset(name, shape, kind, chunks=chunks, fillvalue=value), kept, random)
+    _finish(
+        group.create_dataset(name, shape, kind, chunks=chunks, fillvalue=value), attributes, random
+    )
 
 
 def filtered(file: Any, random: Random, _: Path) -> None:
-    """An array packed by filters, once or upon each other."""
+    """Add an array packed by filters, once or upon each other."""
     group, name, shape = _place(file, random)[:3]
     plan = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
     plan.set_chunk(tuple(min(n, 1000) for n in shape))
@@ -159,17 +161,17 @@ def filtered(file: Any, random: Random, _: Path) -> None:
 
 
 def of_another_kind(file: Any, random: Random, _: Path) -> None:
-    """Records, references, lists, texts of any length, opaque bytes."""
-    group, name, shape, kept = _place(file, random)
+    """Add records, references, lists, texts of any length, or opaque bytes."""
+    group, name, shape, attributes = _place(file, random)
     kinds = (
         np.dtype([("x", "f8"), ("y", TEXT)]), h5py.ref_dtype, h5py.vlen_dtype("f8"), TEXT,
         np.dtype("V16"), np.dtype("c16"), np.dtype("S100000"), np.dtype("f2"), np.dtype("?"),
     )  # fmt: skip
-    _finish(group.create_dataset(name, shape, random.choice(kinds)), kept, random)
+    _finish(group.create_dataset(name, shape, random.choice(kinds)), attributes, random)
 
 
 def attributed(file: Any, random: Random, _: Path) -> None:
-    """An attribute that the libraries know, of another kind, or a long one."""
+    """Add an attribute that the libraries know, of another kind, or a long one."""
     thing = random.choice([*_arrays(file), *_groups(file)])
     value: Any = random.choice(
         (np.bytes_(random.choice(NAMES)), 1, 1e300, np.zeros(1000), 1000 * "x", h5py.Empty("f8"))
@@ -182,7 +184,7 @@ def attributed(file: Any, random: Random, _: Path) -> None:
 
 
 def grouped(file: Any, random: Random, _: Path) -> None:
-    """Groups in groups."""
+    """Add groups in groups."""
     group = random.choice(_groups(file))
     for _round in range(random.choice((1, 3, 50))):
         group = group.create_group(f"group{random.randrange(10**6)}")
@@ -194,10 +196,10 @@ CHANGES: tuple[Change, ...] = (
 )  # fmt: skip
 
 
-def _finish(array: Any, kept: dict[str, Any], random: Random) -> None:
+def _finish(array: Any, attributes: dict[str, Any], random: Random) -> None:
     """Give an array the attributes ``kept``, and a name that h5netcdf may know."""
     if random.random() < 0.8:
-        array.attrs.update(kept)
+        array.attrs.update(attributes)
     if random.random() < 0.5:
         name = random.choice(NAMES)
         if random.random() < 0.5 and array.shape:
@@ -228,8 +230,8 @@ def _read_pack(path: Path) -> list[NDArray[Any]]:
 
 
 def _read_index(path: Path) -> list[NDArray[Any]]:
-    held = pack_index(path.parents[1])
-    places = [cell for key in ("k0", "k1") if (cell := held.get(key)) is not None]
+    index = pack_index(path.parents[1])
+    places = [cell for key in ("k0", "k1") if (cell := index.get(key)) is not None]
     return [v for _, place in places if place is not None for v in _values(place.load())]
 
 
@@ -246,7 +248,7 @@ def _memory() -> Memory:
 
 
 def wholes(folder: Path) -> dict[str, tuple[Path, Reader]]:
-    """Whole files of each kind, with their readers."""
+    """Return the whole files of each kind, with their readers."""
     store = folder / "store"
     pack, run = store / PACKS / "0.h5", folder / "run.nc"
     save_run(_run(), run)
@@ -267,7 +269,7 @@ def _changed_checkpoint(whole: Path, path: Path, random: Random) -> str:
     end = HEAD + int.from_bytes(content[:HEAD], "little")
     tree, count = json.loads(content[HEAD:end]), few(random)
     for _ in range(count):
-        tree = changed_json(random, tree)
+        tree = change_json(random, tree)
     text = json.dumps(tree).encode()
     length = random.choice((*6 * (len(text),), 0, end, 2**62))
     write_sealed(path, b"".join([length.to_bytes(HEAD, "little"), text, content[end:]]))
@@ -296,7 +298,7 @@ def changed(whole: Path, path: Path, random: Random, secret: Path) -> str:
 
 
 def fault(path: Path, read: Reader) -> str:
-    """What is wrong with how a file is read, in words; "" if nothing is."""
+    """Return the fault in reading a file, in words; "" if there is none."""
     reset_peak()
     begin, before = time.perf_counter(), peak_bytes()
     with warnings.catch_warnings(record=True) as warned:
@@ -304,9 +306,9 @@ def fault(path: Path, read: Reader) -> str:
         try:
             values = read(path)
         except (ValueError, OSError, MemoryError) as error:
-            values, said = [], str(error)
-            if "\n" in said or len(said) > 2000:
-                return f"an error of several lines: {said[:80]!r}"
+            values, message = [], str(error)
+            if "\n" in message or len(message) > 2000:
+                return f"an error of several lines: {message[:80]!r}"
         except Exception as error:
             return f"{type(error).__name__}: {error}"
     if any(v.dtype.kind == "f" and np.any(v == SECRET) for v in values):
@@ -319,9 +321,9 @@ def fault(path: Path, read: Reader) -> str:
 
 
 def search(count: int, seed: int) -> tuple[Counter[str], list[str]]:
-    """How often each kind was read or refused, and the faults, each with its number."""
+    """Count how often each kind was read or refused; return also the numbered faults."""
     random = Random(seed)
-    seen: Counter[str] = Counter()
+    counts: Counter[str] = Counter()
     faults = []
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -337,11 +339,11 @@ def search(count: int, seed: int) -> tuple[Counter[str], list[str]]:
             path.parent.mkdir(parents=True)
             names = changed(whole, path, random, secret)
             found = fault(path, read)
-            seen[kind] += 1
+            counts[kind] += 1
             if found:
                 faults.append(f"{kind} {number} of seed {seed} ({names}): {found}")
             shutil.rmtree(place)
-    return seen, faults
+    return counts, faults
 
 
 def main() -> int:
@@ -351,8 +353,8 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0)
     given = parser.parse_args()
     LOG.setLevel(logging.ERROR)
-    seen, faults = search(given.count, given.seed)
-    print(*faults, f"{len(faults)} faults in {dict(seen)}", sep="\n")
+    counts, faults = search(given.count, given.seed)
+    print(*faults, f"{len(faults)} faults in {dict(counts)}", sep="\n")
     return bool(faults)
 
 

@@ -45,7 +45,7 @@ USUAL = ("", "u_t + u_x", "u = x - t")
 
 @dataclass(frozen=True)
 class Cost:
-    """What a text cost at a door; ``status`` as of the command, -1 if there was no end."""
+    """Cost of a text at a door; ``status`` as of the command, -1 if there was no end."""
 
     status: int
     lines: tuple[str, ...]
@@ -55,7 +55,7 @@ class Cost:
 
     @property
     def faults(self) -> list[str]:
-        """What is too much, in words."""
+        """Return the limit that is exceeded, in words; "" for none."""
         found = [f"evaluated {event}" for event in self.evaluated]
         if self.status not in (0, 1, 2):
             found.append("no end" if self.status < 0 else f"status {self.status}")
@@ -69,27 +69,27 @@ class Cost:
 
 
 def by_options(texts: Texts, limit: float) -> tuple[int, list[str]]:
-    """``longwave prove --equation ... --solution ...``."""
+    """Run ``longwave prove --equation ... --solution ...``."""
     words = [word for part, text in zip(PARTS, texts, strict=True) for word in (f"--{part}", text)]
     return _commanded([*words, "--limit", str(limit), "--json"])
 
 
 def by_solving(texts: Texts, limit: float) -> tuple[int, list[str]]:
-    """The same with ``--solve``: for k, or for the hostile part where it is short."""
+    """Run the same with ``--solve``: for k, or for the hostile part where it is short."""
     words = [word for part, text in zip(PARTS, texts, strict=True) for word in (f"--{part}", text)]
     sought = next((text for text in texts if text not in USUAL), "k")
-    wanted = sought if 0 < len(sought) < 20 else "k"
-    return _commanded([*words, "--solve", wanted, "--limit", str(limit), "--json"])
+    solve = sought if 0 < len(sought) < 20 else "k"
+    return _commanded([*words, "--solve", solve, "--limit", str(limit), "--json"])
 
 
 def by_file(texts: Texts, limit: float) -> tuple[int, list[str]]:
-    """``longwave prove FILE.toml`` with the texts in a table."""
+    """Run ``longwave prove FILE.toml`` with the texts in a table."""
     lines = [f"{part} = {_quoted(text)}" for part, text in zip(PARTS, texts, strict=True)]
     return by_content("\n".join(["[[problem]]", *lines]), limit)
 
 
 def by_content(content: str, limit: float) -> tuple[int, list[str]]:
-    """``longwave prove FILE.toml`` with this in the file."""
+    """Run ``longwave prove FILE.toml`` with this in the file."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "hostile.toml"
         path.write_bytes(content.encode("utf-8", "surrogatepass"))
@@ -97,7 +97,7 @@ def by_content(content: str, limit: float) -> tuple[int, list[str]]:
 
 
 def by_python(texts: Texts, limit: float) -> tuple[int, list[str]]:
-    """`longwave.prove`, which has no limit of its own: it is stopped after ``limit`` seconds."""
+    """Run `longwave.prove`, which has no limit of its own; stop it after ``limit`` seconds."""
     equation, solution, parameters, domain = texts
     try:
         with time_limit(limit, passing=True):
@@ -110,12 +110,12 @@ def by_python(texts: Texts, limit: float) -> tuple[int, list[str]]:
 
 
 def _quoted(text: str) -> str:
-    """The text as TOML's basic string; what TOML cannot hold is left as it is."""
+    """Return the text as TOML's basic string; what TOML cannot hold is left as it is."""
     return json.dumps(text, ensure_ascii=True).replace("\\/", "/")
 
 
 def _commanded(words: list[str]) -> tuple[int, list[str]]:
-    """The command's status, and its message or verdicts, a line each; a picture is no line."""
+    """Run the command; return its status, and the lines of its messages or verdicts."""
     output, errors = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(output), contextlib.redirect_stderr(errors):
         try:
@@ -137,7 +137,7 @@ DOORS: dict[str, Callable[[Any, float], tuple[int, list[str]]]] = {
 
 
 def _pass(door: str, given: Any, limit: float) -> Cost:
-    """In the child: what the text costs."""
+    """Measure the cost of the text, in the child process."""
     evaluated: list[str] = []
 
     def watch(event: str, arguments: tuple[Any, ...]) -> None:
@@ -158,7 +158,7 @@ def _pass(door: str, given: Any, limit: float) -> Cost:
 
 
 def cost(door: str, given: Any, limit: float) -> Cost:
-    """What a text costs at a door, in a process of its own."""
+    """Measure the cost of a text at a door, in a process of its own."""
     call = run_apart(Job(_pass, (door, given, limit), seconds=PATIENCE))
     lost = Cost(-1, (), PATIENCE if isinstance(call.error, OutOfTime) else 0.0, 0.0)
     found: Cost = lost if call.error else call.value
@@ -166,12 +166,12 @@ def cost(door: str, given: Any, limit: float) -> Cost:
 
 
 def texts_of(door: str, count: int) -> Iterator[Any]:
-    """What is put through a door."""
+    """Yield the texts for a door."""
     yield from FILES if door == "whole file" else (*written(), *generated(count))
 
 
 def row(door: str, found: list[Cost]) -> list[str]:
-    """The cells of a door."""
+    """Return the cells of a door."""
     return [
         door,
         str(len(found)),

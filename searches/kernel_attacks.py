@@ -55,13 +55,13 @@ LIKENESSES = ("ux", "u_t", "ubar", "u_bar", "uxx", "ustar", "u_x", "\u0443")
 
 
 def field_of(
-    nodes: Nodes, statement: Statement, wanted: Sequence[int], hints: Hints = HINTLESS
+    nodes: Nodes, statement: Statement, roots: Sequence[int], hints: Hints = HINTLESS
 ) -> Field:
-    """A field with a generator for whatever may be one below ``wanted``."""
+    """Return a field with a generator for whatever may be one below ``roots``."""
     positive = {nodes.gap(a, b): weak for weak, a, b in statement.domain}
     field = Field(nodes, MOST, statement.variables, positive, hints, RULES)
     taken = []
-    for node in list(atoms(nodes, [*wanted, *statement.variables])):
+    for node in list(atoms(nodes, [*roots, *statement.variables])):
         if len(field.generators) < MOST and node not in hints.values:
             try:
                 field.register(node)
@@ -74,10 +74,10 @@ def field_of(
     return exact
 
 
-def atoms(nodes: Nodes, wanted: Sequence[int]) -> Iterator[int]:
-    """The functions below ``wanted`` that may be generators, and those that they are made of."""
+def atoms(nodes: Nodes, roots: Sequence[int]) -> Iterator[int]:
+    """Yield the functions below ``roots`` that may be generators, and their own arguments."""
     imaginary = nodes.add("I")
-    for node in [imaginary, *nodes.below(wanted)]:
+    for node in [imaginary, *nodes.below(roots)]:
         name, *inner = nodes.all[node]
         definition = FUNCTIONS[name].definition if name in FUNCTIONS else ""
         if "exp(I*z)" in definition:
@@ -93,7 +93,7 @@ def atoms(nodes: Nodes, wanted: Sequence[int]) -> Iterator[int]:
 
 
 def element_ball(field: Field, element: Element, balls: Balls) -> acb:
-    """The value of an image at a point."""
+    """Return the value of an image at a point."""
     values = field.balls(balls)
     found = value_at(element.numerator, values)
     for place, power in element.powers.items():
@@ -113,7 +113,7 @@ class Reading:
         self._field: Field | None = None
 
     def field(self) -> Field:
-        """The field of all functions in the statement."""
+        """Return the field of all functions in the statement."""
         if self._field is None:
             self._field = field_of(
                 self.nodes, self.statement, [*self._roots, *self.statement.formulas]
@@ -121,7 +121,7 @@ class Reading:
         return self._field
 
     def point(self, values: Values) -> dict[int, fmpq]:
-        """The values of the statement's symbols."""
+        """Return the values of the statement's symbols."""
         found = {}
         for name, value in values.items():
             node = self.scope.known.get(name)
@@ -130,7 +130,7 @@ class Reading:
         return found
 
     def values(self, values: Values) -> list[acb]:
-        """The left-hand sides and the formulas at a point."""
+        """Return the left-hand sides and the formulas at a point."""
         balls = Balls(self.nodes, self.point(values))
         with ctx.workprec(2 * BITS):
             sides = [self._node(root, balls) for root in self._roots]
@@ -143,7 +143,7 @@ class Reading:
 
 
 def random_statement(rng: Random) -> Texts:
-    """Texts of a statement of one unknown, with shifts, derivatives and parameters."""
+    """Return texts of a statement of one unknown, with shifts, derivatives and parameters."""
     variables = rng.choice((["x", "t", "n"], ["x", "n"], ["x", "t"]))
     parameters = ["k: k > 0", "j: integer", *(["z: complex"] if rng.random() < 0.3 else [])]
     names = [*variables, "x", "n" if "n" in variables else "t", "k", "I", "pi", "y", "j"]
@@ -182,7 +182,7 @@ DERIVED = ("exp", "sin", "cosh", "tanh", "sqrt", "abs", "atan", "log", "sign", "
 
 
 def line(*parts: object) -> str:
-    """One line."""
+    """Return one line."""
     return " ".join(" | ".join(map(str, parts)).split())
 
 
@@ -225,11 +225,11 @@ def reading(rng: Random) -> Found:
 
 
 def trees_of(texts: Texts) -> TypedBalls | None:
-    """The statement as the command line reads it; None where its grammar is narrower."""
+    """Return the statement as the command line reads it; None where its grammar is narrower."""
     used = {word for part in ("equations", "solutions") for t in texts[part] for word in words(t)}
-    wanted = [text for text in texts["parameters"] if words(text)[0] in used]
+    declared = [text for text in texts["parameters"] if words(text)[0] in used]
     try:
-        trees = typed_statement(texts["equations"], texts["solutions"], "; ".join(wanted)).trees
+        trees = typed_statement(texts["equations"], texts["solutions"], "; ".join(declared)).trees
     except ERRORS:
         return None
     return None if trees is None else TypedBalls(trees, {"j"})
@@ -252,9 +252,9 @@ def trees_against(trees: TypedBalls | None, balls: TextBalls, texts: Texts, poin
 def signs(rng: Random) -> Found:
     """Compare what the kernel says on a domain with values in it."""
     names = ["x", "y", "n", "k"]
-    made = RandomText(rng, [*names, "x", "I"], (*ONE_PLACE, "jacobi"))
-    made.formula(3)
-    parts = sorted({part for part in made.parts if len(part) < 90})
+    draft = RandomText(rng, [*names, "x", "I"], (*ONE_PLACE, "jacobi"))
+    draft.formula(3)
+    parts = sorted({part for part in draft.parts if len(part) < 90})
     texts: Texts = {
         "variables": ["x", "n"],
         "parameters": ["k: 0 < k < 1", "y: real"],
@@ -287,7 +287,7 @@ Claim = tuple[str, str, Callable[[acb], bool]]
 
 
 def sign_claims(nodes: Nodes, statement: Statement, scope: Scope, text: str) -> list[Claim]:
-    """What the kernel says of the values of a formula."""
+    """Check the kernel's claims on the values of a formula."""
     try:
         node = formula(scope, text)
         kernel = field_of(nodes, statement, [node]).signs
@@ -332,18 +332,18 @@ BRANCHES = {
 def branch_claims(
     rng: Random, nodes: Nodes, statement: Statement, scope: Scope, part: str
 ) -> list[Claim]:
-    """A value that the kernel accepts for a root, an absolute value or an inverse function."""
+    """Check values that the kernel accepts for roots, absolute values and inverse functions."""
     pattern = rng.choice(list(BRANCHES))
     whole, value = (p.format(f=part) for p in (pattern, rng.choice(BRANCHES[pattern])))
-    asked = whole.partition(" + ")[2] or whole
+    argument = whole.partition(" + ")[2] or whole
     try:
-        node, other = formula(scope, asked), formula(scope, value)
+        node, other = formula(scope, argument), formula(scope, value)
         field = field_of(nodes, statement, [other], Hints({node: other}, {}))
         if not field.equal(node, other):
             return []
     except ERRORS:
         return []
-    return [("branch", f"{asked} - ({value})", lambda v: v.contains(0))]
+    return [("branch", f"{argument} - ({value})", lambda v: v.contains(0))]
 
 
 def denominators(
@@ -354,7 +354,7 @@ def denominators(
     parts: Sequence[str],
     inside: tuple[TextBalls, Sequence[Values]],
 ) -> Found:
-    """A denominator that the kernel lets pass differs from 0 at some of any few points."""
+    """Check that a denominator which the kernel admits differs from 0 at some of any few points."""
     f, g = rng.choice(parts), rng.choice(parts)
     below = rng.choice(
         (f"({f} - abs({f}))", f"({f} - ({f}**2)**(1/2))", f"({f} - {g})", "(1 + (-1)**(n*1))",
@@ -386,7 +386,7 @@ def denominators(
 
 
 def certificates(rng: Random) -> Found:
-    """False statements with proofs: none is accepted."""
+    """Check that no proof of a false statement is accepted."""
     for kind, data in false_certificates(rng):
         try:
             check_certificate(data)
@@ -404,7 +404,7 @@ SEARCHES: Mapping[str, Callable[[Random], Found]] = {
 
 
 def search(name: str, count: int, seed: int) -> tuple[Counter[str], list[str], int]:
-    """Comparisons of each kind, failures, and how many inputs it took; a failure ends its input."""
+    """Return comparisons of each kind, failures, and the number of inputs."""
     counts, failures, number = Counter[str](), list[str](), 0
     while counts.total() < count:
         for kind, failure in SEARCHES[name](Random(f"{name} {seed} {number}")):

@@ -73,7 +73,7 @@ class Drawn:
     """Radicands and degrees of the roots in it, inner ones first."""
 
     def power(self, p: int, q: int) -> Drawn:
-        """The principal power to p/q."""
+        """Return the principal power to p/q."""
         share = CONTEXT.mpf(p) / q
         roots = (*self.roots, (self.text, q)) if q > 1 else self.roots
         return Drawn(f"({self.text})**({p}/{q})", lambda z: _power(self.value(z), share), roots)
@@ -91,7 +91,7 @@ class Drawn:
 
 
 def _power(value: Any, share: Any) -> Any:
-    """exp(share log value), the logarithm's cut taken from above: there an imaginary -0 is 0."""
+    """Return exp(share log value), with the logarithm's cut from above: an imaginary -0 is 0."""
     plain = CONTEXT.mpc(value)
     if abs(plain.imag) < CLOSE * abs(plain):
         plain = CONTEXT.mpc(plain.real, 0)
@@ -99,7 +99,7 @@ def _power(value: Any, share: Any) -> Any:
 
 
 def named(text: str, function: Callable[[Any, Any], Any]) -> Drawn:
-    """A text in x and a, with its function of both."""
+    """Return a text in x and a, with its function of both."""
     return Drawn(text, lambda z: function(z["x"], z["a"]))
 
 
@@ -121,7 +121,7 @@ BASES: Sequence[Drawn] = [
 
 
 def roots(draw: Random) -> tuple[Drawn, Drawn]:
-    """Roots of products, quotients, powers and roots, and what may be the same."""
+    """Return roots of products, quotients, powers and roots, and what may be the same."""
     f, g = draw.sample(BASES, 2)
     p, q, r = draw.choice((1, 1, 1, 2, 3)), draw.choice((2, 2, 3, 4)), draw.choice((2, 2, 3))
     rule = draw.randrange(8)
@@ -145,7 +145,7 @@ def roots(draw: Random) -> tuple[Drawn, Drawn]:
 
 
 def bessel(draw: Random) -> tuple[Drawn, Drawn]:
-    """Orders of half an odd number and of either sign."""
+    """Return orders of half an odd number and of either sign."""
     name = draw.choice("jyik")
     function = getattr(CONTEXT, f"bessel{name}")
     n = draw.choice((-3, -1, 1, 3))
@@ -184,7 +184,7 @@ def bessel(draw: Random) -> tuple[Drawn, Drawn]:
 
 
 def lambert(draw: Random) -> tuple[Drawn, Drawn]:
-    """W of z exp(z)."""
+    """Return W of z exp(z)."""
     z = draw.choice([BASES[0], BASES[1], BASES[2], BASES[4], BASES[10], BASES[5]])
     left = Drawn(
         f"lambert_w(({z.text})*exp({z.text}))",
@@ -194,7 +194,7 @@ def lambert(draw: Random) -> tuple[Drawn, Drawn]:
 
 
 def jacobi(draw: Random) -> tuple[Drawn, Drawn]:
-    """Jacobi functions at the ends of their parameter, and integrals there."""
+    """Return Jacobi functions at the ends of their parameter, and integrals there."""
     kind, m = draw.choice(("sn", "cn", "dn")), draw.choice((0, 1))
     right = {
         ("sn", 0): "sin", ("cn", 0): "cos", ("sn", 1): "tanh", ("cn", 1): "sech",
@@ -212,7 +212,7 @@ def jacobi(draw: Random) -> tuple[Drawn, Drawn]:
 
 
 def conjugates(draw: Random) -> tuple[Drawn, Drawn]:
-    """Conjugates, moduli and parts of a parameter that may be complex."""
+    """Return conjugates, moduli and parts of a parameter that may be complex."""
     conj = CONTEXT.conj
     known = [
         named("abs(a)**2", lambda _, a: abs(a) ** 2),
@@ -246,7 +246,7 @@ class KnownValue:
     domain: str
 
     def points(self, draw: Random) -> list[Point]:
-        """Points of the domain."""
+        """Return points of the domain."""
         found: list[Point] = []
         for _ in range(POINTS):
             ends = DOMAINS[self.domain], PARAMETERS[self.parameter]
@@ -257,7 +257,7 @@ class KnownValue:
         return found
 
     def is_true(self, draw: Random) -> bool:
-        """Whether the sides agree at all points at which both have values."""
+        """Return whether the sides agree at all points at which both have values."""
         for point in self.points(draw):
             with suppress(ZeroDivisionError, ValueError, CONTEXT.NoConvergence):
                 left, right = self.left.value(point), self.right.value(point)
@@ -266,7 +266,7 @@ class KnownValue:
         return True
 
     def statement(self) -> Statement:
-        """It in text."""
+        """Return the statement in text."""
         texts = self.left.text + self.right.text
         return read_statement(
             f"u - ({self.right.text})",
@@ -276,7 +276,7 @@ class KnownValue:
         )
 
     def is_accepted(self, statement: Statement) -> bool:
-        """Whether the checker accepts it in one of the ways in which nobody looked for a point."""
+        """Return whether the checker accepts it in a way that looks for no point."""
         with suppress(*NO_VERDICT):
             typed_certificate(statement, 1)
             return True
@@ -287,7 +287,7 @@ class KnownValue:
         return False
 
     def forged(self, root: Drawn, value: Drawn) -> dict[str, Any]:
-        """A certificate that says that ``root``, which is no generator, is ``value``."""
+        """Return a certificate that states that ``root``, which is no generator, is ``value``."""
         generators, values = ["x", "a", "I", "exp(x)"], [(root.text, value.text)]
         if self.parameter.endswith("complex"):
             generators.insert(2, "conjugate(a)")
@@ -326,7 +326,7 @@ class KnownValue:
 
 
 def statement_of(draw: Random) -> KnownValue:
-    """A random statement."""
+    """Return a random statement."""
     kind = draw.choice(KINDS)
     left, right = kind(draw)
     if draw.random() < 0.15:
@@ -336,7 +336,7 @@ def statement_of(draw: Random) -> KnownValue:
 
 
 def search(count: int, seed: int) -> tuple[Counter[tuple[str, str, str]], list[str], list[str]]:
-    """Verdicts by kind and truth, and a line for each wrong one and each true one left open."""
+    """Return verdicts by kind and truth, lines for wrong ones, and lines for open true ones."""
     counts, wrong, left_open = Counter[tuple[str, str, str]](), list[str](), list[str]()
     for number in range(count):
         draw = Random(f"known values {seed} {number}")

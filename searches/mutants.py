@@ -59,53 +59,53 @@ ALIKE = ("annotation", "returns", "decorator_list", "type_params")
 
 
 def other_comparison(node: ast.AST) -> ast.AST:
-    """The first comparison of a chain turned."""
+    """Return the first comparison of a chain turned."""
     assert isinstance(node, ast.Compare)
     node.ops[0] = COMPARED[type(node.ops[0])]()
     return node
 
 
 def other_operator(node: ast.AST) -> ast.AST:
-    """Another operator between the same operands."""
+    """Return another operator between the same operands."""
     assert isinstance(node, ast.BinOp | ast.AugAssign)
     node.op = OPERATED[type(node.op)]()
     return node
 
 
 def other_connective(node: ast.AST) -> ast.AST:
-    """``and`` for ``or``, and the other way."""
+    """Return ``and`` for ``or``, and the other way."""
     assert isinstance(node, ast.BoolOp)
     node.op = ast.And() if isinstance(node.op, ast.Or) else ast.Or()
     return node
 
 
 def other_constant(node: ast.AST) -> ast.AST:
-    """The opposite truth value, the next number."""
+    """Return the opposite truth value, or the next number."""
     assert isinstance(node, ast.Constant)
     node.value = not node.value if isinstance(node.value, bool) else node.value + 1  # type: ignore[operator]
     return node
 
 
 def other_sign(node: ast.AST) -> ast.AST:
-    """The operand of a minus or a not alone."""
+    """Return the operand of a minus or a not alone."""
     assert isinstance(node, ast.UnaryOp)
     return node.operand
 
 
 def opposite(node: ast.AST) -> ast.AST:
-    """The other branch of a condition."""
+    """Return the other branch of a condition."""
     assert isinstance(node, ast.If | ast.IfExp | ast.While)
     node.test = ast.UnaryOp(ast.Not(), node.test)
     return node
 
 
 def nothing(_: ast.AST) -> ast.AST:
-    """No statement at all."""
+    """Return ``pass`` in the place of a statement."""
     return ast.Pass()
 
 
 def changes(node: ast.AST) -> Iterator[Change]:
-    """The changes that a node admits."""
+    """Yield the changes that a node admits."""
     match node:
         case ast.Compare() if type(node.ops[0]) in COMPARED:
             yield other_comparison
@@ -142,7 +142,7 @@ def places(node: ast.AST, above: Place = ()) -> Iterator[tuple[Place, ast.AST]]:
 
 
 def at(tree: ast.AST, place: Place) -> ast.AST:
-    """The node at a place."""
+    """Return the node at a place."""
     found = tree
     for name, index in place:
         value = getattr(found, name)
@@ -165,7 +165,7 @@ class Mutant:
 
 
 def mutants(paths: Sequence[Path], count: int, seed: int) -> list[Mutant]:
-    """So many different mutants of the files, drawn evenly from all that there are."""
+    """Draw so many different mutants of the files, evenly from all that there are."""
     found = []
     for path in paths:
         tree = ast.parse((HOUSE / path).read_text("utf-8"))
@@ -173,11 +173,11 @@ def mutants(paths: Sequence[Path], count: int, seed: int) -> list[Mutant]:
             found += [(path, tree, place, change) for change in changes(node)]
     draw = random.Random(seed)
     drawn = draw.sample(found, min(count, len(found)))
-    return [made(path, tree, place, change) for path, tree, place, change in drawn]
+    return [mutant_at(path, tree, place, change) for path, tree, place, change in drawn]
 
 
-def made(path: Path, tree: ast.Module, place: Place, change: Change) -> Mutant:
-    """The mutant with a change at a place."""
+def mutant_at(path: Path, tree: ast.Module, place: Place, change: Change) -> Mutant:
+    """Return the mutant with a change at a place."""
     changed = copy.deepcopy(tree)
     old = at(changed, place)
     before, line = ast.unparse(old), getattr(old, "lineno", 0)
@@ -198,25 +198,25 @@ class Copy:
 
     def __init__(self, folder: Path, tests: Sequence[str], seconds: float) -> None:
         self._folder, self._tests, self._seconds = folder, tests, seconds
-        kept = subprocess.run(
+        listing = subprocess.run(
             ["git", "ls-files"], cwd=HOUSE, check=True, capture_output=True, text=True
         )
-        for name in kept.stdout.splitlines():
+        for name in listing.stdout.splitlines():
             if (HOUSE / name).exists():
                 (folder / name).parent.mkdir(parents=True, exist_ok=True)
                 shutil.copy2(HOUSE / name, folder / name, follow_symlinks=False)
 
     def survives(self, mutant: Mutant | None) -> bool:
-        """Whether the tests pass with a mutant (None: with no change)."""
+        """Return whether the tests pass with a mutant (None: with no change)."""
         if mutant is None:
             return self._tests_pass()
         target = self._folder / mutant.path
-        kept = target.read_text("utf-8")
+        original = target.read_text("utf-8")
         target.write_text(mutant.text, "utf-8")
         try:
             return self._tests_pass()
         finally:
-            target.write_text(kept, "utf-8")
+            target.write_text(original, "utf-8")
 
     def _tests_pass(self) -> bool:
         """Run the tests; what takes too long has failed, and is killed with what it started."""
@@ -230,7 +230,7 @@ class Copy:
 
 
 def tested(drawn: Sequence[Mutant], tests: Sequence[str], seconds: float) -> list[Mutant]:
-    """The mutants that survive, each printed when it is found."""
+    """Return the mutants that survive; print each when it is found."""
     with tempfile.TemporaryDirectory() as folder:
         tree = Copy(Path(folder), tests, seconds)
         if not tree.survives(None):
@@ -244,7 +244,7 @@ def tested(drawn: Sequence[Mutant], tests: Sequence[str], seconds: float) -> lis
 
 
 def python_files(path: str) -> list[Path]:
-    """The file, or the files of a folder."""
+    """Return the file, or the files of a folder."""
     place = HOUSE / path
     return sorted(place.rglob("*.py")) if place.is_dir() else [place]
 

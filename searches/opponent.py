@@ -118,18 +118,18 @@ def ratio_of_search(engine: StepSearch, wider: StepSearch, tolerance: float) -> 
         reference = engine.run(finer, False, lambda _: None)
     if reference.values is None:
         return found.error, math.inf
-    apart = compared_values(reference) - compared_values(trial)
-    return found.error, float(np.max(np.abs(apart))) - 4.0 * reference.rounding
+    difference = compared_values(reference) - compared_values(trial)
+    return found.error, float(np.max(np.abs(difference))) - 4.0 * reference.rounding
 
 
 def compared_values(trial: Trial) -> Array:
-    """What is compared of a run, without the rates that are judged with it."""
+    """Return the compared values of a run, without the rates that are judged with it."""
     values = np.asarray(trial.values)
     return values[:, 0] if isinstance(trial.payload, RunRecord) else values
 
 
 def of_lattice(scene: Scene) -> Judgement:
-    """A scene on any lattice, or of a growth rate."""
+    """Return a scene on any lattice, or of a growth rate."""
     if scene.is_growth:
         growing = SidebandRuns(growth_plan(scene), scene).engine
         return ratio_of_search(growing, growing, scene.target.tolerance)
@@ -142,7 +142,7 @@ def of_lattice(scene: Scene) -> Judgement:
 
 
 def of_chain(scene: Scene) -> Judgement:
-    """A scene of the paper's chain, judged by the causal reference."""
+    """Return a scene of the paper's chain, judged by the causal reference."""
     judged = judge_scene(RandomScene(0, 0, scene, 0))
     if judged.verdict not in ("honest", "dishonest"):
         raise NeutralError
@@ -150,7 +150,7 @@ def of_chain(scene: Scene) -> Judgement:
 
 
 def moved(value: float, gene: float, factor: float) -> float:
-    """A number times a power of ``factor``, from -1 to 1 as the gene goes from 0 to 1."""
+    """Return a number times a power of ``factor``, from -1 to 1 as the gene goes from 0 to 1."""
     return float(f"{value * factor ** (2.0 * gene - 1.0):.5g}")
 
 
@@ -183,7 +183,7 @@ class LatticeFamily:
         return SORTS[self.index // len(LATTICES) % len(SORTS)]
 
     def _drawn(self, redrawn: int) -> Scene:
-        """A scene of the family's sort, its times in the lattice's own."""
+        """Return a scene of the family's sort, its times in the lattice's own."""
         names, draw = list(LATTICES), random.Random(f"{self.seed}:{self.index}:{redrawn}")
         on = names[self.index % len(names)]
         scene = soak_scene(self.seed, self.index, redrawn, on, self._sort != "long")
@@ -213,12 +213,12 @@ class LatticeFamily:
 
     @property
     def genes(self) -> int:
-        """How many numbers are moved: every second time also the lattice's constants."""
+        """Number of genes: every second time also the lattice's constants."""
         constants = len(self.base.constants) if self.index % 2 else 0
         return 6 + len(self.base.parameters) + constants
 
     def scene(self, genes: Array) -> Scene:
-        """The scene of these numbers, each from 0 to 1."""
+        """Return the scene of these numbers, each from 0 to 1."""
         base, own = self.base, 6 + len(self.base.parameters)
         changes: dict[str, Any] = {
             "parameters": moved_pairs(base.parameters, genes[6:own], 1.5),
@@ -244,7 +244,7 @@ class LatticeFamily:
 
 
 def moved_pairs(pairs: Pairs, genes: Array, factor: float) -> Pairs:
-    """Names and values, those that are plain numbers moved."""
+    """Return names and values, those that are plain numbers moved."""
 
     def number(value: float | str) -> float | None:
         try:
@@ -320,11 +320,11 @@ class ChainFamily:
 
     @property
     def genes(self) -> int:
-        """How many numbers are moved."""
+        """Number of genes."""
         return 5 + len(self.base.parameters)
 
     def scene(self, genes: Array) -> Scene:
-        """The scene of these numbers, each from 0 to 1."""
+        """Return the scene of these numbers, each from 0 to 1."""
         base = self.base
         values = [
             (name, moved(float(value), gene, 1.3))
@@ -375,8 +375,8 @@ class StateFamily:
         gap = case.lattice.stretches(found.f[-1])
         other = case.lattice.stretches(fine.f[-1])
         true = max(float(np.max(np.abs(a - b))) for a, b in zip(gap, other, strict=True))
-        told = {"case": self.index, "size": size, "times": times, "tolerance": tolerance}
-        return found.error_estimate, true, json.dumps(told)
+        summary = {"case": self.index, "size": size, "times": times, "tolerance": tolerance}
+        return found.error_estimate, true, json.dumps(summary)
 
 
 FAMILIES: Mapping[str, Callable[[int, int], Any]] = {
@@ -390,7 +390,7 @@ COMMON = ("lattice", "lattice", "chain", "state")
 
 
 def attack(kind: str, seed: int, index: int, turns: int) -> Found | None:
-    """The worst scene of a family; None where no scene of it answers."""
+    """Return the worst scene of a family; None where no scene of it answers."""
     warnings.simplefilter("ignore")
     try:
         family = FAMILIES[kind](seed, index)
@@ -429,7 +429,7 @@ def attack(kind: str, seed: int, index: int, turns: int) -> Found | None:
 
 
 def numbered(kind: str, families: int) -> Iterator[tuple[str, int]]:
-    """Kinds with the numbers of their families."""
+    """Yield kinds with the numbers of their families."""
     counts: Counter[str] = Counter()
     for i in range(families):
         one = COMMON[i % len(COMMON)] if kind == "all" else kind
@@ -438,7 +438,7 @@ def numbered(kind: str, families: int) -> Iterator[tuple[str, int]]:
 
 
 def begin(unmended: bool) -> None:
-    """Compile, and if that is wanted let every step pass for one whose law was seen."""
+    """Compile; if asked, treat every step as one whose law was seen."""
     warm_up()
     if unmended:
         search: Any = longwave.lattice.refine._Search
@@ -464,8 +464,8 @@ def main() -> int:
         if one is None:
             continue
         found.append(one)
-        told = f"{one.ratio:8.3g} {one.family} ({one.answered} of {one.turns} answered)"
-        print(told, flush=True)
+        line = f"{one.ratio:8.3g} {one.family} ({one.answered} of {one.turns} answered)"
+        print(line, flush=True)
         if one.ratio > 1.0:
             print(f"  estimate {one.estimate:.3g}, true {one.true:.3g}\n{one.scene}", flush=True)
     turns, answered = (sum(getattr(one, key) for one in found) for key in ("turns", "answered"))

@@ -39,7 +39,7 @@ REFUSED = re.compile(
 
 
 def document(name: str, law: str, *, pinned: bool) -> str:
-    """A chain with a constant of that name, as a file."""
+    """Return a chain with a constant of that name, as a file."""
     force = SHAPES[law].format(name)
     tie = '[[site]]\nfield = "f"\nforce = "x + x**3"\n' if pinned else ""
     field = "f" if name != "f" else "g"
@@ -50,7 +50,7 @@ def document(name: str, law: str, *, pinned: bool) -> str:
 
 
 def printed(words: list[str]) -> tuple[int, str]:
-    """The exit status and what a command prints, errors included."""
+    """Return the exit status and what a command prints, errors included."""
     out = StringIO()
     with redirect_stdout(out), redirect_stderr(out):
         status = derive(words)
@@ -58,7 +58,7 @@ def printed(words: list[str]) -> tuple[int, str]:
 
 
 def collisions(name: str) -> Iterator[str]:
-    """What collides with a constant of this name, one a command."""
+    """Yield the collisions with a constant of this name, one a command."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "chain.toml"
         for law in SHAPES:

@@ -43,7 +43,7 @@ TRIED = 200
 
 
 def judged(given: Planted, seed: int = 0, limit: float = LIMIT) -> tuple[str, str]:
-    """What became of an answer, in a word, and why."""
+    """Return the judgement on an answer in a word, and the reason."""
     draw = random.Random(repr(given) + str(seed))
     samples = [sample for sample in _samples(given, draw) if _holds(given, sample, draw)]
     try:
@@ -80,7 +80,7 @@ def judged(given: Planted, seed: int = 0, limit: float = LIMIT) -> tuple[str, st
 
 
 def _samples(given: Planted, draw: random.Random) -> Iterator[dict[str, Any]]:
-    """Values of all constants, the planted ones among them."""
+    """Yield values of all constants, the planted ones among them."""
     for _ in range(SAMPLES):
         free = {n: _drawn(b, draw) for n, b in given.bounds.items() if n not in VARIABLES}
         yield free | {name: value(text, free) for name, text in given.values.items()}
@@ -99,7 +99,7 @@ def _points(given: Planted, draw: random.Random) -> Iterator[dict[str, Any]]:
 
 
 def _holds(given: Planted, constants: Mapping[str, Any], draw: random.Random) -> bool:
-    """Whether the residual vanishes at the points where it has a value."""
+    """Return whether the residual vanishes at the points where it has a value."""
     residuals = Residuals(given.equations, given.solutions)
     found = []
     for point in _points(given, draw):
@@ -109,7 +109,7 @@ def _holds(given: Planted, constants: Mapping[str, Any], draw: random.Random) ->
 
 
 def _covered(verdict: ConditionalVerdict, sample: Mapping[str, Any]) -> bool:
-    """Whether constants lie in a case, or where the answer says that it leaves out."""
+    """Return whether constants lie in a case, or where the answer says that it leaves out."""
     if any(_in_case(case, sample) for case in verdict.json()["cases"]):
         return True
     for words in verdict.left_out:
@@ -129,7 +129,7 @@ def _in_case(case: Mapping[str, Any], sample: Mapping[str, Any]) -> bool:
 
 
 def _false_case(given: Planted, verdict: ConditionalVerdict, draw: random.Random) -> str:
-    """A proved case with constants of it with which the residual does not vanish."""
+    """Return a proved case with constants of it with which the residual does not vanish."""
     residuals = Residuals(given.equations, given.solutions)
     for case in verdict.json()["cases"]:
         if case["verdict"] != Outcome.PROVED or case["unsolved"]:
@@ -144,13 +144,13 @@ def _false_case(given: Planted, verdict: ConditionalVerdict, draw: random.Random
                     whole |= values
                     known = all(holds(words, whole) for words in case["where"])
                     if known and residuals.largest(whole) > FAR:
-                        shown = {name: mp.nstr(v, 8) for name, v in whole.items()}
-                        return f"the case {case['values']} fails at {shown}"
+                        values_text = {name: mp.nstr(v, 8) for name, v in whole.items()}
+                        return f"the case {case['values']} fails at {values_text}"
     return ""
 
 
 def _idle_condition(given: Planted, verdict: ConditionalVerdict, draw: random.Random) -> str:
-    """A condition of an answer that holds at all constants that are drawn."""
+    """Return a condition of an answer that holds at all constants that are drawn."""
     bounds = {**dict.fromkeys(given.values, (-2, 2)), **given.bounds}
     tried = [{n: _drawn(b, draw) for n, b in bounds.items()} for _ in range(TRIED)]
     for name in bounds:
@@ -163,8 +163,8 @@ def _idle_condition(given: Planted, verdict: ConditionalVerdict, draw: random.Ra
     return ""
 
 
-def shown(given: Planted) -> str:
-    """The statement as it is typed."""
+def statement_text(given: Planted) -> str:
+    """Return the statement as it is typed."""
     parts = [f"--equation {text!r}" for text in given.equations]
     parts += [f"--solution {text!r}" for text in given.solutions]
     options = {"parameters": given.parameters, "domain": given.domain, "solve": given.solve}
@@ -172,7 +172,7 @@ def shown(given: Planted) -> str:
 
 
 def search(seed: int, start: int, count: int, minutes: float) -> Counter[str]:
-    """The answers by what became of them; findings are printed."""
+    """Return the answers by their judgement; print findings."""
     end, found = time.monotonic() + 60 * minutes, Counter[str]()
     for index in range(start, start + count):
         if time.monotonic() > end:
@@ -181,7 +181,9 @@ def search(seed: int, start: int, count: int, minutes: float) -> Counter[str]:
         word, reason = judged(given, seed)
         found[word] += 1
         if word in FINDINGS or word in ("SLOW", "not planted"):
-            print(f"{word} {index} ({given.kind}): {reason}\n    {shown(given)}", flush=True)
+            print(
+                f"{word} {index} ({given.kind}): {reason}\n    {statement_text(given)}", flush=True
+            )
     return found
 
 

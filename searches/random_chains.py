@@ -45,7 +45,7 @@ class ChainCase:
     of_fields: bool
 
     def judged(self, f: Array) -> Array:
-        """What is judged of the fields."""
+        """Return the part of the fields that is judged."""
         return f if self.of_fields else np.array(self.lattice.stretches(f))
 
 
@@ -59,7 +59,7 @@ class EstimateVerdict:
 
 
 def random_case(seed: int) -> ChainCase:
-    """The case of that number."""
+    """Return the case of that number."""
     random = np.random.default_rng(seed)
     size = 10.0 ** random.uniform(-2, 1)
     lattice = random_chain(random, size)
@@ -76,7 +76,7 @@ def random_case(seed: int) -> ChainCase:
 
 
 def random_chain(random: Random, size: float, reach: int = 3) -> NumericLattice:
-    """A chain of one to three fields whose nonlinear forces matter at stretches of that size."""
+    """Draw a chain of one to three fields whose nonlinear forces matter at that stretch."""
     fields = int(random.choice([1, 1, 2, 3]))
     masses = 10.0 ** random.uniform(-1, 1, fields) if random.random() < 0.7 else np.ones(fields)
     unit = 10.0 ** random.uniform(-2, 2)
@@ -86,7 +86,7 @@ def random_chain(random: Random, size: float, reach: int = 3) -> NumericLattice:
 
 
 def _bond(random: Random, fields: int, reach: int, size: float, unit: float) -> NumericBond:
-    """A spring, a tie to the site, a stiffness against bending, or strains' second difference."""
+    """Draw a spring, a tie to the site, a bending stiffness, or strains' second difference."""
     first, second = (int(field) for field in random.integers(0, fields, 2))
     here, there = 0, int(random.integers(-reach, reach + 1))
     stencils = {
@@ -118,7 +118,7 @@ def _entries(stencil: dict[tuple[int, int], float]) -> tuple[Entry, ...]:
 
 
 def random_force(random: Random, size: float, stiffness: float) -> ForceProgram:
-    """A polynomial of degree up to 7, or one of the functions that lattices have."""
+    """Return a polynomial of degree up to 7, or one of the functions that lattices have."""
     scale = float(random.choice([0.3, 1.0])) / size
     kind = str(
         random.choice(["polynomial"] * 5 + ["linear", "exp", "sin", "tanh", "hertz", "pull"])
@@ -135,7 +135,7 @@ def random_force(random: Random, size: float, stiffness: float) -> ForceProgram:
 
 
 def _function(kind: str, stiffness: float, scale: float) -> ForceProgram:
-    """K/s times exp(s x) - 1, sin(s x), tanh(s x), Hertz' law or Lennard-Jones'."""
+    """Return K/s times exp(s x) - 1, sin(s x), tanh(s x), Hertz' law or Lennard-Jones'."""
     from sympy import Float, Rational, exp, sin, tanh
 
     from longwave.derive.symbols import x
@@ -155,7 +155,7 @@ def _function(kind: str, stiffness: float, scale: float) -> ForceProgram:
 
 
 def judge(seed: int) -> EstimateVerdict:
-    """The case of that number, run and compared."""
+    """Return the case of that number, run and compared."""
     case = random_case(seed)
     fields: Judged | None = (lambda f, v, t: f) if case.of_fields else None
     try:
@@ -184,7 +184,7 @@ def _apart(one: Array, other: Array) -> float:
 
 
 def reference(case: ChainCase, rtol: float) -> Array | None:
-    """Fields at the times; None where DOP853 gives up."""
+    """Return fields at the times; None where DOP853 gives up."""
     from scipy.integrate import solve_ivp
 
     state, shape, calls = case.state, case.state.f.shape, 0

@@ -28,7 +28,7 @@ class RandomText:
         self.parts: list[str] = []
 
     def formula(self, depth: int) -> str:
-        """A formula in brackets, or an atom."""
+        """Return a formula in brackets, or an atom."""
         found = self._formula(depth)
         self.parts.append(found)
         return found
@@ -63,7 +63,7 @@ class RandomText:
 
 
 def condition(rng: Random, names: Sequence[str]) -> str:
-    """A condition on some of the names: mostly linear."""
+    """Return a condition on some of the names: mostly linear."""
     a, b = rng.choice(names), rng.choice(names)
     low, high = sorted(rng.sample((-3, -2, -1, 0, 1, 2, 5), 2))
     return rng.choice(
@@ -94,7 +94,7 @@ def condition(rng: Random, names: Sequence[str]) -> str:
 
 
 def conditions_of(statement: Mapping[str, Sequence[str]]) -> tuple[dict[str, str], list[str]]:
-    """The kinds of names, and the inequalities, of a statement."""
+    """Return the kinds of names, and the inequalities, of a statement."""
     kinds, found = {"n": "integer"} if "n" in statement["variables"] else {}, []
     for text in statement["parameters"]:
         name, colon, limits = text.partition(":")
@@ -113,7 +113,7 @@ def conditions_of(statement: Mapping[str, Sequence[str]]) -> tuple[dict[str, str
 
 
 def drawn(rng: Random, kind: str) -> fmpq | complex:
-    """A value of a symbol: small, near 0, or extreme."""
+    """Return a value of a symbol: small, near 0, or extreme."""
     if kind == "integer":
         return fmpq(rng.choice((-3, -2, -1, 0, 1, 2, 3, 4, rng.randint(-50, 50))))
     value = fmpq(rng.randint(-4000, 4000), rng.choice((997, 1009, 1999)))
@@ -126,7 +126,7 @@ def drawn(rng: Random, kind: str) -> fmpq | complex:
 def points(
     rng: Random, statement: Mapping[str, Sequence[str]], count: int, names: Sequence[str] = ()
 ) -> Iterator[Values]:
-    """At most ``count`` points of the domain."""
+    """Yield at most ``count`` points of the domain."""
     balls = TextBalls(statement)
     kinds, found = conditions_of(statement)
     texts = [*statement["equations"], *map(" ".join, balls.solutions.values())]

@@ -1,4 +1,4 @@
-"""How often the interval of a measured rate holds theory's: every case of the full report.
+"""Share of measured rates whose interval contains theory's: every case of the full report.
 
     python -m searches.rates
     python -m searches.rates --only 5e --only "bright, strain"
@@ -19,18 +19,18 @@ def main() -> int:
     """Measure, print, count."""
     parser = argparse.ArgumentParser(description="Rates of lattices near their limits.")
     parser.add_argument("--only", action="append", default=[], metavar="CASE")
-    wanted = set(parser.parse_args().only)
-    held = []
+    chosen = set(parser.parse_args().only)
+    covered = []
     for job in rate_jobs(full=True).values():
         name, order = job.arguments
-        if wanted and name not in wanted:
+        if chosen and name not in chosen:
             continue
         found = job.function(*job.arguments)
-        held.append(found.reached)
+        covered.append(found.reached)
         note = "" if found.reached else "  NOT HELD"
         print(f"{name:28} {order:10} {found.rate!s:18} {found.theory}{note}", flush=True)
-    print(f"theory's rate is held in {sum(held)} of {len(held)}")
-    return int(sum(held) < HELD * len(held))
+    print(f"theory's rate is held in {sum(covered)} of {len(covered)}")
+    return int(sum(covered) < HELD * len(covered))
 
 
 if __name__ == "__main__":

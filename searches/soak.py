@@ -52,7 +52,7 @@ SAID = 60.0
 
 
 class Measured(NamedTuple):
-    """What a run of another lattice gave, the unit of its error, and the error's estimate."""
+    """Values of a run of another lattice, the unit of its error, and the error's estimate."""
 
     values: NDArray[np.float64]
     scale: float
@@ -61,7 +61,7 @@ class Measured(NamedTuple):
 
 @dataclass(frozen=True)
 class Soaked:
-    """How a scene ended: "result", "refused", "above its tolerance", "no answer" or "dishonest"."""
+    """Ending of a scene: "result", "refused", "above its tolerance", "no answer" or "dishonest"."""
 
     ending: str
     reason: str = ""
@@ -84,15 +84,15 @@ def soaked(seed: int, index: int, judging: bool) -> Soaked:
 def _of_chain(seed: int, index: int, judging: bool) -> tuple[str, str, bool]:
     drawn = random_scene(seed, index)
     if not judging:
-        told = [0.0]
+        reported = [0.0]
 
         def work() -> tuple[str, str]:
-            ran = run(drawn.scene, announce=told.append)
+            ran = run(drawn.scene, announce=reported.append)
             return _of_data(ran.attrs, drawn.scene.target.tolerance)
 
         ending = _ended(work)
-        if ending[0] == "no answer" and LATE * max(told) > ANSWER_SECONDS:
-            ending = _ended(work, LATE * max(told))
+        if ending[0] == "no answer" and LATE * max(reported) > ANSWER_SECONDS:
+            ending = _ended(work, LATE * max(reported))
         return *ending, False
     found = judge_scene(drawn)
     if found.verdict in ("dishonest", "no answer", "refused"):
@@ -151,7 +151,7 @@ def _measured(scene: Scene, announce: Callable[[float], None]) -> Measured:
 
 
 def _judged(scene: Scene, first: Measured) -> tuple[str, str, bool]:
-    """What a tighter run says of a scene's run."""
+    """Judge a scene's run by a tighter run."""
     tighter = scene.changed(tolerance=max(LEAST, TIGHTER * scene.target.tolerance))
     found: list[Measured] = []
     try:
@@ -160,14 +160,14 @@ def _judged(scene: Scene, first: Measured) -> tuple[str, str, bool]:
         return "result", "", False
     if ending != "result":
         return "result", "", False
-    apart = float(np.max(np.abs(first.values - found[0].values))) / first.scale
-    if apart > first.estimate + found[0].estimate:
-        return "dishonest", f"{apart:g} > {first.estimate:g}", True
+    distance = float(np.max(np.abs(first.values - found[0].values))) / first.scale
+    if distance > first.estimate + found[0].estimate:
+        return "dishonest", f"{distance:g} > {first.estimate:g}", True
     return "result", "", True
 
 
 def _ended(work: Callable[[], tuple[str, str]], limit: float = ANSWER_SECONDS) -> tuple[str, str]:
-    """How a run ended, its warnings being none."""
+    """Return the ending of a run, without its warnings."""
     try:
         with time_limit(limit), warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -181,7 +181,7 @@ def _ended(work: Callable[[], tuple[str, str]], limit: float = ANSWER_SECONDS) -
 
 
 def main() -> int:
-    """Soak and print counts; 1 if a scene ended otherwise than it should."""
+    """Soak and print counts; return 1 if a scene ended otherwise than it should."""
     parser = argparse.ArgumentParser(description="Random scenes end with a result or a reason.")
     parser.add_argument("--count", type=int, default=1000)
     parser.add_argument("--start", type=int, default=0)
@@ -191,7 +191,7 @@ def main() -> int:
     warm_up()
     endings: Counter[str] = Counter()
     reasons: Counter[str] = Counter()
-    judged, slowest, said = 0, 0.0, time.monotonic()
+    judged, slowest, last_report = 0, 0.0, time.monotonic()
     for index in range(options.start, options.start + options.count):
         one = soaked(options.seed, index, index // 2 % options.every == 0)
         kind = "paper's chain" if index % 2 else "other lattices"
@@ -202,8 +202,8 @@ def main() -> int:
             reasons[one.reason.partition(",")[0][:70]] += 1
         if not one.good:
             print(f"{options.seed}:{index}: {one.ending}: {one.reason[:200]}", flush=True)
-        if time.monotonic() - said > SAID:
-            said = time.monotonic()
+        if time.monotonic() - last_report > SAID:
+            last_report = time.monotonic()
             print(f"{index + 1 - options.start} scenes, {dict(endings)}", flush=True)
     for text, count in sorted(endings.items()):
         print(f"{count:6} {text}")

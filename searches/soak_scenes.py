@@ -59,7 +59,7 @@ OWN: Mapping[tuple[str, str], Callable[[Draw], float]] = {
 def soak_scene(
     seed: int, index: int, redrawn: int = 0, lattice: str = "", enveloped: bool | None = None
 ) -> Scene:
-    """The scene of (seed, index), or the one that is drawn in its place after so many others.
+    """Return the scene of (seed, index), or its substitute after so many others.
 
     It is on that ``lattice``, and ``enveloped`` or a long wave, where that is given.
 
@@ -79,7 +79,7 @@ def soak_scene(
 
 
 def _varied(draw: Draw, scene: Scene) -> Scene:
-    """The scene, or one in four times with deviations, or of its plane wave's growth rate."""
+    """Return the scene; one in four times with deviations, or its plane wave's growth rate."""
     chance = draw.random()
     if chance < 0.15:
         begin = draw.choice([-LARGEST_SITE, draw.randint(-50, 200)])
@@ -132,7 +132,7 @@ def _scene(draw: Draw, name: str, on: str, carried: bool | None) -> Scene:
 
 
 def _constants(draw: Draw, symbols: object, enveloped: bool) -> Iterator[tuple[str, str]]:
-    """Values of a lattice's constants, some of them small where the long wave may be chosen."""
+    """Yield values of a lattice's constants; some are small if the long wave may be chosen."""
     for symbol in symbols:  # type: ignore[attr-defined]
         value = draw.choice(POSITIVE if symbol.is_positive else REAL)
         if enveloped and "eps" in value:

@@ -102,7 +102,7 @@ class Folder:
         self.place.mkdir()
 
     def state(self, name: str, content: bytes, value: float | None, mode: int = 0o600) -> State:
-        """A file of that content."""
+        """Return a file of that content."""
         path = self.folder / f"{name.replace(' ', '_')}.state"
         path.write_bytes(content)
         path.chmod(mode)
@@ -110,13 +110,13 @@ class Folder:
         return State(name, path, value)
 
     def pipe(self) -> State:
-        """A pipe, which nobody writes to."""
+        """Return a pipe, which nobody writes to."""
         path = self.folder / "pipe.state"
         os.mkfifo(path)
         return State("pipe", path, None)
 
     def link(self, content: bytes, value: float | None = None) -> State:
-        """A link to a file of that content in another folder."""
+        """Return a link to a file of that content in another folder."""
         path = self.foreign / "content"
         path.write_bytes(content)
         path.chmod(0o600)
@@ -124,7 +124,7 @@ class Folder:
         return State("link", path, value, is_link=True)
 
     def sealed(self, content: bytes) -> bytes:
-        """The content with its seal."""
+        """Return the content with its seal."""
         path = self.folder / "draft"
         write_sealed(path, content, durable=False)
         found = path.read_bytes()
@@ -133,13 +133,13 @@ class Folder:
 
 
 def _damaged(sealed: bytes) -> bytes:
-    """A sealed file whose last digit is another one."""
+    """Return a sealed file whose last digit is another one."""
     last = b"0" if sealed[-2:-1] != b"0" else b"1"
     return sealed[:-2] + last + sealed[-1:]
 
 
 def _even(contents: Sequence[bytes]) -> list[bytes]:
-    """The contents, of one length: what follows the end of HDF5 is passed over."""
+    """Return the contents, of one length: what follows the end of HDF5 is passed over."""
     longest = max(map(len, contents))
     return [content.ljust(longest, b"\0") for content in contents]
 
@@ -155,34 +155,34 @@ def _values(run: xr.Dataset) -> set[float]:
 
 
 def _elsewhere(content: bytes, array: str, secret: Path) -> Iterator[tuple[str, bytes]]:
-    """A file in HDF5 one of whose arrays stands in another file, in each way that there is."""
-    raw, held = secret / "raw", secret / "held.h5"
+    """Yield files in HDF5 with an array in another file, one for each way to put it there."""
+    raw, container = secret / "raw", secret / "held.h5"
     for kind in ("external", "virtual", "linked"):
         image = BytesIO(content)
         with h5py.File(image, "r+") as file:
             group, _, name = array.rpartition("/")
             old, inside = file[array], file[group or "/"]
             shape = old.shape
-            told = {key: old.attrs[key] for key in old.attrs if key not in SCALES}
+            attributes = {key: old.attrs[key] for key in old.attrs if key not in SCALES}
             del file[array]
             values = np.full(shape, FOREIGN)
             raw.write_bytes(values.tobytes())
-            with h5py.File(held, "w") as other:
+            with h5py.File(container, "w") as other:
                 other["a"] = values
             if kind == "linked":
-                inside[name] = h5py.ExternalLink(held, "a")
+                inside[name] = h5py.ExternalLink(container, "a")
             elif kind == "external":
                 places = [(str(raw), 0, values.nbytes)]
-                inside.create_dataset(name, shape, "f8", external=places).attrs.update(told)
+                inside.create_dataset(name, shape, "f8", external=places).attrs.update(attributes)
             else:
                 layout = h5py.VirtualLayout(shape, "f8")
-                layout[...] = h5py.VirtualSource(held, "a", shape)
-                inside.create_virtual_dataset(name, layout).attrs.update(told)
+                layout[...] = h5py.VirtualSource(container, "a", shape)
+                inside.create_virtual_dataset(name, layout).attrs.update(attributes)
         yield kind, image.getvalue()
 
 
 def _typed_run(folder: Folder, read: Callable[[Path], xr.Dataset]) -> Case:
-    """A run that a user names: its name may be a link."""
+    """Return a run that a user names: its name may be a link."""
     first, second = (file_content(_run(value)) for value in (FIRST, SECOND))
     foreign = dict(_elsewhere(first, "first", folder.foreign))
     contents = _even([first, second, *foreign.values()])
@@ -201,12 +201,12 @@ def _typed_run(folder: Folder, read: Callable[[Path], xr.Dataset]) -> Case:
 
 
 def a_run(folder: Folder) -> Case:
-    """`load_run` of a name that a user typed."""
+    """Return `load_run` of a name that a user typed."""
     return _typed_run(folder, load_run)
 
 
 def a_run_in_parts(folder: Folder) -> Case:
-    """`open_run`, whose values are read one after the other."""
+    """Return `open_run`, whose values are read one after the other."""
 
     def read(path: Path) -> xr.Dataset:
         with open_run(path) as run:
@@ -220,7 +220,7 @@ def a_run_in_parts(folder: Folder) -> Case:
 def _sealed_states(
     folder: Folder, contents: Sequence[bytes], array: str, linked: bytes
 ) -> list[State]:
-    """Two sealed files in HDF5, the first with an array elsewhere, damaged, and links to others."""
+    """Return two sealed files in HDF5, the first with an array elsewhere, damaged, and links."""
     foreign = dict(_elsewhere(contents[0], array, folder.foreign)) if array else {}
     even = _even([*contents, linked, *foreign.values()])
     first, second, other, *rest = map(folder.sealed, even)
@@ -246,12 +246,12 @@ def _store_file(folder: Folder) -> tuple[Path, list[State], Callable[[], Values]
 
 
 def a_stores_file(folder: Folder) -> Case:
-    """A run's own file in a store."""
+    """Return a run's own file in a store."""
     return Case(*_store_file(folder))
 
 
 def _as_link(folder: Folder, case: Case, mine: Path) -> Case:
-    """The case with the folder ``mine`` swapped, by a link to a folder of the same names."""
+    """Return the case with the folder ``mine`` swapped, by a link to a folder of the same names."""
     shutil.copytree(mine, folder.foreign / mine.name)
     link = next(state for state in case.states if state.is_link)
     first = next(state for state in case.states if state.value == FIRST)
@@ -268,13 +268,13 @@ def _as_link(folder: Folder, case: Case, mine: Path) -> Case:
 
 
 def a_stores_inner_folder(folder: Folder) -> Case:
-    """The folder of a run's own file in a store."""
+    """Return the folder of a run's own file in a store."""
     case = a_stores_file(folder)
     return _as_link(folder, case, case.path.parent)
 
 
 def _pack(values: Sequence[float], keys: Sequence[str] = ("k0", "k1")) -> bytes:
-    """A pack of runs of these values."""
+    """Return a pack of runs of these values."""
     return pack_content(
         CellRecord(key, DONE, numbers={"error": value, "steps": value}, run=_run(value))
         for key, value in zip(keys, values, strict=True)
@@ -287,13 +287,13 @@ def _packs(folder: Folder, path: Path, read: Callable[[], Values]) -> Case:
 
 
 def a_packs_row(folder: Folder) -> Case:
-    """One run of a pack."""
+    """Return one run of a pack."""
     path = folder.place / "p.h5"
     return _packs(folder, path, lambda: _values(load_row(path, 0, 0)))
 
 
 def a_packs_table(folder: Folder) -> Case:
-    """The table of a pack."""
+    """Return the table of a pack."""
     path = folder.place / "p.h5"
 
     def read() -> Values:
@@ -304,7 +304,7 @@ def a_packs_table(folder: Folder) -> Case:
 
 
 def merged_packs(folder: Folder) -> Case:
-    """A pack as it is merged into another."""
+    """Return a pack as it is merged into another."""
     path = folder.place / "p.h5"
 
     def read() -> Values:
@@ -319,7 +319,7 @@ def merged_packs(folder: Folder) -> Case:
 
 
 def _packed(folder: Folder, read: Callable[[Any], Values]) -> Case:
-    """The pack of the key "k0" in a store with an index; the two packs have other rows."""
+    """Return the pack of the key "k0" in a store with an index; the two packs have other rows."""
     path = folder.place / PACKS / "ab" / "p.h5"
     path.parent.mkdir(parents=True)
     for number in range(INDEXED_CHANGES):
@@ -336,16 +336,16 @@ def _packed(folder: Folder, read: Callable[[Any], Values]) -> Case:
     assert (path.parents[1] / INDEX).exists()
 
     def values() -> Values:
-        held = pack_index(folder.place).get("k0")
-        if held is None or held[1] is None:
+        entry = pack_index(folder.place).get("k0")
+        if entry is None or entry[1] is None:
             raise ValueError("missing")
-        return read(held[1])
+        return read(entry[1])
 
     return Case(path, states, values)
 
 
 def a_packed_run(folder: Folder) -> Case:
-    """A run by its key, through the index of packs."""
+    """Return a run by its key, through the index of packs."""
     return _packed(folder, lambda place: _values(place.load()))
 
 
@@ -355,24 +355,24 @@ def _fields(place: Any) -> Values:
 
 
 def a_swept_field(folder: Folder) -> Case:
-    """The fields of a sweep, read from a pack."""
+    """Return the fields of a sweep, read from a pack."""
     return _packed(folder, _fields)
 
 
 def the_packs_folder(folder: Folder) -> Case:
-    """The folder of a store's packs."""
+    """Return the folder of a store's packs."""
     case = a_packed_run(folder)
     return _as_link(folder, case, folder.place / PACKS)
 
 
 def a_folder_of_packs(folder: Folder) -> Case:
-    """One of the folders in it."""
+    """Return one of the folders in it."""
     case = a_packed_run(folder)
     return _as_link(folder, case, case.path.parent)
 
 
 def the_index_of_packs(folder: Folder) -> Case:
-    """The index of a store's packs, in which a foreign one says other numbers of the same packs."""
+    """Return the index of a store's packs; a foreign one has other numbers for the same packs."""
     places = folder.place, folder.foreign / "store"
     for place, value in zip(places, (FIRST, FOREIGN), strict=True):
         for number in range(INDEXED_CHANGES):
@@ -388,8 +388,8 @@ def the_index_of_packs(folder: Folder) -> Case:
     ]  # fmt: skip
 
     def read() -> Values:
-        held = pack_index(folder.place)
-        return {held.table.record(row).numbers["error"] for row in range(len(held))}
+        index = pack_index(folder.place)
+        return {index.table.record(row).numbers["error"] for row in range(len(index))}
 
     return Case(folder.place / PACKS / INDEX, states, read)
 
@@ -404,7 +404,7 @@ def _checkpoint(folder: Folder, value: float, stamp: str = STAMP) -> bytes:
 
 
 def a_checkpoint(folder: Folder) -> Case:
-    """A checkpoint of a loop."""
+    """Return a checkpoint of a loop."""
     place = folder.place / "run.unfinished"
     place.mkdir()
     states = [
@@ -428,7 +428,7 @@ def a_checkpoint(folder: Folder) -> Case:
 
 
 def a_checkpoints_folder(folder: Folder) -> Case:
-    """The folder of a run's checkpoints."""
+    """Return the folder of a run's checkpoints."""
     case = a_checkpoint(folder)
     return _as_link(folder, case, case.path.parent)
 
@@ -436,7 +436,7 @@ def a_checkpoints_folder(folder: Folder) -> Case:
 def _cache(
     folder: Folder, name: str, written: Callable[[float], bytes], read: Callable[[], Values]
 ) -> Case:
-    """A file of a cache, in ``folder.place``."""
+    """Return a file of a cache, in ``folder.place``."""
     folder.place.chmod(0o700)
 
     def content(value: float, called: str = name) -> bytes:
@@ -462,7 +462,7 @@ def _cache(
 
 
 def machine_code(folder: Folder) -> Case:
-    """A file of the cache of machine code."""
+    """Return a file of the cache of machine code."""
 
     def read() -> Values:
         data = CacheFolder(folder.place).read("code")
@@ -474,7 +474,7 @@ def machine_code(folder: Folder) -> Case:
 
 
 def numbers_of_waves(folder: Folder) -> Case:
-    """A file of the cache of waves."""
+    """Return a file of the cache of waves."""
     store = DataStore("maker", "key", CacheFolder(folder.place))
 
     def read() -> Values:
@@ -490,7 +490,7 @@ def numbers_of_waves(folder: Folder) -> Case:
 
 
 def the_cache_folder(folder: Folder) -> Case:
-    """The folder of a cache, in turn with a link, and one that is open to others."""
+    """Return the folder of a cache, in turn with a link, and one that is open to others."""
     case = _as_link(folder, machine_code(folder), folder.place)
     link = next(state for state in case.states if state.is_link)
     link.file.chmod(0o700)
@@ -510,7 +510,7 @@ def _text(
     most: int,
     name: str = "file.toml",
 ) -> Case:
-    """A text that a user names. The values are all that stand in what is made of it."""
+    """Return a text that a user names. The values are all those in the resulting object."""
     first, second, foreign = (written(value) for value in (FIRST, SECOND, FOREIGN))
     path = folder.place / name
     longer = foreign + "\n" * most
@@ -527,7 +527,7 @@ def _text(
 
 
 def _numbers(found: object) -> set[float]:
-    """The values that the text of an object holds."""
+    """Return the values that the text of an object holds."""
     return {float(number) for number in NUMBER.findall(str(found))}
 
 
@@ -578,7 +578,7 @@ LINES = """{{"key": "a", "verdict": {0}}}
 
 
 def a_scene(folder: Folder) -> Case:
-    """A scene."""
+    """Return a scene."""
 
     def read(path: Path) -> object:
         stated = json.loads(load_scene(path).json())
@@ -588,7 +588,7 @@ def a_scene(folder: Folder) -> Case:
 
 
 def a_scenes_lattice(folder: Folder) -> Case:
-    """The lattice that a scene names."""
+    """Return the lattice that a scene names."""
     scene = folder.place / "scene.toml"
     scene.write_text(
         'lattice = "file.toml"\nwave = "soliton_sech"\neps = 0.1\nt0 = 0\nsnapshots = [0, 4]\n'
@@ -598,28 +598,28 @@ def a_scenes_lattice(folder: Folder) -> Case:
 
 
 def a_lattice(folder: Folder) -> Case:
-    """A lattice."""
+    """Return a lattice."""
     return _text(folder, LATTICE.format, lambda path: read_lattice(path).title, 10**5)
 
 
 def a_sweep(folder: Folder) -> Case:
-    """A sweep."""
+    """Return a sweep."""
     return _text(folder, SWEEP.format, lambda path: load_sweep(path).json(), 10**6)
 
 
 def problems(folder: Folder) -> Case:
-    """Statements."""
+    """Return statements."""
     return _text(folder, PROBLEM.format, problem_texts, 10**7)
 
 
 def certificates(folder: Folder) -> Case:
-    """Certificates."""
+    """Return certificates."""
     read: Callable[[Path], object] = read_certificates
     return _text(folder, '[{{"a": {0}}}, {{"b": {0}}}]'.format, read, 10**7, "file.json")
 
 
 def estimates(folder: Folder) -> Case:
-    """Records of estimates."""
+    """Return records of estimates."""
     fields = dict.fromkeys(Judged.__dataclass_fields__, 0)
 
     def written(value: float) -> str:
@@ -629,7 +629,7 @@ def estimates(folder: Folder) -> Case:
 
 
 def verdict_lines(folder: Folder) -> Case:
-    """Kept verdicts, which nobody else may have written."""
+    """Return stored verdicts, which nobody else may have written."""
 
     def read(path: Path) -> object:
         return VerdictLines(str(path), 1.0, lambda: "")._records
@@ -645,7 +645,7 @@ def verdict_lines(folder: Folder) -> Case:
 
 
 def a_scenes_table(folder: Folder) -> Case:
-    """A table that a scene names."""
+    """Return a table that a scene names."""
     table = {"file": "file.csv"}
     return _text(
         folder, "a,b\n{0},{0}\n{0},{0}\n".format, lambda p: with_columns(table, p.parent), 10**6,
@@ -654,7 +654,7 @@ def a_scenes_table(folder: Folder) -> Case:
 
 
 def a_force_law(folder: Folder) -> Case:
-    """The points of a force law, on a line through 0 of the value's slope."""
+    """Return the points of a force law, on a line through 0 of the value's slope."""
 
     def written(slope: float) -> str:
         rows = (f"{x / 64},{slope * x / 64}" for x in range(-32, 33))
@@ -669,7 +669,7 @@ def a_force_law(folder: Folder) -> Case:
 
 
 def a_record_of_sensors(folder: Folder) -> Case:
-    """A record of sensors."""
+    """Return a record of sensors."""
     dimer = LATTICES["mass_dimer"]
     lattice = numeric_lattice(dimer, {str(symbol): 1 for symbol in dimer.constants})
 

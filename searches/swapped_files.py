@@ -48,7 +48,7 @@ ERROR, NOTHING = "error", "nothing"
 
 
 class Swaps:
-    """What stands at the path of a case, one state at a time."""
+    """States of a case's path, one at a time."""
 
     def __init__(self, path: Path) -> None:
         self._path, self._draft = path, path.with_name(f".swap-{path.name}")
@@ -101,7 +101,7 @@ def swap(path: Path, states: Sequence[State], rest: float, seed: int, end: Path)
 
 @contextmanager
 def swapped(case: Case, rest: float, seed: int, folder: Path) -> Iterator[Callable[[], int]]:
-    """Have another process swap the case's path in the body; what is given ends it and counts."""
+    """Swap the case's path in another process; yield a function that stops and counts."""
     end = folder / "end"
     workers = LocalWorkers(1, isolated=True)
     call = workers.submit(Job(swap, (case.path, case.states, rest, seed, end)))
@@ -122,7 +122,7 @@ def swapped(case: Case, rest: float, seed: int, folder: Path) -> Iterator[Callab
 
 @dataclass
 class Found:
-    """How the calls of a reader ended, and the faults."""
+    """Endings of a reader's calls, and the faults."""
 
     swaps: int = 0
     calls: Counter[object] = field(default_factory=Counter)
@@ -155,7 +155,7 @@ def judged(case: Case) -> tuple[object, str]:
 
 
 def alone(case: Case) -> list[str]:
-    """Faults of a reader that meets each state alone."""
+    """Return faults of a reader that meets each state alone."""
     faults, swaps = [], Swaps(case.path)
     for state in case.states:
         swaps.put(state)
@@ -192,7 +192,7 @@ def search(
 
 
 def row(reader: str, found: Found) -> list[str]:
-    """The cells of a reader."""
+    """Return the cells of a reader."""
     counts = [found.calls[outcome] for outcome in (FIRST, SECOND, ERROR, NOTHING, FOREIGN)]
     numbers = [sum(counts), found.swaps, *counts, len(found.faults)]
     return [reader, *map(str, numbers), f"{found.slowest:.2f}"]

@@ -74,7 +74,7 @@ class Experiment:
 
     @classmethod
     def drawn(cls, kind: str, seed: int) -> Experiment:
-        """The experiment of that seed; noise is 0.5 to 3 % of a sensor's largest reading."""
+        """Return the experiment of that seed; noise is 0.5 to 3 % of a sensor's largest reading."""
         random = np.random.default_rng([seed, list(FREE).index(kind)])
         K2, K4, site = random.uniform(0.7, 1.4), random.uniform(0.5, 2.0), random.uniform(0.02, 0.1)
         hidden = {
@@ -88,7 +88,7 @@ class Experiment:
         cells = int(random.integers(8, 13))
         places = random.choice(cells, size=SENSORS, replace=False)
         quantities = random.choice(["displacement", "velocity", "strain"], size=SENSORS)
-        made = cls(
+        experiment = cls(
             kind,
             tuple(map(float, hidden)),
             cells,
@@ -98,15 +98,15 @@ class Experiment:
             (),
             seed,
         )
-        size = np.abs(made.exact).max(axis=0) * random.uniform(0.005, 0.03, size=SENSORS)
-        return replace(made, noise=tuple(size.tolist()))
+        size = np.abs(experiment.exact).max(axis=0) * random.uniform(0.005, 0.03, size=SENSORS)
+        return replace(experiment, noise=tuple(size.tolist()))
 
     def read(self, hidden: tuple[float, ...], times: Array, sensors: tuple[Sensor, ...]) -> Array:
-        """What sensors read on a chain with these constants, (times, sensors), by DOP853."""
+        """Return the sensors' readings with these constants, (times, sensors), by DOP853."""
         K2, K3, K4, site, bond = hidden
 
-        def slopes(_: float, held: Array) -> Array:
-            u, v = held[: self.cells], held[self.cells :]
+        def slopes(_: float, state: Array) -> Array:
+            u, v = state[: self.cells], state[self.cells :]
             x = np.diff(u, prepend=0.0, append=0.0)
             rate = np.diff(v, prepend=0.0, append=0.0)
             force = x * (K2 + x * (K3 + x * K4)) + bond * rate
@@ -118,22 +118,22 @@ class Experiment:
         found = solve_ivp(slopes, (0.0, float(times[-1])), start, method="DOP853", **words).y
         u, v = found[: self.cells], found[self.cells :]
         strain = np.diff(u, axis=0, append=0.0)
-        held = {"displacement": u, "velocity": v, "strain": strain}
-        return np.array([held[one.quantity][one.cell] for one in sensors]).T
+        readings = {"displacement": u, "velocity": v, "strain": strain}
+        return np.array([readings[one.quantity][one.cell] for one in sensors]).T
 
     @cached_property
     def exact(self) -> Array:
-        """What the sensors would read without noise."""
+        """Readings of the sensors without noise."""
         return self.read(self.hidden, TIMES, self.sensors)
 
     def record(self, draw: int = 0) -> SensorRecord:
-        """What they read with it."""
+        """Return the readings with noise."""
         normal = np.random.default_rng([self.seed, draw, 1]).standard_normal(self.exact.shape)
         deviations = np.broadcast_to(self.noise, self.exact.shape)
         return SensorRecord(TIMES, self.sensors, self.exact + normal * deviations, deviations)
 
     def scene(self, values: tuple[float, ...]) -> Scene:
-        """The scene as whoever fits it knows it: these values, and what is not fitted exactly.
+        """Return the scene for the fit: these values, and the exact ones of the rest.
 
         What is hidden of a wrong one is not there.
         """
@@ -159,19 +159,19 @@ class Experiment:
         return tuple(hidden[name] for name in FREE[self.kind])
 
     def fitted(self) -> SceneFit:
-        """The fit, from values that are off."""
+        """Fit the constants, from wrong initial values."""
         random = np.random.default_rng([self.seed, 2])
         off = np.array(self.truth) * random.uniform(1 - OFF, 1 + OFF, len(self.truth))
         return fit_scene(self.scene(tuple(off.tolist())), [self.record()], FREE[self.kind])
 
     def elsewhere(self) -> Experiment:
-        """The run that is predicted: struck at the mirror cell, a fifth harder."""
+        """Return the predicted run: struck at the mirror cell, a fifth harder."""
         mirrored, harder = self.cells - 1 - self.struck, 1.2 * self.velocity
         return replace(self, struck=mirrored, velocity=harder)
 
 
 def crest_apart(experiment: Experiment, fit: SceneFit) -> float:
-    """The predicted crest less the true one, in its standard deviations.
+    """Return the predicted crest less the true one, in its standard deviations.
 
     The crest is the largest size of the strain in the middle of the chain.
     """
@@ -186,7 +186,7 @@ def crest_apart(experiment: Experiment, fit: SceneFit) -> float:
 
 
 def scatter(experiment: Experiment) -> Array:
-    """Root mean squares of errors of repeated fits, over the bounds of Cramer and Rao."""
+    """Return root mean squares of errors of repeated fits, over the bounds of Cramer and Rao."""
     free, truth = FREE[experiment.kind], np.array(experiment.truth)
     columns = []
     for name in free:
@@ -211,33 +211,33 @@ def main() -> int:
     words = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     for name, count in (("count", 1000), ("wrong", 200), ("repeated", 50), ("seed", 0)):
         words.add_argument(f"--{name}", type=int, default=count)
-    asked = words.parse_args()
-    kept, doubted, spread = 0, 0, []
-    for seed in range(asked.seed, asked.seed + asked.count):
+    options = words.parse_args()
+    covered, doubted, spread = 0, 0, []
+    for seed in range(options.seed, options.seed + options.count):
         experiment = Experiment.drawn(RIGHT[seed % len(RIGHT)], seed)
         fit = experiment.fitted()
-        apart = crest_apart(experiment, fit)
-        spread.append(apart)
-        kept += abs(apart) <= WIDE
+        deviation = crest_apart(experiment, fit)
+        spread.append(deviation)
+        covered += abs(deviation) <= WIDE
         doubted += _is_doubted(fit)
-        if abs(apart) > 2.5 * WIDE:
-            print(f"seed {seed}: {experiment.kind}, crest off by {apart:.1f}", flush=True)
-    share, root = kept / asked.count, float(np.sqrt(np.mean(np.square(spread))))
+        if abs(deviation) > 2.5 * WIDE:
+            print(f"seed {seed}: {experiment.kind}, crest off by {deviation:.1f}", flush=True)
+    share, root = covered / options.count, float(np.sqrt(np.mean(np.square(spread))))
     print(
-        f"{asked.count} right scenes: the interval of the crest holds it in {100 * share:.1f} %, "
-        f"errors {root:.3f} of their deviation; doubted {100 * doubted / asked.count:.1f} %",
+        f"{options.count} right scenes: the interval of the crest holds it in {100 * share:.1f} %, "
+        f"errors {root:.3f} of their deviation; doubted {100 * doubted / options.count:.1f} %",
         flush=True,
     )
     found = []
     for place, kind in enumerate(WRONG):
-        seeds = range(asked.seed + place, asked.seed + asked.wrong, len(WRONG))
+        seeds = range(options.seed + place, options.seed + options.wrong, len(WRONG))
         hits = [_is_doubted(Experiment.drawn(kind, seed).fitted()) for seed in seeds]
         found += hits
         print(f"{len(hits)} scenes with a {kind}: {100 * np.mean(hits):.1f} % doubted", flush=True)
-    drawn = [Experiment.drawn(RIGHT[s % len(RIGHT)], s) for s in range(asked.repeated)]
+    drawn = [Experiment.drawn(RIGHT[s % len(RIGHT)], s) for s in range(options.repeated)]
     ratios = np.array([scatter(experiment) for experiment in drawn]).ravel()
     print(
-        f"{asked.repeated} experiments, each {REPEATS} times: scatter "
+        f"{options.repeated} experiments, each {REPEATS} times: scatter "
         f"{np.sqrt(np.mean(ratios**2)):.3f} of the bound, at most {ratios.max():.2f}"
     )
     good = 0.93 <= share <= 0.97 and np.mean(found) >= 0.9 and ratios.max() <= 2.0

@@ -32,13 +32,13 @@ class CannotJudge(ValueError):
 
 @cache
 def words(text: str) -> tuple[str, ...]:
-    """The words of a text."""
+    """Return the words of a text."""
     return tuple(WORD.findall(text))
 
 
 @cache
 def number(word: str) -> acb:
-    """A decimal number."""
+    """Return a decimal number."""
     found = Fraction(word if word[0] != "." else f"0{word}")
     with ctx.workprec(BITS):
         return acb(arb(fmpq(found.numerator, found.denominator)))
@@ -55,7 +55,7 @@ class TextBalls:
         self.solutions = {found[0]: found[found.index("=") + 1 :] for found in solved}
 
     def value(self, text: str | Sequence[str], values: Values) -> acb:
-        """The ball of a formula, or of the difference of the sides of an equation."""
+        """Return the ball of a formula, or of the difference of the sides of an equation."""
         found = words(text) if isinstance(text, str) else tuple(text)
         try:
             with ctx.workprec(BITS):
@@ -70,7 +70,7 @@ class TextBalls:
             raise CannotJudge(str(error)) from error
 
     def holds(self, text: str, values: Values) -> bool:
-        """Whether a chain of inequalities is shown to hold strictly; != says nothing."""
+        """Return whether a chain of inequalities is shown to hold strictly; != says nothing."""
         found, ends, signs = words(text), [0], list[str]()
         for place, word in enumerate(found):
             if word in ("<", ">", "<=", ">=", "!="):
@@ -92,16 +92,16 @@ class Walk:
         self._texts, self._words, self._values, self._at = texts, (*found, ""), values, 0
 
     def whole(self) -> Value:
-        """The value of all words."""
+        """Return the value of all words."""
         found = self._sum()
         if self._words[self._at]:
             raise KeyError(f"{self._words[self._at]} in {' '.join(self._words)}")
         return found
 
-    def _take(self, *wanted: str) -> str:
+    def _take(self, *expected: str) -> str:
         word = self._words[self._at]
-        self._at += word in wanted
-        return word if word in wanted else ""
+        self._at += word in expected
+        return word if word in expected else ""
 
     def _sum(self) -> Value:
         total = self._product()
@@ -173,7 +173,7 @@ class Walk:
         return FUNCTIONS[name](*values)
 
     def _derivative(self, inner: Sequence[str], steps: Sequence[str]) -> Value:
-        """D_1 ... D_k f is a sum over subsets of +-(D_a + D_b + ...)**k f / k!."""
+        """Return D_1 ... D_k f as a sum over subsets of +-(D_a + D_b + ...)**k f / k!."""
         order = len(steps)
         if any(isinstance(value, acb_series) for value in self._values.values()):
             raise CannotJudge("a derivative in a derivative")
@@ -209,19 +209,19 @@ def _sharp(value: acb) -> acb:
 
 
 def head(value: Value) -> acb:
-    """The value at the point itself."""
+    """Return the value at the point itself."""
     return value[0] if isinstance(value, acb_series) else value
 
 
 def inverse(value: Value) -> Value:
-    """1 over a value that is not 0."""
+    """Return 1 over a value that is not 0."""
     if head(value).contains(0):
         raise CannotJudge("1/0")
     return 1 / value
 
 
 def power(base: Value, exponent: Value) -> Value:
-    """A principal power."""
+    """Return a principal power."""
     whole = None
     if isinstance(exponent, acb) and exponent.imag == 0:
         whole = exponent.real.unique_fmpz()
@@ -235,7 +235,7 @@ def power(base: Value, exponent: Value) -> Value:
 
 
 def log(value: Value) -> Value:
-    """The principal logarithm, off its cut or exactly on it."""
+    """Return the principal logarithm, off its cut or exactly on it."""
     first = head(value)
     if first.contains(0) or (first.real < 0 and first.imag.contains(0) and first.imag != 0):
         raise CannotJudge("a logarithm on its cut")
@@ -243,44 +243,44 @@ def log(value: Value) -> Value:
 
 
 def root(value: Value) -> Value:
-    """The principal square root."""
+    """Return the principal square root."""
     return power(value, acb(0.5))
 
 
 def conjugate(value: Value) -> Value:
-    """The conjugate for real variables."""
+    """Return the conjugate for real variables."""
     if isinstance(value, acb_series):
         return acb_series([acb(c.real, -c.imag) for c in value.coeffs()])
     return acb(value.real, -value.imag)
 
 
 def size(value: Value) -> Value:
-    """The absolute value."""
+    """Return the absolute value."""
     return acb(abs(value)) if isinstance(value, acb) else root(value * conjugate(value))
 
 
 def sine(z: Value) -> Value:
-    """sin."""
+    """Return the sine."""
     return ((I * z).exp() - (-I * z).exp()) / acb(0, 2)
 
 
 def cosine(z: Value) -> Value:
-    """cos."""
+    """Return the cosine."""
     return ((I * z).exp() + (-I * z).exp()) / 2
 
 
 def sinh(z: Value) -> Value:
-    """sinh."""
+    """Return the hyperbolic sine."""
     return (z.exp() - (-z).exp()) / 2
 
 
 def cosh(z: Value) -> Value:
-    """cosh."""
+    """Return the hyperbolic cosine."""
     return (z.exp() + (-z).exp()) / 2
 
 
 def asin(z: Value) -> Value:
-    """asin."""
+    """Return the inverse sine."""
     return -I * log(I * z + root(1 - z * z))
 
 
@@ -318,7 +318,7 @@ FUNCTIONS = {
 
 
 def jacobi(name: str, z: Value, m: Value) -> Value:
-    """A Jacobi function of a number m, 0 < m < 1, by theta functions and their series."""
+    """Return a Jacobi function of a number m, 0 < m < 1, by theta functions and their series."""
     if not isinstance(m, acb) or not (m.imag == 0 and 0 < m.real < 1):
         raise CannotJudge("m must be a number between 0 and 1")
     first, second = m.elliptic_k(), m.elliptic_e()
@@ -348,7 +348,7 @@ def jacobi(name: str, z: Value, m: Value) -> Value:
 
 
 def symbols(texts: Sequence[str]) -> set[str]:
-    """The names in texts that are no functions."""
+    """Return the names in texts that are no functions."""
     found = (word for text in texts for word in words(text))
     names = {w for w in found if w[0].isalpha() and not w.startswith("jacobi_")}
     return names - {*FUNCTIONS, "I", "pi", "diff"}

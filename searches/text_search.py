@@ -61,7 +61,7 @@ class Judgement:
 
 
 def ask_text(given: TextStatement) -> ProofVerdict:
-    """The prover's verdict on the texts."""
+    """Return the prover's verdict on the texts."""
     return prove(
         list(given.equations),
         list(given.solutions),
@@ -86,13 +86,13 @@ def judge_text(given: TextStatement, limit: float = LIMIT) -> Judgement:
 
 
 def marked_text(given: TextStatement, verdict: ProofVerdict) -> tuple[Mark, str]:
-    """Whether a verdict is right, and why not."""
+    """Return whether a verdict is right, and why not."""
     outcome, truth = verdict.outcome, given.truth
     if outcome is Outcome.UNDECIDED:
         return (Mark.RIGHT if truth is Truth.VOID else Mark.UNDECIDED), verdict.detail
     if outcome is Outcome.PROVED:
-        shown = "" if truth is Truth.VOID else f", but it fails at {point_text(given)}"
-        return (Mark.RIGHT, "") if truth is Truth.TRUE else (Mark.WRONG, f"PROVED{shown}")
+        failure = "" if truth is Truth.VOID else f", but it fails at {point_text(given)}"
+        return (Mark.RIGHT, "") if truth is Truth.TRUE else (Mark.WRONG, f"PROVED{failure}")
     witness = dict(verdict.witness or {})
     if truth is Truth.VOID:
         return Mark.WRONG, f"REFUTED at {witness}, where nothing is defined"
@@ -100,12 +100,12 @@ def marked_text(given: TextStatement, verdict: ProofVerdict) -> tuple[Mark, str]
 
 
 def point_text(given: TextStatement) -> str:
-    """The counterexample of a false statement in words."""
+    """Return the counterexample of a false statement in words."""
     return ", ".join(f"{key} = {value}" for key, value in (given.counterexample or {}).items())
 
 
 def _witnessed(given: TextStatement, witness: dict[str, str]) -> tuple[Mark, str]:
-    """What a refutation is worth, by the residual at its witness.
+    """Return the worth of a refutation, by the residual at its witness.
 
     A letter that the witness leaves out may have any value of its range.
     """
@@ -166,12 +166,12 @@ def judged(kind: str, seed: int, index: int, limit: float = LIMIT) -> Judgement:
 
 
 def kind_of(judgement: Judgement) -> str:
-    """The kind of `SEARCH_KINDS` that a judged statement is of."""
+    """Return the kind of `SEARCH_KINDS` of a judged statement."""
     return judgement.kind.partition(":")[0]
 
 
 def digest(found: Iterable[Judgement]) -> str:
-    """A number of what became of each statement; in another order it is the same."""
+    """Return a digest of the judgements, the same in any order."""
     lines = sorted(f"{j.kind} {j.seed} {j.index} {j.truth} {j.mark}" for j in found)
     return hashlib.sha256("\n".join(lines).encode()).hexdigest()[:16]
 

@@ -47,12 +47,12 @@ Kinds = tuple[str, ...]
 
 
 def placed(kinds: Kinds, number: int) -> tuple[str, int]:
-    """The kind and the index of the statement of this number: the kinds take turns."""
+    """Return the kind and the index of the statement of this number: the kinds take turns."""
     return kinds[number % len(kinds)], number // len(kinds)
 
 
 def judged_at(kinds: Kinds, seed: int, number: int) -> Judgement:
-    """The judgement on the statement of this number."""
+    """Return the judgement on the statement of this number."""
     kind, index = placed(kinds, number)
     return judged(kind, seed, index)
 
@@ -60,7 +60,7 @@ def judged_at(kinds: Kinds, seed: int, number: int) -> Judgement:
 def search(
     kinds: Kinds, seed: int, count: int, workers: int, minutes: float, report: Progress
 ) -> list[Judgement]:
-    """All judgements, from ``workers`` processes.
+    """Return all judgements, from ``workers`` processes.
 
     That a process died at a statement, or said nothing for `PATIENCE`, is a judgement too. After
     ``minutes`` it ends with those that it has.
@@ -95,18 +95,18 @@ def _text(judgement: Judgement) -> str:
 
 
 def _within(judgement: Judgement) -> str:
-    """Two levels of the kind: "real: branch" and not which of them."""
+    """Return two levels of the kind: "real: branch" and not which of them."""
     return ":".join(judgement.kind.split(":")[:2])
 
 
 def table(found: list[Judgement], kind: str, seconds: float) -> Table:
-    """The tallies by kind, or by what there is within one kind."""
-    made = Table(title=f"{len(found)} statements in {seconds / 60:.1f} min")
+    """Return the tallies by kind, or by what there is within one kind."""
+    grid = Table(title=f"{len(found)} statements in {seconds / 60:.1f} min")
     for place, heading in enumerate(HEADINGS):
-        made.add_column(heading, justify="right" if place else "left")
+        grid.add_column(heading, justify="right" if place else "left")
     for tally in tallies(found, kind_of if kind == "all" else _within):
-        made.add_row(*tally.cells())
-    return made
+        grid.add_row(*tally.cells())
+    return grid
 
 
 def reasons(found: list[Judgement]) -> Table:
@@ -116,10 +116,10 @@ def reasons(found: list[Judgement]) -> Table:
         if judgement.mark is Mark.UNDECIDED:
             last = judgement.words.rpartition("; then: ")[2]
             counts.setdefault((judgement.kind, last[:100]), []).append(judgement.index)
-    made = Table("count", "kind", "reason", "first", title="Undecided")
+    grid = Table("count", "kind", "reason", "first", title="Undecided")
     for (kind, words), own in sorted(counts.items(), key=lambda item: -len(item[1]))[:40]:
-        made.add_row(str(len(own)), kind, words, str(min(own)))
-    return made
+        grid.add_row(str(len(own)), kind, words, str(min(own)))
+    return grid
 
 
 def main() -> int:

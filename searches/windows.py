@@ -32,7 +32,7 @@ REDRAWN = 60
 
 
 def window_scene(seed: int, index: int) -> tuple[Scene, DomainPlan] | None:
-    """The first drawn scene of that index that runs in a window, with its rings."""
+    """Return the first drawn scene of that index that runs in a window, with its rings."""
     draw = random.Random(f"windows {seed}:{index}")
     names = sorted(name for name in LATTICES if name != CHAIN)
     for redrawn in range(REDRAWN):
@@ -57,7 +57,7 @@ def window_scene(seed: int, index: int) -> tuple[Scene, DomainPlan] | None:
 
 
 def judge(seed: int, index: int, seconds: float) -> tuple[str, float | None]:
-    """What came of an index in words, and its ratio, if there is one."""
+    """Return the result of an index in words, and its ratio, if there is one."""
     found = window_scene(seed, index)
     if found is None:
         return "no window drawn", None

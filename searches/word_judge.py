@@ -36,7 +36,7 @@ _WORDS = re.compile(r"\s*(\d+\.?\d*|[A-Za-z][A-Za-z0-9_]*|\*\*|[-+*/()\[\],=])")
 
 
 def text_tree(text: str, variables: str, unknowns: Collection[str]) -> Tree:
-    """The tree of a formula, or of left - right of an equation, in the prover's grammar."""
+    """Return the tree of a formula, or of left - right of an equation, in the prover's grammar."""
     return _Text(_WORDS.findall(text), variables, unknowns).equation()
 
 
@@ -150,7 +150,7 @@ _GREEK = re.compile(r"\\(alpha|beta|gamma|delta|kappa|lambda|mu|nu|omega|psi|phi
 def latex_tree(
     text: str, variables: str, unknowns: Collection[str], functions: Collection[str]
 ) -> Tree:
-    """The tree of a formula, or of left - right of an equation, in LaTeX."""
+    """Return the tree of a formula, or of left - right of an equation, in LaTeX."""
     return _Latex(_LATEX.findall(text), variables, unknowns, functions).equation()
 
 
@@ -223,8 +223,8 @@ class _Latex(_Words):
         if word == r"\pi":
             return "name", "pi"
         if word == r"\operatorname":
-            shown = self.raw()
-            return self.call({v: k for k, v in _PLAIN.items()}.get(shown, shown))
+            raw = self.raw()
+            return self.call({v: k for k, v in _PLAIN.items()}.get(raw, raw))
         if word in _NAMED:
             return self.call(_NAMED[word])
         if word == r"\mathrm":
@@ -307,7 +307,7 @@ class Reading:
     _cached: dict[tuple[Any, ...], list[tuple[Any, Any]]] = field(default_factory=dict, repr=False)
 
     def residuals(self, point: Point) -> list[tuple[Any, Any]]:
-        """For each equation its residual at a point, and the size of its largest term."""
+        """Return for each equation its residual at a point, and the size of its largest term."""
         key = tuple(point.items())
         if key not in self._cached:
             self._cached[key] = self._computed(point)
@@ -322,11 +322,11 @@ class Reading:
             return found
 
     def holds(self, point: Point) -> bool:
-        """Whether all residuals are small."""
+        """Return whether all residuals are small."""
         return all(abs(value) < SMALL * size for value, size in self.residuals(point))
 
     def value(self, tree: Tree, point: Point) -> Any:
-        """The value of a formula."""
+        """Return the value of a formula."""
         match tree:
             case ("num", number):
                 return mp.mpf(number.numerator) / number.denominator
@@ -353,7 +353,7 @@ class Reading:
         raise TypeError(f"no tree: {tree}")
 
     def slope(self, tree: Tree, steps: Sequence[str], point: Point) -> Any:
-        """A derivative of a formula by differences."""
+        """Return a derivative of a formula by differences."""
         if not steps:
             return self.value(tree, point)
         names = sorted({*steps})
@@ -369,7 +369,7 @@ class Reading:
 
     @staticmethod
     def power(base: Any, exponent: Any) -> Any:
-        """A principal power; whole ones of anything but 1/0."""
+        """Return a principal power; whole ones of anything but 1/0."""
         if mp.isint(exponent) and abs(exponent) < 1000:
             if exponent < 0 and abs(base) < NEAR:
                 raise CannotJudge("near a pole")
@@ -391,7 +391,7 @@ KINDS = ("num", "name", "+", "*", "^", "call", "unknown", "diff")
 
 
 def names_in(trees: Sequence[Tree]) -> set[str]:
-    """The names in trees, with those of functions that are arbitrary."""
+    """Return the names in trees, with those of functions that are arbitrary."""
     found: set[str] = set()
     for tree in trees:
         if tree[0] == "name" or (tree[0] == "call" and tree[1] in ("f", "g")):

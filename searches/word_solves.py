@@ -51,12 +51,12 @@ class Solved:
 
     equation: str
     solution: str
-    wanted: str
+    sought: str
 
     @property
     def words(self) -> str:
         """The statement as arguments of `prove`."""
-        return f"{self.equation!r}, {self.solution!r}, solve={self.wanted!r}"
+        return f"{self.equation!r}, {self.solution!r}, solve={self.sought!r}"
 
     @property
     def reading(self) -> Reading:
@@ -68,22 +68,22 @@ class Solved:
 
 
 def solved(seed: int, index: int) -> Solved:
-    """The statement of a number, the same each time."""
+    """Return the statement of a number, the same each time."""
     draw = random.Random(f"solves:{seed}:{index}")
-    equation, formula, wanted = draw.choice(SOLVED)
-    return Solved(equation, f"u = {formula.format(h=draw.choice(PLACES))}", wanted)
+    equation, formula, sought = draw.choice(SOLVED)
+    return Solved(equation, f"u = {formula.format(h=draw.choice(PLACES))}", sought)
 
 
 def faults(given: Solved, verdict: ConditionalVerdict, seed: int = 0) -> Iterator[str]:
-    """What is false in the cases, and values that hold although they are said not to."""
+    """Yield false cases, and values that hold although the answer excludes them."""
     draw = random.Random(f"{given.words}{seed}")
     cases = [case.json() for case in verdict.cases if case.proved or case.trivial]
     reading = given.reading
     for case in cases:
         if not case["unsolved"]:
             yield from _of_case(reading, case, draw)
-    said = " ".join(verdict.lines())
-    is_all = "only if" in said or "no value" in said
+    answer = " ".join(verdict.lines())
+    is_all = "only if" in answer or "no value" in answer
     if (
         is_all
         and verdict.outcome.value != "UNDECIDED"
@@ -116,36 +116,36 @@ def _holds(reading: Reading, condition: str, point: Mapping[str, Any]) -> bool:
 def _left_out(
     given: Solved, cases: Sequence[Mapping[str, Any]], draw: random.Random
 ) -> Iterator[str]:
-    """A real value with which the residual vanishes at all points, and which no case has."""
+    """Yield a real value with which the residual vanishes at all points, and which no case has."""
     reading, fixed = given.reading, _point(draw)
     points = [{**fixed, "x": p["x"], "t": p["t"]} for p in (_point(draw) for _ in range(POINTS))]
     for start in map(mp.mpf, (-3.5, -1, -0.25, 0.25, 1, 2, 3.5)):
         with suppress(CannotJudge, ValueError, ZeroDivisionError, OverflowError, TypeError):
-            value = _root(reading, points[0], given.wanted, start)
+            value = _root(reading, points[0], given.sought, start)
             real = abs(value.imag) < SAME and all(
-                reading.holds({**point, given.wanted: value.real}) for point in points
+                reading.holds({**point, given.sought: value.real}) for point in points
             )
-            if real and not any(_is(case, given.wanted, value.real, fixed) for case in cases):
+            if real and not any(_is(case, given.sought, value.real, fixed) for case in cases):
                 words = ", ".join(f"{name} = {mp.nstr(v, 6)}" for name, v in fixed.items())
-                yield f"{given.wanted} = {mp.nstr(value.real, 8)} is in no case, for {words}"
+                yield f"{given.sought} = {mp.nstr(value.real, 8)} is in no case, for {words}"
                 return
 
 
-def _root(reading: Reading, point: Mapping[str, Any], wanted: str, start: Any) -> Any:
-    """A value of the constant near one with which the residual is 0 at a point."""
-    if reading.holds({**point, wanted: start}):
+def _root(reading: Reading, point: Mapping[str, Any], sought: str, start: Any) -> Any:
+    """Return a value of the constant near one with which the residual is 0 at a point."""
+    if reading.holds({**point, sought: start}):
         return mp.mpc(start)
 
     def residual(value: Any) -> Any:
-        return reading.residuals({**point, wanted: value})[0][0]
+        return reading.residuals({**point, sought: value})[0][0]
 
     with mp.workdps(DIGITS):
         return mp.mpc(mp.findroot(residual, (start, start + 0.1), maxsteps=60))
 
 
-def _is(case: Mapping[str, Any], wanted: str, value: Any, fixed: Mapping[str, Any]) -> bool:
-    """Whether a point with a value is in a case; where that is not known it is."""
-    point = {**fixed, wanted: value}
+def _is(case: Mapping[str, Any], sought: str, value: Any, fixed: Mapping[str, Any]) -> bool:
+    """Return whether a point with a value is in a case; where that is not known it is."""
+    point = {**fixed, sought: value}
     if case["unsolved"]:
         return True
     values = {name: text_tree(text, "", ()) for name, text in case["values"].items()}

@@ -34,7 +34,6 @@ from longwave.derive.algebra.formula_printing import formula_as_text
 from longwave.derive.algebra.formula_text import FormulaError
 from longwave.support.processes import OutOfTime, time_limit
 from longwave.verify.proof.conditions import ConditionalVerdict
-from longwave.verify.proof.kept_verdict import kept_record, taken_again
 from longwave.verify.proof.mistyped_statements import split_outside
 from longwave.verify.proof.near_misses import with_hint
 from longwave.verify.proof.statement_text import read_statement
@@ -43,6 +42,7 @@ from longwave.verify.proof.statement_verdict import (
     decide_statement,
     verified_sentence,
 )
+from longwave.verify.proof.stored_verdict import checked_again, verdict_record
 from longwave.verify.proof.text_prover import prove
 from longwave.verify.proof.typed_statement import Statement
 from searches.word_judge import NEAR, CannotJudge, Point, Reading, latex_tree, names_in, text_tree
@@ -121,11 +121,11 @@ class Made:
         return ", ".join(map(repr, texts))
 
     def read(self) -> Statement:
-        """What the prover makes of the texts."""
+        """Return the prover's reading of the texts."""
         return _read(self.equation, self.solution, self.parameters, self.domain)
 
     def point(self, draw: random.Random) -> dict[str, Any]:
-        """A random admissible point."""
+        """Return a random admissible point."""
         found: dict[str, Any] = {}
         for name, (low, high) in self.ranges.items():
             if self.kinds[name] == "integer":
@@ -143,8 +143,8 @@ def _read(equation: str, solution: str, parameters: str, domain: str) -> Stateme
     return read_statement(equation, solution, parameters, domain)
 
 
-def made(seed: int, index: int) -> Made:
-    """The statement of a number, the same each time."""
+def random_statement(seed: int, index: int) -> Made:
+    """Return the statement of a number, the same each time."""
     draw = random.Random(f"words:{seed}:{index}")
     while True:
         found = _drawn(draw)
@@ -256,7 +256,7 @@ def _stated(equation: str, solution: str, draw: random.Random, letter: str) -> M
 
 
 class Judgement:
-    """What is false in all that is said of one statement."""
+    """Faults in all that is said of one statement."""
 
     def __init__(self, given: Made, statement: Statement, seed: int, index: int) -> None:
         self.given, self.statement, self.draw = given, statement, random.Random(f"{seed}.{index}")
@@ -271,7 +271,7 @@ class Judgement:
         return Reading(trees, {"u": text_tree(formula, "xtn", ("u",))})
 
     def points(self, reading: Reading, count: int = POINTS) -> Iterator[Point]:
-        """Points at which a reading can be judged."""
+        """Yield points at which a reading can be judged."""
         left = count
         for _ in range(TRIES):
             point = self.given.point(self.draw)
@@ -292,9 +292,9 @@ class Judgement:
             case "REFUTED":
                 self._look_at_witness(verdict)
         sentence = verified_sentence(self.statement, verdict)
-        shown = re.findall(r"\\\[ (.*?) \\\]", sentence)
-        if shown:
-            self._look_at_latex(shown[0], shown[1], "sentence")
+        displayed = re.findall(r"\\\[ (.*?) \\\]", sentence)
+        if displayed:
+            self._look_at_latex(displayed[0], displayed[1], "sentence")
         if verdict.outcome.value == "PROVED":
             self._look_at_scope(_plain_scope(sentence.splitlines()[-1]), "sentence")
             self._look_at_scope(verdict.assumptions[0], "scope")
@@ -309,7 +309,7 @@ class Judgement:
                 self.faults.append(f"PROVED, but it fails at {_shown(point)}")
 
     def _is_named(self, verdict: StatementVerdict, point: Point) -> bool:
-        """Whether a verdict says that it says nothing at a point."""
+        """Return whether a verdict says that it says nothing at a point."""
         words = (*verdict.singularities, verdict.sides)
         named = {*re.findall(r"(?:at|the site|apart from|,) (\w+) = (-?\d+)", " ".join(words))}
         rough = any(" where " in line for line in verdict.singularities) or " more" in verdict.sides
@@ -319,7 +319,7 @@ class Judgement:
         return any(self._is_at(place, point) for place in _places(verdict))
 
     def _is_at(self, place: str, point: Point) -> bool:
-        """Whether a point is at a place in words; where that is not known it is."""
+        """Return whether a point is at a place in words; where that is not known it is."""
         left, sign, right = place.partition(" = ")
         if not sign or "..." in place:
             return True
@@ -331,7 +331,7 @@ class Judgement:
         return bool(abs(low - high) < NEAR)
 
     def _zeros(self, reading: Reading) -> Iterator[Point]:
-        """Points at which one name is 0."""
+        """Yield points at which one name is 0."""
         for name in sorted(self.given.ranges.keys() - {"n", "k"}):
             point = self.given.point(self.draw) | {name: mp.mpf(0)}
             with suppress(CannotJudge, ZeroDivisionError, ValueError, OverflowError):
@@ -340,7 +340,7 @@ class Judgement:
                     yield point
 
     def _sites(self, reading: Reading) -> Iterator[Point]:
-        """A point at every site that is looked at."""
+        """Yield a point at every site that is looked at."""
         low, high = self.given.ranges.get("n", (0, 0))
         for site in range(low + 1, high):
             point = self.given.point(self.draw) | {"n": mp.mpf(site)}
@@ -371,7 +371,7 @@ class Judgement:
         functions = ("f",) if "f(" in self.given.solution else ()
         try:
             _, _, right = formula.partition("=")
-            shown = Reading(
+            displayed = Reading(
                 [latex_tree(equation, "xtn", ("u",), functions)],
                 {"u": latex_tree(right, "xtn", ("u",), functions)},
             )
@@ -381,15 +381,15 @@ class Judgement:
             )
             return
         for point in self.drawn:
-            pairs = zip(shown.residuals(point), self.typed.residuals(point), strict=True)
+            pairs = zip(displayed.residuals(point), self.typed.residuals(point), strict=True)
             far = any(abs(a - b) > mp.mpf(10) ** -15 * size for (a, _), (b, size) in pairs)
-            values = [r.value(r.solutions["u"], point) for r in (shown, self.typed)]
+            values = [r.value(r.solutions["u"], point) for r in (displayed, self.typed)]
             if far or abs(values[0] - values[1]) > mp.mpf(10) ** -15 * (1 + abs(values[1])):
                 self.faults.append(f"LaTeX of the {where} differs: {equation} {formula}")
                 return
 
     def _look_at_scope(self, text: str, where: str) -> None:
-        """Kinds and names as they were declared, and conditions that admit the same values."""
+        """Compare kinds and names with those declared, and conditions by the values they admit."""
         text = text.removeprefix("for all ").partition(", wherever")[0]
         names, _, conditions = text.partition(" with ")
         names = names.replace(" that are real at real arguments", "")
@@ -442,8 +442,8 @@ class Judgement:
         lies |= {"statement": "a lie", "seconds": 1e9}
         if verdict.outcome.value != "UNDECIDED":
             lies["reason"] = "a lie"
-        record = json.loads(json.dumps(kept_record(verdict))) | lies
-        again = taken_again(self.statement, record)
+        record = json.loads(json.dumps(verdict_record(verdict))) | lies
+        again = checked_again(self.statement, record)
         if again is None:
             self.faults.append("a verdict is not taken again")
         elif "a lie" in json.dumps(again.json()) or again.outcome != verdict.outcome:
@@ -454,7 +454,7 @@ class Judgement:
 
 
 def _places(verdict: StatementVerdict) -> Iterator[str]:
-    """The places at which a proof says nothing, in words."""
+    """Yield the places at which a proof says nothing, in words."""
     for line in verdict.singularities:
         yield re.sub(r"^.*? (?:at the site|at|where|of) ", "", line)
     for part in re.split("^| and (?=apart)", verdict.sides):
@@ -463,7 +463,7 @@ def _places(verdict: StatementVerdict) -> Iterator[str]:
 
 
 def _plain_scope(text: str) -> str:
-    """The scope of a sentence in LaTeX in the signs of the other one."""
+    """Return the scope of a sentence in LaTeX in the signs of the other one."""
     text = text.partition("; nothing is said")[0].partition(" at which it is smooth")[0]
     signs = {"$": "", r"\le": "<=", r"\ge": ">=", r"\ne": "!="}
     for sign, plain in signs.items():
@@ -478,7 +478,7 @@ def _signed(name: str, condition: str) -> str:
 
 
 def _meets(condition: str, point: Point) -> bool:
-    """Whether a chain of inequalities holds."""
+    """Return whether a chain of inequalities holds."""
     parts = re.split(r"\s*(<=|>=|!=|<|>)\s*", condition.strip())
     values = [point[side] if side in point else mp.mpf(int(side)) for side in parts[::2]]
     tests = {
@@ -493,7 +493,7 @@ def _meets(condition: str, point: Point) -> bool:
 
 
 def _real_part(text: str) -> Fraction:
-    """The real part of a number as it is printed, without rounding."""
+    """Return the real part of a number as it is printed, without rounding."""
     parts = [part.replace(" ", "") for part in re.split(r" (?=[-+] )", text) if part]
     return sum((Fraction(part) for part in parts if not part.endswith("I")), Fraction(0))
 
@@ -512,7 +512,7 @@ def _number(text: str) -> Any:
 
 
 def _residual(detail: str) -> tuple[Any, Any]:
-    """The middle and the error of a printed residual."""
+    """Return the middle and the error of a printed residual."""
     text = detail.partition("residual ")[2].partition(" excludes")[0]
     middle, error = mp.mpc(0), mp.mpf(0)
     for found in re.finditer(r"\[(\S+) \+/- (\S+)\](j?)|(-?[\d.]+(?:e[-+]?\d+)?)(j?)", text):
@@ -525,7 +525,7 @@ def _residual(detail: str) -> tuple[Any, Any]:
 def _with_own_function(
     reading: Reading, point: dict[str, Any], verdict: StatementVerdict
 ) -> Reading:
-    """The reading with the function of a witness as the judge's."""
+    """Return the reading with the function of a witness as the judge's."""
     text = str(point.pop("f", ""))
     if not text:
         return reading
@@ -547,8 +547,8 @@ def _shown(point: Point) -> str:
 
 
 def judged(seed: int, index: int, hints: int) -> tuple[str, Made, list[str]]:
-    """The outcome for a statement, and what is false."""
-    given = made(seed, index)
+    """Return the outcome for a statement, and what is false."""
+    given = random_statement(seed, index)
     try:
         with time_limit(LIMIT):
             statement = given.read()
@@ -570,11 +570,11 @@ def judged(seed: int, index: int, hints: int) -> tuple[str, Made, list[str]]:
 
 
 def solve_judged(seed: int, index: int) -> tuple[str, Solved, list[str]]:
-    """The outcome of a solve, and what is false."""
+    """Return the outcome of a solve, and what is false."""
     given = solved(seed, index)
     try:
         with time_limit(LIMIT):
-            verdict = prove(given.equation, given.solution, solve=given.wanted)
+            verdict = prove(given.equation, given.solution, solve=given.sought)
             assert isinstance(verdict, ConditionalVerdict)
             found = [*faults(given, verdict)]
     except OutOfTime:

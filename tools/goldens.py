@@ -46,12 +46,12 @@ Golden = Iterator[tuple[str, Any]]
 
 
 def digest(content: bytes) -> str:
-    """The first 16 digits of SHA-256."""
+    """Return the first 16 digits of SHA-256."""
     return hashlib.sha256(content).hexdigest()[:16]
 
 
 def longwave(*argv: str, folder: Path = HOUSE) -> str:
-    """What a command prints; what is wrong instead, if it fails."""
+    """Return a command's output, or the error if it fails."""
     command = [sys.executable, "-P", "-m", "longwave", *argv]
     environment = {**os.environ, "PYTHONPATH": str(HOUSE)}
     ended = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
@@ -59,12 +59,12 @@ def longwave(*argv: str, folder: Path = HOUSE) -> str:
 
 
 def names(kind: str) -> list[str]:
-    """What is shipped of a kind."""
+    """Return the shipped names of a kind."""
     return [row["name"] for row in json.loads(longwave("list", kind, "--json"))]
 
 
 def of_dataset(name: str, path: Path) -> Golden:
-    """Each variable of a file."""
+    """Return digests of each variable of a file."""
     if not path.is_file():
         yield name, "no file"
         return
@@ -88,28 +88,28 @@ def shipped_runs(folder: Path) -> Iterator[tuple[str, Path]]:
 
 
 def scenes(folder: Path) -> Golden:
-    """Runs of the shipped scenes."""
+    """Return runs of the shipped scenes."""
     for name, path in shipped_runs(folder):
         yield from of_dataset(name, path)
 
 
 def values(folder: Path) -> Golden:
-    """Variables of the runs of the shipped scenes, with the error of each."""
+    """Return variables of the runs of the shipped scenes, with the error of each."""
     for name, path in shipped_runs(folder):
         if not path.is_file():
             yield name, "no file"
             continue
         with xr.open_dataset(path, engine="h5netcdf", decode_timedelta=False) as data:
             error = run_error(data)
-            for variable, held in data.data_vars.items():
-                if held.dtype.kind == "f" and "seconds" not in str(variable):
+            for variable, array in data.data_vars.items():
+                if array.dtype.kind == "f" and "seconds" not in str(variable):
                     allowed = error / error_unit(data, str(variable))
-                    found = [repr(float(value)) for value in held.to_numpy().ravel()]
+                    found = [repr(float(value)) for value in array.to_numpy().ravel()]
                     yield f"{name}/{variable}", {"error": allowed, "values": found}
 
 
 def run_error(data: xr.Dataset) -> float:
-    """Estimated error of what a run compares, in its unit; of a stated step, both measured parts.
+    """Return the estimated error of a run, in its unit; with a stated step, both measured parts.
 
     Infinite where the run measured none.
     """
@@ -120,7 +120,7 @@ def run_error(data: xr.Dataset) -> float:
 
 
 def error_unit(data: xr.Dataset, variable: str) -> float:
-    """Unit of a run's error over that of a variable: 1, eps**-power, or the wave's size."""
+    """Return a run's unit of error over a variable's: 1, eps**-power, or the wave's size."""
     scene = tomllib.loads(data.attrs["scene"])
     power = int(data.attrs.get("power", 0))
     unit = float(scene.get("eps", 1.0)) ** power
@@ -134,7 +134,7 @@ def error_unit(data: xr.Dataset, variable: str) -> float:
 
 
 def sweeps(folder: Path) -> Golden:
-    """Sweeps of the first value of each field."""
+    """Return sweeps of the first value of each field."""
     for name in names("sweeps"):
         (shipped,) = HOUSE.rglob(f"sweeps/{name}.toml")
         sweep = tomllib.loads(shipped.read_text())
@@ -146,7 +146,7 @@ def sweeps(folder: Path) -> Golden:
 
 
 def first_values(swept: Any) -> Any:
-    """The first value of a field alone, and so of each field in a table of them."""
+    """Return the first value of a field alone, and so of each field in a table of them."""
     if isinstance(swept, list):
         return swept[:1]
     if "from" in swept:
@@ -155,7 +155,7 @@ def first_values(swept: Any) -> Any:
 
 
 def certificates(folder: Path) -> Golden:
-    """Of each closed form."""
+    """Return the certificate of each closed form."""
     for name in names("waves"):
         path = folder / f"{name}.json"
         longwave("verify", "--only", name, "--output", str(path))
@@ -163,13 +163,13 @@ def certificates(folder: Path) -> Golden:
 
 
 def library(folder: Path) -> Golden:
-    """The verdicts."""
+    """Return the verdicts."""
     for row in json.loads(longwave("library", "--json")):
         yield row["name"], row["verdict"]
 
 
 def search(folder: Path) -> Golden:
-    """The digests by seed."""
+    """Return the digests by seed."""
     for seed in SEEDS:
         argv = ["--count", str(STATEMENTS), "--seed", str(seed), "--kind", "all", "--workers", "1"]
         command = [sys.executable, "-P", "-m", "searches.verdicts", *argv]
@@ -180,7 +180,7 @@ def search(folder: Path) -> Golden:
 
 
 def derivations(folder: Path) -> Golden:
-    """JSON of each lattice, of its long waves, and with numbers of its envelope."""
+    """Return JSON of each lattice, of its long waves, and with numbers of its envelope."""
     for row in json.loads(longwave("list", "lattices", "--json")):
         name = row["name"]
         numbers = ",".join(f"{c}={i + 1}" for i, c in enumerate(row["constants"]))
@@ -190,7 +190,7 @@ def derivations(folder: Path) -> Golden:
 
 
 def report(folder: Path) -> Golden:
-    """TeX by file."""
+    """Return the report's TeX by file."""
     longwave("report", "--output", str(folder / "report"))
     for path in sorted((folder / "report").rglob("*.tex")):
         if not any(word in path.stem for word in TIMED):
@@ -212,24 +212,24 @@ def differs(before: Any, after: Any) -> str:
         return f"{old.size} values -> {new.size}"
     allowed = before["error"] + after["error"]
     allowed += ROUNDING * np.max(np.abs(old), initial=0.0, where=np.isfinite(old))
-    apart = np.where(np.isnan(old) & np.isnan(new), 0.0, np.abs(old - new))
-    largest = float(np.max(apart, initial=0.0))
+    distance = np.where(np.isnan(old) & np.isnan(new), 0.0, np.abs(old - new))
+    largest = float(np.max(distance, initial=0.0))
     return "" if largest <= allowed else f"{largest:.3g} apart, {allowed:.3g} allowed"
 
 
 def main(mode: str, path: str, *parts: str) -> int:
     """Write digests, or compare with those written."""
-    kept = json.loads(Path(path).read_text()) if Path(path).is_file() else {}
+    stored = json.loads(Path(path).read_text()) if Path(path).is_file() else {}
     differ = 0
     for part in parts or PARTS:
         with tempfile.TemporaryDirectory() as folder:
             found = dict(PARTS[part](Path(folder)))
         if mode == "write":
-            kept[part] = found
-            Path(path).write_text(json.dumps(kept, indent=1))
+            stored[part] = found
+            Path(path).write_text(json.dumps(stored, indent=1))
             print(f"{part}: {len(found)} digests", flush=True)
             continue
-        before = kept.get(part, {})
+        before = stored.get(part, {})
         changed = 0
         for name in {**before, **found}:
             if difference := differs(before.get(name), found.get(name)):

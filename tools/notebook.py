@@ -20,26 +20,30 @@ PATIENCE = 600
 
 
 def executed(path: Path = NOTEBOOK) -> Any:
-    """The notebook with the outputs that its cells have now, run in a folder of its own."""
+    """Return the notebook, run in a folder of its own, with its present outputs."""
     notebook = nbformat.read(path, as_version=4)
     with tempfile.TemporaryDirectory() as folder:
-        made = {"PYTHONPATH": str(HOUSE), "PYTHONSAFEPATH": "1", "IPYTHONDIR": f"{folder}/ipython"}
+        environment = {
+            "PYTHONPATH": str(HOUSE),
+            "PYTHONSAFEPATH": "1",
+            "IPYTHONDIR": f"{folder}/ipython",
+        }
         NotebookClient(
             notebook,
             timeout=PATIENCE,
             kernel_name="python3",
             resources={"metadata": {"path": folder}},
-        ).execute(env=os.environ | made)
+        ).execute(env=os.environ | environment)
     return notebook
 
 
 def code_cells(notebook: Any) -> Iterator[Any]:
-    """Its cells that are run."""
+    """Yield the cells that are run."""
     return (cell for cell in notebook.cells if cell.cell_type == "code")
 
 
-def shown(cell: Any) -> set[str]:
-    """The kinds of what a cell shows; what is told on the way is none."""
+def output_kinds(cell: Any) -> set[str]:
+    """Return the kinds of a cell's outputs, without messages on the way."""
     return {kind for output in cell.outputs for kind in output.get("data", {})}
 
 

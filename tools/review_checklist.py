@@ -1,4 +1,4 @@
-"""What a reviewer's check list asks, and where the repository has it.
+"""Items of a reviewer's check list, and their places in the repository.
 
 ``python tools/review_checklist.py`` prints each item of the check list of the Journal of Open
 Source Software with the place that answers it, and ends with 1 if something is missing. The items
@@ -105,7 +105,7 @@ ITEMS = (
 
 
 def missing(house: Path, place: Place) -> str:
-    """What is wrong with a place, in words; "" if it is there."""
+    """Return the fault of a place, in words; "" if it is there."""
     path, pattern = place
     if not (house / path).is_file():
         return f"{path} is not there"
@@ -115,7 +115,7 @@ def missing(house: Path, place: Place) -> str:
 
 
 def disagreements(house: Path) -> Iterator[str]:
-    """Where files contradict each other: versions, and citations of the paper."""
+    """Yield contradictions between files: versions, and citations of the paper."""
     version = tomllib.loads(_text(house, "pyproject.toml"))["project"]["version"]
     if not re.search(
         rf"^version: {re.escape(version)}$", _text(house, "CITATION.cff"), re.MULTILINE
@@ -132,7 +132,7 @@ def disagreements(house: Path) -> Iterator[str]:
 
 
 def _text(house: Path, path: str) -> str:
-    """The file's text; nothing of a file that is not there, which an item tells."""
+    """Return the file's text; "" for a missing file, which an item reports."""
     return (house / path).read_text(encoding="utf-8") if (house / path).is_file() else ""
 
 

@@ -48,7 +48,7 @@ SHOWN = (
 
 @dataclass(frozen=True)
 class Row:
-    """What a job came to; ``failed`` are the tests that did not pass, by name."""
+    """Result of a job; ``failed`` are the tests that did not pass, by name."""
 
     job: str
     python: str
@@ -71,7 +71,7 @@ class Row:
 
 
 def requirements() -> tuple[str, list[str]]:
-    """The oldest Python, and all requirements of package, extras and tests."""
+    """Return the oldest Python, and all requirements of package, extras and tests."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     extras = project["optional-dependencies"]
     tools = [text for text in extras["dev"] if re.split(r"[<>=\[]", text)[0] in TOOLS]
@@ -80,7 +80,7 @@ def requirements() -> tuple[str, list[str]]:
 
 
 def lowest(needed: list[str]) -> list[str]:
-    """``name==version`` of each requirement that has a lower bound.
+    """Return ``name==version`` of each requirement that has a lower bound.
 
     >>> lowest(["sympy>=1.14,<1.15", "llvmlite"])
     ['sympy==1.14']
@@ -90,7 +90,7 @@ def lowest(needed: list[str]) -> list[str]:
 
 
 def pythons() -> dict[tuple[int, ...], str]:
-    """The interpreters here, by version: those on the path, and those of pyenv."""
+    """Return the interpreters here, by version: those on the path, and those of pyenv."""
     folders = [Path(text) for text in os.get_exec_path()]
     folders += sorted((Path.home() / ".pyenv" / "versions").glob("*/bin"))
     found: dict[tuple[int, ...], str] = {}
@@ -103,7 +103,7 @@ def pythons() -> dict[tuple[int, ...], str]:
 
 
 def _runs(python: Path) -> bool:
-    """Whether it is an interpreter and no pointer to one that is not chosen."""
+    """Return whether it is an interpreter and no pointer to one that is not chosen."""
     return subprocess.run([python, "-P", "-c", "import venv"], capture_output=True).returncode == 0
 
 
@@ -111,23 +111,23 @@ def run_job(job: str, folder: Path, limit: float) -> Row:
     """Make the environment of a job and run the tests in it, for so many seconds at most."""
     oldest, needed = requirements()
     here = pythons()
-    wanted = tuple(map(int, oldest.split("."))) if job == "oldest" else max(here)
-    if wanted not in here:
-        return Row(job, ".".join(map(str, wanted)), "", 0, (), 0.0, "no such Python here")
+    version = tuple(map(int, oldest.split("."))) if job == "oldest" else max(here)
+    if version not in here:
+        return Row(job, ".".join(map(str, version)), "", 0, (), 0.0, "no such Python here")
     tree, venv = folder / job / "tree", folder / job / "venv"
     copy_tree(tree)
     folder.joinpath(job, "constraints.txt").write_text(
         "\n".join([*lowest(needed), *COMPANIONS] if job == "oldest" else []), encoding="utf-8"
     )
     if not (venv / "installed").exists():
-        fault = install(here[wanted], tree, venv)
+        fault = install(here[version], tree, venv)
         if fault:
-            return Row(job, ".".join(map(str, wanted)), "", 0, (), 0.0, f"no install: {fault}")
+            return Row(job, ".".join(map(str, version)), "", 0, (), 0.0, f"no install: {fault}")
     return tested(job, tree, venv / "bin" / "python", limit)
 
 
 def copy_tree(tree: Path) -> None:
-    """The tracked files as they are now."""
+    """Copy the tracked files as they are now."""
     shutil.rmtree(tree, ignore_errors=True)
     listed = subprocess.run(
         ["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, check=True, text=True

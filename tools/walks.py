@@ -42,7 +42,7 @@ class Call:
 
 
 def followed(ask: Callable[[], Any]) -> Call:
-    """The calls of this house's functions that a request makes, once it has been made before."""
+    """Return the calls of this package's functions by a request that was made before."""
     ask()
     top = Call("")
     open_calls: list[tuple[Call, float]] = []
@@ -74,7 +74,7 @@ def followed(ask: Callable[[], Any]) -> Call:
 
 
 def longest_walk(call: Call) -> list[str]:
-    """The files on the way through the longest calls, each as often as it is entered."""
+    """Return the files on the way through the longest calls, each as often as it is entered."""
     files: list[str] = []
     while call.inner:
         call = max(call.inner.values(), key=lambda inner: inner.seconds)
@@ -85,7 +85,7 @@ def longest_walk(call: Call) -> list[str]:
 
 
 def requests() -> dict[str, Callable[[], Any]]:
-    """What is asked, by what it is called."""
+    """Return the requests by name."""
     found: dict[str, Callable[[], Any]] = {}
     for name in SCENES:
         scene = longwave.load_scene(name)

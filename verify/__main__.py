@@ -1,6 +1,6 @@
-"""``python -m verify``: the words of `longwave.cli.commands`.
+"""``python -m verify``: the command `verify` of `longwave.cli.commands`.
 
-Exit status: 0 if every form stands, 1 if one does not, 2 for bad input (one line on stderr).
+Exit status: 0 if every form is verified, 1 if one is not, 2 for bad input (one line on stderr).
 """
 
 import sys

@@ -1,4 +1,4 @@
-"""Problem files: statements in TOML, as ``longwave prove FILE.toml`` takes them.
+"""Problem files: statements in TOML, the input of ``longwave prove FILE.toml``.
 
 [[problem]]
 name = "KdV soliton"
@@ -6,15 +6,15 @@ equation = "u_t + 6*u*u_x + u_xxx"          # or a list
 solution = "u = 2*k**2*sech(k*(x - 4*k**2*t))**2"
 parameters = "k: k>0"
 domain = "t > 0"
-solve = "k"                                 # parameters whose values are asked for
-variables = "x, t"                          # where they are others than x, y, z, t and n
-weak = true                                 # as a weak solution, across its jump or corner
+solve = "k"                                 # parameters to solve for
+variables = "x, t"                          # needed for names other than x, y, z, t and n
+weak = true                                 # check as a weak solution, across jumps or corners
 source = "free text"
 expect = "PROVED"
 
 [[problem]]
 name = "KdV soliton, wrong speed"
-variant_of = "KdV soliton"                  # what is left out is as there
+variant_of = "KdV soliton"                  # missing keys are taken from that problem
 solution = "u = 2*k**2*sech(k*(x - 2*k**2*t))**2"
 note = "what is wrong"
 expect = "REFUTED"
@@ -39,20 +39,20 @@ FILE_BYTES, PROBLEMS = 5_000_000, 10_000
 NAME_LENGTH = 100
 
 FORMULAS = ("equation", "solution")
-"""The keys of a problem with one text or a list."""
+"""Keys whose value is a text or a list of texts."""
 
 TAKEN = (
     *("equation", "solution", "parameters", "domain", "variables", "weak"),
     *("source", "equation_name", "looked_up"),
 )
-"""What a variant takes from its original."""
+"""Keys that a variant takes from its original."""
 
 EXPECTED = (Outcome.PROVED, Outcome.REFUTED, Outcome.UNDECIDED)
 
 
 @dataclass(frozen=True)
 class StatedProblem:
-    """A statement with what a file says beside it; ``expect`` is a verdict or empty."""
+    """A statement with its expected verdict (may be empty) and its source."""
 
     statement: Statement
     expect: str = ""
@@ -61,7 +61,7 @@ class StatedProblem:
 
 @dataclass(frozen=True)
 class UnreadableProblem:
-    """A problem whose formulas cannot be read, and why not."""
+    """A problem whose formulas cannot be read, and the error."""
 
     name: str
     error: FormulaError
@@ -71,12 +71,12 @@ class UnreadableProblem:
 
 @dataclass(frozen=True)
 class ProblemText:
-    """A problem as a file has it, before its formulas are read.
+    """A problem as written in the file, before its formulas are parsed.
 
-    ``looked_up`` is the address of a text in which the formula was found, up to the names and the
-    scale of its parameters; empty, where it is written from memory of the source. ``variant_of`` is
-    the name of the problem of which this is a wrong variant, and ``note`` says what is hidden in
-    it; ``misprint_in`` is the publication that has the wrong formula, where it was not made here.
+    ``looked_up`` is the address of a text that contains the formula, up to the names and the scale
+    of its parameters; it is empty if the formula is written from memory of the source.
+    ``variant_of`` is the name of the problem of which this is a wrong variant; ``note`` describes
+    the error. ``misprint_in`` is the publication with the wrong formula, if one printed it.
     """
 
     where: str
@@ -97,7 +97,7 @@ class ProblemText:
     weak: bool = False
 
     def problem(self) -> StatedProblem:
-        """Read the formulas; raises FormulaError with the problem's place and name."""
+        """Parse the formulas; raises FormulaError with the problem's number and name."""
         texts = self.equation, self.solution, self.parameters, self.domain
         try:
             statement = read_statement(
@@ -112,7 +112,7 @@ class ProblemText:
             raise error.within(f"{self.where} ({self.name})") from None
 
     def problem_or_error(self) -> StatedProblem | UnreadableProblem:
-        """`problem`, or what cannot be read of it."""
+        """Return `problem`, or the error as an `UnreadableProblem`."""
         try:
             return self.problem()
         except FormulaError as error:
@@ -120,10 +120,10 @@ class ProblemText:
 
 
 def problem_texts(path: Path) -> list[ProblemText]:
-    """The problems of a TOML file, in order, with their formulas not yet read.
+    """Return the problems of a TOML file in order, with unparsed formulas.
 
-    ``-`` is the standard input. Raises ValueError with the problem's number, and OSError as opening
-    does.
+    ``-`` is the standard input. Raises ValueError with the problem's number, and OSError if the
+    file cannot be opened.
     """
     name, stem = shown_path(path), file_stem(path)
     data = read_toml(path, "problem file", FILE_BYTES)
@@ -133,11 +133,11 @@ def problem_texts(path: Path) -> list[ProblemText]:
         raise ValueError(f"{name} must hold [[problem]] tables and nothing else, got {got}")
     if len(tables) > PROBLEMS:
         raise ValueError(f"{name} must have at most {PROBLEMS} problems, got {len(tables)}")
-    found: list[ProblemText] = []
+    problems: list[ProblemText] = []
     for number, table in enumerate(tables, 1):
-        earlier = {text.name: text for text in found}
-        found.append(_problem(f"{name}, problem {number}", f"{stem} {number}", table, earlier))
-    return found
+        earlier = {text.name: text for text in problems}
+        problems.append(_problem(f"{name}, problem {number}", f"{stem} {number}", table, earlier))
+    return problems
 
 
 def _problem(
@@ -153,13 +153,13 @@ def _problem(
             )
     original = table.get("variant_of")
     if isinstance(original, str) and original in earlier:
-        taken = {key: getattr(earlier[original], key) for key in TAKEN}
+        inherited = {key: getattr(earlier[original], key) for key in TAKEN}
     elif original is None:
-        taken = {}
+        inherited = {}
     else:
         words = "variant_of must be the name of a problem above"
         raise ValueError(f"{where}: {words}, got {shown(original)}")
-    texts: dict[str, Any] = {**taken, **table}
+    texts: dict[str, Any] = {**inherited, **table}
     for key in known:
         if key in FORMULAS:
             texts[key] = _formula_texts(where, key, texts.get(key))

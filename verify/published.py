@@ -1,4 +1,4 @@
-"""The library of published solutions: problem files in ``solutions/library``, by equation."""
+"""Library of published solutions: the problem files in ``solutions/library``."""
 
 from __future__ import annotations
 
@@ -17,28 +17,28 @@ from longwave.verify.problem_file import ProblemText, problem_texts
 FOLDER = files("longwave.solutions.library")
 
 FROM_MEMORY = "not looked up"
-"""Said behind a source of which no text was at hand."""
+"""Mark after a source that was not looked up in a text."""
 
 
 @cache
 def published() -> tuple[ProblemText, ...]:
-    """Every statement of the library, by its equation's name, a variant behind its original.
+    """Return all statements of the library, sorted by equation, variants after their originals.
 
     >>> "kdv_one_soliton" in {text.name for text in published()}
     True
     """
-    found: list[ProblemText] = []
+    statements: list[ProblemText] = []
     for entry in sorted(FOLDER.iterdir(), key=lambda entry: entry.name):
         if entry.name.endswith(".toml"):
             with as_file(entry) as path:
-                found += problem_texts(path)
-    return tuple(sorted(found, key=lambda text: text.equation_name.lower()))
+                statements += problem_texts(path)
+    return tuple(sorted(statements, key=lambda text: text.equation_name.lower()))
 
 
 def chosen(names: Sequence[str] = (), others: Sequence[str] = ()) -> list[ProblemText]:
-    """The statements of these names or of the equations of these names; without names all.
+    """Return the statements whose name or equation's name is in ``names``; all without names.
 
-    Raises ValueError for a name that is neither, with those, and ``others``, that are like it.
+    Raises ValueError for an unknown name, with similar names from the library and ``others``.
 
     >>> [text.name for text in chosen(["kdv_one_soliton"])]
     ['kdv_one_soliton']
@@ -60,7 +60,7 @@ def chosen(names: Sequence[str] = (), others: Sequence[str] = ()) -> list[Proble
 
 
 def source_of(text: ProblemText) -> str:
-    """The source, marked where no text of it was at hand; of a wrong variant, whose it is."""
+    """Return the source, marked if it was not looked up; for a wrong variant, its origin."""
     if text.misprint_in:
         return f"misprint in {text.misprint_in}"
     if text.variant_of:
@@ -69,7 +69,7 @@ def source_of(text: ProblemText) -> str:
 
 
 def records() -> list[dict[str, object]]:
-    """The library as plain data, what is empty left out."""
+    """Return the library as plain data, without empty values."""
     return [
         {key: value for key, value in vars(text).items() if value and key != "where"}
         for text in published()
@@ -77,7 +77,7 @@ def records() -> list[dict[str, object]]:
 
 
 def print_library() -> None:
-    """Print name, equation, source and expected verdict of every statement, by equation."""
+    """Print name, equation, source and expected verdict of all statements, sorted by equation."""
     table = Table(title="library", title_justify="left")
     for heading in ("name", "equation", "source", "expected"):
         table.add_column(heading, no_wrap=heading == "name")

@@ -1,7 +1,7 @@
 """Walks over SymPy trees that visit each distinct subexpression once.
 
-A formula in which a long subexpression stands many times has few distinct subexpressions and a
-very large tree; SymPy's own traversals walk the tree.
+A formula that repeats a long subexpression has few distinct subexpressions but a very large tree;
+SymPy's own traversals walk the tree.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ DEPTH = 4
 
 
 def distinct_nodes(expression: sp.Expr) -> list[sp.Expr]:
-    """The subexpressions, outer ones first, each once.
+    """Return the distinct subexpressions, outer ones first.
 
     >>> x = sp.Symbol("x")
     >>> distinct_nodes(sp.sin(x) + sp.sin(x) ** 2)
@@ -25,7 +25,7 @@ def distinct_nodes(expression: sp.Expr) -> list[sp.Expr]:
 
 
 def outer_nodes(expression: sp.Expr) -> list[sp.Expr]:
-    """Those of `distinct_nodes` that do not stand in a function's argument or under a root.
+    """Return the `distinct_nodes` outside of function arguments and roots.
 
     >>> x = sp.Symbol("x")
     >>> outer_nodes(sp.sin(2 * x) + x**2)
@@ -38,48 +38,48 @@ def outer_nodes(expression: sp.Expr) -> list[sp.Expr]:
 
 
 def _walked(expression: sp.Expr, enters: Callable[[sp.Expr], bool]) -> list[sp.Expr]:
-    """The subexpressions that are reached through nodes which ``enters`` admits."""
-    found: dict[sp.Expr, None] = {}
+    """Return the subexpressions that are reached through nodes for which ``enters`` is true."""
+    reached: dict[sp.Expr, None] = {}
     waiting = [expression]
     while waiting:
         node = waiting.pop()
-        if node not in found:
-            found[node] = None
+        if node not in reached:
+            reached[node] = None
             waiting += reversed(node.args) if enters(node) else ()
-    return list(found)
+    return list(reached)
 
 
 def rebuilt(
     expression: sp.Expr,
-    made: Callable[[sp.Expr, list[sp.Expr]], sp.Expr],
+    build: Callable[[sp.Expr, list[sp.Expr]], sp.Expr],
     images: dict[sp.Expr, sp.Expr] | None = None,
 ) -> sp.Expr:
-    """What is ``made`` of a node and of what was made of its arguments; each node is made once.
+    """Fold ``build(node, images of its arguments)`` over an expression; each node is built once.
 
-    ``images`` has what stands for some nodes.
+    ``images`` has known images of some nodes; it is extended.
     """
     images = {} if images is None else images
 
     def image(node: sp.Expr) -> sp.Expr:
         if node not in images:
-            images[node] = made(node, [image(argument) for argument in node.args])
+            images[node] = build(node, [image(argument) for argument in node.args])
         return images[node]
 
     return image(expression)
 
 
 def replaced(expression: sp.Expr, target: sp.Expr, replacement: sp.Expr) -> sp.Expr:
-    """``expression`` with ``target`` replaced throughout; each subexpression is visited once."""
+    """Replace ``target`` throughout an expression; each subexpression is visited once."""
 
-    def made(node: sp.Expr, arguments: list[sp.Expr]) -> sp.Expr:
+    def build(node: sp.Expr, arguments: list[sp.Expr]) -> sp.Expr:
         same = all(new is old for new, old in zip(arguments, node.args, strict=True))
         return node if same else node.func(*arguments)
 
-    return rebuilt(expression, made, {target: replacement})
+    return rebuilt(expression, build, {target: replacement})
 
 
 def abbreviated(expression: sp.Expr, depth: int = DEPTH) -> str:
-    """``expression`` as text, with dots for what lies deeper than ``depth``.
+    """Return an expression as text, with dots for parts deeper than ``depth``.
 
     >>> x = sp.Symbol("x")
     >>> abbreviated(sp.sin(1 + sp.cos(x**2 + 3)), depth=2)

@@ -1,4 +1,4 @@
-"""The verdict on one closed form: what was found, how, and in how many seconds."""
+"""Verdicts on closed forms: outcome, method, details and run time."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from longwave.support.html_tables import html_table
 
 
 class Outcome(enum.StrEnum):
-    """What a check can find.  "Could not decide" never looks like "wrong".
+    """Outcome of a check; UNDECIDED is distinct from REFUTED.
 
     ``PROVED`` is exact (`verify.proof`).  ``CHECKED`` is a residual that vanishes at the stated
     digits and points, which is evidence and not a proof.  ``REFUTED`` has a witness,
-    ``UNDECIDED`` a reason.  ``UNREADABLE`` is a text that is no statement.
+    ``UNDECIDED`` a reason.  ``UNREADABLE`` is a text that is not a statement.
     """
 
     PROVED = "PROVED"
@@ -37,12 +37,12 @@ class Outcome(enum.StrEnum):
 
 @dataclass(frozen=True, repr=False)
 class Verdict:
-    """The outcome of one check of one closed form.
+    """Outcome of one check of one closed form.
 
     ``detail`` is one line: the residual at each precision, the fact that was proved, or the reason
     why nothing was decided.  ``residual`` is the largest relative residual at the highest
-    precision (0 for an exact proof, None if there is none).  ``witness`` names the point, as exact
-    rationals in text, at which a refuted form leaves a residual.
+    precision (0 for an exact proof, None if there is none).  ``witness`` is the point, as exact
+    rationals in text, at which a refuted form has a nonzero residual.
 
     Raises ValueError for a refutation without a witness, and for an undecided verdict without a
     reason.
@@ -78,7 +78,7 @@ class Verdict:
 
     @property
     def heading(self) -> str:
-        """The outcome as it stands in front of everything else."""
+        """The outcome as text, the first words of a verdict."""
         return str(self.outcome)
 
     @property
@@ -87,7 +87,7 @@ class Verdict:
         return ", ".join(f"{name} = {value}" for name, value in (self.witness or {}).items())
 
     def json(self) -> dict[str, Any]:
-        """The record as plain data for ``json.dumps``.
+        """Return the record as plain data for ``json.dumps``.
 
         >>> verdict = Verdict("kink", "defocusing mKdV", "residual", Outcome.CHECKED, "3e-49")
         >>> verdict.json()["outcome"]
@@ -98,18 +98,18 @@ class Verdict:
         return record
 
     def __repr__(self) -> str:
-        found = f"{self.detail} at {self.point}" if self.witness else self.detail
+        text = f"{self.detail} at {self.point}" if self.witness else self.detail
         kind = type(self).__name__
-        return f"<{kind} {self.heading}: {self.name}, {self.equation}: {found}>"
+        return f"<{kind} {self.heading}: {self.name}, {self.equation}: {text}>"
 
     @property
-    def told(self) -> dict[str, str]:
-        """What a notebook shows of it, by words."""
-        reached = f"{self.seconds:.2g} s, {self.method}"
-        return {"equation": self.equation, "found": self.detail, "at": self.point, "took": reached}
+    def html_rows(self) -> dict[str, str]:
+        """Rows of the HTML table that a notebook shows: texts by label."""
+        took = f"{self.seconds:.2g} s, {self.method}"
+        return {"equation": self.equation, "found": self.detail, "at": self.point, "took": took}
 
     def _repr_html_(self) -> str:
-        rows = [(words, text) for words, text in self.told.items() if text]
+        rows = [(words, text) for words, text in self.html_rows.items() if text]
         return html_table(f"{self.heading}: {self.name}", rows)
 
 
@@ -118,7 +118,7 @@ SHOWN_PLACES = 4
 
 
 def on_each_side(places: Sequence[str], sites: Sequence[str] = ()) -> str:
-    """Return what a proof says and leaves open at places where formulas are not smooth.
+    """Return in words what a proof claims and leaves open where formulas are not smooth.
 
     >>> on_each_side(["x = c*t"])
     'on each side of x = c*t, nothing said across it'
@@ -131,21 +131,21 @@ def on_each_side(places: Sequence[str], sites: Sequence[str] = ()) -> str:
         ("apart from", sites, "of"),
     ):
         more = len(listed) - SHOWN_PLACES
-        shown = [*listed[:SHOWN_PLACES], *([f"{more} more"] if more > 0 else [])]
+        names = [*listed[:SHOWN_PLACES], *([f"{more} more"] if more > 0 else [])]
         them = "it" if len(listed) == 1 else "them"
-        parts += [f"{before} {', '.join(shown)}, nothing said {after} {them}"] if listed else []
+        parts += [f"{before} {', '.join(names)}, nothing said {after} {them}"] if listed else []
     return " and ".join(parts)
 
 
 @dataclass(frozen=True, repr=False)
 class ProofVerdict(Verdict):
-    """``assumptions`` and ``singularities`` in words; a proof's ``certificate``, accepted.
+    """Verdict of the prover, with ``assumptions`` in words and a proof's accepted ``certificate``.
 
-    ``sides`` says at which places that run through the domain a formula may jump or have a corner:
-    a proof is one on each side of them.
+    ``sides`` names the places in the domain at which a formula may jump or have a corner; a proof
+    holds on each side of them.
 
     ``singularities`` names the poles, jumps and branch points that the formula may have inside
-    its domains; the verdict holds at the points at which it is smooth.
+    its domains; the verdict holds where the formula is smooth.
 
     Raises ValueError for a proof without a certificate.
     """
@@ -164,32 +164,32 @@ class ProofVerdict(Verdict):
 
     @property
     def restriction(self) -> str:
-        """What stands behind the word PROVED: ``sides`` of a proof, else nothing."""
+        """Text after the word PROVED: the ``sides`` of a proof, else ""."""
         return self.sides if self.outcome is Outcome.PROVED else ""
 
     @property
     def nonsmooth_lines(self) -> tuple[str, ...]:
-        """One line for each place at which the formula may not be smooth."""
+        """Lines for the places at which the formula may not be smooth."""
         return tuple(f"possibly not smooth: {line}" for line in self.singularities)
 
     @property
     def heading(self) -> str:
-        """The outcome, with its restriction."""
+        """The outcome and its restriction."""
         return f"{self.outcome} {self.restriction}".strip()
 
     @property
-    def told(self) -> dict[str, str]:
-        """The same, with assumptions and singularities."""
+    def html_rows(self) -> dict[str, str]:
+        """Rows of the HTML table, with assumptions and singularities."""
         further = {"holds": self.assumptions, "except at": self.singularities}
-        return super().told | {words: "; ".join(texts) for words, texts in further.items()}
+        return super().html_rows | {words: "; ".join(texts) for words, texts in further.items()}
 
     @property
     def certificate_bytes(self) -> int | None:
-        """The length of the certificate as JSON on one line; None where there is none."""
+        """Length of the certificate as JSON on one line; None without a certificate."""
         return None if self.certificate is None else len(json.dumps(self.certificate))
 
     def json(self) -> dict[str, Any]:
-        """The record as plain data, with the certificate's size (it is a file of its own)."""
+        """Return the record as plain data, with the size of the certificate in place of it."""
         record = super().json()
         del record["certificate"]
         record["assumptions"] = list(self.assumptions)

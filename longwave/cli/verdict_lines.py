@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from longwave.support.user_files import read_text, shown_path
-from longwave.verify.proof.kept_verdict import kept_record, taken_again
 from longwave.verify.proof.statement_verdict import StatementVerdict
+from longwave.verify.proof.stored_verdict import checked_again, verdict_record
 from longwave.verify.proof.typed_statement import Statement
 
 MOST_BYTES = 1_000_000_000
@@ -24,7 +24,7 @@ class VerdictLines:
     """Verdicts in ``file``, or none if it is None; ``limit`` is the seconds for each verdict.
 
     A verdict is found by its statement's texts, the limit, and ``digest()`` of the sources. An
-    entry is trusted as far as `taken_again` can check it. An incomplete line, as after a kill, is
+    entry is trusted as far as `checked_again` can check it. An incomplete line, as after a kill, is
     ignored.
 
     Raises ValueError for a file that others may write or that has no verdicts, and OSError if it
@@ -39,13 +39,13 @@ class VerdictLines:
     def find(self, statement: Statement) -> StatementVerdict | None:
         """Return the stored verdict on a statement; None if there is none that can be trusted."""
         record = self._records.get(self._key(statement)) if self._records else None
-        return None if record is None else taken_again(statement, record)
+        return None if record is None else checked_again(statement, record)
 
     def add(self, statement: Statement, verdict: StatementVerdict) -> None:
         """Append the verdict to the file."""
         if self._path is None:
             return
-        line = json.dumps({"key": self._key(statement)} | kept_record(verdict)) + "\n"
+        line = json.dumps({"key": self._key(statement)} | verdict_record(verdict)) + "\n"
         descriptor = os.open(self._path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o600)
         with os.fdopen(descriptor, "a", encoding="utf-8") as stream:
             stream.write(line if self._is_whole else "\n" + line)
@@ -56,7 +56,7 @@ class VerdictLines:
         return self._digest()
 
     def _key(self, statement: Statement) -> str:
-        solved_for = list(map(str, statement.wanted))
+        solved_for = list(map(str, statement.solve_for))
         parts = [asdict(statement.texts), solved_for, statement.weak, self._limit, self._sources]
         return sha256(json.dumps(parts).encode()).hexdigest()
 

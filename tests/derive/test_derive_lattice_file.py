@@ -91,6 +91,15 @@ def test_a_site_is_tied_to_its_place() -> None:
     assert lattice.equations()[0] == "u_n'' = F1(u_{n+1} - u_n) - F1(u_n - u_{n-1}) - F2(u_n)"
 
 
+def test_a_site_of_a_plane_is_tied_to_its_place() -> None:
+    """Catches: a site force with one axis on a lattice with two."""
+    springs = [{"between": ["u[n, m]", end], "force": "K2*x"} for end in ("u[n+1, m]", "u[n, m+1]")]
+    tie = {"field": "u", "force": "g*sin(x)"}
+    lattice = lattice_of({"fields": ["u"], "spring": springs, "site": [tie]})
+    assert lattice.dimension == 2
+    assert lattice.equations()[0].endswith("- F3(u_{n,m})")
+
+
 def test_the_command_derives_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = written(tmp_path, DIMER)
     assert main([str(path), "--set", "m1=1,m2=3,K2=1,K3=1/4,K4=0"]) == 0

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from tools.notebook import NOTEBOOK, code_cells, executed, shown
+from tools.notebook import NOTEBOOK, code_cells, executed, output_kinds
 
 FIRST_PROOF = 'longwave.prove("u_t + 6*u*u_x + u_xxx", "u = 2'
 
@@ -31,14 +31,14 @@ def by_source(notebook: Any, begin: str) -> Any:
 def test_the_page_holds_what_its_cells_show() -> None:
     """Catches: a notebook that is kept without outputs, of which the site shows none."""
     assert len(kept().cells) >= 20
-    quiet = [cell.source for cell in code_cells(kept()) if not shown(cell)]
+    quiet = [cell.source for cell in code_cells(kept()) if not output_kinds(cell)]
     assert quiet == ["import longwave"]
 
 
 @pytest.mark.slow
 def test_every_cell_runs_and_shows_the_same_kinds(made: Any) -> None:
     for now, before in zip(code_cells(made), code_cells(kept()), strict=True):
-        assert shown(now) == shown(before), now.source
+        assert output_kinds(now) == output_kinds(before), now.source
 
 
 @pytest.mark.slow

@@ -38,7 +38,9 @@ LONG = (
     "how-to/scheme.md",
     "how-to/stores.md",
     "how-to/sweeps.md",
+    "lattice-file.md",
     "library.md",
+    "output-words.md",
     "tutorial.md",
 )
 """Pages whose commands take 1 to 20 s of a processor."""

@@ -8,7 +8,7 @@ import pytest
 import sympy as sp
 from mpmath import mp
 
-from longwave.verify.proof import kept_verdict, statement_verdict
+from longwave.verify.proof import statement_verdict, stored_verdict
 from longwave.verify.proof.conditions import ConditionalVerdict
 from longwave.verify.proof.near_misses import with_hint
 from longwave.verify.proof.seams import seams
@@ -25,7 +25,7 @@ from longwave.verify.verdict import Outcome
 from searches import word_solves, words
 from searches.word_judge import Reading, latex_tree, text_tree
 from searches.word_solves import Solved
-from searches.words import Made, judged, made
+from searches.words import Made, judged, random_statement
 
 COUNT = 12
 
@@ -52,7 +52,7 @@ def test_a_jump_where_an_arbitrary_function_of_a_parameter_is_0_is_in_the_senten
 
 
 def test_a_statement_is_the_same_each_time() -> None:
-    assert made(3, 5) == made(3, 5)
+    assert random_statement(3, 5) == random_statement(3, 5)
 
 
 READINGS = [
@@ -126,7 +126,7 @@ def seams_alone(statement: Statement) -> Any:
 
 
 def believed(statement: Statement, record: Any) -> StatementVerdict:
-    found = kept_verdict.undecided(statement, "as it was")
+    found = stored_verdict.undecided(statement, "as it was")
     return replace(
         found, outcome=Outcome(record["verdict"]), witness=record["witness"], hint=record["hint"],
         assumptions=tuple(record["assumptions"]), certificate={},
@@ -146,7 +146,7 @@ ONCE: dict[str, tuple[Made, list[tuple[Any, str, Callable[..., Any]]]]] = {
     "hint": (MISREAD, [(words, "with_hint", unproved)]),
     "open hint": (MOVING, [(words, "with_hint", everywhere)]),
     "factor": (FACTOR, [(statement_verdict, "left_open", seams_alone)]),
-    "resumption": (CANCELS, [(words, "taken_again", believed)]),
+    "resumption": (CANCELS, [(words, "checked_again", believed)]),
     "places": (
         stated("u[n] - 1", "u = sign(n - 3)**2", n=(2, 4)),
         [(statement_verdict, "left_open", lambda _: ((), ()))],
@@ -160,7 +160,7 @@ def test_what_was_false_is_found_when_it_is_put_back(
     fault: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     given, changes = ONCE[fault]
-    monkeypatch.setattr(words, "made", lambda seed, index: given)
+    monkeypatch.setattr(words, "random_statement", lambda seed, index: given)
     outcome, _, faults = judged(0, 0, 1)
     assert outcome.split()[0] in ("PROVED", "REFUTED")
     assert not faults

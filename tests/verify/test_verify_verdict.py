@@ -1,4 +1,4 @@
-"""The verdict record: nothing refuted without a witness, nothing undecided without a reason."""
+"""Verdict record: a refutation has a witness, an undecided verdict a reason."""
 
 import json
 
@@ -12,8 +12,8 @@ def _verdict(outcome: Outcome, **fields: object) -> Verdict:
 
 
 def test_only_proved_and_checked_pass() -> None:
-    said = {"detail": "0.1", "witness": {"xi": "1/3"}}
-    passed = {outcome for outcome in Outcome if _verdict(outcome, **said).passed}
+    fields = {"detail": "0.1", "witness": {"xi": "1/3"}}
+    passed = {outcome for outcome in Outcome if _verdict(outcome, **fields).passed}
     assert passed == {Outcome.PROVED, Outcome.CHECKED}
 
 

@@ -1,1 +1,1 @@
-"""Evidence beside the proofs: residuals at many digits, and misprints that must be refuted."""
+"""Numerical evidence: high-precision residuals, and mutated formulas that must be refuted."""

@@ -1,8 +1,8 @@
-"""Misprints of a closed form, decided one by one: how many are refuted, and why the rest solve.
+"""Single-change mutants of a closed form: how many are refuted, and why the others are solutions.
 
-A formula's subexpressions are each changed throughout, as if the line that defines them were
-misprinted: the coefficient of a term (written or 1) by one part in a hundred, its sign, the term
-left out, a modulus k put for the parameter m = k**2 and the other way about.
+Each subexpression is changed wherever it occurs, as if the line that defines it were misprinted.
+A change multiplies the coefficient of a term by 101/100, flips its sign, drops the term, or swaps
+the modulus k and the parameter m = k**2.
 """
 
 from __future__ import annotations
@@ -34,10 +34,10 @@ class Mutant:
 
 
 def mutants(expression: sp.Expr) -> Iterator[Mutant]:
-    """Every formula that differs from ``expression`` by one change; each one once.
+    """Yield every formula that differs from ``expression`` by one change, without repeats.
 
-    A mutant can still be a solution where the equation has a symmetry (U to -U, a shift): that is
-    for the caller to see.
+    A mutant can still be a solution if the equation has a symmetry (U to -U, a shift); the caller
+    must check for that.
 
     >>> x = sp.Symbol("x")
     >>> for mutant in mutants(3 * x**2 + sp.sin(k**2 * x)):
@@ -51,35 +51,35 @@ def mutants(expression: sp.Expr) -> Iterator[Mutant]:
     argument k**2*x: coefficient times 101/100
     k**2 in k**2*x: k for k**2
     """
-    seen = {expression}
+    earlier = {expression}
     changes = [] if expression.is_Add else [(expression, _coefficients("term", expression))]
     changes += [(node, _changes(node)) for node in distinct_nodes(expression)]
     for node, images in changes:
         for description, image in images:
             changed = replaced(expression, node, image)
-            if changed not in seen:
-                seen.add(changed)
+            if changed not in earlier:
+                earlier.add(changed)
                 yield Mutant(description, changed)
 
 
 Change = tuple[str, sp.Expr]
-"""A description, and what takes the place of a subexpression."""
+"""Description of a change, and the new subexpression."""
 
 
 def _changes(node: sp.Expr) -> Iterator[Change]:
-    """The changes of a subexpression; the terms of a sum in an argument come with the sum."""
+    """Yield the changes of one subexpression; a sum as argument is visited as its own node."""
     if node.is_Add:
-        for place, term in enumerate(node.args):
-            rest = sp.Add(*node.args[:place], *node.args[place + 1 :])
+        for index, term in enumerate(node.args):
+            rest = sp.Add(*node.args[:index], *node.args[index + 1 :])
             yield from ((words, rest + new) for words, new in _coefficients("term", term))
             yield f"term {abbreviated(term)}: dropped", rest
     elif node.is_Mul and node.args[0].is_Number:
         yield from _coefficients("factor", node)
     elif node.is_Function:
-        for place, argument in enumerate(node.args):
+        for index, argument in enumerate(node.args):
             changes = [] if argument.is_Add else _coefficients("argument", argument)
             for words, new in changes:
-                yield words, node.func(*node.args[:place], new, *node.args[place + 1 :])
+                yield words, node.func(*node.args[:index], new, *node.args[index + 1 :])
     for old, new in ((k**2, k), (k, k**2)):
         if old in node.args and node != k**2:
             swapped = node.func(*(new if argument == old else argument for argument in node.args))
@@ -103,7 +103,7 @@ class Survivor:
 
 @dataclass(frozen=True)
 class MutationCount:
-    """How the mutants of one form came out; ``survivors`` are those not refuted."""
+    """Counts of one form's mutants by outcome; ``survivors`` are those not refuted."""
 
     name: str
     mutants: int
@@ -112,24 +112,24 @@ class MutationCount:
 
     @property
     def proved(self) -> int:
-        """How many are solutions after all."""
+        """Number of mutants proved to be solutions."""
         return self._count(Outcome.PROVED)
 
     @property
     def undecided(self) -> int:
-        """How many could not be decided."""
+        """Number of mutants left undecided."""
         return self._count(Outcome.UNDECIDED)
 
     @property
     def refuted(self) -> int:
-        """How many are refuted with a witness."""
+        """Number of mutants refuted with a witness."""
         return self.mutants - len(self.survivors)
 
     def _count(self, outcome: Outcome) -> int:
         return sum(survivor.outcome is outcome for survivor in self.survivors)
 
     def json(self) -> dict[str, Any]:
-        """The record as plain data."""
+        """Return the record as plain data."""
         counts = {"refuted": self.refuted, "proved": self.proved, "undecided": self.undecided}
         return asdict(self) | counts
 
@@ -143,9 +143,9 @@ def count_mutants(form: ClosedForm) -> MutationCount:
     (8, 7, 0, 'symmetry U to -U')
     """
     start = time.perf_counter()
-    made = list(mutants(form.expression))
-    survivors = tuple(s for mutant in made if (s := _survivor(form, mutant)) is not None)
-    return MutationCount(form.name, len(made), survivors, time.perf_counter() - start)
+    candidates = list(mutants(form.expression))
+    survivors = tuple(s for mutant in candidates if (s := _survivor(form, mutant)) is not None)
+    return MutationCount(form.name, len(candidates), survivors, time.perf_counter() - start)
 
 
 def _survivor(form: ClosedForm, mutant: Mutant) -> Survivor | None:
@@ -159,7 +159,7 @@ def _survivor(form: ClosedForm, mutant: Mutant) -> Survivor | None:
 
 
 def solution_reason(form: ClosedForm, expression: sp.Expr) -> str:
-    """Why a solution made from ``form`` by one change is one.
+    """Return why ``expression``, a mutant of ``form``, is a solution too.
 
     >>> from longwave.solutions import closed_form
     >>> form = closed_form("rational_1")

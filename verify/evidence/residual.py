@@ -1,9 +1,8 @@
 """High-precision residual of a closed form, at several precisions and many points.
 
-The residual is taken relative to the sum of the magnitudes of its terms.  At d digits a solution
-leaves about 10^-d times the conditioning of the formula at the point, whatever d is; a formula
-that is wrong leaves a number that does not depend on d.  This is evidence and never a proof: the
-outcome of a solution is CHECKED.
+The residual is relative to the sum of the magnitudes of its terms.  At d digits a solution leaves
+about 10^-d times the condition number of the formula at the point; a wrong formula leaves a number
+that does not depend on d.  This is evidence, not a proof: the outcome of a solution is CHECKED.
 
 The points are random, admissible and exact rationals, the same for the same seed.
 """
@@ -29,11 +28,11 @@ from longwave.verify.proof.samples import rational_near
 from longwave.verify.verdict import Outcome, Verdict
 
 SLACK_DIGITS = 4
-"""Digits by which a fall may miss d2 - d1, for the luck of rounding at the worst point."""
+"""Digits by which the decay may fall short of d2 - d1; covers rounding at the worst point."""
 
 MOST_DIGITS = 10_000
 MINIMUM_GAP = 2 * SLACK_DIGITS + 1
-"""Smallest distance of two precisions at which the fall still says something."""
+"""Smallest gap in digits between two precisions at which the decay is still meaningful."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +46,7 @@ class Decay:
     levels: tuple[float, ...]
 
     def falls(self) -> bool:
-        """Whether each step from d1 to d2 digits lowers the residual by 10^(d2 - d1), less slack.
+        """Return whether each step from d1 to d2 digits lowers log10 by d2 - d1, minus the slack.
 
         A residual below 10^-d counts as 10^-d.
 
@@ -63,7 +62,7 @@ class Decay:
         )
 
     def text(self) -> str:
-        """The residuals with their digits on one line.
+        """Return the residuals and their digits on one line.
 
         >>> Decay((30, 50), (-28.3, -48.1)).text()
         '5.0e-29, 7.9e-49 at 30, 50 digits'
@@ -73,7 +72,7 @@ class Decay:
 
 
 def scientific(level: float) -> str:
-    """The number 10**level with two digits, also where it is too small for a float.
+    """Return 10**level with two significant digits, even if it underflows a float.
 
     >>> scientific(-400.5), scientific(float("-inf"))
     ('3.2e-401', '0')
@@ -85,43 +84,43 @@ def scientific(level: float) -> str:
 
 
 HALF_WIDTH = 4
-"""A variable is drawn between plus and minus this; a domain without an end is cut this far beyond
-0 and its other end."""
+"""Variables are drawn from plus or minus this; an unbounded domain is cut this far beyond 0 and
+its other end."""
 
 DENOMINATOR = 1009
-"""A prime, so that no drawn value is exact in binary and every one tests the precision."""
+"""Denominator of drawn values; a prime, so that no drawn value is exact in binary."""
 
 MARGIN = sp.Rational(1, 20)
-"""Share of a bounded domain left out at each end, where the neighbouring limit takes over."""
+"""Fraction of the drawn interval left out at each end, where the formula nears its limit."""
 
 
 def sample_points(form: ClosedForm, count: int, seed: int) -> list[Point]:
-    """``count`` points with parameters inside their domains and xi, tau within +-4.
+    """Return ``count`` points with parameters inside their domains and variables within +-4.
 
-    A form's points depend on its name, the seed and nothing else.
+    The points depend on the form's name and domains and on the seed.
     """
     draw, domains = random.Random(f"{form.name}:{seed}"), form_domains(form)
 
     def share() -> sp.Rational:
-        """A rational strictly between 0 and 1."""
+        """Draw a rational strictly between 0 and 1."""
         return sp.Rational(draw.randint(1, DENOMINATOR - 1), DENOMINATOR)
 
     def point() -> Point:
-        found: dict[sp.Symbol, sp.Rational] = {}
+        values: dict[sp.Symbol, sp.Rational] = {}
         for symbol in in_order(domains):
-            low, high = _interval(domains[symbol], found)
-            found[symbol] = low + (high - low) * share()
+            low, high = _interval(domains[symbol], values)
+            values[symbol] = low + (high - low) * share()
         for variable in form.equation.variables:
-            found[variable] = HALF_WIDTH * (2 * share() - 1)
+            values[variable] = HALF_WIDTH * (2 * share() - 1)
         for sign in form.equation.free_sign:
-            found[sign] = sp.Integer(draw.choice((1, -1)))
-        return found
+            values[sign] = sp.Integer(draw.choice((1, -1)))
+        return values
 
     return [point() for _ in range(count)]
 
 
 def _interval(domain: Domain, known: Point) -> tuple[sp.Rational, sp.Rational]:
-    """The ends between which the parameter is drawn; a margin short of each bound."""
+    """Return the interval from which a parameter is drawn: its domain less a margin at each end."""
     lower, upper = map(rational_near, domain.ends(known))
     if lower is None:
         lower = min(sp.S.Zero if upper is None else upper, sp.S.Zero) - HALF_WIDTH
@@ -136,19 +135,19 @@ MOST_POINTS = 100_000
 POINTS = 24
 
 SETTLED = 0.005
-"""A residual whose logarithm moves by less than this when the digits double has settled."""
+"""A residual has settled if its log10 moves by less than this when the digits double."""
 
 
 class EvaluationError(ValueError):
-    """The residual has no finite value at a point, or a function in it no implementation."""
+    """Raised if the residual has no finite value or contains an unimplemented function."""
 
 
 @dataclass(frozen=True)
 class Sampling:
-    """At how many points, from which seed and at which digits a residual is evaluated.
+    """Sampling plan of a residual: digits, number of points, and random seed.
 
-    Raises ValueError for digits that are not two or more precisions far enough apart for the fall
-    to be seen, and for points beyond `MOST_POINTS`.
+    Raises ValueError for fewer than two precisions, for precisions too close together to show the
+    decay, and for more than `MOST_POINTS` points.
     """
 
     digits: tuple[int, ...] = DIGITS
@@ -171,9 +170,9 @@ class Sampling:
 
 
 class ResidualProgram:
-    """The terms of the residual of one expression, differentiated and compiled once.
+    """Terms of the residual of one expression, differentiated and compiled once.
 
-    ``level(point, digits)`` is the decimal logarithm of the relative residual at an exact point.
+    ``level(point, digits)`` is log10 of the relative residual at an exact point.
     Raises EvaluationError for a function without a known derivative.
     """
 
@@ -189,9 +188,9 @@ class ResidualProgram:
         self._terms = tape.formula(self.symbols, entries)
 
     def level(self, point: Point, digits: int) -> float:
-        """log10 of |residual| / sum of |terms| at ``point``; -inf if the residual is 0.
+        """Return log10 of |residual| / sum of |terms| at ``point``; -inf if the residual is 0.
 
-        Raises EvaluationError where the value is not finite or cannot be formed.
+        Raises EvaluationError if the value is not finite or cannot be computed.
         """
         context = self._context
         context.dps = digits
@@ -207,9 +206,9 @@ class ResidualProgram:
 
 
 def _term_entries(tape: Tape, expression: sp.Expr, equation: Equation) -> list[sp.Expr]:
-    """The terms of the residual in the tape's registers.
+    """Record the terms of the residual on the tape and return their entries.
 
-    The field is first an undefined function, whose derivatives stand unevaluated in the terms.
+    The terms are expanded with an undefined function; then its derivatives become tape entries.
     """
     field = sp.Function("U")(*equation.variables)
     residual = sp.expand(equation.residual(field))
@@ -225,11 +224,10 @@ def _term_entries(tape: Tape, expression: sp.Expr, equation: Equation) -> list[s
 
 
 def check_residual(form: ClosedForm, sampling: Sampling | None = None) -> Verdict:
-    """Evaluate the residual of ``form`` at random admissible points; judge how it falls.
+    """Evaluate the residual of ``form`` at random admissible points and judge its decay.
 
-    CHECKED if it falls with the digits at all points; REFUTED with the point as witness if it has
-    settled at a value other than 0; UNDECIDED with the reason if it cannot be evaluated or does
-    neither.
+    CHECKED if it falls with the digits at all points.  REFUTED, with the point as witness, if it
+    settles at a nonzero value.  UNDECIDED, with the reason, otherwise.
     """
     start = time.perf_counter()
     sampling = sampling or Sampling()
@@ -263,18 +261,18 @@ def _judge(form: ClosedForm, sampling: Sampling) -> dict[str, Any]:
 def _sweep(
     program: ResidualProgram, points: Sequence[Point], digits: Sequence[int]
 ) -> tuple[Decay, Point]:
-    """The decay of the largest residual, and the point where it is largest at the last digits.
+    """Return the decay of the largest residual, and its point at the highest precision.
 
-    Stops at the first step in precision at which the residual does not fall.
+    Stops at the first increase of precision that does not lower the residual.
     """
     levels: list[float] = []
     for precision in digits:
-        found = [_level_at(program, point, precision) for point in points]
-        levels.append(max(found))
+        at_points = [_level_at(program, point, precision) for point in points]
+        levels.append(max(at_points))
         decay = Decay(tuple(digits[: len(levels)]), tuple(levels))
         if not decay.falls():
             break
-    return decay, points[found.index(levels[-1])]
+    return decay, points[at_points.index(levels[-1])]
 
 
 def _level_at(program: ResidualProgram, point: Point, digits: int) -> float:

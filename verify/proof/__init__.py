@@ -1,10 +1,9 @@
 """Exact proofs of closed forms by differential algebra.
 
-`prove` decides whether a formula solves an equation for all its parameters, `prove_equal` whether
-two formulas are one function; `prove_form` takes a closed form of the catalogue with its lattice
-constants symbolic, `prove_stable` its evaluation form; `prove_rational` and `rational_facts`
-take the rational solutions of any order.  A proof's certificate is repeated by
-`check_certificate`.
+`prove` decides whether a formula solves an equation for all its parameters, and `prove_equal`
+whether two formulas are the same function.  `prove_form` decides a closed form of the catalogue
+with symbolic lattice constants, `prove_stable` its evaluation form.  `prove_rational` and
+`rational_facts` handle rational solutions of any order.  `check_certificate` repeats a proof.
 """
 
 from typing import TYPE_CHECKING

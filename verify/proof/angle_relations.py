@@ -1,7 +1,7 @@
-"""Inverse functions as sums of others: 4 atan(1/5) - atan(1/239) = pi/4, asin f = 2 atan g.
+"""Relations between inverse functions: 4 atan(1/5) - atan(1/239) = pi/4, asin f = 2 atan g.
 
-Relations with small integers are guessed from values at a few points, by the reduction of a
-lattice; the checker decides whether they hold.
+Relations with small integer coefficients are guessed by lattice reduction (LLL) from values at a
+few points; the checker decides whether they hold.
 """
 
 from __future__ import annotations
@@ -18,17 +18,17 @@ from .domains import Point
 
 ARCS = (sp.atan, sp.asin)
 UNIT = sp.pi / 12
-"""What the constant in a relation is a multiple of."""
+"""Unit of the constant in a relation."""
 
 BITS, SCALE = 400, 160
-"""Of the values, and of the integers in the lattice."""
+"""Working precision of the values, and binary scale of the integers in the lattice."""
 
 LARGEST, MOST, POINTS = 60, 8, 3
-"""Integer in a relation, functions in all relations, and points."""
+"""Limits: integers in a relation, functions in all relations, and sample points."""
 
 
 def angle_values(expressions: Iterable[sp.Expr], points: Sequence[Point]) -> dict[sp.Expr, sp.Expr]:
-    """Functions in the expressions with the sums of others that they seem to be.
+    """Return functions in the expressions with the sums of others that they appear to equal.
 
     >>> a, b = sp.atan(sp.Rational(1, 5)), sp.atan(sp.Rational(1, 239))
     >>> angle_values([a + b], [{}])
@@ -38,21 +38,23 @@ def angle_values(expressions: Iterable[sp.Expr], points: Sequence[Point]) -> dic
     arcs = {node for node in nodes if isinstance(node, ARCS)}
     arcs |= {sp.asin(node.args[0]) for node in nodes if isinstance(node, sp.acos)}
     arcs = {arc for arc in arcs if isinstance(arc, ARCS)}
-    left = sorted(arcs, key=lambda arc: (arc.count_ops(), sp.default_sort_key(arc)))
-    found: dict[sp.Expr, sp.Expr] = {}
-    if not 1 < len(left) <= MOST:
-        return found
-    while (relation := _relation(left, points)) is not None:
+    remaining = sorted(arcs, key=lambda arc: (arc.count_ops(), sp.default_sort_key(arc)))
+    values: dict[sp.Expr, sp.Expr] = {}
+    if not 1 < len(remaining) <= MOST:
+        return values
+    while (relation := _relation(remaining, points)) is not None:
         pivot = max(i for i, n in enumerate(relation[:-1]) if abs(n) == 1)
         factors = [-n * relation[pivot] for n in relation]
-        others = (n * arc for n, arc in zip(factors, left, strict=False) if arc != left[pivot])
-        found[left[pivot]] = sp.Add(*others, factors[-1] * UNIT)
-        del left[pivot]
-    return found
+        others = (
+            n * arc for n, arc in zip(factors, remaining, strict=False) if arc != remaining[pivot]
+        )
+        values[remaining[pivot]] = sp.Add(*others, factors[-1] * UNIT)
+        del remaining[pivot]
+    return values
 
 
 def _relation(arcs: Sequence[sp.Expr], points: Sequence[Point]) -> list[int] | None:
-    """Integers, one of them 1 or -1, with which the sum of arcs and of a unit seems to be 0."""
+    """Return integers, one +-1, whose combination of the arcs and the unit appears to be 0."""
     columns = [[_value(part, point) for part in (*arcs, UNIT)] for point in points[:POINTS]]
     known = [[v for v in column if v is not None] for column in columns if None not in column]
     size = len(arcs) + 1
@@ -72,7 +74,7 @@ def _relation(arcs: Sequence[sp.Expr], points: Sequence[Point]) -> list[int] | N
 
 def _value(expression: sp.Expr, point: Point) -> acb | None:
     try:
-        found = ball_value(expression, point, BITS)
+        ball = ball_value(expression, point, BITS)
     except (ValueError, ZeroDivisionError):
         return None
-    return found if found.is_finite() and found.imag.contains(0) else None
+    return ball if ball.is_finite() and ball.imag.contains(0) else None

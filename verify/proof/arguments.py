@@ -1,7 +1,7 @@
-"""The arguments of the functions in an expression, found before any generator is made.
+"""Arguments of the functions in an expression, collected before any generator is created.
 
-They are split into parts that depend on the variables and parts that do not, and written as integer
-combinations of a few: sn(2 x) and sn(3 x + K) follow from sn(x) and sn(K).
+They are split into variable and constant parts and written as integer combinations of a few basis
+arguments: sn(2 x) and sn(3 x + K) follow from sn(x) and sn(K).
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from longwave.solutions.functions.jacobi import JacobiFunction
 
 
 class Dependence:
-    """Tells constants (free of ``variables``) from the rest.
+    """Split of expressions into constant parts (free of ``variables``) and variable parts.
 
     >>> x, a = sp.symbols("x a")
     >>> Dependence([x]).factors(a * sp.sin(a) * x**2)
@@ -31,17 +31,17 @@ class Dependence:
         self._depends: dict[sp.Basic, bool] = dict.fromkeys(variables, True)
 
     def depends(self, node: sp.Basic) -> bool:
-        """Whether ``node`` contains a variable."""
+        """Return whether ``node`` contains a variable."""
         if node not in self._depends:
             self._depends[node] = any(self.depends(inner) for inner in node.args)
         return self._depends[node]
 
     def factors(self, product: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
-        """The constant and the variable factor of ``product``."""
+        """Return the constant and the variable factor of ``product``."""
         return self._parts(product, sp.Mul)
 
     def summands(self, total: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
-        """The constant and the variable part of a sum."""
+        """Return the constant and the variable part of a sum."""
         return self._parts(total, sp.Add)
 
     def _parts(self, whole: sp.Expr, kind: type[sp.Expr]) -> tuple[sp.Expr, sp.Expr]:
@@ -55,36 +55,36 @@ class Dependence:
 Vector = dict[sp.Expr, sp.Rational]
 
 INVERSE = (sp.asin, sp.acos, sp.asinh, sp.acosh, sp.atanh)
-KEPT = (sp.log, sp.atan, sp.LambertW, *INVERSE)
-"""Functions that stay as they are written, as their exponentials are known."""
+OPAQUE = (sp.log, sp.atan, sp.LambertW, *INVERSE)
+"""Functions left as they are written, because their exponentials are known."""
 
 TURN, UNITY = sp.I * sp.pi, (1, 2, 3, 4, 6)
-"""Half a turn, and the shares of it whose exponentials are known."""
+"""Exponent i pi, and the denominators of its rational multiples with known exponentials."""
 
 LONGEST = 60
-"""Operations of a quotient that common factors are looked for in."""
+"""Most operations of a quotient that is cancelled."""
 
 
 def expanded_terms(expression: sp.Expr) -> Vector:
-    """The expanded terms of ``expression`` with their rational coefficients.
+    """Return the expanded terms of ``expression`` with their rational coefficients.
 
     >>> x, y = sp.symbols("x y")
     >>> expanded_terms(2 * (x - y / 3))
     {x: 2, y: -2/3}
     """
-    found: Vector = {}
-    names = {f: sp.Dummy(real=f.is_real) for f in expression.atoms(*KEPT)}
+    terms: Vector = {}
+    names = {f: sp.Dummy(real=f.is_real) for f in expression.atoms(*OPAQUE)}
     hidden = sp.expand(cancelled(expression.xreplace(names)))
-    kept = {name: f for f, name in names.items()}
+    originals = {name: f for f, name in names.items()}
     for term in sp.Add.make_args(hidden):
         coefficient, rest = term.as_coeff_Mul(rational=True)
-        rest = rest.xreplace(kept)
-        found[rest] = found.get(rest, sp.S.Zero) + coefficient
-    return {rest: value for rest, value in found.items() if value != 0}
+        rest = rest.xreplace(originals)
+        terms[rest] = terms.get(rest, sp.S.Zero) + coefficient
+    return {rest: value for rest, value in terms.items() if value != 0}
 
 
 def cancelled(expression: sp.Expr) -> sp.Expr:
-    """A quotient of short sums with common factors divided out.
+    """Cancel common factors in a quotient of short sums.
 
     >>> x = sp.Symbol("x")
     >>> cancelled((x**2 - 1) / (x + 1))
@@ -93,14 +93,14 @@ def cancelled(expression: sp.Expr) -> sp.Expr:
     below = (node.base for node in expression.atoms(sp.Pow) if node.exp.is_negative)
     if not any(base.is_Add for base in below) or expression.count_ops() > LONGEST:
         return expression
-    found: sp.Expr = sp.cancel(expression)
-    return found
+    result: sp.Expr = sp.cancel(expression)
+    return result
 
 
 def definition(node: sp.Expr) -> sp.Expr:
-    """An inverse function, other than atan, by logarithms; all values are principal ones.
+    """Return an inverse function other than atan in terms of logarithms, with principal values.
 
-    Of a Bessel function of half an odd order, what it is made of.
+    For a Bessel function of half-odd order, return the root and exponential that it contains.
 
     >>> definition(sp.asinh(sp.Symbol("x")))
     log(x + sqrt(x**2 + 1))
@@ -120,42 +120,42 @@ def definition(node: sp.Expr) -> sp.Expr:
 
 
 def has_half_order(node: sp.Expr) -> bool:
-    """Whether the order of a Bessel function is half an odd number."""
+    """Return whether the order of a Bessel function is half an odd number."""
     return bool(node.args[0].is_Rational and node.args[0].q == 2)
 
 
 def with_definitions(expressions: Iterable[sp.Expr]) -> list[sp.Expr]:
-    """The expressions, and the definitions of the inverse and Bessel functions in them."""
-    found = dict.fromkeys(expressions)
-    waiting = list(found)
+    """Return the expressions, and the definitions of the inverse and Bessel functions in them."""
+    collected = dict.fromkeys(expressions)
+    waiting = list(collected)
     while waiting:
         expression = waiting.pop()
         halves = filter(has_half_order, expression.atoms(BesselBase))
         for node in (*expression.atoms(*INVERSE), *halves):
             defined = definition(node)
-            if defined not in found:
-                found[defined] = None
+            if defined not in collected:
+                collected[defined] = None
                 waiting.append(defined)
-    return list(found)
+    return list(collected)
 
 
 def without_logarithms(exponent: sp.Expr) -> tuple[sp.Expr, Vector]:
-    """``exponent`` less its multiples of logarithms and of i atan, and these.
+    """Split ``exponent`` into the part free of logarithms and i atan, and the multiples of these.
 
     >>> x, y = sp.symbols("x y")
     >>> without_logarithms(2 * x - sp.log(y) / 2)
     (2*x, {log(y): -1/2})
     """
-    found = expanded_terms(exponent)
-    logarithms = {term: value for term, value in found.items() if _is_logarithm(term, value)}
+    terms = expanded_terms(exponent)
+    logarithms = {term: value for term, value in terms.items() if _is_logarithm(term, value)}
     if not logarithms:
         return exponent, {}
-    rest = sp.Add(*(value * term for term, value in found.items() if term not in logarithms))
+    rest = sp.Add(*(value * term for term, value in terms.items() if term not in logarithms))
     return rest, logarithms
 
 
 def _is_logarithm(term: sp.Expr, value: sp.Rational) -> bool:
-    """Whether exp(value * term) is algebraic in others: of log f, W(f), i atan f or i pi."""
+    """Return whether exp(value * term) is algebraic: term is log f, W(f), i atan f or i pi."""
     is_phase = term.is_Mul and len(term.args) == 2 and term.has(sp.I)
     turned = is_phase and isinstance(term / sp.I, sp.atan) and value.is_Integer
     if isinstance(term, sp.LambertW):
@@ -164,13 +164,13 @@ def _is_logarithm(term: sp.Expr, value: sp.Rational) -> bool:
 
 
 def _nesting(expression: sp.Expr) -> int:
-    """How many functions stand in one another: those within a basis must come without it."""
+    """Return the nesting depth of functions, by which monomials are sorted (deepest first)."""
     inner = max(map(_nesting, expression.args), default=0)
     return inner + bool(expression.is_Function)
 
 
 class IntegerCombinations:
-    """A basis of the integer combinations of ``arguments``.
+    """Basis of the integer combinations of ``arguments``.
 
     >>> x, y = sp.symbols("x y")
     >>> found = IntegerCombinations([2 * x, 3 * x + 3 * y, -3 * y])
@@ -190,21 +190,21 @@ class IntegerCombinations:
         self.basis = tuple(self._written(row, given, vectors) for row in self._rows)
 
     def coordinates(self, argument: sp.Expr) -> tuple[int, ...]:
-        """The integers whose combination of the basis is ``argument``.
+        """Return the integer coordinates of ``argument`` in the basis.
 
-        Raises ValueError if there are none.
+        Raises ValueError if it is not an integer combination of the basis.
         """
-        rest, found = self._integers(expanded_terms(argument)), []
+        rest, multiples = self._integers(expanded_terms(argument)), []
         for row in self._rows:
             pivot = next(i for i, value in enumerate(row) if value)
             multiple = rest[pivot] // row[pivot]
             rest = [value - multiple * step for value, step in zip(rest, row, strict=True)]
-            found.append(multiple)
+            multiples.append(multiple)
         if any(rest):
             raise ValueError(
                 f"argument must be a combination of {self.basis}, got {argument} (extend the basis)"
             )
-        return tuple(found)
+        return tuple(multiples)
 
     def _integers(self, vector: Vector) -> list[int]:
         unknown = [monomial for monomial in vector if monomial not in self._monomials]
@@ -222,7 +222,7 @@ class IntegerCombinations:
         return [[int(value) for value in row] for row in table if any(row)]
 
     def _written(self, row: list[int], given: list[sp.Expr], vectors: list[Vector]) -> sp.Expr:
-        """A basis vector as it was given, if it was, up to its sign."""
+        """Return a basis vector as an expression: a given argument up to sign, if there is one."""
         for argument, vector in zip(given, vectors, strict=True):
             integers = self._integers(vector)
             if integers == row:
@@ -238,14 +238,14 @@ TRIGONOMETRIC = (sp.sin, sp.cos, sp.tan, sp.cot, sp.sec, sp.csc)
 
 
 class Arguments:
-    """The arguments of the exponentials and of the elliptic functions, as integer combinations.
+    """Arguments of exponentials and of elliptic functions, as integer combinations.
 
-    ``exponents`` combines what stands in exponentials; for an elliptic parameter m, ``moving(m)``
-    and ``fixed(m)`` the variable and the constant parts of the arguments.  ``count`` says how often
-    each function occurs; ``degrees`` has of each radicand the degree of the one root that makes all
-    of its roots; ``circles`` are the symbols s for which sqrt(1 - s**2) occurs and no other
-    root of a sum with s, as its relation with that one would be lost.  ``logarithms`` are sums for
-    logarithms of products, which exponents are written with.
+    ``exponents`` combines the arguments of exponentials.  For an elliptic parameter m,
+    ``moving(m)`` and ``fixed(m)`` combine the variable and the constant parts of the arguments.
+    ``count`` has the number of occurrences of each elliptic function.  ``degrees`` maps a radicand
+    to the degree of the single root of which all its roots are powers.  ``circles`` are the
+    symbols s for which sqrt(1 - s**2) occurs and no root of another sum with s, since its relation
+    to that root would be lost.  ``logarithms`` maps logarithms of products to sums.
     """
 
     def __init__(
@@ -261,47 +261,47 @@ class Arguments:
         self._parts: defaultdict[tuple[bool, sp.Expr], dict[sp.Expr, None]] = defaultdict(dict)
         self.degrees: dict[sp.Expr, int] = {}
         self._shifts: defaultdict[sp.Expr, dict[sp.Expr, None]] = defaultdict(dict)
-        seen: set[sp.Basic] = set()
+        visited: set[sp.Basic] = set()
         for expression in expressions:
-            self._visit(expression, seen)
+            self._visit(expression, visited)
         self.exponents = IntegerCombinations(self._exponents)
         self._combined = {key: IntegerCombinations(parts) for key, parts in self._parts.items()}
         self._steps = {m: IntegerCombinations(shifts) for m, shifts in self._shifts.items()}
         self.circles = {base.free_symbols.pop() for base in self.degrees if self._closes(base)}
 
     def moving(self, m: sp.Expr) -> IntegerCombinations:
-        """The combinations of the variable parts of the elliptic arguments with parameter ``m``."""
+        """Return the basis of the variable parts of elliptic arguments with parameter ``m``."""
         return self._combined.get((True, m), NOTHING)
 
     def fixed(self, m: sp.Expr) -> IntegerCombinations:
-        """Those of the constant parts."""
+        """Return the basis of the constant parts of elliptic arguments with parameter ``m``."""
         return self._combined.get((False, m), NOTHING)
 
     def parts(self, argument: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
-        """``argument`` as a sum of a variable and a constant part."""
+        """Split ``argument`` into a variable and a constant summand."""
         constant, variable = self.dependence.summands(sp.expand(argument))
         return variable, constant
 
     def steps(self, shift: sp.Expr, m: sp.Expr) -> tuple[sp.Expr, int]:
-        """The step and its multiple that a constant shift of theta's argument is."""
+        """Return a constant shift of theta's argument as a step and its integer multiple."""
         combinations = self._steps[m]
         pairs = zip(combinations.basis, combinations.coordinates(shift), strict=True)
-        found = [(step, times) for step, times in pairs if times]
-        return found[0] if len(found) == 1 else (shift, int(shift != 0))
+        multiples = [(step, times) for step, times in pairs if times]
+        return multiples[0] if len(multiples) == 1 else (shift, int(shift != 0))
 
     def exponent(self, z: sp.Expr) -> tuple[sp.Expr, Vector]:
-        """An exponent without logarithms, and those with their factors."""
+        """Return an exponent without its logarithms, and the logarithms with their factors."""
         z = z.xreplace({node: definition(node) for node in z.atoms(*INVERSE)})
         return without_logarithms(z.xreplace(self._logarithms) if z.has(sp.log) else z)
 
-    def _visit(self, node: sp.Basic, seen: set[sp.Basic]) -> None:
+    def _visit(self, node: sp.Basic, visited: set[sp.Basic]) -> None:
         for inner in node.args:
-            self._visit(inner, seen)
+            self._visit(inner, visited)
         if isinstance(node, JacobiFunction):
             self.count[type(node), node.args[1]] += 1
-        if node in seen:
+        if node in visited:
             return
-        seen.add(node)
+        visited.add(node)
         if isinstance(node, (sp.exp, *HYPERBOLIC)):
             self._exponents[self.exponent(node.args[0])[0]] = None
         elif isinstance(node, sp.erf):
@@ -324,7 +324,7 @@ class Arguments:
             self._exponents[sp.S.One] = None
 
     def _closes(self, base: sp.Expr) -> bool:
-        """Whether a radicand is 1 - s**2, s no variable, and the only sum with s among them."""
+        """Return whether a radicand is 1 - s**2 for a constant s that no other radicand sum has."""
         square = 1 - base
         if not (square.is_Pow and square.exp == 2 and square.base.is_Symbol):
             return False

@@ -1,9 +1,8 @@
 """SymPy expressions and residuals in ball arithmetic (python-flint's arb and acb).
 
 Derivatives come from truncated Taylor series in several variables.  A jet holds the Taylor
-coefficients ``c[i, j, ...]`` of a function at a point for the multi-indices of a set that contains,
-with an index, all smaller ones.  Every operation is python-flint's, so the true coefficient lies in
-its ball.
+coefficients ``c[i, j, ...]`` of a function at a point, for a downward closed set of multi-indices.
+Every operation is python-flint's, so each ball contains the true coefficient.
 """
 
 from __future__ import annotations
@@ -31,34 +30,34 @@ Index = tuple[int, ...]
 
 
 class JetShape:
-    """The multi-indices below some given ones, with the pairs whose sum stays among them."""
+    """All multi-indices below the given ones, and the pairs whose sum is among them."""
 
     def __init__(self, tops: Sequence[Index]) -> None:
-        found = {tuple(0 for _ in tops[0])}
+        indices = {tuple(0 for _ in tops[0])}
         waiting = list(tops)
         while waiting:
             index = waiting.pop()
-            if index not in found:
-                found.add(index)
-                waiting += [_lowered(index, place) for place in range(len(index)) if index[place]]
-        self.indices = sorted(found, key=lambda index: (sum(index), index))
+            if index not in indices:
+                indices.add(index)
+                waiting += [_lowered(index, axis) for axis in range(len(index)) if index[axis]]
+        self.indices = sorted(indices, key=lambda index: (sum(index), index))
         self.order = max(map(sum, self.indices))
-        place = {index: i for i, index in enumerate(self.indices)}
+        positions = {index: i for i, index in enumerate(self.indices)}
         self.products = [
-            (i, j, place[total])
+            (i, j, positions[total])
             for i, left in enumerate(self.indices)
             for j, right in enumerate(self.indices)
-            if (total := tuple(map(sum, zip(left, right, strict=True)))) in place
+            if (total := tuple(map(sum, zip(left, right, strict=True)))) in positions
         ]
 
 
-def _lowered(index: Index, place: int) -> Index:
-    return tuple(value - (i == place) for i, value in enumerate(index))
+def _lowered(index: Index, axis: int) -> Index:
+    return tuple(value - (i == axis) for i, value in enumerate(index))
 
 
 @dataclass(frozen=True)
 class Jet:
-    """Coefficients in the order of ``shape.indices``; the first is the value."""
+    """Taylor coefficients in the order of ``shape.indices``; the first is the value."""
 
     shape: JetShape
     coefficients: tuple[acb, ...]
@@ -74,12 +73,12 @@ class Jet:
 
     def __mul__(self, other: Jet) -> Jet:
         total = [acb(0)] * len(self.coefficients)
-        for i, j, place in self.shape.products:
-            total[place] += self.coefficients[i] * other.coefficients[j]
+        for i, j, k in self.shape.products:
+            total[k] += self.coefficients[i] * other.coefficients[j]
         return Jet(self.shape, tuple(total))
 
     def composed(self, taylor: Callable[[acb, int], Sequence[acb]]) -> Jet:
-        """``f(self)``, with ``taylor(z, n)`` the coefficients of f at z up to order n."""
+        """Return ``f(self)``; ``taylor(z, n)`` gives the coefficients of f at z up to order n."""
         outer = taylor(self.value, self.shape.order)
         step = Jet(self.shape, (acb(0), *self.coefficients[1:]))
         result = constant(self.shape, outer[-1])
@@ -88,19 +87,19 @@ class Jet:
         return result
 
     def conjugate(self) -> Jet:
-        """The complex conjugate, for real variables."""
+        """Return the complex conjugate, for real variables."""
         parts = (acb(c.real, -c.imag) for c in self.coefficients)
         return Jet(self.shape, tuple(parts))
 
 
 def constant(shape: JetShape, value: acb) -> Jet:
-    """A constant as a jet."""
+    """Return a constant as a jet."""
     return Jet(shape, (value,) + (acb(0),) * (len(shape.indices) - 1))
 
 
-def variable(shape: JetShape, place: int, value: acb) -> Jet:
-    """The variable number ``place`` at ``value``."""
-    unit = tuple(int(i == place) for i in range(len(shape.indices[0])))
+def variable(shape: JetShape, axis: int, value: acb) -> Jet:
+    """Return the jet of variable number ``axis`` at ``value``."""
+    unit = tuple(int(i == axis) for i in range(len(shape.indices[0])))
     return Jet(shape, (value, *(acb(int(index == unit)) for index in shape.indices[1:])))
 
 
@@ -116,7 +115,7 @@ QUOTIENTS = {
     sp.sech: (None, sp.cosh),
     sp.csch: (None, sp.sinh),
 }
-"""Numerator, None for 1, and denominator."""
+"""Numerator (None for 1) and denominator of quotient functions."""
 
 SPECIAL = {
     sp.erf: "erf",
@@ -126,14 +125,14 @@ SPECIAL = {
     sp.airybiprime: "airy_bi_prime",
     sp.LambertW: "lambertw",
 }
-"""FLINT's series."""
+"""Names of FLINT's power series for special functions."""
 
 ENTIRE = (sp.exp, sp.erf, sp.airyai, sp.airyaiprime, sp.airybi, sp.airybiprime)
 BRANCH_OF_LAMBERT = fmpq(-36, 100)
-"""A little more than -1/e, where the cut of W begins."""
+"""A bound for the cut of W, which ends at -1/e = -0.367..."""
 
 ORDERS = {kind: name for name, kind in BESSEL.items()}
-"""Bessel functions with their names."""
+"""Names of the Bessel functions."""
 
 INVERSE = (sp.asin, sp.acos, sp.atan, sp.asinh, sp.acosh, sp.atanh)
 ELEMENTARY = {
@@ -146,7 +145,7 @@ ELEMENTARY = {
 
 
 def touches_cut(function: type, value: acb) -> bool:
-    """Whether a value may lie on a cut of a function; that of a power is the logarithm's."""
+    """Return whether a value may lie on a function's branch cut; powers have the logarithm's."""
     if function in ENTIRE:
         return False
     if function is sp.LambertW:
@@ -160,20 +159,20 @@ def touches_cut(function: type, value: acb) -> bool:
 
 
 def powered(base: Jet, exponent: Fraction) -> Jet:
-    """The principal power; a whole one by squaring: base**10**7 costs no more than 24 squares."""
+    """Return the principal power; integer powers by squaring (24 squares for base**10**7)."""
     if exponent.denominator != 1 or exponent < 0:
         return base.composed(functions.power(exponent))
     if exponent == 0:
         return constant(base.shape, acb(1))
-    found = base
+    result = base
     for digit in f"{exponent.numerator:b}"[1:]:
-        found = found * found
-        found = found * base if digit == "1" else found
-    return found
+        result = result * result
+        result = result * base if digit == "1" else result
+    return result
 
 
 class BallEvaluator:
-    """Jets of expressions at a rational point, at the working precision of python-flint."""
+    """Evaluator of jets at a rational point, at python-flint's working precision."""
 
     def __init__(
         self,
@@ -192,17 +191,17 @@ class BallEvaluator:
         self._elliptic: dict[sp.Expr, functions.Elliptic] = {}
 
     def jet(self, expression: sp.Expr) -> Jet:
-        """The jet of ``expression``.
+        """Return the jet of ``expression``.
 
-        Raises ValueError for a symbol without value, a function that is not known, and at a
-        branch point or on a cut, where a formula is not smooth.
+        Raises ValueError for a symbol without value, an unknown function, and at a branch point or
+        on a cut, where a formula is not smooth.
         """
         if expression not in self._found:
             self._found[expression] = self._jet(expression)
         return self._found[expression]
 
     def know(self, values: Mapping[sp.Symbol, acb]) -> None:
-        """Give constants that are no rational numbers their balls."""
+        """Set the balls of symbols, for values that are not rational."""
         self._found |= {symbol: constant(self._shape, ball) for symbol, ball in values.items()}
 
     def _jet(self, node: sp.Expr) -> Jet:
@@ -236,7 +235,7 @@ class BallEvaluator:
         return function_jet(node.func, list(map(self.jet, node.args)))
 
     def _check_smooth(self, node: sp.Expr, inner: sp.Expr) -> None:
-        """Raise ValueError where ``node`` may jump: on a cut that its argument may cross."""
+        """Raise ValueError if the argument of ``node`` may cross a branch cut."""
         if not inner.free_symbols or not touches_cut(node.func, self.jet(inner).value):
             return
         along = node.is_Pow or isinstance(node, sp.log)
@@ -250,12 +249,12 @@ class BallEvaluator:
         return self._elliptic[m]
 
     def _constant(self, m: sp.Expr) -> acb:
-        """The value of a parameter, order or invariant; raises ValueError if it has derivatives."""
+        """Return the value of a parameter, order or invariant; ValueError if it has derivatives."""
         return constant_value(self.jet(m), str(m))
 
 
 def constant_value(jet: Jet, shown: str = "one with slopes") -> acb:
-    """The value of a parameter; raises ValueError if it has derivatives."""
+    """Return the value of a parameter; raises ValueError if it has derivatives."""
     value, *slopes = jet.coefficients
     if not all(slope == 0 for slope in slopes):
         raise ValueError(f"parameters must be constant, got {shown} (hold it fixed)")
@@ -263,7 +262,7 @@ def constant_value(jet: Jet, shown: str = "one with slopes") -> acb:
 
 
 def size_jet(name: str, inner: Jet) -> Jet:
-    """conjugate, re, im, abs or sign; raises ValueError where one of the last two is not smooth."""
+    """Return conjugate, re, im, abs or sign of a jet; ValueError if abs or sign is not smooth."""
     other = inner.conjugate()
     if name == "conjugate":
         return other
@@ -278,7 +277,7 @@ def size_jet(name: str, inner: Jet) -> Jet:
 
 
 def function_jet(function: type, jets: Sequence[Jet]) -> Jet:
-    """A function of jets; raises ValueError for one that is not known, or not smooth there."""
+    """Return a function of jets; raises ValueError if it is unknown or not smooth there."""
     if function in ORDERS or issubclass(function, JetFunction | WeierstrassFunction):
         return special_jet(function, jets)
     if function in QUOTIENTS:
@@ -294,7 +293,7 @@ def function_jet(function: type, jets: Sequence[Jet]) -> Jet:
 
 
 def special_jet(function: type, jets: Sequence[Jet]) -> Jet:
-    """Such a function of jets; raises ValueError where it is not smooth or not known."""
+    """Return a Weierstrass, Bessel, theta or arbitrary function of jets; ValueError on a cut."""
     z, *others = jets
     if issubclass(function, WeierstrassFunction):
         g2, g3 = map(constant_value, others)
@@ -312,9 +311,9 @@ def special_jet(function: type, jets: Sequence[Jet]) -> Jet:
 
 
 def _jet_of(function: type[JetFunction], z: Jet, *nome: Jet) -> Jet:
-    """An arbitrary function, or a theta function, of which f_w = -f_zz/4 for w = log q."""
+    """Return an arbitrary function, or a theta function, for which f_w = -f_zz/4 with w = log q."""
     label, start, at = function.label, function.order, [q.value for q in nome]
-    found = z.composed(functions.free(label, start, *at))
+    total = z.composed(functions.free(label, start, *at))
     for q in nome:
         if not q.value.real > 0:
             raise ValueError("nomes must be between 0 and 1, got one that is not positive")
@@ -323,19 +322,19 @@ def _jet_of(function: type[JetFunction], z: Jet, *nome: Jet) -> Jet:
         for n in range(1, z.shape.order + 1):
             power = power * constant(z.shape, acb(-1) / (4 * n))
             slope = z.composed(functions.free(label, start + 2 * n, *at))
-            found, power = found + slope * power, power * step
-    return found
+            total, power = total + slope * power, power * step
+    return total
 
 
 def exact(value: sp.Rational | Fraction) -> acb:
-    """A rational number as a ball."""
+    """Return a rational number as a ball."""
     return acb(arb(fmpq(int(value.numerator), int(value.denominator))))
 
 
 def ball_value(
     expression: sp.Expr, point: Point, bits: int, signs: DomainSigns | None = None
 ) -> acb:
-    """A ball around the value of ``expression`` at ``point``; ``signs`` tell what is real."""
+    """Return a ball with the value of an expression at ``point``; ``signs`` decide what is real."""
     with ctx.workprec(bits):
         return BallEvaluator(JetShape([(0,)]), (), point, signs).jet(expression).value
 
@@ -348,7 +347,7 @@ def residual_ball(
     bits: int,
     signs: DomainSigns | None = None,
 ) -> acb:
-    """A ball around the residual of ``equation`` with ``expression`` for ``unknown``."""
+    """Return a ball with the residual of ``equation`` with ``expression`` for ``unknown``."""
     variables = unknown.args
     flat_equation, symbols, tops, shape = _in_jets(equation, unknown)
     with ctx.workprec(bits):
@@ -367,7 +366,7 @@ def residual_ball(
 def _in_jets(
     equation: sp.Expr, unknown: sp.Expr
 ) -> tuple[sp.Expr, list[sp.Symbol], list[Index], JetShape]:
-    """The equation in symbols for the unknown and its derivatives, their orders and shape."""
+    """Return the equation with symbols for the jets, these symbols, their orders and the shape."""
     jets = [unknown, *(d for d in equation.atoms(sp.Derivative) if d.expr == unknown)]
     tops = [_index(jet, unknown.args) for jet in jets]
     symbols = [sp.Dummy() for _ in jets]

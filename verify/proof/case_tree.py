@@ -1,8 +1,8 @@
-"""Polynomial systems in constants, solved by cases: factors, linear symbols, pseudo-division.
+"""Solve polynomial systems in constants by cases: factors, linear symbols, pseudo-division.
 
-Every step is exhaustive: a product vanishes where one of its factors does, a coefficient is 0 or
-not, a sum of what is not negative vanishes where all of it does.  So no real solution is lost, but
-where `CaseTree.left_out` says so.
+Every step is exhaustive: a product vanishes if one of its factors does, a coefficient is 0 or not,
+and a sum of nonnegative terms vanishes if all terms do.  So no real solution is lost, except those
+that `CaseTree.left_out` names.
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ from .samples import sample
 BITS = 160
 
 SIGNED_TERMS = 8
-"""A polynomial with more terms is not looked at for its sign."""
+"""Most terms of a polynomial whose sign is examined."""
 
 STEPS = 4_000
-"""Most systems that are looked at; the dearest problem of the tests takes 150."""
+"""Most systems examined; the costliest problem of the tests needs 150."""
 
 
 class Constants:
-    """Polynomials in constants: parameters, and roots and functions of parameters."""
+    """Polynomial ring in constants: parameters, and roots and functions of parameters."""
 
     def __init__(self, constants: Iterable[sp.Expr], relations: Relations) -> None:
         self.all = sorted(set(constants), key=sp.default_sort_key)
@@ -46,7 +46,7 @@ class Constants:
         }
 
     def polynomial(self, terms: Terms) -> fmpq_mpoly:
-        """A polynomial given by its terms."""
+        """Return the polynomial with these terms."""
         table: dict[tuple[int, ...], fmpq] = {}
         for monomial, c in terms.items():
             powers = [0] * self.context.nvars()
@@ -56,15 +56,15 @@ class Constants:
         return self.context.from_dict(table)
 
     def written(self, polynomial: fmpq_mpoly) -> sp.Expr:
-        """A polynomial as an expression."""
+        """Return a polynomial as an expression."""
         return written(polynomial, self.all)
 
     def used(self, polynomial: fmpq_mpoly) -> list[int]:
-        """The places of the constants that occur."""
+        """Return the indices of the constants that occur."""
         return [place for place, degree in enumerate(polynomial.degrees()) if degree]
 
     def coefficients(self, polynomial: fmpq_mpoly, place: int) -> list[fmpq_mpoly]:
-        """The coefficients of the powers of a constant."""
+        """Return the coefficients of the powers of a constant, lowest first."""
         rows: list[dict[tuple[int, ...], fmpq]] = [
             {} for _ in range(int(polynomial.degrees()[place]) + 1)
         ]
@@ -74,7 +74,7 @@ class Constants:
         return [self.context.from_dict(row) for row in rows]
 
     def reduced(self, polynomial: fmpq_mpoly) -> fmpq_mpoly:
-        """The normal form with respect to the relations."""
+        """Reduce the powers of algebraic constants in a polynomial by their relations."""
         for place, (degree, value) in self.relations.items():
             while int(polynomial.degrees()[place]) >= degree:
                 rows = self.coefficients(polynomial, place)
@@ -88,7 +88,7 @@ class Constants:
     def quotient_put_in(
         self, polynomial: fmpq_mpoly, place: int, above: fmpq_mpoly, below: fmpq_mpoly
     ) -> fmpq_mpoly:
-        """The numerator of the polynomial with ``above/below`` for a constant."""
+        """Substitute ``above/below`` for a constant and return the numerator."""
         rows = self.coefficients(polynomial, place)
         top = len(rows) - 1
         if top == 0:
@@ -99,7 +99,7 @@ class Constants:
         return self.reduced(total)
 
     def remainder(self, polynomial: fmpq_mpoly, other: fmpq_mpoly, place: int) -> fmpq_mpoly:
-        """The pseudo-remainder in a constant; the leading coefficient of ``other`` is not 0."""
+        """Return the pseudo-remainder in a constant; the lead of ``other`` must not be 0."""
         rows = self.coefficients(other, place)
         degree, lead, gen = len(rows) - 1, rows[-1], self.context.gens()[place]
         while (top := int(polynomial.degrees()[place])) >= degree:
@@ -110,7 +110,7 @@ class Constants:
 
 @dataclass(frozen=True)
 class Rule:
-    """``polynomial``, of degree 1 or more in ``symbol``, is 0, its leading coefficient not."""
+    """Condition ``polynomial = 0``, solved for ``symbol``; its leading coefficient is not 0."""
 
     symbol: sp.Symbol
     polynomial: fmpq_mpoly
@@ -118,7 +118,7 @@ class Rule:
 
 @dataclass(frozen=True)
 class SystemCase:
-    """Rules, each in symbols of its own and of later ones; unless ``complete``, more must hold."""
+    """Rules of one case, in triangular form; unless ``complete``, further conditions must hold."""
 
     rules: tuple[Rule, ...]
     complete: bool
@@ -135,23 +135,23 @@ class _Node:
 
 
 class CaseTree:
-    """The real solutions of polynomial systems, solved for the ``wanted`` symbols, the first first.
+    """Real solutions of polynomial systems, solved for the symbols ``solve_for``, in that order.
 
-    An equation without these is solved for one of the ``others``.  ``left_out`` says where
-    solutions are not excluded, ``unknown`` what may be 0 everywhere.
+    An equation without these is solved for one of the ``others``.  ``left_out`` has conditions
+    under which more solutions may exist, ``unknown`` relations that may hold everywhere.
     """
 
     def __init__(
         self,
         constants: Constants,
-        wanted: Sequence[sp.Symbol],
+        solve_for: Sequence[sp.Symbol],
         others: Sequence[sp.Symbol],
         domains: Domains,
     ) -> None:
         self._constants, self._signs = constants, DomainSigns(domains)
         self._points = sample(domains, POINTS)
-        self._wanted = {constants.places[s] for s in wanted if s in constants.places}
-        symbols = (*wanted, *others)
+        self._solve_for = {constants.places[s] for s in solve_for if s in constants.places}
+        symbols = (*solve_for, *others)
         self._symbols = [constants.places[s] for s in symbols if s in constants.places]
         self._dependent = {
             place: {
@@ -167,7 +167,7 @@ class CaseTree:
         self.unknown: dict[str, None] = {}
 
     def branches(self, equations: Sequence[fmpq_mpoly]) -> Iterator[SystemCase]:
-        """The cases of a system; raises ValueError where there are too many."""
+        """Yield the cases of a system; raises ValueError if there are too many."""
         waiting = [_Node(tuple(self._constants.reduced(e) for e in equations))]
         while waiting:
             self._steps += 1
@@ -179,15 +179,15 @@ class CaseTree:
             if not node.equations:
                 yield SystemCase(node.rules, True)
                 continue
-            found = self._next(node)
-            if isinstance(found, SystemCase):
-                yield found
+            step = self._next(node)
+            if isinstance(step, SystemCase):
+                yield step
             else:
-                waiting += reversed(found)
+                waiting += reversed(step)
 
     def _cleaned(self, node: _Node) -> _Node | None:
-        """The system without powers and factors that are not 0; None if it has no solution."""
-        kept: dict[str, fmpq_mpoly] = {}
+        """Remove powers and nonzero factors from a system; None if it has no solution."""
+        products: dict[str, fmpq_mpoly] = {}
         for equation in node.equations:
             if equation.is_zero():
                 continue
@@ -197,12 +197,12 @@ class CaseTree:
                     product *= factor
             if product.is_constant():
                 return None
-            kept[str(product)] = product
-        equations = sorted(kept.values(), key=lambda e: (len(e), e.total_degree()))
+            products[str(product)] = product
+        equations = sorted(products.values(), key=lambda e: (len(e), e.total_degree()))
         return _Node(tuple(equations), node.rules, node.nonzero)
 
     def _is_nonzero(self, factor: fmpq_mpoly) -> bool:
-        """Whether the domains exclude 0."""
+        """Return whether the domains exclude 0."""
         if len(factor) > SIGNED_TERMS:
             return False
         key = str(factor)
@@ -213,7 +213,7 @@ class CaseTree:
         return self._nonzero[key]
 
     def _has_no_root(self, factor: fmpq_mpoly) -> bool:
-        """Whether a polynomial in one function has no root among the values of that."""
+        """Return whether a polynomial in one function has no root in the range of that function."""
         used = self._constants.used(factor)
         function = self._constants.all[used[0]]
         values = self._signs.range(function) if len(used) == 1 else None
@@ -224,7 +224,7 @@ class CaseTree:
         return DomainSigns({name: domain_of(values)}).is_nonzero(polynomial)
 
     def _next(self, node: _Node) -> list[_Node] | SystemCase:
-        """The cases of the next step."""
+        """Return the cases after one step, or a case that needs no further step."""
         for equation in node.equations:
             factors = [factor for factor, _ in equation.factor()[1]]
             if len(factors) > 1:
@@ -242,7 +242,7 @@ class CaseTree:
         return _Node(rest, node.rules, node.nonzero)
 
     def _signed_terms(self, equation: fmpq_mpoly) -> list[fmpq_mpoly]:
-        """The terms of a sum that are all of one sign, so that each must be 0."""
+        """Return the terms of a sum if all have one sign, so that each must be 0; else []."""
         if not 1 < len(equation) <= SIGNED_TERMS:
             return []
         terms = [self._constants.context.from_dict({e: c}) for e, c in equation.terms()]
@@ -251,13 +251,13 @@ class CaseTree:
         return terms if positive or all(map(self._signs.is_nonpositive, written)) else []
 
     def _candidates(self, equation: fmpq_mpoly) -> list[int]:
-        """The symbols that an irreducible equation may be solved for."""
+        """Return the symbols for which an irreducible equation may be solved."""
         used = self._constants.used(equation)
         possible = [s for s in self._symbols if s in used and not self._dependent[s] & set(used)]
-        return [s for s in possible if s in self._wanted] or possible
+        return [s for s in possible if s in self._solve_for] or possible
 
     def _solved(self, node: _Node) -> list[_Node] | SystemCase:
-        """The cases by a symbol of lowest degree in an equation, best with a factor not 0."""
+        """Solve for a symbol of lowest degree, preferably with a nonzero leading coefficient."""
         choices: list[tuple[tuple[int, ...], fmpq_mpoly, int]] = []
         for equation in node.equations:
             candidates = self._candidates(equation)
@@ -299,7 +299,7 @@ class CaseTree:
     def _nonlinear(
         self, node: _Node, rest: _Node, equation: fmpq_mpoly, place: int
     ) -> list[_Node] | SystemCase:
-        """Reduce the others by an equation in a symbol; it is a rule when none has this."""
+        """Reduce the other equations by one; it becomes a rule when no other has the symbol."""
         others = [e for e in rest.equations if int(e.degrees()[place])]
         if others:
             reduced = [self._constants.remainder(e, equation, place) for e in others]
@@ -328,9 +328,9 @@ class CaseTree:
         return [_Node(rest.equations, (*rules, rule), nonzero)]
 
     def _vanishing_square(self, inner: fmpq_mpoly, node: _Node) -> fmpq_mpoly | None:
-        """A squared factor that may be 0, where the rest of a discriminant may be negative.
+        """Return a squared factor of a discriminant that may be 0 while the rest may be negative.
 
-        The roots are real at its zeros, whatever the sign of the rest is.
+        The roots are real at its zeros, whatever the sign of the rest.
         """
         number, factors = inner.factor()
         odd = [factor for factor, power in factors if power % 2]
@@ -343,7 +343,7 @@ class CaseTree:
         return next((f for f in squares if not self._is_known(f, node)), None)
 
     def _unsolved(self, node: _Node, equation: fmpq_mpoly) -> list[_Node]:
-        """An equation with functions of its symbols: by its norm if they are roots, or left out."""
+        """Replace an equation with roots by its norm; leave out one with other functions."""
         for place in self._constants.used(equation):
             if place in self._constants.relations and self._constants.all[place].is_Pow:
                 degree, value = self._constants.relations[place]
@@ -355,14 +355,14 @@ class CaseTree:
         if linear is not None:
             return [self._without(node, equation).adding(linear)]
         written = sp.factor(self._constants.written(equation))
-        kept = [f for f in sp.Mul.make_args(written) if not self._signs.is_nonzero(f)]
-        self.left_out[f"{formula_as_text(sp.Mul(*kept))} = 0"] = None
+        factors = [f for f in sp.Mul.make_args(written) if not self._signs.is_nonzero(f)]
+        self.left_out[f"{formula_as_text(sp.Mul(*factors))} = 0"] = None
         if self._vanishes(equation):
             self.unknown[f"a relation of {', '.join(map(str, written.atoms(sp.Function)))}"] = None
         return []
 
     def _vanishes(self, equation: fmpq_mpoly) -> bool:
-        """Whether a polynomial may be 0 everywhere: functions may have a relation."""
+        """Return whether a polynomial may be 0 everywhere, as a relation between functions."""
         written = self._constants.written(equation)
         for point in self._points:
             try:
@@ -373,7 +373,7 @@ class CaseTree:
         return True
 
     def _exponents_difference(self, equation: fmpq_mpoly) -> fmpq_mpoly | None:
-        """What is 0 where two products of real exponentials are equal; None for anything else."""
+        """Return the difference of exponents for an equality of real exponentials, else None."""
         terms = list(equation.terms())
         used = [self._constants.all[place] for place in self._constants.used(equation)]
         if len(terms) != 2 or terms[0][1] != -terms[1][1]:

@@ -1,12 +1,11 @@
-"""The catalogue's closed forms and the rational orders behind them, proved and checked by name.
+"""Prove and check, by name, the catalogue's closed forms and higher rational orders.
 
-A form is proved in the variables of its normal form, those of NLS with the complex equation as it
-stands.  The forms of mKdV are proved in the lab variables X, T with all constants symbolic,
-parametrised so that no square root is left.  The normal form's variables are ``xi = a X``,
-``tau = b T`` with square roots of K2 and K4 in a and b.  In the generators c > 0 and a > 0
-everything is rational: K2, the sign-fixed K4 and b follow from the derivation's own record, and
-(K2, |K4|) <-> (c, a) is one to one.  What holds identically in X, T, a, c therefore holds for all
-X, T, K2 > 0 and K4 of that sign.
+A form is proved in the variables of its normal form; NLS is taken as its complex equation.  Forms
+of mKdV are proved in the lab variables X, T with symbolic constants, parametrised without square
+roots.  The normal form has ``xi = a X``, ``tau = b T`` with square roots of K2 and K4 in a and b.
+In the generators c > 0 and a > 0 everything is rational: K2, K4 of fixed sign and b follow from the
+derivation's record, and (K2, |K4|) <-> (c, a) is one to one.  An identity in X, T, a, c therefore
+holds for all X, T, K2 > 0 and K4 of that sign.
 """
 
 from __future__ import annotations
@@ -42,10 +41,10 @@ from .typed_statement import Statement, StatementTexts
 
 
 def prove_form(form: ClosedForm) -> ProofVerdict:
-    """Decide whether ``form`` solves its equation; if it is mKdV, that of X, T, K2 > 0 and K4.
+    """Decide whether ``form`` solves its equation; mKdV is taken in X, T with K2 > 0 and K4.
 
-    Of mKdV the canonical expression is taken at ``xi = a X``, ``tau = b T``; K2 and K4 are given by
-    the generators of `lab_frame`, one to one.
+    For mKdV the canonical expression is taken at ``xi = a X``, ``tau = b T``; `lab_frame` gives K2
+    and K4 in its generators, one to one.
 
     >>> from longwave.solutions import closed_form
     >>> prove_form(closed_form("kink")).outcome
@@ -57,12 +56,12 @@ def prove_form(form: ClosedForm) -> ProofVerdict:
 
 
 def _problems(form: ClosedForm) -> Sequence[Callable[[ClosedForm], Problem]]:
-    """What is to be proved of ``form``, and what else states that it solves its equation."""
+    """Return builders of the problem to prove for ``form``, then of its other valid statements."""
     return (lab_problem, own_problem) if form.equation.normal == "mKdV" else (own_problem,)
 
 
 def lab_problem(form: ClosedForm) -> Problem:
-    """The statement that ``form``, one of mKdV, solves the equation in the lab variables."""
+    """Return the problem that ``form``, one of mKdV, solves the equation in the lab variables."""
     domains = form_domains(form)
     frame = lab_frame(form.equation.s)
     variables = {form.equation.xi: frame.xi, form.equation.tau: frame.tau}
@@ -78,7 +77,7 @@ def lab_problem(form: ClosedForm) -> Problem:
 
 
 def own_problem(form: ClosedForm) -> Problem:
-    """The statement that ``form`` solves its equation in its own variables."""
+    """Return the problem that ``form`` solves its equation in its own variables."""
     equation, domains = form.equation, form_domains(form)
     unknown = sp.Function("U")(*equation.variables)
     left = equation.residual(unknown)
@@ -102,7 +101,7 @@ def prove_stable(form: ClosedForm) -> ProofVerdict:
 
 
 def stable_problem(form: ClosedForm) -> Problem:
-    """The statement that the evaluation form of ``form`` is its canonical one."""
+    """Return the problem that the evaluation form of ``form`` equals its canonical one."""
     domains = form_domains(form)
     return equality_problem(
         form.expression,
@@ -122,9 +121,9 @@ def _check_form(form: object) -> None:
 
 
 def form_domains(form: ClosedForm) -> dict[sp.Symbol, Domain]:
-    """The domains of the parameters of a closed form, from its record.
+    """Return the domains of the parameters of a closed form, from its record.
 
-    Raises TypeError for what is no closed form.
+    Raises TypeError if ``form`` is not a ClosedForm.
 
     >>> from longwave.solutions import closed_form
     >>> {str(s): d.text(s) for s, d in form_domains(closed_form("wave_cn")).items()}
@@ -145,7 +144,7 @@ def form_domains(form: ClosedForm) -> dict[sp.Symbol, Domain]:
 def check_certificate(data: Any) -> str:
     """Repeat the proof in ``data`` and return its statement in words.
 
-    Raises CertificateError if the proof fails, or if it has the name of a closed form and states
+    Raises CertificateError if the proof fails, or if it has the name of a closed form but states
     something else.
     """
     statement = check_content(data)
@@ -160,13 +159,13 @@ def check_certificate(data: Any) -> str:
 
 
 def _named(form: ClosedForm) -> Iterator[StatementTexts]:
-    """What a certificate with the name of ``form`` may state."""
+    """Yield the statements that a certificate with the name of ``form`` may have."""
     family = form.name.removeprefix("rational_")
     if family.isdigit() and form not in CATALOGUE:
         tau = rational_tau(int(family))
         yield rational_texts(int(family), tau.A, tau.B)
-    for made in (*_problems(form), stable_problem):
-        yield statement_texts(made(form))
+    for build in (*_problems(form), stable_problem):
+        yield statement_texts(build(form))
 
 
 a = sp.Symbol("a", positive=True)
@@ -174,7 +173,7 @@ a = sp.Symbol("a", positive=True)
 
 @dataclass(frozen=True)
 class LabFrame:
-    """The reduced equation in X and T, K2, K4, xi and tau being rational in X, T, a and c.
+    """Reduced equation in X and T; K2, K4, xi and tau are rational in X, T, a and c.
 
     ``s`` is the sign of K4.
     """
@@ -186,11 +185,11 @@ class LabFrame:
     tau: sp.Expr
 
     def constants(self) -> dict[sp.Symbol, sp.Expr]:
-        """The lattice constants in the generators."""
+        """Return the lattice constants in terms of the generators."""
         return {K2: self.K2, K4: self.K4}
 
     def residual(self, U: sp.Expr) -> sp.Expr:
-        """The left-hand side ``Y_T + beta Y^2 Y_X + delta Y_XXX`` at ``U``, as derived."""
+        """Return the derived left-hand side ``Y_T + beta Y^2 Y_X + delta Y_XXX`` at Y = ``U``."""
         pde, constants = mkdv_reduction().pde, self.constants()
         nonlinear = pde.nonlinear_coefficient.subs(constants)
         dispersive = pde.dispersive_coefficient.subs(constants)
@@ -199,7 +198,7 @@ class LabFrame:
 
 @functools.cache
 def lab_frame(s: int) -> LabFrame:
-    """The parametrisation for K4 of the sign ``s`` (+1 or -1), from the normal-form record."""
+    """Return the frame for K4 of sign ``s`` (+1 or -1), from the normal-form record."""
     size = sp.Symbol("size", positive=True)
     record = mkdv_normal_form(K2, s * size)
     stiffness = sp.solve(record.c**2 - c**2, K2)[0]
@@ -209,17 +208,17 @@ def lab_frame(s: int) -> LabFrame:
 
 
 HIGHER_ORDERS = range(4, 10)
-"""The orders of the rational family that are proved along with the catalogue."""
+"""Orders of the rational family that are proved along with the catalogue."""
 
 NAMES = (
     *CATALOGUE.names,
     *(f"rational_{order}" for order in HIGHER_ORDERS),
 )
-"""Every form that is checked where none is named."""
+"""Forms that are checked if none is named."""
 
 
 def higher_order(name: str) -> int | None:
-    """The order of a member of the rational family; None for a name of the catalogue.
+    """Return the order of a member of the rational family; None for a name of the catalogue.
 
     Raises ValueError, listing the catalogue, if ``name`` is neither.
 
@@ -234,13 +233,13 @@ def higher_order(name: str) -> int | None:
 
 
 def named_form(name: str) -> ClosedForm:
-    """The closed form of that name; raises ValueError as `higher_order` does."""
+    """Return the closed form ``name``; raises ValueError as `higher_order` does."""
     order = higher_order(name)
     return closed_form(name) if order is None else rational(order)
 
 
 def prove_named(name: str) -> ProofVerdict:
-    """The exact verdict on the form called ``name``; raises ValueError as `higher_order` does.
+    """Return the exact verdict on the form ``name``; raises ValueError as `higher_order` does.
 
     >>> print(prove_named("rational_2").outcome, prove_named("rational_4").outcome)
     PROVED PROVED
@@ -250,6 +249,6 @@ def prove_named(name: str) -> ProofVerdict:
 
 
 def prove_all(names: Iterable[str] = NAMES) -> Iterator[ProofVerdict]:
-    """The verdicts on the forms called ``names``, one after the other as they are reached."""
+    """Yield the verdicts on the forms called ``names``, each as soon as it is decided."""
     for name in names:
         yield prove_named(name)

@@ -1,13 +1,12 @@
-"""The certificate of a proof: its statement as plain data, and hints for `checker`.
+"""Build the certificate of a proof: its statement as plain data, and hints for the checker.
 
-An equality is proved part by part where that can be done.  If a sum in one formula has the value of
-another sum in the other formula at a point, the two may be the same function.  Where that is
-proved, one generator of which nothing is known takes the place of both; if the formulas are equal
-with it, they are equal.
+An equality is proved part by part if possible.  If a sum in one formula and a sum in the other have
+the same value at a point, they may be the same function.  Once that is proved, one free generator
+replaces both; if the formulas with it are equal, the original ones are.
 
-A square root that depends on others is named, as sqrt(6) = sqrt(2) sqrt(3).  The radicands' images
-are factored; a root whose square, times those of some others, is a square is their product times a
-known element.
+A square root that depends on others gets a value instead of a generator: sqrt(6) = sqrt(2) sqrt(3).
+The radicands' images are factored.  If the product of a radicand and some others is a square, the
+root is the product of the other roots and a known element.
 """
 
 from __future__ import annotations
@@ -45,10 +44,10 @@ from .typed_statement import StatementTexts
 LEMMA_BITS = 320
 
 Pair = tuple[sp.Expr, sp.Expr]
-"""A sum of either formula."""
+"""A sum in the left and a sum in the right formula."""
 
 Key = tuple[str, int]
-"""A prime or -1, or the place of a factor in the ring's list."""
+"""("number", prime or -1), or ("factor", index in the ring's list)."""
 
 
 def make_certificate(
@@ -59,8 +58,8 @@ def make_certificate(
 ) -> Certificate:
     """Return the certificate for ``problem``, given equal ``parts`` of both sides of an equality.
 
-    Functions in ``unsplit`` are not written as simpler ones; ``values`` has what some others are.
-    Raises ValueError for a function without an axiom, and without a regular point.
+    Functions in ``unsplit`` are not rewritten; ``values`` has extra values of functions.
+    Raises ValueError for a function without an axiom, or if no regular point is found.
     """
     table = NodeTable()
     statement = problem.texts or statement_texts(problem)
@@ -130,14 +129,14 @@ def statement_texts(problem: Problem) -> StatementTexts:
 
 
 def arbitrary_functions(problem: Problem) -> list[str]:
-    """Return the names of the functions of which nothing is known."""
+    """Return the names of the arbitrary functions in a problem."""
     parts = (problem.left, *problem.solutions.values())
     labels = {node.label for part in parts for node in part.atoms(JetFunction)}
     return sorted(labels - THETA.keys())
 
 
 def _left_side(problem: Problem, table: NodeTable) -> int:
-    """Return the place of the left-hand side, a polynomial's written term by term."""
+    """Return the node of the left-hand side; a polynomial is written term by term."""
     if isinstance(problem, StatementProblem):
         return table.place(problem.left)
     terms = []
@@ -152,7 +151,7 @@ def _left_side(problem: Problem, table: NodeTable) -> int:
 
 
 def regular_point(problem: Problem) -> Point:
-    """A point at which all of a problem's formulas are finite; raises ValueError without one."""
+    """Return a point at which all formulas are finite; raises ValueError if there is none."""
     for bits, point in product((BITS, 2 * BITS), problem.points):
         with ctx.workprec(bits):
             balls = BallEvaluator(JetShape([(0,)]), (), point)
@@ -168,7 +167,7 @@ def regular_point(problem: Problem) -> Point:
 
 
 def equal_parts(problem: Problem) -> Iterator[list[Pair]]:
-    """Equal parts to prove first, if there may be any, and none."""
+    """Yield the equal parts to prove first, if any are found, and then an empty list."""
     if problem.right is not None:
         sides = problem.formula, problem.right
         lemmas = find_lemmas(*sides, problem.variables, regular_point(problem))
@@ -182,8 +181,8 @@ def find_lemmas(
 ) -> list[Pair]:
     """Return the largest proper sums that differ as formulas and agree at ``point``.
 
-    None lies in another; a sum is passed over for a smaller one that it holds and that stands
-    elsewhere too.
+    No sum contains another.  A sum is skipped if it contains a smaller one that also occurs
+    elsewhere.
     """
     with ctx.workprec(LEMMA_BITS):
         balls = BallEvaluator(JetShape([(0,)]), (), point)
@@ -220,7 +219,7 @@ def _values(
 
 
 class SquareRoots:
-    """The square roots among the generators of a field, and what the dependent ones are."""
+    """Square roots among the generators of a field, and the values of the dependent ones."""
 
     def __init__(self, field: Field, table: NodeTable) -> None:
         self._field, self._table = field, table
@@ -229,12 +228,12 @@ class SquareRoots:
         self._images: dict[int, Element] = {}
 
     def odd_factors(self, root: int) -> frozenset[Key]:
-        """Return the factors of a root's radicand that are no squares in it."""
+        """Return the factors of a root's radicand that have odd powers."""
         image = self._field.image(self._field.nodes.all[root][1])
         return frozenset(key for key, power in self._exponents(image).items() if power % 2)
 
     def value(self, root: int) -> tuple[int, list[int]] | None:
-        """Return the place of what ``root`` is, and the roots in it; None if it is independent."""
+        """Return the node of a root's value and the roots in it; None if independent."""
         image = self._field.image(self._field.nodes.all[root][1])
         odd, members = self.odd_factors(root), frozenset[int]()
         for row, row_members in self._rows:
@@ -260,15 +259,15 @@ class SquareRoots:
     def _exponents(self, element: Element) -> Counter[Key]:
         ring = element.ring
         unit, powers = ring.split(element.numerator)
-        found: Counter[Key] = Counter({("factor", i): n for i, n in powers.items()})
-        found.subtract({("factor", i): n for i, n in element.powers.items()})
+        exponents: Counter[Key] = Counter({("factor", i): n for i, n in powers.items()})
+        exponents.subtract({("factor", i): n for i, n in element.powers.items()})
         for number, sign in ((unit.p, 1), (unit.q, -1)):
             for prime, power in sp.factorint(int(number)).items():
-                found["number", int(prime)] += sign * power
-        return found
+                exponents["number", int(prime)] += sign * power
+        return exponents
 
     def _written(self, polynomial: fmpq_mpoly) -> int:
-        """Return a polynomial in the generators as a node in their meanings."""
+        """Write a polynomial in the generators as a node in their formulas."""
         terms = []
         for exponents, coefficient in polynomial.terms():
             powers = [
@@ -288,7 +287,7 @@ class SquareRoots:
         return self._table.add("Mul", node, self._written(generator.scale))
 
     def _formula(self, node: int) -> int:
-        """Return a formula of sums and products of those of the table."""
+        """Return the node of a formula that is built from nodes of the table."""
         if node not in self._places:
             name, *parts = self._field.nodes.all[node]
             if name == "number":
@@ -298,7 +297,7 @@ class SquareRoots:
 
 
 def with_square_roots(table: NodeTable, statement: StatementTexts, proof: Data) -> Data:
-    """The proof with each square root that depends on earlier ones named, not a generator."""
+    """Return the proof with values, not generators, for square roots that depend on others."""
     atoms = (entry[1] for entry in proof["generators"] if entry[0] == "atom")
     roots = [place for place in atoms if table.nodes[place][::2] == ["Pow", "1/2"]]
     if not roots:
@@ -309,12 +308,12 @@ def with_square_roots(table: NodeTable, statement: StatementTexts, proof: Data) 
     for root in sorted(roots, key=lambda r: len(square_roots.odd_factors(field.nodes.places[r]))):
         if field.nodes.places[root] in field.circles.values():
             continue
-        found = square_roots.value(field.nodes.places[root])
-        if found is not None and _is_root(_field(table, statement, proof), root, found[0]):
-            values.append([root, found[0]])
-            members[root] = found[1]
+        value = square_roots.value(field.nodes.places[root])
+        if value is not None and _is_root(_field(table, statement, proof), root, value[0]):
+            values.append([root, value[0]])
+            members[root] = value[1]
     generators: list[list[Any]] = []
-    for entry in proof["generators"]:  # what a root is made of comes in its place
+    for entry in proof["generators"]:  # the roots in its value replace a dependent root
         own = members.get(entry[1]) if entry[0] == "atom" else None
         taken = [entry] if own is None else [["atom", root] for root in own]
         generators += [new for new in taken if new not in generators]
@@ -322,7 +321,7 @@ def with_square_roots(table: NodeTable, statement: StatementTexts, proof: Data) 
 
 
 def _is_root(field: Field, root: int, value: int) -> bool:
-    """Return whether a value is seen to be the root: factors may get lost in the ring."""
+    """Return whether a value is shown to be the root; the ring may lose factors."""
     _, base, exponent = field.nodes.all[field.nodes.places[root]]
     node = field.nodes.places[value]
     same = (field.image(node) ** 2 - field.image(base)).is_zero
@@ -330,7 +329,7 @@ def _is_root(field: Field, root: int, value: int) -> bool:
 
 
 def _field(table: NodeTable, statement: StatementTexts, proof: Data) -> Field:
-    """Return the checker's field of a proof."""
+    """Return the field that the checker builds from a proof."""
     proof = {"formulas": table.texts(), **proof}
-    found = opened({"statement": as_data(statement), "proof": proof})
-    return registered(found, proof)
+    opening = opened({"statement": as_data(statement), "proof": proof})
+    return registered(opening, proof)

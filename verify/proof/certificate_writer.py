@@ -1,8 +1,8 @@
-"""A certificate that is being written: SymPy expressions as nodes, a proof's generators and hints.
+"""Write certificates: SymPy expressions as nodes, a proof's generators and hints.
 
-A node is ``[name, ...]``: a number, a symbol, a constant, or a function with the places of its
-arguments, which stand earlier in the table.  Equal subexpressions share one node.  Generators and
-hints are places in the table.
+A node is ``[name, ...]``: a number, a symbol, a constant, or a function with the indices of its
+arguments, which come earlier in the table.  Equal subexpressions share one node.  Generators and
+hints are indices in the table, called places.
 """
 
 from __future__ import annotations
@@ -31,15 +31,15 @@ FUNCTIONS: dict[str, Any] = {
     "Mul": sp.Mul,
 }
 NAMES = {function: name for name, function in FUNCTIONS.items()}
-"""What the checker calls a function."""
+"""The checker's names of functions."""
 
 CONSTANTS = {sp.I: "I", sp.pi: "pi"}
 
 
 class NodeTable:
-    """The nodes of some expressions; symbols are real, or integers.
+    """Table of the nodes of expressions; symbols are real, or integers.
 
-    ``unknowns`` are the undefined functions that may stand in an equation, in their order.
+    ``unknowns`` are the undefined functions that an equation may contain, in order.
 
     >>> table = NodeTable()
     >>> table.place(sp.Symbol("x") / 2)
@@ -55,13 +55,13 @@ class NodeTable:
         self._known: dict[str, int] = {}
 
     def place(self, expression: sp.Expr) -> int:
-        """Return the place of ``expression``; raises ValueError for a function not in the list."""
+        """Return the place of ``expression``; raises ValueError for a function without an axiom."""
         if expression not in self._places:
             self._places[expression] = self.add(*self._node(expression))
         return self._places[expression]
 
     def add(self, *node: Any) -> int:
-        """Return the place of a node that is given as it is."""
+        """Add the given node, unless it is there, and return its place."""
         key = str(node)
         if key not in self._known:
             self._known[key] = len(self.nodes)
@@ -113,19 +113,19 @@ class NodeTable:
         return self.add("diff", own, *along) if along else own
 
     def polynomial(self, polynomial: fmpq_mpoly, places: Sequence[int]) -> int:
-        """Return the place of a polynomial in the nodes at ``places``, in their order."""
+        """Return the place of a polynomial in the nodes at ``places``, in that order."""
         terms = [[str(c), [int(n) for n in exponents]] for exponents, c in polynomial.terms()]
         return self.add("poly", terms, *places)
 
     def combination(self, terms: Sequence[tuple[str, int]]) -> int:
-        """Return the place of a sum of rational multiples of the nodes at some places."""
+        """Return the place of a sum of rational multiples of nodes: pairs of number and place."""
         parts = [p if n == "1" else self.add("Mul", self.add("number", n), p) for n, p in terms]
         if len(parts) < 2:
             return parts[0] if parts else self.add("number", "0")
         return self.add("Add", *parts)
 
     def texts(self) -> list[str]:
-        """Return the nodes as texts, each in the numbers of those before it."""
+        """Return the nodes as texts; each refers to earlier nodes by number."""
         return numbered(self.nodes)
 
 
@@ -133,12 +133,12 @@ Data = dict[str, Any]
 
 
 def as_data(statement: StatementTexts) -> Data:
-    """Return a statement's texts as JSON has them."""
+    """Return a statement's texts as JSON data."""
     return {part: list(texts) for part, texts in asdict(statement).items()}
 
 
 class Certificate(Data):
-    """A proof as plain data, with its digest; ``json.dumps`` writes it.
+    """Proof as plain data with its digest; ``json.dumps`` writes it.
 
     >>> nothing = StatementTexts((), (), ())
     >>> Certificate.signed("nothing", NodeTable(), nothing, {"generators": [], "point": []})
@@ -155,7 +155,7 @@ class Certificate(Data):
         return cls(body | {"digest": digest(body)})
 
     def changed(self, **parts: Data) -> Certificate:
-        """The certificate with another statement or proof, for the checker to accept or not."""
+        """Return a copy with another statement or proof and a new digest; it may be invalid."""
         body = {**self, **parts}
         return Certificate(body | {"digest": digest(body)})
 
@@ -169,8 +169,8 @@ class Certificate(Data):
     def point(self) -> str:
         """The point at which no denominator vanishes, in words."""
         texts = self["proof"]["formulas"]
-        found = (f"{texts[place]} = {value}" for place, value in self["proof"]["point"])
-        return ", ".join(sorted(found))
+        parts = (f"{texts[place]} = {value}" for place, value in self["proof"]["point"])
+        return ", ".join(sorted(parts))
 
     def __repr__(self) -> str:
         size = f"{self.generators} generators, {len(json.dumps(self))} bytes"
@@ -178,7 +178,7 @@ class Certificate(Data):
 
 
 class ProofWriter:
-    """The generators so far, the hints by kind, and the witnesses of signs."""
+    """Proof under construction: generators, hints by kind, and witnesses of signs."""
 
     def __init__(self, table: NodeTable) -> None:
         self.table = table
@@ -189,7 +189,7 @@ class ProofWriter:
         self.parts: list[list[Any]] = []
 
     def atom(self, place: int, factor: int | None = None) -> None:
-        """A generator for the node at ``place``, or ``factor`` times it, unless it has one."""
+        """Add a generator for the node at ``place``, or for ``factor`` times it, if it has none."""
         if place not in self.registered:
             self.registered.add(place)
             if factor is None:
@@ -199,17 +199,17 @@ class ProofWriter:
                 self.generators.append(["forms", [place], [[[factor], zero]]])
 
     def name(self, *, place: int, value: int) -> None:
-        """Say that the root or function at ``place`` is the node at ``value``."""
+        """Record that the root or function at ``place`` equals the node at ``value``."""
         if place != value:
             self.values[place] = value
 
     def words(self, place: int, terms: Sequence[tuple[str, int]]) -> None:
-        """Say that the argument of the function at ``place`` is a sum of multiples of others."""
+        """Record that the argument of the function at ``place`` is a sum of multiples of nodes."""
         name, _, *more = self.table.nodes[place]
         self.values[place] = self.table.add(name, self.table.combination(terms), *more)
 
     def data(self, point: Point) -> Data:
-        """Return the proof's part of a certificate; ``point`` is where no denominator vanishes."""
+        """Return the proof part of a certificate; no denominator vanishes at ``point``."""
         return {
             "generators": self.generators,
             "values": [[node, other] for node, other in self.values.items()],

@@ -1,9 +1,9 @@
-"""For which values of its constants does a statement hold?  The answer in cases, each proved.
+"""Find the values of its constants for which a statement holds, in cases that are proved.
 
 The coefficients of the residual in independent generators (`residual_system`) are solved by cases
-(`case_tree`).  Where a case makes generators dependent, a denominator 0 or changes a function of
-parameters, its values are put into the statement and that is solved anew.  What is printed as a
-case was then decided by the ordinary prover.
+(`case_tree`).  If a case makes generators dependent or a denominator 0, or changes a function of
+parameters, its values are substituted and the new statement is solved again.  The ordinary prover
+then decides each case.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from .statement_verdict import (
     Progress,
     StatementVerdict,
     decide_statement,
-    said_of,
+    statement_fields,
     united,
     verified_sentence,
 )
@@ -42,14 +42,14 @@ from .typed_statement import Statement
 from .typed_values import typed_values
 
 EXPLORED = 60
-"""Most statements that are looked at for one answer."""
+"""Most statements examined for one answer."""
 
 
 @dataclass(frozen=True, repr=False)
 class ConditionalVerdict(StatementVerdict):
-    """For which values of the constants ``solved`` a statement holds.
+    """Values of the constants ``solved`` for which a statement holds, in ``cases``.
 
-    Without anything ``unknown`` there are no others, apart from where one of ``left_out`` holds.
+    If ``unknown`` is empty there are no others, except where one of ``left_out`` holds.
     """
 
     solved: tuple[str, ...] = ()
@@ -60,7 +60,7 @@ class ConditionalVerdict(StatementVerdict):
 
     @property
     def complete(self) -> bool:
-        """Whether there are no values beside the cases and what is left out."""
+        """Whether the cases, with what is left out, are all values."""
         return self.is_solved and not self.unknown
 
     def json(self) -> dict[str, Any]:
@@ -96,7 +96,7 @@ class ConditionalVerdict(StatementVerdict):
 
     @property
     def _answer(self) -> str:
-        """The detail without its front, which stands elsewhere."""
+        """The detail without the restriction in front of it."""
         return self.detail.removeprefix(f"{self.restriction}: ")
 
     @property
@@ -113,7 +113,7 @@ class ConditionalVerdict(StatementVerdict):
 def solve_statement(
     statement: Statement, progress: Progress = lambda _: None
 ) -> ConditionalVerdict:
-    """Return the cases in which a statement holds, solved for what is wanted of it.
+    """Return the cases in which a statement holds, solved for its ``solve_for`` symbols.
 
     >>> from longwave.verify.proof.statement_text import read_statement
     >>> kdv = read_statement("u_t + 6*u*u_x + u_xxx", "u = a*sech(x - c*t)**2", solve="a, c")
@@ -121,35 +121,35 @@ def solve_statement(
     holds if and only if a = 2, c = 4; or a = 0 (trivial)
     """
     start = time.perf_counter()
-    found = _solved(statement, progress)
-    return replace(found, seconds=time.perf_counter() - start)
+    verdict = _solved(statement, progress)
+    return replace(verdict, seconds=time.perf_counter() - start)
 
 
 def _solved(statement: Statement, progress: Progress) -> ConditionalVerdict:
-    search = _Search(statement.wanted)
+    search = _Search(statement.solve_for)
     progress("the coefficients of the residual")
     try:
-        found = search.cases(statement)
+        candidates = search.cases(statement)
     except NO_VERDICT as error:
         return _verdict(statement, search, [], " ".join(str(error).split()))
     progress("the proofs of the cases")
-    decided = largest_cases(found)
+    decided = largest_cases(candidates)
     cases = [search.in_order(case) for case in decided if not case.refuted]
     search.unknown |= {f"near {case.text}": None for case in decided if case.refuted}
     return _verdict(statement, search, cases)
 
 
 def conditional_sentence(verdict: ConditionalVerdict) -> str:
-    """Return the answer in LaTeX: a sentence on each case, and whether there are others."""
+    """Return the answer in LaTeX: a sentence for each case, and whether there are others."""
     if verdict.outcome is Outcome.UNDECIDED:
         return f"% {verdict.name}: UNDECIDED: {verdict.detail}"
     names = ", ".join(map(name_latex, verdict.solved))
-    apart = ", ".join((*verdict.unknown, *verdict.left_out))
+    exceptions = ", ".join((*verdict.unknown, *verdict.left_out))
     other, does = ("other ", "does") if verdict.cases else ("", "holds")
     found = "There are no" if verdict.complete else "We found no"
     last = f"{found} {other}values of ${names}$ with which it {does}."
     sentences = [verified_sentence(c.statement, c.verdict) for c in verdict.cases if c.verdict]
-    return "\n\n".join([*sentences, last + (f"\n% left out: {apart}" if apart else "")])
+    return "\n\n".join([*sentences, last + (f"\n% left out: {exceptions}" if exceptions else "")])
 
 
 # the search
@@ -157,23 +157,23 @@ def conditional_sentence(verdict: ConditionalVerdict) -> str:
 
 @dataclass
 class _Search:
-    """The cases of a statement and of those that it becomes."""
+    """Search for the cases of a statement and of the special statements that arise from it."""
 
-    wanted: Sequence[sp.Symbol]
+    solve_for: Sequence[sp.Symbol]
     unknown: dict[str, None] = field(default_factory=dict)
     left_out: dict[str, None] = field(default_factory=dict)
 
     def cases(self, statement: Statement) -> list[ConstantCase]:
-        """Return all cases; raises ValueError where the residual's generators are not known."""
+        """Return all cases; raises ValueError if the residual's generators are not known."""
         waiting = [ConstantCase({}, statement)]
-        found, further = self._step(waiting[0])
-        seen = {self._key(waiting[0])}
+        results, further = self._step(waiting[0])
+        visited = {self._key(waiting[0])}
         while further:
             case = further.pop(0)
-            if self._key(case) in seen:
+            if self._key(case) in visited:
                 continue
-            seen.add(self._key(case))
-            if len(seen) > EXPLORED:
+            visited.add(self._key(case))
+            if len(visited) > EXPLORED:
                 self.unknown[f"more than {EXPLORED} special cases"] = None
                 break
             try:
@@ -181,13 +181,13 @@ class _Search:
             except NO_VERDICT:
                 self.unknown[f"where {case.text.removesuffix(' (not proved)')}"] = None
                 continue
-            found += solved
+            results += solved
             further += more
-        return found
+        return results
 
     def in_order(self, case: ConstantCase) -> ConstantCase:
-        """Return the case with its values in the order in which they were asked for."""
-        order = [s for s in self.wanted if s in case.values]
+        """Return the case with its values in the order of the ``solve_for`` symbols."""
+        order = [s for s in self.solve_for if s in case.values]
         rest = sorted(case.values.keys() - set(order), key=str)
         return replace(case, values={s: case.values[s] for s in (*order, *rest)})
 
@@ -197,12 +197,12 @@ class _Search:
         return (formulas, tuple(case.values.items()), case.restrictions)
 
     def _step(self, case: ConstantCase) -> tuple[list[ConstantCase], list[ConstantCase]]:
-        """Cases of one statement, and those that must be looked at anew."""
+        """Return the cases of one statement, and the special statements to solve next."""
         system = self._system(case.statement)
         domains = settled_domains(symbols_of(case.statement), case.statement.domains)
         degenerate = [as_terms(entries, system.relations) for entries in system.degenerate]
         constants = Constants(_constants(system, degenerate), system.relations)
-        own = [s for s in self.wanted if s in domains]
+        own = [s for s in self.solve_for if s in domains]
         others = sorted(set(domains) - {*own, *case.statement.variables}, key=str)
         tree = CaseTree(constants, own, others, domains)
         solved: list[ConstantCase] = []
@@ -223,14 +223,14 @@ class _Search:
         return solved, further
 
     def _system(self, statement: Statement) -> ResidualSystem:
-        """Return the conditions that the residuals of all equations give."""
+        """Return the conditions from the residuals of all equations."""
         system = ResidualSystem()
         residuals = [with_exponentials(residual_of(statement, e)) for e in statement.equations]
         system.unknown |= dict.fromkeys(_doubts(statement, residuals))
         for residual in residuals:
             if residual == 0:
                 continue
-            residual, variables, rest = with_phase(residual, statement, self.wanted)
+            residual, variables, rest = with_phase(residual, statement, self.solve_for)
             symbols = residual.free_symbols
             domains = {s: d for s, d in statement.domains.items() if s in symbols}
             try:
@@ -243,9 +243,9 @@ class _Search:
 
 
 def _doubts(statement: Statement, residuals: Sequence[sp.Expr]) -> Iterator[str]:
-    """Yield reasons why values may be more than those with which the coefficients vanish.
+    """Yield reasons why the statement may also hold where a coefficient is not 0.
 
-    A polynomial may vanish at all of finitely many sites without being 0.
+    For example, a nonzero polynomial may vanish at finitely many sites.
     """
     if reason := typed_values(statement).difference(residuals):
         yield reason
@@ -265,17 +265,17 @@ def _constants(system: ResidualSystem, degenerate: Sequence[Sequence[Terms]]) ->
 
 
 def with_phase(
-    residual: sp.Expr, statement: Statement, kept: Sequence[sp.Symbol]
+    residual: sp.Expr, statement: Statement, fixed: Sequence[sp.Symbol]
 ) -> tuple[sp.Expr, tuple[sp.Symbol, ...], sp.Expr]:
-    """An argument ``b*n + d`` as one variable in place of n and d, if that removes a variable.
+    """Replace n and d by the single variable ``b*n + d``, if that removes a variable.
 
-    What holds for all values of a free constant d, not among ``kept``, and all n holds for all
-    values of the argument, so that the shifts of a lattice are sums of the argument and a constant.
-    Returns the residual, its variables, and b*n where one was replaced.
+    A residual that vanishes for all n and all values of a free constant d, not among ``fixed``,
+    vanishes for all values of the argument; lattice shifts then add constants to the argument.
+    Returns the residual, its variables, and b*n if one was replaced, else 0.
     """
     moving = residual.free_symbols & set(statement.variables)
     arguments = {sp.expand(f.args[0]) for f in residual.atoms(sp.Function)}
-    for phase in sorted(residual.free_symbols - {*kept, *statement.variables}, key=str):
+    for phase in sorted(residual.free_symbols - {*fixed, *statement.variables}, key=str):
         is_any_number = phase.is_nonnegative is None and phase.is_nonpositive is None
         if phase in statement.domains or not (phase.is_real and is_any_number):
             continue
@@ -284,8 +284,8 @@ def with_phase(
             rest = argument - slope * phase
             if not slope.is_Rational or slope == 0 or phase in rest.free_symbols:
                 continue
-            taken = {symbol.name for symbol in residual.free_symbols}
-            fresh = next(name for n in count() if (name := "phase" + "_" * n) not in taken)
+            names = {symbol.name for symbol in residual.free_symbols}
+            fresh = next(name for n in count() if (name := "phase" + "_" * n) not in names)
             variable = sp.Symbol(fresh, real=True)
             image = _expanded(residual.xreplace({phase: (variable - rest) / slope}))
             left = [v for v in statement.variables if v in image.free_symbols]
@@ -295,7 +295,7 @@ def with_phase(
 
 
 def _expanded(expression: sp.Expr) -> sp.Expr:
-    """Return the expression with the arguments of functions multiplied out."""
+    """Return the expression with the arguments of functions expanded."""
     return expression.replace(
         lambda node: isinstance(node, sp.Function),
         lambda node: node.func(*map(sp.expand, node.args)),
@@ -308,7 +308,7 @@ def _expanded(expression: sp.Expr) -> sp.Expr:
 def _verdict(
     statement: Statement, search: _Search, cases: Sequence[ConstantCase], reason: str = ""
 ) -> ConditionalVerdict:
-    """Return the answer; with a reason there is none."""
+    """Build the verdict from the cases; with a ``reason`` it is UNDECIDED."""
     verdicts = [case.verdict for case in cases if case.verdict]
     certificates = tuple(c for verdict in verdicts for c in verdict.certificates)
     outcome, witness = Outcome.UNDECIDED, None
@@ -319,7 +319,7 @@ def _verdict(
         if whole.outcome is Outcome.REFUTED:
             outcome, witness = whole.outcome, whole.witness
     found = ConditionalVerdict(
-        **said_of(statement) | {"sides": sides(seams(statement))},
+        **statement_fields(statement) | {"sides": sides(seams(statement))},
         outcome=outcome,
         detail=reason or "solved",
         witness=witness,
@@ -327,7 +327,7 @@ def _verdict(
         singularities=united(verdict.singularities for verdict in verdicts),
         certificate=certificates[0] if certificates else None,
         certificates=certificates,
-        solved=tuple(map(str, search.wanted)),
+        solved=tuple(map(str, search.solve_for)),
         cases=tuple(cases),
         left_out=tuple(search.left_out),
         unknown=tuple(search.unknown),

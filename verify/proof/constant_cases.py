@@ -1,4 +1,4 @@
-"""Values of constants put into a statement: what the domains say of them, and the verdict."""
+"""Substitute values of constants into a statement, restrict its domains, and decide it."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ UNDEFINED = (sp.zoo, sp.nan, sp.oo, -sp.oo)
 
 @dataclass(frozen=True)
 class ConstantCase:
-    """Values of constants with which a ``statement`` holds, and the ``verdict`` on that.
+    """Values of constants for which a ``statement`` holds, and the ``verdict`` on it.
 
-    ``restrictions`` must hold beside the domains; ``implicit`` are polynomials that must vanish.
+    ``restrictions`` must hold in addition to the domains; ``implicit`` polynomials must vanish.
     A ``trivial`` case makes all unknowns constants, or an equation empty.
     """
 
@@ -40,17 +40,17 @@ class ConstantCase:
 
     @property
     def proved(self) -> bool:
-        """Whether the prover has accepted it."""
+        """Whether the prover has proved the case."""
         return self.verdict is not None and self.verdict.outcome is Outcome.PROVED
 
     @property
     def refuted(self) -> bool:
-        """Whether it is wrong somewhere on its domains."""
+        """Whether the case is false somewhere on its domains."""
         return self.verdict is not None and self.verdict.outcome is Outcome.REFUTED
 
     @property
     def is_unconditional(self) -> bool:
-        """Whether it holds for all values that the domains have."""
+        """Whether the case has no conditions beyond the domains."""
         return not (self.values or self.implicit or self.restrictions)
 
     @property
@@ -81,7 +81,7 @@ class ConstantCase:
 
 
 def with_values(case: ConstantCase, more: Explicit) -> ConstantCase | None:
-    """The case with further values; None where these leave the domains or a formula undefined."""
+    """Add values to a case; None if they leave the domains or make a formula undefined."""
     old, values = case.statement, more.values
     known = {s: tidy(v.xreplace(values)) for s, v in case.values.items()} | values
     given = [Restriction(r.value.xreplace(values), r.relation) for r in case.restrictions]
@@ -120,7 +120,7 @@ def symbols_of(statement: Statement) -> set[sp.Symbol]:
 def _put_into(
     statement: Statement, values: Values, domains: Mapping[sp.Symbol, Domain]
 ) -> Statement | None:
-    """Return the statement with values for symbols; None where a formula is not defined."""
+    """Substitute values for symbols in a statement; None if a formula is undefined."""
     solutions = {u: f.xreplace(values) for u, f in statement.solutions.items()}
     equations = tuple(e.xreplace(values) for e in statement.equations)
     divisors = tuple(d.xreplace(values) for d in statement.divisors)
@@ -138,22 +138,22 @@ def _put_into(
 
 
 def largest_cases(cases: Sequence[ConstantCase]) -> list[ConstantCase]:
-    """Return the cases with the prover's verdicts; none that lies in another one that is proved."""
-    kept: list[ConstantCase] = []
+    """Decide the cases; a case contained in another that is proved is left out."""
+    decided: list[ConstantCase] = []
     for case in sorted(cases, key=lambda c: len(c.values) + len(c.implicit)):
-        same = any(_conditions(case) == _conditions(other) for other in kept)
-        if not same and not any(_lies_in(case, other) for other in kept):
-            kept.append(_decided(case))
-    return sorted(kept, key=lambda case: (case.trivial, not case.proved))
+        same = any(_conditions(case) == _conditions(other) for other in decided)
+        if not same and not any(_lies_in(case, other) for other in decided):
+            decided.append(_decided(case))
+    return sorted(decided, key=lambda case: (case.trivial, not case.proved))
 
 
 def _conditions(case: ConstantCase) -> tuple[Values, set[Restriction], set[sp.Expr]]:
-    """Conditions that must hold in a case."""
+    """Return the conditions of a case: values, restrictions and implicit polynomials."""
     return case.values, {*case.restrictions}, {*case.implicit}
 
 
 def _lies_in(case: ConstantCase, other: ConstantCase) -> bool:
-    """Return whether the values of a case satisfy those of another one, which is proved."""
+    """Return whether the values of a case satisfy the conditions of another, proved case."""
     if not other.proved or not set(other.restrictions) <= set(case.restrictions):
         return False
     zeros = [s - value for s, value in other.values.items()]
@@ -162,14 +162,14 @@ def _lies_in(case: ConstantCase, other: ConstantCase) -> bool:
 
 
 def _decided(case: ConstantCase) -> ConstantCase:
-    """Return the case with the prover's verdict, with restrictions as domains where they can be."""
+    """Decide a case; its restrictions become domains of the statement if possible."""
     statement = case.statement
     moving = set(statement.variables)
     is_constant = all(not f.free_symbols & moving for f in statement.solutions.values())
-    kept = [e for e in statement.equations if e != 0]
-    case = replace(case, trivial=is_constant or len(kept) < len(statement.equations))
+    nonempty = [e for e in statement.equations if e != 0]
+    case = replace(case, trivial=is_constant or len(nonempty) < len(statement.equations))
     explicit = _explicit(statement, case.implicit)
-    if explicit is None or not kept:
+    if explicit is None or not nonempty:
         return case
     statement = explicit
     tried = restricted(statement, case.restrictions)
@@ -184,7 +184,7 @@ def _decided(case: ConstantCase) -> ConstantCase:
 
 
 def _explicit(statement: Statement, implicit: Sequence[sp.Expr]) -> Statement | None:
-    """The statement with what makes the polynomials 0, where each is linear in a parameter."""
+    """Solve each implicit polynomial for a parameter in which it is linear, and substitute."""
     for place, polynomial in enumerate(implicit):
         for s in sorted(polynomial.free_symbols, key=str):
             slope = polynomial.coeff(s, 1) if sp.degree(polynomial, s) == 1 else sp.S.Zero

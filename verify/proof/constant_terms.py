@@ -1,4 +1,4 @@
-"""Polynomials in constants as terms: from expressions, and real and imaginary parts."""
+"""Polynomials in constants as dictionaries of terms, and their real and imaginary parts."""
 
 from __future__ import annotations
 
@@ -11,26 +11,26 @@ from flint import fmpq
 from .factors import exact
 
 Monomial = tuple[tuple[sp.Expr, int], ...]
-"""Constants with their powers, in a fixed order."""
+"""Constants and their powers, in a fixed order."""
 
 Terms = Mapping[Monomial, fmpq]
-"""A polynomial in constants."""
+"""Polynomial in constants: coefficients by monomial."""
 
 Relations = dict[sp.Expr, tuple[int, Terms]]
-"""Algebraic constants, each with a power that is a polynomial."""
+"""Algebraic constants; each has a degree n and the polynomial equal to its n-th power."""
 
 
 def is_turn(constant: sp.Expr) -> bool:
-    """Whether a constant is the exponential of a complex sum."""
+    """Return whether a constant is the exponential of an expression with I."""
     return isinstance(constant, sp.exp) and constant.has(sp.I)
 
 
 def real_parts(terms: Terms) -> list[Terms]:
-    """The real and the imaginary part of a polynomial, without those that are 0.
+    """Return the real and the imaginary part of a polynomial, leaving out parts that are 0.
 
     The exponential of a complex constant is written as a cosine and a sine.
     """
-    found: tuple[dict[Monomial, fmpq], dict[Monomial, fmpq]] = {}, {}
+    parts: tuple[dict[Monomial, fmpq], dict[Monomial, fmpq]] = {}, {}
     for monomial, c in _centred(terms).items():
         turning = [pair for pair in monomial if pair[0] is sp.I or is_turn(pair[0])]
         plain = Counter({g: n for g, n in monomial if (g, n) not in turning})
@@ -40,14 +40,14 @@ def real_parts(terms: Terms) -> list[Terms]:
             factors = [f.as_base_exp() for f in sp.Mul.make_args(rest) if f not in (1, sp.I)]
             powers = plain + Counter({g: int(n) for g, n in factors})
             key = tuple(sorted(powers.items(), key=str))
-            part = found[1 if sp.I in sp.Mul.make_args(rest) else 0]
+            part = parts[1 if sp.I in sp.Mul.make_args(rest) else 0]
             part[key] = part.get(key, fmpq(0)) + c * exact(number)
-    kept = ({key: c for key, c in part.items() if c} for part in found)
-    return [part for part in kept if part]
+    nonzero = ({key: c for key, c in part.items() if c} for part in parts)
+    return [part for part in nonzero if part]
 
 
 def _centred(terms: Terms) -> Terms:
-    """The polynomial divided by the middle powers of its complex exponentials."""
+    """Divide a polynomial by the middle powers of its complex exponentials."""
     turns = {g for monomial in terms for g, _ in monomial if is_turn(g)}
     middles = {}
     for g in turns:
@@ -55,12 +55,12 @@ def _centred(terms: Terms) -> Terms:
         middles[g] = (min(powers) + max(powers)) // 2
     if not any(middles.values()):
         return terms
-    found = {}
+    centred = {}
     for monomial, c in terms.items():
         shifted = {**dict.fromkeys(turns, 0), **dict(monomial)}
         rest = ((g, n - middles.get(g, 0)) for g, n in shifted.items())
-        found[tuple(pair for pair in rest if pair[1])] = c
-    return found
+        centred[tuple(pair for pair in rest if pair[1])] = c
+    return centred
 
 
 def _turned(constant: sp.Expr) -> sp.Expr:
@@ -71,7 +71,7 @@ def _turned(constant: sp.Expr) -> sp.Expr:
 
 
 def as_terms(entries: Sequence[Terms | sp.Expr], relations: Relations) -> list[Terms]:
-    """Polynomials from expressions; roots that are new get their relation."""
+    """Return expressions as polynomials; add the relations of new roots to ``relations``."""
     found: list[Terms] = []
     for entry in entries:
         if not isinstance(entry, sp.Expr):
@@ -90,7 +90,7 @@ def as_terms(entries: Sequence[Terms | sp.Expr], relations: Relations) -> list[T
 
 
 def terms_of(polynomial: sp.Poly) -> Terms:
-    """A polynomial by its terms."""
+    """Return the terms of a SymPy polynomial."""
     gens = polynomial.gens
     return {
         tuple((g, int(n)) for g, n in zip(gens, powers, strict=True) if n): exact(sp.Rational(c))

@@ -1,12 +1,12 @@
-"""What the domains say of a formula: the range of its values, its sign, where it may not be smooth.
+"""Range, sign and possible singularities of a formula, derived from the domains of its symbols.
 
-A range holds every value that the formula takes on the domains; it may be wider than that.  None
-says that the formula is not known to be real.
+A range contains every value that the formula takes on the domains; it may be wider.  None means
+that the formula is not known to be real.
 
-A verdict speaks of the points at which a formula is smooth.  What `singularities` names is not
-shown to be smooth everywhere: a denominator not shown to be different from 0, a root or logarithm
-of what is not shown to be positive, an absolute value or a sign of what is not shown to be
-different from 0, an inverse function at an end of its cuts.
+A verdict is about the points at which a formula is smooth.  `singularities` names the places that
+are not shown to be smooth: a denominator, absolute value or sign whose argument is not shown to be
+nonzero, a root or logarithm whose argument is not shown to be positive, and an inverse function at
+an end of its cuts.
 """
 
 from __future__ import annotations
@@ -39,13 +39,13 @@ from .factors import exact, rational
 
 FACTORABLE_NODES = 20
 FACTORABLE_POWER = 8
-"""Polynomials with more subexpressions or higher powers are not factored."""
+"""Limits on the subexpressions and powers of polynomials that are factored."""
 
 FACTORABLE_SYMBOLS = 2
-"""Polynomials in more symbols are not factored to find their sign."""
+"""Most symbols of a polynomial that is factored to find its sign."""
 
 LARGEST_POWER = 64
-"""Of higher powers only the sign is kept."""
+"""Highest power whose range is computed; above it only the sign is."""
 
 REAL, NONNEGATIVE = Interval(), Interval(fmpq(0))
 ZERO, ONE = Interval(fmpq(0), fmpq(0)), Interval(fmpq(1), fmpq(1))
@@ -53,7 +53,7 @@ BELOW_PI = 2 * HALF_PI
 
 
 def is_small_polynomial(expression: sp.Expr) -> bool:
-    """Whether ``expression`` is a polynomial in symbols, short enough to factor."""
+    """Return whether ``expression`` is a polynomial in symbols, short enough to factor."""
     if not expression.free_symbols:
         return False
     nodes = distinct_nodes(expression)
@@ -75,33 +75,33 @@ class DomainSigns:
         self._found: dict[sp.Expr, Interval | None] = {}
 
     def range(self, expression: sp.Expr) -> Interval | None:
-        """A range that holds all values; None if they are not known to be real."""
+        """Return an interval that contains all values; None if they are not known to be real."""
         if expression not in self._found:
-            self._found[expression] = None  # no rule asks for its own node
+            self._found[expression] = None  # ends a recursion into the same node
             self._found[expression] = self._range(expression)
         return self._found[expression]
 
     def is_real(self, expression: sp.Expr) -> bool:
-        """Whether ``expression`` is shown to be real wherever it is smooth."""
+        """Return whether ``expression`` is shown to be real wherever it is smooth."""
         return self.range(expression) is not None
 
     def is_positive(self, expression: sp.Expr) -> bool:
-        """Whether ``expression`` is shown to be positive."""
+        """Return whether ``expression`` is shown to be positive."""
         found = self.range(expression)
         return found is not None and found.is_positive
 
     def is_nonnegative(self, expression: sp.Expr) -> bool:
-        """Whether ``expression`` is shown to be at least 0."""
+        """Return whether ``expression`` is shown to be at least 0."""
         found = self.range(expression)
         return found is not None and found.is_not_negative
 
     def is_nonpositive(self, expression: sp.Expr) -> bool:
-        """Whether ``expression`` is shown to be at most 0."""
+        """Return whether ``expression`` is shown to be at most 0."""
         found = self.range(expression)
         return found is not None and (-found).is_not_negative
 
     def is_nonzero(self, expression: sp.Expr) -> bool:
-        """Whether ``expression``, real or not, is shown to be nowhere 0."""
+        """Return whether ``expression``, real or not, is shown to be nowhere 0."""
         if expression in self._domains and self._domains[expression].nonzero:
             return True
         if expression.is_Mul:
@@ -123,11 +123,11 @@ class DomainSigns:
             return self._symbol(self._domains.get(node, Domain()))
         if isinstance(node, sp.re | sp.im):
             return REAL
-        found = [self.range(inner) for inner in node.args]
-        known = [inner for inner in found if inner is not None]
+        ranges = [self.range(inner) for inner in node.args]
+        known = [inner for inner in ranges if inner is not None]
         if isinstance(node, sp.Abs):
             return known[0].absolute() if known else NONNEGATIVE
-        if len(known) < len(found):
+        if len(known) < len(ranges):
             return None
         if node in CONSTANTS:
             return CONSTANTS[node]
@@ -162,7 +162,7 @@ class DomainSigns:
         return self._factored(node) or total
 
     def _beside_ends(self, node: sp.Expr) -> Iterator[Interval]:
-        """Yield ranges of a sum that is a multiple of a symbol less its end, plus a number."""
+        """Yield ranges of a sum that is a multiple of a gap, plus a number, or of exp(z) - 1."""
         excess = excess_of_exponential(node)
         if excess is not None and self.is_positive(excess[1].args[0]):
             yield POSITIVE
@@ -177,7 +177,7 @@ class DomainSigns:
                     yield found * Interval(exact(ratio), exact(ratio)) + number
 
     def _factored(self, node: sp.Expr) -> Interval | None:
-        """The range of a polynomial's factors; that of a sum without real root in the domain."""
+        """Return the range of the factored polynomial, or its sign if it has no root there."""
         factored = sp.factor(node)
         if not factored.is_Add and factored != node:
             return self.range(factored)
@@ -202,7 +202,7 @@ class DomainSigns:
 
 
 def excess_of_exponential(node: sp.Expr) -> tuple[sp.Rational, sp.exp] | None:
-    """Return r and exp(z) of a sum that is r*(exp(z) - 1), r > 0; None for any other.
+    """Return r and exp(z) of a sum r*(exp(z) - 1) with r > 0; None for any other node.
 
     >>> excess_of_exponential(sp.exp(sp.Symbol("x")) - 2)
     (2, exp(x - log(2)))
@@ -216,12 +216,12 @@ def excess_of_exponential(node: sp.Expr) -> tuple[sp.Rational, sp.exp] | None:
 
 
 def is_entire(node: sp.Expr) -> bool:
-    """Whether a Bessel function is J or I of an integer order."""
+    """Return whether a node is a Bessel function J or I of integer order."""
     return isinstance(node, sp.besselj | sp.besseli) and bool(node.order.is_Integer)
 
 
 def _gaps(domains: Domains) -> Iterator[tuple[sp.Expr, Interval]]:
-    """The differences of symbols and their ends in other symbols, with their signs."""
+    """Yield differences of a symbol and its non-rational bound, with their signs."""
     for symbol, domain in domains.items():
         for end, is_open, side in (
             (domain.lower, domain.lower_open, 1),
@@ -234,7 +234,7 @@ def _gaps(domains: Domains) -> Iterator[tuple[sp.Expr, Interval]]:
 
 
 def lies_between(found: Interval | None, low: fmpq | None, high: fmpq | None) -> bool:
-    """Whether values are real and not outside two numbers (None: any)."""
+    """Return whether a range is real and within two numbers (None: unbounded)."""
     return found is not None and found & Interval(low, high) == found & REAL
 
 
@@ -243,19 +243,19 @@ def _is_below_one(inner: Interval) -> bool:
 
 
 def _halves(inner: Interval) -> list[Interval]:
-    """The parts on either side of 0: the products of these are as narrow as can be."""
+    """Split an interval at 0, so that products of the parts have the narrowest ranges."""
     if inner.is_not_negative or inner.is_below:
         return [inner]
     return [inner & NONNEGATIVE, inner & -NONNEGATIVE]
 
 
 def _hull(parts: Sequence[Interval]) -> Interval:
-    """The least interval that holds some others."""
+    """Return the smallest interval that contains the given ones."""
     return _from_least(parts) & -_from_least([-part for part in parts])
 
 
 def _from_least(parts: Sequence[Interval]) -> Interval:
-    """Everything from the least of the lower ends on."""
+    """Return the half-line that starts at the smallest lower end."""
     low, is_open = min((part.ends[0] for part in parts), key=lambda end: (end[0] is not None, *end))
     return Interval(low, None, is_open)
 
@@ -265,7 +265,7 @@ def _times(left: Interval, right: Interval) -> Interval:
 
 
 def _power(base: Interval, exponent: sp.Expr) -> Interval | None:
-    """A power where it is smooth: one with a negative exponent of what is not 0."""
+    """Return the range of a power where it is smooth; a base to a negative power is not 0."""
     if not (exponent.is_Integer or base.is_not_negative):
         return None
     if not exponent.is_Rational:
@@ -281,7 +281,7 @@ def _power(base: Interval, exponent: sp.Expr) -> Interval | None:
 
 
 def _function(node: sp.Expr, arguments: Sequence[Interval]) -> Interval | None:
-    """The values of a function at real arguments, by the checker's table."""
+    """Return the range of a function at real arguments, from the checker's table."""
     name = NAMES.get(node.func)
     if isinstance(node, JetFunction):
         name = "theta" if len(arguments) > 1 else "jet"
@@ -318,11 +318,11 @@ SHARPER: dict[type, Callable[[Interval], Interval]] = {
     sp.acos: lambda z: Interval(fmpq(0), fmpq(4)),
     sp.LambertW: lambda z: z.side(),
 }
-"""What is known of some functions beyond the table, by the values of z."""
+"""Ranges of some functions that are narrower than the table's, from the range of z."""
 
 
 def domain_of(found: Interval) -> Domain:
-    """An interval as the domain of a symbol."""
+    """Return an interval as the domain of a symbol."""
     low, high = (None if end is None else rational(end) for end, _ in found.ends)
     return Domain(
         -sp.oo if low is None else low,
@@ -341,13 +341,13 @@ def _between(low: sp.Expr, high: sp.Expr) -> sp.Rational:
 POLES = {sp.tan: sp.cos, sp.sec: sp.cos, sp.cot: sp.sin, sp.csc: sp.sin}
 HYPERBOLIC_POLES = (sp.coth, sp.csch)
 COMPLEX_POLES = (sp.tanh, sp.sech, jacobi_sn, jacobi_cn, jacobi_dn, jacobi_epsilon, jacobi_zeta)
-"""Functions with poles off the real axis alone."""
+"""Functions whose poles are all off the real axis."""
 DEPTH = 3
-"""Levels of a subexpression that a line shows."""
+"""Levels of a subexpression that a printed line shows."""
 
 
 def singularities(expressions: Iterable[sp.Expr], domains: Domains) -> tuple[str, ...]:
-    """One line for each place where ``expressions`` may fail to be smooth on ``domains``.
+    """Return one line for each place where ``expressions`` may not be smooth on ``domains``.
 
     >>> x = sp.Symbol("x", real=True)
     >>> singularities([sp.sqrt(x) / (1 + x**2)], {})
@@ -366,7 +366,7 @@ def singularities(expressions: Iterable[sp.Expr], domains: Domains) -> tuple[str
 def corners(
     expressions: Iterable[sp.Expr], domains: Domains, variables: Sequence[sp.Symbol]
 ) -> tuple[str, ...]:
-    """Return where arguments of abs, sign and roots that contain a variable may be 0.
+    """Return conditions under which arguments of abs, sign and roots with a variable may be 0.
 
     >>> x, c = sp.symbols("x c", real=True)
     >>> corners([sp.sign(x - 1) * sp.Abs(c)], {}, [x])
@@ -387,14 +387,14 @@ def corners(
 JUMP = "jump or corner"
 
 CORNER = f"{JUMP} where {{}} = 0"
-"""Words for where abs and sign have them, with the place of their argument."""
+"""Template for the jumps and corners of abs and sign; the argument goes into the braces."""
 
 Place = tuple[str, int | None]
-"""Words for a place, and the argument (None: the whole node) whose text belongs in them."""
+"""Template of a place, and the index of the argument that fills it (None: the whole node)."""
 
 
 def rough_places(node: sp.Expr, signs: DomainSigns) -> Iterator[Place]:
-    """The places at which a node may not be smooth, although its arguments are."""
+    """Yield the places at which a node may not be smooth although its arguments are."""
     if (node.is_Pow or node.is_Function) and node.free_symbols:
         yield from _of_power(node, signs) if node.is_Pow else _of_function(node, signs)
 
@@ -437,7 +437,7 @@ def _of_function(node: sp.Expr, signs: DomainSigns) -> Iterator[Place]:
 
 
 def _is_off_cuts(node: sp.Expr, signs: DomainSigns) -> bool:
-    """Whether the argument is shown to be off the ends of the cuts."""
+    """Return whether the argument is shown to be off the ends of the branch cuts."""
     inner = signs.range(node.args[0])
     if inner is None:
         return False

@@ -1,4 +1,4 @@
-"""Real intervals in which variables and parameters live: from assumptions and what is stated."""
+"""Domains of variables and parameters: real intervals from SymPy assumptions and stated bounds."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from longwave.support.user_files import shown
 
 @dataclass(frozen=True)
 class Domain:
-    """The real numbers between two ends, perhaps without 0 or only its integers.
+    """Real interval between two ends, optionally without 0 or restricted to integers.
 
-    An end is a rational number, infinite, or a formula in other symbols (``elliptic_k(k**2)``);
-    an infinite end is open.
+    An end is a rational number, infinite, or a formula in other symbols (``elliptic_k(k**2)``).
+    Infinite ends are open.
 
     >>> k = sp.Symbol("k")
     >>> Domain(sp.S.Zero, sp.S.One, upper_open=False).text(k)
@@ -32,7 +32,7 @@ class Domain:
     integer: bool = False
 
     def __post_init__(self) -> None:
-        """Raise TypeError for an end that is no SymPy expression; text is not evaluated."""
+        """Raise TypeError for an end that is not a SymPy expression; text is not evaluated."""
         for end in (self.lower, self.upper):
             if not isinstance(end, sp.Expr):
                 raise TypeError(
@@ -41,7 +41,7 @@ class Domain:
                 )
 
     def text(self, symbol: sp.Symbol) -> str:
-        """The domain in words, of ``symbol``."""
+        """Return the domain of ``symbol`` in words."""
         words, kind = self.chain(str(symbol)), "integer" if self.integer else "real"
         if words == str(symbol):
             words += f" {kind}"
@@ -55,18 +55,18 @@ class Domain:
         text: Callable[[sp.Expr], str] = str,
         signs: tuple[str, str] = ("<", "<="),
     ) -> str:
-        """The inequalities of ``name``, the ends written by ``text``; the name without ends."""
+        """Return the inequalities of ``name``, with ends written by ``text``."""
         below, above = (signs[not is_open] for is_open in (self.lower_open, self.upper_open))
         left = "" if self.lower == -sp.oo else f"{text(self.lower)} {below} "
         right = "" if self.upper == sp.oo else f" {above} {text(self.upper)}"
         return f"{left}{name}{right}"
 
     def ends(self, values: Mapping[sp.Symbol, sp.Expr]) -> tuple[sp.Expr, sp.Expr]:
-        """Both ends, with ``values`` for the symbols that they contain."""
+        """Return both ends, with ``values`` substituted for their symbols."""
         return _end_at(self.lower, values), _end_at(self.upper, values)
 
     def contains(self, value: sp.Rational, values: Mapping[sp.Symbol, sp.Expr]) -> bool:
-        """Whether ``value`` lies inside, the other symbols having ``values``."""
+        """Return whether the domain contains ``value`` if the other symbols have ``values``."""
         lower, upper = self.ends(values)
         above = lower == -sp.oo or (value > lower if self.lower_open else value >= lower)
         below = upper == sp.oo or (value < upper if self.upper_open else value <= upper)
@@ -79,7 +79,7 @@ class Domain:
         return set(self.lower.free_symbols | self.upper.free_symbols)
 
     def __and__(self, other: Domain) -> Domain:
-        """The common part; raises ValueError for two ends that cannot be compared."""
+        """Return the intersection; raises ValueError for two ends that cannot be compared."""
         lower, lower_open = _inner(
             (self.lower, self.lower_open), (other.lower, other.lower_open), side=1
         )
@@ -91,12 +91,12 @@ class Domain:
 
 
 END_DIGITS = 60
-"""Of an end with roots, at a point."""
+"""Digits to which an end with roots is evaluated at a point."""
 
 REAL = Domain()
 
 HARMLESS = {"commutative", "extended_real", "hermitian", "imaginary", "finite", "infinite"}
-"""What may be assumed of a symbol that is then taken to be real."""
+"""Assumptions that an undeclared symbol may have and still be taken as real."""
 
 KINDS_OF_INTEGERS = ("even", "odd", "prime", "composite")
 
@@ -105,10 +105,10 @@ Point = Mapping[sp.Symbol, sp.Rational]
 
 
 def assumed_domain(symbol: sp.Symbol) -> Domain:
-    """What SymPy's assumptions say of ``symbol``; without any it is real.
+    """Return the domain that SymPy's assumptions give ``symbol``; without any, all reals.
 
-    Raises ValueError for a symbol that is declared complex or not real, and for one of which more
-    is assumed than a domain can say.
+    Raises ValueError for a symbol that is declared complex or not real, and for assumptions that a
+    domain cannot express.
 
     >>> assumed_domain(sp.Symbol("q", nonnegative=True)).text("q")
     '0 <= q'
@@ -136,11 +136,11 @@ def assumed_domain(symbol: sp.Symbol) -> Domain:
 def settled_domains(
     symbols: Iterable[sp.Symbol], stated: Mapping[sp.Symbol, Domain | sp.Interval]
 ) -> dict[sp.Symbol, Domain]:
-    """The domain of each symbol: what is assumed and what is stated, both.
+    """Return the domain of each symbol: its assumed and its stated domain, intersected.
 
-    Raises TypeError for what is no symbol, ValueError for two symbols of one name, a stated
-    domain of a symbol that is not among them or occurs in a cycle of ends, and for a domain
-    without an inner point.
+    Raises TypeError for anything but symbols.  Raises ValueError for two symbols of one name, for
+    ends that cannot be compared or that depend on each other, and for a domain without an inner
+    point.
     """
     if not isinstance(stated, Mapping):
         raise TypeError(
@@ -154,24 +154,24 @@ def settled_domains(
     intervals = {symbol: as_domain(domain) for symbol, domain in stated.items()}
     for symbol in list(everything):
         everything |= intervals[symbol].symbols if symbol in intervals else set()
-    found = {symbol: assumed_domain(symbol) for symbol in sorted(everything, key=str)}
-    names = [symbol.name for symbol in found]
+    domains = {symbol: assumed_domain(symbol) for symbol in sorted(everything, key=str)}
+    names = [symbol.name for symbol in domains]
     for name in names:
         if names.count(name) > 1:
             raise ValueError(f"symbols must differ in name, got two called {name} (rename one)")
-    by_name = {symbol.name: symbol for symbol in found}
+    by_name = {symbol.name: symbol for symbol in domains}
     for symbol, domain in intervals.items():
         own = by_name.get(symbol.name)
         if own is not None:
-            found[own] = found[own] & assumed_domain(symbol) & domain
-    for symbol, domain in found.items():
+            domains[own] = domains[own] & assumed_domain(symbol) & domain
+    for symbol, domain in domains.items():
         _check_inner_point(symbol, domain)
-    in_order(found)
-    return found
+    in_order(domains)
+    return domains
 
 
 def as_domain(domain: Domain | sp.Interval) -> Domain:
-    """A domain given as one, or as SymPy's interval.
+    """Return a `Domain` or a SymPy interval as a `Domain`.
 
     >>> as_domain(sp.Interval.open(0, 1)).text("k")
     '0 < k < 1'
@@ -186,7 +186,7 @@ def as_domain(domain: Domain | sp.Interval) -> Domain:
 
 
 def in_order(domains: Domains) -> list[sp.Symbol]:
-    """The symbols, each after those that its ends contain; raises ValueError for a cycle."""
+    """Return the symbols, each after those in its ends; raises ValueError for a cycle."""
     ordered: list[sp.Symbol] = []
     waiting = list(domains)
     while waiting:
@@ -199,7 +199,7 @@ def in_order(domains: Domains) -> list[sp.Symbol]:
 
 
 def _check_assumptions(symbol: sp.Symbol) -> None:
-    """Raise ValueError where samples would leave what is assumed of ``symbol``."""
+    """Raise ValueError for assumptions on ``symbol`` that sampled values would violate."""
     assumed = dict(symbol.assumptions0)
     if symbol.is_real is None:
         beyond = sorted(assumed.keys() - HARMLESS)
@@ -214,7 +214,7 @@ def _check_assumptions(symbol: sp.Symbol) -> None:
 
 
 def _end_at(end: sp.Expr, values: Mapping[sp.Symbol, sp.Expr]) -> sp.Expr:
-    """An end at a point: exact, but for powers, of which SymPy would take huge numbers' roots."""
+    """Return an end at a point; one with roots is rounded, as SymPy is slow at big radicands."""
     if end.is_Atom:
         return values.get(end, end)
     if any(not power.exp.is_Integer for power in end.atoms(sp.Pow)):
@@ -225,7 +225,7 @@ def _end_at(end: sp.Expr, values: Mapping[sp.Symbol, sp.Expr]) -> sp.Expr:
 def _inner(
     left: tuple[sp.Expr, bool], right: tuple[sp.Expr, bool], side: int
 ) -> tuple[sp.Expr, bool]:
-    """The end further inside; of equal ones the open one."""
+    """Return the inner one of two ends; of equal ends the open one."""
     if left[0] == right[0]:
         return left[0], left[1] or right[1]
     if left[0] in (sp.oo, -sp.oo):

@@ -1,4 +1,4 @@
-"""Hints for the Jacobi functions in a proof."""
+"""Search for the generators and hints of the Jacobi functions in a proof."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ TRIPLE = (jacobi_sn, jacobi_cn, jacobi_dn)
 
 
 class EllipticSearch:
-    """Generators and hints for Jacobi functions, by the combinations that their arguments are.
+    """Generators and hints for Jacobi functions, from the integer combinations of their arguments.
 
-    ``need`` provides for the image of any other formula, ``begin_forms`` for the linear forms if
-    its argument is a primitive of them.  With ``moving`` the derivatives of the generators are
-    wanted; with ``epsilon`` zeta is written in epsilon.
+    ``need`` registers what the image of any other formula needs, ``begin_forms`` the linear forms
+    if its argument is one of their primitives.  With ``moving`` the derivatives of the generators
+    are needed too; with ``epsilon`` zeta is written in terms of epsilon.
     """
 
     def __init__(
@@ -41,23 +41,23 @@ class EllipticSearch:
         epsilon: bool,
     ) -> None:
         self._writer, self._arguments = writer, arguments
-        self._place, self._made = writer.table.place, writer.table.add
+        self._place, self._add = writer.table.place, writer.table.add
         self._need, self._begin_forms = need, begin_forms
         self._moving, self._epsilon = moving, epsilon
 
     def below_one(self, m: sp.Expr) -> None:
-        """Offer the factors of 1 - m as witness of its sign."""
+        """Record the factored 1 - m as witness of its sign."""
         rest, other = self._complement(m), self._place(sp.factor(1 - m))
         if other != rest:
             self._writer.signs[rest] = other
 
     def _complement(self, m: sp.Expr) -> int:
-        """1 - m as the checker writes it."""
+        """Return the node of 1 - m as the checker writes it."""
         one, minus = (self._place(sp.Integer(n)) for n in (1, -1))
-        return self._made("Add", one, self._made("Mul", minus, self._place(m)))
+        return self._add("Add", one, self._add("Mul", minus, self._place(m)))
 
     def provide(self, node: sp.Expr) -> None:
-        """Provide for the image of a Jacobi function."""
+        """Register what the image of a Jacobi function needs."""
         z, m = node.args
         self._need(z)
         self._need(m)
@@ -75,14 +75,14 @@ class EllipticSearch:
             self._station(z, m, node.func if node.func not in TRIPLE else None)
 
     def _root(self, base: int, exponent: str, root: sp.Expr) -> None:
-        """Return the root as SymPy writes it, of a node as the checker writes it."""
+        """Record that the root of the node ``base`` equals ``root`` as SymPy writes it."""
         self._need(root)
-        self._writer.name(place=self._made("Pow", base, exponent), value=self._place(root))
+        self._writer.name(place=self._add("Pow", base, exponent), value=self._place(root))
 
     def _station(self, z: sp.Expr, m: sp.Expr, second: type | None) -> None:
-        """Return the Jacobi functions of the arguments whose combination is ``z``."""
+        """Register the Jacobi functions of the basis arguments whose combination is ``z``."""
         variable, constant = self._arguments.parts(z)
-        found = []
+        terms = []
         for combinations, part in (
             (self._arguments.moving(m), variable),
             (self._arguments.fixed(m), constant),
@@ -93,11 +93,11 @@ class EllipticSearch:
                 if n:
                     side = -1 if u.could_extract_minus_sign() else 1
                     self._argument(side * u, m, second)
-                    found.append((str(side * n), self._place(side * u)))
+                    terms.append((str(side * n), self._place(side * u)))
         place = self._place(z)
-        if found != [("1", place)]:
-            sine = self._made("jacobi_sn", place, self._place(m))
-            self._writer.words(sine, found)
+        if terms != [("1", place)]:
+            sine = self._add("jacobi_sn", place, self._place(m))
+            self._writer.words(sine, terms)
 
     def _argument(self, u: sp.Expr, m: sp.Expr, second: type | None) -> None:
         self._need(u)
@@ -109,7 +109,7 @@ class EllipticSearch:
             return
         modulus = sp.sqrt(m)
         for function in sorted(TRIPLE, key=lambda f: -self._arguments.count[f, m]):
-            own = self._made(function.__name__, place, parameter)
+            own = self._add(function.__name__, place, parameter)
             if modulus.is_Symbol and function is not jacobi_dn:
                 self._writer.atom(own, self._place(modulus))
             else:
@@ -118,11 +118,11 @@ class EllipticSearch:
             self._second(second, u, m)
 
     def _second(self, kind: type, u: sp.Expr, m: sp.Expr) -> None:
-        """Epsilon or zeta of a generator's argument, and what its derivative needs."""
+        """Register epsilon or zeta of a generator's argument, and what its derivative needs."""
         if kind is jacobi_zeta and self._moves(u):
             self._need(sp.elliptic_e(m))
             self._need(sp.elliptic_k(m))
-        own = self._made(kind.__name__, self._place(u), self._place(m))
+        own = self._add(kind.__name__, self._place(u), self._place(m))
         if kind is jacobi_epsilon:
             self._begin_forms(sp.Tuple(u, m))
         self._writer.atom(own)
@@ -131,7 +131,7 @@ class EllipticSearch:
         return self._moving and self._arguments.dependence.depends(node)
 
     def _theta(self, z: sp.Expr, m: sp.Expr) -> None:
-        """Theta here and one step on, and from there step by step by the product theorem."""
+        """Register theta at two arguments; the product theorem gives it at ``z`` step by step."""
         variable, constant = self._arguments.parts(z)
         basis = self._arguments.moving(m).basis
         if -variable in basis:
@@ -157,26 +157,26 @@ class EllipticSearch:
             self._station(z, m, jacobi_zeta)
 
     def _next_theta(self, u: sp.Expr, step: sp.Expr, z: sp.Expr, m: sp.Expr) -> None:
-        """Theta one step on from ``u``, given here and one step back; ``z`` may be its opposite."""
+        """Record theta(u + step) from theta at u and u - step; ``z`` may be minus that argument."""
         back, total = -step, sp.expand(u + step)
         for argument in (u, step, back):
             self._need(argument)
             self._station(argument, m, None)
         for argument, plus, minus in ((total, u, back), (sp.expand(-total), back, u)):
             if argument == total or sp.expand(z) == argument:
-                node = self._made("jacobi_theta", self._place(argument), self._place(m))
+                node = self._add("jacobi_theta", self._place(argument), self._place(m))
                 self._writer.words(node, [("1", self._place(plus)), ("-1", self._place(minus))])
 
     def _quotient(self, u: sp.Expr, d: sp.Expr, m: sp.Expr, here: int) -> None:
-        total = self._made("Add", self._place(u), self._place(d))
-        ahead = self._made("jacobi_theta", total, self._place(m))
-        if ahead in self._writer.registered:
+        total = self._add("Add", self._place(u), self._place(d))
+        next_theta = self._add("jacobi_theta", total, self._place(m))
+        if next_theta in self._writer.registered:
             return
         self._need(u)
         self._need(d)
         if self._moves(u):
             self._station(u, m, jacobi_zeta)
             self._station(d, m, jacobi_zeta)
-            sine = self._made("jacobi_sn", total, self._place(m))
+            sine = self._add("jacobi_sn", total, self._place(m))
             self._writer.words(sine, [("1", self._place(u)), ("1", self._place(d))])
-        self._writer.atom(ahead, self._made("Pow", here, "-1"))
+        self._writer.atom(next_theta, self._add("Pow", here, "-1"))

@@ -1,4 +1,4 @@
-"""Rules of a case solved for their symbols: quotients, and real roots of what can be written so."""
+"""Solve the rules of a case for their symbols, by quotients and explicit real roots."""
 
 from __future__ import annotations
 
@@ -12,24 +12,24 @@ from .case_tree import Constants, SystemCase
 from .factors import factors_of
 
 RELATIONS = 3
-"""Most algebraic constants that a root is looked for in."""
+"""Most algebraic constants in which a root is sought."""
 
 SHORT = 60
-"""Operations of a quotient of exponentials that hyperbolic functions are looked for in."""
+"""Most operations of a quotient of exponentials in which hyperbolic functions are sought."""
 
 Values = dict[sp.Symbol, sp.Expr]
 
 
 @dataclass(frozen=True)
 class Explicit:
-    """Symbols with their values; ``implicit`` must vanish, too, and could not be solved."""
+    """Values of symbols, and ``implicit`` polynomials that must vanish but could not be solved."""
 
     values: Values
     implicit: tuple[sp.Expr, ...] = ()
 
 
 def explicit_values(branch: SystemCase, constants: Constants) -> Iterator[Explicit]:
-    """The values that the rules of a branch give, from the last one to the first."""
+    """Yield the values that the rules of a branch give, solved from the last rule to the first."""
     squares = [
         (constants.all[place], constants.written(value))
         for place, (degree, value) in constants.relations.items()
@@ -37,42 +37,42 @@ def explicit_values(branch: SystemCase, constants: Constants) -> Iterator[Explic
     ][:RELATIONS]
     waiting = [(len(branch.rules), Explicit({}))]
     while waiting:
-        place, found = waiting.pop(0)
-        if place == 0:
-            values = {s: in_squares(value, squares) for s, value in found.values.items()}
-            yield Explicit(values, found.implicit)
+        count, partial = waiting.pop(0)
+        if count == 0:
+            values = {s: in_squares(value, squares) for s, value in partial.values.items()}
+            yield Explicit(values, partial.implicit)
             continue
-        rule = branch.rules[place - 1]
+        rule = branch.rules[count - 1]
         rows = [
-            tidy(constants.written(row).xreplace(found.values))
+            tidy(constants.written(row).xreplace(partial.values))
             for row in constants.coefficients(rule.polynomial, constants.places[rule.symbol])
         ]
         while rows and rows[-1] == 0:
             rows.pop()
         for root in _roots(rows, rule.symbol, squares):
             new = (
-                Explicit(found.values, (*found.implicit, root.polynomial))
+                Explicit(partial.values, (*partial.implicit, root.polynomial))
                 if isinstance(root, _Implicit)
-                else Explicit({rule.symbol: root, **found.values}, found.implicit)
+                else Explicit({rule.symbol: root, **partial.values}, partial.implicit)
             )
-            waiting.append((place - 1, new))
+            waiting.append((count - 1, new))
 
 
 @dataclass(frozen=True)
 class _Implicit:
-    """A polynomial of which no roots are written."""
+    """Polynomial whose roots are not written explicitly."""
 
     polynomial: sp.Expr
 
 
 Squares = Sequence[tuple[sp.Expr, sp.Expr]]
-"""Algebraic constants with their squares."""
+"""Pairs of an algebraic constant and its square."""
 
 
 def _roots(
     rows: Sequence[sp.Expr], symbol: sp.Symbol, squares: Squares
 ) -> list[sp.Expr | _Implicit]:
-    """The roots of a polynomial given by its coefficients, those of powers of a power too."""
+    """Return the real roots of a polynomial from its coefficients; it may be one in a power."""
     powers = [power for power, row in enumerate(rows) if row != 0]
     if not powers or powers == [0]:
         return []
@@ -97,24 +97,24 @@ def _roots(
 def _even(
     rows: Sequence[sp.Expr], symbol: sp.Symbol, squares: Squares
 ) -> list[sp.Expr | _Implicit]:
-    """The roots of a polynomial in the square."""
-    found: list[sp.Expr | _Implicit] = []
+    """Return the real roots of a polynomial in ``symbol**2``."""
+    roots: list[sp.Expr | _Implicit] = []
     for root in _roots(rows[::2], symbol, squares):
         if isinstance(root, _Implicit):
-            found.append(_Implicit(root.polynomial.xreplace({symbol: symbol**2})))
+            roots.append(_Implicit(root.polynomial.xreplace({symbol: symbol**2})))
         else:
-            found += _square_roots(root, squares)
-    return found
+            roots += _square_roots(root, squares)
+    return roots
 
 
 def _square_roots(radicand: sp.Expr, squares: Squares) -> list[sp.Expr]:
-    """Both square roots; in algebraic constants of which the squares are known, if it is one."""
+    """Return both square roots, written in algebraic constants with known squares if possible."""
     if radicand == 0:
         return [sp.S.Zero]
     candidates: list[tuple[int, int, sp.Expr, sp.Expr]] = []
     for powers in product((0, 1, -1), repeat=len(squares)):
         pairs = list(zip(squares, powers, strict=True))
-        root, odd = _parted(radicand / sp.Mul(*(square**n for (_, square), n in pairs)))
+        root, odd = _split_square(radicand / sp.Mul(*(square**n for (_, square), n in pairs)))
         root *= sp.Mul(*(g**n for (g, _), n in pairs))
         size = len(odd.atoms(sp.Function)), odd.count_ops() + root.count_ops()
         candidates.append((*size, odd, root))
@@ -124,7 +124,7 @@ def _square_roots(radicand: sp.Expr, squares: Squares) -> list[sp.Expr]:
 
 
 def _root_of_quotient(quotient: sp.Expr) -> sp.Expr:
-    """A root of a quotient that is not negative, up to its sign."""
+    """Return a square root of a nonnegative quotient, up to its sign."""
     above, below = sp.fraction(quotient)
     above, below = sp.expand(above), sp.expand(below)
     if above.is_number and above.is_negative:
@@ -140,8 +140,8 @@ def _root_of_sum(total: sp.Expr) -> sp.Expr:
     return root * sp.sqrt(rest) if root.is_Rational else sp.sqrt(total)
 
 
-def _parted(quotient: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
-    """A root and the rest: the quotient is the square of the first, times the second."""
+def _split_square(quotient: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+    """Return r and q with ``quotient = r**2 * q``."""
     above, below = sp.fraction(sp.cancel(sp.together(quotient)))
     if not (above.free_symbols | below.free_symbols):
         return sp.S.One, above / below
@@ -156,7 +156,7 @@ def _parted(quotient: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
 
 
 def tidy(expression: sp.Expr) -> sp.Expr:
-    """The expression as a quotient of factors, with roots of numbers out of denominators.
+    """Simplify to a quotient of factors, with roots of numbers moved out of denominators.
 
     >>> k = sp.Symbol("k")
     >>> tidy(sp.exp(k) / 2 - sp.exp(-k) / 2)
@@ -165,24 +165,24 @@ def tidy(expression: sp.Expr) -> sp.Expr:
     powers = (p for p in expression.atoms(sp.Pow) if p.exp.is_Rational and p.exp.q == 2)
     names = {sp.sqrt(p.base): sp.Dummy(positive=True) for p in powers if p.free_symbols}
     below = {1 / root: 1 / name for root, name in names.items()}
-    found = expression.xreplace(names).xreplace(below)
-    found = sp.factor(sp.cancel(sp.together(found)))
-    found = found.xreplace({name: root for root, name in names.items()})
+    result = expression.xreplace(names).xreplace(below)
+    result = sp.factor(sp.cancel(sp.together(result)))
+    result = result.xreplace({name: root for root, name in names.items()})
     if names:
-        number, factors = factors_of(found)
+        number, factors = factors_of(result)
         whole = number * sp.Mul(*(factor**power for factor, power in factors))
-        found = min(found, whole, key=lambda e: e.count_ops())
-    if found.has(sp.exp) and found.count_ops() <= SHORT:
-        return min(found, sp.simplify(found), key=lambda e: e.count_ops())
-    if found.is_number or any(p.base.is_Rational for p in found.atoms(sp.Pow) if p.exp.q != 1):
-        found = sp.radsimp(found)
-        factored = sp.factor(found)
-        return factored if factored.count_ops() <= found.count_ops() else found
-    return found
+        result = min(result, whole, key=lambda e: e.count_ops())
+    if result.has(sp.exp) and result.count_ops() <= SHORT:
+        return min(result, sp.simplify(result), key=lambda e: e.count_ops())
+    if result.is_number or any(p.base.is_Rational for p in result.atoms(sp.Pow) if p.exp.q != 1):
+        result = sp.radsimp(result)
+        factored = sp.factor(result)
+        return factored if factored.count_ops() <= result.count_ops() else result
+    return result
 
 
 def in_squares(value: sp.Expr, squares: Squares) -> sp.Expr:
-    """The value in algebraic constants in the place of their squares, where that is shorter."""
+    """Write a value in algebraic constants instead of their squares, if that is shorter."""
     best = value
     for constant, square in squares:
         for factor, power in factors_of(square)[1]:
@@ -196,7 +196,7 @@ def in_squares(value: sp.Expr, squares: Squares) -> sp.Expr:
 
 
 def _divided(value: sp.Expr, factor: sp.Expr, other: sp.Expr) -> sp.Expr:
-    """The value with its numerator divided by a factor, which is ``other``: quotient and rest."""
+    """Rewrite the numerator as quotient * ``other`` + rest, by a division by ``factor = other``."""
     above, below = sp.fraction(value)
     function = min(factor.atoms(sp.Function), key=sp.default_sort_key)
     if not above.is_polynomial(function):

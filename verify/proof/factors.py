@@ -1,6 +1,6 @@
-"""The factors of a formula, rational in symbols, their roots and functions, by FLINT.
+"""Factor formulas that are rational in symbols, roots and functions, with FLINT.
 
-What is found is a hint: nothing here decides.
+The factors are hints; nothing here decides a statement.
 """
 
 from __future__ import annotations
@@ -15,17 +15,17 @@ from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 from longwave.verify.subexpressions import outer_nodes
 
 TERMS, DEGREE = 200, 40
-"""A polynomial with more terms, or of a higher degree, is not factored."""
+"""Most terms and highest degree of a polynomial that is factored."""
 
 Powers = list[tuple[sp.Expr, int]]
 
 
 class TooLong(ValueError):
-    """A formula has too many terms when it is multiplied out."""
+    """Raised for a formula with too many terms when expanded."""
 
 
 def factored(expression: sp.Expr) -> tuple[sp.Rational, Powers]:
-    """A number and powers of irreducible factors; raises TooLong.
+    """Return a number and the powers of irreducible factors; raises TooLong.
 
     >>> x = sp.Symbol("x", positive=True)
     >>> factored(2 * sp.sqrt(x) + x + 1)
@@ -35,9 +35,9 @@ def factored(expression: sp.Expr) -> tuple[sp.Rational, Powers]:
 
 
 def factors_of(expression: sp.Expr) -> tuple[sp.Expr, Powers]:
-    """A number and powers of factors, which are irreducible unless the expression is too long.
+    """Return a number and powers of factors; they are irreducible unless the formula is too long.
 
-    SymPy knows that exp(2*k) is a square, and not what to do with a product of roots.
+    SymPy is tried first: it knows that exp(2*k) is a square, but fails on a product of roots.
 
     >>> x, k = sp.symbols("x k", positive=True)
     >>> factors_of(-2 * sp.sqrt(x))
@@ -57,7 +57,7 @@ def factors_of(expression: sp.Expr) -> tuple[sp.Expr, Powers]:
 
 
 class Quotients:
-    """An expression as a quotient of polynomials in its atoms."""
+    """Expression as a quotient of polynomials in its atoms."""
 
     def __init__(self, expression: sp.Expr) -> None:
         nodes = outer_nodes(expression)
@@ -78,22 +78,22 @@ class Quotients:
         self.above, self.below = self._quotient(expression)
 
     def factors(self) -> tuple[sp.Rational, Powers]:
-        """The number, and the irreducible factors of numerator and denominator."""
+        """Return a number, and the powers of the irreducible factors."""
         unit, powers = self.above.factor()
         under, below = self.below.factor()
         unit /= under
-        found = [(self.written(part), int(n)) for part, n in powers]
-        found += [(self.written(part), -int(n)) for part, n in below]
-        return rational(unit), found
+        factors = [(self.written(part), int(n)) for part, n in powers]
+        factors += [(self.written(part), -int(n)) for part, n in below]
+        return rational(unit), factors
 
     def squares(self) -> sp.Expr | None:
-        """The numerator as a sum of squares and terms that are evidently positive; None if not.
+        """Write the numerator as a sum of squares and even powers; None if that fails.
 
         >>> x, y = sp.symbols("x y", real=True)
         >>> Quotients(x**2 + 2 * x * y + 2 * y**2 + 3).squares()
         y**2 + (x + y)**2 + 3
         """
-        rest, found = self.above, []
+        rest, squares = self.above, []
         for place, gen in enumerate(self._context.gens()):
             if int(rest.degrees()[place]) != 2 or self._is_even(rest):
                 continue
@@ -107,16 +107,16 @@ class Quotients:
             shift = _quotient_of(first, 2 * number * root)
             if shift is not None:
                 square = root * gen + shift
-                found.append(rational(number) * self.written(square) ** 2)
+                squares.append(rational(number) * self.written(square) ** 2)
                 rest -= number * square**2
-        return sp.Add(*found, self.written(rest)) if self._is_even(rest) else None
+        return sp.Add(*squares, self.written(rest)) if self._is_even(rest) else None
 
     @staticmethod
     def _is_even(polynomial: fmpq_mpoly) -> bool:
         return all(c > 0 and not any(n % 2 for n in powers) for powers, c in polynomial.terms())
 
     def linear_in(self, base: sp.Expr) -> tuple[sp.Expr, sp.Expr] | None:
-        """a and b if the numerator is a + b times the root of ``base`` (or the atom itself)."""
+        """Return a and b if the numerator is a + b * (root of ``base``); else None."""
         place = self._bases.index(base)
         if int(self.above.degrees()[place]) != 1:
             return None
@@ -125,18 +125,18 @@ class Quotients:
 
     @property
     def square_roots(self) -> list[tuple[sp.Expr, sp.Expr]]:
-        """The atoms whose squares are known, with their squares."""
-        found = [(base, base) for base, degree in self._degrees.items() if degree == 2]
-        return found + [(b, sp.S.NegativeOne) for b in self._bases if b is sp.I]
+        """Atoms with known squares, and these squares."""
+        roots = [(base, base) for base, degree in self._degrees.items() if degree == 2]
+        return roots + [(b, sp.S.NegativeOne) for b in self._bases if b is sp.I]
 
     def written(self, polynomial: fmpq_mpoly) -> sp.Expr:
-        """A polynomial in the atoms as an expression."""
+        """Return a polynomial in the atoms as an expression."""
         roots = [sp.Pow(b, sp.Rational(1, self._degrees[b])) for b in self._bases]
         return written(polynomial, roots)
 
     def _quotient(self, node: sp.Expr) -> tuple[fmpq_mpoly, fmpq_mpoly]:
         if node not in self._found:
-            above, below = self._made(node)
+            above, below = self._build(node)
             size = max(len(above), len(below))
             if size > TERMS or max(above.total_degree(), below.total_degree()) > DEGREE:
                 raise TooLong(f"{size} terms")
@@ -146,7 +146,7 @@ class Quotients:
             self._found[node] = above, below
         return self._found[node]
 
-    def _made(self, node: sp.Expr) -> tuple[fmpq_mpoly, fmpq_mpoly]:
+    def _build(self, node: sp.Expr) -> tuple[fmpq_mpoly, fmpq_mpoly]:
         one = self._one
         if node.is_Rational:
             return self._context.constant(exact(node)), one
@@ -176,17 +176,17 @@ class Quotients:
 
 
 def rational(value: fmpq) -> sp.Rational:
-    """A number of FLINT as one of SymPy."""
+    """Convert a FLINT number to SymPy."""
     return sp.Rational(int(value.p), int(value.q))
 
 
 def exact(value: sp.Rational) -> fmpq:
-    """A number of SymPy as one of FLINT."""
+    """Convert a SymPy number to FLINT."""
     return fmpq(int(value.p), int(value.q))
 
 
 def written(polynomial: fmpq_mpoly, atoms: Sequence[sp.Expr]) -> sp.Expr:
-    """A polynomial as an expression, with ``atoms`` for its generators."""
+    """Return a polynomial as an expression, with ``atoms`` for its generators."""
     terms = []
     for exponents, c in polynomial.terms():
         powers = (atom ** int(n) for atom, n in zip(atoms, exponents, strict=False) if n)
@@ -195,19 +195,19 @@ def written(polynomial: fmpq_mpoly, atoms: Sequence[sp.Expr]) -> sp.Expr:
 
 
 def _quotient_of(left: fmpq_mpoly, right: fmpq_mpoly) -> fmpq_mpoly | None:
-    """The quotient of two polynomials where nothing is left."""
+    """Return the exact quotient of two polynomials; None if there is a remainder."""
     quotient, rest = divmod(left, right)
     return quotient if rest.is_zero() else None
 
 
 def _rational_power(node: sp.Expr) -> tuple[sp.Expr, sp.Rational]:
-    """Base and exponent of a power with a rational one; anything else is one to 1."""
+    """Return base and exponent of a rational power; any other node has the exponent 1."""
     base, exponent = node.as_base_exp() if node.is_Pow else (node, sp.S.One)
     return (base, exponent) if exponent.is_Rational else (node, sp.S.One)
 
 
 def _is_inner(node: sp.Expr) -> bool:
-    """Whether a node is a sum, product or number, and no atom."""
+    """Return whether a node is a sum, product, number or integer power, and so not an atom."""
     return bool(
         node.is_Add or node.is_Mul or node.is_Rational or (node.is_Pow and node.exp.is_Integer)
     )

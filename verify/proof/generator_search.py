@@ -1,6 +1,6 @@
-"""The search for a proof: which generators, argument sums, roots and signs a checker needs.
+"""Search for a proof: the generators, argument sums, roots and signs that the checker needs.
 
-Nothing is decided here: what is wrong is rejected by the checker.
+Nothing is decided here; the checker rejects wrong hints.
 """
 
 from __future__ import annotations
@@ -42,18 +42,18 @@ AIRY = {
     for pair in ((sp.airyai, sp.airyaiprime), (sp.airybi, sp.airybiprime))
     for function in pair
 }
-"""Each Airy function with those that make its derivatives."""
+"""Each Airy function with the pair in which its derivatives are expressed."""
 
 
 ELLIPTIC = (JacobiFunction, sp.elliptic_k, sp.elliptic_e)
-"""Functions that are elementary at the ends 0 and 1 of their parameter."""
+"""Functions that are elementary for the parameters 0 and 1."""
 
 
 class GeneratorSearch:
-    """The generators and hints with which a checker can find the images of ``expressions``.
+    """Generators and hints with which the checker can find the images of ``expressions``.
 
-    ``values`` are the simpler forms of roots and absolute values that a domain allows; with
-    ``moving`` the derivatives of the generators are wanted too, up to the order ``order``.
+    ``values`` has the simpler forms of roots and absolute values that a domain allows.  With
+    ``moving`` the derivatives of the generators are needed too, up to the order ``order``.
     """
 
     def __init__(
@@ -66,7 +66,7 @@ class GeneratorSearch:
         moving: bool,
         order: int = 0,
     ) -> None:
-        self._writer, self._place, self._made = ProofWriter(table), table.place, table.add
+        self._writer, self._place, self._add = ProofWriter(table), table.place, table.add
         self._variables, self._expressions = tuple(variables), list(expressions)
         self._values, self._moving, self._order = values, moving, order
         self._orders: set[tuple[type, sp.Expr, sp.Expr]] = set()
@@ -76,18 +76,18 @@ class GeneratorSearch:
         )
 
     def equal_part(self, left: sp.Expr, right: sp.Expr, proof: Data) -> None:
-        """Take one generator for two formulas that ``proof`` shows to be equal."""
+        """Add one generator for two formulas that ``proof`` shows to be equal."""
         place = len(self._writer.parts)
         self._writer.parts.append([self._place(left), self._place(right), proof])
         self._writer.generators.append(["part", place])
         self._done |= {left, right}
 
     def proof(self, point: Point, domains: Domains | None = None) -> Data:
-        """Return the proof's part of a certificate; ``point`` is where no denominator vanishes."""
-        shown = with_dummies(self._expressions, self._done)
+        """Return the proof part of a certificate; no denominator vanishes at ``point``."""
+        visible = with_dummies(self._expressions, self._done)
         values = [self._factors_in(node, value) for node, value in self._values.items()]
         logarithms = {f: value for f, value in self._values.items() if isinstance(f, sp.log)}
-        self._arguments = Arguments([*shown, *values], self._variables, logarithms)
+        self._arguments = Arguments([*visible, *values], self._variables, logarithms)
         self._elliptic = EllipticSearch(
             self._writer,
             self._arguments,
@@ -96,8 +96,8 @@ class GeneratorSearch:
             moving=self._moving,
             epsilon=self._has_epsilon,
         )
-        found = independent_forms(self._expressions, self._arguments, self._done, point)
-        self._pivots, self._others, self._rows = found
+        forms = independent_forms(self._expressions, self._arguments, self._done, point)
+        self._pivots, self._others, self._rows = forms
         for expression in self._expressions:
             self.need(expression)
         self._show_ends(domains or {})
@@ -105,14 +105,14 @@ class GeneratorSearch:
 
     @staticmethod
     def _factors_in(node: sp.Expr, value: sp.Expr) -> sp.Expr:
-        """Return the nodes that the value of ``node`` needs, such as a logarithm's factors."""
+        """Return the expressions that the value of ``node`` needs: a logarithm's factors too."""
         if not isinstance(node, sp.log):
             return value
         terms = [term for term in sp.Add.make_args(value) if not term.has(sp.log)]
         return sp.Tuple(value, *map(sp.exp, terms))
 
     def need(self, node: sp.Expr) -> None:
-        """Provide for the image of ``node``."""
+        """Register what the image of ``node`` needs."""
         if node in self._done:
             return
         self._done.add(node)
@@ -143,7 +143,7 @@ class GeneratorSearch:
             self._function(node)
 
     def _primitive(self, node: sp.Expr) -> None:
-        """Return a symbol or a constant."""
+        """Register a symbol or a constant."""
         if self._begin_forms(node):
             return
         if node in self._arguments.circles:
@@ -152,7 +152,7 @@ class GeneratorSearch:
         self._writer.atom(self._place(node))
 
     def _begin_forms(self, primitive: sp.Basic) -> bool:
-        """Register the linear forms at the first of their primitives that is needed."""
+        """Register the linear forms when their first primitive is needed; return whether it was."""
         if primitive not in self._pivots:
             return False
         pivots, self._pivots = self._pivots, []
@@ -168,7 +168,7 @@ class GeneratorSearch:
             if isinstance(pivot, sp.Tuple):
                 self.need(pivot[1])
         places = [
-            self._made("jacobi_epsilon", *map(self._place, pivot))
+            self._add("jacobi_epsilon", *map(self._place, pivot))
             if isinstance(pivot, sp.Tuple)
             else self._place(pivot)
             for pivot in pivots
@@ -198,45 +198,45 @@ class GeneratorSearch:
         root = sp.Pow(base, sp.Rational(1, exponent.q))
         if root != node and (root in self._values or not root.is_Pow or root.base != base):
             self.need(root)
-        place = self._made("Pow", self._place(base), f"1/{exponent.q}")
+        place = self._add("Pow", self._place(base), f"1/{exponent.q}")
         if not root.is_Pow or root.base != base:
             self._writer.name(place=place, value=self._place(root))
         elif root not in self._values:
             self._root(place, base, int(exponent.q))
 
     def _root(self, place: int, base: sp.Expr, degree: int) -> None:
-        """Return a root, a power of the one root that makes all roots of its radicand."""
+        """Register a root, as a power of the single root of its radicand that is a generator."""
         whole = self._arguments.degrees.get(base, degree)
-        finest = self._made("Pow", self._place(base), f"1/{whole}")
+        finest = self._add("Pow", self._place(base), f"1/{whole}")
         self._writer.atom(finest)
         if whole != degree:
-            self._writer.name(place=place, value=self._made("Pow", finest, f"{whole // degree}"))
+            self._writer.name(place=place, value=self._add("Pow", finest, f"{whole // degree}"))
 
     def _angle(self, node: sp.Expr, value: sp.Expr) -> None:
-        """Provide for the tangent or sine of the value of an inverse function, and its bounds."""
+        """Register what the tangent or sine of an arc's value needs, and a witness of its sign."""
         self.need(sp.I)
         turned = [self._place(part) for part in (sp.I, value)]
         if isinstance(node, sp.atan):
-            place = self._made("Mul", self._place(sp.Integer(2)), *turned)
+            place = self._add("Mul", self._place(sp.Integer(2)), *turned)
             self._exponential(2 * sp.I * value, place)
             return
-        self._exponential(sp.I * value, self._made("Mul", *turned))
+        self._exponential(sp.I * value, self._add("Mul", *turned))
         rest, known = self._cosine_square(node.args[0])
         self._writer.signs[rest] = self._place(sp.factor(known))
 
     def _name_cosine(self, f: sp.Expr) -> None:
-        """Return the root in the definition of asin, of a number, which SymPy works out."""
+        """Record the root in the definition of asin f for a number f, as SymPy evaluates it."""
         if f.is_Rational:
             rest, known = self._cosine_square(f)
             self.need(sp.sqrt(known))
-            root = self._made("Pow", rest, "1/2")
+            root = self._add("Pow", rest, "1/2")
             self._writer.name(place=root, value=self._place(sp.sqrt(known)))
 
     def _cosine_square(self, f: sp.Expr) -> tuple[int, sp.Expr]:
-        """1 - f**2 as the checker writes it, and as SymPy does."""
+        """Return 1 - f**2 as the checker writes it, and as SymPy does."""
         one, minus = (self._place(sp.Integer(n)) for n in (1, -1))
-        square = self._made("Mul", minus, self._made("Pow", self._place(f), "2"))
-        return self._made("Add", one, square), 1 - f**2
+        square = self._add("Mul", minus, self._add("Pow", self._place(f), "2"))
+        return self._add("Add", one, square), 1 - f**2
 
     def _show_sign_of_roots(self, expression: sp.Expr) -> None:
         for node in distinct_nodes(expression):
@@ -244,29 +244,29 @@ class GeneratorSearch:
                 self.show_sign(node.base)
 
     def show_sign(self, node: sp.Expr) -> None:
-        """Offer the factors of ``node`` as witness of its sign."""
+        """Record the factored ``node`` as witness of its sign."""
         other = sp.factor(node)
         if other != node:
             self._writer.signs[self._place(node)] = self._place(other)
 
     def _show_excess(self, node: sp.Expr) -> None:
-        """Offer r*(exp(x - log(r)) - 1) as witness of the sign of exp(x) - r."""
-        found = excess_of_exponential(node) if node.is_Add else None
-        if found is not None:
-            one = sp.Add(found[1], sp.S.NegativeOne, evaluate=False)
+        """Record r*(exp(x - log(r)) - 1) as witness of the sign of exp(x) - r."""
+        excess = excess_of_exponential(node) if node.is_Add else None
+        if excess is not None:
+            one = sp.Add(excess[1], sp.S.NegativeOne, evaluate=False)
             self._writer.signs[self._place(node)] = self._place(
-                sp.Mul(found[0], one, evaluate=False)
+                sp.Mul(excess[0], one, evaluate=False)
             )
 
     def _show_ends(self, domains: Domains) -> None:
-        """Offer k = (k - l) + l for the sign of a symbol k > l: that of l may show it."""
-        shown = self._writer.registered
+        """Record k = (k - l) + l as witness of the sign of a symbol k > l."""
+        registered = self._writer.registered
         for symbol, domain in domains.items():
             ends = (domain.lower, 1), (domain.upper, -1)
             known = any(end.is_Rational and end * side >= 0 for end, side in ends)
             for end, side in ends:
                 names = [self._place(s) for s in (symbol, *end.free_symbols)]
-                if not known and is_small_polynomial(end) and shown.issuperset(names):
+                if not known and is_small_polynomial(end) and registered.issuperset(names):
                     gap = sp.Add(side * symbol, -side * end, evaluate=False)
                     part = gap if side == 1 else sp.Mul(-1, gap, evaluate=False)
                     whole = sp.Add(part, end, evaluate=False)
@@ -288,7 +288,7 @@ class GeneratorSearch:
             self._exponential(z, self._place(z))
         elif isinstance(node, TRIGONOMETRIC):
             self.need(sp.I)
-            place = self._made("Mul", self._place(sp.I), self._place(z))
+            place = self._add("Mul", self._place(sp.I), self._place(z))
             self._exponential(sp.I * z, place)
         elif isinstance(node, sp.elliptic_k | sp.elliptic_e):
             self._elliptic.below_one(z)
@@ -313,7 +313,7 @@ class GeneratorSearch:
                 self.need(sp.I)
             self.need(z.xreplace({sp.I: -sp.I}))
         elif isinstance(node, sp.Abs | sp.sign):
-            size, place = sp.Abs(z), self._made("Abs", self._place(z))
+            size, place = sp.Abs(z), self._add("Abs", self._place(z))
             if node == size or needs_integers(node):
                 self._writer.atom(place)
             elif isinstance(size, sp.Abs) and size.args[0] == z:
@@ -325,20 +325,22 @@ class GeneratorSearch:
             raise ValueError(f"no generator is known for {node.func.__name__}")
 
     def _special(self, node: sp.Expr) -> None:
-        """The functions that make the derivatives of an arbitrary one, theta, p or Bessel's."""
+        """Register the functions in which derivatives of arbitrary, theta, p or Bessel ones are."""
         if isinstance(node, JetFunction):
             steps = self._order * len(node.args) if self._moving else 0
-            found = [jet_function(node.label, node.order + n)(*node.args) for n in range(steps + 1)]
+            functions = [
+                jet_function(node.label, node.order + n)(*node.args) for n in range(steps + 1)
+            ]
             for nome in node.args[1:]:
                 self._show_nome(nome)
         elif isinstance(node, WeierstrassFunction):
-            found = [function(*node.args) for function in (weierstrass_p, weierstrass_p_prime)]
+            functions = [function(*node.args) for function in (weierstrass_p, weierstrass_p_prime)]
         else:
             v, z = node.args
             if has_half_order(node):
                 for part in (definition(node), sp.sqrt(2), sp.sqrt(z)):
                     self.need(part)
-                root = self._made("Pow", self._place(z), "1/2")
+                root = self._add("Pow", self._place(z), "1/2")
                 self._writer.name(place=root, value=self._place(sp.sqrt(z)))
                 return
             plain = sp.expand(cancelled(v))
@@ -348,43 +350,43 @@ class GeneratorSearch:
                 self._orders.add(keys[0])
                 name, argument = NAMES[node.func], self._place(z)
                 for order in (v, v + 1):
-                    self._writer.atom(self._made(name, self._place(order), argument))
+                    self._writer.atom(self._add(name, self._place(order), argument))
             return
-        for function in found:
+        for function in functions:
             self._writer.atom(self._place(function))
 
     def _show_nome(self, q: sp.Expr) -> None:
-        """Offer q in exponentials as witness of the signs of q and 1 - q."""
+        """Record q in exponentials as witness of the signs of q and 1 - q."""
         plain = sp.expand(q.rewrite(sp.exp))
         if plain != q:
             self.need(plain)
             one, places = self._place(sp.S.One), map(self._place, (q, plain))
-            negatives = [self._made("Mul", self._place(sp.S.NegativeOne), p) for p in places]
-            rest, witness = (self._made("Add", one, negative) for negative in negatives)
+            negatives = [self._add("Mul", self._place(sp.S.NegativeOne), p) for p in places]
+            rest, witness = (self._add("Add", one, negative) for negative in negatives)
             self._writer.signs |= {self._place(q): self._place(plain), rest: witness}
 
     def _logarithm(self, node: sp.Expr, value: sp.Expr) -> None:
-        """log of a product as a sum of logarithms, and of exponentials' arguments."""
+        """Record the logarithm of a product as a sum of logarithms and exponents."""
         self.need(node.args[0])
-        found = []
+        terms = []
         for term in filter(None, sp.Add.make_args(value)):
             q, rest = term.as_coeff_Mul(rational=True)
             factor = rest.args[0] if isinstance(rest, sp.log) else sp.exp(term)
             q = q if isinstance(rest, sp.log) else sp.S.One
             self.need(rest)
             self.need(sp.Pow(factor, q))
-            found.append((str(q), self._made("log", self._place(factor))))
-        self._writer.values[self._place(node)] = self._writer.table.combination(found)
+            terms.append((str(q), self._add("log", self._place(factor))))
+        self._writer.values[self._place(node)] = self._writer.table.combination(terms)
 
     def _exponential(self, z: sp.Expr, place: int) -> None:
         rest, logarithms = self._arguments.exponent(z)
         combinations = self._arguments.exponents
-        found = []
+        terms = []
         for basis, n in zip(combinations.basis, combinations.coordinates(rest), strict=True):
             if n:
                 self.need(basis)
-                self._writer.atom(self._made("exp", self._place(basis)))
-                found.append((str(n), self._place(basis)))
+                self._writer.atom(self._add("exp", self._place(basis)))
+                terms.append((str(n), self._place(basis)))
         for logarithm, q in logarithms.items():
             if isinstance(logarithm, sp.log):
                 self.need(sp.Pow(logarithm.args[0], q))
@@ -397,11 +399,11 @@ class GeneratorSearch:
             elif q % 2:
                 self.need(sp.sqrt(1 + (logarithm / sp.I).args[0] ** 2))
             self.need(logarithm)
-            found.append((str(q), self._place(logarithm)))
-        self._writer.words(self._made("exp", place), found)
+            terms.append((str(q), self._place(logarithm)))
+        self._writer.words(self._add("exp", place), terms)
 
 
 def _follows_from_others(node: sp.Expr) -> bool:
-    """Return whether the checker takes the image of ``node`` from that of another function."""
+    """Return whether the checker derives the image of ``node`` from that of another function."""
     is_power = node.is_Pow and node.exp.is_Rational and node.exp.p != 1
     return is_power or isinstance(node, sp.conjugate | sp.re | sp.im | sp.sign)

@@ -1,8 +1,8 @@
-"""Linear combinations of primitives: generators that occur only in a few combinations.
+"""Linear forms of primitives: generators that occur only in a few combinations.
 
-A primitive here is a variable or Jacobi's epsilon: its derivative is free of itself.  Where xi,
-tau and epsilon occur only as ``epsilon(xi) + a xi + b tau``, this sum is one generator in place
-of three, and polynomials in it are far shorter.
+A primitive is a variable or Jacobi's epsilon: its derivative does not contain it.  If xi, tau and
+epsilon occur only as ``epsilon(xi) + a xi + b tau``, this sum becomes one generator instead of
+three, and polynomials in it are far shorter.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ from .balls import ball_value
 from .domains import Point
 
 Form = dict[sp.Expr, sp.Expr]
-"""The constant coefficients of primitives."""
+"""Constant coefficients of primitives."""
 
 
 def split_linear(expression: sp.Expr, dependence: Dependence) -> tuple[Form, list[sp.Expr]]:
-    """The part of a sum that is linear in primitives with constant coefficients, and the rest.
+    """Split a sum into its linear form in primitives, with constant coefficients, and the rest.
 
     >>> x, t, a = sp.symbols("x t a")
     >>> split_linear(a * (x - 2 * t) + x**2 + 3, Dependence([x, t]))
@@ -50,31 +50,31 @@ def split_linear(expression: sp.Expr, dependence: Dependence) -> tuple[Form, lis
 
 
 def linear_forms(expressions: Iterable[sp.Expr], dependence: Dependence) -> list[Form]:
-    """The linear parts of the sums in ``expressions`` (not in arguments), the shortest first."""
-    found: list[Form] = []
-    seen: set[sp.Expr] = set()
+    """Return the linear parts of sums in ``expressions`` (not in arguments), shortest first."""
+    forms: list[Form] = []
+    visited: set[sp.Expr] = set()
     waiting = list(expressions)
     while waiting:
         node = waiting.pop(0)
-        if node in seen or not dependence.depends(node):
+        if node in visited or not dependence.depends(node):
             continue
-        seen.add(node)
+        visited.add(node)
         form, rest = split_linear(node, dependence)
         if form:
-            found.append(form)
+            forms.append(form)
             waiting += rest
         elif node.is_Add or node.is_Mul or node.is_Pow:
             waiting += node.args
-    return sorted(found, key=lambda form: sp.Add(*form.values()).count_ops())
+    return sorted(forms, key=lambda form: sp.Add(*form.values()).count_ops())
 
 
 def with_one_integral(expressions: Sequence[sp.Expr], dependence: Dependence) -> list[sp.Expr]:
-    """Epsilon without shifts, by its addition theorem, and zeta(z) = epsilon(z) - z E/K.
+    """Remove shifts of epsilon by its addition theorem, and write zeta(z) = epsilon(z) - z E/K.
 
-    Without epsilon, zeta stays.
+    Expressions without any epsilon are returned unchanged.
     """
     nodes = {expression: distinct_nodes(expression) for expression in expressions}
-    if not any(isinstance(node, jacobi_epsilon) for found in nodes.values() for node in found):
+    if not any(isinstance(node, jacobi_epsilon) for inner in nodes.values() for node in inner):
         return list(expressions)
 
     def epsilon(z: sp.Expr, m: sp.Expr) -> sp.Expr:
@@ -86,18 +86,18 @@ def with_one_integral(expressions: Sequence[sp.Expr], dependence: Dependence) ->
         return epsilon(z, m) - z * sp.elliptic_e(m) / sp.elliptic_k(m)
 
     def rewritten(expression: sp.Expr) -> sp.Expr:
-        found = expression
+        result = expression
         for kind, image in ((jacobi_epsilon, epsilon), (jacobi_zeta, zeta)):
             for node in nodes[expression]:
                 if isinstance(node, kind):
-                    found = replaced(found, node, image(*node.args))
-        return found
+                    result = replaced(result, node, image(*node.args))
+        return result
 
     return [*map(rewritten, expressions)]
 
 
 def pivot_columns(rows: Sequence[Sequence[acb]]) -> list[int]:
-    """The pivot columns of a matrix; an entry whose ball contains 0 counts as 0."""
+    """Return the pivot columns of a matrix; an entry whose ball contains 0 counts as 0."""
     table = [list(row) for row in rows]
     pivots: list[int] = []
     for column in range(len(table[0]) if table else 0):
@@ -117,7 +117,7 @@ BITS = 160
 
 
 def with_dummies(expressions: Iterable[sp.Expr], hidden: set[sp.Expr]) -> list[sp.Expr]:
-    """The expressions with what one generator stands for left out."""
+    """Replace each of the ``hidden`` subexpressions by a dummy symbol."""
     names = {node: sp.Dummy() for node in hidden}
     return [expression.xreplace(names) for expression in expressions]
 
@@ -125,10 +125,10 @@ def with_dummies(expressions: Iterable[sp.Expr], hidden: set[sp.Expr]) -> list[s
 def independent_forms(
     expressions: Sequence[sp.Expr], arguments: Arguments, hidden: set[sp.Expr], point: Point
 ) -> tuple[list[sp.Basic], list[sp.Expr], list[list[sp.Expr]]]:
-    """Pivots, other primitives, and independent linear forms: rows of factors of all of them.
+    """Return pivots, other primitives, and independent linear forms as rows of their factors.
 
-    The primitives are variables and, for epsilon(u), the pair (u, m).  Independence is that of
-    balls at ``point``: any choice makes generators.
+    The primitives are variables and, for epsilon(u), the pair (u, m).  Independence is judged by
+    balls at ``point``; any choice gives valid generators.
     """
     written = with_one_integral(with_dummies(expressions, hidden), arguments.dependence)
     forms = [_by_argument(f, arguments) for f in linear_forms(written, arguments.dependence)]
@@ -156,13 +156,13 @@ def independent_forms(
 
 
 def _by_argument(form: Form, arguments: Arguments) -> dict[sp.Basic, sp.Expr]:
-    """A linear form with the pairs (u, m) for epsilon(u) up to the sign of u."""
-    found: dict[sp.Basic, sp.Expr] = {}
+    """Return a linear form with pairs (u, m) for epsilon(u), up to the sign of u."""
+    factors: dict[sp.Basic, sp.Expr] = {}
     for primitive, value in form.items():
         key: sp.Basic = primitive
         if isinstance(primitive, jacobi_epsilon):
             u, m = arguments.parts(primitive.args[0])[0], primitive.args[1]
             side = -1 if u.could_extract_minus_sign() else 1
             key, value = sp.Tuple(side * u, m), side * value
-        found[key] = found.get(key, sp.S.Zero) + value
-    return found
+        factors[key] = factors.get(key, sp.S.Zero) + value
+    return factors

@@ -1,7 +1,7 @@
-"""Statements that were mistyped: the parts as they should be, shown beside the error.
+"""Corrections of mistyped statements, shown in the error message.
 
-The rules for formulas are those of `derive.algebra.typing_mistakes`; here are those for the parts
-of a statement. What is shown has been read without an error.
+The rules for formulas are in `derive.algebra.typing_mistakes`; here are those for the parts of a
+statement. A correction is shown only if it can be read without an error.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ from longwave.derive.algebra.typing_rules import SITE, VARIABLES
 from .text_parts import WORDS
 
 Parts = Mapping[str, Sequence[str]]
-"""The texts of a statement by the names of its parts."""
+"""Texts of a statement by the names of its parts."""
 
 LONGEST_LINE = 690
-"""Characters of an error with the text that is right."""
+"""Most characters of an error with a correction."""
 
 TRIES = 6
-"""Misspelled names that are put right one after another."""
+"""Most misspelled names that are corrected in one statement."""
 
 _DOMAIN_WORDS = {
     **{word: word for word in WORDS},
@@ -43,7 +43,7 @@ _COMPARED = re.compile(r"<=|>=|!=|<|>")
 _NAME = re.compile(r"[A-Za-z]\w*")
 _LEADING = re.compile(r"(?:let|with|for|where|assume|given)\s+")
 _CALLED = re.compile(r"(?<![\w.\\])([fghFGH])\s*(?=\()")
-"""Letters that stand for arbitrary functions where nothing else is said of them."""
+"""Letters that stand for arbitrary functions if they are not declared."""
 
 _SIZED = re.compile(r"(?:abs\(|\|)\s*([A-Za-z]\w*)\s*[)|]\s*(<=?)\s*(\w[\w.]*)")
 
@@ -51,51 +51,51 @@ _SIZED = re.compile(r"(?:abs\(|\|)\s*([A-Za-z]\w*)\s*[)|]\s*(<=?)\s*(\w[\w.]*)")
 def corrected_error(
     error: FormulaError, given: Parts, functions: Iterable[str], read: Callable[[Parts], object]
 ) -> FormulaError:
-    """The error with the text that is right, or as it is where none is known."""
+    """Return the error with the corrected text, or the same error if no correction is found."""
     if sum(len(text) for texts in given.values() for text in texts) > LONGEST_CORRECTED:
         return error
-    found = _readable(_rewritten(given, {*functions}), read)
-    if found is None:
+    parts = _readable(_rewritten(given, {*functions}), read)
+    if parts is None:
         return error
-    shown = _changes(error.name, given, found)
-    longer = FormulaError(error.name, f"{error.words}; {shown}", error.text, error.position)
-    return longer if shown and len(str(longer)) <= LONGEST_LINE else error
+    remedy = _changes(error.name, given, parts)
+    longer = FormulaError(error.name, f"{error.words}; {remedy}", error.text, error.position)
+    return longer if remedy and len(str(longer)) <= LONGEST_LINE else error
 
 
 def _readable(parts: Parts, read: Callable[[Parts], object]) -> Parts | None:
-    """The parts once they are read, with misspelled names put right."""
+    """Return the parts with misspelled names corrected, once they can be read; None if never."""
     for _ in range(TRIES):
         try:
             read(parts)
         except FormulaError as error:
-            meant = re.search(r"\(did you mean (\w+)\?\)", error.words)
-            if meant is None:
+            suggestion = re.search(r"\(did you mean (\w+)\?\)", error.words)
+            if suggestion is None:
                 return None
-            respelled = [_respelled(text, error, meant[1]) for text in parts[error.name]]
+            respelled = [_respelled(text, error, suggestion[1]) for text in parts[error.name]]
             parts = {**parts, error.name: respelled}
         else:
             return parts
     return None
 
 
-def _respelled(text: str, error: FormulaError, meant: str) -> str:
+def _respelled(text: str, error: FormulaError, name: str) -> str:
     wrong = _NAME.match(error.text, error.position)
     if text != error.text or wrong is None:
         return text
-    return text[: error.position] + meant + text[wrong.end() :]
+    return text[: error.position] + name + text[wrong.end() :]
 
 
-def _changes(name: str, given: Parts, found: Parts) -> str:
-    """What to write, the part of the error first."""
-    said = []
+def _changes(name: str, given: Parts, parts: Parts) -> str:
+    """Return the corrections in words, the part with the error first."""
+    remedies = []
     for label in sorted(given, key=lambda label: label != name):
-        old, new = [*given[label]], [*found[label]]
+        old, new = [*given[label]], [*parts[label]]
         if old == new:
             continue
         where = "" if label == name else f"{label} "
         changed = [n for o, n in zip(old, new, strict=True) if o != n]
-        said += [f"write {where}'{text}'" if text else f"leave {label} out" for text in changed]
-    return " and ".join(said)
+        remedies += [f"write {where}'{text}'" if text else f"leave {label} out" for text in changed]
+    return " and ".join(remedies)
 
 
 def _rewritten(given: Parts, functions: set[str]) -> Parts:
@@ -129,7 +129,7 @@ def _rewritten(given: Parts, functions: set[str]) -> Parts:
 def _unknowns(
     equations: Sequence[str], solutions: Sequence[str], functions: set[str]
 ) -> tuple[str, ...]:
-    """The names that solutions begin with; without ``u =``, those with a derivative."""
+    """Return the names on the left of solutions; without ``u =``, the names with a derivative."""
     headings = [
         match[1]
         for text in solutions
@@ -142,7 +142,7 @@ def _unknowns(
 
 
 def _with_case_of(unknowns: Sequence[str], text: str) -> str:
-    """An equation whose unknown has the other case of a solution's letter, in that case."""
+    """Change the case of an unknown in an equation to that of the solution."""
     for name in unknowns:
         if not re.search(rf"(?<![\w.\\]){name}(?![A-Za-z0-9])", text):
             text = re.sub(rf"(?<![\w.\\]){name.swapcase()}(?![A-Za-z0-9])", name, text)
@@ -150,7 +150,7 @@ def _with_case_of(unknowns: Sequence[str], text: str) -> str:
 
 
 def _equation(text: str, spelling: Spelling) -> str:
-    """An equation with single equals signs; ``a = b = c`` is two equations."""
+    """Return an equation with single equals signs; ``a = b = c`` becomes two equations."""
     parts = []
     for part in _corrected_parts(text, spelling):
         sides = [side.strip() for side in part.split("=")]
@@ -167,7 +167,7 @@ def _solution(text: str, spelling: Spelling) -> str:
 
 
 def _corrected_parts(text: str, spelling: Spelling) -> list[str]:
-    """The formulas of a text, each corrected; those of a list in square brackets, too."""
+    """Return the corrected formulas of a text, which may be a list in square brackets."""
     text = re.sub(r":=|==|->|→", "=", text)
     text = re.sub(r"^\s*\[(.*)\]\s*$", r"\1", text, flags=re.DOTALL)
     lines = re.split(r"\n|\band\b", text)
@@ -176,29 +176,29 @@ def _corrected_parts(text: str, spelling: Spelling) -> list[str]:
 
 
 def split_outside(text: str, separators: str) -> list[str]:
-    """What is between the separators that stand outside brackets."""
-    found, depth, start = [], 0, 0
+    """Split a text at the separators outside brackets."""
+    parts, depth, start = [], 0, 0
     for match in re.finditer(rf"{separators}|[()\[\]]", text):
         if match[0] in ("(", "[", ")", "]"):
             depth += 1 if match[0] in "([" else -1
         elif depth <= 0:
-            found.append(text[start : match.start()])
+            parts.append(text[start : match.start()])
             start = match.end()
-    return [*found, text[start:]]
+    return [*parts, text[start:]]
 
 
 # parameters and domains
 
 
 def _conditions(given: Parts, spelling: Spelling) -> tuple[list[str], list[str]]:
-    """The parts parameters and domain; each condition goes where its name belongs."""
+    """Return the parts parameters and domain; each condition is assigned by its name."""
     entries: dict[str, list[str]] = {}
     values: dict[str, str] = {}
     for text in (*given["parameters"], *given["domain"]):
         last = ""
         waiting: list[str] = []
         for chunk in _chunks(text):
-            last = _place(chunk, last, waiting, entries, values, spelling)
+            last = _assign(chunk, last, waiting, entries, values, spelling)
         for name in waiting:
             entries.setdefault(name, []).append("real")
     limits = [limit for name in entries if name in (*VARIABLES, SITE) for limit in entries[name]]
@@ -219,7 +219,7 @@ def _chunks(text: str) -> list[str]:
     return [_LEADING.sub("", part.strip()).rstrip(".") for part in parts if part.strip()]
 
 
-def _place(
+def _assign(
     chunk: str,
     last: str,
     waiting: list[str],
@@ -227,7 +227,7 @@ def _place(
     values: dict[str, str],
     spelling: Spelling,
 ) -> str:
-    """Put a condition to those of its name; the name, for conditions that follow without one."""
+    """Add a condition to those of its name; return the name, for the next unnamed condition."""
     named = re.match(rf"(?:(?:real|const)\s+)?([A-Za-z]\w*){_IS}(.*)$", chunk)
     if chunk in _DOMAIN_WORDS and last:
         entries.setdefault(last, []).append(_DOMAIN_WORDS[chunk])
@@ -254,11 +254,11 @@ def _place(
 
 
 def _domain_of(name: str, text: str, spelling: Spelling) -> list[str]:
-    """Conditions for what stands behind ``name:``, as far as they are words or an interval."""
+    """Return the conditions after ``name:`` if they are words or an interval, else none."""
     words = text.split()
     if words and all(word in _DOMAIN_WORDS for word in words):
-        found = dict.fromkeys(_DOMAIN_WORDS[word] for word in words)
-        return [word for word in found if word != "real" or len(found) == 1]
+        kinds = dict.fromkeys(_DOMAIN_WORDS[word] for word in words)
+        return [word for word in kinds if word != "real" or len(kinds) == 1]
     if text.lower() in ("nonnegative", "non-negative"):
         return [f"{name}>=0"]
     interval = re.fullmatch(r"([(\[\]])\s*([^,;]+)[,;]\s*([^,;]+)([)\]\[])", text)
@@ -272,7 +272,7 @@ def _domain_of(name: str, text: str, spelling: Spelling) -> list[str]:
 
 
 def _inequality(text: str, last: str, spelling: Spelling) -> tuple[str, list[str]]:
-    """The name that an inequality is of, and its conditions."""
+    """Return the name that an inequality restricts, and its conditions."""
     if sized := _SIZED.fullmatch(text.strip()):
         other, sign, bound = sized.groups()
         text = f"-{bound}{sign}{other}{sign}{bound}"

@@ -1,8 +1,8 @@
-"""Meaning of a refuted statement: one change of what was typed, the first that is proved.
+"""Find the intended meaning of a refuted statement: the first single change that is proved.
 
-Tried are modulus and parameter of elliptic functions exchanged, and at each place of formulas,
-names and equations another sign, factor, exponent or shift.  A change is decided, as a statement of
-its own text, if it leaves no residual at the point of the refutation.
+The changes exchange modulus and parameter of elliptic functions, or give another sign, factor,
+exponent or shift to a part of a formula, definition or equation.  A change that leaves no residual
+at the point of the refutation is decided as a statement of its own.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ from .typed_statement import Statement, StatementTexts, StatementTrees
 from .typed_values import TypedValues
 
 SIGNS, EXPONENTS, HALVES, OTHERS = range(4)
-"""The kinds of changes in the order in which they are tried; modulus and parameter are first."""
+"""Kinds of changes in the order of their trial; modulus and parameter come before all."""
 
 FACTORS = {
     **{Fraction(text): HALVES for text in ("2", "1/2")},
@@ -53,15 +53,15 @@ FACTORS = {
 HALF = Fraction(1, 2)
 
 QUICK = (64,)
-"""Bits in which a change is looked at before it is decided."""
+"""Precisions in bits at which a change is tested before it is decided."""
 
 Change = tuple[int, FormulaTree]
-"""The kind of a change, and what stands in the place of a formula."""
+"""Kind of a change, and the changed formula."""
 
 
 @dataclass(frozen=True)
 class NearMiss:
-    """A statement with one ``change``, in words; ``text`` is the equation or formula with it."""
+    """Statement with one ``change``, in words; ``text`` is the changed equation or formula."""
 
     change: str
     text: str
@@ -69,14 +69,14 @@ class NearMiss:
     trees: StatementTrees
 
     def statement(self, name: str) -> Statement:
-        """Return the changed texts, read; raises FormulaError if they are no statement."""
+        """Parse the changed texts; raises FormulaError if they are not a statement."""
         texts = self.texts
         named = "" if {*texts.variables} <= {*CONTINUOUS, SITE} else ", ".join(texts.variables)
         limits = "; ".join(texts.parameters), "; ".join(texts.domain)
         return read_statement(texts.equations, texts.solutions, *limits, name=name, variables=named)
 
     def hint(self, verdict: StatementVerdict, proof: StatementVerdict) -> StatementVerdict:
-        """Return a refutation with this change as its hint, and all that its proof leaves open."""
+        """Return a refutation with this change as its hint, and with what its proof leaves open."""
         only = f", {proof.restriction}" if proof.restriction else ""
         places = f" ({'; '.join(proof.nonsmooth_lines)})" if proof.nonsmooth_lines else ""
         words = f"it holds with {self.change}{only}{places}: {self.text}"
@@ -84,18 +84,18 @@ class NearMiss:
 
 
 def with_hint(statement: Statement, verdict: StatementVerdict) -> StatementVerdict:
-    """Return the verdict; a refuted one with what holds instead, if it is found and proved.
+    """Return the verdict; if it is a refutation, with a proved change as hint, if one is found.
 
     >>> from longwave.verify.proof.statement_text import read_statement
     >>> wrong = read_statement("u_t + u_x", "u = exp(x + t)")
     >>> with_hint(wrong, decide_statement(wrong)).hint
     'it holds with -t in the place of t: u = exp(x - t)'
     """
-    if verdict.outcome is not Outcome.REFUTED or statement.wanted:
+    if verdict.outcome is not Outcome.REFUTED or statement.solve_for:
         return verdict
-    place = _Place(statement, typed_domains(statement), verdict.witness or {})
+    witness = _Witness(statement, typed_domains(statement), verdict.witness or {})
     for miss in near_misses(statement):
-        if not (place.leaves_nothing(miss.trees) and _says_as_much(place, miss.trees)):
+        if not (witness.leaves_nothing(miss.trees) and _is_as_strong(witness, miss.trees)):
             continue
         with suppress(FormulaError):
             changed = miss.statement(statement.name)
@@ -107,30 +107,30 @@ def with_hint(statement: Statement, verdict: StatementVerdict) -> StatementVerdi
 
 def _jumps(statement: Statement) -> int:
     """Return the number of places at which formulas may jump or have corners."""
-    found, lines = left_open(statement)
-    return len(found) + sum(line.startswith(JUMP) for line in lines)
+    places, lines = left_open(statement)
+    return len(places) + sum(line.startswith(JUMP) for line in lines)
 
 
 @dataclass(frozen=True)
-class _Place:
-    """The point of a refutation, with the domains of the statement."""
+class _Witness:
+    """Point of a refutation, and the domains of the statement."""
 
     statement: Statement
     domains: Domains
     witness: Mapping[str, str]
 
     def leaves_nothing(self, trees: StatementTrees) -> bool:
-        """Return whether the residuals of trees are small at the point."""
+        """Return whether the residuals of ``trees`` are small at the point."""
         trees, point = witness_trees(self.statement, trees, self.witness)
         return TypedValues(trees, self.domains).fails_at(point, QUICK) is False
 
 
-def _says_as_much(place: _Place, trees: StatementTrees) -> bool:
-    """Return whether no equation of trees holds for everything, as ``2*u_x - 2*u_x = 0`` does.
+def _is_as_strong(witness: _Witness, trees: StatementTrees) -> bool:
+    """Return whether no equation is trivial, as ``2*u_x - 2*u_x = 0``, and no variable is lost.
 
-    The formulas must vary with all variables that they varied with.
+    The formulas must depend on all variables on which the typed ones depend.
     """
-    typed = place.statement.trees
+    typed = witness.statement.trees
     assert typed is not None
     letters = [Name(name) for name in trees.variables]
     terms = [Product((Number(Fraction(1, i + 3)), v)) for i, v in enumerate(letters)]
@@ -140,12 +140,12 @@ def _says_as_much(place: _Place, trees: StatementTrees) -> bool:
         for i, name in enumerate(trees.solutions)
     }
     arbitrary = (replace(trees, equations=(e,), solutions=others) for e in trees.equations)
-    if any(map(place.leaves_nothing, arbitrary)):
+    if any(map(witness.leaves_nothing, arbitrary)):
         return False
     slopes = [_slope(name, v) for name in trees.solutions for v in trees.variables]
     return all(
-        place.leaves_nothing(replace(typed, equations=(slope,)))
-        or not place.leaves_nothing(replace(trees, equations=(slope,)))
+        witness.leaves_nothing(replace(typed, equations=(slope,)))
+        or not witness.leaves_nothing(replace(trees, equations=(slope,)))
         for slope in slopes
     )
 
@@ -159,7 +159,7 @@ def _slope(unknown: str, variable: str) -> FormulaTree:
 
 
 def near_misses(statement: Statement) -> list[NearMiss]:
-    """Statements with one change, each once; what is no longer in all names apart.
+    """Return all statements with one change, without repeats, in the order of their trial.
 
     >>> from longwave.verify.proof.statement_text import read_statement
     >>> wrong = read_statement("u_x - 1", "u = jacobi_sn(x, m)")
@@ -167,15 +167,15 @@ def near_misses(statement: Statement) -> list[NearMiss]:
     'm**2 in the place of m as the parameter of elliptic functions'
     """
     typed = statement.texts, statement.trees
-    found: dict[tuple[str, ...], tuple[int, NearMiss]] = {}
+    misses: dict[tuple[str, ...], tuple[int, NearMiss]] = {}
     for rank, miss in (*_of_formulas(*typed), *_of_equations(*typed)):
         key = (*miss.texts.equations, *miss.texts.solutions, *miss.texts.parameters)
-        found.setdefault(key, (rank, miss))
-    return [miss for _, miss in sorted(found.values(), key=lambda pair: pair[0])]
+        misses.setdefault(key, (rank, miss))
+    return [miss for _, miss in sorted(misses.values(), key=lambda pair: pair[0])]
 
 
 def _of_formulas(texts: StatementTexts, trees: StatementTrees) -> Iterator[tuple[int, NearMiss]]:
-    """Changes of the formulas of unknowns and of defined names."""
+    """Yield changes of the formulas of unknowns and of defined names."""
     for place, (name, formula) in enumerate(trees.solutions.items()):
         heading = texts.solutions[place].partition("=")[0].strip()
         for rank, words, new in _changes(formula):
@@ -191,8 +191,8 @@ def _of_formulas(texts: StatementTexts, trees: StatementTrees) -> Iterator[tuple
             text = f"{name} = {plain_text(new)}"
             changed = replace(texts, parameters=_put(texts.parameters, place, text))
             definitions = {**trees.definitions, name: new}
-            made = replace(trees, definitions=definitions)
-            yield rank, NearMiss(words, text, changed, made)
+            changed_trees = replace(trees, definitions=definitions)
+            yield rank, NearMiss(words, text, changed, changed_trees)
 
 
 def _of_equations(texts: StatementTexts, trees: StatementTrees) -> Iterator[tuple[int, NearMiss]]:
@@ -201,8 +201,8 @@ def _of_equations(texts: StatementTexts, trees: StatementTrees) -> Iterator[tupl
             text = plain_text(new)
             changed = replace(texts, equations=_put(texts.equations, place, text))
             equations = (*trees.equations[:place], new, *trees.equations[place + 1 :])
-            made = replace(trees, equations=equations)
-            yield rank, NearMiss(f"{words} in the equation", f"{text} = 0", changed, made)
+            changed_trees = replace(trees, equations=equations)
+            yield rank, NearMiss(f"{words} in the equation", f"{text} = 0", changed, changed_trees)
 
 
 def _put(texts: tuple[str, ...], place: int, text: str) -> tuple[str, ...]:
@@ -229,7 +229,7 @@ def _instead(new: FormulaTree, old: FormulaTree) -> str:
 
 
 def _difference(old: FormulaTree, new: FormulaTree) -> tuple[FormulaTree, FormulaTree]:
-    """Return the smallest terms or arguments with all that differs."""
+    """Return the smallest terms or arguments that contain all differences."""
     if not old.inner() or len(old.inner()) != len(new.inner()) or old.made_of(new.inner()) != new:
         return old, new
     pairs = [pair for pair in zip(old.inner(), new.inner(), strict=True) if pair[0] != pair[1]]
@@ -261,7 +261,7 @@ def _moduli(formula: FormulaTree) -> Iterator[tuple[str, FormulaTree]]:
 
 
 def _everywhere(formula: FormulaTree) -> Iterator[Change]:
-    """Yield a name changed wherever it stands."""
+    """Yield the formula with one name changed wherever it occurs."""
     for name in sorted(_names(formula) - CONSTANTS.keys()):
         for rank, new in _of_name(Name(name)):
             yield max(rank, HALVES), _replaced(formula, Name(name), new)
@@ -275,12 +275,12 @@ def _replaced(formula: FormulaTree, old: FormulaTree, new: FormulaTree) -> Formu
 
 
 def _made_of(formula: FormulaTree, parts: tuple[FormulaTree, ...]) -> FormulaTree:
-    """The formula with other parts; a product in a product is one with it, and so are numbers."""
-    made = formula.made_of(parts)
+    """Return the formula with other parts; flatten products and collect their numbers."""
+    result = formula.made_of(parts)
     changed = (part for part, old in zip(parts, formula.inner(), strict=True) if part != old)
-    if isinstance(made, Product) and any(isinstance(part, Number | Product) for part in changed):
-        return _times(Fraction(1), made)
-    return made
+    if isinstance(result, Product) and any(isinstance(part, Number | Product) for part in changed):
+        return _times(Fraction(1), result)
+    return result
 
 
 def _of_name(name: Name) -> Iterator[Change]:
@@ -290,7 +290,7 @@ def _of_name(name: Name) -> Iterator[Change]:
 
 
 def _in_one_place(formula: FormulaTree) -> Iterator[Change]:
-    """Yield the formula and its parts, one after the other, with one change."""
+    """Yield the formula with one change, of itself or of one of its parts."""
     parameters = sorted(_names(formula) - {*CONSTANTS, *CONTINUOUS, SITE})
     parameters = [n for n in parameters if Name(n) in formula.nodes()]
     for rank, new in _of_term(formula, parameters):
@@ -301,11 +301,11 @@ def _in_one_place(formula: FormulaTree) -> Iterator[Change]:
 
 
 Put = Callable[[FormulaTree], FormulaTree]
-"""The whole formula with another part in one place."""
+"""Function that returns the whole formula with one part replaced."""
 
 
 def _places(formula: FormulaTree) -> Iterator[tuple[FormulaTree, Put]]:
-    """Yield the parts of a formula, outer ones first."""
+    """Yield the parts of a formula, outer ones first, each with its replacement function."""
     yield formula, lambda new: new
     parts = formula.inner()
     for place, part in enumerate(parts):
@@ -318,7 +318,7 @@ def _places(formula: FormulaTree) -> Iterator[tuple[FormulaTree, Put]]:
 
 
 def _of_node(node: FormulaTree, parameters: Iterable[str]) -> Iterator[Change]:
-    """Yield changes of a node; numbers, exponents and terms are changed where they stand."""
+    """Yield a node with one change of a term, factor, exponent, argument or shift."""
     match node:
         case Sum(parts=parts):
             for place, part in reversed([*enumerate(parts)]):  # the first is rarely the wrong one
@@ -377,7 +377,7 @@ def _exponents(old: Fraction | None) -> Iterator[tuple[int, Fraction]]:
 
 
 def _shifted(term: FormulaTree) -> Iterator[Change]:
-    """Yield a site, or a number beside others, moved by 1."""
+    """Yield a site or a number shifted by 1 or -1."""
     value = rational(term)
     for step in (1, -1):
         if value is not None:
@@ -393,7 +393,7 @@ def _power(base: FormulaTree, exponent: Fraction) -> FormulaTree:
 
 
 def _times(factor: Fraction, term: FormulaTree) -> FormulaTree:
-    """Return a multiple of a term; its numbers are one, above and below the line."""
+    """Return a multiple of a term; its numbers are collected in numerator and denominator."""
     above, below = list[FormulaTree](), list[FormulaTree]()
     for part in _factors(term):
         value = rational(part)

@@ -1,4 +1,4 @@
-"""What is to be decided: an equation, its unknown, and the formula put in its place."""
+"""Problems to decide: an equation, its unknown, and the formula to substitute for it."""
 
 from __future__ import annotations
 
@@ -21,33 +21,33 @@ from .samples import sample
 from .typed_statement import StatementTexts
 
 POINTS = 8
-"""Points at which a formula is looked at before anything is proved."""
+"""Number of points at which a formula is evaluated before a proof is tried."""
 
 MORE_POINTS = 40
-"""Further points at which a formula is looked at that could not be proved."""
+"""Number of further points at which an unproved formula is evaluated."""
 
 JETS = 64
-"""The highest power of a derivative that is written as a product."""
+"""Highest power of a derivative that is written as a product."""
 
 LARGEST_POWER = 13
-"""Of a sum with the unknown; from this on it is not multiplied out."""
+"""Power of a sum with the unknown from which on it is not expanded."""
 
 NO_POLYNOMIAL = "equations must be polynomials"
-"""How the reason begins that an equation is none; others ways may take it."""
+"""Beginning of the reason that an equation is not a polynomial."""
 
 Stated = Mapping[sp.Symbol, Domain | sp.Interval]
 
 Term = tuple[sp.Rational, list[sp.Expr], list[list[int]]]
-"""A number, known factors, and derivatives of the unknown by their orders in the variables."""
+"""Number, known factors, and the derivatives of the unknown as orders in the variables."""
 
 
 @dataclass(frozen=True)
 class Problem:
-    """Does ``formula`` for ``unknown`` make ``left`` vanish on the domains?
+    """Question whether ``formula`` for ``unknown`` makes ``left`` vanish on the domains.
 
-    With ``right``, whether it is the same function as that is asked instead: ``left`` is their
-    difference.  ``domains`` has every variable and parameter; ``texts`` is what a certificate
-    states, if that is known in words.
+    With ``right`` the question is whether ``formula`` and ``right`` are the same function; ``left``
+    is their difference.  ``domains`` has every variable and parameter.  ``texts`` has the texts
+    that a certificate states, if they are known.
     """
 
     name: str
@@ -61,12 +61,12 @@ class Problem:
 
     @property
     def variables(self) -> tuple[sp.Symbol, ...]:
-        """Its arguments."""
+        """Arguments of the unknown."""
         return tuple(self.unknown.args)
 
     @cached_property
     def points(self) -> tuple[Point, ...]:
-        """Rational points of the domains, for witnesses and for denominators."""
+        """Rational points of the domains, used for witnesses and denominators."""
         return sample(self.domains, POINTS)
 
     @property
@@ -76,23 +76,23 @@ class Problem:
 
     @property
     def expressions(self) -> list[sp.Expr]:
-        """The formula, and the known factors in the equation."""
+        """The formula, and the known factors of the equation."""
         return [self.formula, *dict.fromkeys(f for _, known, _ in self.terms() for f in known)]
 
     def terms(self) -> list[Term]:
-        """The equation's terms; raises ValueError if it is no polynomial in its jets."""
+        """Return the equation's terms; raises ValueError if it is not a polynomial in its jets."""
         if self.right is not None:
             return [(sp.S.One, [], [[0] * len(self.variables)]), (-sp.S.One, [self.right], [])]
         return [self._term(term) for term in terms_in(self.left, self.unknown)]
 
     def residual(self, point: Point, bits: int, signs: DomainSigns) -> acb:
-        """A ball around the residual at ``point``; raises ValueError where it is not smooth."""
+        """Return a ball with the residual at ``point``; raises ValueError if it is not smooth."""
         if self.right is not None:
             return ball_value(self.left, point, bits, signs)
         return residual_ball(self.left, self.unknown, self.formula, point, bits, signs)
 
     def more_points(self) -> tuple[Point, ...]:
-        """Further points of the domains, of all sizes and near the ends."""
+        """Return further points of the domains, of all sizes and near the ends."""
         return sample(self.domains, POINTS + MORE_POINTS)[POINTS:]
 
     def _term(self, term: sp.Expr) -> Term:
@@ -107,7 +107,7 @@ class Problem:
         return number, known, jets
 
     def _jets(self, factor: sp.Expr) -> list[list[int]]:
-        """A power of the unknown or of one of its derivatives, as that many orders."""
+        """Return the power of an unknown or derivative as a list of orders, one for each factor."""
         base, power = factor.as_base_exp()
         inner = base.expr if isinstance(base, sp.Derivative) else base
         pairs = base.variable_count if isinstance(base, sp.Derivative) else ()
@@ -128,7 +128,7 @@ def solution_problem(
     equation_name: str | None = None,
     stated: Stated | None = None,
 ) -> Problem:
-    """The problem that `prove` is called with.
+    """Return the problem that `prove` decides.
 
     Raises ValueError without a single unknown, and as `domains.settled_domains` does.
     """
@@ -151,7 +151,7 @@ def solution_problem(
 
 
 def _left_side(equation: Equation | sp.Expr) -> tuple[sp.Expr, str]:
-    """The left-hand side of an equation, and its name."""
+    """Return the left-hand side of an equation, and its name."""
     if isinstance(equation, sp.Expr):
         return equation, f"{equation} = 0"
     if hasattr(equation, "residual"):
@@ -163,7 +163,7 @@ def _left_side(equation: Equation | sp.Expr) -> tuple[sp.Expr, str]:
 
 
 def _single_unknown(left: sp.Expr) -> sp.Expr:
-    """The one undefined function, of different symbols; raises ValueError for anything else."""
+    """Return the one undefined function, of different symbols; else raise ValueError."""
     unknowns = left.atoms(AppliedUndef)
     if len(unknowns) != 1:
         raise ValueError(
@@ -187,7 +187,7 @@ def equality_problem(
     equation_name: str = "equality",
     stated: Stated | None = None,
 ) -> Problem:
-    """The problem that `prove_equal` is called with; raises as `domains.settled_domains` does."""
+    """Return the problem that `prove_equal` decides; raises as `domains.settled_domains` does."""
     left, right = formula("left", left), formula("right", right)
     if not isinstance(variables, Iterable):
         raise TypeError(f"variables must be a list of symbols, got {shown(variables)} ([x, t])")
@@ -200,7 +200,7 @@ def equality_problem(
 
 
 def formula(name: str, given: object) -> sp.Expr:
-    """A formula as a SymPy expression; raises TypeError for what is none."""
+    """Return a formula as a SymPy expression; raises TypeError for other objects."""
     if isinstance(given, sp.Expr):
         return given
     if isinstance(given, int) and not isinstance(given, bool):
@@ -217,7 +217,7 @@ def _text(name: object) -> str:
 
 
 def real_symbols(symbols: Iterable[sp.Symbol]) -> dict[sp.Symbol, sp.Symbol]:
-    """Real symbols in place of those of which SymPy knows nothing.
+    """Map symbols without assumptions to real symbols.
 
     Raises ValueError as `domains.settled_domains` does.
     """
@@ -229,7 +229,7 @@ def real_symbols(symbols: Iterable[sp.Symbol]) -> dict[sp.Symbol, sp.Symbol]:
 
 
 def terms_in(equation: sp.Expr, unknown: sp.Expr) -> list[sp.Expr]:
-    """The terms of a polynomial in ``unknown``; sums that are free of it are not multiplied out.
+    """Return the terms of a polynomial in ``unknown``; sums without it are not expanded.
 
     >>> x = sp.Symbol("x")
     >>> u = sp.Function("u")(x)

@@ -1,4 +1,4 @@
-"""The prover: PROVED, REFUTED or UNDECIDED, and never one for another.
+"""The prover; its verdicts are PROVED, REFUTED or UNDECIDED.
 
 A witness against a formula is a point at which ball arithmetic shows that its residual is not 0.
 """
@@ -28,7 +28,7 @@ QUICK_BITS = (160,)
 LONG_BITS = (2560,)
 BITS = (160, 640, 2560)
 LONG, LONG_POINTS = 640, 8
-"""Beyond so many bits a residual is evaluated at so many points only."""
+"""Above ``LONG`` bits a residual is evaluated at no more than ``LONG_POINTS`` points."""
 
 SHOWN_DIGITS = 6
 
@@ -48,8 +48,7 @@ def prove(
     beyond what SymPy's assumptions say; a symbol without either is real.  PROVED means that
     `verify.kernel.check_certificate` has accepted the certificate that the verdict carries.
 
-    Raises ValueError for an equation without exactly one unknown function, and for domains that
-    are none.
+    Raises ValueError for an equation without exactly one unknown function, and for invalid domains.
 
     >>> x, t, c = sp.symbols("x t c")
     >>> u = sp.Function("u")(x, t)
@@ -86,9 +85,9 @@ def prove_equal(
 
 
 def decide(problem: Problem, start: float) -> ProofVerdict:
-    """The verdict on a problem; PROVED only if the checker accepts its certificate.
+    """Return the verdict on a problem; PROVED only if the checker accepts its certificate.
 
-    Its seconds count from ``start``, a value of `time.perf_counter`.
+    ``start`` is a value of `time.perf_counter`, from which the seconds of the verdict count.
     """
     return replace(_decide(problem), seconds=time.perf_counter() - start)
 
@@ -112,7 +111,7 @@ def _decide(problem: Problem) -> ProofVerdict:
 def find_witness(
     problem: Problem, points: Sequence[Point], bits: Sequence[int] = BITS
 ) -> tuple[Point, str] | None:
-    """A point at which the residual's ball does not contain 0, and that ball in words."""
+    """Return a point at which the residual's ball excludes 0, and the ball in words, or None."""
     signs = DomainSigns(problem.domains)
     for precision in bits:
         for point in points[:LONG_POINTS] if precision > LONG else points:
@@ -126,9 +125,9 @@ def find_witness(
 
 
 def _proved(problem: Problem) -> ProofVerdict:
-    """A proof that the checker accepts, at once or by equal parts.
+    """Return a proof that the checker accepts, by equal parts first if there are any.
 
-    Raises ValueError with the reason why the last one is not accepted.
+    Raises ValueError with the reason why the last attempt is not accepted.
     """
     reason = ValueError("there is no proof")
     for parts in equal_parts(problem):
@@ -140,9 +139,9 @@ def _proved(problem: Problem) -> ProofVerdict:
 
 
 def accepted(problem: Problem, certificate: Certificate) -> ProofVerdict:
-    """The verdict PROVED with a certificate that the checker accepts; raises its error."""
+    """Return the verdict PROVED if the checker accepts the certificate; raises its error."""
     statement = check_certificate(certificate)
-    found = singularities(problem.expressions, problem.domains)
+    places = singularities(problem.expressions, problem.domains)
     return _verdict(
         problem,
         Outcome.PROVED,
@@ -151,14 +150,14 @@ def accepted(problem: Problem, certificate: Certificate) -> ProofVerdict:
         assumptions=(
             statement.splitlines()[-1],
             f"no denominator vanishes identically: see {certificate.point}",
-            *(f"holds where the formula is smooth, possibly not so: {line}" for line in found),
+            *(f"holds where the formula is smooth, possibly not so: {line}" for line in places),
         ),
-        singularities=found,
+        singularities=places,
         certificate=certificate,
         sides=on_each_side(corners(problem.expressions, problem.domains, problem.variables)),
     )
 
 
-def _verdict(problem: Problem, outcome: Outcome, detail: str, **found: Any) -> ProofVerdict:
+def _verdict(problem: Problem, outcome: Outcome, detail: str, **fields: Any) -> ProofVerdict:
     name, equation = problem.name, problem.equation_name
-    return ProofVerdict(name, equation, METHOD, outcome, detail, **found)
+    return ProofVerdict(name, equation, METHOD, outcome, detail, **fields)

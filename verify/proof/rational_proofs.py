@@ -1,10 +1,10 @@
-"""Proofs and exact facts for the rational solution of any order, from its two polynomials.
+"""Prove the rational solutions of any order, and compute exact facts, from their two polynomials.
 
 In ``x = xi - 6 tau`` and ``t = tau`` the solution of order j is ``(-1)**j N/D`` with integer
-polynomials A and B, ``D = A**2 + B**2`` and ``N = D - 2 (A B_x - A_x B)``.  It is proved:
+polynomials A and B, ``D = A**2 + B**2`` and ``N = D - 2 (A B_x - A_x B)``.  Proved are:
 
-The equation: the certificate holds A and B, and the checker proves the equation at more values of t
-than the residual's degree.
+The equation: the certificate contains A and B, and the checker proves the equation at more values
+of t than the residual's degree.
 
 The bilinear equations of the tau function ``f = A + i B``, with ``f*`` its conjugate:
 
@@ -13,9 +13,9 @@ The bilinear equations of the tau function ``f = A + i B``, with ``f*`` its conj
 where ``D_x**n f.g`` is the Hirota derivative.  The first is real, the second imaginary, so each is
 one identity between A and B.
 
-Peak, background, degree and symmetry: identities of polynomials with integer coefficients, in x, t
-and the shifts that are kept.  And no pole: let f vanish at a real point, of order r >= 1 in x; at
-fixed t and shifts f is no zero polynomial in x, since its leading coefficient is a constant.  With
+Peak, background, degree and symmetry: identities of polynomials with integer coefficients in x, t
+and the free shifts.  No pole: let f vanish at a real point, of order r >= 1 in x.  At fixed t and
+shifts f is not the zero polynomial in x, since its leading coefficient is a constant.  With
 ``f ~ c s**r`` the first bilinear equation has ``-2 r |c|**2 s**(2r-2)`` on the left and O(s**(2r))
 on the right: a contradiction.  So ``D > 0`` for all real x, t and shifts.
 """
@@ -44,7 +44,7 @@ from .typed_statement import StatementTexts
 METHOD = "exact at more points than the degree"
 
 WITNESS = 5
-"""Integers up to this are tried in search of a witness."""
+"""Largest coordinate tried in the search for a witness."""
 
 SPACE = "A*A_xx + B*B_xx - A_x**2 - B_x**2 - 2*A_x*B + 2*A*B_x"
 """Half of ``D_x**2 f.f* - 2 i D_x f.f*``."""
@@ -56,7 +56,7 @@ TIME = "A*B_t - A_t*B + A*B_xxx - A_xxx*B - 3*A_x*B_xx + 3*A_xx*B_x"
 def prove_rational(order: int) -> ProofVerdict:
     """Decide whether the rational solution of ``order``, without free shifts, is a solution.
 
-    Raises ValueError if ``order`` is no positive integer.
+    Raises ValueError if ``order`` is not a positive integer.
 
     >>> prove_rational(3).outcome
     <Outcome.PROVED: 'PROVED'>
@@ -70,7 +70,7 @@ def prove_rational(order: int) -> ProofVerdict:
 def rational_verdict(order: int, A: fmpq_mpoly, B: fmpq_mpoly) -> ProofVerdict:
     """Decide whether the formula with A and B, polynomials in x and t, is a solution.
 
-    A formula that is none is refuted by integers x and t at which the residual is not 0.
+    A wrong formula is refuted by integers x and t at which the residual is not 0.
     """
     verdict = partial(ProofVerdict, f"rational_{order}", FOCUSING_MKDV.name, METHOD)
     certificate = rational_certificate(order, A, B)
@@ -93,7 +93,7 @@ def rational_verdict(order: int, A: fmpq_mpoly, B: fmpq_mpoly) -> ProofVerdict:
 
 
 def rational_texts(order: int, A: fmpq_mpoly, B: fmpq_mpoly) -> StatementTexts:
-    """Return the texts of the solution of ``order`` made of A and B."""
+    """Return the statement texts of the solution of ``order`` with polynomials A and B."""
     table = NodeTable()
     space, time_ = table.place(xi), table.place(tau)
     shift = table.place(-6 * tau)
@@ -122,7 +122,7 @@ def rational_texts(order: int, A: fmpq_mpoly, B: fmpq_mpoly) -> StatementTexts:
 
 
 def rational_certificate(order: int, A: fmpq_mpoly, B: fmpq_mpoly) -> Certificate:
-    """Return the certificate for the solution of ``order`` made of A and B."""
+    """Return the certificate for the solution of ``order`` with polynomials A and B."""
     statement = rational_texts(order, A, B)
     table = NodeTable()
     space, time_, shift = (table.place(part) for part in (xi, tau, -6 * tau))
@@ -135,13 +135,13 @@ def rational_certificate(order: int, A: fmpq_mpoly, B: fmpq_mpoly) -> Certificat
 
 
 def nonzero_residual(A: fmpq_mpoly, B: fmpq_mpoly) -> dict[str, str] | None:
-    """Small integers x and t at which the residual of the formula with A and B is not 0."""
+    """Return small integers x and t at which the residual is not 0; None if none are found."""
     points = product(range(-WITNESS, WITNESS + 1), repeat=2)
     return next(({"x": str(x), "t": str(t)} for t, x in points if residual_at(A, B, x, t)), None)
 
 
 def residual_at(A: fmpq_mpoly, B: fmpq_mpoly, x: int, t: int) -> fmpq:
-    """``D**4`` times the residual ``U_t + 6 (U**2 - 1) U_x + U_xxx`` at a point, shifts 0.
+    """Return ``D**4`` times the residual ``U_t + 6 (U**2 - 1) U_x + U_xxx`` at a point, shifts 0.
 
     The n-th derivative in x has a numerator P over ``D**(n + 1)``; the next is P' D - (n + 1) P D'.
     """
@@ -160,7 +160,7 @@ def residual_at(A: fmpq_mpoly, B: fmpq_mpoly, x: int, t: int) -> fmpq:
 
 
 def bilinear_certificate(name: str, A: fmpq_mpoly, B: fmpq_mpoly) -> Certificate:
-    """The certificate of the bilinear equations as two equations of real polynomials A and B."""
+    """Return the certificate of the bilinear equations as two equations in the real A and B."""
     table = NodeTable()
     symbols = [sp.Symbol(symbol, real=True) for symbol in A.context().names()]
     places = [table.place(symbol) for symbol in symbols]
@@ -184,11 +184,11 @@ def bilinear_certificate(name: str, A: fmpq_mpoly, B: fmpq_mpoly) -> Certificate
 
 @dataclass(frozen=True)
 class RationalFacts:
-    """Exact facts of the rational solution of ``order`` with the free shifts ``free``.
+    """Exact facts about the rational solution of ``order`` with the free shifts ``free``.
 
-    ``peak`` is the value at the origin for shifts 0, ``background`` the limit for large |x|,
-    ``degree`` that of the denominator in x.  ``reduced``: numerator and denominator have no common
-    factor.  ``symmetric``: the solution stays the same when x, t and all shifts change sign.
+    ``peak`` is the value at the origin for shifts 0, ``background`` the limit for large |x|, and
+    ``degree`` the degree of the denominator in x.  ``reduced``: numerator and denominator have no
+    common factor.  ``symmetric``: the solution is invariant if x, t and all shifts change sign.
     ``positive``: the denominator has no real zero.
     """
 
@@ -203,7 +203,7 @@ class RationalFacts:
 
 
 def rational_facts(order: int, free: tuple[int, ...] = ()) -> RationalFacts:
-    """The facts, each computed; raises ValueError as `solutions.forms.rational.rational_tau` does.
+    """Compute the facts; raises ValueError as `tau_polynomials.rational_tau` does.
 
     >>> rational_facts(2)
     RationalFacts(order=2, free=(), peak=Fraction(5, 1), background=Fraction(1, 1), degree=6,
@@ -241,7 +241,7 @@ def coefficient_in_x(polynomial: fmpq_mpoly, power: int) -> fmpq_mpoly:
 
 
 def limit(N: fmpq_mpoly, leading: fmpq_mpoly, top: int) -> fmpq:
-    """The limit of ``N/D`` for large |x|, D with the constant leading coefficient ``leading``.
+    """Return the limit of ``N/D`` for large |x|; ``leading`` is D's constant leading coefficient.
 
     Raises ValueError if N grows faster or the limit depends on another generator.
     """
@@ -260,13 +260,13 @@ def limit(N: fmpq_mpoly, leading: fmpq_mpoly, top: int) -> fmpq:
 
 
 def reflected(polynomial: fmpq_mpoly) -> fmpq_mpoly:
-    """``polynomial`` with the sign of every generator changed."""
+    """Return ``polynomial`` with the sign of every generator changed."""
     terms = {e: c * (-1) ** (int(sum(e)) % 2) for e, c in polynomial.terms()}
     return polynomial.context().from_dict(terms)
 
 
 def _is_reduced(N: fmpq_mpoly, D: fmpq_mpoly) -> bool:
-    """No common factor at t = 1, shifts 0; D is monic in x up to a constant, so none at all."""
+    """Return whether N and D are coprime at t = 1, shifts 0; for a D monic in x then everywhere."""
     others: dict[str | int, int | fmpz | fmpq] = dict.fromkeys(D.context().names()[1:], 0)
     others["t"] = 1
     leading, _ = leading_in_x(D)
@@ -274,7 +274,7 @@ def _is_reduced(N: fmpq_mpoly, D: fmpq_mpoly) -> bool:
 
 
 def _has_no_pole(family: RationalTau) -> bool:
-    """Return the premises of the argument at the head of this file; the equation by the checker."""
+    """Return whether the premises of the no-pole argument (module docstring) are proved."""
     (leading, top), (_, other) = leading_in_x(family.A), leading_in_x(family.B)
     try:
         check_certificate(bilinear_certificate(f"rational_{family.order}", family.A, family.B))

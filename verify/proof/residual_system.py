@@ -1,12 +1,12 @@
-"""The residual of a statement as polynomials in its constants, one for each independent function.
+"""Reduce the residual of a statement to polynomials in constants, one per independent function.
 
-The prover's field writes the residual as a fraction of polynomials in generators.  Those that
-contain a variable are told from constants; the numerator's coefficients in them, with the imaginary
-unit among them, vanish wherever the statement holds, if these generators are independent over the
-real constants.  That is known (J. Ax, Ann. of Math. 93, 1971; Amer. J. Math. 94, 1972) of the
-variables, of exponentials of arguments that are independent over the rationals modulo constants,
-and of the Jacobi functions of one argument that is not constant.  Where an argument becomes
-constant, or a denominator 0, is a system of its own.
+The prover's field writes the residual as a fraction of polynomials in generators.  The moving ones
+contain a variable, the others are constants.  If the moving ones are independent over the real
+constants, the numerator's coefficients in them and in the imaginary unit vanish wherever the
+statement holds.  Independence is known (J. Ax, Ann. of Math. 93, 1971; Amer. J. Math. 94, 1972) for
+the variables, for exponentials of arguments that are independent over the rationals modulo
+constants, and for the Jacobi functions of one argument that is not constant.  The conditions under
+which an argument becomes constant or a denominator 0 form separate systems.
 """
 
 from __future__ import annotations
@@ -36,17 +36,17 @@ from .factors import rational
 from .problem import Problem
 
 Vector = dict[tuple[sp.Expr, bool], sp.Expr]
-"""The constant factors of an argument's monomials in the variables, real and imaginary ones."""
+"""Constant factors by (monomial in the variables, whether the factor is the imaginary part)."""
 
 
 @dataclass
 class ResidualSystem:
-    """What must vanish for a statement to hold, as far as its generators are independent.
+    """Conditions for a statement to hold, valid as far as its generators are independent.
 
-    ``polynomials`` are in constants (parameters, their roots and functions).  ``relations`` has the
-    powers of the algebraic ones.  ``degenerate`` lists what may make generators dependent or a
-    denominator 0: all entries of one of its lists at once.  ``left_out`` says in words where more
-    is not excluded, ``unknown`` names what is not known to be independent.
+    ``polynomials`` in constants (parameters, their roots and functions) must vanish.  ``relations``
+    has powers of the algebraic constants.  Generators may be dependent, or a denominator 0, where
+    all entries of one list in ``degenerate`` vanish.  ``left_out`` names conditions under which
+    more solutions are not excluded, ``unknown`` names generators not known to be independent.
     """
 
     polynomials: list[Terms] = field(default_factory=list)
@@ -56,11 +56,11 @@ class ResidualSystem:
     unknown: dict[str, None] = field(default_factory=dict)
 
     def add(self, problem: Problem) -> None:
-        """Take in an equality; raises ValueError if its sides have no image in a field."""
+        """Add the conditions of an equality; raises ValueError if it has no image in a field."""
         _Coefficients(problem, self).collect()
 
     def judge_phase(self, rest: sp.Expr, variables: Sequence[sp.Symbol]) -> None:
-        """Say what is lost where ``rest``, to which a free constant was added, does not vary."""
+        """Record cases lost if ``rest``, to which a free constant was added, does not vary."""
         vector = argument_vector(rest, Dependence(variables))
         if rest == 0:
             return
@@ -73,7 +73,7 @@ class ResidualSystem:
 
 
 class _Coefficients:
-    """The coefficients of one residual, and what is known of its generators."""
+    """Coefficients of one residual, and the independence of its generators."""
 
     def __init__(self, problem: Problem, system: ResidualSystem) -> None:
         certificate = make_certificate(problem)
@@ -109,7 +109,7 @@ class _Coefficients:
     # polynomials
 
     def _split(self, exponents: Sequence[int]) -> tuple[Monomial, Monomial]:
-        """The moving and the constant part of a monomial."""
+        """Split a monomial into its moving and its constant part."""
         moving, constant = dict[sp.Expr, int](), dict[sp.Expr, int]()
         for place, power in enumerate(reversed(exponents)):
             if power:
@@ -119,7 +119,7 @@ class _Coefficients:
         return tuple(moving.items()), tuple(constant.items())
 
     def _by_moving(self, polynomial: fmpq_mpoly) -> dict[Monomial, Terms]:
-        """The coefficients in what moves."""
+        """Return the coefficients of a polynomial in the moving generators."""
         parts: defaultdict[Monomial, dict[Monomial, fmpq]] = defaultdict(dict)
         for exponents, c in polynomial.terms():
             moving, constant = self._split(exponents)
@@ -127,18 +127,18 @@ class _Coefficients:
         return dict(parts)
 
     def _terms(self, polynomial: fmpq_mpoly) -> Terms:
-        """A polynomial in constants."""
+        """Return the terms of a polynomial in constants."""
         return self._by_moving(polynomial).get((), {})
 
     @staticmethod
     def _phases(monomials: Iterable[Monomial]) -> dict[sp.Expr, int]:
-        """The generators that stand in every monomial with one power: these are divided out."""
+        """Return the generators that every monomial has with the same power; they divide out."""
         rows = [dict(monomial) for monomial in monomials]
         first = rows[0] if rows else {}
         return {g: n for g, n in first.items() if all(row.get(g) == n for row in rows)}
 
     def _relate(self) -> None:
-        """The powers of algebraic constants."""
+        """Record the relations of algebraic constants."""
         ring, count = self._field.ring, len(self._field.generators)
         for index, degree, modulus in ring.relations:
             meaning = self._meanings[count - 1 - index]
@@ -147,7 +147,7 @@ class _Coefficients:
                 self._system.relations[meaning] = (degree, self._terms(value))
 
     def _relate_turns(self, polynomials: Iterable[Terms]) -> None:
-        """The sines in which complex exponentials are written."""
+        """Record the relations of the sines in which complex exponentials are written."""
         constants = {g for terms in polynomials for monomial in terms for g, _ in monomial}
         for constant in filter(is_turn, constants):
             angle = constant.args[0].as_real_imag()[1]
@@ -158,7 +158,7 @@ class _Coefficients:
     # independence
 
     def _judge(self, present: set[sp.Expr]) -> None:
-        """Say what is known of the independence of the moving generators."""
+        """Record which of the moving generators are not known to be independent, and when not."""
         triples = dict[sp.Expr, dict[sp.Expr, None]]()
         for generator in sorted(present - {sp.I, *self._variables}, key=sp.default_sort_key):
             if isinstance(generator, sp.exp):
@@ -179,7 +179,7 @@ class _Coefficients:
                 self._system.degenerate += [[entry] for entry in self._meanings.scale(place)]
 
     def _judge_form(self, form: sp.Expr, present: set[sp.Expr]) -> None:
-        """One linear form beside variables is one more variable, unless it is made of them."""
+        """Treat one linear form as a further variable, unless it depends on the present ones."""
         others = [g for g in present if g in self._meanings.forms and g != form]
         vector = argument_vector(form, self._dependence)
         rest = [c for (v, _), c in vector.items() if v not in present] if vector else []
@@ -197,9 +197,9 @@ class _Coefficients:
             self._system.left_out[words] = None
 
     def _judge_exponentials(self, polynomials: Iterable[Iterable[Monomial]]) -> None:
-        """Products of exponentials depend on each other where two exponents differ by a constant.
+        """Record where two exponents differ by a constant, so that products of exponentials depend.
 
-        Looked at are the products that stand with the same other generators in one polynomial.
+        Compared are products with the same other generators in one polynomial.
         """
         directions: dict[frozenset[tuple[sp.Expr, int]], None] = {}
         for monomials in polynomials:
@@ -221,7 +221,7 @@ class _Coefficients:
             self._system.degenerate.append([sp.expand(value) for value in total.values()])
 
     def _judge_together(self, vectors: Sequence[Vector], listed: str) -> None:
-        """Several arguments: independent where a minor of their factors is not 0."""
+        """Record the minors of several arguments' factors; a nonzero one makes them independent."""
         columns = list(dict.fromkeys(key for vector in vectors for key in vector))
         if len(vectors) < 2:
             return
@@ -250,7 +250,7 @@ class _Coefficients:
 
 
 def _direction(one: Counter[sp.Expr], other: Counter[sp.Expr]) -> frozenset[tuple[sp.Expr, int]]:
-    """The difference of two products of exponentials, up to a factor and a sign."""
+    """Return the exponents' difference of two products of exponentials, up to factor and sign."""
     table = {g: one[g] - other[g] for g in one | other if one[g] != other[g]}
     first = min(table, key=sp.default_sort_key)
     scale = gcd(*table.values()) * (1 if table[first] > 0 else -1)
@@ -258,15 +258,15 @@ def _direction(one: Counter[sp.Expr], other: Counter[sp.Expr]) -> frozenset[tupl
 
 
 def argument_vector(argument: sp.Expr, dependence: Dependence) -> Vector | None:
-    """The constant factors of its monomials in the variables; None if it is no such sum.
+    """Return the constant factors of the argument's monomials; None if it is not a polynomial.
 
-    Real and imaginary parts stand apart (False and True).
+    Real and imaginary parts have separate keys (False and True).
 
     >>> x, a, b = sp.symbols("x a b")
     >>> argument_vector((a + sp.I * b) * x, Dependence([x]))
     {(x, False): a, (x, True): b}
     """
-    found: Vector = {}
+    vector: Vector = {}
     for term, number in expanded_terms(argument).items():
         constant, moving = dependence.factors(number * term)
         if moving == 1:
@@ -277,24 +277,24 @@ def argument_vector(argument: sp.Expr, dependence: Dependence) -> Vector | None:
         real, imaginary = constant.coeff(sp.I, 0), constant.coeff(sp.I, 1)
         for value, side in ((real, False), (imaginary, True)):
             if value != 0:
-                found[moving, side] = found.get((moving, side), sp.S.Zero) + value
-    return found
+                vector[moving, side] = vector.get((moving, side), sp.S.Zero) + value
+    return vector
 
 
 INDEPENDENT = ("jacobi_sn", "jacobi_cn", "jacobi_dn", "jacobi_epsilon", "jacobi_zeta")
 
 DIRECTIONS = 60
-"""Most differences of exponents that are looked at; two solitons have about 15."""
+"""Most differences of exponents examined; two solitons have about 15."""
 
 LARGEST_MINOR = 3
-"""Arguments whose independence is looked at exactly."""
+"""Most arguments whose independence is decided by minors."""
 
 LENGTH = 60
-"""Characters of a function that is named."""
+"""Characters shown of a function."""
 
 
 class GeneratorFormulas:
-    """What the generators of a field stand for, as expressions; ``forms`` are the linear ones."""
+    """Expressions of the generators of a field; ``forms`` has those that are linear forms."""
 
     def __init__(
         self, field: Field, symbols: Mapping[str, sp.Symbol], dependence: Dependence
@@ -304,7 +304,7 @@ class GeneratorFormulas:
         self.forms: set[sp.Expr] = set()
 
     def __getitem__(self, place: int) -> sp.Expr:
-        """The meaning of a generator; of one that contains a variable without its scale."""
+        """Return the expression of a generator; for a moving one, without its scale."""
         return self._all[place]
 
     @cached_property
@@ -322,14 +322,14 @@ class GeneratorFormulas:
         return formula * self._polynomial(generator.scale)
 
     def _is_form(self, generator: Generator) -> bool:
-        """Whether a generator is a linear form, no multiple of one function."""
+        """Return whether a generator is a linear form and not a multiple of one function."""
         pairs = generator.form
         single = len(pairs) == 1 and self._field.nodes.product(*pairs[0])
         plain = len(pairs) == 1 and pairs[0][1]
         return bool(pairs) and generator.formula not in (single, plain)
 
     def scale(self, place: int) -> Iterator[sp.Expr]:
-        """What a generator is of a function, where that is no number."""
+        """Yield the non-numeric factor by which a generator is a multiple of a function."""
         generator = self._field.generators[place]
         if generator.form and not self._is_form(generator):
             factor = self._node(generator.form[0][0]) * self._polynomial(generator.scale)
@@ -337,7 +337,7 @@ class GeneratorFormulas:
                 yield factor
 
     def _polynomial(self, polynomial: fmpq_mpoly) -> sp.Expr:
-        """A polynomial in the generators before."""
+        """Return a polynomial in earlier generators as an expression."""
         terms = []
         for exponents, c in polynomial.terms():
             powers = enumerate(reversed(exponents))

@@ -1,4 +1,4 @@
-"""Restrictions on constants beside their domains: those that are needed, and as domains."""
+"""Restrictions on constants in addition to their domains: reduce them, or write them as domains."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from .factors import factors_of
 from .typed_statement import Statement
 
 ROUNDS = 3
-"""Passes in which restrictions are simplified by each other."""
+"""Passes in which restrictions simplify each other."""
 
 LONGEST = 60
-"""Operations of a formula whose sign is sought from the ends of the domains."""
+"""Most operations of a formula whose sign is sought from the ends of the domains."""
 
 
 @dataclass(frozen=True)
 class Restriction:
-    """``value`` is > 0, >= 0 or != 0, or (``relation`` is a word) it is real or an integer."""
+    """Restriction of ``value``: > 0, >= 0, != 0, or the ``relation`` "real" or "integer"."""
 
     value: sp.Expr
     relation: str = ">"
@@ -39,7 +39,7 @@ class Restriction:
         return f"{formula_as_text(self.value)} {self.relation} 0"
 
     def holds(self) -> bool:
-        """Return whether a number meets it."""
+        """Return whether the restriction holds; ``value`` must be a number."""
         match self.relation:
             case "!=":
                 return bool(self.value != 0)
@@ -52,7 +52,7 @@ class Restriction:
 
 
 def realities(value: sp.Expr) -> Iterator[Restriction]:
-    """Return the restrictions that make a value real: even roots of nothing negative."""
+    """Yield the restrictions that make a value real: radicands of even roots are nonnegative."""
     yield Restriction(value, "real")
     below = factors_of(sp.denom(sp.together(value)))[1]
     for power in _roots_in(value):
@@ -62,13 +62,13 @@ def realities(value: sp.Expr) -> Iterator[Restriction]:
 
 
 def _roots_in(value: sp.Expr) -> list[sp.Expr]:
-    """Return the roots of even degree of formulas."""
+    """Return the roots of even degree whose radicand contains a symbol."""
     powers = (p for p in value.atoms(sp.Pow) if p.exp.is_Rational and p.free_symbols)
     return sorted((p for p in powers if p.exp.q % 2 == 0), key=sp.default_sort_key)
 
 
 def domain_restrictions(domain: Domain, value: sp.Expr) -> Iterator[Restriction]:
-    """Return the restrictions by which a value in the place of its symbol is in its domain."""
+    """Yield the restrictions under which a symbol's value is in its domain."""
     if domain.lower != -sp.oo:
         yield Restriction(tidy(value - domain.lower), ">" if domain.lower_open else ">=")
     if domain.upper != sp.oo:
@@ -80,7 +80,7 @@ def domain_restrictions(domain: Domain, value: sp.Expr) -> Iterator[Restriction]
 
 
 class KnownSigns:
-    """Signs of formulas, by the domains and by what is taken to be positive beside them."""
+    """Signs of formulas, from the domains and from restrictions taken to hold."""
 
     def __init__(self, domains: Domains) -> None:
         self._signs = DomainSigns(domains)
@@ -89,7 +89,7 @@ class KnownSigns:
         self._inner = DomainSigns(distances)
 
     def take(self, restriction: Restriction) -> None:
-        """Take a restriction to hold: a single factor is positive or negative then."""
+        """Take a restriction to hold; for a single factor this fixes the factor's sign."""
         number, factors = factors_of(restriction.value)
         if restriction.relation == ">" and [power for _, power in factors] == [1]:
             self._positive.add(factors[0][0] * sp.sign(number))
@@ -128,22 +128,23 @@ class KnownSigns:
         return restriction.relation == ">=" and self.is_positive(-restriction.value)
 
     def _from_ends(self, value: sp.Expr) -> Iterator[sp.Expr]:
-        """Yield a polynomial in the distances of its symbols from the ends of their domains."""
+        """Yield a polynomial rewritten in the distances of its symbols from the ends of domains."""
         symbols = value.free_symbols
         if value.count_ops() > LONGEST or not value.is_polynomial(*symbols):
             return
         image = value
-        for symbol, place in self._images.items():
-            image = image.xreplace({symbol: place})
+        for symbol, distance in self._images.items():
+            image = image.xreplace({symbol: distance})
         above, below = sp.fraction(sp.together(image))
         if image != value and self._inner.is_positive(below):
             yield sp.expand(above)
 
 
 def _in_distances(domains: Domains) -> tuple[dict[sp.Symbol, sp.Expr], dict[sp.Symbol, Domain]]:
-    """Each symbol by its distance from an end, later ones first; and the domains of distances.
+    """Return each symbol in terms of its distance from an end, and the distances' domains.
 
-    The share p/(1 + p) of the way from the lower to the upper end stands for both.
+    Symbols that later ones need come last.  Between two ends the symbol is at the fraction
+    p/(1 + p) of the way, with p as its distance.
     """
     images, distances = dict[sp.Symbol, sp.Expr](), dict[sp.Symbol, Domain]()
     for symbol in reversed(in_order(domains)):
@@ -166,9 +167,9 @@ def _in_distances(domains: Domains) -> tuple[dict[sp.Symbol, sp.Expr], dict[sp.S
 
 
 def needed(given: Sequence[Restriction], domains: Domains) -> tuple[Restriction, ...] | None:
-    """The restrictions that the domains and each other do not imply; None if they exclude one.
+    """Return the restrictions not implied by the domains or each other; None if contradictory.
 
-    What stands under a root is a restriction of its own, so that the root is not negative.
+    A root is taken as nonnegative; its radicand must have a restriction of its own.
 
     >>> c, k = sp.symbols("c k")
     >>> known = {c: Domain(lower=sp.S.Zero), k: REAL}
@@ -176,21 +177,21 @@ def needed(given: Sequence[Restriction], domains: Domains) -> tuple[Restriction,
     ['c - k > 0']
     """
     for _ in range(ROUNDS):
-        found = _once(given, domains)
-        if found is None or found == tuple(given):
-            return found
-        given = sorted(found, key=lambda r: len(factors_of(r.value)[1]))
+        reduced = _once(given, domains)
+        if reduced is None or reduced == tuple(given):
+            return reduced
+        given = sorted(reduced, key=lambda r: len(factors_of(r.value)[1]))
     return tuple(given)
 
 
 def _once(given: Sequence[Restriction], domains: Domains) -> tuple[Restriction, ...] | None:
-    """Return the restrictions, each simplified by the domains and by those before it."""
+    """Return the restrictions, each simplified by the domains and by the earlier ones."""
     powers = sorted({p for r in given for p in _roots_in(r.value)}, key=sp.default_sort_key)
     roots = {p: sp.Dummy("root", real=True) for p in powers}
     signs = DomainSigns(domains)
     known = KnownSigns({**domains, **{roots[p]: _values_of(p, signs) for p in powers}})
     back, bases = {name: p for p, name in roots.items()}, {n: p.base for p, n in roots.items()}
-    kept: dict[Restriction, None] = {}
+    remaining: dict[Restriction, None] = {}
     waiting = list(given)
     while waiting:
         first = waiting.pop(0)
@@ -203,24 +204,24 @@ def _once(given: Sequence[Restriction], domains: Domains) -> tuple[Restriction, 
             elif known.excludes(r):
                 return None
             elif not known.implies(r):
-                kept[Restriction(r.value.xreplace(back), r.relation)] = None
+                remaining[Restriction(r.value.xreplace(back), r.relation)] = None
                 known.take(r)
-    strict = {r.value for r in kept if r.relation == ">"}
+    strict = {r.value for r in remaining if r.relation == ">"}
     if any(-value in strict for value in strict):
         return None
-    return tuple(r for r in kept if r.relation == ">" or r.value not in strict)
+    return tuple(r for r in remaining if r.relation == ">" or r.value not in strict)
 
 
 def _values_of(root: sp.Expr, signs: DomainSigns) -> Domain:
-    """The values of a real root: 0 is none where it is below a line or of what is positive."""
+    """Return the domain of a real root; 0 is excluded in a denominator or for a positive base."""
     is_positive = root.exp.is_negative or signs.is_positive(root.base)
     return Domain(lower=sp.S.Zero, lower_open=bool(is_positive))
 
 
 def _simplified(restriction: Restriction, known: KnownSigns) -> Iterator[Restriction]:
-    """The restriction without factors of known sign, and without squares that must not vanish.
+    """Yield the restriction without factors of known sign and without squares.
 
-    Raises ValueError where it holds only at the zeros of a square.
+    Raises ValueError if it holds only at the zeros of a square.
     """
     relation = restriction.relation
     if restriction.value.is_number or relation in ("real", "integer"):
@@ -246,12 +247,12 @@ def _simplified(restriction: Restriction, known: KnownSigns) -> Iterator[Restric
     if squares and rest.is_negative:
         raise ValueError(f"values are real only where {squares[0]} = 0")
     if rest.is_number or relation != "!=":
-        kept = sp.Mul(*(factor**2 for factor in squares)) if rest.free_symbols else 1
-        yield Restriction(sp.expand(kept * rest), relation)
+        nonnegative = sp.Mul(*(factor**2 for factor in squares)) if rest.free_symbols else 1
+        yield Restriction(sp.expand(nonnegative * rest), relation)
 
 
 def restricted(statement: Statement, restrictions: Sequence[Restriction]) -> Statement | None:
-    """Return the statement on domains that say what the restrictions say; None where these cannot.
+    """Write the restrictions as domains of the statement; None if domains cannot express them.
 
     >>> from .statement_text import read_statement
     >>> statement = read_statement("u_t - c*u_x", "u = exp(sqrt(c)*(x + c*t))")
@@ -276,7 +277,7 @@ def restricted(statement: Statement, restrictions: Sequence[Restriction]) -> Sta
 
 
 def _bound(restriction: Restriction, signs: DomainSigns) -> tuple[sp.Symbol, Domain] | None:
-    """Return a symbol that a restriction bounds, and where it is then; ends are left out."""
+    """Return a symbol that a restriction bounds, and its open domain; None if there is none."""
     if restriction.relation == "!=" and restriction.value.is_Symbol:
         return restriction.value, Domain(nonzero=True)
     if restriction.relation not in (">", ">="):

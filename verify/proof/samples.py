@@ -1,4 +1,4 @@
-"""Rational points of a whole domain: both signs, every size, near the ends; the same for a seed."""
+"""Reproducible random rational points of domains: both signs, all sizes, near the ends."""
 
 from __future__ import annotations
 
@@ -10,36 +10,36 @@ import sympy as sp
 from .domains import Domain, Domains, Point, in_order
 
 DENOMINATORS = (1009, 2147483647, 65537, 1009)
-"""Primes, so that no drawn value is a common fraction, and no one multiple of all is whole."""
+"""Prime denominators, so that no drawn value is a common fraction or shares a denominator."""
 
 SIZES = (1, 1, 1, 4, 4, sp.Rational(1, 30), 30, sp.Rational(1, 1000), 1000)
-"""Scales of what is drawn from a domain without end; most are moderate, where balls stay narrow."""
+"""Scales of values drawn from an unbounded domain; most are moderate, where balls are narrow."""
 
 MARGINS = (sp.Rational(1, 20),) * 3 + (sp.Rational(1, 1000), sp.Rational(1, 10**6))
-"""Shares of a bounded domain that are left out at its ends."""
+"""Fractions of a bounded domain that are left out at its ends."""
 
 SLIVER, EVERY = sp.Rational(1, 10**31), 4
-"""Every so manieth point lies that near to an end of one symbol's domain."""
+"""Every ``EVERY``-th later point is within about ``SLIVER`` of an end of one symbol's domain."""
 
 REJECTIONS = 1000
-"""Points in a row outside the domains, after which these are taken to be empty."""
+"""Successive points outside the domains after which these are taken to be empty."""
 
 SIGN_PATTERNS = 5
-"""Symbols whose signs are combined in all ways before they are drawn."""
+"""Most symbols whose signs are combined in all ways by the first points."""
 
 
 def sample(domains: Domains, count: int, seed: int = 0) -> tuple[Point, ...]:
-    """``count`` points of the domains; the first ones combine the signs that the symbols can have.
+    """Return ``count`` points of the domains; the first ones combine the possible signs of symbols.
 
-    The first point has moderate values; the signs come before the sizes.  Raises ValueError if no
+    The first points have moderate values, the later ones all sizes.  Raises ValueError if too few
     points are found in the domains.
     """
     draw = random.Random(seed)
     ordered = in_order(domains)
     signed = [s for s in ordered if _has_both_signs(domains[s])][:SIGN_PATTERNS]
-    found: list[Point] = []
+    points: list[Point] = []
     number = rejected = 0
-    while len(found) < count and rejected < REJECTIONS:
+    while len(points) < count and rejected < REJECTIONS:
         signs = {s: -1 if number >> place & 1 else 1 for place, s in enumerate(signed)}
         early = number < 2 ** len(signed)
         point: dict[sp.Symbol, sp.Rational] = {}
@@ -56,11 +56,11 @@ def sample(domains: Domains, count: int, seed: int = 0) -> tuple[Point, ...]:
         rejected += 1
         if all(domains[s].contains(value, point) for s, value in point.items()):
             rejected = 0
-            found.append(point)
-    if len(found) < count:
+            points.append(point)
+    if len(points) < count:
         words = ", ".join(domain.text(symbol) for symbol, domain in domains.items())
         raise ValueError(f"domains must hold rational points, got {words} (none was found)")
-    return tuple(found)
+    return tuple(points)
 
 
 def _has_both_signs(domain: Domain) -> bool:
@@ -76,7 +76,7 @@ def _value(
     margin: sp.Rational,
     draw: random.Random,
 ) -> sp.Rational:
-    """A value of the domain: a share of a bounded one, a length from the end of another."""
+    """Draw a value of the domain: a fraction of a bounded one, else a distance from its end."""
     lower, upper = (rational_near(end) for end in domain.ends(known))
     prime = draw.choice(DENOMINATORS)
     share = sp.Rational(draw.randint(1, prime - 1), prime)
@@ -96,12 +96,12 @@ def _value(
 
 
 def _length(end: sp.Rational, size: sp.Rational) -> sp.Rational:
-    """How far to go from an end; twice as far as 0 where that is inside and for both signs."""
+    """Return the largest distance from an end: ``size``, or past 0 if a sign change is possible."""
     return abs(size) if size > 0 or end >= 0 else -2 * end
 
 
 def rational_near(end: sp.Expr) -> sp.Rational | None:
-    """A rational number close to a finite end; the margin covers the difference.
+    """Return a rational number close to an end, None if it is infinite; margins cover the error.
 
     Raises ValueError for an end that is not real.
     """

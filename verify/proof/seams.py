@@ -1,12 +1,12 @@
-"""Places at which the formulas of a statement, as they were typed, may jump or have corners.
+"""Seams: places at which the typed formulas of a statement may jump or have corners.
 
-A proof holds at points at which the formulas are smooth: on each side of such a place, and it says
-nothing across it.  A travelling corner is no solution because both of its sides are.
+A proof holds where the formulas are smooth: on each side of a seam, not across it.  A travelling
+corner is not a solution just because both of its sides are.
 
-Seams are where the argument of abs or sign, a radicand, or the argument of a logarithm is 0 or may
-cross a cut, where an inverse function is at an end of its cuts, and where a function has a pole in
-its argument, as atan(1/x) has.  A pole outside of all functions is none: nobody takes it for a part
-of the solution.
+A seam is where the argument of abs or sign, a radicand, or the argument of a logarithm is 0 or may
+cross a cut, where an inverse function is at an end of its cuts, and where a function's argument has
+a pole, as in atan(1/x).  A pole outside of all functions is not a seam: nobody takes it as part of
+the solution.
 """
 
 from __future__ import annotations
@@ -47,23 +47,23 @@ ENDS = {"asin": (1, -1), "acos": (1, -1), "atanh": (1, -1), "acosh": (1, -1)}
 """Values of the argument at which inverse functions have branch points."""
 
 POLES = {"tan": "cos", "sec": "cos", "cot": "sin", "csc": "sin", "coth": "sinh", "csch": "sinh"}
-"""Functions with poles on the real axis, by the function that is 0 there."""
+"""Functions with poles on the real axis, and the function that is 0 there."""
 
 SAFE = ("exp", "sin", "cos", "sinh", "cosh", "tanh", "sech", "erf")
-"""Functions of which SymPy changes the words alone."""
+"""Functions of which SymPy changes only the notation."""
 
 LONGEST = 60
-"""Characters of a place beyond which it is abbreviated."""
+"""Most characters of a place that is not abbreviated."""
 
 ONE = Fraction(1)
 
 
 @dataclass(frozen=True)
 class Seam:
-    """A place as an equation in text; ``line`` is what `typed_places` says of it.
+    """Place as an equation in text; ``line`` is the line of `typed_places` for it.
 
-    Without a place the line is of a formula that is never 0; ``own_line`` is what is said of a
-    place that contains no variable.
+    With an empty ``place`` the line is for a formula that is never 0 or has no variable;
+    ``own_line`` is then the line for a factor without variables.
     """
 
     place: str
@@ -73,7 +73,7 @@ class Seam:
 
 
 def seams(statement: Statement) -> tuple[Seam, ...]:
-    """Return the places where the typed formulas may not be smooth, each once.
+    """Return the places where the typed formulas may not be smooth, without repeats.
 
     >>> from longwave.verify.proof.statement_text import read_statement
     >>> [seam.place for seam in seams(read_statement("u_x", "u = sign(x - c*t)"))]
@@ -83,27 +83,27 @@ def seams(statement: Statement) -> tuple[Seam, ...]:
 
 
 def _places(found: Sequence[Seam]) -> tuple[Seam, ...]:
-    """Return the seams that have places, each once."""
+    """Return the seams that have places, without repeats."""
     return tuple({seam.place: seam for seam in found if seam.place}.values())
 
 
 def left_open(statement: Statement) -> tuple[tuple[Seam, ...], tuple[str, ...]]:
-    """Return where a proof says nothing: the seams, and lines on all other places.
+    """Return where a proof makes no claim: the seams, and lines for all other places.
 
     >>> from longwave.verify.proof.statement_text import read_statement
     >>> found, lines = left_open(read_statement("u_x", "u = sign(m*(x - t))"))
     >>> [seam.place for seam in found], lines
     (['x = t'], ('jump or corner where m = 0',))
     """
-    found = _all_seams(statement)
-    covered = {seam.line for seam in found}
+    all_seams = _all_seams(statement)
+    covered = {seam.line for seam in all_seams}
     lines = (line for line in typed_places(statement) if line not in covered)
-    own = (seam.own_line for seam in found if seam.own_line)
-    return _places(found), tuple(dict.fromkeys((*lines, *own)))
+    own = (seam.own_line for seam in all_seams if seam.own_line)
+    return _places(all_seams), tuple(dict.fromkeys((*lines, *own)))
 
 
 def _all_seams(statement: Statement) -> tuple[Seam, ...]:
-    """Return the seams, and what is said of the factors of their formulas."""
+    """Return the seams of all formulas and equations, also those without a place."""
     finder, trees = _Finder(statement), statement.trees
     own = (finder.seams(put_in(trees, tree)) for tree in trees.solutions.values())
     of_equations = (finder.seams(put_in(trees, tree), None) for tree in trees.equations)
@@ -111,7 +111,7 @@ def _all_seams(statement: Statement) -> tuple[Seam, ...]:
 
 
 def sides(found: Sequence[Seam]) -> str:
-    """Return what a proof says and leaves open at seams."""
+    """Return in words what a proof claims and leaves open at seams."""
     return on_each_side(
         [seam.place for seam in found if not seam.at_sites],
         [seam.place for seam in found if seam.at_sites],
@@ -131,8 +131,8 @@ class _Finder:
     def seams(self, formula: FormulaTree, inside: bool | None = False) -> Iterator[Seam]:
         """Yield the seams of a formula.
 
-        A pole or the logarithm of 0 is one ``inside`` the argument of a function alone, and none
-        where that is None.
+        A pole or the logarithm of 0 is a seam only ``inside`` the argument of a function, and never
+        if ``inside`` is None.
         """
         match formula:
             case Power(parts=(Call(name="abs", parts=parts), exponent)) if _is_even(exponent):
@@ -171,7 +171,7 @@ class _Finder:
             yield from self.seams(part, inside)
 
     def _branch(self, argument: FormulaTree, finite: bool = True) -> Iterator[Seam]:
-        """Yield where a root or logarithm has its cut, or its branch point if that is finite."""
+        """Yield the cut of a root or logarithm; for a real argument, the branch point if finite."""
         if not self._is_real(argument):
             yield from self._cut("im", argument)
         elif finite:
@@ -186,8 +186,8 @@ class _Finder:
     def _zero(self, argument: FormulaTree, line: str = "", jumps: bool = False) -> Iterator[Seam]:
         """Yield where a formula is 0, if it contains a variable and may be 0.
 
-        A product is 0 where one of its factors is. ``line`` is said of the whole of it. If it
-        ``jumps`` there, its factors without variables have lines of their own.
+        A product is 0 where one of its factors is; ``line`` is the line for the whole product.  If
+        the formula ``jumps`` there, factors without variables have lines of their own.
         """
         if not (line or self._moves(argument)):
             return
@@ -219,7 +219,7 @@ class _Finder:
         yield Seam(place, at_sites, line) if place else never
 
     def _solved(self, argument: FormulaTree) -> str | None:
-        """Return ``x = ...`` for a polynomial of degree 1 in x; "" where no real x or site is."""
+        """Return ``x = ...`` for a polynomial of degree 1 in x; "" without a real x or site."""
         match argument:
             case Power(parts=(base, Number(value=power))) if power.denominator == 1 and power > 0:
                 return self._solved(base) or f"{self._text(base)} = 0"
@@ -241,7 +241,7 @@ class _Finder:
         return None
 
     def _text(self, argument: FormulaTree) -> str:
-        """Return a formula in text, in SymPy's words where they mean the same everywhere."""
+        """Return a formula as text, in SymPy's notation if that means the same everywhere."""
         value = self._value(argument)
         safe = (isinstance(n, Call) and n.name in SAFE for n in argument.nodes())
         plain = map(_is_polynomial, argument.nodes())
@@ -257,7 +257,7 @@ class _Finder:
         return value is not None and (bool(value.is_real) or self._signs.is_real(value))
 
     def _is_nonzero(self, value: sp.Expr) -> bool:
-        """Return whether a value is shown to be nowhere 0; a power of what is positive is."""
+        """Return whether a value is shown to be nowhere 0, such as a power of a positive base."""
         if value.is_Mul or isinstance(value, sp.Abs):
             return all(map(self._is_nonzero, value.args))
         if value.is_Pow and self._signs.is_positive(value.base):

@@ -1,4 +1,4 @@
-"""Roots, logarithms, absolute values, signs and conjugates, simplified as far as a domain allows.
+"""Simplify roots, logarithms, absolute values, signs and conjugates as far as domains allow.
 
 Each rule holds at every point of the domains where both sides are defined:
 
@@ -8,8 +8,8 @@ Each rule holds at every point of the domains where both sides are defined:
     |a| = a, sign a = 1 for a > 0;  |a| = -a, sign a = -1 for a < 0;  log(exp z) = z for real z,
     W(z exp z) = z for z >= -1.
 
-The conjugate goes through sums, products, integer powers and functions that are real on the real
-line; it stops at a root or logarithm of what may be negative.
+The conjugate is moved into sums, products, integer powers and functions that are real on the real
+line.  It stops at a root or logarithm whose argument may be negative.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from .domain_signs import BELOW_PI, DomainSigns, lies_between
 from .factors import Quotients, TooLong, factored
 
 DIGITS, LARGEST = 40, 10**6
-"""Decimals of a number whose cube root is sought, and its largest denominator."""
+"""Decimals to which a cube root is evaluated, and largest denominator in its exact form."""
 
 REAL_ON_THE_LINE = (sp.exp, *HYPERBOLIC, *TRIGONOMETRIC)
 """Meromorphic functions that take conjugates to conjugates."""
@@ -37,8 +37,8 @@ REAL_ON_THE_LINE = (sp.exp, *HYPERBOLIC, *TRIGONOMETRIC)
 class Rewriting:
     """Simpler forms of expressions on the domains of ``signs``.
 
-    ``found`` has the root, logarithm, absolute value, sign or conjugate that was replaced, as it
-    stood in the expression, and what took its place.
+    ``found`` maps each replaced root, logarithm, absolute value, sign or conjugate, as it stood in
+    the expression, to its replacement.
     """
 
     def __init__(self, signs: DomainSigns) -> None:
@@ -47,7 +47,7 @@ class Rewriting:
         self._images: dict[sp.Expr, sp.Expr] = {}
 
     def __call__(self, expression: sp.Expr) -> sp.Expr:
-        """``expression`` with every rule applied, innermost first."""
+        """Return ``expression`` with every rule applied, innermost first."""
         if expression not in self._images:
             self._images[expression] = self._rewritten(expression)
         return self._images[expression]
@@ -90,7 +90,7 @@ class Rewriting:
         return None if value == node else value
 
     def is_nonzero(self, total: sp.Expr) -> bool:
-        """Return whether a formula, or each factor that it is found to have, is nowhere 0."""
+        """Return whether a formula, or each of its factors, is shown to be nowhere 0."""
         factors = self._factors(_squared_function(total) or total, 1)
         return all(
             self.signs.is_nonzero(factor.base if factor.is_Pow else factor) for factor in factors
@@ -129,7 +129,7 @@ class Rewriting:
         return None
 
     def _is_to_the_right(self, total: sp.Expr) -> bool:
-        """Return whether a sum has a positive real part: a square root's is not negative."""
+        """Return whether a sum has a positive real part; square roots have a nonnegative one."""
         roots = [part for part in sp.Add.make_args(total) if _has_square_root(part)]
         return bool(roots) and self.signs.is_positive(total - sp.Add(*roots))
 
@@ -138,7 +138,7 @@ class Rewriting:
         return lies_between(self.signs.range(sp.expand(angle)), -BELOW_PI, BELOW_PI)
 
     def _known_factors(self, factors: Sequence[sp.Expr]) -> tuple[list[sp.Expr], sp.Expr]:
-        """The factors that are not negative, negative ones turned over; the rest with its sign."""
+        """Return the absolute values of factors of known sign, and the rest with the total sign."""
         outside, inside, sign = [], sp.S.One, 1
         for factor in factors:
             if self.signs.is_nonnegative(factor):
@@ -178,7 +178,7 @@ class Rewriting:
         return exponent * sp.log(self._absolute(base)) if exponent.is_even else None
 
     def _product_logarithm(self, argument: sp.Expr) -> sp.Expr | None:
-        """z >= -1 of which ``argument`` is z exp(z)."""
+        """Return the z >= -1 with z exp(z) = ``argument``; None if it is not found."""
         evaluated = sp.LambertW(argument)
         if not evaluated.has(sp.LambertW):
             return evaluated
@@ -190,7 +190,7 @@ class Rewriting:
         return None
 
     def _factors(self, product: sp.Expr, degree: int) -> Sequence[sp.Expr]:
-        """Return the factors of a product, or of a sum that has one to at least ``degree``."""
+        """Return the factors of a product, or of a sum with a monomial or a power >= ``degree``."""
         if product.is_Mul:
             return tuple(product.args)
         below = product.is_Pow and product.exp == -1
@@ -204,10 +204,10 @@ class Rewriting:
         powers = [(base.xreplace(written), power) for base, power in powers]
         if not any(abs(power) >= degree or not base.is_Add for base, power in powers):
             return (product,)
-        found = [sp.Pow(_evidently_signed(base), power) for base, power in powers]
+        factors = [sp.Pow(_evidently_signed(base), power) for base, power in powers]
         if unit < 0 and not any(power % 2 and not base.is_Symbol for base, power in powers):
-            return [sp.S.NegativeOne, -unit, *found]
-        return found if unit == 1 else [unit, *found]
+            return [sp.S.NegativeOne, -unit, *factors]
+        return factors if unit == 1 else [unit, *factors]
 
     def _absolute(self, inner: sp.Expr) -> sp.Expr:
         if self.signs.is_nonnegative(inner):
@@ -239,13 +239,13 @@ class Rewriting:
 
 
 def _in_one_exponential(total: sp.Expr) -> tuple[sp.Expr, dict[sp.Basic, sp.Expr]]:
-    """Return a sum with powers of a symbol for exp(z) and exp(-z), and the symbol's meaning."""
-    found = sorted(total.atoms(sp.exp), key=lambda node: (node.count_ops(), str(node)))
-    for base in found:
-        ratios = [sp.cancel(node.args[0] / base.args[0]) for node in found]
+    """Replace exp(z) and exp(-z) in a sum by powers of a symbol; also return its value."""
+    exponentials = sorted(total.atoms(sp.exp), key=lambda node: (node.count_ops(), str(node)))
+    for base in exponentials:
+        ratios = [sp.cancel(node.args[0] / base.args[0]) for node in exponentials]
         if all(ratio.is_Integer for ratio in ratios) and min(ratios) < 0:
             letter = sp.Dummy("E", positive=True)
-            powers = {node: letter**n for node, n in zip(found, ratios, strict=True)}
+            powers = {node: letter**n for node, n in zip(exponentials, ratios, strict=True)}
             return total.xreplace(powers), {letter: base}
     return total, {}
 
@@ -270,11 +270,11 @@ SQUARES: Mapping[Any, Callable[..., dict[sp.Expr, sp.Expr]]] = {
     jacobi_cn: lambda f, z, m: {1 - f**2: jacobi_sn(z, m), 1 - m + m * f**2: jacobi_dn(z, m)},
     jacobi_dn: lambda f, z, m: {1 - f**2: sp.sqrt(m) * jacobi_sn(z, m)},
 }
-"""Sums that are the square of another function."""
+"""Sums that are the square of another function: root by sum."""
 
 
 def _squared_function(total: sp.Expr) -> sp.Expr | None:
-    """Return the square that a sum is by the theorem of Pythagoras or its hyperbolic form."""
+    """Return the square that a sum equals by a Pythagorean identity; None if there is none."""
     if not (total.is_Add and len(total.args) == 2):
         return None
     for node in total.atoms(sp.cosh):
@@ -293,21 +293,21 @@ def _has_square_root(term: sp.Expr) -> bool:
 
 
 def _evidently_signed(total: sp.Expr) -> sp.Expr:
-    """Return a sum as the square that it is, or as one of squares; itself if it is neither."""
+    """Rewrite a sum as a square or as a sum of squares, if it is one."""
     square = _squared_function(total)
     if square is not None:
         return square
-    found = Quotients(total).squares() if total.is_Add else None
-    return total if found is None else found
+    squares = Quotients(total).squares() if total.is_Add else None
+    return total if squares is None else squares
 
 
 def _quadratics(base: sp.Expr) -> Iterator[tuple[sp.Expr, sp.Expr, sp.Expr]]:
-    """a, b and c for which ``base`` is a + b sqrt(c)."""
-    made = Quotients(base)
-    for atom, square in made.square_roots:
-        parts = made.linear_in(atom)
-        if parts is not None and made.below.is_constant():
-            a, b = (part / int(made.below.leading_coefficient()) for part in parts)
+    """Yield a, b and c with ``base = a + b sqrt(c)``."""
+    quotient = Quotients(base)
+    for atom, square in quotient.square_roots:
+        parts = quotient.linear_in(atom)
+        if parts is not None and quotient.below.is_constant():
+            a, b = (part / int(quotient.below.leading_coefficient()) for part in parts)
             yield a, b, square
 
 
@@ -328,7 +328,7 @@ def _denested(base: sp.Expr) -> sp.Expr | None:
 
 
 def _joined_roots(high: sp.Expr, low: sp.Expr, b: sp.Expr, square: sp.Expr) -> sp.Expr | None:
-    """sqrt(high) + sqrt(low) with the sign of b between them."""
+    """Return sqrt(high) + sqrt(low), with the sign of b in front of the second root."""
     if high.is_negative or (not high.is_positive and low.is_positive):
         high, low = low, high
     if b.could_extract_minus_sign() or (square != -1 and b.is_negative):
@@ -341,7 +341,7 @@ def _root_of(low: sp.Expr, square: sp.Expr) -> sp.Expr:
 
 
 def _cube_root(base: sp.Expr, exponent: sp.Rational) -> sp.Expr | None:
-    """Return the cube root a + b sqrt(c) of a number of that kind."""
+    """Return the cube root a + b sqrt(c) of a number of the same form; None if there is none."""
     for p, q, square in _quadratics(base):
         if not square.is_Rational or square < 0:
             continue
@@ -357,13 +357,13 @@ def _cube_root(base: sp.Expr, exponent: sp.Rational) -> sp.Expr | None:
 
 
 def _rebuilt(node: sp.Expr, arguments: Sequence[sp.Expr]) -> sp.Expr:
-    """``node`` with other arguments; of a sum's power SymPy would ask for all signs."""
+    """Return ``node`` with other arguments; a power of a sum is not evaluated (slow in SymPy)."""
     plain = node.is_Pow and arguments[0].is_Add and not arguments[0].is_number
     return node.func(*arguments, evaluate=False) if plain else node.func(*arguments)
 
 
 def conjugated(expression: sp.Expr, signs: DomainSigns) -> sp.Expr | None:
-    """Return the complex conjugate on the domains; None where no rule gives it.
+    """Return the complex conjugate on the domains; None if no rule gives it.
 
     >>> x = sp.Symbol("x", real=True)
     >>> conjugated(sp.exp(sp.I * x), DomainSigns({})), conjugated(sp.sqrt(x), DomainSigns({}))
@@ -387,7 +387,7 @@ def conjugated(expression: sp.Expr, signs: DomainSigns) -> sp.Expr | None:
 
 
 def needs_integers(size: sp.Expr) -> bool:
-    """Whether a modulus or sign is known only as symbols are integers: abs(n-1) for n > 0."""
+    """Return whether a modulus or sign is known only for integer symbols: abs(n-1) for n > 0."""
     whole = [s for s in size.free_symbols if s.is_integer]
     real = {s: sp.Dummy(real=True, positive=s.is_positive, negative=s.is_negative) for s in whole}
     if not whole or isinstance(sp.Abs(size.args[0]), sp.Abs):

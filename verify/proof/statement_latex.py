@@ -1,4 +1,4 @@
-"""Statements in LaTeX, from the trees of what was typed."""
+"""Write statements in LaTeX, from the trees of the typed texts."""
 
 from __future__ import annotations
 
@@ -21,30 +21,30 @@ SIGNS = {"<=": r"\le", ">=": r"\ge", "!=": r"\ne"}
 
 
 def statement_latex(statement: Statement) -> str:
-    """The statement in LaTeX: equations, formulas, and the domains that are not all numbers."""
+    """Return the statement in LaTeX: equations, formulas, and the restricted domains."""
     domains = ", ".join(filter(None, map(_condition, conditions(statement.texts))))
     words = rf"{equations_latex(statement)} \quad\Leftarrow\quad {formulas_latex(statement)}"
     return words + (rf" \qquad ({domains})" if domains else "")
 
 
 def scope_latex(statement: Statement) -> str:
-    """For which values a statement is, in words and formulas."""
-    found = scope(statement)
-    kinds = [f"{kind} ${', '.join(map(name_latex, names))}$" for kind, names in found.kinds.items()]
-    words = f"for all {found.listed(kinds)}"
-    domains = ", ".join(map(_condition, found.conditions))
+    """Return the values for which a statement is made, in words and LaTeX formulas."""
+    own = scope(statement)
+    kinds = [f"{kind} ${', '.join(map(name_latex, names))}$" for kind, names in own.kinds.items()]
+    words = f"for all {own.listed(kinds)}"
+    domains = ", ".join(map(_condition, own.conditions))
     return words + (f" with ${domains}$" if domains else "")
 
 
 def equations_latex(statement: Statement) -> str:
-    """The equations of a statement."""
+    """Return the equations of a statement in LaTeX."""
     texts, trees = _typed(statement)
     pairs = zip(texts, trees.equations, strict=True)
     return r",\quad ".join(_equation(trees, text, left) for text, left in pairs)
 
 
 def formulas_latex(statement: Statement) -> str:
-    """The unknowns with their formulas, in which defined names are written out."""
+    """Return the unknowns and their formulas in LaTeX, with defined names expanded."""
     _, trees = _typed(statement)
     heads = {node for left in trees.equations for node in left.nodes() if isinstance(node, Unknown)}
     sites = {head.name: head.site for head in heads}
@@ -59,7 +59,7 @@ def _typed(statement: Statement) -> tuple[tuple[str, ...], StatementTrees]:
 
 
 def _equation(trees: StatementTrees, text: str, left: FormulaTree) -> str:
-    """An equation with the sides that were typed; the tree has the right one with a minus."""
+    """Return an equation with both typed sides; the tree has the right side with a minus."""
     if "=" in text and isinstance(left, Sum):
         first, second = left.parts
         return f"{_latex(trees, first)} = {_latex(trees, second.inner()[1])}"
@@ -71,11 +71,11 @@ def _latex(trees: StatementTrees, formula: FormulaTree) -> str:
 
 
 def _condition(text: str) -> str:
-    """A chain of inequalities, or a name with its kind; nothing for a real one."""
+    """Return a chain of inequalities, or a name with its kind; "" for a real name."""
     name, _, kind = text.partition(": ")
     if kind:
-        shown = KINDS[kind]
-        return shown and f"{name_latex(name)} {shown}"
+        symbol = KINDS[kind]
+        return symbol and f"{name_latex(name)} {symbol}"
     parts = re.split(f"({COMPARED})", text)
     sides = [formula_latex(tree_of(side)) for side in parts[::2]]
     signs = [SIGNS.get(sign, sign) for sign in parts[1::2]]

@@ -1,7 +1,7 @@
-"""Problems that the equations of a statement pose.
+"""Problems to prove for the equations of a statement.
 
-The certificate states the equation with its unknowns, shifts, conjugates and derivatives; the
-checker puts the formulas in.  What SymPy makes of the equation serves to find the generators.
+The certificate states the equation with its unknowns, shifts, conjugates and derivatives, and the
+checker substitutes the formulas.  SymPy's form of the equation is used only to find generators.
 """
 
 from __future__ import annotations
@@ -31,9 +31,10 @@ CONJUGATES = (sp.conjugate, sp.Abs, sp.re, sp.im)
 
 @dataclass(frozen=True)
 class StatementProblem(Problem):
-    """Do the formulas of ``statement`` make ``left``, one of its equations, vanish?
+    """Question whether the formulas of ``statement`` make ``left``, one of its equations, vanish.
 
-    ``unknown`` and ``formula`` are those of the first unknown in it.
+    ``unknown`` and ``formula`` are those of the first unknown in ``left``; ``also`` has further
+    expressions for which generators are needed.
     """
 
     statement: typed_statement.Statement | None = None
@@ -41,18 +42,18 @@ class StatementProblem(Problem):
 
     @property
     def solutions(self) -> dict[AppliedUndef, sp.Expr]:
-        """The unknowns in the equation, with their formulas."""
+        """Unknowns in the equation, and their formulas."""
         assert self.statement is not None
         return {u: f for u, f in self.statement.solutions.items() if self.left.has(u.func)}
 
     @property
     def expressions(self) -> list[sp.Expr]:
-        """The formulas and the functions in the equation, wherever they are taken."""
-        found = (with_exponentials(part) for part in (*self._parts(self.left), *self.also))
-        return list(dict.fromkeys(found))
+        """Formulas and functions in the equation, at all shifts and with conjugates."""
+        parts = (with_exponentials(part) for part in (*self._parts(self.left), *self.also))
+        return list(dict.fromkeys(parts))
 
     def _parts(self, node: sp.Expr) -> Iterator[sp.Expr]:
-        """Yield the formulas in ``node``, conjugated where it says so, and functions of them."""
+        """Yield the formulas in ``node``, also conjugated if needed, and functions of them."""
         assert self.statement is not None
         if not node.atoms(AppliedUndef):
             yield node
@@ -75,7 +76,7 @@ class StatementProblem(Problem):
 
 
 def statement_problem(statement: Statement, equation: sp.Expr) -> StatementProblem:
-    """Return the problem that an equation of a statement poses."""
+    """Return the problem of one equation; raises ValueError if it has no unknown."""
     known = ((u, f) for u, f in statement.solutions.items() if equation.has(u.func))
     unknown, formula = next(known, (None, None))
     if unknown is None:
@@ -88,14 +89,14 @@ def statement_problem(statement: Statement, equation: sp.Expr) -> StatementProbl
 
 
 def all_domains(statement: Statement, *equations: sp.Expr) -> Domains:
-    """The domains of every symbol in the equations and their formulas, and of the variables."""
+    """Return the domains of all variables and of all symbols in the equations and formulas."""
     used = [f for u, f in statement.solutions.items() if any(e.has(u.func) for e in equations)]
     symbols = {s for formula in (*equations, *used) for s in formula.free_symbols}
     return settled_domains(symbols | set(statement.variables), statement.domains)
 
 
 def typed_domains(statement: Statement) -> Domains:
-    """Return the domains of all symbols, also of those that SymPy cancels."""
+    """Return the domains of all symbols, including those that SymPy cancels."""
     domains = all_domains(statement, *statement.equations)
     names = {str(symbol) for symbol in domains}
     others = {s: d for s, d in statement.domains.items() if str(s) not in names}
@@ -103,7 +104,7 @@ def typed_domains(statement: Statement) -> Domains:
 
 
 def undefined(statement: Statement) -> sp.Expr | None:
-    """Return a divisor of the statement that is not shown to differ from 0 at any drawn point."""
+    """Return a divisor that is not shown to be nonzero at any sampled point, else None."""
     points = sample(all_domains(statement, *statement.equations, *statement.divisors), POINTS)
     for divisor in statement.divisors:
         value = with_exponentials(residual_of(statement, divisor))
@@ -122,9 +123,9 @@ def _is_nonzero(value: sp.Expr, point: Point) -> bool:
 
 
 def with_exponentials(expression: sp.Expr) -> sp.Expr:
-    """Return the expression with x**k as exp(k*log(x)), which is what it means.
+    """Write x**k as exp(k*log(x)), its definition.
 
-    A negative x to an integer n is (-1)**n*exp(n*log(-x)).
+    A negative x with an integer exponent n becomes (-1)**n*exp(n*log(-x)).
     """
     if not any(_is_symbolic(power) for power in expression.atoms(sp.Pow)):
         return expression
@@ -144,13 +145,13 @@ def with_exponentials(expression: sp.Expr) -> sp.Expr:
 
 
 def _is_symbolic(power: sp.Pow) -> bool:
-    """Return whether a power is to no number, and neither one of e nor of -1 to an integer."""
+    """Return whether an exponent is symbolic, except for powers of e and integer powers of -1."""
     whole = power.base is sp.S.NegativeOne and power.exp.is_integer
     return not (power.exp.is_Rational or power.base is sp.E or whole)
 
 
 def residual_of(statement: Statement, equation: sp.Expr) -> sp.Expr:
-    """Return the left-hand side with the formulas in the places of the unknowns.
+    """Return the left-hand side with the formulas substituted for the unknowns.
 
     >>> from longwave.verify.proof.statement_text import read_statement
     >>> statement = read_statement("diff(q[n], t) - q[n+1] + q[n]", "q = n + t")
@@ -161,12 +162,12 @@ def residual_of(statement: Statement, equation: sp.Expr) -> sp.Expr:
 
     def substitute(node: sp.Expr, inner: list[sp.Expr]) -> sp.Expr:
         if isinstance(node, sp.Derivative):
-            found = sp.diff(without_sizes(inner[0]), *node.variables)
-            if found.has(sp.DiracDelta):  # at jumps, which are left out
-                found = found.replace(sp.DiracDelta, lambda *_: sp.S.Zero)
-            if found.has(sp.Derivative, sp.Subs):
-                raise ValueError(f"derivatives must be known, got {formula_as_text(found)[:80]}")
-            return found
+            slope = sp.diff(without_sizes(inner[0]), *node.variables)
+            if slope.has(sp.DiracDelta):  # at jumps, which are left out
+                slope = slope.replace(sp.DiracDelta, lambda *_: sp.S.Zero)
+            if slope.has(sp.Derivative, sp.Subs):
+                raise ValueError(f"derivatives must be known, got {formula_as_text(slope)[:80]}")
+            return slope
         if isinstance(node, AppliedUndef):
             arguments, formula = formulas[node.func]
             return formula.subs(dict(zip(arguments, node.args, strict=True)), simultaneous=True)

@@ -1,4 +1,4 @@
-"""For which values a statement is, in the names that the checker reads in the typed texts."""
+"""Scope of a statement: the values for which it is made, as the checker reads the typed texts."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ REAL_FUNCTIONS = "that are real at real arguments"
 
 @dataclass(frozen=True)
 class Scope:
-    """Names by the kinds of their values, and the conditions on them as they were typed."""
+    """Names by the kind of their values, and the typed conditions on them."""
 
     kinds: Mapping[str, Sequence[str]]
     conditions: tuple[str, ...]
 
     def listed(self, kinds: Sequence[str]) -> str:
-        """Return the kinds with their names, functions last."""
+        """Join the kinds with their names, functions last."""
         *values, last = kinds
         if "function" not in self.kinds:
             return "; ".join(kinds)
@@ -47,7 +47,7 @@ class Scope:
 
 
 def scope(statement: Statement) -> Scope:
-    """Return the scope of a statement's texts: every name in them, whether or not it cancels.
+    """Return the scope of a statement's texts: all names in them, even if they cancel.
 
     >>> from longwave.verify.proof.statement_text import read_statement as read
     >>> scope(read("u - 1", "u = abs(m)/m + 0*x", "m: m>0")).text
@@ -62,7 +62,7 @@ def scope(statement: Statement) -> Scope:
 
 
 def conditions(texts: StatementTexts) -> list[str]:
-    """Return the typed conditions on names, each once: ``k > 0`` and ``b: complex``."""
+    """Return the typed conditions, such as ``k > 0`` and ``b: complex``, without repeats."""
     return list(dict.fromkeys(_conditions(texts)))
 
 
@@ -81,7 +81,7 @@ def _conditions(texts: StatementTexts) -> Iterator[str]:
 
 
 def _condition(name: str, text: str) -> str:
-    """Return an inequality with spaces, a word for a domain as one, or a name with its kind."""
+    """Return an inequality with spaces, also for "positive" and the like, or ``name: kind``."""
     word = text.strip()
     if word in KINDS:
         return f"{name}: {word}"

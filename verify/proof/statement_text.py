@@ -1,4 +1,4 @@
-"""Statements in text: equations, solutions, parameters and domains.
+"""Read statements from text: equations, solutions, parameters and domains.
 
     equation    u_t + 6*u*u_x + u_xxx             "= 0" understood, or left = right
     solution    u = 2*k**2*sech(k*(x - 4*k**2*t))**2
@@ -6,7 +6,7 @@
     parameters  c = (1+m)/2                       or a name for an expression
     domain      t > 0                             of the variables x, y, z, t and the site n
 
-Several equations or solutions stand in one text with ``;;`` between them, or in a list.
+Several equations or solutions are separated by ``;;`` in one text, or given as a list.
 """
 
 from __future__ import annotations
@@ -63,14 +63,14 @@ def read_statement(
     variables: str = "",
     weak: bool = False,
 ) -> Statement:
-    """The statement that the texts make; ``solve`` names parameters, as in ``c, b``.
+    """Parse the texts of a statement; ``solve`` names parameters to solve for, as in ``c, b``.
 
-    ``variables`` names the independent ones in the place of x, y, z and t, as in ``r, t``.
+    ``variables`` names the independent variables instead of x, y, z and t, as in ``r, t``.
     ``weak`` asks for a weak solution.
 
-    Raises FormulaError, which says where, for a text that is not of the grammar, a name that is
-    declared twice, misread or not used, an unknown without a solution, a solution with an unknown
-    in it and a domain that is empty.
+    Raises FormulaError, with the position, for a text outside the grammar, a name that is declared
+    twice, misread or not used, an unknown without a solution, a solution that contains an unknown,
+    and an empty domain.
 
     >>> statement = read_statement("u_t + c*u_x", "u = exp(x - c*t)", "c: c>0")
     >>> statement.equations
@@ -97,9 +97,9 @@ def _read(given: Parts, name: str, variables: Sequence[str]) -> Statement:
         return [part for text in given[label] for part in text_parts(text, label, *separators)]
 
     entries, limits = parts("parameters", ";"), parts("domain", ";", ",")
-    wanted, formulas = parts("solve", ","), (parts("equation"), parts("solution"))
+    targets, formulas = parts("solve", ","), (parts("equation"), parts("solution"))
     known = VariableNames(variables, itertools.chain(*formulas))
-    return _Reading(name, known, *formulas, entries, limits, wanted).statement()
+    return _Reading(name, known, *formulas, entries, limits, targets).statement()
 
 
 def _texts(given: Texts, label: str) -> list[str]:
@@ -112,7 +112,7 @@ def _texts(given: Texts, label: str) -> list[str]:
 
 @dataclass
 class _Reading:
-    """The parts of a statement on their way to expressions."""
+    """State of a statement's parts while they are parsed into expressions."""
 
     name: str
     known: VariableNames
@@ -120,7 +120,7 @@ class _Reading:
     solutions: list[TextPart]
     entries: list[TextPart]
     limits: list[TextPart]
-    asked: list[TextPart]
+    targets: list[TextPart]
     names: dict[str, sp.Expr] = field(default_factory=dict)
     declared: dict[str, TextPart] = field(default_factory=dict)
     variables: dict[str, sp.Symbol] = field(default_factory=dict)
@@ -147,8 +147,8 @@ class _Reading:
             self._declare(entry)
         letters, indexed = self.known.letters(self.names), self.known.indexed()
         for name, entry in self.declared.items():
-            if meant := self._misread(name, declared=True):
-                words = f"expected a name of its own, got '{name}' (it reads as {meant})"
+            if remedy := self._misread(name, declared=True):
+                words = f"expected a name of its own, got '{name}' (it reads as {remedy})"
                 raise entry.error(words)
         self._make_variables(letters)
         self._make_fields(indexed)
@@ -156,32 +156,32 @@ class _Reading:
         equations = tuple(self._equation(part) for part in self.equations)
         self._check_use()
         self._check_domains()
-        wanted = tuple(self._wanted(part) for part in self.asked)
-        for place, symbol in enumerate(wanted):
-            if symbol in wanted[:place]:
-                raise self.asked[place].error(f"expected each parameter once, got {symbol} again")
+        solve_for = tuple(self._target(part) for part in self.targets)
+        for place, symbol in enumerate(solve_for):
+            if symbol in solve_for[:place]:
+                raise self.targets[place].error(f"expected each parameter once, got {symbol} again")
         divisors = tuple(self.divisors)
         typed = (tuple(part.written for part in parts) for parts in listed)
         texts = StatementTexts(tuple(self.variables), *typed)
         trees = StatementTrees(
             texts.variables, tuple(self.left_sides), self.formulas, self.definitions
         )
-        known = equations, solutions, self.domains, divisors, wanted, texts, trees
+        known = equations, solutions, self.domains, divisors, solve_for, texts, trees
         return Statement(self.name, *known, tuple(self.complexes), tuple(self.functions))
 
     def _built(self, parser: Parser, formula: FormulaTree) -> sp.Expr:
-        """What SymPy makes of a formula; what the text names and divides by is kept."""
+        """Return SymPy's form of a formula; record its names and its divisors."""
         builder = ExpressionBuilder.after(parser)
-        found = builder.expression(formula)
+        expression = builder.expression(formula)
         self.used |= parser.used
         self.divisors |= dict.fromkeys(d for d in builder.divisors if d.args)
-        return found
+        return expression
 
     # parameters and domains
 
     def _ordered_entries(self) -> list[TextPart]:
-        """The parameters, those first in which domains of others have their ends."""
-        waiting, found = list(self.entries), list[TextPart]()
+        """Return the entries, first those of parameters that bound the domains of others."""
+        waiting, ordered = list(self.entries), list[TextPart]()
 
         def is_free(entry: TextPart) -> bool:
             limited = [e.words[0].text for e in waiting if e.index(":") == 1]
@@ -189,9 +189,9 @@ class _Reading:
             return entry.index(":") != 1 or others.isdisjoint(w.text for w in entry.words[2:])
 
         while waiting:
-            found.append(next(filter(is_free, waiting), waiting[0]))
-            waiting.remove(found[-1])
-        return found
+            ordered.append(next(filter(is_free, waiting), waiting[0]))
+            waiting.remove(ordered[-1])
+        return ordered
 
     def _declare(self, entry: TextPart) -> None:
         word = entry.words[0]
@@ -216,7 +216,7 @@ class _Reading:
             self.names[name] = self._built(parser, self.definitions[name])
         elif [word.text for word in entry.words[1:-1]] in ([":", "complex"], [":", "function"]):
             kind = entry.words[2].text
-            if self.asked:
+            if self.targets:
                 raise entry.error(f"expected real parameters beside solve, got a {kind} one", 2)
             if kind == "complex":
                 self.names[name] = symbol_of(name, REAL)
@@ -236,7 +236,7 @@ class _Reading:
     def _domain(
         self, part: TextPart, skipped: int, name: str, variables: Mapping[str, sp.Symbol]
     ) -> Domain:
-        """The domain of ``name`` that a part states behind its first words."""
+        """Parse the domain of ``name`` in a part, after the ``skipped`` first words."""
         names = {**self.names, name: sp.Dummy(name, real=True)}
         undeclared = self._real_parameter if part.label == "domain" else None
         vocabulary = Vocabulary(FUNCTIONS, variables, names=names, unknown_name=undeclared)
@@ -257,28 +257,28 @@ class _Reading:
         return inhabited(part, found, name, place)
 
     def _make_variables(self, letters: Sequence[str]) -> None:
-        """The symbols of the variables, with what ``domain`` says of them."""
-        found: dict[str, Domain] = {}
+        """Create the symbols of the variables, with the domains stated in ``domain``."""
+        domains: dict[str, Domain] = {}
         plain = {letter: symbol_of(letter, _whole(letter)) for letter in letters}
         for part in self.limits:
             name, domain = self._limited(part, plain)
             try:
-                both = found.get(name, REAL) & domain
+                both = domains.get(name, REAL) & domain
             except ValueError as error:
                 raise part.error(str(error)) from None
-            found[name] = inhabited(part, both, name)
+            domains[name] = inhabited(part, both, name)
         for letter in letters:
-            self.variables[letter] = symbol_of(letter, found.get(letter, REAL) & _whole(letter))
+            self.variables[letter] = symbol_of(letter, domains.get(letter, REAL) & _whole(letter))
         real = {plain[letter]: self.variables[letter] for letter in letters}
-        for letter, domain in found.items():
+        for letter, domain in domains.items():
             domain &= _whole(letter)
             lower, upper = domain.lower.xreplace(real), domain.upper.xreplace(real)
             self._keep(self.variables[letter], replace(domain, lower=lower, upper=upper))
 
     def _limited(self, part: TextPart, plain: Mapping[str, sp.Symbol]) -> tuple[str, Domain]:
-        """Return the variable that an inequality is of, and its domain.
+        """Return the variable that an inequality restricts, and its domain.
 
-        It is the first that is one side of its own, else the first that can be made one.
+        It is the first variable that is a side of its own, else the first that can be isolated.
         """
         first: FormulaError | None = None
         for name in self._subjects(part, [*plain]):
@@ -290,7 +290,7 @@ class _Reading:
         raise first
 
     def _subjects(self, part: TextPart, letters: Sequence[str]) -> list[str]:
-        """Return the variables that an inequality may be of."""
+        """Return the variables that an inequality may restrict."""
         sides: list[list[Token]] = [[]]
         for word in part.words[:-1]:
             if word.kind == "sign" and word.text in ("<", "<=", ">", ">=", "!="):
@@ -389,7 +389,7 @@ class _Reading:
         )
 
     def _real_parameter(self, name: str) -> sp.Symbol:
-        """A name that is not declared: real; raises ValueError for one that may mean another."""
+        """Return a real symbol for an undeclared name; ValueError if it may mean another name."""
         known = self.names.get(name)  # an inequality is read with a copy of the names
         if isinstance(known, sp.Symbol):
             return known
@@ -404,24 +404,24 @@ class _Reading:
             raise ValueError(f"expected a name of its own, got '{name}' (rename the parameter)")
         if name in FUNCTIONS:
             raise ValueError(f"expected '(' behind the function {name}")
-        if meant := self._misread(name):
-            raise ValueError(f"expected a name of its own, got '{name}' (write {meant})")
+        if remedy := self._misread(name):
+            raise ValueError(f"expected a name of its own, got '{name}' (write {remedy})")
         self.names[name] = sp.Symbol(name, real=True)
         return self.names[name]
 
     def _misread(self, name: str, *, declared: bool = False) -> str | None:
-        """What to write for a name that reads as something of an unknown or a variable."""
+        """Return what to write for a name that looks like a derivative or product, else None."""
         unknowns = [part.words[0].text for part in self.solutions]
         spelling = Spelling(FUNCTIONS, unknowns, self.known.letters(self.names), self.names)
         return misread(name, spelling, declared=declared)
 
-    def _wanted(self, part: TextPart) -> sp.Symbol:
-        """The parameter that is to be solved for."""
-        found = self.names.get(part.words[0].text)
-        if len(part.words) > 2 or not isinstance(found, sp.Symbol):
+    def _target(self, part: TextPart) -> sp.Symbol:
+        """Return the parameter to solve for."""
+        symbol = self.names.get(part.words[0].text)
+        if len(part.words) > 2 or not isinstance(symbol, sp.Symbol):
             known = ", ".join(n for n, value in self.names.items() if value.is_Symbol) or "none"
             raise part.error(f"expected a parameter ({known}), got {part.words[0]}")
-        return found
+        return symbol
 
     def _check_use(self) -> None:
         words = {word.text for part in (*self.solutions, *self.equations) for word in part.words}
@@ -434,7 +434,7 @@ class _Reading:
                 raise part.error(f"expected an unknown of the equations, got {name}")
 
     def _check_domains(self) -> None:
-        """Raise FormulaError for domains that the prover cannot take, or that hold no point."""
+        """Raise FormulaError for domains that the prover does not accept or that are empty."""
         if not self.domains:
             return
         try:

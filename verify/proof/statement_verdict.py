@@ -1,8 +1,8 @@
-"""Verdicts on statements (`verify.proof.statement_text`): every equation proved, or one refuted.
+"""Decide statements (`verify.proof.statement_text`): every equation proved, or one refuted.
 
 A statement is refuted by a point of the domain at which a ball around the residual of the typed
-trees excludes 0, and proved by certificates of the typed texts into which the checker puts the
-formulas.  SymPy is asked for hints alone.
+trees excludes 0.  It is proved by certificates of the typed texts, into which the checker
+substitutes the formulas.  SymPy gives only hints.
 """
 
 from __future__ import annotations
@@ -42,10 +42,10 @@ UNSEEN = "an equation fails at a point at which its residual could not be repeat
 
 @dataclass(frozen=True, repr=False)
 class StatementVerdict(ProofVerdict):
-    """The verdict on a statement: ``statement`` is what was read, in LaTeX.
+    """Verdict on a statement; ``statement`` is the parsed statement in LaTeX.
 
-    ``certificates`` has one for each equation of a proof; ``hint`` says what holds in the place of
-    a refuted formula, and where ``hint_verdict``, the proof of it, leaves that open.
+    ``certificates`` has one for each equation of a proof.  ``hint`` says what holds instead of a
+    refuted formula; ``hint_verdict`` is the proof of it.
     """
 
     statement: str = ""
@@ -55,15 +55,15 @@ class StatementVerdict(ProofVerdict):
 
     @property
     def hint_certificates(self) -> tuple[Mapping[str, Any], ...]:
-        """The certificates of what holds in the place of a refuted formula."""
+        """Certificates of the hint."""
         return self.hint_verdict.certificates if self.hint_verdict else ()
 
     @property
-    def told(self) -> dict[str, str]:
-        """The same, the statement in the place of its equations, and what would hold."""
+    def html_rows(self) -> dict[str, str]:
+        """Rows of the HTML table, with the statement (if short) and the hint."""
         is_short = len(self.statement) <= LONGEST_FORMULA
         equation = rf"$\displaystyle {self.statement}$" if is_short else self.equation
-        return super().told | {"equation": equation, "what would hold": self.hint}
+        return super().html_rows | {"equation": equation, "what would hold": self.hint}
 
     def json(self) -> dict[str, Any]:
         """Return the record as plain data."""
@@ -84,14 +84,14 @@ class StatementVerdict(ProofVerdict):
 
 
 def decide_statement(statement: Statement, progress: Progress = lambda _: None) -> StatementVerdict:
-    """Return the verdict on a statement; ``progress`` is told what is done next."""
+    """Decide a statement; ``progress`` is called with the name of each step."""
     start = time.perf_counter()
-    found = _decided(statement, progress)
-    return replace(found, seconds=time.perf_counter() - start)
+    verdict = _decided(statement, progress)
+    return replace(verdict, seconds=time.perf_counter() - start)
 
 
 def _decided(statement: Statement, progress: Progress) -> StatementVerdict:
-    """Return the verdict: of a point at which a typed equation fails, or of accepted proofs."""
+    """Return the verdict, from a point at which an equation fails or from accepted proofs."""
     count, certificates = len(statement.equations), list[Certificate]()
     progress(f"equation 1 of {count}")
     failing = failing_values(statement)
@@ -116,29 +116,29 @@ def _decided(statement: Statement, progress: Progress) -> StatementVerdict:
 
 
 def proved(statement: Statement, certificates: Sequence[Mapping[str, Any]]) -> StatementVerdict:
-    """Return the verdict on a statement with accepted certificates of its texts."""
-    found = tuple(map(Certificate, certificates))
+    """Return the verdict PROVED on a statement with accepted certificates of its texts."""
+    accepted = tuple(map(Certificate, certificates))
     jumps, places = left_open(statement)
     return StatementVerdict(
-        **said_of(statement) | {"sides": sides(jumps)},
+        **statement_fields(statement) | {"sides": sides(jumps)},
         outcome=Outcome.PROVED,
-        detail=f"numerator 0 in {found[0].generators} generators, accepted by the checker",
+        detail=f"numerator 0 in {accepted[0].generators} generators, accepted by the checker",
         residual=0.0,
         assumptions=(
             scope(statement).text,
-            *united((f"no denominator vanishes identically: see {c.point}",) for c in found),
+            *united((f"no denominator vanishes identically: see {c.point}",) for c in accepted),
             *(f"holds where the formula is smooth, possibly not so: {line}" for line in places),
         ),
         singularities=places,
-        certificate=found[0],
-        certificates=found,
+        certificate=accepted[0],
+        certificates=accepted,
     )
 
 
 def refuted(statement: Statement, witness: Mapping[str, str]) -> StatementVerdict | None:
-    """The verdict on a statement at a point of its domain; None where no equation is seen to fail.
+    """Return the verdict REFUTED by a point of the domain; None if no equation is shown to fail.
 
-    Complex values, which no number is, are put into the trees.
+    Complex values, which are not numbers of a point, are substituted into the trees.
     """
     trees, numbers = witness_trees(statement, statement.trees, witness)
     failing = TypedValues(trees, typed_domains(statement)).failing(numbers)
@@ -151,7 +151,7 @@ def refuted(statement: Statement, witness: Mapping[str, str]) -> StatementVerdic
     names = (statement.trees.names | bounds) - {*statement.functions}
     chosen = {name: f"1/gamma(z + {generic_shift(name)})" for name in statement.functions}
     return StatementVerdict(
-        **said_of(statement),
+        **statement_fields(statement),
         outcome=Outcome.REFUTED,
         detail=f"{where}residual {residual.str(prover.SHOWN_DIGITS)} excludes 0",
         witness={name: str(numbers.get(name, witness[name])) for name in sorted(names)} | chosen,
@@ -161,7 +161,7 @@ def refuted(statement: Statement, witness: Mapping[str, str]) -> StatementVerdic
 def witness_trees(
     statement: Statement, trees: StatementTrees, witness: Mapping[str, str]
 ) -> tuple[StatementTrees, dict[str, Fraction]]:
-    """The trees with the complex values of a point put in, and the values that are numbers."""
+    """Substitute the complex values of a point into the trees; return them and its other values."""
     complexes = {n: witness[n] for n in statement.complexes if "I" in witness[n]}
     trees = trees.with_values(complexes)
     if any(rational(mapped(tree_of(text), _without_unit)) is None for text in complexes.values()):
@@ -174,11 +174,11 @@ def _without_unit(node: FormulaTree) -> FormulaTree | None:
 
 
 def united(lines: Iterable[Iterable[str]]) -> tuple[str, ...]:
-    """Return all lines, each once."""
+    """Return all lines, without repeats."""
     return tuple(dict.fromkeys(chain.from_iterable(lines)))
 
 
-def said_of(statement: Statement) -> dict[str, Any]:
+def statement_fields(statement: Statement) -> dict[str, Any]:
     """Return the fields of a verdict that describe its statement."""
     return {
         "name": statement.name,
@@ -190,18 +190,18 @@ def said_of(statement: Statement) -> dict[str, Any]:
 
 
 def undecided(statement: Statement, reason: str, seconds: float = 0.0) -> StatementVerdict:
-    """Return the verdict that there is none, for a reason."""
-    fields = said_of(statement)
+    """Return the verdict UNDECIDED with a reason."""
+    fields = statement_fields(statement)
     return StatementVerdict(**fields, outcome=Outcome.UNDECIDED, detail=reason, seconds=seconds)
 
 
 def stated_equation(text: str) -> str:
-    """Return an equation as it was typed, with its right-hand side."""
+    """Return an equation as typed, with its right-hand side."""
     return " ".join(text.split()) + ("" if "=" in text else " = 0")
 
 
 def verified_sentence(statement: Statement, verdict: StatementVerdict) -> str:
-    r"""Return the verdict as a sentence in LaTeX, a proof with the digests of its certificates.
+    r"""Return the verdict as a LaTeX sentence; a proof has the digests of its certificates.
 
     >>> from longwave.verify.proof.statement_text import read_statement
     >>> statement = read_statement("u_x - 1", "u = x")
@@ -230,24 +230,24 @@ def verified_sentence(statement: Statement, verdict: StatementVerdict) -> str:
 
 
 def _corners_latex(statement: Statement, lines: Sequence[str]) -> list[str]:
-    """Return the places of jumps and corners, where formulas have values, as equations in LaTeX.
+    """Return the places of jumps and corners, at which formulas are defined, as LaTeX equations.
 
-    A place that is shown with dots, or in no formula's words, stays as it is.
+    A place that cannot be parsed, such as one with dots, is quoted as text.
     """
-    found = []
+    equations = []
     for line in lines:
         if place := re.fullmatch(r"jump or corner (?:at the site|at|where) (.*) = (.*)", line):
             try:
                 trees = [tree_of(side, statement.functions) for side in place.groups()]
-                found.append(f"${' = '.join(map(formula_latex, trees))}$")
+                equations.append(f"${' = '.join(map(formula_latex, trees))}$")
             except ValueError:
                 escaped = " = ".join(place.groups()).replace("_", r"\_")
-                found.append(rf"\texttt{{{escaped}}}")
-    return found
+                equations.append(rf"\texttt{{{escaped}}}")
+    return equations
 
 
 def _values_latex(statement: Statement, witness: Mapping[str, str]) -> Iterator[str]:
-    """Yield the values of a point, and the functions of one argument z at it."""
+    """Yield the values of a witness in LaTeX; arbitrary functions as functions of z."""
     for name, text in witness.items():
         if name in statement.functions:
             below = rf"\Gamma\left(z + {generic_shift(name)}\right)"

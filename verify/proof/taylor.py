@@ -1,4 +1,4 @@
-"""Taylor coefficients of special functions at a ball, each by its differential equation."""
+"""Taylor coefficients of functions at a ball, from FLINT's series or differential equations."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ Series = list[acb]
 
 
 def _product(left: Sequence[acb], right: Sequence[acb], place: int) -> acb:
-    """Coefficient ``place`` of a product of series."""
+    """Return coefficient number ``place`` of a product of series."""
     return sum((left[i] * right[place - i] for i in range(place + 1)), acb(0))
 
 
 def periodic(name: str) -> Callable[[acb, int], Series]:
-    """sin, cos, sinh or cosh, each two derivatives away from itself or minus itself."""
+    """Return the series of sin, cos, sinh or cosh, whose derivatives alternate between two."""
     other = {"sin": "cos", "cos": "sin", "sinh": "cosh", "cosh": "sinh"}[name]
     signs = {"sin": (1, 1, -1, -1), "cos": (1, -1, -1, 1)}.get(name, (1, 1, 1, 1))
 
@@ -34,14 +34,14 @@ def periodic(name: str) -> Callable[[acb, int], Series]:
 
 
 def power(exponent: Fraction) -> Callable[[acb, int], Series]:
-    """z to a rational power (principal branch)."""
+    """Return the series of a rational power (principal branch)."""
     q = fmpq(exponent.numerator, exponent.denominator)
 
     def taylor(z: acb, order: int) -> Series:
-        found = [z.sqrt() if exponent == Fraction(1, 2) else _integer_or_root(z, exponent)]
+        series = [z.sqrt() if exponent == Fraction(1, 2) else _integer_or_root(z, exponent)]
         for n in range(1, order + 1):
-            found.append(found[-1] * acb(q - n + 1) / (n * z))
-        return found
+            series.append(series[-1] * acb(q - n + 1) / (n * z))
+        return series
 
     return taylor
 
@@ -54,7 +54,7 @@ def _integer_or_root(z: acb, exponent: Fraction) -> acb:
 
 @contextmanager
 def _terms(count: int) -> Iterator[None]:
-    """So many terms of FLINT's series: it keeps 10 unless told, and takes the others for 0."""
+    """Set the number of terms of FLINT's series; the default is 10, with the others taken as 0."""
     before, ctx.cap = ctx.cap, count
     try:
         yield
@@ -63,12 +63,12 @@ def _terms(count: int) -> Iterator[None]:
 
 
 def special(name: str) -> Callable[[acb, int], Series]:
-    """Return a function by FLINT's series of the name."""
+    """Return the series of a function, computed by FLINT's method ``name``."""
 
     def taylor(z: acb, order: int) -> Series:
         with _terms(order + 1):
-            found = getattr(acb_series([z, 1], order + 1), name)()
-        return [found[n] for n in range(order + 1)]
+            series = getattr(acb_series([z, 1], order + 1), name)()
+        return [series[n] for n in range(order + 1)]
 
     return taylor
 
@@ -77,44 +77,46 @@ logarithm = special("log")
 
 
 def _ball(name: str, *arguments: Any) -> acb:
-    """Return the kernel's ball of a function that FLINT does not have by the name."""
+    """Return the kernel's ball of a function; ``name`` is a key of its function table."""
     ball = FUNCTIONS[name].ball
     assert ball is not None
     return ball(*arguments)
 
 
 def bessel(name: str, v: acb) -> Callable[[acb, int], Series]:
-    """Return a Bessel function of order ``v``."""
+    """Return the series of a Bessel function of order ``v``."""
     sign, up = -1 if name in ("bessel_i", "bessel_k") else 1, CYLINDER[name][0]
 
     def taylor(z: acb, order: int) -> Series:
         value = _ball(name, v, z)
-        found = [value, v / z * value + up * _ball(name, v + 1, z)]
+        series = [value, v / z * value + up * _ball(name, v + 1, z)]
         for n in range(order - 1):
-            rest = (n * n + sign * z * z - v * v) * found[n] + (n + 1) * (2 * n + 1) * z * found[-1]
-            rest += sign * (2 * z * found[n - 1] if n else acb(0))
-            rest += sign * (found[n - 2] if n > 1 else acb(0))
-            found.append(-rest / ((n + 2) * (n + 1) * z * z))
-        return found[: order + 1]
+            rest = (n * n + sign * z * z - v * v) * series[n] + (n + 1) * (2 * n + 1) * z * series[
+                -1
+            ]
+            rest += sign * (2 * z * series[n - 1] if n else acb(0))
+            rest += sign * (series[n - 2] if n > 1 else acb(0))
+            series.append(-rest / ((n + 2) * (n + 1) * z * z))
+        return series[: order + 1]
 
     return taylor
 
 
 def weierstrass(g2: acb, g3: acb, slopes: int) -> Callable[[acb, int], Series]:
-    """Weierstrass' function of the invariants, or with ``slopes`` = 1 its derivative."""
+    """Return the series of Weierstrass' p with these invariants; with ``slopes`` = 1, of p'."""
 
     def taylor(z: acb, order: int) -> Series:
-        found = [_ball(name, z, g2, g3) for name in ("weierstrass_p", "weierstrass_p_prime")]
+        series = [_ball(name, z, g2, g3) for name in ("weierstrass_p", "weierstrass_p_prime")]
         for n in range(order + slopes - 1):
-            rest = 6 * _product(found, found, n) - (g2 / 2 if n == 0 else 0)
-            found.append(rest / ((n + 2) * (n + 1)))
-        return [c * (n or 1) if slopes else c for n, c in enumerate(found)][slopes:][: order + 1]
+            rest = 6 * _product(series, series, n) - (g2 / 2 if n == 0 else 0)
+            series.append(rest / ((n + 2) * (n + 1)))
+        return [c * (n or 1) if slopes else c for n, c in enumerate(series)][slopes:][: order + 1]
 
     return taylor
 
 
 def free(name: str, start: int, *nome: acb) -> Callable[[acb, int], Series]:
-    """Return the derivative of order ``start`` of a theta function, or of an arbitrary function."""
+    """Return the series of the ``start``-th derivative of a theta or an arbitrary function."""
     kind = "theta" if nome else "jet"
     return lambda z, order: [
         _ball(kind, z, *nome, (name, start + n)) / factorial(n) for n in range(order + 1)
@@ -122,7 +124,7 @@ def free(name: str, start: int, *nome: acb) -> Callable[[acb, int], Series]:
 
 
 def inverse(name: str) -> Callable[[acb, int], Series]:
-    """asin, acos, atan, asinh, acosh or atanh, off its cuts, by its derivative."""
+    """Return the series of asin, acos, atan, asinh, acosh or atanh off its cuts, by its slope."""
 
     def taylor(z: acb, order: int) -> Series:
         with _terms(order + 1):
@@ -143,10 +145,10 @@ INVERSE_SLOPES: dict[str, Callable[[acb_series], acb_series]] = {
 
 
 class AtZero:
-    """The Jacobi functions of m = 0, all but theta and eta."""
+    """Jacobi functions for m = 0, all except theta and eta."""
 
     K = E = acb(1)
-    """Up to a common factor."""
+    """Complete integrals, up to a common factor."""
 
     def __init__(self, m: acb) -> None:
         self.m = m
@@ -172,12 +174,12 @@ class AtZero:
         return acb(0)
 
     def theta(self, _z: acb) -> acb:
-        """Theta, which is not defined there."""
+        """Raise ValueError: theta is not defined here."""
         raise ValueError(f"this function needs 0 < m < 1, got m = {self.m.str(10)}")
 
 
 class AtOne(AtZero):
-    """Jacobi functions of m = 1, all but zeta, theta and eta."""
+    """Jacobi functions for m = 1, all except zeta, theta and eta."""
 
     def sn(self, z: acb) -> acb:
         """sn."""
@@ -196,12 +198,12 @@ class AtOne(AtZero):
         return z.tanh()
 
     def zeta(self, z: acb) -> acb:
-        """Theta'/Theta, which is not defined there."""
+        """Raise ValueError: zeta is not defined here."""
         return self.theta(z)
 
 
 class Elliptic:
-    """Series of the Jacobi functions of a real parameter."""
+    """Series of the Jacobi functions with a real parameter."""
 
     def __init__(self, m: acb) -> None:
         self._values = (Jacobi if m not in (0, 1) else AtZero if m == 0 else AtOne)(m)
@@ -230,14 +232,14 @@ class Elliptic:
         return [self._values.zeta(z), *(c - mean * (n == 0) for n, c in enumerate(rest))]
 
     def theta(self, z: acb, order: int) -> Series:
-        """Theta, with Theta' = zeta Theta."""
-        zeta, found = self.zeta(z, order), [self._values.theta(z)]
+        """Return the series of theta, from Theta' = zeta Theta."""
+        zeta, series = self.zeta(z, order), [self._values.theta(z)]
         for n in range(order):
-            found.append(_product(zeta, found, n) / (n + 1))
-        return found
+            series.append(_product(zeta, series, n) / (n + 1))
+        return series
 
     def eta(self, z: acb, order: int) -> Series:
-        """H = sqrt(k) sn Theta."""
+        """Return the series of H = sqrt(k) sn Theta."""
         sn, theta = self.sn(z, order), self.theta(z, order)
         root_k = self._values.m.root(4)
         return [root_k * _product(sn, theta, n) for n in range(order + 1)]

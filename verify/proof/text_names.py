@@ -1,4 +1,4 @@
-"""Names that have a meaning in statements: variables, functions, and constants of other systems."""
+"""Names with a meaning in statements: variables, functions, and constants of other systems."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ MISREAD = {
     "nan": "formulas have values",
     "zoo": "formulas have values",
 }
-"""Names that are taken for constants elsewhere, and must be declared here."""
+"""Names that are constants in other systems and must be declared here."""
 
 _ONE = (
     *(sp.exp, sp.log, sp.sqrt, sp.sin, sp.cos, sp.tan, sp.cot, sp.sec, sp.csc),
@@ -50,7 +50,7 @@ OTHERS = {
     "airy_bi_prime": sp.airybiprime,
     "lambert_w": sp.LambertW,
 }
-"""Functions of z that SymPy calls otherwise."""
+"""Functions of z with another name in SymPy."""
 
 FUNCTIONS = {
     "abs": (sp.Abs, 1),
@@ -61,9 +61,9 @@ FUNCTIONS = {
     **{name: (jet_function(name), 2) for name in THETA},
     **{function.__name__: (function, 3) for function in (weierstrass_p, weierstrass_p_prime)},
 }
-"""The functions of the grammar, each with the number of its arguments."""
+"""Functions of the grammar, each with its arity."""
 
 
 def function_named(name: str) -> Any:
-    """The function of a text that was read: one of the grammar, or an arbitrary one."""
+    """Return the function of the grammar with this name, else an arbitrary function."""
     return FUNCTIONS[name][0] if name in FUNCTIONS else jet_function(name)

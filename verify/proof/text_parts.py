@@ -1,6 +1,6 @@
-"""Parts of a statement's text, the variables in them, and the domains that they state.
+"""Split a statement's text into parts; find their variables and parse the domains they state.
 
-Variables are those named, or of x, y, z, t and n; domains are as ``0<k<1`` or ``integer, j>0``.
+Variables are the named ones, or x, y, z, t and n.  Domains look like ``0<k<1``, ``integer, j>0``.
 """
 
 from __future__ import annotations
@@ -32,18 +32,18 @@ WORDS = {
     "negative": Domain(upper=sp.S.Zero),
     "nonzero": Domain(nonzero=True),
 }
-"""Domains in a word; `complex` is none, and stands alone."""
+"""Domains in one word; `complex` is not a domain and must be the only word."""
 
 RESERVED = (*WORDS, "complex", "function")
-"""Words for domains and kinds, which are no names."""
+"""Words for domains and kinds, which cannot be names."""
 
 MOST_VARIABLES = 8
-"""Variables that a certificate may have."""
+"""Most variables of a certificate."""
 
 
 @dataclass(frozen=True)
 class TextPart:
-    """A stretch of a text between separators: its tokens, with one of kind end."""
+    """Part of a text between separators, as its tokens and a last token of kind ``end``."""
 
     label: str
     text: str
@@ -51,25 +51,25 @@ class TextPart:
 
     @property
     def written(self) -> str:
-        """The stretch as it was typed."""
+        """The part as typed."""
         return self.text[self.words[0].start : self.words[-1].start].strip()
 
     def parser(self, vocabulary: Vocabulary, skipped: int = 0) -> Parser:
-        """A parser of the words behind the first ``skipped``."""
+        """Return a parser of the words after the first ``skipped``."""
         return Parser(self.text, self.words[skipped:], vocabulary, self.label)
 
     def error(self, words: str, place: int = 0) -> FormulaError:
-        """The error at a word."""
+        """Return the error at word number ``place``."""
         return FormulaError(self.label, words, self.text, self.words[place].start)
 
     def index(self, *signs: str) -> int | None:
-        """Where the first of the signs stands."""
-        found = (i for i, w in enumerate(self.words) if w.kind == "sign" and w.text in signs)
-        return next(found, None)
+        """Return the position of the first of the signs, or None."""
+        positions = (i for i, w in enumerate(self.words) if w.kind == "sign" and w.text in signs)
+        return next(positions, None)
 
 
 def text_parts(text: str, label: str, *separators: str) -> Iterator[TextPart]:
-    """The stretches of a text; without separators at ``;;``, where none may be empty.
+    """Yield the parts of a text; without separators it is split at ``;;`` and no part may be empty.
 
     >>> [part.text[part.words[0].start :] for part in text_parts("u_t ;; v_t", "equation")]
     ['u_t ;; v_t', 'v_t']
@@ -83,15 +83,15 @@ def text_parts(text: str, label: str, *separators: str) -> Iterator[TextPart]:
         if place > start:
             yield TextPart(label, text, [*words[start:place], Token("end", "", word.start)])
         elif not separators:
-            found = "the end" if word.kind == "end" else str(word)
-            raise FormulaError(label, f"expected a formula, got {found}", text, word.start)
+            got = "the end" if word.kind == "end" else str(word)
+            raise FormulaError(label, f"expected a formula, got {got}", text, word.start)
         start = place + 1
 
 
 def condition(part: TextPart, parser: Parser, name: str) -> Domain:
-    """The domain of ``name`` that comes: one word, or a chain of inequalities.
+    """Parse the next condition on ``name``: one word, or a chain of inequalities.
 
-    Raises FormulaError for what is neither.
+    Raises FormulaError for anything else.
     """
     own = parser.vocabulary.names[name]
     start = part.words.index(parser.next)
@@ -108,28 +108,28 @@ def condition(part: TextPart, parser: Parser, name: str) -> Domain:
         known = ", ".join(WORDS)
         words = f"expected an inequality such as {name}>0, or one of {known}, got"
         raise part.error(f"{words} {part.words[start]}", start)
-    wanted = f"expected inequalities of {name}, as in 0<{name}<1"
+    expected = f"expected inequalities of {name}, as in 0<{name}<1"
     if sides.count(own) != 1 or any(s != own and s.has(own) for s in sides):
         pairs = zip(sides, signs, sides[1:], strict=False)
-        found = [_linear(left - right, sign, own) for left, sign, right in pairs]
-        if None in found:
+        domains = [_linear(left - right, sign, own) for left, sign, right in pairs]
+        if None in domains:
             remedy = f"or sums with a multiple of {name} by a number, as in {name} + c > 0"
-            raise part.error(f"{wanted}, {remedy}", start)
-        return reduce(and_, (domain for domain in found if domain))
+            raise part.error(f"{expected}, {remedy}", start)
+        return reduce(and_, (domain for domain in domains if domain))
     if "!=" in signs:
         if signs != ["!="] or sp.S.Zero not in sides:
             raise part.error(f"expected {name}!=0 alone", start)
         return WORDS["nonzero"]
     if len({sign[0] for sign in signs}) > 1 or len(sides) > 3:
-        raise part.error(f"{wanted}, got signs both ways", start)
+        raise part.error(f"{expected}, got signs both ways", start)
     place = sides.index(own)
     if len(sides) == 3 and place != 1:
-        raise part.error(wanted, start)
+        raise part.error(expected, start)
     return _between(sides, signs, place)
 
 
 def inhabited(part: TextPart, domain: Domain, name: str, place: int = 0) -> Domain:
-    """The domain; raises FormulaError for one between numbers without inner points."""
+    """Return the domain; raises FormulaError if its numeric bounds leave no inner point."""
     if domain.lower.is_number and domain.upper.is_number and not domain.lower < domain.upper:
         words = f"expected a domain with inner points, got {domain.text(sp.Symbol(name))}"
         raise part.error(words, place)
@@ -137,7 +137,7 @@ def inhabited(part: TextPart, domain: Domain, name: str, place: int = 0) -> Doma
 
 
 def symbol_of(name: str, domain: Domain) -> sp.Symbol:
-    """A real symbol that knows the sign that its domain gives it, but for a site: it is shifted."""
+    """Return a real symbol with the sign of its domain; a site has no sign, since it is shifted."""
     if name == SITE:
         return sp.Symbol(name, integer=True)
     known: dict[str, bool] = {"integer": True} if domain.integer else {"real": True}
@@ -164,7 +164,7 @@ def _linear(gap: sp.Expr, sign: str, own: sp.Symbol) -> Domain | None:
 
 
 def _between(sides: Sequence[sp.Expr], signs: Sequence[str], place: int) -> Domain:
-    """The domain of the side at ``place`` of a chain of inequalities."""
+    """Return the domain of the side number ``place`` of a chain of inequalities."""
     if signs[0][0] == ">":
         sides, signs, place = sides[::-1], signs[::-1], len(signs) - place
     lower, upper, lower_open, upper_open = -sp.oo, sp.oo, True, True
@@ -176,33 +176,33 @@ def _between(sides: Sequence[sp.Expr], signs: Sequence[str], place: int) -> Doma
 
 
 def variable_names(text: str) -> tuple[str, ...]:
-    """The names in ``r, t``; raises FormulaError for what is no name of a variable.
+    """Return the names in ``r, t``; raises FormulaError for anything but names of variables.
 
     >>> variable_names("r, t")
     ('r', 't')
     """
-    found: list[str] = []
+    names: list[str] = []
     for place, word in enumerate(words := tokens(text, "variables")[:-1]):
         if place % 2:
             if word.text not in (",", ";"):
                 raise FormulaError("variables", f"expected ',', got {word}", text, word.start)
             continue
         name = word.text
-        if word.kind != "name" or len(name) > 1 or name in CONSTANTS or name in found:
-            wanted = f"expected a letter of its own for a variable, as in r, t, got {word}"
-            raise FormulaError("variables", wanted, text, word.start)
-        found.append(name)
-    if len(words) != max(0, 2 * len(found) - 1) or len(found) > MOST_VARIABLES:
-        said = f"expected at most {MOST_VARIABLES} letters with commas between, as in r, t"
-        raise FormulaError("variables", said, text, 0)
-    return tuple(found)
+        if word.kind != "name" or len(name) > 1 or name in CONSTANTS or name in names:
+            words_expected = f"expected a letter of its own for a variable, as in r, t, got {word}"
+            raise FormulaError("variables", words_expected, text, word.start)
+        names.append(name)
+    if len(words) != max(0, 2 * len(names) - 1) or len(names) > MOST_VARIABLES:
+        limit = f"expected at most {MOST_VARIABLES} letters with commas between, as in r, t"
+        raise FormulaError("variables", limit, text, 0)
+    return tuple(names)
 
 
 class VariableNames:
-    """Which names are variables in the texts ``parts``.
+    """Names of the variables in the texts ``parts``.
 
-    Without any in ``named`` they are those of x, y, z, t and n that occur; n is the site of a
-    lattice, also where others are named.
+    If ``named`` is empty they are those of x, y, z, t and n that occur.  n is always the site of a
+    lattice.
     """
 
     def __init__(self, named: Sequence[str], parts: Iterable[TextPart]) -> None:
@@ -211,13 +211,13 @@ class VariableNames:
         self.reserved = (*self.continuous, SITE)
 
     def words(self) -> Iterator[tuple[TextPart, int, Token]]:
-        """The words of all parts, with their places."""
+        """Yield the words of all parts, with their positions."""
         for part in self._parts:
             for place, word in enumerate(part.words):
                 yield part, place, word
 
     def is_derivative(self, word: Token, names: Iterable[str]) -> bool:
-        """Whether a word is an unknown with subscripts, not one of the declared ``names``."""
+        """Return whether a word is an unknown with subscripts and not a declared name."""
         base, _, steps = word.text.partition("_")
         return bool(
             word.kind == "name"
@@ -228,18 +228,18 @@ class VariableNames:
         )
 
     def letters(self, names: Iterable[str]) -> list[str]:
-        """The variables, the site first: those that are named, else those that occur, else x."""
-        found: set[str] = set(self._named)
+        """Return the variables, the site first: those named or occurring, else x."""
+        occurring: set[str] = set(self._named)
         for _, _, word in self.words():
             if word.kind == "name" and word.text in self.reserved:
-                found.add(word.text)
+                occurring.add(word.text)
             elif self.is_derivative(word, names):
-                found |= set(word.text.partition("_")[2])
-        letters = [letter for letter in (SITE, *self.continuous) if letter in found]
+                occurring |= set(word.text.partition("_")[2])
+        letters = [letter for letter in (SITE, *self.continuous) if letter in occurring]
         return letters or [CONTINUOUS[0]]
 
     def indexed(self) -> set[str]:
-        """The names with a site behind them."""
+        """Return the names that are followed by a site, as in u[n]."""
         return {
             word.text.partition("_")[0]
             for part, place, word in self.words()

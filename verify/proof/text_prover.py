@@ -1,4 +1,4 @@
-"""`prove` for texts and for SymPy objects: the verdict, or for which constants there is one."""
+"""`prove` for texts and for SymPy objects: the verdict, or the constants for which it holds."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ def prove(
 ) -> ProofVerdict:
     """Decide whether a formula solves an equation, both in text or both as SymPy objects.
 
-    Texts are those of `verify.proof.statement_text`, with ``parameters``, ``domain`` and ``name``;
-    with ``solve``, names of parameters as in ``c, b``, the answer says for which values of these;
-    ``variables`` names the independent ones in the place of x, y, z and t, as in ``r, t``.
+    Texts follow `verify.proof.statement_text`, with ``parameters``, ``domain`` and ``name``.
+    ``solve`` names parameters, as in ``c, b``; the answer then has the values for which it holds.
+    ``variables`` names the independent variables instead of x, y, z and t, as in ``r, t``.
     With ``weak`` the equation is in conservation form, and conditions at a jump are decided too.
     SymPy objects and their options are those of `verify.proof.prover.prove`.
 
@@ -68,10 +68,10 @@ def prove(
 
 
 def answer(statement: Statement, progress: Progress = lambda _: None) -> StatementVerdict:
-    """The verdict on a statement, or for which values of what is wanted it holds."""
+    """Decide a statement, or find the values of its ``solve_for`` parameters for which it holds."""
     if statement.weak:
         return decide_weak(statement, progress)
-    decide = solve_statement if statement.wanted else decide_statement
+    decide = solve_statement if statement.solve_for else decide_statement
     return decide(statement, progress)
 
 

@@ -1,4 +1,4 @@
-"""Nodes of a certificate as texts of the grammar, which the checker reads back node for node."""
+"""Write nodes of a certificate as texts of the grammar, which the checker reads back exactly."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from longwave.derive.algebra.formula_tree import ATOM, POWER, PRODUCT, SUM, Part
 Node = list[Any]
 
 Meaning = Callable[[int], Part]
-"""What stands for the node at a place in the text of another."""
+"""Function that returns the text of the node at a place, for use in the text of another."""
 
 LEAVES = ("number", "symbol", "constant")
 
 LONG = 40
-"""Characters from which a formula that occurs twice gets a name."""
+"""Length from which repeated formulas get a name (see `Written`)."""
 
 
 def node_text(
@@ -26,7 +26,7 @@ def node_text(
     variables: Sequence[str] = (),
     power: str = "**",
 ) -> Part:
-    """Return a node as text, such that it is read back as this node where powers are ``**``."""
+    """Return a node as text; with the power sign ``**`` it is read back as the same node."""
 
     def enclosed(place: int, closely: int) -> str:
         text, level = meaning(place)
@@ -60,7 +60,7 @@ def node_text(
 
 
 def _product(parts: Sequence[Part]) -> str:
-    """Return a product; a number is at its head, and -1 a sign."""
+    """Return a product; a number comes first, and -1 is a sign."""
     (head, level), *rest = parts
     texts = [head if level >= POWER or (head[-1].isdigit() and level) else f"({head})"]
     texts += [text if level >= POWER else f"({text})" for text, level in rest]
@@ -77,7 +77,7 @@ def _monomial(coefficient: str, exponents: Sequence[int], texts: Sequence[str], 
 
 
 def numbered(nodes: Sequence[Node]) -> list[str]:
-    """Return a text for every node, in the numbers of those before it: ``#3*#7``."""
+    """Return a text for every node; earlier nodes are references such as ``#3*#7``."""
 
     def meaning(place: int) -> Part:
         leaf = nodes[place][0] in LEAVES
@@ -87,7 +87,7 @@ def numbered(nodes: Sequence[Node]) -> list[str]:
 
 
 class Written:
-    """Formulas in full; what occurs twice and is long gets a name, once."""
+    """Formulas as full texts; long parts that occur often are ``named`` and written once."""
 
     def __init__(
         self,
@@ -132,8 +132,8 @@ def _children(node: Node) -> list[int]:
 
 
 def _with_unknowns(nodes: Sequence[Node]) -> set[int]:
-    found: set[int] = set()
+    containing: set[int] = set()
     for place, node in enumerate(nodes):
-        if node[0] == "unknown" or not found.isdisjoint(_children(node)):
-            found.add(place)
-    return found
+        if node[0] == "unknown" or not containing.isdisjoint(_children(node)):
+            containing.add(place)
+    return containing

@@ -1,7 +1,7 @@
-"""Balls around the residuals of what was typed: trees in Taylor coefficients at a rational point.
+"""Balls around the residuals of typed statements: trees evaluated in Taylor coefficients.
 
-SymPy has no part in it.  What has no certain value, or lies where a formula is not smooth (on a
-branch cut, at a pole, where a modulus is 0), raises ValueError.
+SymPy does not simplify anything here.  ValueError is raised for a formula without a certain value
+at a point or where it is not smooth: on a branch cut, at a pole, or where a modulus is 0.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ from .typed_statement import StatementTrees
 TextPoint = Mapping[str, Fraction]
 
 LARGEST_ROOT = 1000
-"""Degree of a root that is taken; a power beyond is by the logarithm."""
+"""Largest degree of a root; other powers are computed by the logarithm."""
 
 MEAN = ("elliptic_k", "elliptic_e")
 SIZES = ("abs", "sign", "re", "im", "conjugate")
@@ -62,20 +62,20 @@ SIZES = ("abs", "sign", "re", "im", "conjugate")
 
 @dataclass(frozen=True)
 class TypedBall:
-    """A jet, and whether the formula is real by the way that it is made."""
+    """A jet, and whether the formula's structure makes it real."""
 
     jet: Jet
     is_real: bool
 
     @classmethod
     def of(cls, jet: Jet, is_real: bool) -> TypedBall:
-        """A real formula's jet without what rounding leaves of imaginary parts."""
+        """Return a ball; for a real formula, drop the imaginary parts left by rounding."""
         parts = tuple(acb(c.real) for c in jet.coefficients) if is_real else jet.coefficients
         return cls(Jet(jet.shape, parts), is_real)
 
 
 class TypedBalls:
-    """The residuals of a statement's trees; ``integers`` are the names of integers."""
+    """Residuals of a statement's trees; ``integers`` are the names with integer values."""
 
     def __init__(self, trees: StatementTrees, integers: Collection[str]) -> None:
         self.trees = trees
@@ -86,7 +86,7 @@ class TypedBalls:
             self._need(equation, {(0,) * len(self.letters)})
 
     def residuals(self, point: TextPoint, bits: int) -> Iterator[acb]:
-        """A ball for each equation; raises ValueError where there is none."""
+        """Yield a ball for each equation; raises ValueError if there is none."""
         with ctx.workprec(bits):
             shapes = {key: shape_of(frozenset(tops)) for key, tops in self._needed.items()}
             top = TypedPlace(self, point, JetShape([(0,) * len(self.letters)]))
@@ -101,11 +101,11 @@ class TypedBalls:
                 yield found
 
     def steps_of(self, steps: Collection[str]) -> Index:
-        """How often each variable occurs."""
+        """Return the order of a derivative in each variable."""
         return tuple([*steps].count(letter) for letter in self.letters)
 
     def _need(self, formula: FormulaTree, tops: set[Index]) -> None:
-        """Note the derivatives of the unknowns that the derivatives of a formula take."""
+        """Record the derivatives of unknowns that the derivatives ``tops`` of a formula need."""
         if isinstance(formula, Unknown | Derivative):
             tops = {_sum(top, self.steps_of(formula.steps)) for top in tops}
         if isinstance(formula, Unknown):
@@ -120,12 +120,12 @@ def _sum(left: Index, right: Index) -> Index:
 
 @lru_cache(maxsize=64)
 def shape_of(tops: frozenset[Index]) -> JetShape:
-    """The multi-indices below some given ones."""
+    """Return the cached shape of all multi-indices below the given ones."""
     return JetShape(sorted(tops))
 
 
 class TypedPlace:
-    """The trees at one point, to the derivatives of one shape."""
+    """Evaluator of the trees at one point, up to the derivatives of one shape."""
 
     def __init__(self, balls: TypedBalls, point: TextPoint, shape: JetShape) -> None:
         self._balls, self._point, self._shape = balls, point, shape
@@ -133,7 +133,7 @@ class TypedPlace:
         self._found: dict[FormulaTree, TypedBall] = {}
 
     def value(self, formula: FormulaTree) -> TypedBall:
-        """The jet of a formula."""
+        """Return the jet of a formula."""
         if formula not in self._found:
             found = self._value(formula)
             fixed = not found.is_real and found.jet.value.imag == 0 and not _varies(formula)
@@ -182,15 +182,15 @@ class TypedPlace:
         return TypedBall(variable(self._shape, place, exact(self._point[name])), True)
 
     def _derived(self, ball: TypedBall, steps: Collection[str]) -> TypedBall:
-        """The derivatives that this shape has, from a jet of more."""
+        """Return a derivative's jet in this shape, from the jet of a larger shape."""
         known = dict(zip(ball.jet.shape.indices, ball.jet.coefficients, strict=True))
         further = self._balls.steps_of(steps)
-        found = []
+        coefficients = []
         for index in self._shape.indices:
             above = _sum(index, further)
             weight = prod(map(factorial, above)) // prod(map(factorial, index))
-            found.append(known[above] * weight)
-        return TypedBall(Jet(self._shape, tuple(found)), ball.is_real)
+            coefficients.append(known[above] * weight)
+        return TypedBall(Jet(self._shape, tuple(coefficients)), ball.is_real)
 
     # powers
 
@@ -212,7 +212,7 @@ class TypedPlace:
         return TypedBall.of(jet, is_real and above.is_real)
 
     def _exact_value(self, exponent: FormulaTree) -> Fraction | None:
-        """The value of an exponent that is a rational number at the point, and has no slope."""
+        """Return an exponent that is rational and constant at the point; None if it is not."""
         definitions = self._balls.trees.definitions
 
         def image(node: FormulaTree) -> FormulaTree | None:
@@ -225,12 +225,12 @@ class TypedPlace:
         return rational(mapped(exponent, image))
 
     def _is_zero(self, formula: FormulaTree, ball: TypedBall) -> bool:
-        """Whether a formula is 0 and in no continuous variable: so are its modulus and roots."""
+        """Return whether a formula is 0 and free of continuous variables, as are its roots then."""
         names = {node.name for node in formula.nodes() if isinstance(node, Name | Unknown)}
         return bool(ball.jet.value == 0) and not names & {*self._balls.letters}
 
     def _check_smooth(self, function: type, ball: TypedBall) -> None:
-        """Raise ValueError on a cut; a real argument of a logarithm or power stays on it."""
+        """Raise ValueError on a cut, unless a real argument of a logarithm or power stays on it."""
         value = ball.jet.value
         along = function is sp.log and ball.is_real and not value.contains(0)
         if touches_cut(function, value) and not along:
@@ -273,13 +273,13 @@ class TypedPlace:
 
 
 def _varies(formula: FormulaTree) -> bool:
-    """Whether anything but numbers occurs."""
+    """Return whether a formula contains a name other than a constant's."""
     names = (node.name for node in formula.nodes() if isinstance(node, Name | Unknown))
     return not {*names} <= CONSTANTS.keys()
 
 
 def _parameter(ball: TypedBall) -> acb:
-    """The value of an elliptic parameter; raises ValueError unless it is real."""
+    """Return the value of an elliptic parameter; raises ValueError unless it is real."""
     value = constant_value(ball.jet)
     if not ball.is_real:
         raise ValueError(f"elliptic parameters must be real, got {value.str(10)}")

@@ -1,9 +1,9 @@
-"""A proof of the statement as it was typed, where SymPy has simplified it away.
+"""Prove a statement as typed, including the parts that SymPy simplifies away.
 
-SymPy reads ``sqrt(pi**2*x**2)`` as ``pi*x`` and ``0*tanh(x)`` as 0, and a proof about that has no
-step for the root and no generator for tanh.  So generators are sought for every function, power and
-name of the trees, and each root, absolute value and logarithm is said to be what SymPy makes of it,
-which the checker shows.
+SymPy reads ``sqrt(pi**2*x**2)`` as ``pi*x`` and ``0*tanh(x)`` as 0.  A proof about SymPy's form has
+no step for the root and no generator for tanh.  So generators are sought for every function, power
+and name of the trees.  SymPy's form of each root, absolute value and logarithm becomes a hint that
+the checker must confirm.
 """
 
 from __future__ import annotations
@@ -52,19 +52,19 @@ NO_VERDICT = (
     *(ValueError, TypeError, RecursionError, NotImplementedError, OverflowError),
     sp.PolynomialError,
 )
-"""Errors of a search that finds no proof; exponents past 64 bits overflow in FLINT."""
+"""Errors of a search without a proof; exponents above 64 bits overflow in FLINT."""
 
 MOST = 80
-"""Functions, powers and names in the trees."""
+"""Most functions, powers and names in the trees."""
 
 INVERSE = ("asin", "acos", "atan", "asinh", "acosh", "atanh")
-KEPT = (sp.log, sp.atan)
-"""Functions that may be generators as they are."""
+OPAQUE = (sp.log, sp.atan)
+"""Functions that may be generators without being rewritten."""
 
 
 @dataclass(frozen=True)
 class Typed:
-    """A part of a tree, without unknowns; what SymPy makes of it, and it as it stands."""
+    """Part of a tree without unknowns; SymPy's simplified ``value`` and the ``plain`` form."""
 
     tree: FormulaTree
     value: sp.Expr
@@ -74,50 +74,50 @@ class Typed:
 def typed_certificate(statement: Statement, number: int) -> Certificate:
     """Return a certificate of an equation as it was typed that the checker accepts.
 
-    Raises one of `NO_VERDICT`, with the reason of the last search, where none is accepted.
+    Raises one of `NO_VERDICT`, with the reason of the last search, if none is accepted.
     """
     reason: Exception = ValueError("there is no proof")
-    for search in (_as_read, _as_typed, partial(_as_typed, kept=KEPT)):
+    for search in (_as_read, _as_typed, partial(_as_typed, opaque=OPAQUE)):
         try:
-            found = search(statement, number)
-            check_certificate(found)
+            certificate = search(statement, number)
+            check_certificate(certificate)
         except NO_VERDICT as error:
             reason = error
         else:
-            return found
+            return certificate
     raise reason
 
 
 def _problem(statement: Statement, number: int, left: sp.Expr) -> StatementProblem:
-    """Return the problem of an equation, with the texts that were typed of it."""
+    """Return the problem of an equation, with its typed texts."""
     texts = replace(statement.texts, equations=statement.texts.equations[number - 1 : number])
     return replace(statement_problem(statement, left), texts=texts)
 
 
 def _as_read(statement: Statement, number: int) -> Certificate:
-    """Return a certificate with generators for what SymPy makes of the formulas."""
+    """Return a certificate with generators for SymPy's form of the formulas."""
     problem = _problem(statement, number, statement.equations[number - 1])
-    found = make_certificate(problem)
-    return found.changed(proof=with_conjugates(found["proof"], statement.complexes))
+    certificate = make_certificate(problem)
+    return certificate.changed(proof=with_conjugates(certificate["proof"], statement.complexes))
 
 
-def _as_typed(statement: Statement, number: int, kept: tuple[type, ...] = ()) -> Certificate:
-    """Return one with generators of the trees; functions of the types ``kept`` stay as they are."""
+def _as_typed(statement: Statement, number: int, opaque: tuple[type, ...] = ()) -> Certificate:
+    """Return a certificate with generators of the trees, without rewriting ``opaque`` functions."""
     statement = _with_complex_symbols(statement)
-    parts = typed_parts(statement, statement.trees.equations[number - 1], kept)
+    parts = typed_parts(statement, statement.trees.equations[number - 1], opaque)
     also = tuple(dict.fromkeys(e for part in parts for e in (part.plain, part.value)))
     left = statement.equations[number - 1]
-    if kept or not left.atoms(AppliedUndef):
+    if opaque or not left.atoms(AppliedUndef):
         left = next(iter(statement.solutions))  # the certificate states what was typed anyway
         also = tuple(dict.fromkeys(part.plain for part in parts))
     domains = all_domains(statement, left, *also, *vocabulary(statement).names.values())
     problem = replace(_problem(statement, number, left), domains=domains, also=also)
-    found = _certificate(problem, parts, kept)
-    return found.changed(proof=with_conjugates(found["proof"], statement.complexes))
+    certificate = _certificate(problem, parts, opaque)
+    return certificate.changed(proof=with_conjugates(certificate["proof"], statement.complexes))
 
 
 def _with_complex_symbols(statement: Statement) -> Statement:
-    """The statement whose complex parameters have no signs, moduli or conjugates in SymPy."""
+    """Replace complex parameters by symbols without assumptions, so that SymPy evaluates less."""
     if not statement.complexes:
         return statement
     formulas = (*statement.equations, *statement.solutions.values(), *statement.divisors)
@@ -133,7 +133,7 @@ def _with_complex_symbols(statement: Statement) -> Statement:
 
 
 def with_conjugates(proof: Data, complexes: Sequence[str]) -> Data:
-    """The proof in which complex parameters, and their conjugates, are the first generators."""
+    """Return the proof with complex parameters and their conjugates as first generators."""
     formulas, first = [*proof["formulas"]], []
     for name in complexes:
         first += [["atom", len(formulas)], ["atom", len(formulas) + 1]]
@@ -144,35 +144,35 @@ def with_conjugates(proof: Data, complexes: Sequence[str]) -> Data:
 
 
 def _certificate(
-    problem: StatementProblem, parts: Sequence[Typed], kept: tuple[type, ...]
+    problem: StatementProblem, parts: Sequence[Typed], opaque: tuple[type, ...]
 ) -> Certificate:
-    """The certificate with what SymPy makes of the parts; raises as `make_certificate` does."""
-    equal = _equal_parts(parts, problem) if kept else {}
-    found = make_certificate(problem, unsplit=kept, values=equal)
+    """Return the certificate with SymPy's values of the parts; raises as `make_certificate`."""
+    equal = _equal_parts(parts, problem) if opaque else {}
+    certificate = make_certificate(problem, unsplit=opaque, values=equal)
     parts = [part for part in parts if part.plain not in equal]
-    return found.changed(proof=_with_values(found["proof"], parts, problem))
+    return certificate.changed(proof=_with_values(certificate["proof"], parts, problem))
 
 
 def typed_parts(
-    statement: Statement, equation: FormulaTree, kept: tuple[type, ...] = ()
+    statement: Statement, equation: FormulaTree, opaque: tuple[type, ...] = ()
 ) -> list[Typed]:
-    """Return `typed_nodes`, if they are few; raises ValueError for many."""
-    found = [*typed_nodes(statement, equation, kept)]
-    if len(found) > MOST:
-        raise ValueError(f"texts must have at most {MOST} functions, got {len(found)}")
-    return found
+    """Return `typed_nodes` as a list; raises ValueError for more than `MOST`."""
+    nodes = [*typed_nodes(statement, equation, opaque)]
+    if len(nodes) > MOST:
+        raise ValueError(f"texts must have at most {MOST} functions, got {len(nodes)}")
+    return nodes
 
 
 def typed_nodes(
-    statement: Statement, equation: FormulaTree, kept: tuple[type, ...] = ()
+    statement: Statement, equation: FormulaTree, opaque: tuple[type, ...] = ()
 ) -> Iterator[Typed]:
-    """The functions, powers and names in an equation with the formulas put in, and in formulas."""
-    words = vocabulary(statement, kept)
+    """Yield the functions, powers and names in the formulas and in the substituted equation."""
+    words = vocabulary(statement, opaque)
     builder = ExpressionBuilder(words)
 
     def expression(formula: FormulaTree) -> sp.Expr:
-        found = builder.expression(formula)
-        return sp.expand_power_exp(found) if kept and not found.has(*kept) else found
+        value = builder.expression(formula)
+        return sp.expand_power_exp(value) if opaque and not value.has(*opaque) else value
 
     whole = (put_in(statement.trees, f) for f in (*statement.trees.solutions.values(), equation))
     for node in dict.fromkeys(node for formula in whole for node in formula.nodes()):
@@ -183,7 +183,7 @@ def typed_nodes(
 
 
 def put_in(trees: StatementTrees, formula: FormulaTree) -> FormulaTree:
-    """Return the formula with what unknowns and defined names stand for in their places."""
+    """Substitute unknowns and defined names in a formula by their formulas."""
 
     def image(node: FormulaTree) -> FormulaTree | None:
         if not isinstance(node, Unknown):
@@ -198,13 +198,13 @@ def put_in(trees: StatementTrees, formula: FormulaTree) -> FormulaTree:
     return mapped(formula, image)
 
 
-def vocabulary(statement: Statement, kept: tuple[type, ...] = ()) -> Vocabulary:
-    """Return the symbols of a statement by their names; those of which nothing is known are real.
+def vocabulary(statement: Statement, opaque: tuple[type, ...] = ()) -> Vocabulary:
+    """Return the symbols of a statement by name; symbols without assumptions are real.
 
-    Functions of the types ``kept`` are not evaluated.
+    Functions of the types ``opaque`` are not evaluated.
     """
     plain = {name: (partial(f, evaluate=False), n) for name, (f, n) in FUNCTIONS.items()}
-    functions = {name: plain[name] if f[0] in kept else f for name, f in FUNCTIONS.items()}
+    functions = {name: plain[name] if f[0] in opaque else f for name, f in FUNCTIONS.items()}
     functions |= {name: (function_named(name), 1) for name in statement.functions}
     formulas = (*statement.equations, *statement.solutions.values(), *statement.divisors)
     symbols = {s for formula in formulas for s in formula.free_symbols}
@@ -219,7 +219,7 @@ def vocabulary(statement: Statement, kept: tuple[type, ...] = ()) -> Vocabulary:
 def _plain(
     node: FormulaTree, expression: Callable[[FormulaTree], sp.Expr], words: Vocabulary
 ) -> sp.Expr | None:
-    """A name, function or power as SymPy has it before it simplifies; None for anything else."""
+    """Return a name, function or power unevaluated in SymPy; None for anything else."""
     match node:
         case Name():
             return expression(node)
@@ -228,7 +228,7 @@ def _plain(
         case Call(name=name, parts=parts):
             arguments = [*map(expression, parts)]
             if name in ("cos", "sin", "tan") and (arguments[0] / sp.pi).is_integer:
-                # the checker has exponentials of i in it, and reads them as powers of -1
+                # the checker writes it in exponentials of i, and reads these as powers of -1
                 return sp.I * sp.S.NegativeOne ** (arguments[0] / sp.pi)
             if name not in ("abs", "sign") or arguments != [0]:
                 return words.functions[name][0](*arguments, evaluate=False)
@@ -245,7 +245,7 @@ def _plain(
 
 
 def _is_read_as_number(exponent: FormulaTree) -> bool:
-    """Whether the checker works the exponent out; any other power is by the logarithm there."""
+    """Return whether the checker reads an exponent as a number; others use the logarithm."""
     match exponent:
         case Number():
             return True
@@ -257,9 +257,9 @@ def _is_read_as_number(exponent: FormulaTree) -> bool:
 
 
 def _with_values(proof: Data, typed: Sequence[Typed], problem: StatementProblem) -> Data:
-    """Return the proof with what SymPy makes of each root, absolute value and logarithm.
+    """Return the proof with SymPy's value of each root, absolute value and logarithm as a hint.
 
-    The factors of what is under a root show its sign.
+    The factors of a radicand are hints for its sign.
     """
     formulas, hints = [*proof["formulas"]], {k: [*proof[k]] for k in ("values", "signs")}
 
@@ -288,27 +288,27 @@ def _with_values(proof: Data, typed: Sequence[Typed], problem: StatementProblem)
 
 
 def _equal_parts(typed: Sequence[Typed], problem: StatementProblem) -> dict[sp.Expr, sp.Expr]:
-    """Return values of roots, moduli and inverse functions that are equal at a point."""
-    found: dict[sp.Expr, sp.Expr] = {}
+    """Return roots, moduli and inverse functions with another form that is equal at a point."""
+    values: dict[sp.Expr, sp.Expr] = {}
     for part in typed:
         match part.plain:
             case sp.Pow(args=(sp.Pow(args=(base, 2)), sp.S.Half)) if not base.is_real:
                 for value in (base, -base):
                     if _are_equal(part.plain, value, problem):
-                        found[part.plain] = value
+                        values[part.plain] = value
     for part, other in product(typed, typed):
         name = part.tree.name if isinstance(part.tree, Call) else ""
         is_same = isinstance(other.tree, Call) and other.tree.name == name
-        known = part.plain in (*found, *found.values()) or other.plain in found
+        known = part.plain in (*values, *values.values()) or other.plain in values
         if name not in ("sqrt", "abs", *INVERSE) or is_same or known or other.plain.is_number:
             continue
         if part.tree not in other.tree.nodes() and _are_equal(part.plain, other.plain, problem):
-            found[part.plain] = other.plain
-    return found
+            values[part.plain] = other.plain
+    return values
 
 
 def _are_equal(left: sp.Expr, right: sp.Expr, problem: StatementProblem) -> bool:
-    """Return whether two formulas have the same value at a point, as far as balls show."""
+    """Return whether the balls of two formulas at a point overlap."""
     with suppress(ValueError, ZeroDivisionError):
         values = (ball_value(side, problem.points[0], BITS) for side in (left, right))
         return bool(sub(*values).contains(0))

@@ -1,4 +1,4 @@
-"""Places where a typed statement may not be smooth; SymPy would cancel ``0/x`` first."""
+"""Places where a typed statement may not be smooth, found before SymPy cancels ``0/x``."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ from .typed_hints import Typed, typed_nodes
 from .typed_statement import Statement
 
 DEPTH = 5
-"""Levels of a formula that a line shows."""
+"""Levels of a formula that a printed line shows."""
 
 
 def typed_places(statement: Statement) -> tuple[str, ...]:
-    """Return one line for each place where the formulas or an equation may fail to be smooth.
+    """Return one line for each place where the formulas or an equation may not be smooth.
 
-    At a lattice's sites, smooth or not, the formula may have another value than elsewhere.
+    Zeros at integers, such as lattice sites, are listed one by one.
 
     >>> from longwave.verify.proof.statement_text import read_statement as read
     >>> typed_places(read("u_x - 1", "u = x + 0/x"))
@@ -49,19 +49,19 @@ def typed_places(statement: Statement) -> tuple[str, ...]:
         definitions={name: mapped(formula, _smooth) for name, formula in trees.definitions.items()},
     )
     variables = {str(variable) for variable in statement.variables}
-    found = [
+    lines = [
         line
         for equation in trees.equations
         for node in typed_nodes(replace(statement, trees=trees), equation)
         for line in _lines(node, signs, domains, variables)
     ]
     if names := ", ".join(statement.complexes):
-        found.append(f"poles and branch points where {names} is not real")
-    return tuple(dict.fromkeys(found))
+        lines.append(f"poles and branch points where {names} is not real")
+    return tuple(dict.fromkeys(lines))
 
 
 def _smooth(node: FormulaTree) -> FormulaTree | None:
-    """Return an even power of a modulus, which has no corner, without it."""
+    """Rewrite an even power of a modulus, which has no corner, by the conjugate."""
     match node:
         case Power(parts=(Call(parts=(inner,), name="abs"), Number(value=power))) if not power % 2:
             inner = mapped(inner, _smooth)
@@ -83,18 +83,18 @@ def _lines(node: Typed, signs: DomainSigns, domains: Domains, variables: set[str
 
 
 DOTS = "..."
-"""What stands for a part of a formula that lies too deep."""
+"""Replacement for a part of a formula that is nested too deeply."""
 
 ZERO = " {} = 0"
 
 
 def corner_line(argument: FormulaTree) -> str:
-    """Return the line on abs or sign of a formula that may be 0."""
+    """Return the line for abs or sign of a formula that may be 0."""
     return CORNER.format(plain_text(_shallow(_base(argument), DEPTH)))
 
 
 def _base(formula: FormulaTree) -> FormulaTree:
-    """Return the part that is 0 where the formula is."""
+    """Return the base of a positive power, which has the same zeros; else the formula."""
     match formula:
         case Power(parts=(base, Number(value=power))) if power > 0:
             return _base(base)
@@ -102,7 +102,7 @@ def _base(formula: FormulaTree) -> FormulaTree:
 
 
 def _sites(argument: sp.Expr, domains: Domains) -> list[str] | None:
-    """Return the integers at which a polynomial in one of them is 0; None for anything else."""
+    """Return the integer zeros of a polynomial in one integer symbol; None for anything else."""
     symbols = argument.free_symbols
     if len(symbols) != 1 or not argument.is_polynomial():
         return None
@@ -118,7 +118,7 @@ def _sites(argument: sp.Expr, domains: Domains) -> list[str] | None:
 
 
 def _shallow(formula: FormulaTree, depth: int) -> FormulaTree:
-    """Return the formula with dots for what lies deeper."""
+    """Return the formula with dots for parts nested deeper than ``depth``."""
     if not formula.inner() or depth > 0:
         parts = tuple(_shallow(part, depth - 1) for part in formula.inner())
         return formula.made_of(parts) if parts else formula

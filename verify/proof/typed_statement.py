@@ -1,4 +1,4 @@
-"""Statements, and the texts of them as they were typed, with their trees."""
+"""Statements, with their typed texts and the trees of these."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from .text_names import FUNCTIONS
 
 @dataclass(frozen=True)
 class StatementTexts:
-    """Typed texts of a statement, part by part; a certificate holds these and no others."""
+    """Typed texts of a statement by part; a certificate states exactly these texts."""
 
     variables: tuple[str, ...]
     equations: tuple[str, ...]
@@ -35,24 +35,24 @@ class StatementTexts:
     domain: tuple[str, ...] = ()
 
     def with_values(self, values: Mapping[str, str]) -> StatementTexts:
-        """Return the texts with parameters that stand for formulas in the place of any values.
+        """Return the texts with parameters defined by formulas instead of free.
 
         >>> texts = StatementTexts(("x",), ("u_x - b",), ("u = x",), ("b: b>0",))
         >>> texts.with_values({"b": "1"}).parameters
         ('b = 1',)
         """
-        kept = (
+        others = (
             p
             for p in self.parameters
             if p.replace("=", ":").partition(":")[0].strip() not in values
         )
-        made = (f"{name} = {text}" for name, text in values.items())
-        return replace(self, parameters=(*made, *kept))
+        definitions = (f"{name} = {text}" for name, text in values.items())
+        return replace(self, parameters=(*definitions, *others))
 
 
 @dataclass(frozen=True)
 class StatementTrees:
-    """The formulas of the texts: what must be 0, and what unknowns and defined names stand for."""
+    """Trees of the texts: left-hand sides, and the formulas of unknowns and of defined names."""
 
     variables: tuple[str, ...]
     equations: tuple[FormulaTree, ...]
@@ -61,23 +61,23 @@ class StatementTrees:
 
     @property
     def formulas(self) -> tuple[FormulaTree, ...]:
-        """All of them."""
+        """All formulas of the statement."""
         return (*self.equations, *self.solutions.values(), *self.definitions.values())
 
     @property
     def names(self) -> set[str]:
-        """The variables, and the parameters that stand for values."""
+        """Names of the variables and of the free parameters."""
         nodes = (node for formula in self.formulas for node in formula.nodes())
-        found = {node.name for node in nodes if isinstance(node, Name)} | {*self.variables}
-        return found - {*self.definitions, *CONSTANTS}
+        names = {node.name for node in nodes if isinstance(node, Name)} | {*self.variables}
+        return names - {*self.definitions, *CONSTANTS}
 
     def with_values(self, values: Mapping[str, str]) -> StatementTrees:
-        """Return the trees with texts of formulas in the place of any values."""
-        made = {name: tree_of(text) for name, text in values.items()}
-        return replace(self, definitions={**self.definitions, **made})
+        """Return the trees with parameters defined by texts of formulas."""
+        trees = {name: tree_of(text) for name, text in values.items()}
+        return replace(self, definitions={**self.definitions, **trees})
 
     def with_ends(self) -> StatementTrees:
-        """The trees with sin, tanh and the like for Jacobi functions of the parameter 0 or 1."""
+        """Return the trees with sin, tanh and the like for Jacobi functions of parameter 0 or 1."""
         return replace(
             self,
             equations=tuple(mapped(formula, self._at_end) for formula in self.equations),
@@ -109,13 +109,13 @@ ENDS: Mapping[tuple[str, Fraction | int], str] = {
     ("jacobi_cn", 1): "sech",
     ("jacobi_dn", 1): "sech",
 }
-"""What the Jacobi functions are at the ends of their parameter; nothing where it is 1."""
+"""Jacobi functions at the ends of their parameter; "" means the constant 1."""
 
 
 def typed_case(
     texts: StatementTexts, trees: StatementTrees, values: Mapping[str, str]
 ) -> tuple[StatementTexts, StatementTrees]:
-    """The texts and trees with values for parameters; Jacobi functions are known at their ends."""
+    """Substitute values for parameters; Jacobi functions of parameter 0 or 1 become elementary."""
     texts, plain = texts.with_values(values), trees.with_values(values)
     trees = plain.with_ends()
     pairs = zip(texts.solutions, trees.solutions.items(), strict=True)
@@ -137,7 +137,7 @@ def typed_case(
 
 
 def tree_of(text: str, functions: Iterable[str] = ()) -> FormulaTree:
-    """Return the tree of a formula in any names, ``functions`` of one argument among them."""
+    """Parse a formula in any names; ``functions`` are names of functions of one argument."""
     own = {name: (sp.Function(name), 1) for name in functions}
     words = Vocabulary({**FUNCTIONS, **own}, unknown_name=sp.Symbol)
     return Parser(text, tokens(text), words, "value").whole()
@@ -145,16 +145,15 @@ def tree_of(text: str, functions: Iterable[str] = ()) -> FormulaTree:
 
 @dataclass(frozen=True)
 class Statement:
-    """Do the ``solutions`` make every one of the ``equations`` vanish on the ``domains``?
+    """Statement that the ``solutions`` make all ``equations`` vanish on the ``domains``.
 
-    ``equations`` are left-hand sides in the applied unknowns; ``solutions`` has each of these with
-    its formula.  ``domains`` has every variable and parameter that is not all real numbers;
-    ``divisors`` is what the texts divide by or take the logarithm of; ``wanted`` are parameters of
-    which the values are asked for, rather than taken as any.  ``texts`` and ``trees`` are what was
-    typed.
-    ``complexes`` are parameters that may have complex values; the symbols of all are real, and a
-    proof is one for complex values only if the checker accepts it for them.  ``functions`` are the
-    names of arbitrary functions.  ``weak`` asks for weak solutions (`verify.proof.weak`).
+    ``equations`` are left-hand sides in the applied unknowns; ``solutions`` maps these to formulas.
+    ``domains`` has the variables and parameters with a restricted domain.  ``divisors`` are the
+    expressions by which the texts divide or whose logarithm they take.  ``solve_for`` has the
+    parameters to solve for; all others are arbitrary.  ``texts`` and ``trees`` are the typed form.
+    ``complexes`` are parameters that may be complex.  Their symbols are real, and a proof covers
+    complex values only if the checker accepts it for them.  ``functions`` are the names of
+    arbitrary functions.  ``weak`` asks for weak solutions (`verify.proof.weak`).
     """
 
     name: str
@@ -162,7 +161,7 @@ class Statement:
     solutions: Mapping[AppliedUndef, sp.Expr]
     domains: Mapping[sp.Symbol, Domain]
     divisors: tuple[sp.Expr, ...] = ()
-    wanted: tuple[sp.Symbol, ...] = ()
+    solve_for: tuple[sp.Symbol, ...] = ()
     texts: StatementTexts = field(default=StatementTexts((), (), ()), compare=False)
     trees: StatementTrees = field(default=StatementTrees((), (), {}, {}), compare=False)
     complexes: tuple[str, ...] = ()

@@ -1,10 +1,10 @@
-"""Values of typed statements: at points of the domain, and at the first integers in it.
+"""Evaluate typed statements at points of the domain, and at the first integers in it.
 
-Parameters that may be complex have a few values that are not real.
+Complex parameters also get a few values that are not real.
 
-SymPy simplifies while it builds formulas (`sign(z)**2` becomes 1; `abs(n)` becomes n for n > 0, and
-is shifted then).  So a refutation is a point at which a ball around the residual of the tree of the
-texts excludes 0, and a proof is compared with such balls.
+SymPy simplifies while it builds formulas: `sign(z)**2` becomes 1, and `abs(n)` becomes n for n > 0
+before it is shifted.  So a refutation is a point at which a ball around the residual of the typed
+tree excludes 0, and SymPy's residual is compared with such balls before it is solved.
 """
 
 from __future__ import annotations
@@ -29,39 +29,41 @@ from .typed_balls import TextPoint, TypedBalls
 from .typed_statement import Statement, StatementTrees
 
 POINTS = 4
-"""Points of the domain that are drawn with the first integers."""
+"""Sampled points at which the first integers are tried too."""
 
 BITS = (128, 512, 2048, 8192)
-"""Further out than the first two are changes by 10**-40 and tails such as 1 - tanh(1000)."""
+"""Precisions; the last two detect changes by 10**-40 and tails such as 1 - tanh(1000)."""
 
 QUICK = ((BITS[0], 8), (BITS[2], 1))
 THOROUGH = ((BITS[0], 48), (BITS[1], 48), (BITS[2], 8), (BITS[3], 8))
-"""Bits at which a failure is looked for, and the number of points, before and after a proof."""
+"""Precisions in bits and numbers of points of the search for a failure, before a proof is
+tried and after it fails."""
 
 FIRST, MOST = 4, 16
-"""Integers next to the end of their domain, or about 0, that are looked at; their combinations."""
+"""Range of integers tried next to the end of their domain or about 0, and most combinations."""
 
 COMPLEX = ("2/3 + 5/7*I", "-3/5 + 4/9*I", "-7/8 - 3/4*I", "5/4*I", "11/7")
-"""Values in every quarter of the plane, and on its axes."""
+"""Values in several quadrants of the complex plane, and on its axes."""
 
 CHOICES = 25
-"""Choices of complex values."""
+"""Most choices of complex values."""
 
 PLAIN = {
     *("exp", "sin", "cos", "tan", "cot", "sec", "csc", "erf"),
     *("sinh", "cosh", "tanh", "coth", "sech", "csch"),
     *functions.__all__,
 }
-"""Functions without branches: what agrees at a few points agrees everywhere."""
+"""Functions without branches: agreement at a few points is agreement everywhere."""
 
 PLAIN_POINTS, SIGNED_POINTS = 6, 36
-"""Points at which residuals are compared, of such functions and of others: all signs of five."""
+"""Points at which residuals are compared, for `PLAIN` and for other functions (all signs of
+five symbols)."""
 
 SMALL = (*map(Fraction, (0, 1, -1, 2, -2)), Fraction(1, 2))
-"""Values of a parameter at which SymPy's reading may be another than elsewhere."""
+"""Parameter values at which SymPy's form may differ from that at other values."""
 
 LEAST = 3
-"""Points at which residuals must be seen to agree."""
+"""Fewest points at which residuals must be shown to agree."""
 
 COMPARED_BITS = (128, 512)
 CLOSE = arb(2) ** -40
@@ -71,7 +73,7 @@ NOT_SEEN = "what was typed was not seen to have the residual that was solved"
 
 
 def failing_values(statement: Statement, thorough: bool = False) -> dict[str, str] | None:
-    """Return values of all symbols at which an equation fails; None if none was found.
+    """Return values of all symbols at which an equation fails; None if none are found.
 
     A ``thorough`` search takes more points and bits, and values that are not real.
     """
@@ -88,12 +90,12 @@ def failing_values(statement: Statement, thorough: bool = False) -> dict[str, st
 
 
 def typed_values(statement: Statement) -> TypedValues:
-    """Return the residuals of a statement as it was typed, to be evaluated."""
+    """Return the evaluator of a statement's typed residuals."""
     return TypedValues(statement.trees, typed_domains(statement))
 
 
 class TypedValues:
-    """The residuals of a statement's trees at points of the domains."""
+    """Evaluator of the residuals of a statement's trees at points of the domains."""
 
     def __init__(self, trees: StatementTrees, domains: Domains) -> None:
         self._domains, self._names, self.trees = domains, trees.names, trees
@@ -101,7 +103,7 @@ class TypedValues:
         self._balls = TypedBalls(trees, {str(s) for s, d in domains.items() if d.integer})
 
     def fails_at(self, point: TextPoint, bits: Sequence[int] = BITS) -> bool | None:
-        """Return whether an equation fails at a point; None where that cannot be said."""
+        """Return whether an equation fails at a point; None if it cannot be decided."""
         is_small = False
         for size, found in self._residuals(point, bits):
             if any(not residual.contains(0) for residual in found):
@@ -111,7 +113,7 @@ class TypedValues:
         return False if is_small else None
 
     def failing(self, point: TextPoint) -> tuple[int, acb] | None:
-        """The number of an equation that fails at a point, and a ball around its residual."""
+        """Return the number of an equation that fails at a point, and its ball, or None."""
         for _, found in self._residuals(point, BITS):
             for number, residual in enumerate(found, 1):
                 if not residual.contains(0):
@@ -119,7 +121,7 @@ class TypedValues:
         return None
 
     def _residuals(self, point: TextPoint, bits: Sequence[int]) -> Iterator[tuple[int, list[acb]]]:
-        """Balls around the residuals at a point, for numbers of bits; none where there is none."""
+        """Yield precision and balls of the residuals at a point; [] if they have no value."""
         for size in bits if self._names <= point.keys() else ():
             try:
                 yield size, list(self._balls.residuals(point, size))
@@ -127,7 +129,7 @@ class TypedValues:
                 yield size, []
 
     def failure(self, thorough: bool = False) -> TextPoint | None:
-        """Return a point of the domain at which an equation fails; None if none was found."""
+        """Return a point of the domain at which an equation fails; None if none is found."""
         for size, count in THOROUGH if thorough else QUICK:
             for point in self._points(count):
                 if self.fails_at(point, (size,)):
@@ -135,7 +137,7 @@ class TypedValues:
         return None
 
     def difference(self, residuals: Sequence[sp.Expr]) -> str:
-        """Return why residuals are not seen to be those of the typed trees; empty if they are.
+        """Return why residuals are not shown to equal those of the typed trees; "" if they are.
 
         They are compared in balls: at points with all signs, at the first integers, and where a
         parameter is a small number.
@@ -150,16 +152,16 @@ class TypedValues:
         return "" if agreed >= LEAST else NOT_SEEN
 
     def _agree_at(self, point: TextPoint, residuals: Sequence[sp.Expr]) -> bool | None:
-        """Whether residuals have the values of what was typed; None where that cannot be said."""
+        """Return whether residuals have the values of the typed trees; None if undecided."""
         values = {s: sp.Rational(point[s.name]) for r in residuals for s in r.free_symbols}
         for bits in COMPARED_BITS:
             with ctx.workprec(bits), suppress(ArithmeticError, ValueError, RuntimeError):
                 typed = list(self._balls.residuals(point, bits))
                 other = (ball_value(r, values, bits, self._signs) for r in residuals)
-                found = [(a - b, a.abs_upper() + 1) for a, b in zip(typed, other, strict=True)]
-                if any(not gap.contains(0) for gap, _ in found):
+                gaps = [(a - b, a.abs_upper() + 1) for a, b in zip(typed, other, strict=True)]
+                if any(not gap.contains(0) for gap, _ in gaps):
                     return False
-                if all(gap.abs_upper() < size * CLOSE for gap, size in found):
+                if all(gap.abs_upper() < size * CLOSE for gap, size in gaps):
                     return True
         return None
 
@@ -176,7 +178,7 @@ class TypedValues:
                 yield point
 
     def _points(self, count: int, most: int = POINTS) -> Iterator[TextPoint]:
-        """Drawn points, the first ``most`` of them also with the first integers."""
+        """Yield sampled points; the first ``most`` of them are repeated with the first integers."""
         known = {str(symbol): symbol for symbol in self._domains}
         added = {sp.Symbol(name, real=True): Domain() for name in self._names - known.keys()}
         integers = [s for s in self._domains if self._domains[s].integer]
@@ -190,7 +192,7 @@ class TypedValues:
                     yield {str(s): Fraction(int(v.p), int(v.q)) for s, v in whole.items()}
 
     def _with_first(self, point: Point, integers: Sequence[sp.Symbol]) -> Iterator[Point]:
-        """The point with the first values of integers; the ends of later ones may hold earlier."""
+        """Yield the point with the first values of integers, whose ends may be earlier ones."""
         if not integers:
             yield point
             return
@@ -208,7 +210,7 @@ class TypedValues:
 
 
 def _is_plain(node: FormulaTree) -> bool:
-    """Return whether a node has no branches: a sum, a product, a whole power or such a function."""
+    """Return whether a node has no branches: no fractional power and no function with branches."""
     if isinstance(node, Power):
         exponent = rational(node.parts[1])
         return exponent is not None and exponent.denominator == 1

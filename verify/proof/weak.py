@@ -1,14 +1,14 @@
-"""Weak solutions: what a formula with one travelling jump or corner must satisfy across it.
+"""Decide weak solutions: the conditions that a formula with one travelling jump must satisfy.
 
-An equation in conservation form is a sum of terms c D(F): D a derivative, F a formula in the
-unknowns and their first derivatives, c free of variables.  The formulas are smooth on both sides
-of a surface x = l, l a polynomial in the other variables, up to it and beyond.  With H = 1 for
-p > 0, p = x - l, H = 0 for p < 0, and delta = H'(p), for smooth G and for g without x:
+An equation in conservation form is a sum of terms c D(F).  D is a derivative, F a formula in the
+unknowns and their first derivatives, and c is free of variables.  The formulas on both sides of a
+surface x = l, with l a polynomial in the other variables, are smooth up to it and beyond.  With
+p = x - l, H = 1 for p > 0, H = 0 for p < 0, and delta = H'(p), for smooth G and for g without x:
 
     D_v (H G)               = H G_v + p_v delta G(x = l),
     D_v (delta^(j) g)       = p_v delta^(j+1) g + delta^(j) g_v.
 
-So the sum of all terms is what it is on each side, and a sum of delta^(j) g_j.  It vanishes as a
+So the sum of all terms is its value on each side plus a sum of delta^(j) g_j.  It vanishes as a
 distribution if and only if the equation holds on each side and every g_j is 0.
 `docs/trust.md` has the proof.
 """
@@ -60,39 +60,39 @@ from .typed_hints import put_in, vocabulary
 from .typed_statement import Statement
 
 Jumps = dict[int, sp.Expr]
-"""The factors g_j of the derivatives of delta by j."""
+"""Factors g_j of the derivatives of delta, by j."""
 
 SHAPE = "with weak an equation must be a sum of derivatives, as u_t + diff(u**2/2, x)"
 
 
 def decide_weak(statement: Statement, progress: Progress = lambda _: None) -> StatementVerdict:
-    """Return the verdict on a statement as one of weak solutions.
+    """Decide whether a statement holds for weak solutions.
 
-    PROVED: each side solves the equation, and every jump condition holds, both with certificates.
+    PROVED needs certificates that each side solves the equation and every jump condition holds.
     """
     start = time.perf_counter()
     try:
-        found = _decided(statement, progress)
+        verdict = _decided(statement, progress)
     except ValueError as error:
-        found = undecided(statement, " ".join(str(error).split()))
-    return replace(found, seconds=time.perf_counter() - start)
+        verdict = undecided(statement, " ".join(str(error).split()))
+    return replace(verdict, seconds=time.perf_counter() - start)
 
 
 def _decided(statement: Statement, progress: Progress) -> StatementVerdict:
     plane = travelling_plane(statement)
     limited = bool(statement.texts.domain)  # the plane may be outside of the domain
-    if limited and statement.wanted:
+    if limited and statement.solve_for:
         raise ValueError("with weak and solve the domain must be left out")
     conditions = list(jump_conditions(statement, plane))
-    whole = replace(statement, wanted=(), weak=False)
+    whole = replace(statement, solve_for=(), weak=False)
     sides = decide_statement(whole, progress)
-    if sides.outcome is Outcome.REFUTED and not statement.wanted:
+    if sides.outcome is Outcome.REFUTED and not statement.solve_for:
         return sides
     if sides.outcome is not Outcome.PROVED:
         raise ValueError(f"the sides are not shown to solve the equation ({sides.detail})")
     progress("the conditions at the jump")
     words = f"as a weak solution across {plane.words}"
-    if statement.wanted:
+    if statement.solve_for:
         return _solved(statement, conditions, sides, words)
     verdicts = [_vanishes(statement, condition) for condition in conditions]
     for condition, verdict in zip(conditions, verdicts, strict=True):
@@ -116,12 +116,12 @@ def _decided(statement: Statement, progress: Progress) -> StatementVerdict:
 def _solved(
     statement: Statement, conditions: Sequence[sp.Expr], sides: StatementVerdict, words: str
 ) -> ConditionalVerdict:
-    """Return for which values of what is wanted the conditions hold."""
+    """Return the values of the ``targets`` parameters for which the jump conditions hold."""
     if not conditions:
         raise ValueError("every value holds: there is no condition at the jump")
-    wanted = [str(symbol) for symbol in statement.wanted]
+    targets = [str(symbol) for symbol in statement.solve_for]
     known = {str(symbol) for condition in conditions for symbol in condition.free_symbols}
-    missing = [name for name in wanted if name not in known]
+    missing = [name for name in targets if name not in known]
     if missing:
         raise ValueError(f"no condition at the jump contains {', '.join(missing)}")
     names = [f"jump{'abcdefgh'[place]}" for place in range(len(conditions))]
@@ -131,35 +131,35 @@ def _solved(
     )
     solutions = [f"{name} = {text}" for name, text in zip(names, texts, strict=True)]
     system = read_statement(
-        names, solutions, parameters, name=statement.name, solve=", ".join(wanted),
+        names, solutions, parameters, name=statement.name, solve=", ".join(targets),
         variables=", ".join(statement.texts.variables),
     )  # fmt: skip
-    found = solve_statement(system)
-    cases = tuple(_as_weak(statement, case) for case in found.cases)
-    if not all(case.proved for case in cases) and found.outcome is Outcome.PROVED:
+    answer = solve_statement(system)
+    cases = tuple(_as_weak(statement, case) for case in answer.cases)
+    if not all(case.proved for case in cases) and answer.outcome is Outcome.PROVED:
         raise ValueError("a case of the conditions at the jump is not proved by itself")
     certificates = [c for case in cases if case.verdict for c in case.verdict.certificates]
-    found = replace(found, cases=cases)
+    answer = replace(answer, cases=cases)
     return replace(
-        found, equation=sides.equation, statement=sides.statement, sides=words,
-        detail=f"{words}: {found.words()}" if found.is_solved else found.detail,
-        assumptions=united([sides.assumptions, found.assumptions]), singularities=(),
+        answer, equation=sides.equation, statement=sides.statement, sides=words,
+        detail=f"{words}: {answer.words()}" if answer.is_solved else answer.detail,
+        assumptions=united([sides.assumptions, answer.assumptions]), singularities=(),
         certificate=certificates[0] if certificates else None, certificates=tuple(certificates),
     )  # fmt: skip
 
 
 def _as_weak(statement: Statement, case: ConstantCase) -> ConstantCase:
-    """Return a case of the conditions as one of the statement, decided with its values put in."""
+    """Decide the statement with the values of one case of the jump conditions."""
     texts = statement.texts
     if case.implicit or case.restrictions:
         return replace(case, verdict=None)
     names = {symbol.name for value in case.values.values() for symbol in value.free_symbols}
     declared = {text.replace("=", ":").partition(":")[0].strip() for text in texts.parameters}
     values = {symbol.name: formula_as_text(value) for symbol, value in case.values.items()}
-    kept = [t for t in texts.parameters if t.partition(":")[0].strip() not in values]
+    others = [t for t in texts.parameters if t.partition(":")[0].strip() not in values]
     parameters = [
         *(f"{name}: real" for name in sorted(names - declared)),
-        *kept,
+        *others,
         *(f"{name} = {text}" for name, text in values.items()),
     ]
     whole = read_statement(
@@ -184,7 +184,7 @@ def _vanishes(statement: Statement, condition: sp.Expr) -> ProofVerdict:
 
 @dataclass(frozen=True)
 class Plane:
-    """The plane ``variable = end``; ``sides`` have the formulas above and below it, as trees."""
+    """The plane ``variable = end``; ``sides`` has the trees of the formulas above and below it."""
 
     variable: sp.Symbol
     end: sp.Expr
@@ -193,7 +193,7 @@ class Plane:
 
 
 def travelling_plane(statement: Statement) -> Plane:
-    """Return the one plane at which the formulas jump; raises ValueError for any others."""
+    """Return the one plane at which the formulas jump; raises ValueError if there is not one."""
     if statement.complexes or statement.functions:
         raise ValueError("with weak a statement must be real and without functions")
     places = seams(statement)
@@ -248,7 +248,7 @@ def travelling_plane(statement: Statement) -> Plane:
 
 
 def _check_smooth(tree: FormulaTree, value: sp.Expr, domains: Domains) -> None:
-    """Raise ValueError unless SymPy reads a formula as it stands, and it is smooth everywhere."""
+    """Raise ValueError unless SymPy leaves a formula unchanged and it is smooth everywhere."""
     for node in tree.nodes():
         power = rational(node.parts[1]) if isinstance(node, Power) else None
         whole = power is not None and power.denominator == 1
@@ -264,7 +264,7 @@ def _check_smooth(tree: FormulaTree, value: sp.Expr, domains: Domains) -> None:
 
 
 def jump_conditions(statement: Statement, plane: Plane) -> Iterator[sp.Expr]:
-    """Yield what must be 0 at the plane: for each equation the factors of delta, delta', ..."""
+    """Yield the conditions at the plane: for each equation the factors of delta, delta', ..."""
     for equation in statement.trees.equations:
         total: Jumps = {}
         for coefficient, steps, inner in _terms(statement, equation):
@@ -280,7 +280,7 @@ def jump_conditions(statement: Statement, plane: Plane) -> Iterator[sp.Expr]:
 def _terms(
     statement: Statement, equation: FormulaTree
 ) -> Iterator[tuple[sp.Expr, tuple[str, ...], FormulaTree]]:
-    """Yield coefficient, derivative and formula of each term."""
+    """Yield the coefficient, derivative and formula of each term."""
     build = ExpressionBuilder(vocabulary(statement)).expression
     for term in _summands(equation):
         if rational(term) == 0:
@@ -301,7 +301,7 @@ def _terms(
 
 
 def _summands(tree: FormulaTree) -> Iterator[FormulaTree]:
-    """Yield the terms of a sum, also within brackets and of a negative sum."""
+    """Yield the terms of a sum, also of nested and of negative sums."""
     match tree:
         case Sum(parts=parts):
             for part in parts:
@@ -316,21 +316,21 @@ def _summands(tree: FormulaTree) -> Iterator[FormulaTree]:
 
 
 def _values(statement: Statement, plane: Plane, inner: FormulaTree) -> tuple[sp.Expr, sp.Expr]:
-    """Return a formula of the unknowns on both sides of the plane."""
+    """Return a formula in the unknowns above and below the plane."""
     build = ExpressionBuilder(vocabulary(statement)).expression
     domains = all_domains(statement, *statement.equations)
-    found = []
+    values = []
     for formulas in plane.sides:
         trees = replace(statement.trees, solutions=formulas)
         tree = put_in(trees, inner)
         plain = mapped(tree, lambda n: n.parts[0] if isinstance(n, Derivative) else None)
         _check_smooth(plain, build(tree), domains)
-        found.append(build(tree))
-    return found[0], found[1]
+        values.append(build(tree))
+    return values[0], values[1]
 
 
 def _continuity(statement: Statement, plane: Plane, inner: FormulaTree) -> Iterator[sp.Expr]:
-    """Yield the jumps of unknowns of which a first derivative stands within a derivative."""
+    """Yield the jumps of unknowns whose first derivative occurs within a derivative."""
     for node in inner.nodes():
         if isinstance(node, Derivative) or (isinstance(node, Unknown) and len(node.steps) > 1):
             got = formula_text(inner)
@@ -345,14 +345,14 @@ def _continuity(statement: Statement, plane: Plane, inner: FormulaTree) -> Itera
 def _jumps(statement: Statement, plane: Plane, steps: Sequence[str], inner: FormulaTree) -> Jumps:
     """Return the factors of delta and its derivatives in a derivative of a formula."""
     above, below = _values(statement, plane, inner)
-    gap, found = above - below, dict[int, sp.Expr]()
+    gap, factors = above - below, dict[int, sp.Expr]()
     by_name = {str(v): v for v in statement.variables}
     for step in steps:
         v = by_name[step]
         slope = sp.diff(plane.variable - plane.end, v)
-        made: Jumps = {0: slope * gap.xreplace({plane.variable: plane.end})}
-        for order, factor in found.items():
-            made[order + 1] = made.get(order + 1, sp.S.Zero) + slope * factor
-            made[order] = made.get(order, sp.S.Zero) + sp.diff(factor, v)
-        gap, found = sp.diff(gap, v), made
-    return found
+        derived: Jumps = {0: slope * gap.xreplace({plane.variable: plane.end})}
+        for order, factor in factors.items():
+            derived[order + 1] = derived.get(order + 1, sp.S.Zero) + slope * factor
+            derived[order] = derived.get(order, sp.S.Zero) + sp.diff(factor, v)
+        gap, factors = sp.diff(gap, v), derived
+    return factors

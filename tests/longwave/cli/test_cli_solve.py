@@ -51,7 +51,7 @@ def test_files_have_names_to_solve_for_and_their_proofs_are_written(
 ) -> None:
     path, proofs = tmp_path / "mine.toml", tmp_path / "proofs.json"
     path.write_text(FILE, encoding="utf-8")
-    assert [str(text.problem().statement.wanted) for text in problem_texts(path)] == [
+    assert [str(text.problem().statement.solve_for) for text in problem_texts(path)] == [
         "(c, a)",
         "(c,)",
     ]

@@ -9,9 +9,9 @@ import pytest
 
 from longwave.__main__ import main
 from longwave.cli import statements
-from longwave.verify.proof.kept_verdict import FROM_FILE, kept_record, taken_again
 from longwave.verify.proof.statement_text import read_statement
 from longwave.verify.proof.statement_verdict import decide_statement
+from longwave.verify.proof.stored_verdict import FROM_FILE, checked_again, verdict_record
 
 Output = pytest.CaptureFixture[str]
 
@@ -186,8 +186,8 @@ def test_complex_witnesses_and_functions_are_checked_again() -> None:
         statement = read_statement(*texts)
         verdict = decide_statement(statement)
         assert verdict.outcome == "REFUTED", verdict.detail
-        again = taken_again(statement, json.loads(json.dumps(kept_record(verdict))))
+        again = checked_again(statement, json.loads(json.dumps(verdict_record(verdict))))
         assert again is not None
         assert (again.detail, again.witness) == (verdict.detail, verdict.witness)
         moved = dict.fromkeys(verdict.witness or {}, "x + I")
-        assert taken_again(statement, kept_record(verdict) | {"witness": moved}) is None
+        assert checked_again(statement, verdict_record(verdict) | {"witness": moved}) is None

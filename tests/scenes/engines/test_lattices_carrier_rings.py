@@ -1,4 +1,4 @@
-"""Catches: a ring on which a carrier does not close, a blow-up there blamed on the lattice."""
+"""Catches: a ring on which a carrier does not close, a blow-up at a seam blamed on the lattice."""
 
 import numpy as np
 import pytest

@@ -140,8 +140,10 @@ def test_slaved_fields_meet_the_equations_of_motion(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["1", "4b", "6c"])
 def test_velocity_is_the_fields_time_derivative(name: str) -> None:
-    """They agree up to terms beyond the reduced equation. Displacements are compared by strains,
-    since their constant is free at each time."""
+    """They agree up to terms beyond the reduced equation.
+
+    Displacements are compared by strains, since their constant is free at each time.
+    """
     data, h = data_of(name), 0.05
     cells = np.arange(-300, 301)
     slope = (data.strain(cells, 7.0 + h) - data.strain(cells, 7.0 - h)) / (2 * h)

@@ -1,4 +1,4 @@
-"""The fall of a residual with the digits: what passes and what does not."""
+"""Decay of a residual with the digits: which decays pass and which fail."""
 
 import pytest
 from hypothesis import given

@@ -1,4 +1,4 @@
-"""Wrong formulas: made one change at a time, and every one caught by the residual alone."""
+"""Mutants of formulas with one change each; the residual alone catches every wrong one."""
 
 import time
 from collections import Counter
@@ -31,7 +31,7 @@ def _kind(mutant: Mutant) -> str:
 
 
 def _solutions_by_symmetry(form: ClosedForm) -> set[sp.Expr]:
-    """U to -U, another X_0, the bare background."""
+    """Return the symmetric solutions: U to -U, another X_0, the bare background."""
     shifts = {
         replaced(form.expression, X_0, x) for x in (sp.S.Zero, -X_0, sp.Rational(101, 100) * X_0)
     }
@@ -39,7 +39,7 @@ def _solutions_by_symmetry(form: ClosedForm) -> set[sp.Expr]:
 
 
 def _wrong(form: ClosedForm) -> Iterator[Mutant]:
-    """The mutants that are neither constant nor a solution by symmetry."""
+    """Return the mutants that are neither constant nor a solution by symmetry."""
     symmetric = _solutions_by_symmetry(form)
     for mutant in mutants(form.expression):
         if mutant.expression not in symmetric and mutant.expression.args:
@@ -54,13 +54,13 @@ def _refuted(form: ClosedForm, mutant: Mutant) -> bool:
 
 
 def _is_a_solution(form: ClosedForm, mutant: Mutant) -> bool:
-    """Whether the misprint solves the equation all the same, by exact proof."""
+    """Return whether the mutant is proved to solve the equation all the same."""
     problem = own_problem(replace(form, expression=mutant.expression))
     return decide(problem, time.perf_counter()).outcome is Outcome.PROVED
 
 
 def _first_ones(form: ClosedForm) -> list[Mutant]:
-    """The first mutant of each kind."""
+    """Return the first mutant of each kind."""
     return list({_kind(mutant): mutant for mutant in reversed(list(_wrong(form)))}.values())
 
 
@@ -84,7 +84,7 @@ def test_a_misprint_of_each_form_and_of_each_kind_is_refuted() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("form", CATALOGUE, ids=lambda form: form.name)
 def test_misprints_of_every_form_are_refuted(form: ClosedForm) -> None:
-    """All of a short form, of a longer one some `MOST` throughout it."""
+    """Tests all mutants of a short form, and about `MOST`, evenly spaced, of a longer one."""
     wrong = [*_wrong(form)]
     some = wrong[:: max(1, len(wrong) // MOST)]
     passed = [m for m in some if not _refuted(form, m)]
@@ -98,9 +98,9 @@ def test_elliptic_forms_have_every_kind_of_mutant() -> None:
 
 def test_mutants_are_distinct_and_differ_from_the_original() -> None:
     for form in CATALOGUE[:3]:
-        made = [mutant.expression for mutant in mutants(form.expression)]
-        assert len(set(made)) == len(made)
-        assert form.expression not in made
+        expressions = [mutant.expression for mutant in mutants(form.expression)]
+        assert len(set(expressions)) == len(expressions)
+        assert form.expression not in expressions
 
 
 def test_a_subexpression_changes_wherever_it_stands() -> None:
@@ -112,6 +112,6 @@ def test_a_subexpression_changes_wherever_it_stands() -> None:
 
 def test_modulus_and_parameter_are_swapped_both_ways() -> None:
     expression = k * jacobi_dn(xi, k**2)
-    made = [mutant.expression for mutant in mutants(expression)]
-    assert k * jacobi_dn(xi, k) in made
-    assert k**2 * jacobi_dn(xi, k**2) in made
+    expressions = [mutant.expression for mutant in mutants(expression)]
+    assert k * jacobi_dn(xi, k) in expressions
+    assert k**2 * jacobi_dn(xi, k**2) in expressions

@@ -1,4 +1,4 @@
-"""The high-precision residual: right forms pass, wrong ones are refuted, the rest says why."""
+"""High-precision residual: right forms pass, wrong ones are refuted, others have a reason."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Texts made to hang, crash or be evaluated: each as (equation, solution, parameters, domain)."""
+"""Texts meant to hang, crash or run code: tuples (equation, solution, parameters, domain)."""
 
 import random
 from collections.abc import Iterator
@@ -316,7 +316,7 @@ FILES = (
 
 
 def written() -> Iterator[Texts]:
-    """Those written by hand, in every part of a statement."""
+    """Yield the handwritten texts, in every part of a statement."""
     for formula in FORMULAS:
         yield EQUATION, f"u = {formula}", "", ""
     for formula in FORMULAS:
@@ -363,7 +363,7 @@ WORDS = (
 
 
 def generated(count: int, seed: int = 1) -> Iterator[Texts]:
-    """Random words of the grammar in no order."""
+    """Yield random sequences of the grammar's words."""
     draw = random.Random(seed)
     for _ in range(count):
         text = " ".join(draw.choices(WORDS, k=draw.randint(2, 60)))

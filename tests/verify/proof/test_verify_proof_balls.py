@@ -1,4 +1,4 @@
-"""Ball arithmetic: the functions against mpmath, the jets against SymPy's derivatives."""
+"""Ball arithmetic: functions compared with mpmath, jets with SymPy's derivatives."""
 
 import pytest
 import sympy as sp
@@ -50,7 +50,7 @@ def test_a_ball_contains_the_value(formula: sp.Expr, place: str, parameter: str)
 
 @pytest.mark.parametrize("formula", FORMULAS, ids=str)
 def test_a_jet_is_made_of_the_derivatives(formula: sp.Expr) -> None:
-    """u_xxt + u_x - (the same of the formula) has a narrow ball around 0."""
+    """Checks that u_xxt + u_x - (its value for the formula) has a narrow ball around 0."""
     u = sp.Function("u")(x, t)
     equation = u.diff(x, 2, t) + u.diff(x)
     (point,) = sample(settled_domains({x, t, m}, {m: sp.Interval.open(0, 1)}), 1)

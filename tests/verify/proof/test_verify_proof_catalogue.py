@@ -27,7 +27,7 @@ def proved(name: str) -> ProofVerdict:
 def test_every_form_is_proved_those_of_mkdv_in_lab_variables_with_symbolic_constants(
     form: ClosedForm,
 ) -> None:
-    """And the proof is refused for a changed equation."""
+    """Checks also that the proof is rejected for a changed equation."""
     verdict = proved(form.name)
     assert verdict.outcome is Outcome.PROVED, verdict.detail
     certificate = json.loads(json.dumps(verdict.certificate))

@@ -1,4 +1,4 @@
-"""Certificates are repeated by the checker, and forged ones are rejected."""
+"""The checker repeats certificates and rejects forged ones."""
 
 import copy
 import json
@@ -80,7 +80,7 @@ def test_one_digit_changed_is_rejected(name: str) -> None:
 
 
 def test_a_certificate_says_nothing_of_slopes_relations_or_images() -> None:
-    """What the checker derives cannot be forged."""
+    """The checker derives these itself, so they cannot be forged."""
     data = certificate("rogue_cn")
     assert set(data) == {"format", "name", "statement", "proof", "digest"}
     hints = {"formulas", "generators", "values", "signs", "point", "parts"}
@@ -137,7 +137,7 @@ def test_a_narrower_domain_has_not_the_name() -> None:
 
 
 def forged_root(text: str) -> Data:
-    """The certificate of u = sqrt(x**2) on x > 0, without what its domain says."""
+    """Return the certificate of u = sqrt(x**2) on x > 0, with its domain removed."""
     x = sp.Symbol("x", real=True)
     u = sp.Function("u")(x)
     verdict = prove(u.diff(x) - 1, sp.sqrt(x**2), domains={x: sp.Interval.open(0, sp.oo)})
@@ -172,7 +172,7 @@ def test_a_formula_that_is_nowhere_defined_proves_nothing() -> None:
 
 
 def mutated(value: Any, draw: random.Random, count: int) -> Any:
-    """A part of a certificate with one of its leaves changed, or an entry left out or doubled."""
+    """Return a part of a certificate with one leaf changed, or one entry dropped or doubled."""
     if isinstance(value, list) and value:
         choice = draw.random()
         place = draw.randrange(len(value))
@@ -198,7 +198,7 @@ def mutated(value: Any, draw: random.Random, count: int) -> Any:
 
 
 def true_statements() -> Iterator[tuple[Data, Callable[[str], bool]]]:
-    """Certificates, and what a statement of theirs must be to be believed."""
+    """Yield certificates, each with a function that recognises its statement in words."""
     for name in ("kink", "wave_cn", "soliton_dn", "two_soliton", "breather", "breather_sn"):
         data = certificate(name) | {"name": "mine"}
         original = check_certificate(redigested(data))
@@ -206,7 +206,7 @@ def true_statements() -> Iterator[tuple[Data, Callable[[str], bool]]]:
 
 
 def reject_forgeries(count: int) -> tuple[int, int]:
-    """Mutate each certificate ``count`` times; the numbers of accepted and of all forgeries.
+    """Mutate each certificate ``count`` times; return the numbers of accepted and all forgeries.
 
     A mutated hint must not change what is stated; another statement must be accepted only with
     hints that prove it, which a digit changed at random in the statement does not have.
@@ -228,9 +228,9 @@ def reject_forgeries(count: int) -> tuple[int, int]:
 
 
 def is_true(data: Data) -> bool:
-    """Whether what ``data`` states is true: by its residual in balls, far from the point.
+    """Return whether balls far from the point show no error in the statement of ``data``.
 
-    The texts are read by the other reader, that of statements.
+    The texts are parsed by SymPy, not by the checker.
     """
     from longwave.verify.proof.balls import residual_ball
 

@@ -1,4 +1,4 @@
-"""For which constants a statement holds: known answers, none missed, each case proved."""
+"""Constants for which a statement holds: known answers, none missed, each case proved."""
 
 import pytest
 import sympy as sp
@@ -30,7 +30,7 @@ def solved(
 
 
 def cases(verdict: ConditionalVerdict) -> list[set[str]]:
-    """The cases that are not trivial, in words."""
+    """Return the nontrivial cases in words."""
     return [
         {f"{s} = {value}" for s, value in case.values.items()}
         for case in verdict.cases
@@ -241,7 +241,7 @@ def test_where_arguments_become_constant_is_a_case_of_its_own() -> None:
 
 
 def test_equal_arguments_are_looked_at() -> None:
-    """exp(k x - w t) and exp(l x - v t) cancel where both are the same function."""
+    """The terms exp(k x - w t) and exp(l x - v t) cancel if they are the same function."""
     verdict = solved("u_t - u", "u = exp(k*x - w*t) - exp(l*x - v*t)", "", "k, l, w, v")
     assert {"k = l", "w = v"} in [
         {f"{s} = {value}" for s, value in case.values.items()} for case in verdict.cases
@@ -275,7 +275,7 @@ def test_what_is_not_known_to_be_independent_is_not_called_complete() -> None:
     [("u_x - abs(k)*u", "exp(k*x)", "k"), ("u_x - sin(a)", "x/2", "a")],
 )
 def test_what_is_left_out_is_not_refuted(equation: str, formula: str, wanted: str) -> None:
-    """They hold for k >= 0 and at a = pi/6, which the answer leaves out by name."""
+    """The equations hold for k >= 0 and at a = pi/6, which the answer names as left out."""
     verdict = solved(equation, f"u = {formula}", "", wanted)
     assert verdict.outcome == "UNDECIDED"
     assert verdict.detail.startswith(f"no value was found of {wanted}, apart from where ")
@@ -293,7 +293,7 @@ def test_what_is_left_out_is_not_refuted(equation: str, formula: str, wanted: st
 def test_every_function_has_an_answer(
     equation: str, formula: str, parameters: str, answer: str
 ) -> None:
-    """Powers of -1 and theta functions were no expressions, exp(b*log(b)) no polynomial."""
+    """Catches: an error for powers of -1, theta functions and exp(b*log(b))."""
     assert (
         answer
         in solved(equation, formula, parameters, "b", "t>0" if "_t" in equation else "").detail

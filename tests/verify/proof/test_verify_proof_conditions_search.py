@@ -1,4 +1,4 @@
-"""Random ansatz problems: planted values are found, and what least squares finds is in a case."""
+"""Random ansatz problems: planted values are found, and least-squares solutions are in a case."""
 
 import random
 from collections.abc import Iterator
@@ -31,7 +31,7 @@ EXP = "exp(k*(x - c*t))"
 
 @dataclass(frozen=True)
 class Planted:
-    """An equation with coefficients P, Q, an ansatz, and constants that are known to solve it."""
+    """Equation with coefficients P, Q, an ansatz, and constants that are known to solve it."""
 
     equation: str
     ansatz: str
@@ -91,7 +91,7 @@ DEAR = (PLANTED[1], PLANTED[6])
 
 
 def admissible(symbol: sp.Symbol, statement: Statement, draw: random.Random) -> float:
-    """A number of moderate size in a domain."""
+    """Return a number of moderate size in a domain."""
     domain = settled_domains(symbols_of(statement), statement.domains)[symbol]
     low = 0.3 if domain.lower == -sp.oo else float(domain.lower)
     high = low + 1.2 if domain.upper == sp.oo else float(domain.upper)
@@ -105,7 +105,7 @@ def value_of(expression: sp.Expr, numbers: dict[sp.Symbol, float]) -> complex:
 
 
 def holds_at(case: ConstantCase, numbers: dict[sp.Symbol, float], error: float) -> bool:
-    """Whether numbers for all constants lie in a case."""
+    """Return whether numbers for all constants lie in a case."""
     pairs = [(value_of(v, numbers), numbers[s]) for s, v in case.values.items()]
     pairs += [(value_of(p, numbers), 0.0) for p in case.implicit]
     return all(abs(a - b) < error * (1 + abs(b)) for a, b in pairs)
@@ -126,7 +126,7 @@ def test_planted_constants_are_found(planted: Planted) -> None:
     statement = read_statement(equation, planted.ansatz, planted.parameters, solve=",".join(names))
     verdict = solve_statement(statement)
     symbols = {s.name: s for s in symbols_of(statement)}
-    others = [s for s in symbols.values() if s not in (*statement.wanted, *statement.variables)]
+    others = [s for s in symbols.values() if s not in (*statement.solve_for, *statement.variables)]
     numbers = {s: admissible(s, statement, draw) for s in others}
     if "sin(u)" in equation:
         numbers[symbols["k"]] = float(Q / P + 1)
@@ -166,7 +166,7 @@ NEARLY_ZERO = 5e-2
 
 
 def random_problem(draw: random.Random) -> Statement:
-    """An equation of random terms, not all of which cancel, with an ansatz."""
+    """Return an equation of random terms, not all of which cancel, with an ansatz."""
     while True:
         with suppress(FormulaError):
             return drawn_problem(draw)
@@ -179,17 +179,17 @@ def drawn_problem(draw: random.Random) -> Statement:
         f" + ({factor})*{term}" for factor, term in zip(factors, terms, strict=True)
     )
     ansatz, names, parameters = draw.choice(ANSATZ)
-    wanted = draw.sample(names.split(), draw.randint(1, len(names.split())))
-    return read_statement(equation, f"u = {ansatz}", parameters, solve=",".join(wanted))
+    solve_for = draw.sample(names.split(), draw.randint(1, len(names.split())))
+    return read_statement(equation, f"u = {ansatz}", parameters, solve=",".join(solve_for))
 
 
 def roots(
     statement: Statement, draw: random.Random, starts: int
 ) -> Iterator[dict[sp.Symbol, float]]:
-    """Constants at which the residual vanishes at random points, away from 0 unless they are 0."""
-    others = symbols_of(statement) - {*statement.wanted, *statement.variables}
+    """Yield constants at which the residual vanishes at random points; none is nearly 0."""
+    others = symbols_of(statement) - {*statement.solve_for, *statement.variables}
     numbers = {s: admissible(s, statement, draw) for s in sorted(others, key=str)}
-    names = [*statement.variables, *statement.wanted, *numbers]
+    names = [*statement.variables, *statement.solve_for, *numbers]
     residual = residual_of(statement, statement.equations[0])
     function = sp.lambdify(names, residual, modules=[ELLIPTIC, "numpy"])
     points = np.array([[draw.uniform(-1.5, 1.5) for _ in statement.variables] for _ in range(14)])
@@ -199,13 +199,13 @@ def roots(
         return np.clip(np.nan_to_num(np.broadcast_to(found, len(points)), nan=1e6), -1e8, 1e8)
 
     for _ in range(starts):
-        start = [draw.uniform(-3, 3) for _ in statement.wanted]
+        start = [draw.uniform(-3, 3) for _ in statement.solve_for]
         with np.errstate(all="ignore"):
             found = least_squares(values, start, xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=300)
         sizes = np.abs(found.x)
         is_root = np.max(np.abs(found.fun)) < 1e-9 and np.max(sizes) < 6
         if is_root and not np.any((sizes > 1e-7) & (sizes < NEARLY_ZERO)):
-            yield numbers | dict(zip(statement.wanted, map(float, found.x), strict=True))
+            yield numbers | dict(zip(statement.solve_for, map(float, found.x), strict=True))
 
 
 def check_completeness(seed: int) -> ConditionalVerdict:

@@ -14,7 +14,7 @@ from longwave.verify.verdict import Outcome
 
 
 def outcome(equation: str, solution: str, **parts: str) -> str:
-    """The verdict on a statement, without the note that the certificate states another."""
+    """Return the outcome for a statement; check that no assumption mentions SymPy's reading."""
     verdict = prove(equation, solution, **parts)
     assert not any("what SymPy reads" in line for line in verdict.assumptions)
     return str(verdict.outcome)
@@ -74,7 +74,7 @@ def test_parameters_may_be_complex(equation: str, true: str, false: str) -> None
 
 
 def complex_names(texts: str) -> str:
-    """The entries for b and c where they occur."""
+    """Return the entries for b and c if they occur."""
     found = re.findall(r"(?<!\w)[bc](?!\w)", texts)
     return "; ".join(f"{name}: complex" for name in sorted({*found}))
 
@@ -95,9 +95,9 @@ def test_the_certificate_states_that_a_parameter_is_complex() -> None:
 
 
 def test_a_complex_parameter_has_no_inequalities_and_is_not_solved_for() -> None:
-    for said, solve in (("c: complex, c>0", ""), ("c: complex", "a")):
+    for parameters, solve in (("c: complex, c>0", ""), ("c: complex", "a")):
         with pytest.raises(FormulaError, match="complex"):
-            read_statement("u_x - a*c", "u = a*c*x", said, solve=solve)
+            read_statement("u_x - a*c", "u = a*c*x", parameters, solve=solve)
 
 
 ANGLES = [

@@ -1,4 +1,4 @@
-"""Verdicts on whole domains: both signs, branches, cuts, and what is not known is never 0."""
+"""Verdicts on whole domains: both signs, branches, cuts; an unknown value is never taken as 0."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -101,7 +101,7 @@ def test_a_denominator_that_vanishes_on_half_of_the_domain_is_named() -> None:
 
 
 def test_a_point_on_a_cut_is_no_witness() -> None:
-    """sqrt jumps where its argument crosses the negative axis, at b = 0."""
+    """The root jumps where its argument crosses the negative axis, at b = 0."""
     root = sp.sqrt(-1 - x**2 + sp.I * b)
     at_cut = {x: sp.S.One, b: sp.S.Zero}
     problem = equality_problem(root, root * sp.sign(b) ** 2, [x])
@@ -157,7 +157,7 @@ def test_the_domains_of_a_form_are_those_of_its_record(form: ClosedForm) -> None
 
 
 def test_a_linear_form_of_the_equation_alone_is_no_zero() -> None:
-    """t occurs in the equation and in the slope of exp(x t), not in the formula's own sums."""
+    """The variable t is in the equation and in the slope of exp(x t), not in the formula's sums."""
     verdict: ProofVerdict = prove(u.diff(x) - u - t * (x - x + t - t + 1) * u * TINY, sp.exp(x))
     assert verdict.outcome is Outcome.REFUTED
 
@@ -263,7 +263,7 @@ def test_a_formula_that_is_nested_too_deeply_is_undecided() -> None:
 
 
 def test_a_function_of_the_same_function_is_told_from_it() -> None:
-    """exp(exp(2 log x) - 1): whether the inner one is the outer one was asked without end."""
+    """Catches: endless recursion for exp(exp(2 log x) - 1), comparing the inner and outer exp."""
     log = sp.log(x, evaluate=False)
     square = sp.exp(2 * log, evaluate=False)
     nested = sp.exp(square - 1, evaluate=False)
@@ -288,7 +288,7 @@ KINDS = {
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_an_assumption_that_no_sample_keeps_is_refused(kind: str) -> None:
-    """sin(pi n/4) cos(pi n/4) is 0 for even n; it was refuted at n = -5."""
+    """Catches: sin(pi n/4) cos(pi n/4), which is 0 for even n, refuted at n = -5."""
     symbol = sp.Symbol("n", **{kind: kind != "positive"})
     with pytest.raises(ValueError, match=f"got n with .*{kind[:4]}|got n with composite"):
         prove_equal(x * KINDS[kind](symbol), sp.S.Zero, [x])

@@ -1,4 +1,4 @@
-"""Which equations are read as polynomials in the unknown's derivatives, and which are not."""
+"""Equations that are polynomials in the unknown's derivatives, and equations that are not."""
 
 from collections.abc import Callable
 

@@ -1,4 +1,4 @@
-"""Certificates as scripts: their structure always, the systems' answers where they are there."""
+"""Certificates as scripts: their structure, and the answers of the installed systems."""
 
 import random
 import re
@@ -50,7 +50,7 @@ def inner_names(term: terms.Term, *kinds: str) -> Iterator[terms.Term]:
 
 @pytest.mark.parametrize("name", FORMS)
 def test_every_step_uses_only_what_stands_before_it(name: str) -> None:
-    """A script that asks for a slope or a name too early is rejected by every system."""
+    """Every system rejects a script that uses a slope or a name before it is defined."""
     defined, slopes = set(), set()
     for step in proof(name).steps:
         assert set(inner_names(step.term, "node", "jet")) <= defined
@@ -187,7 +187,7 @@ def put(term: terms.Term, old: terms.Term, new: terms.Term) -> terms.Term:
 
 
 def changed(found: WrittenProof, draw: random.Random) -> WrittenProof:
-    """The proof with one rational number, or one exponent, of a step that is another one."""
+    """Return the proof with one rational number or one exponent of a step changed."""
     places = [
         (index, number)
         for index, step in enumerate(found.steps)
@@ -205,9 +205,9 @@ def changed(found: WrittenProof, draw: random.Random) -> WrittenProof:
 @pytest.mark.slow
 @pytest.mark.parametrize(("system", "count"), [("pari", 40), ("maxima", 20), ("coq", 5)])
 def test_a_system_rejects_a_proof_with_one_number_changed(system: str, count: int) -> None:
-    """Of these no coefficient, exponent, slope or relation has a true neighbour.
+    """In these proofs every changed coefficient, exponent, slope or relation is false.
 
-    That of the kink has: tanh as (e^2 + 1)/(e^2 + 1) makes it a constant, which is a solution.
+    The kink is left out: tanh changed to (e^2 + 1)/(e^2 + 1) is a constant, which is a solution.
     """
     draw = random.Random(system)
     _engine(system)
@@ -280,17 +280,17 @@ SAID = {
 
 @pytest.mark.parametrize("stated", PREMISES)
 def test_a_script_says_what_the_proof_rests_on(stated: tuple[str, str, str, str]) -> None:
-    """Branches, signs, parameters, the domain and denominators: these, and no others."""
+    """The premises are exactly branches, signs, parameters, the domain and denominators."""
     equation, solution, parameters, domain = stated
     verdict = prove_text(equation, solution, parameters=parameters, domain=domain)
     assert verdict.certificate is not None
     found = written_out(verdict.certificate)
     assert found.conditions == PREMISES[stated]
-    for system, said in SAID.items():
+    for system, pattern in SAID.items():
         text = SYSTEMS[system].write(found)
-        lines = " ".join(said.findall(text)).replace(" * ", "*").replace(" ... ", " ")
+        lines = " ".join(pattern.findall(text)).replace(" * ", "*").replace(" ... ", " ")
         assert lines == " ".join(f"if {terms.premise_line(p)}" for p in found.premises)
-        assert text.index('"accepted"') > max((m.end() for m in said.finditer(text)), default=0)
+        assert text.index('"accepted"') > max((m.end() for m in pattern.finditer(text)), default=0)
 
 
 def test_the_theorem_for_coq_has_its_premises_and_uses_them() -> None:
@@ -308,7 +308,7 @@ def test_the_theorem_for_coq_has_its_premises_and_uses_them() -> None:
 
 
 def data_of_a_root(radicand: str, value: str) -> dict[str, Any]:
-    """The certificate that u = sqrt(radicand) is ``value``, whatever the sign of that."""
+    """Return the certificate that u = sqrt(radicand) is ``value``, even if the sign is wrong."""
     data: dict[str, Any] = {
         "format": "longwave proof 4",
         "name": "forged",

@@ -1,4 +1,4 @@
-"""Exact facts of the rational solutions, and the printed Y2 and Y3 as members of the family."""
+"""Exact facts about the rational solutions; the printed Y2 and Y3 are members of the family."""
 
 import pytest
 import sympy as sp

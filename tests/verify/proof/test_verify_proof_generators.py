@@ -1,4 +1,4 @@
-"""The generators' rules, by identities and equations that use each of them."""
+"""Rules of the generators, tested by identities and equations that use each of them."""
 
 import pytest
 import sympy as sp
@@ -114,7 +114,7 @@ def test_two_moduli_live_in_one_formula() -> None:
 
 
 def test_the_wrong_derivative_of_dn_is_refuted() -> None:
-    """Sage and FriCAS had -k sn cn for -k**2 sn cn."""
+    """Catches: -k sn cn for -k**2 sn cn, an error of Sage and FriCAS."""
     wrong = u.diff(x) + k * jacobi_sn(x, m) * jacobi_cn(x, m)
     assert prove(wrong, jacobi_dn(x, m)).outcome is Outcome.REFUTED
 

@@ -1,4 +1,4 @@
-"""Hostile statements: one line each, within seconds and little memory, nothing evaluated."""
+"""Hostile statements: a one-line answer within seconds, little memory, no code executed."""
 
 import json
 import subprocess
@@ -60,11 +60,11 @@ def answered(first: int, step: int) -> dict[str, Any]:
 def check(found: dict[str, Any]) -> None:
     assert found["evaluated"] == []
     assert found["memory"] < MEGABYTES
-    for said, seconds in found["answers"]:
-        assert seconds < SECONDS, said
-        assert "\n" not in said
-        assert said.isprintable()
-        assert len(said) < 300, said
+    for answer, seconds in found["answers"]:
+        assert seconds < SECONDS, answer
+        assert "\n" not in answer
+        assert answer.isprintable()
+        assert len(answer) < 300, answer
 
 
 def test_there_are_as_many_as_are_promised() -> None:
@@ -82,14 +82,14 @@ def test_a_sample_costs_one_line_each() -> None:
 @pytest.mark.slow
 def test_all_cost_one_line_each() -> None:
     found = answered(0, 1)
-    refused = [said for said, _ in found["answers"] if said != "read"]
+    refused = [answer for answer, _ in found["answers"] if answer != "read"]
     assert len(refused) > 600
     check(found)
 
 
 @pytest.mark.slow
 def test_the_command_answers_a_third_of_them(capsys: pytest.CaptureFixture[str]) -> None:
-    """A message with the place and status 2, or a verdict in the end of the limit."""
+    """The answer is a message with the position and status 2, or a verdict within the limit."""
     for equation, solution, parameters, domain in [*written()][::3]:
         words = ["prove", "--equation", equation, "--solution", solution, "--limit", "2", "--json"]
         words += ["--parameters", parameters] if parameters else []
@@ -109,7 +109,7 @@ def test_the_command_answers_a_third_of_them(capsys: pytest.CaptureFixture[str])
 
 
 def test_a_hostile_file_costs_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Among them keys with 50 000 dots, which tomllib takes minutes and gigabytes for."""
+    """One file has keys with 50 000 dots, for which tomllib needs minutes and gigabytes."""
     path = tmp_path / "hostile.toml"
     for content in FILES:
         path.write_bytes(content.encode("utf-8", "surrogatepass"))

@@ -1,4 +1,4 @@
-"""The lab variables: K2 and K4 without square roots, and what is proved in them."""
+"""Lab variables: K2 and K4 without square roots, and proofs in these variables."""
 
 from dataclasses import replace
 
@@ -56,7 +56,7 @@ def test_the_parametrisation_is_the_normal_form_record(s: int) -> None:
 
 
 def test_the_papers_letters_are_the_normal_form_variables() -> None:
-    """b X = 2 xi and a T = -2 tau in Y2, c T = 24 tau in Y3, with the paper's b, a, c."""
+    """In Y2 b X = 2 xi and a T = -2 tau, in Y3 c T = 24 tau, with the paper's b, a, c."""
     frame, pde = lab_frame(1), mkdv_reduction().pde
     at = frame.constants()
     beta, gamma_3 = pde.nonlinear_coefficient.subs(at), -pde.dispersive_coefficient.subs(at)

@@ -1,4 +1,4 @@
-"""Equalities proved part by part: what is a part, and that a false one proves nothing."""
+"""Equalities proved part by part: the choice of parts; a false part proves nothing."""
 
 import sympy as sp
 

@@ -1,4 +1,4 @@
-"""Statements as other systems and papers write them: one line with the text that is right."""
+"""Statements in the notation of other systems and papers: a one-line error with a correction."""
 
 from __future__ import annotations
 
@@ -163,7 +163,7 @@ CASES: list[tuple[Texts, Texts]] = [
 
 
 def corrected(texts: Texts) -> Texts:
-    """The statement with what its error tells to write."""
+    """Return the statement with the correction of its error message."""
     with pytest.raises(FormulaError) as raised:
         read_statement(*texts)
     line = str(raised.value)
@@ -185,8 +185,8 @@ def test_there_are_as_many_as_asked_for() -> None:
 
 @pytest.mark.parametrize(("right", "mistyped"), CASES)
 def test_the_error_shows_the_statement_that_was_meant(right: Texts, mistyped: Texts) -> None:
-    meant, found = read_statement(*right), read_statement(*corrected(mistyped))
-    assert found == meant
+    expected, found = read_statement(*right), read_statement(*corrected(mistyped))
+    assert found == expected
 
 
 @pytest.mark.parametrize(

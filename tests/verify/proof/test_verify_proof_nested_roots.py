@@ -1,4 +1,4 @@
-"""Roots of roots, and several roots of one radicand: all are powers of one generator."""
+"""Roots of roots, and several roots of one radicand as powers of one generator."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""What `--solve` says beyond its cases: "only if" of what was typed, and the conditions on it."""
+"""Answers of `--solve` beyond its cases: "only if" for the typed statement, and conditions."""
 
 from dataclasses import replace
 
@@ -43,7 +43,7 @@ def test_signs_of_complex_formulas_are_quotients(place: int) -> None:
 def test_values_are_not_excluded_where_what_was_typed_is_something_else(
     equation: str, solution: str, solve: str, misread: str
 ) -> None:
-    """SymPy reads sign(exp(I*x))**2 as 1; w = a**2 - 4, every a and c = 1 hold."""
+    """SymPy reads sign(exp(I*x))**2 as 1, which would exclude values that hold."""
     statement = read_statement(equation, solution, solve=solve)
     wrong = read_statement(equation, f"u = {misread}", solve=solve)
     verdict = solve_statement(replace(statement, solutions=wrong.solutions))
@@ -65,7 +65,7 @@ def test_values_are_not_excluded_where_what_was_typed_is_something_else(
 def test_slopes_of_signs_are_0_on_each_side(
     equation: str, solution: str, solve: str, answer: str
 ) -> None:
-    """Catches: SymPy's delta functions at jumps, of which nothing is said, as no known function."""
+    """Catches: an error for SymPy's delta functions at jumps, about which no claim is made."""
     verdict = solved(equation, solution, solve)
     assert verdict.outcome is Outcome.PROVED
     front = f"{verdict.restriction}: " if verdict.restriction else ""
@@ -73,7 +73,7 @@ def test_slopes_of_signs_are_0_on_each_side(
 
 
 def test_a_polynomial_may_vanish_at_finitely_many_sites() -> None:
-    """n = 1 is the only site, and c = 0 holds there."""
+    """The only site is n = 1, where c = 0 holds."""
     verdict = solved("u[n-2] - u[n] + c", "u[n] = abs(n)", "c", "c: c<1", "0<n<2")
     assert verdict.outcome is Outcome.UNDECIDED
     assert verdict.detail == (
@@ -177,7 +177,7 @@ def test_what_the_declarations_say_is_no_condition(
 
 
 def test_roots_are_real_at_the_zeros_of_what_stands_before_them() -> None:
-    """At b = 1, u = 1 solves it for every c, also for c < 0."""
+    """At b = 1 the formula is u = 1, which is a solution for every c, also for c < 0."""
     verdict = solved("u_xx - c*(b - 1)**2*u", "u = exp(k*x)", "k")
     assert verdict.detail == (
         "holds if and only if k = sqrt(c)*(b - 1) where c >= 0; or "
@@ -199,7 +199,7 @@ def test_roots_are_real_at_the_zeros_of_what_stands_before_them() -> None:
 def test_error_functions_in_python(
     equation: str, solution: str, solve: str, parameters: str, domain: str, answer: str
 ) -> None:
-    """Roots of pi were no polynomials, and SymPy's error ended the session's call."""
+    """Catches: an uncaught SymPy error for roots of pi, which are not polynomials."""
     verdict = solved(equation, solution, solve, parameters, domain)
     assert verdict.detail.startswith(f"holds if {answer}")
     assert verdict.outcome is Outcome.PROVED

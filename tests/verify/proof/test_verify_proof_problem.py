@@ -1,4 +1,4 @@
-"""What a problem says of itself, and how wrong arguments in Python are answered."""
+"""Texts of verdicts and certificates, and errors for wrong arguments in Python."""
 
 from collections.abc import Callable
 
@@ -49,7 +49,7 @@ def test_a_verdict_and_its_certificate_are_one_helpful_line() -> None:
 def test_the_catalogues_statements_are_compared_without_a_search(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Only what a certificate states is made again, not its proof."""
+    """Only the statement of a certificate is computed again, not its proof."""
     certificate = prove_form(closed_form("rogue_cn")).certificate
 
     def search(*_: object, **__: object) -> None:

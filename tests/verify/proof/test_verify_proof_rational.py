@@ -26,7 +26,7 @@ def test_every_order_is_proved_directly_and_by_bilinear_identities(order: int) -
 
 
 def test_there_are_more_points_than_the_degree_in_time() -> None:
-    """D of order 3 has t**4, so that D**4 times the residual has at most t**16."""
+    """The D of order 3 has degree 4 in t, so D**4 times the residual has at most degree 16."""
     assert prove_rational(3).detail.startswith("0 at 17 values of tau")
 
 
@@ -44,13 +44,13 @@ def test_the_residual_sees_a_changed_coefficient() -> None:
 
 
 def _backwards(family: RationalTau) -> list[fmpq_mpoly]:
-    """A -> -A, t -> -t keeps the first bilinear equation and breaks the second."""
+    """Return A -> -A, t -> -t, which keeps the first bilinear equation and breaks the second."""
     terms = ({e: c * (-1) ** int(e[1]) for e, c in p.terms()} for p in (family.A, family.B))
     return [family.A.context().from_dict(changed) for changed in terms]
 
 
 def _with_time(family: RationalTau) -> list[fmpq_mpoly]:
-    """A shift of the third kind, which moves t, is not free in time."""
+    """Return A + 3 t and B: a shift of the third kind that depends on time."""
     return [family.A + 3 * family.A.context().gens()[1], family.B]
 
 

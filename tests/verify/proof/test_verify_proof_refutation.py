@@ -1,4 +1,4 @@
-"""Wrong formulas are refuted with a witness; those that still solve are proved; none is left."""
+"""Mutants are refuted with a witness or proved to be solutions; none is undecided."""
 
 import pytest
 import sympy as sp

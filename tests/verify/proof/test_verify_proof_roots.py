@@ -1,4 +1,4 @@
-"""Roots, logarithms and inverse tangents of what is written differently."""
+"""Roots, logarithms and inverse tangents of the same argument in different forms."""
 
 import pytest
 import sympy as sp

@@ -1,4 +1,4 @@
-"""Places at which typed formulas may jump or have corners, and what verdicts say of them."""
+"""Places at which typed formulas may jump or have corners, and their mention in verdicts."""
 
 import json
 
@@ -7,10 +7,10 @@ import sympy as sp
 
 from longwave.__main__ import main
 from longwave.verify.proof.conditions import conditional_sentence, solve_statement
-from longwave.verify.proof.kept_verdict import kept_record, taken_again
 from longwave.verify.proof.seams import left_open, seams, sides
 from longwave.verify.proof.statement_text import read_statement
 from longwave.verify.proof.statement_verdict import decide_statement, verified_sentence
+from longwave.verify.proof.stored_verdict import checked_again, verdict_record
 from longwave.verify.proof.text_prover import prove
 from longwave.verify.published import chosen
 
@@ -77,7 +77,9 @@ def test_a_place_where_a_formula_is_not_smooth_is_found(solution: str, expected:
         ("u = lambert_w(exp(x))", "", ""),
     ],
 )
-def test_smooth_formulas_and_poles_have_none(solution: str, parameters: str, domain: str) -> None:
+def test_smooth_formulas_and_poles_have_no_seams(
+    solution: str, parameters: str, domain: str
+) -> None:
     assert places(solution, "u_x", parameters, domain) == []
 
 
@@ -96,7 +98,7 @@ def test_sites_are_left_out_one_by_one() -> None:
 def test_a_travelling_corner_is_proved_on_its_sides_alone(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    """Every speed s is one pointwise, and none but a is that of a peakon."""
+    """Pointwise every speed s is a solution, but only s = a is a peakon."""
     statement = read_statement(CAMASSA_HOLM, PEAKON)
     verdict = decide_statement(statement)
     front = f"on each side of x = s*t{ACROSS}"
@@ -125,22 +127,22 @@ def test_the_words_stand_before_an_answer_of_constants() -> None:
     assert "on each side of x = 2*t" in conditional_sentence(verdict)
 
 
-def test_they_are_found_again_on_resumption() -> None:
+def test_seams_are_found_again_on_resumption() -> None:
     statement = read_statement(CAMASSA_HOLM, PEAKON)
-    record = kept_record(decide_statement(statement)) | {"sides": "everywhere"}
-    verdict = taken_again(statement, record)
+    record = verdict_record(decide_statement(statement)) | {"sides": "everywhere"}
+    verdict = checked_again(statement, record)
     assert verdict is not None
     assert verdict.restriction == f"on each side of x = s*t{ACROSS}"
 
 
-def test_what_is_refuted_has_no_sides() -> None:
+def test_a_refutation_has_no_sides() -> None:
     verdict = prove("u_x - 1", "u = abs(x)")
     assert verdict.outcome == "REFUTED"
     assert repr(verdict).startswith("<StatementVerdict REFUTED: ")
     assert verdict.json()["sides"] == ""
 
 
-def test_formulas_of_sympy_have_them_too() -> None:
+def test_sympy_formulas_have_seams_too() -> None:
     x, t = sp.symbols("x t")
     u = sp.Function("u")(x, t)
     verdict = prove(u.diff(t) + u.diff(x), sp.Abs(x - t))
@@ -149,7 +151,7 @@ def test_formulas_of_sympy_have_them_too() -> None:
 
 
 @pytest.mark.parametrize("name", PEAKONS)
-def test_the_peakons_of_the_library_carry_them(name: str) -> None:
+def test_the_peakons_of_the_library_have_seams(name: str) -> None:
     (text,) = chosen([name])
     verdict = decide_statement(text.problem().statement)
     assert verdict.outcome == "PROVED"
@@ -157,7 +159,7 @@ def test_the_peakons_of_the_library_carry_them(name: str) -> None:
 
 
 def test_a_product_is_0_where_a_factor_is() -> None:
-    """Catches: "each side of n*t = 0" of a lattice, whose site n = 0 was not named."""
+    """Catches: "each side of n*t = 0" for a lattice, without the site n = 0."""
     statement = read_statement("u[n+1] + u[n]", "u = (-1)**n*abs(sign(n*t))**2", "", "t < 0")
     verdict = decide_statement(statement)
     assert verdict.sides == "apart from n = 0, n = -1, nothing said of them"
@@ -181,7 +183,7 @@ def test_a_product_is_0_where_a_factor_is() -> None:
 def test_values_of_parameters_at_which_a_formula_jumps_are_named(
     solution: str, parameters: str, line: str, sentence: str
 ) -> None:
-    """Catches: a sentence in LaTeX "for all real m", and "the site k = 3" of a parameter."""
+    """Catches: the LaTeX sentence "for all real m", and "the site k = 3" for a parameter."""
     statement = read_statement("u_x + 1", f"u = {solution}", parameters)
     verdict = decide_statement(statement)
     assert verdict.singularities == (f"jump or corner {line}",)
@@ -203,7 +205,7 @@ LEFT_OPEN = [
 def test_a_product_is_0_where_a_factor_without_variables_is(
     solution: str, places: list[str], lines: list[str]
 ) -> None:
-    """Catches: m = 0 hidden behind x = t, where u = 0; places at which nothing can be 0."""
+    """Catches: m = 0 hidden by x = t, where u = 0; places at which no factor can be 0."""
     functions = "f: function" if "f(" in solution else ""
     found, left = left_open(read_statement("u - 1", solution, functions))
     assert ([seam.place for seam in found], list(left)) == (places, lines)

@@ -1,4 +1,4 @@
-"""Values of special functions, and conjugates of complex parameters: right ones and wrong ones."""
+"""Right and wrong values of special functions and of conjugates of complex parameters."""
 
 import pytest
 from flint import acb
@@ -123,12 +123,12 @@ def test_a_wrong_value_is_refuted(
 
 @pytest.mark.slow
 def test_the_soliton_of_davey_and_stewartson_is_proved() -> None:
-    """Catches: the sign of k from k > l and l > 0."""
+    """Catches: the sign of k not derived from k > l and l > 0."""
     assert decided(*STEWARTSON, PARAMETERS, "").outcome is Outcome.PROVED
 
 
 def test_a_reason_is_not_that_another_way_was_taken() -> None:
-    """Catches: "multiply it out" where the equation was taken as it stands."""
+    """Catches: the reason "multiply it out" for an equation that was taken as typed."""
     found = decided(NLS, WAVE, "l: l>0; k: k>0", "")
     assert found.outcome is not Outcome.PROVED
     found = decided("I*u_t + u_xx + 2*abs(u)**2*u", "u = abs(x*a)*exp(I*t)*0", "a: complex", "")
@@ -139,13 +139,13 @@ def test_a_reason_is_not_that_another_way_was_taken() -> None:
 
 
 def test_a_value_on_another_branch_is_not_proved() -> None:
-    """Catches: one root of 2/(pi z), where z has the other sign, for one over a root of z."""
+    """Catches: a root of 2/(pi z) taken for sqrt(2/pi)/sqrt(z), which differs for z < 0."""
     found = decided("u - sqrt(2/(pi*x))*sin(x)", "u = bessel_j(1/2,x)", "", "x<0")
     assert found.outcome is not Outcome.PROVED
 
 
 def test_a_function_that_needs_m_below_one_says_so() -> None:
-    """Catches: a reason in k, which is no name of the statement, or one that calls m > 1 wrong."""
+    """Catches: a reason in k, which the statement does not contain, or that calls m > 1 wrong."""
     found = decided("u_x + u**2", "u = jacobi_zeta(x,m)", "m: m>1", "")
     assert found.outcome is Outcome.UNDECIDED
     assert "need m < 1, got m = " in found.detail

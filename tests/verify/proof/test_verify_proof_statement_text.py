@@ -1,4 +1,4 @@
-"""Statements in text: what is read, and what is refused with the place and the reason."""
+"""Statements in text: accepted forms, and errors with their position and reason."""
 
 import pytest
 import sympy as sp
@@ -78,7 +78,7 @@ def test_variables_have_the_domains_that_are_stated(domain: str, expected: dict[
 def test_inequalities_of_degree_1_are_solved_for_a_variable(
     domain: str, expected: dict[str, str]
 ) -> None:
-    """A parameter in them need not be declared."""
+    """Parameters in the inequalities need not be declared."""
     statement = read_statement(LINEAR, WAVE, "", domain)
     assert domains(statement) == expected
     assert statement.texts is not None
@@ -219,7 +219,7 @@ def test_a_name_that_is_declared_may_look_like_a_product() -> None:
 
 @pytest.mark.parametrize("word", RESERVED)
 def test_words_for_domains_are_no_parameters(word: str) -> None:
-    """A line "for all real positive, x" reads otherwise than it is meant."""
+    """Catches: the line "for all real positive, x" with a parameter named positive."""
     with pytest.raises(FormulaError, match="expected a name of its own"):
         read_statement(f"u_x - {word}", f"u = {word}*x")
 

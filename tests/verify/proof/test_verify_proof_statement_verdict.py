@@ -1,4 +1,4 @@
-"""Verdicts on statements in text: right, for all symbols, with a witness and a hint."""
+"""Verdicts on statements in text: correct, for all symbols, with a witness and a hint."""
 
 import re
 from dataclasses import replace
@@ -11,7 +11,6 @@ import sympy as sp
 
 import longwave
 from longwave.verify.proof import check_certificate
-from longwave.verify.proof.kept_verdict import kept_record, taken_again
 from longwave.verify.proof.near_misses import near_misses, with_hint
 from longwave.verify.proof.prover import prove as prove_expression
 from longwave.verify.proof.statement_latex import statement_latex
@@ -22,6 +21,7 @@ from longwave.verify.proof.statement_verdict import (
     decide_statement,
     verified_sentence,
 )
+from longwave.verify.proof.stored_verdict import checked_again, verdict_record
 from longwave.verify.proof.text_prover import prove
 from longwave.verify.published import chosen
 
@@ -272,7 +272,7 @@ def test_a_refuted_statement_comes_with_what_holds(
 
 
 def test_what_substitution_does_not_prove_is_proved_by_its_residual() -> None:
-    """Catches: the third way of deciding an equation left out."""
+    """Catches: a prover without the third way of deciding an equation."""
     (text,) = chosen(["gross_neveu_soliton"])
     verdict = decide_statement(text.problem().statement)
     assert verdict.outcome == "PROVED", verdict.detail
@@ -298,7 +298,7 @@ FALSE_HINTS = [
 
 @pytest.mark.parametrize(("equation", "solution"), FALSE_HINTS)
 def test_a_hint_is_proved_of_the_changed_text(equation: str, solution: str) -> None:
-    """Catches: hints for what SymPy makes of a text, and for an equation that says nothing."""
+    """Catches: hints for SymPy's form of a text, and for a trivial equation."""
     statement = read_statement(equation, solution)
     found = with_hint(statement, decide_statement(statement))
     assert found.outcome == "REFUTED"
@@ -339,14 +339,14 @@ OPEN_HINTS = [
 
 @pytest.mark.parametrize(("equation", "solution", "words"), OPEN_HINTS)
 def test_a_hint_says_what_its_proof_leaves_open(equation: str, solution: str, words: str) -> None:
-    """Catches: a hint as if it held at jumps, poles and sites that its proof says nothing of."""
+    """Catches: a hint without the jumps, poles and sites that its proof leaves open."""
     statement = read_statement(equation, solution)
     found = with_hint(statement, decide_statement(statement))
     assert found.hint == f"it holds with {words}"
     assert found.hint_verdict
     assert found.hint_verdict.outcome == "PROVED"
-    assert taken_again(statement, kept_record(found)) == replace(found, seconds=ANY)
-    assert found.json()["hint"] == found.told["what would hold"] == found.hint
+    assert checked_again(statement, verdict_record(found)) == replace(found, seconds=ANY)
+    assert found.json()["hint"] == found.html_rows["what would hold"] == found.hint
 
 
 def test_a_change_that_makes_a_jump_is_no_hint() -> None:
@@ -402,13 +402,13 @@ def test_the_latex_has_jets_sites_and_domains() -> None:
     [("x", "x>0", "PROVED"), ("x", "x<0", "REFUTED"), ("x - 1", "x>2", "PROVED")],
 )
 def test_the_sign_of_what_is_declared_positive(formula: str, domain: str, outcome: str) -> None:
-    """SymPy's absolute value of a positive symbol is the symbol itself."""
+    """In SymPy the absolute value of a positive symbol is the symbol itself."""
     statement = read_statement("sign(u) - 1", f"u = {formula}", domain=domain)
     assert decide_statement(statement).outcome.value == outcome
 
 
 def test_exponents_past_all_bounds_are_no_crash() -> None:
-    """n**(1 - 1e-40) is a polynomial in a root of n of a degree that no machine word holds."""
+    """As a polynomial in a root of n, n**(1 - 1e-40) has a degree beyond a machine word."""
     off = f"{10**40 - 1}/{10**40}"
     equation = "exp(-u[n+1] - u[n]) - n*(n + 1)"
     statement = read_statement(equation, f"u[n] = -({off})*log(n)", domain="n > 0")
@@ -447,7 +447,7 @@ SCOPES = [
 def test_a_proof_is_for_the_names_that_the_checker_reads(
     equation: str, solution: str, parameters: str, domain: str, words: str
 ) -> None:
-    """Catches: a scope without names that cancel, without conditions, and sites that are real."""
+    """Catches: a scope without cancelled names or without conditions, or with real sites."""
     verdict = prove(equation, solution, parameters=parameters, domain=domain)
     assert verdict.outcome == "PROVED", verdict.detail
     assert verdict.assumptions[0] == f"{words}, wherever the formulas are smooth"
@@ -464,7 +464,7 @@ def test_exceptional_sites_are_named() -> None:
 
 
 def test_the_sentence_is_of_what_was_typed() -> None:
-    r"""Catches: u = sign(exp(I*x))**2 told as u = 1."""
+    r"""Catches: u = sign(exp(I*x))**2 printed as u = 1."""
     statement = read_statement("u - sign(exp(I*x))**2", "u = sign(exp(I*x))**2 + 0/x")
     verdict = decide_statement(statement)
     assert verdict.outcome == "PROVED"
@@ -475,7 +475,7 @@ def test_the_sentence_is_of_what_was_typed() -> None:
 
 
 def test_the_residual_at_a_witness_is_that_of_what_was_typed() -> None:
-    """Catches: the residual 2 of u = x, which SymPy reads here."""
+    """Catches: the residual 2 of SymPy's form u = x."""
     verdict = prove("u_x + 1", "u = x*sign(exp(I*x))**2")
     assert verdict.witness is not None
     x = (
@@ -483,6 +483,6 @@ def test_the_residual_at_a_witness_is_that_of_what_was_typed() -> None:
         / Fraction(verdict.witness["x"]).denominator
     )
     value = mpmath.exp(2j * x) * (1 + 2j * x) + 1
-    shown = re.findall(r"\[(\S+) \+/- (\S+)\]", verdict.detail)
-    for (middle, error), part in zip(shown, (value.real, value.imag), strict=True):
+    balls = re.findall(r"\[(\S+) \+/- (\S+)\]", verdict.detail)
+    for (middle, error), part in zip(balls, (value.real, value.imag), strict=True):
         assert abs(mpmath.mpf(middle) - part) <= mpmath.mpf(error)

@@ -1,4 +1,4 @@
-"""Certificates that hold the whole statement: what is changed in the equation is another claim."""
+"""Certificates state the whole statement: a changed equation is a different claim."""
 
 import copy
 from typing import Any
@@ -29,7 +29,7 @@ def proved(equation: str, solution: str, **stated: str) -> tuple[Data, ...]:
 
 
 def changed(certificate: Data, part: str, old: str, new: str) -> Data:
-    """The certificate with other words in a part of the statement, signed again."""
+    """Return the certificate with another text in a part of the statement and a new digest."""
     data = copy.deepcopy(certificate)
     texts = data["statement"][part]
     assert any(old in text for text in texts), texts

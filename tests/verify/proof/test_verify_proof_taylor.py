@@ -15,7 +15,7 @@ from longwave.verify.verdict import Outcome
              "weierstrass_p", "weierstrass_p_prime", "jacobi_theta_1", "f"]
 )  # fmt: skip
 def test_taylor_coefficients_continue_a_function(name: str) -> None:
-    """The series about z at z + h is the function there, to the order h**12."""
+    """The series about z, evaluated at z + h, equals the function there up to h**12."""
     with ctx.workprec(200):
         elliptic = taylor.Elliptic(acb(0.3))
     series = {
@@ -40,7 +40,7 @@ def test_taylor_coefficients_continue_a_function(name: str) -> None:
 
 @pytest.mark.parametrize("order", [10, 12])
 def test_high_derivatives_are_not_taken_for_nought(order: int) -> None:
-    """Catches: FLINT's series with 10 terms, by which u'' = x u was refuted in its derivatives."""
+    """Catches: FLINT's series cut at 10 terms, which refuted derivatives of u'' = x u."""
 
     def slope(times: int) -> str:
         return f"diff(u, {', '.join(['x'] * times)})"

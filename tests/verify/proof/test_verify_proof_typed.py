@@ -1,4 +1,4 @@
-"""Catches: a verdict on what SymPy makes of a text, in the place of what was typed."""
+"""Catches: a verdict on SymPy's form of a text instead of the typed one."""
 
 from fractions import Fraction
 

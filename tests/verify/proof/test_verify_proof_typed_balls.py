@@ -1,4 +1,4 @@
-"""Catches: a text that the prover evaluates as another one than was typed."""
+"""Catches: a text that the prover evaluates differently from what was typed."""
 
 import cmath
 import itertools
@@ -25,7 +25,7 @@ x, y, a, n = float(X), float(Y), float(A), N
 
 
 def ball(equation: str, formula: str, point: dict[str, Fraction] = POINT) -> acb:
-    """The residual of an equation in u, or of u itself, at a point; n is a site."""
+    """Return the ball of the residual of an equation in u, or of u, at a point; n is a site."""
     if re.search(r"\bn\b", formula):
         equation, formula = equation.replace("u", "u[n]"), f"u[n] = {formula}"
     else:
@@ -115,9 +115,9 @@ def test_derivatives_are_those_of_what_was_typed(
 @pytest.mark.parametrize("kind", TEXT_KINDS)
 @pytest.mark.parametrize("index", range(12))
 def test_the_judge_of_the_searches_finds_the_same_residuals(kind: str, index: int) -> None:
-    """It shares no code with the prover: its reader, series and functions are its own."""
+    """The judge shares no code with the prover: it has its own parser, series and functions."""
     draws = (text_statement(kind, 77, number) for number in itertools.count(10 * index))
-    given = next(made for made in draws if made.truth is not Truth.VOID)
+    given = next(drawn for drawn in draws if drawn.truth is not Truth.VOID)
     point = given.point(random.Random(index))
     texts = list(given.equations), list(given.solutions), given.parameters, given.domain
     stated = read_statement(*texts)
@@ -156,7 +156,7 @@ def test_a_formula_is_shifted_as_it_stands(shift: str, expected: int) -> None:
     ],
 )
 def test_nothing_is_said_at_a_point_that_is_not_smooth(formula: str) -> None:
-    """At x = 0: poles, branch points, and points at which a formula may cross a cut."""
+    """The points x = 0 are poles, branch points, or may lie on a branch cut."""
     statement = read_statement("u - 5", f"u = {formula}")
     assert statement.trees is not None
     point = {**POINT, "x": Fraction(0)}

@@ -9,8 +9,8 @@ import sympy as sp
 from longwave.__main__ import main
 from longwave.verify.problem_file import problem_texts
 from longwave.verify.proof import check_certificate
-from longwave.verify.proof.kept_verdict import kept_record, taken_again
 from longwave.verify.proof.statement_text import read_statement
+from longwave.verify.proof.stored_verdict import checked_again, verdict_record
 from longwave.verify.proof.text_prover import answer, prove
 
 BURGERS = "u_t + diff(u**2/2, x)"
@@ -40,9 +40,9 @@ SHOCK, PEAKON = "u = (1 - sign(x - s*t))/2", "u = a*exp(-abs(x - s*t))"
 def test_the_speed_of_a_jump(equation: str, solution: str, solve: str, expected: list[str]) -> None:
     verdict = prove(equation, solution, solve=solve, weak=True)
     assert verdict.outcome == "PROVED", verdict.detail
-    front, _, said = verdict.detail.partition(": holds if and only if ")
+    front, _, answer = verdict.detail.partition(": holds if and only if ")
     assert front.startswith("as a weak solution across x = ")
-    assert sorted(said.split("; or ")) == sorted(expected)
+    assert sorted(answer.split("; or ")) == sorted(expected)
     assert verdict.heading == f"PROVED {front}"
     for certificate in verdict.certificates:
         assert check_certificate(certificate)
@@ -124,7 +124,7 @@ def test_the_command_and_files(tmp_path: Path, capsys: pytest.CaptureFixture[str
 
 def test_a_verdict_on_a_weak_solution_is_not_taken_from_a_file() -> None:
     statement = read_statement(BURGERS, "u = 1 - sign(x - t)", weak=True)
-    assert taken_again(statement, kept_record(answer(statement))) is None
+    assert checked_again(statement, verdict_record(answer(statement))) is None
 
 
 def test_formulas_of_sympy_are_not_taken() -> None:

@@ -1,5 +1,5 @@
-"""Certificates as scripts of other systems, which repeat the algebra of a proof.
+"""Export certificates as scripts of other systems, which repeat the algebra of a proof.
 
-`derivation.written_out` follows the checker through a certificate and notes every step; `pari`,
-`maxima` and `coq` write the steps in their languages.  `docs/trust.md` says what a script checks.
+`derivation.written_out` follows the checker through a certificate and records every step; `scripts`
+(PARI/GP and Maxima) and `coq` write the steps.  `docs/trust.md` explains what a script checks.
 """

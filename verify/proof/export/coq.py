@@ -1,7 +1,7 @@
-"""Scripts for Coq: a theorem on every field of characteristic 0 with derivations.
+"""Write Coq scripts: a theorem about every field of characteristic 0 with derivations.
 
-The theorem is written twice: as formulas of the field, which a reader sees, and as data from which
-the engine, proved right in the script, computes.  Coq finds the two to be the same.
+The theorem is written twice: as formulas of the field for the reader, and as data for the engine,
+whose correctness the script proves.  Coq checks that the two agree.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from flint import fmpq
 from . import terms
 
 PREDICATES = ("less", "at_most", "real", "is_integer", "analytic", "connected")
-"""Relations of premises; a denominator is other than 0 in the field itself."""
+"""Relations that are predicate variables in the script; ``not_zero`` is ``<> 0`` of the field."""
 
 
 def _rational(value: fmpq) -> str:
@@ -22,7 +22,7 @@ def _rational(value: fmpq) -> str:
 
 
 def _nested(joined: str) -> Callable[..., str]:
-    """A format of two parts for any number of them, from the last on."""
+    """Return a right fold of the two-part format ``joined`` over any number of parts."""
     return lambda *parts: fold(lambda text, part: joined.format(part, text), reversed(parts))
 
 
@@ -48,25 +48,25 @@ DATA: dict[str, Callable[..., str]] = {
     "sum": _nested("(Sum {} {})"),
     "product": _nested("(Prod {} {})"),
 }
-"""What the engine computes from, but for names: those have places in a list."""
+"""Terms as the engine's data; `_Theorem` adds nodes and jets, which are list positions."""
 
 CONJUNCTION = _nested("(conj {} {})")
-"""Proofs of all, the last of them ``I``."""
+"""Conjunction of proofs, ended by ``I``."""
 
 
 def coq_script(proof: terms.WrittenProof) -> str:
-    """A self-contained script; Coq prints "accepted" when it has checked the theorem."""
+    """Return a self-contained script; Coq prints "accepted" when it has checked the theorem."""
     comments = (f"(* {line} *)" for line in terms.plain_lines(proof))
     return "\n".join([*comments, terms.engine_text("engine.v"), *_Theorem(proof).lines()]) + "\n"
 
 
 def formula(term: terms.Term) -> str:
-    """A term as a formula of the field."""
+    """Return a term as a formula of the field."""
     return terms.spelled(term, FORMULAS)
 
 
 class _Theorem:
-    """The part of a script that is a proof's own."""
+    """Proof-specific part of a script."""
 
     def __init__(self, proof: terms.WrittenProof) -> None:
         self._proof = proof
@@ -82,7 +82,7 @@ class _Theorem:
         self._claims: list[str] = []
 
     def lines(self) -> list[str]:
-        """The variables, assumptions, claims and the proof."""
+        """Return the lines with the variables, assumptions, claims and the proof."""
         proof = self._proof
         steps = [self._step(step) for step in proof.steps]
         below_data = [terms.spelled(term, DATA) for term in proof.denominators]
@@ -119,12 +119,14 @@ class _Theorem:
         ]
 
     def _predicates(self) -> list[str]:
-        """A relation of any meaning for each kind of premise."""
-        found = {p.relation: len(p.terms) for p in self._proof.premises if p.relation in PREDICATES}
-        return [f"Variable {name} : {'F -> ' * count}Prop." for name, count in found.items()]
+        """Return the declaration of a predicate variable for each kind of premise."""
+        arities = {
+            p.relation: len(p.terms) for p in self._proof.premises if p.relation in PREDICATES
+        }
+        return [f"Variable {name} : {'F -> ' * count}Prop." for name, count in arities.items()]
 
     def _premises(self) -> list[str]:
-        """The premises of the theorem, each with its words."""
+        """Return the premises of the theorem, each under a comment in words."""
         lines = []
         for premise in self._proof.premises:
             lines += [f"  (* {line} *)" for line in terms.plain(terms.premise_line(premise))]
@@ -132,7 +134,7 @@ class _Theorem:
         return lines
 
     def _assume(self, statement: str, guards: Sequence[int] = ()) -> None:
-        """Assume an equation, under the premises that it rests on."""
+        """Add an equation as hypothesis, guarded by the premises that it depends on."""
         name = f"assumed_{len(self._assumptions)}"
         under = [f"{_proposition(self._proof.premises[place])} -> " for place in guards]
         self._assumptions.append(f"Hypothesis {name} : {''.join(under)}{statement}.")
@@ -140,7 +142,7 @@ class _Theorem:
         self._labels.append(f"({label})" if guards else label)
 
     def _step(self, step: terms.Step) -> str:
-        """The data of a step; what it assumes or claims is noted as a formula."""
+        """Return the data of a step; record its assumption or claim as a formula."""
         written, data = formula(step.term), terms.spelled(step.term, self._data)
         match step:
             case terms.Definition():

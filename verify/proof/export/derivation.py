@@ -1,9 +1,9 @@
-"""A certificate's proof, step by step: the checker is followed, and what it computes is noted.
+"""Follow the checker through a certificate and record every step of its computation.
 
-The field here is the checker's, with elements that remember how they were made.  A formula that
-gets an image becomes a definition, an axiom of a root or a derivative a relation or a slope, and
-each identity that the checker has found true and relies on becomes a term that must vanish.  What
-it shows by signs is a premise of the definition that rests on it.
+The field here is the checker's, with elements that record their provenance.  A formula that gets an
+image becomes a definition.  An axiom of a root becomes a relation, one of a derivative a slope.
+Each identity that the checker relies on becomes a term that must vanish.  What it shows by signs
+becomes a premise of the definition that depends on it.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ from .traced_ring import TracedRing, plain, term_of
 
 
 def written_out(certificate: Mapping[str, Any]) -> WrittenProof:
-    """The steps of a certificate's proof, and its premises.
+    """Return the steps and the premises of a certificate's proof.
 
-    Raises CertificateError if a step fails, or for a proof that rests on others.
+    Raises CertificateError if a step fails, and for a proof by equal parts.
     """
     if certificate["proof"]["parts"]:
         raise CertificateError("a proof by equal parts has no script (its parts have proofs)")
@@ -46,22 +46,22 @@ def written_out(certificate: Mapping[str, Any]) -> WrittenProof:
     divisors = [place for place in field.ring.divisors if not factors[place].is_constant()]
     premises = _Premises(field, statement)
     premises.note_denominators(divisors, certificate["proof"]["point"])
-    steps = premises.kept_steps()
+    steps = premises.used_steps()
     return WrittenProof(
         title=str(certificate["name"]),
         statement=statement_text(statement, certificate["statement"]),
         meanings=[field.meaning(place) for place in range(len(field.ring.names))],
         variables=[str(nodes.all[variable][1]) for variable in statement.variables],
         free=field.free,
-        premises=premises.found,
+        premises=premises.all,
         guards=premises.guards,
         steps=[_over(step, value, divisors) for step, value in steps],
     )
 
 
 class _Premises:
-    """The premises of a proof: the domain, what generators and kept definitions rest on, and that
-    the denominators are not 0."""
+    """Premises of a proof: the domain, those of generators and used definitions, and nonzero
+    denominators."""
 
     def __init__(self, field: TracedField, statement: Statement) -> None:
         self._field, self._statement = field, statement
@@ -73,55 +73,53 @@ class _Premises:
         self.guards: dict[Term, list[int]] = {}
 
     def note_denominators(self, divisors: Sequence[int], point: Sequence[Any]) -> None:
-        """Note that denominators are not 0, and by what.
+        """Add the premises that denominators are not 0, with the reason as comment.
 
-        Raises CertificateError where they are not shown to be.
+        Raises CertificateError if a denominator is not shown to be nonzero.
         """
         field, nodes = self._field, self._field.nodes
         values = {nodes.place(symbol): number(value) for symbol, value in point}
         at = ", ".join(f"{nodes.all[symbol][1]} = {value}" for symbol, value in values.items())
-        shown = f"shown at {at}, on every branch"
+        reason = f"shown at {at}, on every branch"
         free = not field.ring.relations and all(
             nodes.all[g.formula][0] == "symbol" for g in field.generators
         )
-        with field.signs.asked() as asked:
+        with field.signs.recording() as questions:
             check = Denominators(field, self._statement, values)
             for place in divisors:
                 if not free:
                     check.check(field.ring.factors[place])
-        if any(question.relation == "analytic" for question in asked):
-            asked[Question("connected")] = None
-        field.signs.keep(asked, "for the denominators")
+        if any(question.relation == "analytic" for question in questions):
+            questions[Question("connected")] = None
+        field.signs.keep(questions, "for the denominators")
         for place in divisors:
             factor = field.ring.factors[place]
             words = RELATIONS["not_zero"].format(polynomial_words(factor, field.generator_words))
-            comment = "a denominator, no zero polynomial" if free else f"a denominator, {shown}"
+            comment = "a denominator, no zero polynomial" if free else f"a denominator, {reason}"
             self._denominators.append(
                 Premise("not_zero", (terms.polynomial_term(factor),), words, comment)
             )
 
     @property
-    def found(self) -> list[Premise]:
-        """All of them, in the order of `guards`."""
-        told = [self._field.premise(*entry) for entry in self._comments.items()]
-        return [*told, *self._denominators]
+    def all(self) -> list[Premise]:
+        """All premises; `guards` has their indices."""
+        stated = [self._field.premise(*entry) for entry in self._comments.items()]
+        return [*stated, *self._denominators]
 
-    def kept_steps(self) -> list[tuple[Step, Element | None]]:
-        """The steps without definitions that nothing uses, not even a premise."""
+    def used_steps(self) -> list[tuple[Step, Element | None]]:
+        """Return the steps without definitions that neither a step nor a premise uses."""
         field = self._field
-        for question, comment in field.signs.kept.items():
+        for question, comment in field.signs.shared.items():
             self._comments.setdefault(question, comment)
         while True:
             before = len(self._comments)
-            used = {
-                name for premise in self.found for term in premise.terms for name in _names(term)
-            }
-            kept = list(_wanted(field.trace.steps, used))[::-1]
+            used = {name for premise in self.all for term in premise.terms for name in _names(term)}
+            steps = list(_used_backwards(field.trace.steps, used))[::-1]
             named = [
-                s.name[1] for s, _ in kept if isinstance(s, Definition) and s.name[0] == "node"
+                s.name[1] for s, _ in steps if isinstance(s, Definition) and s.name[0] == "node"
             ]
-            asked = {node: field.guards[node] for node in named if node in field.guards}
-            for node, questions in asked.items():
+            guards = {node: field.guards[node] for node in named if node in field.guards}
+            for node, questions in guards.items():
                 for question in questions:
                     self._comments.setdefault(question, field.purpose(node))
             for question in field.signs.askers[0].noted:
@@ -129,12 +127,12 @@ class _Premises:
             if len(self._comments) == before:
                 break
         order = {question: place for place, question in enumerate(self._comments)}
-        self.guards = {("node", n): [order[q] for q in asked[n]] for n in asked}
-        return kept
+        self.guards = {("node", n): [order[q] for q in guards[n]] for n in guards}
+        return steps
 
 
 class _Equations:
-    """The statement's equations, in derivatives that the script takes itself."""
+    """Equations of the statement, in derivatives that the script computes itself."""
 
     def __init__(self, field: TracedField, statement: Statement) -> None:
         self._field, self._statement = field, statement
@@ -142,7 +140,7 @@ class _Equations:
         self._put = Substitution(field.nodes, statement.variables, statement.formulas)
 
     def note(self) -> None:
-        """Note what an unknown and its derivatives are, and that each equation vanishes."""
+        """Record the unknowns, their derivatives, and that each equation vanishes."""
         for place, equation in enumerate(self._statement.equations, 1):
             if shape(self._field.nodes, equation) is None:
                 residual = self._put(equation)
@@ -154,7 +152,7 @@ class _Equations:
             self._field.trace.steps.append((Vanishing(term, f"equation {place}"), None))
 
     def _polynomial(self, node: int) -> Term:
-        """A polynomial in derivatives of the unknowns."""
+        """Return the term of a polynomial in derivatives of the unknowns."""
         match self._field.nodes.all[node]:
             case ("number", value):
                 return terms.number(value)
@@ -167,7 +165,7 @@ class _Equations:
         return self._jet(node)[0]
 
     def _jet(self, node: int) -> tuple[Term, Element | None]:
-        """The name of an unknown or of its derivative, and the checker's value of it."""
+        """Return the name of an unknown or of its derivative, and the checker's value of it."""
         if node not in self._jets:
             nodes, (name, inner, *along) = self._field.nodes, self._field.nodes.all[node]
             place = inner if name == "unknown" else nodes.all[inner][1]
@@ -191,7 +189,7 @@ class _Equations:
 
 
 def _over(step: Step, value: Element | None, divisors: Sequence[int]) -> Step:
-    """A step with the exponents of the denominators that its value is written over."""
+    """Return a step with the exponents of the denominators of its value."""
     if value is None or isinstance(step, Vanishing):
         return step
     below = [value.powers.get(place, 0) for place in divisors]
@@ -204,10 +202,10 @@ def _names(term: Term) -> set[Term]:
     return {inner for inner in terms.inner_terms(term) if inner[0] in ("node", "jet")}
 
 
-def _wanted(
+def _used_backwards(
     steps: Sequence[tuple[Step, Element | None]], used: set[Term]
 ) -> Iterator[tuple[Step, Element | None]]:
-    """The steps, the last first, without definitions of names that are not used."""
+    """Yield the steps, last first, without definitions of unused names; extend ``used``."""
     for step, value in reversed(steps):
         if isinstance(step, Definition) and step.name not in used:
             continue

@@ -1,8 +1,8 @@
-"""The premises of a proof: what its axioms need that no algebra shows, noted as the checker asks.
+"""Premises of a proof: conditions of its axioms that algebra does not show, recorded when checked.
 
-The signs here are the checker's; each question that is answered with yes is noted for whoever asked
-it: the formula whose image rests on it, a generator, or a denominator.  What an answer rests on
-within the rules of signs is not noted: it is the checker's to show, or the reader's.
+The signs here are the checker's.  Each question with the answer yes is recorded for what asked it:
+the formula whose image depends on it, a generator, or a denominator.  Questions that the rules of
+signs ask among themselves are not recorded; the checker or the reader must show these.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from ..text_writer import Node as WrittenNode
 
 @dataclass(frozen=True)
 class Question:
-    """Whether a ``relation`` of formulas, a key of `RELATIONS`, holds on the domain."""
+    """Question whether a ``relation`` of formulas, a key of `RELATIONS`, holds on the domain."""
 
     relation: str
     nodes: tuple[int, ...] = ()
@@ -40,7 +40,7 @@ RELATIONS: Mapping[str, str] = {
     "connected": "the domain is connected",
     "not_zero": "{} is not 0",
 }
-"""How relations are told in words."""
+"""Relations in words."""
 
 PURPOSES: Mapping[str, str] = {
     **dict.fromkeys(("Pow", "log"), "the branch of"),
@@ -49,33 +49,33 @@ PURPOSES: Mapping[str, str] = {
     **dict.fromkeys(("elliptic_k", "elliptic_e"), "the parameter of"),
     **{f"jacobi_{name}": "the parameter of" for name in ("zeta", "theta", "eta")},
 }
-"""What the premises are for that the image of a function rests on."""
+"""Purpose, in words, of the premises on which the image of a function depends."""
 
 
 @dataclass
 class Asker:
-    """Whoever asks; ``depth`` counts the rules of signs that are at work, ``noted`` what holds."""
+    """Recorder of questions; ``depth`` counts nested rules of signs, ``noted`` has what holds."""
 
     depth: int = 0
     noted: dict[Question, None] = field(default_factory=dict)
 
 
 class TracedSigns(Signs):
-    """The checker's signs, which note what was asked and holds."""
+    """The checker's signs; they record the questions that hold."""
 
     def __init__(self, images: Field) -> None:
         super().__init__(images.nodes, images.image, images.positive, images.hints.signs)
         self.askers = [Asker()]
-        self.kept: dict[Question, str] = {}
+        self.shared: dict[Question, str] = {}
 
-    def keep(self, asked: Iterable[Question], comment: str) -> None:
-        """Keep what no definition rests on but all of the proof, with what it is for."""
-        for question in asked:
-            self.kept.setdefault(question, comment)
+    def keep(self, questions: Iterable[Question], comment: str) -> None:
+        """Add premises of the whole proof, rather than of a definition, with their purpose."""
+        for question in questions:
+            self.shared.setdefault(question, comment)
 
     @contextmanager
-    def asked(self) -> Iterator[dict[Question, None]]:
-        """Note apart what is asked meanwhile."""
+    def recording(self) -> Iterator[dict[Question, None]]:
+        """Record the questions of this block separately."""
         self.askers.append(Asker())
         try:
             yield self.askers[-1].noted
@@ -83,7 +83,7 @@ class TracedSigns(Signs):
             self.askers.pop()
 
     def note(self, question: Question) -> None:
-        """Note a premise, but for plain ones: of numbers, or that a fraction is analytic."""
+        """Record a premise, unless it is about numbers or says that a fraction is analytic."""
         if question.relation == "analytic" and all(map(self._is_fraction, question.nodes)):
             return
         values = [self._nodes.value(node) for node in question.nodes]
@@ -93,54 +93,54 @@ class TracedSigns(Signs):
         self.askers[-1].noted[question] = None
 
     def _is_fraction(self, node: int) -> bool:
-        """Whether a node is made of symbols and numbers by sums, products and integer powers."""
+        """Return whether a node has only symbols, numbers, sums, products and integer powers."""
         inner = (self._nodes.all[place] for place in self._nodes.below([node]))
         return all(n[0] in RATIONAL or (n[0] == "Pow" and n[2].q == 1) for n in inner)
 
     def is_real(self, node: int) -> bool:
-        """Whether ``node`` is shown to be real."""
+        """Return whether ``node`` is shown to be real."""
         return self._ask(partial(super().is_real, node), Question("real", (node,)))
 
     def positive(self, node: int) -> bool:
-        """Whether ``node`` is shown to be real and greater than 0."""
+        """Return whether ``node`` is shown to be real and greater than 0."""
         zero = self._nodes.rational(0)
         return self._ask(partial(super().positive, node), Question("less", (zero, node)))
 
     def not_negative(self, node: int) -> bool:
-        """Whether ``node`` is shown to be real and at least 0."""
+        """Return whether ``node`` is shown to be real and at least 0."""
         zero = self._nodes.rational(0)
         return self._ask(partial(super().not_negative, node), Question("at_most", (zero, node)))
 
     def below_one(self, m: int) -> bool:
-        """Whether ``m`` is shown to be real and less than 1."""
+        """Return whether ``m`` is shown to be real and less than 1."""
         one = self._nodes.rational(1)
         return self._ask(partial(super().below_one, m), Question("less", (m, one)))
 
     def is_between(self, node: int, low: fmpq | None, high: fmpq | None) -> bool:
-        """Whether ``node`` is shown to be real and not outside two rational numbers (None: any)."""
-        asked = []
+        """Return whether ``node`` is shown to be real and within bounds (None: unbounded)."""
+        questions = []
         for end, is_low in ((low, True), (high, False)):
             if end is not None:
                 place = self._nodes.rational(int(end.p), int(end.q))
-                asked.append(Question("at_most", (place, node) if is_low else (node, place)))
-        asked = asked or [Question("real", (node,))]
-        return self._ask(partial(super().is_between, node, low, high), *asked)
+                questions.append(Question("at_most", (place, node) if is_low else (node, place)))
+        questions = questions or [Question("real", (node,))]
+        return self._ask(partial(super().is_between, node, low, high), *questions)
 
     def is_analytic(self, node: int) -> bool:
-        """Whether a formula is analytic on the whole domain but for isolated poles."""
+        """Return whether a formula is analytic on the whole domain except for isolated poles."""
         return self._ask(partial(super().is_analytic, node), Question("analytic", (node,)))
 
-    def _ask(self, answer: Callable[[], bool], *asked: Question) -> bool:
+    def _ask(self, answer: Callable[[], bool], *questions: Question) -> bool:
         asker = self.askers[-1]
         asker.depth += 1
         try:
-            found = answer()
+            holds = answer()
         finally:
             asker.depth -= 1
-        if found and not asker.depth:
-            for question in asked:
+        if holds and not asker.depth:
+            for question in questions:
                 self.note(question)
-        return found
+        return holds
 
 
 def _holds(relation: str, values: list[fmpq]) -> bool:
@@ -155,20 +155,20 @@ def _holds(relation: str, values: list[fmpq]) -> bool:
 RATIONAL = ("number", "symbol", "pi", "I", "Add", "Mul", "poly")
 
 LONG = 60
-"""Characters from which a part of a formula is named where a premise is told."""
+"""Length in characters above which a part of a premise's formula gets a name."""
 
 
 class FormulaWords:
-    """Formulas in words, long parts by their names, which are told behind them."""
+    """Formulas as text; long parts are named, and the names are explained after the formula."""
 
     def __init__(self, nodes: Nodes) -> None:
         self._nodes = nodes
         self._known: dict[int, tuple[Part, frozenset[int]]] = {}
 
-    def told(self, form: str, *nodes: int) -> str:
-        """A sentence about formulas, with what its names mean."""
-        found = [self._of(node) for node in nodes]
-        todo = sorted({name for _, names in found for name in names})
+    def sentence(self, form: str, *nodes: int) -> str:
+        """Return a sentence about formulas, followed by the meaning of its names."""
+        parts = [self._of(node) for node in nodes]
+        todo = sorted({name for _, names in parts for name in names})
         where: dict[int, str] = {}
         while todo:
             name = todo.pop()
@@ -176,15 +176,15 @@ class FormulaWords:
             where[name] = f"n{name} = {text}"
             todo += sorted(names - where.keys())
         rest = f" where {'; '.join(where.values())}" if where else ""
-        return form.format(*(text for (text, _), _ in found)) + rest
+        return form.format(*(text for (text, _), _ in parts)) + rest
 
     def part(self, node: int) -> Part:
-        """A formula as a part of another, with what its names mean."""
+        """Return a formula as a part of another, followed by the meaning of its names."""
         (_, level), names = self._of(node)
-        return self.told("{}", node), SUM if names else level
+        return self.sentence("{}", node), SUM if names else level
 
     def _of(self, node: int) -> tuple[Part, frozenset[int]]:
-        """The text of a node and the nodes that it names."""
+        """Return the text of a node and the nodes that it names."""
         if node not in self._known:
             names: set[int] = set()
             self._known[node] = self.written(node, partial(self._part, names)), frozenset(names)
@@ -199,34 +199,34 @@ class FormulaWords:
         return part
 
     def written(self, node: int, meaning: Meaning) -> Part:
-        """The text of a node, with ``meaning`` for those in it."""
+        """Return the text of a node; ``meaning`` gives the texts of its arguments."""
         return node_text(self._in_certificate(node), meaning, power="^")
 
     def _in_certificate(self, node: int) -> WrittenNode:
-        match found := self._nodes.all[node]:
+        match node_entry := self._nodes.all[node]:
             case ("number", value):
                 return ["number", str(value)]
             case (("I" | "pi") as name,):
                 return ["constant", name]
             case ("symbol", *_):
-                return list(found)
+                return list(node_entry)
             case ("Add", *parts):
-                return ["Add", *self._parted(parts)[::-1]]
+                return ["Add", *self._numbers_first(parts)[::-1]]
             case ("Mul", *parts):
-                return ["Mul", *self._parted(parts)]
+                return ["Mul", *self._numbers_first(parts)]
             case ("Pow", base, exponent):
                 return ["sqrt", base] if exponent == fmpq(1, 2) else ["Pow", base, str(exponent)]
             case ("poly", monomials, *places):
                 return ["poly", [(str(c), powers) for c, powers in monomials], *places]
-        return [called(found), *children(found)]
+        return [called(node_entry), *children(node_entry)]
 
-    def _parted(self, parts: list[int]) -> list[int]:
-        """Numbers before all others."""
+    def _numbers_first(self, parts: list[int]) -> list[int]:
+        """Sort numbers before all other nodes."""
         return sorted(parts, key=lambda part: self._nodes.value(part) is None)
 
 
 def called(node: Node) -> str:
-    """The name of a node's function; the second derivative of f is f^(2)."""
+    """Return the name of a node's function; the second derivative of f is f^(2)."""
     name, *_, last = node
     if name not in ("jet", "theta"):
         return str(name)
@@ -235,7 +235,7 @@ def called(node: Node) -> str:
 
 
 def polynomial_words(polynomial: fmpq_mpoly, meaning: Callable[[int], Part]) -> str:
-    """A polynomial in generators, the last first, in words."""
+    """Return a polynomial as text; the ring has the generators last first."""
     used = [place for place, n in enumerate(reversed(polynomial.degrees())) if n]
     terms = [(str(c), [int(n[-1 - i]) for i in used]) for n, c in polynomial.terms()]
     return node_text(["poly", terms, *used], meaning, power="^")[0]

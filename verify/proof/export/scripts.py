@@ -1,4 +1,4 @@
-"""Scripts that compute: PARI/GP and Maxima, in calls of a few functions that they hold."""
+"""Write scripts for PARI/GP and Maxima: calls of a few functions that the script defines."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from . import terms
 
 @dataclass(frozen=True)
 class Language:
-    """How a system writes what differs between the two."""
+    """Syntax that differs between PARI/GP and Maxima."""
 
     comment: Callable[[str], str]
     engine: str
@@ -20,7 +20,7 @@ class Language:
 
 
 def script(proof: terms.WrittenProof, language: Language) -> str:
-    """A self-contained script that prints "accepted" or "rejected"."""
+    """Return a self-contained script that prints "accepted" or "rejected"."""
     lines = [
         *(language.comment(line) for line in terms.plain_lines(proof)),
         *language.head(proof),
@@ -47,7 +47,7 @@ CALLS: dict[str, Callable[..., str]] = {
     "minus": "neg({})".format,
     "inverse": "inv({})".format,
 }
-"""Nested calls; the derivative of a name is that which is on record."""
+"""Terms as nested calls; the derivative of a name is looked up."""
 
 POLYNOMIAL: dict[str, Callable[..., str]] = {
     "number": "({})".format,
@@ -56,7 +56,7 @@ POLYNOMIAL: dict[str, Callable[..., str]] = {
     "product": lambda *parts: "*".join(parts),
     "power": "{}^{}".format,
 }
-"""Polynomials in the generators as both systems write them."""
+"""Syntax of polynomials in the generators, the same in both systems."""
 
 
 def _denominators(proof: terms.WrittenProof) -> str:

@@ -1,4 +1,4 @@
-"""The systems that certificates are written for: how a script is made and run, what it answers."""
+"""External systems for exported certificates: writing a script, running it, reading its answer."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ from .terms import WrittenProof
 ACCEPTED, REJECTED, NO_ANSWER = "accepted", "rejected", "no answer"
 
 MEMORY = "2000M"
-"""For PARI, which takes 8 MB unless told."""
+"""Memory limit of PARI, whose default is 8 MB."""
 
 SHORTAGES = ("stack overflow", "out of memory", "heap exhausted", "cannot allocate")
-"""What a system says that has not the means to answer, in small letters."""
+"""Lower-case messages of a system that ran out of memory."""
 
 
 @dataclass(frozen=True)
 class AlgebraSystem:
-    """A system: its program, Debian package and file ending, the writer and the command line."""
+    """A system: program, Debian package, file ending, script writer and command line."""
 
     title: str
     program: str
@@ -37,7 +37,7 @@ class AlgebraSystem:
 
     @property
     def is_there(self) -> bool:
-        """Whether its program is on the path."""
+        """Whether the program is on the path."""
         return shutil.which(self.program) is not None
 
 
@@ -63,17 +63,17 @@ SYSTEMS: Mapping[str, AlgebraSystem] = {
 
 
 def answer(text: str, system: str, seconds: float) -> tuple[str, float]:
-    """What a system says of a script within a limit, and the seconds that it took.
+    """Run a script within ``seconds`` and return the system's answer and the time taken.
 
-    It is "accepted" only if the system ends well and says so in its last line.
+    The answer is "accepted" only if the exit status is 0 and the last line says so.
     """
-    found = SYSTEMS[system]
+    own = SYSTEMS[system]
     with tempfile.TemporaryDirectory() as name:
-        folder, file = Path(name), f"proof{found.ending}"
+        folder, file = Path(name), f"proof{own.ending}"
         (folder / file).write_text(text, encoding="ascii")
         begun = time.monotonic()
         try:
-            status, output = run_program(found.command(file), folder, seconds)
+            status, output = run_program(own.command(file), folder, seconds)
         except (OutOfTime, LostProcess):
             return NO_ANSWER, seconds
         return _understood(output, status), time.monotonic() - begun

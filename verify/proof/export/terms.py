@@ -1,4 +1,4 @@
-"""Terms and steps: what the checker did, as data that every engine's script is written from."""
+"""Terms and steps of a proof: the data from which the scripts of all systems are written."""
 
 from __future__ import annotations
 
@@ -14,17 +14,16 @@ from flint import fmpq, fmpq_mpoly
 Term = tuple[Any, ...]
 """``("number", q)``, ``("generator", i)``, ``("node", k)``, ``("jet", k)``, ``("sum", ...)``,
 ``("product", ...)``, ``("minus", a)``, ``("inverse", a)``, ``("power", a, n)`` with n > 0, or
-``("slope", v, a)``, the derivative of a along the variable of that place; in premises also
+``("slope", v, a)``, the derivative of a along variable number v.  Premises also have
 ``("free", k)``."""
 
 Powers = tuple[int, ...] | None
-"""Exponents of the denominators that a value is written over, where they are known; the last are
-not 0."""
+"""Exponents of the denominators of a value, without trailing zeros; None if unknown."""
 
 
 @dataclass(frozen=True)
 class Definition:
-    """``name``, a node or jet, is ``term``; ``below`` are the denominators of its value."""
+    """Definition of ``name``, a node or jet, as ``term``; ``below`` has its denominators."""
 
     name: Term
     term: Term
@@ -34,7 +33,7 @@ class Definition:
 
 @dataclass(frozen=True)
 class Relation:
-    """``generator ** degree`` is ``term``."""
+    """Axiom ``generator ** degree = term``."""
 
     generator: int
     degree: int
@@ -44,7 +43,7 @@ class Relation:
 
 @dataclass(frozen=True)
 class SlopeAxiom:
-    """The derivative of a generator along a variable is ``term``."""
+    """Axiom that the derivative of a generator along a variable is ``term``."""
 
     variable: int
     generator: int
@@ -54,7 +53,7 @@ class SlopeAxiom:
 
 @dataclass(frozen=True)
 class Rate:
-    """The derivative of a name along a variable is ``term``: checked, and used as written."""
+    """Claim that the derivative of a name along a variable is ``term``; checked, then used."""
 
     variable: int
     name: Term
@@ -64,7 +63,7 @@ class Rate:
 
 @dataclass(frozen=True)
 class Vanishing:
-    """``term`` is 0."""
+    """Claim that ``term`` is 0."""
 
     term: Term
     comment: str
@@ -75,9 +74,9 @@ Step = Definition | Relation | SlopeAxiom | Rate | Vanishing
 
 @dataclass(frozen=True)
 class Premise:
-    """What the proof needs and no script shows: a ``relation`` of ``terms``, in words, for what.
+    """Condition of the proof that no script shows: a ``relation`` of ``terms``, and its purpose.
 
-    A denominator, a polynomial in the generators, is one that is ``not_zero``.
+    The relation ``not_zero`` is for denominators, which are polynomials in the generators.
     """
 
     relation: str
@@ -88,11 +87,11 @@ class Premise:
 
 @dataclass(frozen=True)
 class WrittenProof:
-    """All that a script is written from.
+    """Data from which a script is written.
 
-    ``meanings`` are what the generators stand for, ``variables`` the names of the variables that
-    something is differentiated by, ``free`` elements that are in premises alone.  ``guards`` are
-    the places of the premises that a definition rests on.
+    ``meanings`` explains the generators, ``variables`` names the variables of derivatives, and
+    ``free`` has elements that occur only in premises.  ``guards`` maps a definition to the indices
+    of the premises on which it depends.
     """
 
     title: str
@@ -106,79 +105,79 @@ class WrittenProof:
 
     @property
     def conditions(self) -> list[str]:
-        """The premises in words, each once."""
+        """Premises in words, without repeats."""
         return list(dict.fromkeys(premise.words for premise in self.premises))
 
     @property
     def denominators(self) -> list[Term]:
-        """What must not be 0."""
+        """Denominators, which must be nonzero."""
         return [premise.terms[0] for premise in self.premises if premise.relation == "not_zero"]
 
 
 def number(value: fmpq | int) -> Term:
-    """A rational number as a term."""
+    """Return a rational number as a term."""
     return ("number", fmpq(value))
 
 
 NAMES = ("generator", "node", "jet", "free")
-"""Kinds of terms that are names."""
+"""Kinds of terms that are references."""
 
 LETTERS = {"node": "n", "jet": "u", "free": "free"}
 
 
 def name_of(term: Term) -> str:
-    """A node as n12, a jet as u3."""
+    """Return the name of a node (n12) or a jet (u3)."""
     return f"{LETTERS[term[0]]}{term[1]}"
 
 
 def is_number(term: Term, value: int) -> bool:
-    """Whether a term is that number."""
+    """Return whether a term is the number ``value``."""
     return term[0] == "number" and term[1] == value
 
 
 def added(parts: Sequence[Term]) -> Term:
-    """The sum, without zeros; flat."""
+    """Return the flattened sum, without zeros."""
     flat: list[Term] = []
     for part in parts:
         flat += part[1:] if part[0] == "sum" else [part]
-    kept = [part for part in flat if not is_number(part, 0)]
-    return kept[0] if len(kept) == 1 else ("sum", *kept) if kept else number(0)
+    nonzero = [part for part in flat if not is_number(part, 0)]
+    return nonzero[0] if len(nonzero) == 1 else ("sum", *nonzero) if nonzero else number(0)
 
 
 def multiplied(parts: Sequence[Term]) -> Term:
-    """The product, without ones; flat."""
+    """Return the flattened product, without ones."""
     flat: list[Term] = []
     for part in parts:
         flat += part[1:] if part[0] == "product" else [part]
-    kept = [part for part in flat if not is_number(part, 1)]
-    if any(is_number(part, 0) for part in kept):
+    factors = [part for part in flat if not is_number(part, 1)]
+    if any(is_number(part, 0) for part in factors):
         return number(0)
-    return kept[0] if len(kept) == 1 else ("product", *kept) if kept else number(1)
+    return factors[0] if len(factors) == 1 else ("product", *factors) if factors else number(1)
 
 
 def negated(part: Term) -> Term:
-    """Minus a term."""
+    """Return minus a term."""
     if part[0] == "number":
         return number(-part[1])
     return part[1] if part[0] == "minus" else ("minus", part)
 
 
 def inverted(part: Term) -> Term:
-    """One over a term."""
+    """Return one over a term."""
     if part[0] == "number":
         return number(1 / part[1])
     return part[1] if part[0] == "inverse" else ("inverse", part)
 
 
 def raised(part: Term, exponent: int) -> Term:
-    """A power with an exponent of 0 or more."""
+    """Return a power with a nonnegative exponent."""
     if exponent == 0 or is_number(part, 1):
         return number(1)
     return part if exponent == 1 else ("power", part, exponent)
 
 
 def polynomial_term(polynomial: fmpq_mpoly) -> Term:
-    """A polynomial of the checker's ring, its generators last first."""
+    """Return the term of a polynomial of the checker's ring, whose generators are last first."""
     parts = []
     for exponents, coefficient in polynomial.terms():
         powers = (
@@ -189,7 +188,7 @@ def polynomial_term(polynomial: fmpq_mpoly) -> Term:
 
 
 def inner_terms(term: Term) -> Iterator[Term]:
-    """A term and all that it is made of."""
+    """Yield a term and all its subterms."""
     yield term
     if term[0] in ("number", *NAMES):
         return
@@ -199,30 +198,30 @@ def inner_terms(term: Term) -> Iterator[Term]:
 
 
 def spelled(term: Term, language: Mapping[str, Callable[..., str]]) -> str:
-    """A term in a language: how it writes each kind of term, from the texts of its parts."""
+    """Write a term; ``language`` formats each kind of term from the texts of its parts."""
     parts = (spelled(part, language) if isinstance(part, tuple) else part for part in term[1:])
     return language[term[0]](*parts)
 
 
 def engine_text(name: str) -> str:
-    """The part that all scripts of a system have in common."""
+    """Return the part that all scripts of a system share."""
     return (files(__package__) / "engines" / name).read_text("utf-8").rstrip("\n")
 
 
 PLAIN = re.compile(r"[^A-Za-z0-9_ .,;:=<>+*/^()\[\]-]")
-"""What a comment does not hold: nothing ends it, begins another, or continues a line."""
+"""Characters removed from comments, so that none ends, begins or continues a comment."""
 
 WIDTH = 100
 
 
 def plain(text: str) -> list[str]:
-    """A text as lines for a comment: other characters are named by their code, * stands apart."""
-    shown = PLAIN.sub(lambda found: f"<{ord(found[0]):x}>", text)
-    return wrap(shown.replace("*", " * "), WIDTH)
+    """Return a text as comment lines: unsafe characters by their code, spaces around ``*``."""
+    safe = PLAIN.sub(lambda match: f"<{ord(match[0]):x}>", text)
+    return wrap(safe.replace("*", " * "), WIDTH)
 
 
 def plain_lines(proof: WrittenProof) -> list[str]:
-    """What a script says of itself."""
+    """Return the comment lines that describe a script's statement, names and premises."""
     lines = [f"longwave: {proof.title}", *proof.statement.splitlines()]
     lines += ["Generators and what they stand for:"]
     lines += [f"g{place}: {text}" for place, text in enumerate(proof.meanings)]
@@ -239,22 +238,22 @@ def plain_lines(proof: WrittenProof) -> list[str]:
 
 
 def premise_line(premise: Premise) -> str:
-    """A premise in words, with what it is for."""
+    """Return a premise in words, with its purpose."""
     return f"{premise.words} ({premise.comment})"
 
 
 FEW = 3
-"""Premises that are told where there is no room for all."""
+"""Number of premises listed in a short summary."""
 
 
 def premises_in_short(words: Sequence[str]) -> str:
-    """The first premises, and how many more there are."""
+    """Return the first premises, and the number of further ones."""
     more = [f"{len(words) - FEW} more"] if len(words) > FEW else []
     return "; ".join([*words[:FEW], *more])
 
 
 def premise_lines(proof: WrittenProof) -> list[str]:
-    """What a script prints of its premises, in letters that no string ends at."""
+    """Return the lines with which a script prints its premises, safe within a string."""
     return [
         f"{'...' if place else 'if'} {line}"
         for premise in proof.premises

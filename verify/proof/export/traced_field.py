@@ -1,4 +1,4 @@
-"""The checker's field, which notes every step, and the premises that its images rest on."""
+"""The checker's field; it records every step, and the premises on which its images depend."""
 
 from __future__ import annotations
 
@@ -19,22 +19,22 @@ from .traced_ring import Trace, TracedElement, TracedRing, plain, term_of, trace
 
 
 class TracedSlopes(Slopes):
-    """Derivatives, in which those of formulas stand as such and are left to the script.
+    """Derivatives of the checker's field; those of formulas are left to the script.
 
-    Where a formula's derivative would need the slope that is being stated (the argument of an
-    epsilon that is part of a linear form with its variable), the value that follows from the
-    formula's structure is stated, and checked when the slope is known.
+    A formula's derivative may need the slope that is being stated: the argument of an epsilon that
+    is part of a linear form with its variable.  Then the value that follows from the formula's
+    structure is stated, and checked when the slope is known.
     """
 
     def __init__(self, field: TracedField) -> None:
         super().__init__(field)
         self._traced = field
         self._noted: set[tuple[int, int]] = set()
-        self._wanted: set[tuple[int, int]] = set()
+        self._missing: set[tuple[int, int]] = set()
         self._rates_noted: set[tuple[int, Term]] = set()
 
     def slope(self, place: int, variable: int) -> Element:
-        """Return the derivative of a generator, noted when it is first asked for."""
+        """Return the derivative of a generator; record it at the first call."""
         self._traced.trace.open.add((place, variable))
         value = super().slope(place, variable)
         self._traced.trace.open.discard((place, variable))
@@ -43,13 +43,13 @@ class TracedSlopes(Slopes):
             axis = self._traced.axis(variable)
             self._traced.note(SlopeAxiom(axis, place, term_of(value), None), value)
         if not self._traced.trace.open:
-            while missing := self._wanted - self._noted:
+            while missing := self._missing - self._noted:
                 self.slope(*min(missing))
             self._traced.trace.settle()
         return value
 
     def derivative(self, element: Element, variable: int) -> Element:
-        """Return the derivative of what is made of generators."""
+        """Return the derivative of an element."""
         return self._left(super().derivative(element, variable), element, variable)
 
     def rate(self, node: int, variable: int) -> Element:
@@ -57,18 +57,18 @@ class TracedSlopes(Slopes):
         return self._left(super().rate(node, variable), self._traced.image(node), variable)
 
     def _left(self, value: Element, element: Element, variable: int) -> Element:
-        """The derivative that the script takes of ``element``; its known ``value`` if it cannot."""
+        """Return the derivative for the script to compute; the known ``value`` if it cannot."""
         if not element.places:
             return self._traced.zero
         axis, term = self._traced.axis(variable), term_of(element)
         written: Term = ("slope", axis, term)
-        wanted = {(place, variable) for place in element.places}
-        if wanted & self._traced.trace.open:
-            self._wanted |= wanted
+        slopes = {(place, variable) for place in element.places}
+        if slopes & self._traced.trace.open:
+            self._missing |= slopes
             gap = terms.added([written, terms.negated(term_of(value))])
             self._traced.trace.vanishing(gap, "a derivative that a slope contains")
             return value
-        for place, _ in sorted(wanted - self._noted):
+        for place, _ in sorted(slopes - self._noted):
             self.slope(place, variable)
         if term[0] == "node" and (axis, term) not in self._rates_noted:
             self._rates_noted.add((axis, term))
@@ -78,7 +78,7 @@ class TracedSlopes(Slopes):
 
 
 class TracedField(Field):
-    """The checker's field; what it computes is noted step by step."""
+    """The checker's field; it records its computation step by step."""
 
     ring_type = TracedRing
     slopes_type = TracedSlopes
@@ -94,42 +94,42 @@ class TracedField(Field):
 
     @property
     def trace(self) -> Trace:
-        """The steps."""
+        """The recorded steps."""
         assert isinstance(self.ring, TracedRing)
         return self.ring.trace
 
     def axis(self, variable: int) -> int:
-        """Return the place of a variable among those of the statement."""
+        """Return the index of a variable among those of the statement."""
         return list(self.variables).index(variable)
 
     def note(self, step: Step, value: Element) -> None:
-        """Another step, with what the checker has as its value."""
+        """Record a step, with the checker's value of it."""
         self.trace.steps.append((step, value))
 
     def image(self, node: int) -> TracedElement:
-        """Return the image of a node, under a name if it is made of others."""
+        """Return the image of a node, under a name unless it is a number or has one."""
         if node in self._defined:
             return self._defined[node]
-        with self.signs.asked() as asked:
+        with self.signs.recording() as questions:
             value = super().image(node)
-        if asked and self.nodes.all[node][0] != "exp":  # its axioms hold for any argument
-            self.guards[node] = list(asked)
+        if questions and self.nodes.all[node][0] != "exp":  # its axioms hold for any argument
+            self.guards[node] = list(questions)
         self._defined[node] = self.define(value, self.written(node), node)
         return self._defined[node]
 
     def register(self, node: int) -> None:
-        """Return the next generator, and what it needs, with what for."""
-        with self.signs.asked() as asked:
+        """Register the next generator, and record its premises with their purpose."""
+        with self.signs.recording() as questions:
             super().register(node)
             if self.nodes.all[node][0] == "parity":
                 self.signs.note(Question("is_integer", (self.nodes.all[node][1],)))
-        self.signs.keep(asked, self.purpose(node))
+        self.signs.keep(questions, self.purpose(node))
 
     def is_kept(self, name: str, f: int, value: int) -> bool:
-        """Return whether a value is principal by continuity, with the premise that it is."""
-        with self.signs.asked():
-            found = super().is_kept(name, f, value)
-        if found:
+        """Return whether a value is principal by continuity; record the premise that it is."""
+        with self.signs.recording():
+            is_principal = super().is_kept(name, f, value)
+        if is_principal:
             turn = self.nodes.add("pi")
             shares = (0, 1) if name == "acos" else (fmpq(-1, 2), fmpq(1, 2))
             low, high = (
@@ -137,15 +137,15 @@ class TracedField(Field):
             )
             self.signs.note(Question("less", (low, value)))
             self.signs.note(Question("less", (value, high)))
-        return found
+        return is_principal
 
     def derivative(self, element: Element, variable: int) -> Element:
-        """Return the derivative of an element, for the script to take."""
+        """Return the derivative of an element, for the script to compute."""
         value = super().derivative(plain(element), variable)
         return traced(plain(value), ("slope", self.axis(variable), term_of(element)))
 
     def define(self, value: Element, comment: str, node: int) -> TracedElement:
-        """Give a value a name, unless it has one that rests on nothing."""
+        """Name a value, unless it is a number or a name without premises."""
         term = term_of(value)
         if term[0] in ("number", *terms.NAMES) and node not in self.guards:
             return traced(plain(value), term)
@@ -164,18 +164,18 @@ class TracedField(Field):
                 purpose = "for"
             case (name, *_):
                 purpose = PURPOSES.get(name, "for")
-        return self.words.told(f"{purpose} {{}}", node)
+        return self.words.sentence(f"{purpose} {{}}", node)
 
     def premise(self, question: Question, comment: str) -> Premise:
-        """Return a premise as a script has it."""
+        """Return a premise for the script."""
         form, parts = RELATIONS[question.relation], question.nodes
         if question.nodes and self.nodes.value(parts[0]) == 0 and len(parts) == 2:
             form, parts = {"less": "{} > 0", "at_most": "{} >= 0"}[question.relation], parts[1:]
-        found = tuple(map(self.stated, question.nodes))
-        return Premise(question.relation, found, self.words.told(form, *parts), comment)
+        stated = tuple(map(self.stated, question.nodes))
+        return Premise(question.relation, stated, self.words.sentence(form, *parts), comment)
 
     def stated(self, node: int) -> Term:
-        """The term of a formula of a premise; what has no image is an element that is free."""
+        """Return the term of a premise's formula; without an image it becomes a free element."""
         if node in self._images:
             return self.image(node).term
         match self.nodes.all[node]:
@@ -187,17 +187,17 @@ class TracedField(Field):
                 return terms.multiplied([self.stated(part) for part in parts])
             case ("Pow", base, exponent) if exponent.q == 1 and exponent > 0:
                 return terms.raised(self.stated(base), int(exponent.p))
-        self.free[node] = self.words.told("{}", node)
+        self.free[node] = self.words.sentence("{}", node)
         return ("free", node)
 
     def generator_words(self, place: int) -> Part:
-        """A generator as the function that it stands for, if it is one; its name otherwise."""
-        found = self.generators[place]
-        is_plain = found.scale.is_one() and found.formula == found.form[0][1]
-        return self.words.part(found.formula) if is_plain else (f"g{place}", ATOM)
+        """Return the function that a generator stands for, or the generator's name."""
+        generator = self.generators[place]
+        is_plain = generator.scale.is_one() and generator.formula == generator.form[0][1]
+        return self.words.part(generator.formula) if is_plain else (f"g{place}", ATOM)
 
     def written(self, node: int) -> str:
-        """Return a function of named arguments in words; nothing for sums, products and powers."""
+        """Return the text of a function or root; "" for sums, products and integer powers."""
         match self.nodes.all[node]:
             case (("number" | "Add" | "Mul" | "poly"), *_):
                 return ""
@@ -206,28 +206,28 @@ class TracedField(Field):
         return self.words.written(node, self._short)[0]
 
     def meaning(self, place: int) -> str:
-        """Return the meaning of a generator in words."""
+        """Return the meaning of a generator in words.  Generator number ``place`` may be unused."""
         if place >= len(self.generators):
             return "not used"
-        found = self.generators[place]
-        known = [self.nodes.product(*pair) for pair in found.form]
-        terms_of = [t for t in self.nodes.terms(found.formula) if t not in known]
-        pairs = [(self._short(f), (self.written(node), ATOM)) for f, node in found.form]
+        generator = self.generators[place]
+        known = [self.nodes.product(*pair) for pair in generator.form]
+        terms_of = [t for t in self.nodes.terms(generator.formula) if t not in known]
+        pairs = [(self._short(f), (self.written(node), ATOM)) for f, node in generator.form]
         texts = [node_text(["Mul", 0, 1], pair.__getitem__)[0] for pair in pairs]
-        if not texts or found.formula == found.form[0][1]:
-            texts, terms_of = [], [found.formula]
+        if not texts or generator.formula == generator.form[0][1]:
+            texts, terms_of = [], [generator.formula]
         text = " + ".join([*texts, *(self.written(t) or self._short(t)[0] for t in terms_of)])
-        return text + ("" if found.scale.is_one() else f", times ({found.scale})")
+        return text + ("" if generator.scale.is_one() else f", times ({generator.scale})")
 
     def _short(self, node: int) -> Part:
-        """Return the name of a node, or its text where it has none."""
+        """Return the name of a node, or its text if it has none."""
         if node in self._defined and self._defined[node].term[0] != "number":
             kind, place = self._defined[node].term
             return f"{kind[0]}{place}", ATOM
         return self.words.written(node, self._short)
 
     def relate(self, place: int, degree: int, value: Element, factor: Element) -> fmpq_mpoly:
-        """Enter a relation, and note it."""
+        """Enter a relation into the ring and record it."""
         scale = super().relate(place, degree, value, factor)
         whole = value * factor**degree
         term, below = term_of(whole), whole.denominator()
@@ -243,7 +243,7 @@ class TracedField(Field):
         return scale
 
     def note_slopes_of_relations(self) -> None:
-        """Note that the slopes of roots are those which follow from their relations."""
+        """Record that the slopes of roots agree with the derivatives of their relations."""
         stated = [s for s, _ in self.trace.steps if isinstance(s, SlopeAxiom)]
         for place, degree, value in self._roots:
             for axis in sorted({s.variable for s in stated if s.generator == place}):

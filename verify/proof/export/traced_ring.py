@@ -1,4 +1,4 @@
-"""The checker's ring with elements that remember how they were made, and the steps noted."""
+"""The checker's ring with elements that record their provenance, and the recorded steps."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ from .terms import Step, Term, Vanishing
 
 @dataclass(frozen=True)
 class TracedElement(Element):
-    """A fraction of the checker's ring with the term that it was made by."""
+    """Element of the checker's ring with the term that describes its provenance."""
 
     term: Term = ("number", fmpq(0))
 
     @property
     def plain(self) -> Element:
-        """The fraction alone."""
+        """The element without its term."""
         return Element(self.ring, self.numerator, self.powers)
 
     @property
     def is_zero(self) -> bool:
-        """Whether the normal form is 0; if it is, something may rest on it, and it is noted."""
-        found = self.plain.is_zero
-        if found and isinstance(self.ring, TracedRing):
+        """Whether the normal form is 0; if so it is recorded, since a step may depend on it."""
+        vanishes = self.plain.is_zero
+        if vanishes and isinstance(self.ring, TracedRing):
             self.ring.trace.vanishing(self.term, "a premise")
-        return found
+        return vanishes
 
     def __add__(self, other: Element) -> TracedElement:
         other = followed(other)
@@ -67,22 +67,22 @@ class TracedElement(Element):
         return traced(value, terms.raised(base.term, abs(exponent)))
 
     def inverse(self) -> TracedElement:
-        """One over it."""
+        """Return one over the element."""
         return _inverse(self)
 
 
 def traced(element: Element, term: Term) -> TracedElement:
-    """An element with its term."""
+    """Return an element with its term."""
     return TracedElement(element.ring, element.numerator, element.powers, term)
 
 
 def plain(element: Element) -> Element:
-    """An element without a term."""
+    """Return an element without its term."""
     return element.plain if isinstance(element, TracedElement) else element
 
 
 def followed(element: Element) -> TracedElement:
-    """An element with how it was made; one that was not followed is a fraction of polynomials."""
+    """Return an element with its term; an untraced one gets a quotient of polynomials."""
     if isinstance(element, TracedElement):
         return element
     below = [
@@ -95,15 +95,15 @@ def followed(element: Element) -> TracedElement:
 
 
 def term_of(element: Element) -> Term:
-    """How an element was made."""
+    """Return the term that describes the provenance of an element."""
     return followed(element).term
 
 
 def _inverse(element: Element) -> TracedElement:
-    found = plain(element).inverse()
+    inverse = plain(element).inverse()
     _note_factors(element.ring, element.ring.split(element.numerator)[1])
-    _note_factors(element.ring, found.powers)
-    return traced(found, terms.inverted(term_of(element)))
+    _note_factors(element.ring, inverse.powers)
+    return traced(inverse, terms.inverted(term_of(element)))
 
 
 def _note_factors(ring: Ring, powers: Mapping[int, int]) -> None:
@@ -112,9 +112,9 @@ def _note_factors(ring: Ring, powers: Mapping[int, int]) -> None:
 
 
 class Trace:
-    """The steps so far, each with the checker's value of it.
+    """Recorded steps, each with the checker's value of it.
 
-    ``open`` are the slopes that are being stated; what vanishes waits until there is none.
+    ``open`` has the slopes that are being stated; vanishing terms are added when it is empty.
     """
 
     def __init__(self) -> None:
@@ -124,23 +124,23 @@ class Trace:
         self._waiting: list[Vanishing] = []
 
     def vanishing(self, term: Term, comment: str) -> None:
-        """Note that a term is 0."""
+        """Record that a term is 0."""
         if not terms.is_number(term, 0) and term not in self._vanishing:
             self._vanishing.add(term)
             self._waiting.append(Vanishing(term, comment))
             self.settle()
 
     def settle(self) -> None:
-        """Note what has waited for slopes that are known now."""
+        """Add the waiting vanishing terms if no slope is open."""
         if not self.open:
             self.steps += [(step, None) for step in self._waiting]
             self._waiting.clear()
 
 
 class TracedRing(Ring):
-    """The checker's ring with elements that remember how they were made.
+    """The checker's ring with traced elements.
 
-    ``divisors`` are the places of the factors that something was divided by.
+    ``divisors`` are the indices of the factors by which something was divided.
     """
 
     def __init__(self, count: int) -> None:
@@ -149,9 +149,9 @@ class TracedRing(Ring):
         self.divisors: dict[int, None] = {}
 
     def number(self, value: fmpq | int) -> TracedElement:
-        """A rational number."""
+        """Return a rational number."""
         return traced(super().number(value), terms.number(value))
 
     def generator(self, place: int) -> TracedElement:
-        """A generator."""
+        """Return the generator number ``place``."""
         return traced(super().generator(place), ("generator", place))

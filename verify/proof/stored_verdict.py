@@ -1,9 +1,9 @@
-"""Verdicts as plain data that outlive their process; taken again only as far as they are checked.
+"""Store verdicts as plain data, and read them back only as far as they can be checked again.
 
-A proof's certificates are checked once more, and must be of the statement's own texts; at a
-refutation's witness a ball around the residual must exclude 0 again.  What is said of them, and of
-what holds in the place of what is refuted, is made anew from the statement; the reason of an
-undecided verdict is not, and says so.
+A proof's certificates are checked again and must state the statement's own texts.  At a
+refutation's witness a ball around the residual must exclude 0 again.  The details of both, and the
+hint of a refutation, are computed again from the statement.  The reason of an undecided verdict is
+copied from the record, and says so.
 """
 
 from __future__ import annotations
@@ -28,29 +28,29 @@ from .typed_statement import Statement, StatementTexts
 FROM_FILE = "as an earlier run said, not decided again: "
 
 
-def kept_record(verdict: StatementVerdict) -> dict[str, Any]:
-    """The verdict as plain data, with its certificates."""
+def verdict_record(verdict: StatementVerdict) -> dict[str, Any]:
+    """Return the verdict as plain data, with its certificates."""
     return verdict.json() | {
         "certificates": list(verdict.certificates),
         "hint_certificates": list(verdict.hint_certificates),
     }
 
 
-def taken_again(statement: Statement, record: Mapping[str, Any]) -> StatementVerdict | None:
-    """The verdict in a record of `kept_record`; None where it cannot be checked again.
+def checked_again(statement: Statement, record: Mapping[str, Any]) -> StatementVerdict | None:
+    """Return the verdict in a record of `verdict_record`; None if it cannot be checked again.
 
-    That is so for weak solutions, and for values that are solved for.
+    Verdicts on weak solutions and on parameters to solve for cannot be checked again.
     """
     start = time.perf_counter()
     try:
-        found = _checked(statement, record)
+        verdict = _checked(statement, record)
     except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, CertificateError):
         return None
-    return found and replace(found, seconds=time.perf_counter() - start)
+    return verdict and replace(verdict, seconds=time.perf_counter() - start)
 
 
 def _checked(statement: Statement, record: Mapping[str, Any]) -> StatementVerdict | None:
-    if statement.weak or statement.wanted:
+    if statement.weak or statement.solve_for:
         return None
     match Outcome(record["verdict"]):
         case Outcome.PROVED:
@@ -66,7 +66,7 @@ def _checked(statement: Statement, record: Mapping[str, Any]) -> StatementVerdic
 
 
 def is_proof_of(texts: StatementTexts, certificates: Sequence[Mapping[str, Any]]) -> bool:
-    """Whether the certificates state the texts, one for each equation; raises if one is wrong."""
+    """Return whether valid certificates state the texts, one per equation; raises if invalid."""
     if len(certificates) != len(texts.equations):
         return False
     for equation, certificate in zip(texts.equations, certificates, strict=True):
@@ -82,13 +82,13 @@ def _refuted_again(statement: Statement, record: Mapping[str, Any]) -> Statement
     values = {s: sp.Rational(str(witness[str(s)])) for s in domains if str(s) in names}
     if not all(domains[s].contains(value, values) for s, value in values.items()):
         return None
-    found = refuted(statement, witness)
+    verdict = refuted(statement, witness)
     certificates = record["hint_certificates"]
-    if found is None or not certificates:
-        return found
+    if verdict is None or not certificates:
+        return verdict
     for miss in near_misses(statement):
         if certificates[0]["statement"]["solutions"] != list(miss.texts.solutions):
             continue
         if is_proof_of(miss.texts, certificates):
-            return miss.hint(found, proved(miss.statement(statement.name), certificates))
-    return found
+            return miss.hint(verdict, proved(miss.statement(statement.name), certificates))
+    return verdict
