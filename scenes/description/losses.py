@@ -80,7 +80,7 @@ class Losses:
 
         A number for cells becomes a multiple of eps**3, one for bonds a multiple of eps.
 
-        >>> Losses(bond=0.5).weighed(0.1)
+        >>> Losses(bond=0.5).as_eps_formulas(0.1)
         Losses(site=None, bond='eps**1*(0.5/0.1**1)')
         """
 

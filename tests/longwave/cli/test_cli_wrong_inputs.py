@@ -86,7 +86,7 @@ LINES = [
     ("run chain.toml --tolerance 1e-30", "tolerance must"),
     ("run chain.toml --engine spectal", "(did you mean spectral? one of stencil, spectral)"),
     ("run chain.toml --output run.txt", "--output must end in .nc, got 'run.txt' (such as run.nc)"),
-    ("run chain.toml --output no/run.nc", "must lie in an existing folder, got no/run.nc (make it"),
+    ("run chain.toml --output no/run.nc", "must lie in an existing folder, got no/run.nc (create"),
     ("run chain.toml --output chain.toml", "--output must end in .nc"),
     ("run chain.toml --output .", "--output must name a file, got the folder . (such as run.nc in"),
     ("run chain.toml --max-time soon", "must be a positive amount, got 'soon' (such as 90s, 30min"),

@@ -217,7 +217,7 @@ GRANULAR = {"lattice": "granular", "constants": {"A": 1, "d": "1/100"}, "carrier
             DARK | {"lattice": "mass_dimer", "constants": DIMER | {"m2": 3}, "carrier": "pi"},
             "k must be no resonance",
         ),
-        (DARK | GRANULAR | {"eps": 1.0, "slow_times": [0, 9]}, "beyond what its force is for"),
+        (DARK | GRANULAR | {"eps": 1.0, "slow_times": [0, 9]}, "where its force is defined"),
         (UNSTABLE, "constants must make waves of chain stable"),
         ({"eps": 1e-9}, "must fit 2 GB"),
         ({"slow_times": [0, 1e9]}, "must fit 2 GB"),

@@ -168,7 +168,7 @@ def test_a_background_beyond_the_force_is_refused_in_a_line(tmp_path: Path) -> N
         'lattice = "root.toml"\nwave = "soliton_background"\neps = 0.5\nslow_times = [0, 0.5]\n'
         "half_width = 3\ntolerance = 1e-3\n[parameters]\nU_0 = 10\nkappa = 1\n"
     )
-    with pytest.raises(ValueError, match="beyond what its force is for"):
+    with pytest.raises(ValueError, match="where its force is defined"):
         run(tmp_path / "scene.toml")
 
 
