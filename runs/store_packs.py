@@ -116,7 +116,7 @@ class PackedRun:
 def link_free_parts(pack: str) -> int:
     """Return how many last components of a pack's path lie inside the store and must not be links.
 
-    >>> untyped_names("ab/p.h5")
+    >>> link_free_parts("ab/p.h5")
     3
     """
     return 2 + pack.count("/")

@@ -63,7 +63,7 @@ class WaveSetting:
 class Choices:
     """The user's choices, as typed; ``begin`` and ``end`` are slow times T, ``half_width`` is in X.
 
-    >>> choices = first_choices("soliton_sech")
+    >>> choices = initial_choices("soliton_sech")
     >>> choices.parameters, choices.constants
     ({'A': '1'}, {'K2': '1', 'K3': '0', 'K4': '1'})
     >>> scene_of_choices(choices.changed(eps="0.2"))
@@ -256,7 +256,7 @@ def slider_ends(parameter: Parameter, values: Mapping[str, float | None]) -> tup
 def parsed_number(text: str) -> int | float | str:
     """Parse a typed text as scene files do: an integer, a float, or else the text itself.
 
-    >>> number("2"), number(" 0.5"), number("K/2")
+    >>> parsed_number("2"), parsed_number(" 0.5"), parsed_number("K/2")
     (2, 0.5, 'K/2')
     """
     for type_ in (int, float):
@@ -309,7 +309,7 @@ def _all_parameters(scene: Scene) -> dict[str, str]:
 def _as_typed(value: Any) -> str:
     """Format a value, which may be a SymPy number, as a user would type it.
 
-    >>> _typed(1.0), _typed(0.30000000000000004), _typed("eps/2")
+    >>> _as_typed(1.0), _as_typed(0.30000000000000004), _as_typed("eps/2")
     ('1', '0.3', 'eps/2')
     """
     return value if isinstance(value, str) else f"{float(value):.12g}"

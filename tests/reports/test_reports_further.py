@@ -76,7 +76,7 @@ def test_the_split_waves_ends_are_in_units_of_eps() -> None:
 def test_the_split_waves_snapshots_fill_their_rows() -> None:
     rows = split_rows({SPLIT: fake(SPLIT)})
     assert [len(row) for row in rows] == [SNAPSHOTS_PER_ROW, SNAPSHOTS_PER_ROW]
-    assert rows[0][2].time == -11200.0
+    assert rows[0][2].variables["time"].values == -11200.0
 
 
 def test_a_long_run_is_one_row_and_a_missed_tolerance_is_reported() -> None:

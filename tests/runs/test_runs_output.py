@@ -59,7 +59,7 @@ def run_file(scene: Path, capsys: Output) -> Path:
         ("folder.nc", [], "--output must name a file, got the folder folder.nc"),
         ("pipe.nc", ["--force"], "--output must name a file, got pipe.nc, which is not a file"),
         ("run.nc", [], "must name a new file, got run.nc, which exists (--force overwrites it)"),
-        ("text.nc", ["--force"], "--output must name a run, got text.nc, which is another file"),
+        ("text.nc", ["--force"], "must name a new file or a run, got text.nc, another file"),
         ("/proc/run.nc", [], "must lie in a writable folder, got /proc: "),
     ],
 )

@@ -9,7 +9,7 @@ from longwave.lattice.seam import Fading
 from longwave.lattice.state import State
 from longwave.scenes import run
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.engines.stepped_cells import CellDomain
+from longwave.scenes.engines.stepped_cells import RingDomain
 
 SOUND = Scene.of(
     name="sn",
@@ -42,7 +42,7 @@ def test_fading_cannot_be_felt(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = SOUND.changed(K4=-1.0, t0=-300.0, snapshots=(-100.0, 100.0), compared=60)
     scene = scene.changed(tolerance=1e-8)
     faded = run(scene).strain.values
-    monkeypatch.setattr(CellDomain, "fade", lambda *_: None)
+    monkeypatch.setattr(RingDomain, "fade", lambda *_: None)
     assert np.abs(faded - run(scene).strain.values).max() < 1e-12 * scene.eps
 
 

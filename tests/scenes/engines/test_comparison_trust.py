@@ -62,7 +62,7 @@ def test_the_summary_says_whether_the_scene_ends_before() -> None:
     assert "exp(0.01 t)" in early
     assert "reaches 0.0001 eps 500 after t0, at t = 400; the scene ends before" in early
     assert early.endswith("before")
-    assert "not to be trusted there" in _line(unstable, snapshots=(1000.0,))
+    assert "after that, where it is not reliable" in _line(unstable, snapshots=(1000.0,))
     assert _line({"trust_rate": 0.0, "trust_horizon": np.inf}) == "background: periodic and stable"
 
 
