@@ -44,7 +44,7 @@ def resolving_step(speed: float) -> float:
     return TURNED / (2.0 * math.pi * speed)
 
 
-class SpectralRingSearch:
+class SpectralSearch:
     """Base of engines that run a ring from ``begin``, in a frame of ``speed``, for `refine`.
 
     A run whose spectrum's tail rises is restarted with more points. A step that is too long lets

@@ -31,7 +31,7 @@ from longwave.lattice.spectral.lattice_ring import (
     ring_stretches,
     whole,
 )
-from longwave.lattice.spectral.ring_search import TAIL_SHARE, SpectralRingSearch
+from longwave.lattice.spectral.ring_search import TAIL_SHARE, SpectralSearch
 from longwave.lattice.trial import (
     Choices,
     Kind,
@@ -200,7 +200,7 @@ WIDER_SIZE = 2.0
 """Size of a wider ring in `Choices`."""
 
 
-class FieldRingEngine(SpectralRingSearch):
+class FieldRingEngine(SpectralSearch):
     """Runs of a ring of fields from a state, for `refine`.
 
     By default the stretches of all bonds are judged, at the state's points; ``sight`` gives another

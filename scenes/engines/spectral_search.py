@@ -28,7 +28,7 @@ from longwave.lattice.spectral.evolution import (
     SpectralRing,
 )
 from longwave.lattice.spectral.field_ring import FieldRing, fast_count
-from longwave.lattice.spectral.ring_search import TAIL_SHARE, SpectralRingSearch
+from longwave.lattice.spectral.ring_search import TAIL_SHARE, SpectralSearch
 from longwave.lattice.trial import (
     NUDGE,
     Choices,
@@ -210,7 +210,7 @@ def solve_on_rings(
     return result
 
 
-class SpectralEngine(SpectralRingSearch):
+class SpectralEngine(SpectralSearch):
     """Engine that runs a wave on spectral rings; it caches rings and initial states."""
 
     kinds: tuple[Kind, ...] = ("step", "sampling", "domain")
