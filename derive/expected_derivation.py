@@ -28,7 +28,7 @@ ANY_CARRIER, ITS_CONSTANT = 1.0, 6.0
 further constant."""
 
 MOST_IN_SYMBOLS = 5.0
-"""Largest such addition: formulas beyond a budget of terms are refused (`carrier_envelope`)."""
+"""Most seconds added by symbolic constants: `carrier_envelope` refuses larger formulas."""
 
 A_REACH = 30.0
 """Factor for each further cell that a bond reaches, for one field."""

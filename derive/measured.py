@@ -138,7 +138,7 @@ class Measured:
 
 
 def _entry(one: str, two: str, value: object) -> float:
-    """Return a covariance as a float. Raises ValueError if it is not finite or invalid."""
+    """Return a covariance as a float; raise ValueError if it is not finite, or a variance < 0."""
     wrong = isinstance(value, bool) or not isinstance(value, int | float)
     if wrong or not abs(value) < 1e100 or (one == two and value < 0):  # type: ignore[arg-type, operator]
         raise ValueError(

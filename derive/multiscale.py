@@ -43,7 +43,7 @@ class ReductionError(ValueError):
 
 
 class _Solver:
-    """Solver of the orders of ``residual`` from below; conditions are applied to later orders."""
+    """Solver of ``residual`` order by order in eps; each solution is put into the later orders."""
 
     def __init__(self, residual: EpsSeries, expansion: Expansion) -> None:
         self.lattice, self.scaling = expansion.lattice, expansion.scaling

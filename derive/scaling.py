@@ -96,7 +96,7 @@ class Scaling(Displayed):
         names = [variable.name for variable in self.space]
         if len({*names, "T", "Y"}) != len(names) + 2:
             raise ValueError(
-                f"space must hold variables with names of their own, other than T and Y, got "
+                f"space must hold variables with different names, other than T and Y, got "
                 f"{names} (X is usual)"
             )
         if self.frame_symbol is None:

@@ -34,9 +34,9 @@ def _powers(points: Sequence[float] | Array, derivative: int) -> Array:
 
 
 def _at_nodes(*known: Array) -> Array:
-    """Return matrices from a polynomial's known data to its values and slopes at the nodes.
+    """Return matrices from a polynomial's data to its values and slopes at `NODES`.
 
-    The shape is (2, node, datum); each argument has the rows of `_powers` of some data.
+    The shape is (2, node, datum). Each argument is a block of `_powers`, one row for each datum.
     """
     conditions = np.concatenate(known)
     inverse = np.linalg.inv(conditions[:, : len(conditions)])

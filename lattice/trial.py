@@ -147,7 +147,7 @@ class Engine(Protocol):
     """Protocol of an engine: its runs, and how their errors depend on the choices."""
 
     kinds: tuple[Kind, ...]
-    """Kinds of choices that can be varied."""
+    """Discretisation parameters that the engine can refine, such as its step and its domain."""
     threads: int
     """Runs that may be made concurrently."""
     order: int

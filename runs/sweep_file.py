@@ -399,7 +399,9 @@ def _draw(field: str, given: object, stream: Random) -> Any:
     refuse_unknown(given, DRAWN_KEYS, f" of {field}")
     if "choose" in given:
         if len(given) > 1:
-            raise ValueError(f"{field} must have only choose, got other keys too (leave them out)")
+            raise ValueError(
+                f"{field} with choose must have no other key, got {shown(given)} (leave them out)"
+            )
         choices = _listed_values(field, given["choose"])
         return choices[int(stream.random() * len(choices))]
     low, high, log = _range_ends(field, given)

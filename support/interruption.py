@@ -42,7 +42,7 @@ PATIENCE = 1.5
 """Seconds in which a command may end by itself."""
 
 KEEPING = 15.0
-"""Additional seconds for writing finished results, in `keeping`."""
+"""Seconds by which `keeping` extends the time for writing finished results."""
 
 SAME_PRESS = 0.3
 """Seconds in which a second signal counts as the first: some programs forward a signal that the

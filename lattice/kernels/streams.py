@@ -53,7 +53,7 @@ FUNCTIONS = {"passages": 16, "to_rows": 10, "from_rows": 10, "drift": 4}
 
 
 def flat_shift(shift: Sequence[int]) -> int:
-    """Return a shift along each axis as one number, ordered as the cells are swept.
+    """Encode a shift along each axis as one integer; integers order cells as they are swept.
 
     >>> rows_and_columns(flat_shift((2, -3)))
     (2, -3)
@@ -515,11 +515,11 @@ class _Builder:
         return StreamRead(self.add("sum", taps, number=number))
 
     def force(self, stretch: StreamRead, law: ForceFormula) -> int:
-        """Return the index of the stream of a bond's force."""
+        """Add the stream of a bond's force and return its index."""
         return self.add("force", [stretch], law=law)
 
     def varied(self, whole: StreamRead, share: StreamRead, part: StreamRead) -> int:
-        """Return the index of the stream ``whole + share part``, cell by cell."""
+        """Add the stream ``whole + share * part``, cell by cell, and return its index."""
         return self.add("varied", [whole, share, part])
 
     def felt(

@@ -42,7 +42,7 @@ def values_of(modes: Complex, last: int, out: Array | None = None) -> Array:
 
 
 def fast_count(least: float) -> int:
-    """Return the next larger even number of points with a fast Fourier transform."""
+    """Return the smallest even number >= ``least`` with a fast Fourier transform."""
     return 2 * int(ducc0.fft.good_size(math.ceil(least / 2.0), True))
 
 

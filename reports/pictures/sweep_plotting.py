@@ -105,7 +105,7 @@ def _places(name: str, values: NDArray[Any], value: str | float) -> list[int]:
         matching = list(dict.fromkeys(str(values[place]) for place in places))
         if len(matching) > 1 and as_text is _text:
             raise ValueError(
-                f"{name} must tell one value, got {shown(value)} (one of {_listed(matching)})"
+                f"{name} must match one value, got {shown(value)} (one of {_listed(matching)})"
             )
         if places:
             return places

@@ -23,7 +23,7 @@ FIRST, SECOND = 20, 40
 
 
 class Return(NamedTuple):
-    """First return of a mode: its time in periods at small amplitude, its share of the energy.
+    """Largest return of a mode: its time in periods at small amplitude, its fraction of the energy.
 
     ``reading`` is the time between two readings in the same unit.
     """
@@ -34,7 +34,7 @@ class Return(NamedTuple):
 
 
 def mode_return(run: xr.Dataset) -> Return:
-    """Return the first return of a run's first mode after it has lost half of its energy."""
+    """Return the largest energy of the first mode after it has fallen below half, with its time."""
     energy, times = run.mode_energy.values[:, 0], run.time.values
     half_lost = int(np.argmax(energy < 0.5 * energy[0]))
     returned = half_lost + int(np.argmax(energy[half_lost:]))

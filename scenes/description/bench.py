@@ -98,7 +98,7 @@ def _factors(name: str, given: object) -> dict[int, Any]:
     for cell, value in given.items():
         if not re.fullmatch(r"-?\d{1,9}", str(cell)):
             raise ValueError(
-                f"{name} must be by the numbers of cells, got {check.plain(cell)} (such as "
+                f"{name} must have cell numbers as keys, got {check.plain(cell)} (such as "
                 f"{FACTOR_EXAMPLE})"
             )
         label = f"{kind} of {cell} in [defects]"

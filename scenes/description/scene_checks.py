@@ -89,7 +89,7 @@ class Entry:
 def read_table(
     name: str, entries: Mapping[str, Entry], given: object, where: str = ""
 ) -> dict[str, Any]:
-    """Return the values of a table by field of a record: those stated, in order, then defaults.
+    """Return a table as keyword arguments of a record: stated keys in order, then defaults.
 
     >>> read_table("noise", {"seed": Entry(whole, "of draws", 0)}, {})
     {'seed': 0}

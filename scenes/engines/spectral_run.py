@@ -56,8 +56,8 @@ PHASE = 0.1
 (measured)."""
 
 LATTICE_SPREAD = 400.0
-"""Energy spread of a wave over its positions between two sites, in units of exp(-pi^2/(a |y|)); 250
-to 520 for solitons of a |y| from 0.35 to 0.6."""
+"""Variation of a wave's energy with its position between two sites, in units of exp(-pi^2/s) for
+steepness s = a |y|; 250 to 520 for solitons of s from 0.35 to 0.6."""
 
 STEPPING = 2.0
 """Cost of the runs on the first ring with all steps tried, in units of the last of them."""
@@ -153,7 +153,7 @@ def run_spectral(
     except FloatingPointError as error:
         raise ValueError(
             f"the scene must stay bounded for engine 'spectral': {error} "
-            "(take a smaller eps; engine 'stencil' keeps what came before)"
+            "(take a smaller eps; engine 'stencil' stores the run up to there)"
         ) from None
     return _recorded(scene, moving, found.trial, recorders), found
 

@@ -229,7 +229,10 @@ class SpectralEngine(SpectralSearch):
         self.decay = 2.0 if self._data.periodic else 3.0
         steepness = self._steepness(self._data.bounds.strain)
         if steepness > LARGEST_STEEPNESS:
-            raise self._too_short(f"a wave longer than {1.0 / steepness:.2g} sites")
+            raise self._too_short(
+                f"a wave of width {1.0 / LARGEST_STEEPNESS:.2g} sites or more, this one has "
+                f"{1.0 / steepness:.2g}"
+            )
         self._density = first_density(moving)
         self._start_end = moving.t0
         self._rings: dict[tuple[float, float, bool], SpectralDomain] = {}

@@ -60,7 +60,7 @@ FEWEST_TO_CHOOSE = 12
 points."""
 
 WIDENED = 1.3
-"""Factor on a deviation, due to the choice of the law, above which a warning is given."""
+"""Largest ratio, without a warning, by which the choice of law widens a constant's interval."""
 
 CERTAIN = 5.0
 """Number of standard deviations above 0 from which a constant is declared positive."""

@@ -23,10 +23,10 @@ DISTANCES = np.concatenate([np.linspace(0.0, 1.0, 21)[:-1], np.geomspace(1.0, 1e
 they grow by 3.2 %."""
 
 LEVEL = 0.01
-"""Deviation from the far field that belongs to the wave, in units of the tolerance."""
+"""Least deviation from the far field counted as part of the wave, in units of the tolerance."""
 
 CREST_SHARE = 0.05
-"""Deviation that belongs to a wave with algebraic decay, in units of the largest deviation."""
+"""Least deviation counted as part of a wave with algebraic decay, in units of the largest."""
 
 POWER = 0.05
 """Least ratio of the deviations at twice the distance and at the distance, for algebraic decay."""

@@ -67,7 +67,7 @@ Change = tuple[str, sp.Expr]
 
 
 def _changes(node: sp.Expr) -> Iterator[Change]:
-    """Yield the changes of one subexpression; a sum as argument is visited as its own node."""
+    """Yield the changes of one node; an argument that is a sum has changes of its own."""
     if node.is_Add:
         for index, term in enumerate(node.args):
             rest = sp.Add(*node.args[:index], *node.args[index + 1 :])

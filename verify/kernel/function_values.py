@@ -111,7 +111,7 @@ def weierstrass(z: acb, g2: acb, g3: acb) -> tuple[acb, acb]:
 
 
 def _series(z: acb, g2: acb, g3: acb, bound: arb) -> tuple[acb, acb]:
-    """Return the terms of k < TERMS, and the rest of either series, which its first one bounds."""
+    """Return enclosures of p and p': terms k < TERMS; ``bound`` of the growth bounds the rest."""
     c = [acb(0), acb(0), g2 / 20, g3 / 28]
     for k in range(4, TERMS):
         products = sum((c[i] * c[k - i] for i in range(2, k - 1)), acb(0))

@@ -35,7 +35,7 @@ PRINCIPAL: Mapping[str, Ends] = {
 
 
 def logarithm(field: Field, node: int) -> Element | None:
-    """Return log of a product of powers of positive factors and one of any kind; log 1 = 0."""
+    """Return log of a product as a sum of logs; all factors but one must be positive. log 1 = 0."""
     nodes, inner = field.nodes, field.nodes.all[node][1]
     if nodes.value(inner) == 1:
         return field.zero

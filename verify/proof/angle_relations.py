@@ -21,7 +21,7 @@ UNIT = sp.pi / 12
 """Unit of the constant in a relation."""
 
 BITS, SCALE = 400, 160
-"""Working precision of the values, and binary scale of the integers in the lattice."""
+"""Working precision in bits, and the power of 2 that scales values to integers for LLL."""
 
 LARGEST, MOST, POINTS = 60, 8, 3
 """Limits: integers in a relation, functions in all relations, and sample points."""

@@ -132,7 +132,7 @@ BRANCH_OF_LAMBERT = fmpq(-36, 100)
 """A bound for the cut of W, which ends at -1/e = -0.367..."""
 
 ORDERS = {kind: name for name, kind in BESSEL.items()}
-"""Names of the Bessel functions."""
+"""Name in the grammar of each Bessel function of SymPy."""
 
 INVERSE = (sp.asin, sp.acos, sp.atan, sp.asinh, sp.acosh, sp.atanh)
 ELEMENTARY = {
@@ -214,7 +214,7 @@ class BallEvaluator:
         if node.is_Pow and node.base is sp.S.NegativeOne and node.exp.is_integer:
             whole = self.jet(node.exp).value.real.unique_fmpz()
             if whole is None:
-                raise ValueError(f"powers of -1 must be to integers, got {node.exp}")
+                raise ValueError(f"exponents of -1 must be settled integers, got {node.exp}")
             return constant(self._shape, acb(-1 if int(whole) % 2 else 1))
         if node.is_Pow and node.exp.is_Rational:
             if not node.exp.is_Integer:

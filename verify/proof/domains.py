@@ -91,7 +91,7 @@ class Domain:
 
 
 END_DIGITS = 60
-"""Digits to which an end with roots is evaluated at a point."""
+"""Digits to which a bound of an interval is evaluated numerically if it contains roots."""
 
 REAL = Domain()
 

@@ -198,7 +198,7 @@ class AtOne(AtZero):
         return z.tanh()
 
     def zeta(self, z: acb) -> acb:
-        """Raise ValueError: zeta is not defined here."""
+        """Raise ValueError: zeta at m = 1 is not implemented."""
         return self.theta(z)
 
 

@@ -118,7 +118,7 @@ def _solved(
 ) -> ConditionalVerdict:
     """Return the values of the ``targets`` parameters for which the jump conditions hold."""
     if not conditions:
-        raise ValueError("every value holds: there is no condition at the jump")
+        raise ValueError("every value holds, since the jump gives no condition")
     targets = [str(symbol) for symbol in statement.solve_for]
     known = {str(symbol) for condition in conditions for symbol in condition.free_symbols}
     missing = [name for name in targets if name not in known]
@@ -137,7 +137,7 @@ def _solved(
     answer = solve_statement(system)
     cases = tuple(_as_weak(statement, case) for case in answer.cases)
     if not all(case.proved for case in cases) and answer.outcome is Outcome.PROVED:
-        raise ValueError("a case of the conditions at the jump is not proved by itself")
+        raise ValueError("the statement is not proved for one case of the conditions at the jump")
     certificates = [c for case in cases if case.verdict for c in case.verdict.certificates]
     answer = replace(answer, cases=cases)
     return replace(

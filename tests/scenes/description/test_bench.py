@@ -441,7 +441,7 @@ REFUSED: list[tuple[dict[str, Any], str]] = [
     ({"start": {"u": [1]}}, "keys in [start] must be known ones, got u"),
     ({"defects": {"masses": {1: 2}}}, "keys in [defects] must be known ones, got masses"),
     ({"defects": {"mass": 2}}, "mass in [defects] must be a table by cells, got 2"),
-    ({"defects": {"mass": {"x": 2}}}, "mass in [defects] must be by the numbers of cells, got x"),
+    ({"defects": {"mass": {"x": 2}}}, "mass in [defects] must have cell numbers as keys, got x"),
     (
         {"defects": {"mass": {12: 2}}},
         "mass factors must be of cells and bonds",

@@ -83,7 +83,7 @@ class TracedSigns(Signs):
             self.askers.pop()
 
     def note(self, question: Question) -> None:
-        """Record a premise, unless it is about numbers or says that a fraction is analytic."""
+        """Record a premise unless it holds for numbers or says that a fraction is analytic."""
         if question.relation == "analytic" and all(map(self._is_fraction, question.nodes)):
             return
         values = [self._nodes.value(node) for node in question.nodes]
