@@ -458,7 +458,7 @@ def test_a_value_may_be_given_as_it_is_printed() -> None:
         with pytest.raises(ValueError, match=r"^eps must be one of its values, .* 0\.3\)"):
             plot(data, at={"eps": value})
     near = data.assign_coords(eps=[0.1732051, 0.1732052, 0.3])
-    with pytest.raises(ValueError, match=r"^eps must tell .* \(one of 0\.1732051, 0\.1732052\)"):
+    with pytest.raises(ValueError, match=r"^eps must match .* \(one of 0\.1732051, 0\.1732052\)"):
         plot(near, at={"eps": "0.173205"})
     assert plot(near, at={"eps": "0.1732052"}).get_axes()
 
