@@ -84,7 +84,7 @@ class RandomStatement:
             for symbol, value in (self.counterexample or {}).items()
         }
         texts = formula_as_text(equation), f"u = {formula_as_text(solution)}"
-        used = {*re.findall(r"\b[a-z]\w*", " ".join(texts))}
+        used = {*re.findall(r"\b[A-Za-z]\w*", " ".join(texts))}
         used |= {*"".join(name[2:] for name in used if name.startswith("u_"))}
         return TextStatement(
             self.kind,

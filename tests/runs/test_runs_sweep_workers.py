@@ -145,9 +145,9 @@ def scheduler(tmp_path: Path) -> Iterator[str]:
     file = tmp_path / "scheduler.json"
     words = ["--host", "127.0.0.1", "--port", "0", "--scheduler-file", str(file)]
     with dask_process("scheduler", *words):
-        while not file.exists():
+        while not (file.exists() and (text := file.read_text(encoding="utf-8"))):
             time.sleep(0.1)
-        yield json.loads(file.read_text(encoding="utf-8"))["address"]
+        yield json.loads(text)["address"]
 
 
 def dask_worker(scheduler: str, **environment: str) -> AbstractContextManager[None]:
@@ -272,7 +272,7 @@ def test_ctrl_c_keeps_what_is_done_and_ends_the_workers(
     assert running.returncode == status
     assert "interrupted" in message[-1]
     assert not list((tmp_path / "mine.store").glob(".*.sweep"))
-    assert "of 5000 cells are kept" in message[-1]
+    assert "of 5000 cells are saved" in message[-1]
     deadline = time.monotonic() + 120
     while any(Path(f"/proc/{worker}").exists() for worker in workers):
         assert time.monotonic() < deadline

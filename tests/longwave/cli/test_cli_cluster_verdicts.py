@@ -24,7 +24,13 @@ def soliton(speed: int) -> Statement:
 
 def job(statement: Statement, limit: float) -> Job:
     given = (statement, limit, 0.0)
-    return Job(statements._decide, given, tells=True, seconds=limit + 1.0, memory=statements.MEMORY)
+    return Job(
+        statements._decide_in_worker,
+        given,
+        tells=True,
+        seconds=limit + 1.0,
+        memory=statements.MOST_MEMORY,
+    )
 
 
 @pytest.mark.slow
@@ -41,7 +47,9 @@ def test_a_cluster_job_keeps_the_limit_of_its_statement() -> None:
 def test_a_cluster_gives_every_verdict_though_a_worker_is_killed(dask_cluster: Any) -> None:
     speeds = [4, 2, 4, 3, 4, 5]
     problems = [StatedProblem(soliton(speed)) for speed in speeds]
-    verdicts = statements._decided(problems, 60.0, 0.0, dask_cluster.scheduler_address)
+    verdicts = statements._decide_here_or_on_cluster(
+        problems, 60.0, 0.0, dask_cluster.scheduler_address
+    )
     found = [next(verdicts)]
     os.kill(dask_cluster.workers[0].process.process.pid, signal.SIGKILL)
     found += verdicts
@@ -61,4 +69,4 @@ def test_workers_that_prove_by_another_code_are_refused(
     monkeypatch.setattr(statements, "source_digest", lambda module: "of other sources")
     problems = [StatedProblem(soliton(4))]
     with pytest.raises(ValueError, match="sources and packages of this machine, got other ones on"):
-        statements._decided(problems, 60.0, 0.0, dask_cluster.scheduler_address)
+        statements._decide_here_or_on_cluster(problems, 60.0, 0.0, dask_cluster.scheduler_address)

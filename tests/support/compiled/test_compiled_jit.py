@@ -223,7 +223,7 @@ print(y[0, 30])
     assert len(list(tmp_path.rglob("*.object"))) == 1
     writer = tmp_path / "longwave" / "lattice" / "kernels" / "row_code.py"
     text = writer.read_text()
-    changed = text.replace("code.fma(x, found, factor)", "code.builder.fadd(found, factor)")
+    changed = text.replace("code.fma(x, result, factor)", "code.builder.fadd(result, factor)")
     assert changed != text
     writer.write_text(changed)
     assert call(tmp_path, code, PYTHONDONTWRITEBYTECODE="1") != [before]
