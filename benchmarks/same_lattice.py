@@ -119,8 +119,8 @@ def print_share(problem: Problem, seconds: float, steps: float, rate: float) -> 
     done = problem.operations * cells * round(steps) * REDUCED_PHASE_6.stages / seconds
     print(
         f"{problem.operations} operations per cell and force evaluation (a multiply-add counts "
-        f"once): {done / 1e9:.1f} G/s; multiply-adds alone {rate / 1e9:.1f} G/s; "
-        f"share {done / rate:.0%}"
+        f"once, cells at rest count though they are not advanced): {done / 1e9:.1f} G/s; "
+        f"multiply-adds alone {rate / 1e9:.1f} G/s; share {done / rate:.0%}"
     )
 
 
