@@ -245,7 +245,8 @@ def test_the_spectral_ring_refuses_a_wave_as_short_as_the_lattice(
 ) -> None:
     """Its steps would have to be as short as the stencil's, and it would find a plateau first."""
     scene = replace(ring_scene(**SOFT).with_tolerance(1e-3), eps=0.8)
-    with pytest.raises(ValueError, match=r"engine must be 'stencil' .* width 1\.5 sites or more, this one has 0\.73"):
+    refusal = r"engine must be 'stencil' .* width 1\.5 sites or more, this one has 0\.73"
+    with pytest.raises(ValueError, match=refusal):
         run(scene.changed(engine="spectral"))
     assert run(scene).attrs["engine"] == "stencil"
 
