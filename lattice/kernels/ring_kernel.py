@@ -383,11 +383,18 @@ class _Arc:
         whole = stages // each * each
         for done, count, length in ((0, stages // each, each), (whole, 1, stages - whole)):
             if count * length:
-                asked = min(period, count * length)
-                turn = (begun + done + np.arange(asked + each)) % period
+                used = min(period, count * length)
+                turn = (begun + done + np.arange(used + each)) % period
                 weights = drifts[turn], kicks[turn]
-                counts = self._plane, layout.pitch, layout.width, self._rows, length, count, asked
+                counts = self._plane, layout.pitch, layout.width, self._rows, length, count, used
                 yield "passages", *self._work, *weights, *self._repeated, *counts
+
+
+class _MovingArc(NamedTuple):
+    """Arc with all moving cells of a chain, and the stages after which waves may reach its ends."""
+
+    arc: _Arc
+    stages: int
 
 
 class RingKernel:
@@ -406,7 +413,7 @@ class RingKernel:
         self._arcs: list[_Arc] = []
         self._between = 0
         self._scripts: dict[Hashable, tuple[Array, Array, list[list[_Script]]]] = {}
-        self._active: tuple[int, int, _Arc] | None = None
+        self._cached_arc: tuple[int, int, _Arc] | None = None
         self._moved_from_rest: NDArray[np.bool_] | None = None
 
     def advance(self, f: Array, v: Array, drifts: Array, kicks: Array, steps: int) -> None:
@@ -435,8 +442,8 @@ class RingKernel:
                     f"{name} must be contiguous doubles, got {ring.dtype} with strides "
                     f"{ring.strides} (np.ascontiguousarray makes them)"
                 )
-        if self._is_mostly_still(f, v, kicks, stages):
-            self._advance_active(f, v, drifts, kicks, stages, ahead)
+        if self._may_be_still(f, v, stages) and (moving := self._moving_arc(f, v, kicks)):
+            self._advance_moving(f, v, drifts, kicks, stages, ahead, moving)
         else:
             self._advance_whole(f, v, drifts, kicks, stages, ahead)
 
@@ -458,44 +465,50 @@ class RingKernel:
         for scripts in cached[-1]:
             _on_cores(scripts)
 
-    def _is_mostly_still(self, f: Array, v: Array, kicks: Array, stages: int) -> bool:
-        """Return whether so few cells of a chain move that they are worth finding."""
+    def _may_be_still(self, f: Array, v: Array, stages: int) -> bool:
+        """Return whether it is worth searching a chain for the cells that move."""
         size = self._shape[0]
-        if len(self._shape) > 1 or size < 4 * MARGIN or stages * size < LEAST_SEARCHED:
-            return False
-        if 2 * max(self._reach) > MARGIN:
-            return False
-        return seems_still(f, v) and self._arc_of_active(f, v, kicks) is not None
+        is_large = len(self._shape) == 1 and size >= 4 * MARGIN and stages * size >= LEAST_SEARCHED
+        return is_large and 2 * max(self._reach) <= MARGIN and seems_still(f, v)
 
-    def _advance_active(
-        self, f: Array, v: Array, drifts: Array, kicks: Array, stages: int, ahead: float
+    def _advance_moving(
+        self,
+        f: Array,
+        v: Array,
+        drifts: Array,
+        kicks: Array,
+        stages: int,
+        ahead: float,
+        moving: _MovingArc | None,
     ) -> None:
-        """Advance the cells that move, as far as they need no others; then find them again."""
+        """Advance the moving cells, searched anew before the waves can leave their arc."""
+        self._drift(f, v, -ahead)
         done, arc = 0, None
-        while done < stages and (found := self._arc_of_active(f, v, kicks)):
-            if found[0] is not arc:
-                arc = found[0]
+        while moving is not None and done < stages:
+            if moving.arc is not arc:
+                arc = moving.arc
                 store = arc.script(arc.store(f, v))
-                begin = [arc.drift(f, v, -ahead)] if ahead and not done else []
-                arc.script(*begin, arc.load(f, v))()
-            count = min(found[1], stages - done)
+                arc.script(arc.load(f, v))()
+            count = min(moving.stages, stages - done)
             arc.script(arc.run(drifts, kicks, done, count))()
             store()
             done += count
+            moving = self._moving_arc(f, v, kicks) if done < stages else None
         if done < stages:
             drifts, kicks = np.roll(drifts, -done, axis=0), np.roll(kicks, -done, axis=0)
             self._advance_whole(f, v, drifts, kicks, stages - done, 0.0)
-        for part in (self._arcs if arc is None or done < stages else [arc]) if ahead else ():
-            part.script(part.drift(f, v, ahead))()
+        self._drift(f, v, ahead)
 
-    def _arc_of_active(self, f: Array, v: Array, kicks: Array) -> tuple[_Arc, int] | None:
-        """Return an arc with all cells that move, and for how many stages it has them all.
+    def _drift(self, f: Array, v: Array, length: float) -> None:
+        """Advance all positions by a drift."""
+        for arc in self._arcs if length else ():
+            arc.script(arc.drift(f, v, length))()
 
-        None if it would be larger than `SHARE` of the ring.
-        """
+    def _moving_arc(self, f: Array, v: Array, kicks: Array) -> _MovingArc | None:
+        """Return an arc with all moving cells; None if it is larger than `SHARE` of the ring."""
         size = self._shape[0]
         first, past = shortest_arc(moving_cells(f, v) | self._sources(kicks))
-        begin, end, arc = self._active or (0, 0, None)
+        begin, end, arc = self._cached_arc or (0, 0, None)
         below, above = (first - begin) % size, (end - past) % size
         if (
             arc is None
@@ -506,14 +519,14 @@ class RingKernel:
             if end - begin > SHARE * size / (2 if self._stages_between(len(kicks)) else 1):
                 return None
             arc = self._arc((begin, end), (0, 0))
-            self._active = begin, end, arc
-        return arc, min(below, above) // max(1, *self._reach)
+            self._cached_arc = begin, end, arc
+        return _MovingArc(arc, min(below, above) // max(1, *self._reach))
 
     def _sources(self, kicks: Array) -> NDArray[np.bool_]:
         """Return the cells of a chain that begin to move from rest, found by one stage of it."""
         if self._moved_from_rest is None:
             f, v = np.zeros((2, self._fields, *self._shape))
-            weights = np.linspace(0.5, 1.0, kicks[:1].size).reshape(kicks[:1].shape)
+            weights = np.random.default_rng(0).uniform(0.5, 1.0, kicks[:1].shape)  # none cancel
             self._advance_whole(f, v, np.ones(1), weights, 1, 0.0)
             self._moved_from_rest = moving_cells(f, v)
         return self._moved_from_rest

@@ -26,7 +26,7 @@ CELLS = 203
 def searched(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[int]]:
     """Search for moving cells in every call, and list the number of cells of each arc advanced."""
     arcs: list[int] = []
-    found = RingKernel._arc_of_active
+    found = RingKernel._moving_arc
 
     def recorded(kernel: RingKernel, *given: Any) -> Any:
         arc = found(kernel, *given)
@@ -35,7 +35,7 @@ def searched(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[int]]:
 
     monkeypatch.setattr(ring_kernel, "MARGIN", 16)
     monkeypatch.setattr(ring_kernel, "LEAST_SEARCHED", 1)
-    monkeypatch.setattr(RingKernel, "_arc_of_active", recorded)
+    monkeypatch.setattr(RingKernel, "_moving_arc", recorded)
     return arcs
 
 
