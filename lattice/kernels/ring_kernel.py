@@ -451,10 +451,7 @@ class RingKernel:
         self, f: Array, v: Array, drifts: Array, kicks: Array, stages: int, ahead: float
     ) -> None:
         """Advance all cells."""
-        between = self._stages_between(len(kicks))
-        if between != self._between or not self._arcs:
-            self._arcs, self._between = self._build_arcs(between), between
-            self._scripts.clear()
+        self._divide(len(kicks))
         key = id(f), id(v), drifts.tobytes(), kicks.tobytes(), stages, ahead
         cached = self._scripts.get(key)
         if cached is None:
@@ -464,6 +461,13 @@ class RingKernel:
             cached = self._scripts[key] = f, v, list(steps_of_scripts)
         for scripts in cached[-1]:
             _on_cores(scripts)
+
+    def _divide(self, period: int) -> None:
+        """Divide the ring into the arcs of one core or two; keep them if they are the same."""
+        between = self._stages_between(period)
+        if between != self._between or not self._arcs:
+            self._arcs, self._between = self._build_arcs(between), between
+            self._scripts.clear()
 
     def _may_be_still(self, f: Array, v: Array, stages: int) -> bool:
         """Return whether it is worth searching a chain for the cells that move."""
@@ -482,6 +486,7 @@ class RingKernel:
         moving: _MovingArc | None,
     ) -> None:
         """Advance the moving cells, searched anew before the waves can leave their arc."""
+        self._divide(len(kicks))
         self._drift(f, v, -ahead)
         done, arc = 0, None
         while moving is not None and done < stages:

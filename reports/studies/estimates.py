@@ -127,10 +127,10 @@ def estimate_rows(found: Iterable[Judged]) -> list[EstimateRow]:
     waves = sorted({scene.wave for scene in judged})
     groups = {wave: [scene for scene in judged if scene.wave == wave] for wave in waves}
     for engine in sorted({scene.engine for scene in judged} - {""}):
-        for selection, asked in (("by name", engine), ("chosen", "")):
+        for selection, requested in (("by name", engine), ("chosen", "")):
             title = f"{engine}, {selection}"
             groups[title] = [
-                scene for scene in judged if scene.engine == engine and scene.asked == asked
+                scene for scene in judged if scene.engine == engine and scene.asked == requested
             ]
     groups["all"] = judged
     return [_row(name, group) for name, group in groups.items()]
