@@ -81,7 +81,9 @@ def _completion(context: click.Context, _: click.Parameter, shell: str | None) -
     + "\n\nExit status: 0 all is well, 1 something is refuted, undecided, missing or broke off, "
     "2 wrong input, 130 Ctrl-C.",
 )
-@click.version_option(package_name="longwave", message="longwave %(version)s", help="Print it.")
+@click.version_option(
+    package_name="longwave", message="longwave %(version)s", help="Print the version."
+)
 @click.option(
     "--completion",
     type=click.Choice(SHELLS),
