@@ -144,6 +144,7 @@ class _Text(_Words):
 _LATEX = re.compile(r"\s*(\\left[(|]|\\right[)|]|\\[A-Za-z]+|\\.|\d+|[A-Za-z]|[-+^_{}(),=<>:;])")
 _PLAIN = {"re": "Re", "im": "Im"}
 _NAMED = {f"\\{n}": n for n in ("sin", "cos", "tan", "sinh", "cosh", "tanh", "coth", "log")}
+_NAMED |= {r"\arctan": "atan"}
 _GREEK = re.compile(r"\\(alpha|beta|gamma|delta|kappa|lambda|mu|nu|omega|psi|phi|Omega)")
 
 

@@ -11,6 +11,7 @@ from typing import Any
 import sympy as sp
 
 from longwave.derive.algebra.exact_numbers import exact_number, instance
+from longwave.derive.output.notation import latex_of
 from longwave.solutions.equation import Equation
 from longwave.support.known_names import did_you_mean
 
@@ -215,7 +216,7 @@ class ClosedForm:
 
     def _repr_latex_(self) -> str | None:
         """The formula for notebooks; None for a long one, which they show as one line."""
-        formula = sp.latex(self.expression)
+        formula = latex_of(self.expression)
         return rf"$\displaystyle U = {formula}$" if len(formula) <= LONGEST_FORMULA else None
 
     @cached_property

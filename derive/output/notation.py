@@ -34,7 +34,7 @@ class _TextPrinter(StrPrinter):
         return str(super()._print_Add(expr, order="none"))
 
 
-class _LatexPrinter(LatexPrinter):
+class ExpressionLatexPrinter(LatexPrinter):
     """SymPy's LaTeX with sums in their natural order and the project's names of symbols."""
 
     def _print_Symbol(self, expr: Expr, style: str = "plain") -> str:
@@ -61,7 +61,7 @@ def text_of(expression: Expr) -> str:
 
 def latex_of(expression: Expr) -> str:
     """Return a constant in LaTeX, with the project's names."""
-    return str(_LatexPrinter().doprint(expression))
+    return str(ExpressionLatexPrinter().doprint(expression))
 
 
 @dataclass(frozen=True)

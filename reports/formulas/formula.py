@@ -12,6 +12,7 @@ from functools import cache, cached_property
 
 import sympy as sp
 
+from longwave.derive.algebra.latex_width import nesting
 from longwave.reports.formulas.printing import (
     FUNCTION_ORDER,
     LINE,
@@ -20,7 +21,6 @@ from longwave.reports.formulas.printing import (
     is_wide,
     joined,
     latex,
-    nesting,
     ordered_terms,
     runs_left,
     size,

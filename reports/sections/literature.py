@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from itertools import groupby
 from statistics import median
 
-from longwave.reports.formulas.typed import conditions_latex, prose_latex
+from longwave.reports.formulas.typed import prose_latex
 from longwave.reports.latex import Row, escape, scientific, table
 from longwave.reports.studies.proofs import PublishedVerdict
 from longwave.verify.problem_file import ProblemText
@@ -100,7 +100,7 @@ def _entry(verdict: PublishedVerdict, wrong: Sequence[PublishedVerdict]) -> str:
     publication, semicolon, remark = text.source.partition(";")
     source = escape(publication) + semicolon + prose_latex(remark)
     source += "" if text.looked_up else NO_TEXT
-    domain = conditions_latex(text.parameters, text.domain)
+    domain = ", ".join(f"${condition}$" for condition in verdict.conditions)
     formulas = _formulas(verdict) + (rf"\quad ({domain})" if domain else "")
     lines = [
         rf"\libraryentry{{{_title(text)}}}{{{verdict.outcome.lower()}}}{{{source}}}",

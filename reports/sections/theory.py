@@ -8,6 +8,7 @@ import sympy as sp
 
 from longwave.derive import dispersion_relation, initial_velocity_latex, mkdv_reduction, reduce
 from longwave.derive.dispersion import agrees_with_reduction
+from longwave.derive.output.notation import latex_of
 from longwave.reports.formulas.formula import Formula
 from longwave.reports.formulas.printing import equation_latex, latex
 from longwave.reports.latex import DASH, domain_latex, escape, greek, scientific, table
@@ -31,9 +32,9 @@ def derivation() -> dict[str, Any]:
     relation = dispersion_relation(reduction.lattice)
     coefficients, form = reduction.coefficients(), reduction.normal_form()
     return {
-        "force": sp.latex(reduction.lattice.bonds[0].force),
+        "force": latex_of(reduction.lattice.bonds[0].force),
         "orders": [(order, equation.latex()) for order, equation in reduction.orders.items()],
-        "sound": sp.latex(reduction.sound_condition),
+        "sound": latex_of(reduction.sound_condition),
         "conditions": [
             (condition.latex(), condition.order, condition.equation.latex())
             for condition in reduction.conditions
@@ -42,10 +43,10 @@ def derivation() -> dict[str, Any]:
         "remainders": [reduction.latex_remainder(order) for order in reduction.remainders],
         "corrections": [reduction.latex_correction(power) for power in reduction.corrections],
         "coefficient_table": coefficient_table(
-            (name, sp.latex(getattr(coefficients, name)))
+            (name, latex_of(getattr(coefficients, name)))
             for name in ("c", "nonlinear", "dispersive")
         ),
-        "normal_form": [(name, sp.latex(getattr(form, name))) for name in ("a", "b", "s")],
+        "normal_form": [(name, latex_of(getattr(form, name))) for name in ("a", "b", "s")],
         "dispersion": relation.latex(),
         "dispersion_agrees": agrees_with_reduction(reduction.lattice, reduction),
         "velocity": initial_velocity_latex(),

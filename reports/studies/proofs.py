@@ -78,13 +78,14 @@ STATEMENT_WEIGHT = 0.1
 
 @dataclass(frozen=True)
 class PublishedVerdict:
-    """Statement of the library with its verdict, and its equations and formulas in LaTeX."""
+    """Statement of the library with its verdict; equations, formulas and conditions in LaTeX."""
 
     text: ProblemText
     outcome: Outcome
     seconds: float
     equations: tuple[str, ...] = ()
     formulas: tuple[str, ...] = ()
+    conditions: tuple[str, ...] = ()
 
     @property
     def expected(self) -> bool:

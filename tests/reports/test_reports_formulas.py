@@ -15,10 +15,11 @@ import pytest
 import sympy as sp
 from matplotlib.figure import Figure
 
+from longwave.derive.algebra.latex_width import nesting
 from longwave.reports.build import TABLES, Findings, source
 from longwave.reports.engine import compile_pdf, engine_present
 from longwave.reports.formulas.formula import Formula, broken
-from longwave.reports.formulas.printing import LINE, is_wide, latex, nesting, tidied, width
+from longwave.reports.formulas.printing import LINE, is_wide, latex, tidied, width
 from longwave.reports.pictures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES
 from longwave.reports.pictures.style import TEXT_WIDTH
 from longwave.reports.sections import theory

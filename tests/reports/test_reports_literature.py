@@ -44,9 +44,9 @@ def test_an_entry_has_equation_formula_domain_verdict_variants_and_source() -> N
     assert "(1895) 422$^*$}" in text
     assert r"\operatorname{cn}^{2}" in text
     assert r"($k > 0$, $0 < m < 1$)" in text
-    assert r"\librarynote{the modulus taken for the parameter $m$ of $\operatorname{cn}$}" in text
+    assert r"\librarynote{the modulus taken for the parameter $m$ of $\mathrm{cn}$}" in text
     undecided = replace(wrong, outcome=Outcome.UNDECIDED)
-    assert r"of $\operatorname{cn}$ \textbf{(undecided)}" in library_formulas([right, undecided])
+    assert r"of $\mathrm{cn}$ \textbf{(undecided)}" in library_formulas([right, undecided])
 
 
 def test_verdicts_are_counted_by_what_was_expected() -> None:

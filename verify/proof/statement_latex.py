@@ -22,9 +22,14 @@ SIGNS = {"<=": r"\le", ">=": r"\ge", "!=": r"\ne"}
 
 def statement_latex(statement: Statement) -> str:
     """Return the statement in LaTeX: equations, formulas, and the restricted domains."""
-    domains = ", ".join(filter(None, map(_condition, conditions(statement.texts))))
+    domains = ", ".join(conditions_latex(statement))
     words = rf"{equations_latex(statement)} \quad\Leftarrow\quad {formulas_latex(statement)}"
     return words + (rf" \qquad ({domains})" if domains else "")
+
+
+def conditions_latex(statement: Statement) -> tuple[str, ...]:
+    """Return the conditions on parameters and variables in LaTeX; real names have none."""
+    return tuple(filter(None, map(_condition, conditions(statement.texts))))
 
 
 def scope_latex(statement: Statement) -> str:
