@@ -101,11 +101,7 @@ class ProblemText:
         texts = self.equation, self.solution, self.parameters, self.domain
         try:
             statement = read_statement(
-                *texts,
-                name=self.name,
-                solve=self.solve,
-                variables=self.variables,
-                weak=self.weak,
+                *texts, name=self.name, solve=self.solve, variables=self.variables, weak=self.weak
             )
             return StatedProblem(statement, self.expect, self.source)
         except FormulaError as error:

@@ -7,7 +7,6 @@ integer n and f < 0, f**n = (-1)**n (-f)**n.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from functools import reduce
 from operator import mul
 
@@ -19,13 +18,7 @@ from .nodes import Nodes
 from .ring import Element
 from .root_rules import angle_of, whole
 
-UNITY: Mapping[int, str] = {
-    1: "-1",
-    2: "I",
-    3: "(1 + I*sqrt(3))/2",
-    4: "(1 + I)*sqrt(2)/2",
-    6: "(sqrt(3) + I)/2",
-}
+UNITY = {1: "-1", 2: "I", 3: "(1 + I*sqrt(3))/2", 4: "(1 + I)*sqrt(2)/2", 6: "(sqrt(3) + I)/2"}
 """exp(i pi/n)."""
 
 PHASE, HALF_PHASE = "(1 + I*z)/(1 - I*z)", "(1 + I*z)/sqrt(1 + z**2)"
@@ -38,10 +31,10 @@ LARGEST_ORDER = 60
 def exponential_of_lambert(field: Field, node: int) -> Element | None:
     """Apply exp(n W(f)) = (f/W(f))**n."""
     times, u = field.nodes.multiple(field.nodes.all[node][1])
-    match field.nodes.all[u]:
-        case ("lambert_w", f):
-            return (field.image(f) / field.image(u)) ** whole(times)
-    return None
+    name, *arguments = field.nodes.all[u]
+    if name != "lambert_w":
+        return None
+    return (field.image(arguments[0]) / field.image(u)) ** whole(times)
 
 
 def turn_of(nodes: Nodes, z: int) -> tuple[fmpq, list[int]] | None:

@@ -144,10 +144,7 @@ def theta_ball(z: acb, q: acb, jet: Jet) -> acb:
 
 
 def jet_ball(z: acb, jet: Jet) -> acb:
-    """Return a derivative of one function that is generic: 1/gamma at a shift.
-
-    It satisfies no algebraic differential equation.
-    """
+    """Return a derivative of a shifted 1/gamma, which has no algebraic differential equation."""
     label, order = jet
     place = z + acb(arb(generic_shift(label)))
     terms, ctx.cap = ctx.cap, order + 1  # FLINT's series take the terms beyond for 0

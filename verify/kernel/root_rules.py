@@ -66,9 +66,9 @@ def _power(field: Field, node: int) -> tuple[int, fmpq]:
 
 def _is_sum_positive(field: Field, left: int, right: int) -> bool:
     """Return whether the sum of two nodes is a positive number, or shown to be positive."""
-    total = field.image(left) + field.image(right)
-    if total.numerator.is_constant() and not total.powers:
-        return bool(not total.is_zero and total.numerator.leading_coefficient() > 0)
+    total = (field.image(left) + field.image(right)).value
+    if total is not None:
+        return bool(total > 0)
     return field.signs.positive(field.nodes.add("Add", left, right))
 
 
@@ -123,9 +123,8 @@ def absolute_value(field: Field, node: int) -> Element:
     if value is None:
         raise CertificateError("there is no generator for a Abs")
     if not (field.image(value) ** 2 - field.squared(field.nodes.all[node][1])).is_zero:
-        raise CertificateError(
-            "the square of the value given for an abs is not the square of its argument"
-        )
+        got = "is not the square of its argument"
+        raise CertificateError(f"the square of the value given for an abs {got}")
     if not field.signs.not_negative(value):
         raise CertificateError("the value given for an abs is not shown to be >= 0 on the domain")
     return field.image(value)

@@ -210,10 +210,7 @@ def lab_frame(s: int) -> LabFrame:
 HIGHER_ORDERS = range(4, 10)
 """Orders of the rational family that are proved along with the catalogue."""
 
-NAMES = (
-    *CATALOGUE.names,
-    *(f"rational_{order}" for order in HIGHER_ORDERS),
-)
+NAMES = (*CATALOGUE.names, *(f"rational_{order}" for order in HIGHER_ORDERS))
 """Forms that are checked if none is named."""
 
 

@@ -50,10 +50,7 @@ class Domain:
         return f"{words}, {symbol} != 0" if self.nonzero else words
 
     def chain(
-        self,
-        name: str,
-        text: Callable[[sp.Expr], str] = str,
-        signs: tuple[str, str] = ("<", "<="),
+        self, name: str, text: Callable[[sp.Expr], str] = str, signs: tuple[str, str] = ("<", "<=")
     ) -> str:
         """Return the inequalities of ``name``, with ends written by ``text``."""
         below, above = (signs[not is_open] for is_open in (self.lower_open, self.upper_open))

@@ -10,26 +10,12 @@ from collections.abc import Mapping, Sequence
 import sympy as sp
 from sympy.functions.special.bessel import BesselBase
 
-from longwave.solutions.functions import jacobi_epsilon
+from longwave.solutions.functions import jacobi_epsilon, weierstrass
 from longwave.solutions.functions.jacobi import JacobiFunction
 from longwave.solutions.functions.jet_functions import JetFunction, jet_function
-from longwave.solutions.functions.weierstrass import (
-    WeierstrassFunction,
-    weierstrass_p,
-    weierstrass_p_prime,
-)
 from longwave.verify.subexpressions import distinct_nodes
 
-from .arguments import (
-    HYPERBOLIC,
-    INVERSE,
-    TRIGONOMETRIC,
-    TURN,
-    Arguments,
-    cancelled,
-    definition,
-    has_half_order,
-)
+from . import arguments
 from .certificate_writer import NAMES, Data, NodeTable, ProofWriter
 from .domain_signs import excess_of_exponential, is_small_polynomial
 from .domains import Domains, Point
@@ -87,7 +73,7 @@ class GeneratorSearch:
         visible = with_dummies(self._expressions, self._done)
         values = [self._factors_in(node, value) for node, value in self._values.items()]
         logarithms = {f: value for f, value in self._values.items() if isinstance(f, sp.log)}
-        self._arguments = Arguments([*visible, *values], self._variables, logarithms)
+        self._arguments = arguments.Arguments([*visible, *values], self._variables, logarithms)
         self._elliptic = EllipticSearch(
             self._writer,
             self._arguments,
@@ -282,11 +268,11 @@ class GeneratorSearch:
         for argument in node.args:
             self.need(argument)
         z = node.args[0]
-        if isinstance(node, JetFunction | WeierstrassFunction | BesselBase):
+        if isinstance(node, JetFunction | weierstrass.WeierstrassFunction | BesselBase):
             self._special(node)
-        elif isinstance(node, (sp.exp, *HYPERBOLIC)):
+        elif isinstance(node, (sp.exp, *arguments.HYPERBOLIC)):
             self._exponential(z, self._place(z))
-        elif isinstance(node, TRIGONOMETRIC):
+        elif isinstance(node, arguments.TRIGONOMETRIC):
             self.need(sp.I)
             place = self._add("Mul", self._place(sp.I), self._place(z))
             self._exponential(sp.I * z, place)
@@ -303,11 +289,11 @@ class GeneratorSearch:
                 self.need(sp.sqrt(sp.pi))
                 self.need(sp.exp(-(z**2)))
             self._writer.atom(self._place(node))
-        elif isinstance(node, INVERSE):
+        elif isinstance(node, arguments.INVERSE):
             if isinstance(node, sp.asin | sp.acos):
                 self.need(sp.I)
                 self._name_cosine(z)
-            self.need(sp.asin(z) if isinstance(node, sp.acos) else definition(node))
+            self.need(sp.asin(z) if isinstance(node, sp.acos) else arguments.definition(node))
         elif isinstance(node, sp.conjugate | sp.re | sp.im):
             if isinstance(node, sp.im):
                 self.need(sp.I)
@@ -333,17 +319,20 @@ class GeneratorSearch:
             ]
             for nome in node.args[1:]:
                 self._show_nome(nome)
-        elif isinstance(node, WeierstrassFunction):
-            functions = [function(*node.args) for function in (weierstrass_p, weierstrass_p_prime)]
+        elif isinstance(node, weierstrass.WeierstrassFunction):
+            functions = [
+                function(*node.args)
+                for function in (weierstrass.weierstrass_p, weierstrass.weierstrass_p_prime)
+            ]
         else:
             v, z = node.args
-            if has_half_order(node):
-                for part in (definition(node), sp.sqrt(2), sp.sqrt(z)):
+            if arguments.has_half_order(node):
+                for part in (arguments.definition(node), sp.sqrt(2), sp.sqrt(z)):
                     self.need(part)
                 root = self._add("Pow", self._place(z), "1/2")
                 self._writer.name(place=root, value=self._place(sp.sqrt(z)))
                 return
-            plain = sp.expand(cancelled(v))
+            plain = sp.expand(arguments.cancelled(v))
             sides = (plain, -plain) if isinstance(node, sp.besselk) else (plain,)
             keys = [(node.func, v - sp.floor(v.as_coeff_Add(rational=True)[0]), z) for v in sides]
             if self._orders.isdisjoint(keys):  # two orders determine all others
@@ -390,7 +379,7 @@ class GeneratorSearch:
         for logarithm, q in logarithms.items():
             if isinstance(logarithm, sp.log):
                 self.need(sp.Pow(logarithm.args[0], q))
-            elif logarithm == TURN:
+            elif logarithm == arguments.TURN:
                 self.need(sp.I)
                 for part in (sp.cos(q * sp.pi), sp.sin(q * sp.pi)):
                     self.need(part)

@@ -12,11 +12,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from longwave.derive.algebra.foreign_characters import ascii_text
 from longwave.derive.algebra.formula_text import FormulaError
-from longwave.derive.algebra.typing_mistakes import (
-    LONGEST_CORRECTED,
-    Spelling,
-    corrected,
-)
+from longwave.derive.algebra.typing_mistakes import LONGEST_CORRECTED, Spelling, corrected
 from longwave.derive.algebra.typing_rules import SITE, VARIABLES
 
 from .text_parts import WORDS

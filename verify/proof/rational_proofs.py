@@ -103,9 +103,7 @@ def rational_texts(order: int, A: fmpq_mpoly, B: fmpq_mpoly) -> StatementTexts:
     )
     one = table.add("number", "1")
     slope = table.add(
-        "Add",
-        table.add("Mul", a, b_x),
-        table.add("Mul", table.add("number", "-1"), a_x, b),
+        "Add", table.add("Mul", a, b_x), table.add("Mul", table.add("number", "-1"), a_x, b)
     )
     below = table.add("Add", table.add("Pow", a, "2"), table.add("Pow", b, "2"))
     inverse = table.add("Pow", below, "-1")

@@ -26,10 +26,7 @@ from . import prover
 from .certificate_writer import Certificate
 from .seams import left_open, sides
 from .statement_latex import equations_latex, formulas_latex, scope_latex, statement_latex
-from .statement_problem import (
-    typed_domains,
-    undefined,
-)
+from .statement_problem import typed_domains, undefined
 from .statement_scope import scope
 from .typed_hints import NO_VERDICT, typed_certificate
 from .typed_statement import Statement, StatementTrees, tree_of

@@ -20,22 +20,10 @@ from typing import Any
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
+from longwave.derive.algebra import formula_tree as syntax
 from longwave.derive.algebra.formula_expression import ExpressionBuilder
 from longwave.derive.algebra.formula_text import Vocabulary
-from longwave.derive.algebra.formula_tree import (
-    MINUS_ONE,
-    Call,
-    Derivative,
-    FormulaTree,
-    Name,
-    Number,
-    Power,
-    Product,
-    Sum,
-    Unknown,
-    formula_text,
-    mapped,
-)
+from longwave.derive.algebra.formula_tree import FormulaTree
 from longwave.verify.kernel.check import check_certificate
 
 from .balls import ball_value
@@ -186,16 +174,16 @@ def put_in(trees: StatementTrees, formula: FormulaTree) -> FormulaTree:
     """Substitute unknowns and defined names in a formula by their formulas."""
 
     def image(node: FormulaTree) -> FormulaTree | None:
-        if not isinstance(node, Unknown):
+        if not isinstance(node, syntax.Unknown):
             return trees.meaning(node)
         result = put_in(trees, trees.solutions[node.name])
         if node.shift:
-            site = Name(node.site)
-            moved = Sum((site, Number(Fraction(node.shift))))
-            result = mapped(result, lambda inner: moved if inner == site else None)
-        return Derivative((result,), node.steps) if node.steps else result
+            site = syntax.Name(node.site)
+            moved = syntax.Sum((site, syntax.Number(Fraction(node.shift))))
+            result = syntax.mapped(result, lambda inner: moved if inner == site else None)
+        return syntax.Derivative((result,), node.steps) if node.steps else result
 
-    return mapped(formula, image)
+    return syntax.mapped(formula, image)
 
 
 def vocabulary(statement: Statement, opaque: tuple[type, ...] = ()) -> Vocabulary:
@@ -221,18 +209,18 @@ def _plain(
 ) -> sp.Expr | None:
     """Return a name, function or power unevaluated in SymPy; None for anything else."""
     match node:
-        case Name():
+        case syntax.Name():
             return expression(node)
-        case Call(name="sqrt", parts=(inner,)):
+        case syntax.Call(name="sqrt", parts=(inner,)):
             return sp.Pow(expression(inner), sp.S.Half, evaluate=False)
-        case Call(name=name, parts=parts):
+        case syntax.Call(name=name, parts=parts):
             arguments = [*map(expression, parts)]
             if name in ("cos", "sin", "tan") and (arguments[0] / sp.pi).is_integer:
                 # the checker writes it in exponentials of i, and reads these as powers of -1
                 return sp.I * sp.S.NegativeOne ** (arguments[0] / sp.pi)
             if name not in ("abs", "sign") or arguments != [0]:
                 return words.functions[name][0](*arguments, evaluate=False)
-        case Power(parts=parts):
+        case syntax.Power(parts=parts):
             base, exponent = map(expression, parts)
             if not exponent.is_Rational:
                 return sp.Pow(base, exponent, evaluate=False)
@@ -247,12 +235,12 @@ def _plain(
 def _is_read_as_number(exponent: FormulaTree) -> bool:
     """Return whether the checker reads an exponent as a number; others use the logarithm."""
     match exponent:
-        case Number():
+        case syntax.Number():
             return True
-        case Product(parts=parts):
+        case syntax.Product(parts=parts):
             return all(map(_is_read_as_number, parts))
-        case Power(parts=(base, power)):
-            return _is_read_as_number(base) and power == MINUS_ONE
+        case syntax.Power(parts=(base, power)):
+            return _is_read_as_number(base) and power == syntax.MINUS_ONE
     return False
 
 
@@ -269,20 +257,20 @@ def _with_values(proof: Data, typed: Sequence[Typed], problem: StatementProblem)
 
     variables = [str(variable) for variable in problem.variables]
     for part in typed:
-        text = formula_text(part.tree)
+        text = syntax.formula_text(part.tree)
         match part.tree:
-            case Call(name="sqrt", parts=(base,)) | Power(parts=(base, _)):
+            case syntax.Call(name="sqrt", parts=(base,)) | syntax.Power(parts=(base, _)):
                 plain = part.plain.args[0]
                 if is_small_polynomial(plain) and not plain.is_Atom:
                     factors = _written(sp.factor(plain), variables)
-                    hint("signs", formula_text(base), factors, lambda place: place)
+                    hint("signs", syntax.formula_text(base), factors, lambda place: place)
         if part.value == part.plain:
             continue
         match part.tree:
-            case Call(name="log"):
+            case syntax.Call(name="log"):
                 hints["values"].append([len(formulas), len(formulas)])
                 formulas.append(text)
-            case Call(name=name) if name in ("sqrt", "abs", "lambert_w", *INVERSE):
+            case syntax.Call(name=name) if name in ("sqrt", "abs", "lambert_w", *INVERSE):
                 hint("values", text, _written(part.value, variables), lambda place: place)
     return {**proof, "formulas": formulas, **hints}
 
@@ -297,8 +285,8 @@ def _equal_parts(typed: Sequence[Typed], problem: StatementProblem) -> dict[sp.E
                     if _are_equal(part.plain, value, problem):
                         values[part.plain] = value
     for part, other in product(typed, typed):
-        name = part.tree.name if isinstance(part.tree, Call) else ""
-        is_same = isinstance(other.tree, Call) and other.tree.name == name
+        name = part.tree.name if isinstance(part.tree, syntax.Call) else ""
+        is_same = isinstance(other.tree, syntax.Call) and other.tree.name == name
         known = part.plain in (*values, *values.values()) or other.plain in values
         if name not in ("sqrt", "abs", *INVERSE) or is_same or known or other.plain.is_number:
             continue

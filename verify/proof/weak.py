@@ -49,13 +49,7 @@ from .seams import SAFE, seams
 from .statement_problem import all_domains
 from .statement_scope import SMOOTH
 from .statement_text import read_statement
-from .statement_verdict import (
-    Progress,
-    StatementVerdict,
-    decide_statement,
-    undecided,
-    united,
-)
+from .statement_verdict import Progress, StatementVerdict, decide_statement, undecided, united
 from .typed_hints import put_in, vocabulary
 from .typed_statement import Statement
 
