@@ -63,9 +63,7 @@ def listed(value: object, limit: int, what: str, exactly: bool = False) -> list[
 
 
 class Nodes:
-    """The nodes of a certificate, and those that the axioms make from them.
-
-    ``places`` are those that a proof refers to by number.
+    """Nodes of a certificate and its axioms; ``places`` are those that a proof refers to.
 
     >>> nodes = Nodes()
     >>> x, two = nodes.add("symbol", "x", "real"), nodes.rational(2)

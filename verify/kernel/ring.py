@@ -68,9 +68,8 @@ class Ring:
 
     def roots(self) -> list[tuple[int, int, fmpq_mpoly]]:
         """Return the generators with a relation in ``factors``: place there, degree, value."""
-        known = [(self.context.gens()[index], *relation) for index, *relation in self.relations]
-        divisors = ((g, int(degree), modulus) for g, degree, modulus in known if g in self.factors)
-        return [(self.factors.index(g), degree, g**degree - m) for g, degree, m in divisors]
+        known = ((self.context.gens()[index], n, modulus) for index, n, modulus in self.relations)
+        return [(self.factors.index(g), n, g**n - m) for g, n, m in known if g in self.factors]
 
     def spend(self, work: int) -> None:
         """Count work; raises CertificateError when it is too much."""

@@ -35,21 +35,19 @@ def angle_values(expressions: Iterable[sp.Expr], points: Sequence[Point]) -> dic
     {atan(1/239): -pi/4 + 4*atan(1/5)}
     """
     nodes = {node for e in expressions for node in distinct_nodes(e)}
-    arcs = {node for node in nodes if isinstance(node, ARCS)}
-    arcs |= {sp.asin(node.args[0]) for node in nodes if isinstance(node, sp.acos)}
-    arcs = {arc for arc in arcs if isinstance(arc, ARCS)}
+    nodes |= {sp.asin(node.args[0]) for node in nodes if isinstance(node, sp.acos)}
+    arcs = {arc for arc in nodes if isinstance(arc, ARCS)}
     remaining = sorted(arcs, key=lambda arc: (arc.count_ops(), sp.default_sort_key(arc)))
     values: dict[sp.Expr, sp.Expr] = {}
     if not 1 < len(remaining) <= MOST:
         return values
     while (relation := _relation(remaining, points)) is not None:
         pivot = max(i for i, n in enumerate(relation[:-1]) if abs(n) == 1)
-        factors = [-n * relation[pivot] for n in relation]
-        others = (
-            n * arc for n, arc in zip(factors, remaining, strict=False) if arc != remaining[pivot]
-        )
-        values[remaining[pivot]] = sp.Add(*others, factors[-1] * UNIT)
-        del remaining[pivot]
+        *factors, constant = [-n * relation[pivot] for n in relation]
+        arc = remaining.pop(pivot)
+        del factors[pivot]
+        products = (n * other for n, other in zip(factors, remaining, strict=True))
+        values[arc] = sp.Add(*products, constant * UNIT)
     return values
 
 

@@ -190,10 +190,7 @@ class IntegerCombinations:
         self.basis = tuple(self._written(row, given, vectors) for row in self._rows)
 
     def coordinates(self, argument: sp.Expr) -> tuple[int, ...]:
-        """Return the integer coordinates of ``argument`` in the basis.
-
-        Raises ValueError if it is not an integer combination of the basis.
-        """
+        """Return the integer coordinates of ``argument`` in the basis; ValueError without any."""
         rest, multiples = self._integers(expanded_terms(argument)), []
         for row in self._rows:
             pivot = next(i for i, value in enumerate(row) if value)
@@ -201,17 +198,15 @@ class IntegerCombinations:
             rest = [value - multiple * step for value, step in zip(rest, row, strict=True)]
             multiples.append(multiple)
         if any(rest):
-            raise ValueError(
-                f"argument must be a combination of {self.basis}, got {argument} (extend the basis)"
-            )
+            words = f"argument must be a combination of {self.basis}"
+            raise ValueError(f"{words}, got {argument} (extend the basis)")
         return tuple(multiples)
 
     def _integers(self, vector: Vector) -> list[int]:
         unknown = [monomial for monomial in vector if monomial not in self._monomials]
         if unknown:
-            raise ValueError(
-                f"argument must be made of {self._monomials}, got {unknown[0]} (extend the basis)"
-            )
+            words = f"argument must be made of {self._monomials}"
+            raise ValueError(f"{words}, got {unknown[0]} (extend the basis)")
         return [int(vector.get(m, sp.S.Zero) * self._scale) for m in self._monomials]
 
     @staticmethod

@@ -37,9 +37,7 @@ CONSTANTS = {sp.I: "I", sp.pi: "pi"}
 
 
 class NodeTable:
-    """Table of the nodes of expressions; symbols are real, or integers.
-
-    ``unknowns`` are the undefined functions that an equation may contain, in order.
+    """Nodes of expressions in real and integer symbols; ``unknowns`` may occur in an equation.
 
     >>> table = NodeTable()
     >>> table.place(sp.Symbol("x") / 2)
@@ -90,10 +88,8 @@ class NodeTable:
         label = expression.func.__name__
         name = label if isinstance(expression, JetFunction) else NAMES.get(expression.func)
         if name is None:
-            raise ValueError(
-                f"no axiom is known for {label}, which was stated or is SymPy's form of a part "
-                "(write it by other functions)"
-            )
+            where = "which was stated or is SymPy's form of a part (write it by other functions)"
+            raise ValueError(f"no axiom is known for {label}, {where}")
         return [name, *map(self.place, expression.args)]
 
     def _unknown(self, unknown: AppliedUndef) -> Node:
@@ -192,11 +188,10 @@ class ProofWriter:
         """Add a generator for the node at ``place``, or for ``factor`` times it, if it has none."""
         if place not in self.registered:
             self.registered.add(place)
-            if factor is None:
-                self.generators.append(["atom", place])
-            else:
-                zero = self.table.add("number", "0")
-                self.generators.append(["forms", [place], [[[factor], zero]]])
+            entry: list[Any] = ["atom", place]
+            if factor is not None:
+                entry = ["forms", [place], [[[factor], self.table.add("number", "0")]]]
+            self.generators.append(entry)
 
     def name(self, *, place: int, value: int) -> None:
         """Record that the root or function at ``place`` equals the node at ``value``."""
@@ -210,10 +205,7 @@ class ProofWriter:
 
     def data(self, point: Point) -> Data:
         """Return the proof part of a certificate; no denominator vanishes at ``point``."""
-        return {
-            "generators": self.generators,
-            "values": [[node, other] for node, other in self.values.items()],
-            "signs": [[node, other] for node, other in self.signs.items()],
-            "point": [[self.table.place(s), str(value)] for s, value in point.items()],
-            "parts": self.parts,
-        }
+        values, signs = (list(map(list, pairs.items())) for pairs in (self.values, self.signs))
+        places = [[self.table.place(s), str(value)] for s, value in point.items()]
+        hints = {"values": values, "signs": signs, "point": places, "parts": self.parts}
+        return {"generators": self.generators, **hints}

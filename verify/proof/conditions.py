@@ -8,17 +8,16 @@ then decides each case.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import count
+from itertools import chain, count
 from typing import Any
 
 import sympy as sp
 
 from longwave.derive.algebra.formula_latex import name_latex
 from longwave.derive.algebra.formula_printing import formula_as_text
-from longwave.verify.verdict import Outcome
+from longwave.verify.verdict import Outcome, timed
 
 from .case_tree import CaseTree, Constants
 from .constant_cases import ConstantCase, largest_cases, symbols_of, with_values
@@ -65,14 +64,9 @@ class ConditionalVerdict(StatementVerdict):
 
     def json(self) -> dict[str, Any]:
         """Return the record as plain data."""
-        return super().json() | {
-            "reason": self._answer,
-            "solved": list(self.solved),
-            "cases": [case.json() for case in self.cases],
-            "complete": self.complete,
-            "left_out": list(self.left_out),
-            "unknown": list(self.unknown),
-        }
+        record = super().json() | {"reason": self._answer, "solved": list(self.solved)}
+        record |= {"cases": [case.json() for case in self.cases], "complete": self.complete}
+        return record | {"left_out": list(self.left_out), "unknown": list(self.unknown)}
 
     def lines(self) -> list[str]:
         """Return the answer in words, several cases on lines of their own."""
@@ -110,6 +104,7 @@ class ConditionalVerdict(StatementVerdict):
         return f"apart from where {' or '.join(self.left_out)}" if self.left_out else ""
 
 
+@timed
 def solve_statement(
     statement: Statement, progress: Progress = lambda _: None
 ) -> ConditionalVerdict:
@@ -120,12 +115,7 @@ def solve_statement(
     >>> print(solve_statement(kdv).detail)
     holds if and only if a = 2, c = 4; or a = 0 (trivial)
     """
-    start = time.perf_counter()
-    verdict = _solved(statement, progress)
-    return replace(verdict, seconds=time.perf_counter() - start)
 
-
-def _solved(statement: Statement, progress: Progress) -> ConditionalVerdict:
     search = _Search(statement.solve_for)
     progress("the coefficients of the residual")
     try:
@@ -205,8 +195,7 @@ class _Search:
         own = [s for s in self.solve_for if s in domains]
         others = sorted(set(domains) - {*own, *case.statement.variables}, key=str)
         tree = CaseTree(constants, own, others, domains)
-        solved: list[ConstantCase] = []
-        further: list[ConstantCase] = []
+        solved, further = list[ConstantCase](), list[ConstantCase]()
         for place, polynomials in enumerate((system.polynomials, *degenerate)):
             for branch in tree.branches([constants.polynomial(p) for p in polynomials]):
                 is_case = place == 0 and branch.complete
@@ -236,17 +225,13 @@ class _Search:
             try:
                 system.add(equality_problem(residual, sp.S.Zero, variables, stated=domains))
             except NO_VERDICT as error:
-                words = f"the residual has no known generators: {error}"
-                raise ValueError(words) from None
+                raise ValueError(f"the residual has no known generators: {error}") from None
             system.judge_phase(rest, statement.variables)
         return system
 
 
 def _doubts(statement: Statement, residuals: Sequence[sp.Expr]) -> Iterator[str]:
-    """Yield reasons why the statement may also hold where a coefficient is not 0.
-
-    For example, a nonzero polynomial may vanish at finitely many sites.
-    """
+    """Yield reasons why the statement may hold with nonzero coefficients, such as few sites."""
     if reason := typed_values(statement).difference(residuals):
         yield reason
     for variable in statement.variables:
@@ -257,8 +242,7 @@ def _doubts(statement: Statement, residuals: Sequence[sp.Expr]) -> Iterator[str]
 
 def _constants(system: ResidualSystem, degenerate: Sequence[Sequence[Terms]]) -> set[sp.Expr]:
     relations = [terms for _, terms in system.relations.values()]
-    entries = [entry for entries in degenerate for entry in entries]
-    everything = [*system.polynomials, *relations, *entries]
+    everything = chain(system.polynomials, relations, *degenerate)
     constants = {g for terms in everything for monomial in terms for g, _ in monomial}
     constants |= system.relations.keys()
     return constants | {s for g in constants for s in g.free_symbols}
@@ -287,19 +271,15 @@ def with_phase(
             names = {symbol.name for symbol in residual.free_symbols}
             fresh = next(name for n in count() if (name := "phase" + "_" * n) not in names)
             variable = sp.Symbol(fresh, real=True)
-            image = _expanded(residual.xreplace({phase: (variable - rest) / slope}))
+            image = residual.xreplace({phase: (variable - rest) / slope})
+            image = image.replace(
+                lambda node: isinstance(node, sp.Function),
+                lambda node: node.func(*map(sp.expand, node.args)),
+            )
             left = [v for v in statement.variables if v in image.free_symbols]
             if len(left) < len(moving):
                 return image, (variable, *left), rest
     return residual, statement.variables, sp.S.Zero
-
-
-def _expanded(expression: sp.Expr) -> sp.Expr:
-    """Return the expression with the arguments of functions expanded."""
-    return expression.replace(
-        lambda node: isinstance(node, sp.Function),
-        lambda node: node.func(*map(sp.expand, node.args)),
-    )
 
 
 # the verdicts

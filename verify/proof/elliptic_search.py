@@ -58,8 +58,8 @@ class EllipticSearch:
             self._theta(z, m)
         elif isinstance(node, functions.jacobi_eta):
             self._root(self._place(m), "1/4", sp.sqrt(sp.sqrt(m)))
-            self._need(functions.jacobi_sn(z, m))
-            self._need(functions.jacobi_theta(z, m))
+            for function in (functions.jacobi_sn, functions.jacobi_theta):
+                self._need(function(z, m))
         elif isinstance(node, functions.jacobi_zeta) and self._epsilon:
             for part in (functions.jacobi_epsilon(z, m), sp.elliptic_e(m), sp.elliptic_k(m)):
                 self._need(part)
@@ -75,10 +75,8 @@ class EllipticSearch:
         """Register the Jacobi functions of the basis arguments whose combination is ``z``."""
         variable, constant = self._arguments.parts(z)
         terms = []
-        for combinations, part in (
-            (self._arguments.moving(m), variable),
-            (self._arguments.fixed(m), constant),
-        ):
+        parts = (self._arguments.moving(m), variable), (self._arguments.fixed(m), constant)
+        for combinations, part in parts:
             if part == 0:
                 continue
             for u, n in zip(combinations.basis, combinations.coordinates(part), strict=True):
@@ -102,10 +100,8 @@ class EllipticSearch:
         modulus = sp.sqrt(m)
         for function in sorted(TRIPLE, key=lambda f: -self._arguments.count[f, m]):
             own = self._add(function.__name__, place, parameter)
-            if modulus.is_Symbol and function is not functions.jacobi_dn:
-                self._writer.atom(own, self._place(modulus))
-            else:
-                self._writer.atom(own)
+            scaled = modulus.is_Symbol and function is not functions.jacobi_dn
+            self._writer.atom(own, self._place(modulus) if scaled else None)
         if second is not None:
             self._second(second, u, m)
 

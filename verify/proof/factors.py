@@ -104,8 +104,8 @@ class Quotients:
                 continue
             number = second.leading_coefficient()
             root = (second / number).sqrt()
-            shift = _quotient_of(first, 2 * number * root)
-            if shift is not None:
+            shift, remainder = divmod(first, 2 * number * root)
+            if remainder.is_zero():
                 square = root * gen + shift
                 squares.append(rational(number) * self.written(square) ** 2)
                 rest -= number * square**2
@@ -153,10 +153,8 @@ class Quotients:
         if node.is_Add:
             above, below = self._context.constant(0), one
             for a, b in map(self._quotient, node.args):
-                if b == below:
-                    above += a
-                else:
-                    above, below = above * b + a * below, below * b
+                same = b == below
+                above, below = (above + a, b) if same else (above * b + a * below, below * b)
             return above, below
         if node.is_Mul:
             above, below = one, one
@@ -194,12 +192,6 @@ def written(polynomial: fmpq_mpoly, atoms: Sequence[sp.Expr]) -> sp.Expr:
     return sp.Add(*terms)
 
 
-def _quotient_of(left: fmpq_mpoly, right: fmpq_mpoly) -> fmpq_mpoly | None:
-    """Return the exact quotient of two polynomials; None if there is a remainder."""
-    quotient, rest = divmod(left, right)
-    return quotient if rest.is_zero() else None
-
-
 def _rational_power(node: sp.Expr) -> tuple[sp.Expr, sp.Rational]:
     """Return base and exponent of a rational power; any other node has the exponent 1."""
     base, exponent = node.as_base_exp() if node.is_Pow else (node, sp.S.One)
@@ -208,6 +200,5 @@ def _rational_power(node: sp.Expr) -> tuple[sp.Expr, sp.Rational]:
 
 def _is_inner(node: sp.Expr) -> bool:
     """Return whether a node is a sum, product, number or integer power, and so not an atom."""
-    return bool(
-        node.is_Add or node.is_Mul or node.is_Rational or (node.is_Pow and node.exp.is_Integer)
-    )
+    whole = node.is_Pow and node.exp.is_Integer
+    return bool(whole or node.is_Add or node.is_Mul or node.is_Rational)

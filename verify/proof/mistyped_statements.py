@@ -41,6 +41,7 @@ _LEADING = re.compile(r"(?:let|with|for|where|assume|given)\s+")
 _CALLED = re.compile(r"(?<![\w.\\])([fghFGH])\s*(?=\()")
 """Letters that stand for arbitrary functions if they are not declared."""
 
+_DECLARED = re.compile(r"(?:^|[;,])\s*([A-Za-z]\w*)\s*(?=[:=<>]|,|;|$|\b(?:is|in)\b)")
 _SIZED = re.compile(r"(?:abs\(|\|)\s*([A-Za-z]\w*)\s*[)|]\s*(<=?)\s*(\w[\w.]*)")
 
 
@@ -95,11 +96,7 @@ def _changes(name: str, given: Parts, parts: Parts) -> str:
 
 
 def _rewritten(given: Parts, functions: set[str]) -> Parts:
-    declared = {
-        name
-        for text in given["parameters"]
-        for name in re.findall(r"(?:^|[;,])\s*([A-Za-z]\w*)\s*(?=[:=<>]|,|;|$|\b(?:is|in)\b)", text)
-    }
+    declared = {name for text in given["parameters"] for name in _DECLARED.findall(text)}
     unknowns = _unknowns(given["equation"], given["solution"], functions)
     given = {**given, "equation": [_with_case_of(unknowns, text) for text in given["equation"]]}
     formulas = " ;; ".join([*given["equation"], *given["solution"]])
@@ -199,11 +196,9 @@ def _conditions(given: Parts, spelling: Spelling) -> tuple[list[str], list[str]]
             entries.setdefault(name, []).append("real")
     limits = [limit for name in entries if name in (*VARIABLES, SITE) for limit in entries[name]]
     order = {**dict.fromkeys(entries), **dict.fromkeys(values)}
-    texts = [
-        f"{name} = {values[name]}" if name in values else f"{name}: {', '.join(entries[name])}"
-        for name in order
-        if name not in (*VARIABLES, SITE)
-    ]
+    stated = {name: f"{name}: {', '.join(words)}" for name, words in entries.items()}
+    stated |= {name: f"{name} = {value}" for name, value in values.items()}
+    texts = [stated[name] for name in order if name not in (*VARIABLES, SITE)]
     limits = [limit for limit in limits if limit not in ("real", "integer")]
     return ["; ".join(texts)], ["; ".join(limits)]
 
@@ -278,9 +273,7 @@ def _inequality(text: str, last: str, spelling: Spelling) -> tuple[str, list[str
         return last, []
     if not sides[0] and last:
         sides[0] = last
-    names = [
-        side for side in sides if _NAME.fullmatch(side) and side not in ("pi", "oo", "Infinity")
-    ]
+    names = [s for s in sides if _NAME.fullmatch(s) and s not in ("pi", "oo", "Infinity")]
     name = last if last in names else next(iter(names), last)
     for place in (0, -1):
         if len(sides) > 1 and re.fullmatch(r"[+-]?(oo|inf|[Ii]nfinity)", sides[place]):

@@ -7,12 +7,12 @@ at the point of the refutation is decided as a statement of its own.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
-from itertools import chain
 
 from longwave.derive.algebra import formula_tree as syntax
 from longwave.derive.algebra.formula_text import CONSTANTS, FormulaError
@@ -26,7 +26,7 @@ from .statement_problem import typed_domains
 from .statement_text import read_statement
 from .statement_verdict import StatementVerdict, decide_statement, witness_trees
 from .text_names import CONTINUOUS, SITE
-from .typed_statement import Statement, StatementTexts, StatementTrees
+from .typed_statement import Statement, StatementTexts, StatementTrees, names_in
 from .typed_values import TypedValues
 
 SIGNS, EXPONENTS, HALVES, OTHERS = range(4)
@@ -113,28 +113,21 @@ class _Witness:
 
 
 def _is_as_strong(witness: _Witness, trees: StatementTrees) -> bool:
-    """Return whether no equation is trivial, as ``2*u_x - 2*u_x = 0``, and no variable is lost.
-
-    The formulas must depend on all variables on which the typed ones depend.
-    """
-    typed = witness.statement.trees
-    assert typed is not None
+    """Return whether no equation is trivial, such as ``u_x - u_x``, and no variable is lost."""
     letters = [syntax.Name(name) for name in trees.variables]
     terms = [syntax.Product((syntax.Number(Fraction(1, i + 3)), v)) for i, v in enumerate(letters)]
     terms.append(syntax.Product((*letters, *letters)))
-    others = {
-        name: syntax.Call((syntax.Sum((syntax.Number(Fraction(i, 7)), *terms)),), "exp")
-        for i, name in enumerate(trees.solutions)
-    }
+    sums = (syntax.Sum((syntax.Number(Fraction(i, 7)), *terms)) for i in itertools.count())
+    others = {name: syntax.Call((next(sums),), "exp") for name in trees.solutions}
     arbitrary = (replace(trees, equations=(e,), solutions=others) for e in trees.equations)
     if any(map(witness.leaves_nothing, arbitrary)):
         return False
-    slopes = [_slope(name, v) for name in trees.solutions for v in trees.variables]
-    return all(
-        witness.leaves_nothing(replace(typed, equations=(slope,)))
-        or not witness.leaves_nothing(replace(trees, equations=(slope,)))
-        for slope in slopes
-    )
+    for slope in (_slope(name, v) for name in trees.solutions for v in trees.variables):
+        typed = replace(witness.statement.trees, equations=(slope,))
+        lost = witness.leaves_nothing(replace(trees, equations=(slope,)))
+        if lost and not witness.leaves_nothing(typed):
+            return False
+    return True
 
 
 def _slope(unknown: str, variable: str) -> FormulaTree:
@@ -153,36 +146,30 @@ def near_misses(statement: Statement) -> list[NearMiss]:
     >>> near_misses(wrong)[0].change
     'm**2 in the place of m as the parameter of elliptic functions'
     """
-    typed = statement.texts, statement.trees
     misses: dict[tuple[str, ...], tuple[int, NearMiss]] = {}
-    for rank, miss in (*_of_formulas(*typed), *_of_equations(*typed)):
+    for rank, miss in _near_misses(statement.texts, statement.trees):
         key = (*miss.texts.equations, *miss.texts.solutions, *miss.texts.parameters)
         misses.setdefault(key, (rank, miss))
     return [miss for _, miss in sorted(misses.values(), key=lambda pair: pair[0])]
 
 
-def _of_formulas(texts: StatementTexts, trees: StatementTrees) -> Iterator[tuple[int, NearMiss]]:
-    """Yield changes of the formulas of unknowns and of defined names."""
+def _near_misses(texts: StatementTexts, trees: StatementTrees) -> Iterator[tuple[int, NearMiss]]:
+    """Yield changes of the formulas of unknowns and of defined names, and of equations."""
+    headings = [text.partition("=")[0].strip() for text in texts.solutions]
     for place, (name, formula) in enumerate(trees.solutions.items()):
-        heading = texts.solutions[place].partition("=")[0].strip()
         for rank, words, new in _changes(formula):
-            text = f"{heading} = {syntax.plain_text(new)}"
+            text = f"{headings[place]} = {syntax.plain_text(new)}"
             changed = replace(texts, solutions=_put(texts.solutions, place, text))
-            solutions = {**trees.solutions, name: new}
-            yield rank, NearMiss(words, text, changed, replace(trees, solutions=solutions))
+            changed_trees = replace(trees, solutions={**trees.solutions, name: new})
+            yield rank, NearMiss(words, text, changed, changed_trees)
+    headings = [text.partition("=")[0].strip() for text in texts.parameters]
     for name, formula in trees.definitions.items():
-        place = next(
-            i for i, p in enumerate(texts.parameters) if p.partition("=")[0].strip() == name
-        )
         for rank, words, new in _changes(formula):
             text = f"{name} = {syntax.plain_text(new)}"
-            changed = replace(texts, parameters=_put(texts.parameters, place, text))
-            definitions = {**trees.definitions, name: new}
-            changed_trees = replace(trees, definitions=definitions)
+            parameters = _put(texts.parameters, headings.index(name), text)
+            changed = replace(texts, parameters=parameters)
+            changed_trees = replace(trees, definitions={**trees.definitions, name: new})
             yield rank, NearMiss(words, text, changed, changed_trees)
-
-
-def _of_equations(texts: StatementTexts, trees: StatementTrees) -> Iterator[tuple[int, NearMiss]]:
     for place, equation in enumerate(trees.equations):
         for rank, words, new in _changes(equation):
             text = syntax.plain_text(new)
@@ -198,17 +185,13 @@ def _put(texts: tuple[str, ...], place: int, text: str) -> tuple[str, ...]:
 
 def _changes(formula: FormulaTree) -> Iterator[tuple[int, str, FormulaTree]]:
     """Yield the formula with one change, and the words for it."""
-    names = _names(formula)
+    names = names_in(formula)
     for words, changed in _moduli(formula):
         yield -1, words, changed
-    for rank, changed in chain(_in_one_place(formula), _everywhere(formula)):
-        if _names(changed) == names:
+    for rank, changed in itertools.chain(_in_one_place(formula), _everywhere(formula)):
+        if names_in(changed) == names:
             old, new = _difference(formula, changed)
             yield rank, _instead(new, old), changed
-
-
-def _names(formula: FormulaTree) -> set[str]:
-    return {node.name for node in formula.nodes() if isinstance(node, syntax.Name | syntax.Unknown)}
 
 
 def _instead(new: FormulaTree, old: FormulaTree) -> str:
@@ -243,15 +226,16 @@ def _moduli(formula: FormulaTree) -> Iterator[tuple[str, FormulaTree]]:
         squared = isinstance(old, syntax.Power) and syntax.rational(old.parts[1]) == 2
         for new in (_power(old, Fraction(2)), old.inner()[0] if squared else _power(old, HALF)):
             words = f"{_instead(new, old)} as the parameter of elliptic functions"
-            if _names(old):
+            if names_in(old):
                 yield words, syntax.mapped(formula, partial(image, old, new))
 
 
 def _everywhere(formula: FormulaTree) -> Iterator[Change]:
     """Yield the formula with one name changed wherever it occurs."""
-    for name in sorted(_names(formula) - CONSTANTS.keys()):
-        for rank, new in _of_name(syntax.Name(name)):
-            yield max(rank, HALVES), _replaced(formula, syntax.Name(name), new)
+    for name in map(syntax.Name, sorted(names_in(formula) - CONSTANTS.keys())):
+        factors = [(rank, _times(factor, name)) for factor, rank in FACTORS.items()]
+        for rank, new in ((SIGNS, _times(Fraction(-1), name)), *_powers(name), *factors):
+            yield max(rank, HALVES), _replaced(formula, name, new)
 
 
 def _replaced(formula: FormulaTree, old: FormulaTree, new: FormulaTree) -> FormulaTree:
@@ -272,18 +256,11 @@ def _made_of(formula: FormulaTree, parts: tuple[FormulaTree, ...]) -> FormulaTre
     return result
 
 
-def _of_name(name: syntax.Name) -> Iterator[Change]:
-    yield SIGNS, _times(Fraction(-1), name)
-    yield from _powers(name)
-    yield from ((rank, _times(factor, name)) for factor, rank in FACTORS.items())
-
-
 def _in_one_place(formula: FormulaTree) -> Iterator[Change]:
     """Yield the formula with one change, of itself or of one of its parts."""
-    parameters = sorted(_names(formula) - {*CONSTANTS, *CONTINUOUS, SITE})
+    parameters = sorted(names_in(formula) - {*CONSTANTS, *CONTINUOUS, SITE})
     parameters = [n for n in parameters if syntax.Name(n) in formula.nodes()]
-    for rank, new in _of_term(formula, parameters):
-        yield rank, new
+    yield from _of_term(formula, parameters)
     for node, put in _places(formula):
         for rank, new in _of_node(node, parameters):
             yield rank, put(new)
@@ -318,8 +295,9 @@ def _of_node(node: FormulaTree, parameters: Iterable[str]) -> Iterator[Change]:
                 for rank, new in _of_factor(part):
                     yield rank, syntax.Product((*parts[:place], new, *parts[place + 1 :]))
         case syntax.Power(parts=(base, exponent)):
-            for rank, value in _exponents(syntax.rational(exponent)):
-                yield rank, _power(base, value)
+            if (old := syntax.rational(exponent)) is not None:
+                values = (-old, old + 1, old - 1, 2 * old, old / 2, -2 * old, -old / 2)
+                yield from ((EXPONENTS, _power(base, v)) for v in dict.fromkeys(values) if v)
         case syntax.Call(parts=(first, *rest), name=name):
             for rank, new in _of_term(first, parameters):
                 yield rank, syntax.Call((new, *rest), name)
@@ -358,13 +336,6 @@ def _of_term(term: FormulaTree, parameters: Iterable[str]) -> Iterator[Change]:
 def _powers(base: FormulaTree) -> Iterator[Change]:
     for exponent in map(Fraction, ("2", "-1", "1/2")):
         yield EXPONENTS, _power(base, exponent)
-
-
-def _exponents(old: Fraction | None) -> Iterator[tuple[int, Fraction]]:
-    if old is not None:
-        for new in dict.fromkeys((-old, old + 1, old - 1, 2 * old, old / 2, -2 * old, -old / 2)):
-            if new:
-                yield EXPONENTS, new
 
 
 def _shifted(term: FormulaTree) -> Iterator[Change]:

@@ -126,10 +126,6 @@ class _Coefficients:
             parts[moving][constant] = parts[moving].get(constant, fmpq(0)) + c
         return dict(parts)
 
-    def _terms(self, polynomial: fmpq_mpoly) -> Terms:
-        """Return the terms of a polynomial in constants."""
-        return self._by_moving(polynomial).get((), {})
-
     @staticmethod
     def _phases(monomials: Iterable[Monomial]) -> dict[sp.Expr, int]:
         """Return the generators that every monomial has with the same power; they divide out."""
@@ -143,8 +139,8 @@ class _Coefficients:
         for index, degree, modulus in ring.relations:
             meaning = self._meanings[count - 1 - index]
             if meaning is not sp.I and not self._dependence.depends(meaning):
-                value = ring.context.gens()[index] ** degree - modulus
-                self._system.relations[meaning] = (degree, self._terms(value))
+                value = self._by_moving(ring.context.gens()[index] ** degree - modulus)
+                self._system.relations[meaning] = (degree, value.get((), {}))
 
     def _relate_turns(self, polynomials: Iterable[Terms]) -> None:
         """Record the relations of the sines in which complex exponentials are written."""
@@ -197,10 +193,7 @@ class _Coefficients:
             self._system.left_out[words] = None
 
     def _judge_exponentials(self, polynomials: Iterable[Iterable[Monomial]]) -> None:
-        """Record where two exponents differ by a constant, so that products of exponentials depend.
-
-        Compared are products with the same other generators in one polynomial.
-        """
+        """Record where exponents of one polynomial, other factors equal, differ by a constant."""
         directions: dict[frozenset[tuple[sp.Expr, int]], None] = {}
         for monomials in polynomials:
             rows: defaultdict[Monomial, list[Counter[sp.Expr]]] = defaultdict(list)
@@ -243,8 +236,7 @@ class _Coefficients:
                 continue
             self._system.degenerate.append(list(vector.values()))
             if all(v.is_integer for v, _ in vector):
-                words = f"{z} takes finitely many values up to periods"
-                self._system.left_out[words] = None
+                self._system.left_out[f"{z} takes finitely many values up to periods"] = None
         self._judge_together([v for v in vectors if v], ", ".join(map(str, arguments)))
         self._system.degenerate += [[m], [1 - m]]
 
@@ -258,9 +250,7 @@ def _direction(one: Counter[sp.Expr], other: Counter[sp.Expr]) -> frozenset[tupl
 
 
 def argument_vector(argument: sp.Expr, dependence: Dependence) -> Vector | None:
-    """Return the constant factors of the argument's monomials; None if it is not a polynomial.
-
-    Real and imaginary parts have separate keys (False and True).
+    """Return constant factors by monomial and part (True: imaginary); None if not a polynomial.
 
     >>> x, a, b = sp.symbols("x a b")
     >>> argument_vector((a + sp.I * b) * x, Dependence([x]))
@@ -324,9 +314,8 @@ class GeneratorFormulas:
     def _is_form(self, generator: Generator) -> bool:
         """Return whether a generator is a linear form and not a multiple of one function."""
         pairs = generator.form
-        single = len(pairs) == 1 and self._field.nodes.product(*pairs[0])
-        plain = len(pairs) == 1 and pairs[0][1]
-        return bool(pairs) and generator.formula not in (single, plain)
+        known = (self._field.nodes.product(*pairs[0]), pairs[0][1]) if len(pairs) == 1 else ()
+        return bool(pairs) and generator.formula not in known
 
     def scale(self, place: int) -> Iterator[sp.Expr]:
         """Yield the non-numeric factor by which a generator is a multiple of a function."""
@@ -364,12 +353,8 @@ class GeneratorFormulas:
                 return sp.Pow(self._node(base), rational(power))
             case "poly", (terms, *places):
                 values = [self._node(place) for place in places]  # type: ignore[arg-type]
-                return sp.Add(
-                    *(
-                        rational(c) * sp.Mul(*(v**n for v, n in zip(values, powers, strict=True)))
-                        for c, powers in terms  # type: ignore[attr-defined]
-                    )
-                )
+                products = ((c, zip(values, powers, strict=True)) for c, powers in terms)  # type: ignore[attr-defined]
+                return sp.Add(*(rational(c) * sp.Mul(*(v**n for v, n in p)) for c, p in products))
             case "parity", (int(exponent),):
                 return sp.S.NegativeOne ** self._node(exponent)
             case (("jet" | "theta"), (*places, (str(label), int(order)))):

@@ -40,15 +40,11 @@ class Restriction:
 
     def holds(self) -> bool:
         """Return whether the restriction holds; ``value`` must be a number."""
-        match self.relation:
-            case "!=":
-                return bool(self.value != 0)
-            case "integer":
-                return bool(self.value.is_integer)
-            case "real":
-                return bool(self.value.is_real)
-        real = bool(self.value.is_real)
-        return real and bool(self.value > 0 if self.relation == ">" else self.value >= 0)
+        value, is_real = self.value, bool(self.value.is_real)
+        known = {"!=": value != 0, "integer": bool(value.is_integer), "real": is_real}
+        if self.relation in known:
+            return known[self.relation]
+        return is_real and bool(value > 0 if self.relation == ">" else value >= 0)
 
 
 def realities(value: sp.Expr) -> Iterator[Restriction]:
@@ -110,16 +106,10 @@ class KnownSigns:
 
     def implies(self, restriction: Restriction) -> bool:
         """Return whether a restriction is shown to hold."""
-        match restriction.relation:
-            case ">":
-                return self.is_positive(restriction.value)
-            case ">=":
-                return self.is_nonnegative(restriction.value)
-            case "!=":
-                return self.is_nonzero(restriction.value)
-            case "real":
-                return self._signs.is_real(restriction.value)
-        return bool(restriction.value.is_integer)
+        checks = {">": self.is_positive, ">=": self.is_nonnegative, "!=": self.is_nonzero}
+        checks["real"] = self._signs.is_real
+        check = checks.get(restriction.relation, lambda value: bool(value.is_integer))
+        return check(restriction.value)
 
     def excludes(self, restriction: Restriction) -> bool:
         """Return whether a restriction is shown to hold nowhere."""
@@ -148,20 +138,19 @@ def _in_distances(domains: Domains) -> tuple[dict[sp.Symbol, sp.Expr], dict[sp.S
     """
     images, distances = dict[sp.Symbol, sp.Expr](), dict[sp.Symbol, Domain]()
     for symbol in reversed(in_order(domains)):
-        domain = domains[symbol]
-        distance = sp.Dummy("distance", real=True)
+        domain, distance = domains[symbol], sp.Dummy("distance", real=True)
         is_closed = domain.upper != sp.oo and not domain.upper_open
         if is_closed or (domain.lower == -sp.oo and domain.upper == sp.oo):
             distances[symbol] = domain
             continue
+        is_open = domain.upper_open if domain.lower == -sp.oo else domain.lower_open
         if domain.upper == sp.oo:
-            images[symbol], is_open = domain.lower + distance, domain.lower_open
+            images[symbol] = domain.lower + distance
         elif domain.lower == -sp.oo:
-            images[symbol], is_open = domain.upper - distance, domain.upper_open
+            images[symbol] = domain.upper - distance
         else:
-            share = distance / (1 + distance)
-            images[symbol] = domain.lower + (domain.upper - domain.lower) * share
-            is_open = domain.lower_open
+            fraction = distance / (1 + distance)
+            images[symbol] = domain.lower + (domain.upper - domain.lower) * fraction
         distances[distance] = Domain(lower=sp.S.Zero, lower_open=is_open)
     return images, distances
 
@@ -219,10 +208,7 @@ def _values_of(root: sp.Expr, signs: DomainSigns) -> Domain:
 
 
 def _simplified(restriction: Restriction, known: KnownSigns) -> Iterator[Restriction]:
-    """Yield the restriction without factors of known sign and without squares.
-
-    Raises ValueError if it holds only at the zeros of a square.
-    """
+    """Drop squares and factors of known sign; ValueError if it holds only where a square is 0."""
     relation = restriction.relation
     if restriction.value.is_number or relation in ("real", "integer"):
         yield restriction

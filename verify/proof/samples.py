@@ -29,10 +29,9 @@ SIGN_PATTERNS = 5
 
 
 def sample(domains: Domains, count: int, seed: int = 0) -> tuple[Point, ...]:
-    """Return ``count`` points of the domains; the first ones combine the possible signs of symbols.
+    """Return ``count`` points: first moderate ones with all combinations of signs, then all sizes.
 
-    The first points have moderate values, the later ones all sizes.  Raises ValueError if too few
-    points are found in the domains.
+    Raises ValueError if too few points are found in the domains.
     """
     draw = random.Random(seed)
     ordered = in_order(domains)
@@ -64,9 +63,9 @@ def sample(domains: Domains, count: int, seed: int = 0) -> tuple[Point, ...]:
 
 
 def _has_both_signs(domain: Domain) -> bool:
-    return bool(domain.lower == -sp.oo and (domain.upper == sp.oo or domain.upper.is_positive)) or (
-        bool(domain.upper == sp.oo and domain.lower.is_negative)
-    )
+    low, high = domain.lower, domain.upper
+    below = low == -sp.oo and (high == sp.oo or high.is_positive)
+    return bool(below or (high == sp.oo and low.is_negative))
 
 
 def _value(
@@ -101,17 +100,13 @@ def _length(end: sp.Rational, size: sp.Rational) -> sp.Rational:
 
 
 def rational_near(end: sp.Expr) -> sp.Rational | None:
-    """Return a rational number close to an end, None if it is infinite; margins cover the error.
-
-    Raises ValueError for an end that is not real.
-    """
+    """Return a rational number close to a real end, within the margins; None if it is infinite."""
     if end in (sp.oo, -sp.oo):
         return None
     if end.is_Rational:
         return end
     number = sp.N(end, 20)
     if not number.is_Float:
-        raise ValueError(
-            f"ends of domains must be real, got {end} (state where what it contains makes it so)"
-        )
+        remedy = "state where what it contains makes it so"
+        raise ValueError(f"ends of domains must be real, got {end} ({remedy})")
     return sp.Rational(str(number))

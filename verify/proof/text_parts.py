@@ -75,9 +75,8 @@ def text_parts(text: str, label: str, *separators: str) -> Iterator[TextPart]:
         if word.kind != "end" and not (word.kind == "sign" and word.text in cuts):
             continue
         if place > start:
-            yield TextPart(
-                label, text, [*words[start:place], formula_text.Token("end", "", word.start)]
-            )
+            end = formula_text.Token("end", "", word.start)
+            yield TextPart(label, text, [*words[start:place], end])
         elif not separators:
             got = "the end" if word.kind == "end" else str(word)
             raise FormulaError(label, f"expected a formula, got {got}", text, word.start)
@@ -85,10 +84,7 @@ def text_parts(text: str, label: str, *separators: str) -> Iterator[TextPart]:
 
 
 def condition(part: TextPart, parser: formula_text.Parser, name: str) -> Domain:
-    """Parse the next condition on ``name``: one word, or a chain of inequalities.
-
-    Raises FormulaError for anything else.
-    """
+    """Parse the next condition on ``name``, a word or inequalities; FormulaError otherwise."""
     own = parser.vocabulary.names[name]
     start = part.words.index(parser.next)
     if parser.next.text in WORDS:
@@ -195,11 +191,7 @@ def variable_names(text: str) -> tuple[str, ...]:
 
 
 class VariableNames:
-    """Names of the variables in the texts ``parts``.
-
-    If ``named`` is empty they are those of x, y, z, t and n that occur.  n is always the site of a
-    lattice.
-    """
+    """Names of the variables in texts: those ``named``, else those of x, y, z, t, n that occur."""
 
     def __init__(self, named: Sequence[str], parts: Iterable[TextPart]) -> None:
         self.continuous = tuple(name for name in named if name != SITE) or tuple(CONTINUOUS)
@@ -215,13 +207,8 @@ class VariableNames:
     def is_derivative(self, word: formula_text.Token, names: Iterable[str]) -> bool:
         """Return whether a word is an unknown with subscripts and not a declared name."""
         base, _, steps = word.text.partition("_")
-        return bool(
-            word.kind == "name"
-            and steps
-            and set(steps) <= {*self.continuous}
-            and base not in names
-            and word.text not in FUNCTIONS
-        )
+        is_new = word.kind == "name" and base not in names and word.text not in FUNCTIONS
+        return is_new and bool(steps) and set(steps) <= {*self.continuous}
 
     def letters(self, names: Iterable[str]) -> list[str]:
         """Return the variables, the site first: those named or occurring, else x."""
@@ -236,8 +223,6 @@ class VariableNames:
 
     def indexed(self) -> set[str]:
         """Return the names that are followed by a site, as in u[n]."""
-        return {
-            word.text.partition("_")[0]
-            for part, place, word in self.words()
-            if word.kind == "name" and part.words[place + 1].text == "["
-        }
+        names = ((part, place, word) for part, place, word in self.words() if word.kind == "name")
+        indexed = (word for part, place, word in names if part.words[place + 1].text == "[")
+        return {word.text.partition("_")[0] for word in indexed}

@@ -24,7 +24,7 @@ from longwave.solutions.functions.jacobi import JacobiFunction
 from . import balls as ball_jets
 from .taylor import Elliptic
 from .text_names import SITE, function_named
-from .typed_statement import StatementTrees
+from .typed_statement import StatementTrees, names_in
 
 TextPoint = Mapping[str, Fraction]
 
@@ -111,7 +111,7 @@ class TypedPlace:
         """Return the jet of a formula."""
         if formula not in self._found:
             ball = self._value(formula)
-            fixed = not ball.is_real and ball.jet.value.imag == 0 and not _varies(formula)
+            fixed = ball.jet.value.imag == 0 and names_in(formula) <= CONSTANTS.keys()
             self._found[formula] = TypedBall(ball.jet, ball.is_real or fixed)
         return self._found[formula]
 
@@ -154,9 +154,8 @@ class TypedPlace:
         if name not in letters:
             return self._constant(ball_jets.exact(self._point[name]), True)
         place = letters.index(name)
-        return TypedBall(
-            ball_jets.variable(self._shape, place, ball_jets.exact(self._point[name])), True
-        )
+        value = ball_jets.exact(self._point[name])
+        return TypedBall(ball_jets.variable(self._shape, place, value), True)
 
     def _derived(self, ball: TypedBall, steps: Collection[str]) -> TypedBall:
         """Return a derivative's jet in this shape, from the jet of a larger shape."""
@@ -203,10 +202,7 @@ class TypedPlace:
 
     def _is_zero(self, formula: FormulaTree, ball: TypedBall) -> bool:
         """Return whether a formula is 0 and free of continuous variables, as are its roots then."""
-        names = {
-            node.name for node in formula.nodes() if isinstance(node, syntax.Name | syntax.Unknown)
-        }
-        return bool(ball.jet.value == 0) and not names & {*self._balls.letters}
+        return bool(ball.jet.value == 0) and not names_in(formula) & {*self._balls.letters}
 
     def _check_smooth(self, function: type, ball: TypedBall) -> None:
         """Raise ValueError on a cut, unless a real argument of a logarithm or power stays on it."""
@@ -249,14 +245,6 @@ class TypedPlace:
             return TypedBall.of(sign if name == "sign" else sign * ball.jet, True)
         is_real = ball.is_real or name not in ("sign", "conjugate")
         return TypedBall.of(ball_jets.size_jet(name, ball.jet), is_real)
-
-
-def _varies(formula: FormulaTree) -> bool:
-    """Return whether a formula contains a name other than a constant's."""
-    names = (
-        node.name for node in formula.nodes() if isinstance(node, syntax.Name | syntax.Unknown)
-    )
-    return not {*names} <= CONSTANTS.keys()
 
 
 def _parameter(ball: TypedBall) -> acb:

@@ -15,7 +15,6 @@ from fractions import Fraction
 from functools import partial
 from itertools import product
 from operator import sub
-from typing import Any
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
@@ -42,7 +41,7 @@ NO_VERDICT = (
 )
 """Errors of a search without a proof; exponents above 64 bits overflow in FLINT."""
 
-MOST = 80
+MOST_FUNCTIONS = 80
 """Most functions, powers and names in the trees."""
 
 INVERSE = ("asin", "acos", "atan", "asinh", "acosh", "atanh")
@@ -60,19 +59,17 @@ class Typed:
 
 
 def typed_certificate(statement: Statement, number: int) -> Certificate:
-    """Return a certificate of an equation as it was typed that the checker accepts.
-
-    Raises one of `NO_VERDICT`, with the reason of the last search, if none is accepted.
-    """
+    """Return an accepted certificate of a typed equation; raises a `NO_VERDICT` without one."""
     reason: Exception = ValueError("there is no proof")
     for search in (_as_read, _as_typed, partial(_as_typed, opaque=OPAQUE)):
         try:
             certificate = search(statement, number)
+            proof = with_conjugates(certificate["proof"], statement.complexes)
+            certificate = certificate.changed(proof=proof)
             check_certificate(certificate)
+            return certificate
         except NO_VERDICT as error:
             reason = error
-        else:
-            return certificate
     raise reason
 
 
@@ -84,9 +81,7 @@ def _problem(statement: Statement, number: int, left: sp.Expr) -> StatementProbl
 
 def _as_read(statement: Statement, number: int) -> Certificate:
     """Return a certificate with generators for SymPy's form of the formulas."""
-    problem = _problem(statement, number, statement.equations[number - 1])
-    certificate = make_certificate(problem)
-    return certificate.changed(proof=with_conjugates(certificate["proof"], statement.complexes))
+    return make_certificate(_problem(statement, number, statement.equations[number - 1]))
 
 
 def _as_typed(statement: Statement, number: int, opaque: tuple[type, ...] = ()) -> Certificate:
@@ -100,24 +95,15 @@ def _as_typed(statement: Statement, number: int, opaque: tuple[type, ...] = ()) 
         also = tuple(dict.fromkeys(part.plain for part in parts))
     domains = all_domains(statement, left, *also, *vocabulary(statement).names.values())
     problem = replace(_problem(statement, number, left), domains=domains, also=also)
-    certificate = _certificate(problem, parts, opaque)
-    return certificate.changed(proof=with_conjugates(certificate["proof"], statement.complexes))
+    return _certificate(problem, parts, opaque)
 
 
 def _with_complex_symbols(statement: Statement) -> Statement:
     """Replace complex parameters by symbols without assumptions, so that SymPy evaluates less."""
-    if not statement.complexes:
-        return statement
-    formulas = (*statement.equations, *statement.solutions.values(), *statement.divisors)
-    symbols = {s for formula in formulas for s in formula.free_symbols} | {*statement.domains}
+    symbols = statement.free_symbols | {*statement.domains}
     new = {s: sp.Symbol(s.name) for s in symbols if s.name in statement.complexes}
-    return replace(
-        statement,
-        equations=tuple(e.xreplace(new) for e in statement.equations),
-        solutions={u: f.xreplace(new) for u, f in statement.solutions.items()},
-        domains={new.get(s, s): domain for s, domain in statement.domains.items()},
-        divisors=tuple(d.xreplace(new) for d in statement.divisors),
-    )
+    domains = {new.get(s, s): domain for s, domain in statement.domains.items()}
+    return replace(statement.with_values(new), domains=domains)
 
 
 def with_conjugates(proof: Data, complexes: Sequence[str]) -> Data:
@@ -144,10 +130,10 @@ def _certificate(
 def typed_parts(
     statement: Statement, equation: FormulaTree, opaque: tuple[type, ...] = ()
 ) -> list[Typed]:
-    """Return `typed_nodes` as a list; raises ValueError for more than `MOST`."""
+    """Return `typed_nodes` as a list; raises ValueError for more than `MOST_FUNCTIONS`."""
     nodes = [*typed_nodes(statement, equation, opaque)]
-    if len(nodes) > MOST:
-        raise ValueError(f"texts must have at most {MOST} functions, got {len(nodes)}")
+    if len(nodes) > MOST_FUNCTIONS:
+        raise ValueError(f"texts must have at most {MOST_FUNCTIONS} functions, got {len(nodes)}")
     return nodes
 
 
@@ -187,16 +173,11 @@ def put_in(trees: StatementTrees, formula: FormulaTree) -> FormulaTree:
 
 
 def vocabulary(statement: Statement, opaque: tuple[type, ...] = ()) -> Vocabulary:
-    """Return the symbols of a statement by name; symbols without assumptions are real.
-
-    Functions of the types ``opaque`` are not evaluated.
-    """
+    """Return a statement's symbols, real by default; ``opaque`` functions stay unevaluated."""
     plain = {name: (partial(f, evaluate=False), n) for name, (f, n) in FUNCTIONS.items()}
     functions = {name: plain[name] if f[0] in opaque else f for name, f in FUNCTIONS.items()}
     functions |= {name: (function_named(name), 1) for name in statement.functions}
-    formulas = (*statement.equations, *statement.solutions.values(), *statement.divisors)
-    symbols = {s for formula in formulas for s in formula.free_symbols}
-    symbols |= {s for domain in statement.domains.values() for s in domain.symbols}
+    symbols = statement.free_symbols | statement.domain_symbols
     known = {s.name: s for s in (*symbols, *statement.domains, *statement.variables)}
     variables = {s.name: s for s in statement.variables}
     real = {n: None if n in statement.complexes else True for n in statement.trees.names}
@@ -245,14 +226,11 @@ def _is_read_as_number(exponent: FormulaTree) -> bool:
 
 
 def _with_values(proof: Data, typed: Sequence[Typed], problem: StatementProblem) -> Data:
-    """Return the proof with SymPy's value of each root, absolute value and logarithm as a hint.
-
-    The factors of a radicand are hints for its sign.
-    """
+    """Add SymPy's values of roots, moduli and logarithms, and factored radicands, as hints."""
     formulas, hints = [*proof["formulas"]], {k: [*proof[k]] for k in ("values", "signs")}
 
-    def hint(kind: str, text: str, value: str, pack: Callable[[int], Any]) -> None:
-        hints[kind].append([len(formulas), pack(len(formulas) + 1)])
+    def hint(kind: str, text: str, value: str) -> None:
+        hints[kind].append([len(formulas), len(formulas) + 1])
         formulas.extend((text, value))
 
     variables = [str(variable) for variable in problem.variables]
@@ -263,7 +241,7 @@ def _with_values(proof: Data, typed: Sequence[Typed], problem: StatementProblem)
                 plain = part.plain.args[0]
                 if is_small_polynomial(plain) and not plain.is_Atom:
                     factors = _written(sp.factor(plain), variables)
-                    hint("signs", syntax.formula_text(base), factors, lambda place: place)
+                    hint("signs", syntax.formula_text(base), factors)
         if part.value == part.plain:
             continue
         match part.tree:
@@ -271,7 +249,7 @@ def _with_values(proof: Data, typed: Sequence[Typed], problem: StatementProblem)
                 hints["values"].append([len(formulas), len(formulas)])
                 formulas.append(text)
             case syntax.Call(name=name) if name in ("sqrt", "abs", "lambert_w", *INVERSE):
-                hint("values", text, _written(part.value, variables), lambda place: place)
+                hint("values", text, _written(part.value, variables))
     return {**proof, "formulas": formulas, **hints}
 
 

@@ -73,10 +73,7 @@ NOT_SEEN = "what was typed was not seen to have the residual that was solved"
 
 
 def failing_values(statement: Statement, thorough: bool = False) -> dict[str, str] | None:
-    """Return values of all symbols at which an equation fails; None if none are found.
-
-    A ``thorough`` search takes more points and bits, and values that are not real.
-    """
+    """Return values at which an equation fails, also complex ones if ``thorough``, or None."""
     typed = typed_values(statement)
     failing = typed.failure(thorough)
     names = statement.complexes if thorough and failing is None else ()
@@ -137,11 +134,7 @@ class TypedValues:
         return None
 
     def difference(self, residuals: Sequence[sp.Expr]) -> str:
-        """Return why residuals are not shown to equal those of the typed trees; "" if they are.
-
-        They are compared in balls: at points with all signs, at the first integers, and where a
-        parameter is a small number.
-        """
+        """Return why residuals are not shown to equal those of the typed trees; "" if they are."""
         agreed = 0
         for point in self._compared():
             agrees = self._agree_at(point, residuals)

@@ -63,10 +63,7 @@ SYSTEMS: Mapping[str, AlgebraSystem] = {
 
 
 def answer(text: str, system: str, seconds: float) -> tuple[str, float]:
-    """Run a script within ``seconds`` and return the system's answer and the time taken.
-
-    The answer is "accepted" only if the exit status is 0 and the last line says so.
-    """
+    """Run a script; return its answer, accepted only by exit status and last line, and seconds."""
     own = SYSTEMS[system]
     with tempfile.TemporaryDirectory() as name:
         folder, file = Path(name), f"proof{own.ending}"

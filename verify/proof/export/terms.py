@@ -74,10 +74,7 @@ Step = Definition | Relation | SlopeAxiom | Rate | Vanishing
 
 @dataclass(frozen=True)
 class Premise:
-    """Condition of the proof that no script shows: a ``relation`` of ``terms``, and its purpose.
-
-    The relation ``not_zero`` is for denominators, which are polynomials in the generators.
-    """
+    """Condition that no script shows; ``not_zero`` is for denominators, which are polynomials."""
 
     relation: str
     terms: tuple[Term, ...]
@@ -135,21 +132,19 @@ def is_number(term: Term, value: int) -> bool:
     return term[0] == "number" and term[1] == value
 
 
+def _flat(parts: Sequence[Term], kind: str) -> list[Term]:
+    return [inner for part in parts for inner in (part[1:] if part[0] == kind else (part,))]
+
+
 def added(parts: Sequence[Term]) -> Term:
     """Return the flattened sum, without zeros."""
-    flat: list[Term] = []
-    for part in parts:
-        flat += part[1:] if part[0] == "sum" else [part]
-    nonzero = [part for part in flat if not is_number(part, 0)]
+    nonzero = [part for part in _flat(parts, "sum") if not is_number(part, 0)]
     return nonzero[0] if len(nonzero) == 1 else ("sum", *nonzero) if nonzero else number(0)
 
 
 def multiplied(parts: Sequence[Term]) -> Term:
     """Return the flattened product, without ones."""
-    flat: list[Term] = []
-    for part in parts:
-        flat += part[1:] if part[0] == "product" else [part]
-    factors = [part for part in flat if not is_number(part, 1)]
+    factors = [part for part in _flat(parts, "product") if not is_number(part, 1)]
     if any(is_number(part, 0) for part in factors):
         return number(0)
     return factors[0] if len(factors) == 1 else ("product", *factors) if factors else number(1)
@@ -180,9 +175,8 @@ def polynomial_term(polynomial: fmpq_mpoly) -> Term:
     """Return the term of a polynomial of the checker's ring, whose generators are last first."""
     parts = []
     for exponents, coefficient in polynomial.terms():
-        powers = (
-            raised(("generator", place), int(n)) for place, n in enumerate(reversed(exponents)) if n
-        )
+        pairs = ((place, int(n)) for place, n in enumerate(reversed(exponents)) if n)
+        powers = (raised(("generator", place), n) for place, n in pairs)
         parts.append(multiplied([number(coefficient), *powers]))
     return added(parts)
 
@@ -227,11 +221,8 @@ def plain_lines(proof: WrittenProof) -> list[str]:
     lines += [f"g{place}: {text}" for place, text in enumerate(proof.meanings)]
     lines += ["Derivatives are along " + ", ".join(proof.variables)]
     lines += ["Names and what they stand for:"]
-    lines += [
-        f"{name_of(step.name)}: {step.comment}"
-        for step in proof.steps
-        if isinstance(step, Definition) and step.comment
-    ]
+    named = [step for step in proof.steps if isinstance(step, Definition) and step.comment]
+    lines += [f"{name_of(step.name)}: {step.comment}" for step in named]
     lines += [f"{name_of(('free', place))}: {text}" for place, text in proof.free.items()]
     lines += ["Accepted means proved if", *map(premise_line, proof.premises)]
     return [short for line in lines for short in plain(line)]

@@ -132,9 +132,8 @@ class TracedField(Field):
         if is_principal:
             turn = self.nodes.add("pi")
             shares = (0, 1) if name == "acos" else (fmpq(-1, 2), fmpq(1, 2))
-            low, high = (
-                self.nodes.add("Mul", self.nodes.add("number", fmpq(s)), turn) for s in shares
-            )
+            ends = (self.nodes.add("number", fmpq(share)) for share in shares)
+            low, high = (self.nodes.add("Mul", end, turn) for end in ends)
             self.signs.note(Question("less", (low, value)))
             self.signs.note(Question("less", (value, high)))
         return is_principal
@@ -248,7 +247,7 @@ class TracedField(Field):
         for place, degree, value in self._roots:
             for axis in sorted({s.variable for s in stated if s.generator == place}):
                 for other in sorted(value.places):
-                    self.slope(other, self.variables[axis])
+                    self.slopes.slope(other, self.variables[axis])
                 root = ("generator", place)
                 outer = [terms.number(degree), terms.raised(root, degree - 1)]
                 own = terms.multiplied([*outer, ("slope", axis, root)])
