@@ -13,6 +13,7 @@ import itertools
 import random
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import reduce
 from typing import Any
 
 import mpmath
@@ -79,8 +80,7 @@ def scientific(level: float) -> str:
 
 
 HALF_WIDTH = 4
-"""Variables are drawn from plus or minus this; an unbounded domain is cut this far beyond 0 and
-its other end."""
+"""Bound of drawn variables; unbounded domains are cut this far beyond 0 and the other end."""
 
 DENOMINATOR = 1009
 """Denominator of drawn values; a prime, so that no drawn value is exact in binary."""
@@ -126,7 +126,7 @@ DIGITS = (30, 50, 100)
 MOST_POINTS = 100_000
 POINTS = 24
 
-SETTLED = 0.005
+SETTLED_CHANGE = 0.005
 """A residual has settled if its log10 moves by less than this when the digits double."""
 
 
@@ -138,8 +138,7 @@ class EvaluationError(ValueError):
 class Sampling:
     """Sampling plan of a residual: digits, number of points, and random seed.
 
-    Raises ValueError for fewer than two precisions, for precisions too close together to show the
-    decay, and for more than `MOST_POINTS` points.
+    Raises ValueError for fewer than two precisions, ones too close together, and too many points.
     """
 
     digits: tuple[int, ...] = DIGITS
@@ -173,12 +172,7 @@ class ResidualProgram:
         self._terms = tape.formula(self.symbols, entries)
 
     def level(self, point: Point, digits: int) -> float:
-        """Return log10 of
-        residual
-         / sum of
-        terms
-         (-inf for 0); EvaluationError if not finite.
-        """
+        """Return log10 of |residual| / sum of |terms|; EvaluationError if it is not finite."""
         context = self._context
         context.dps = digits
         values = [context.mpf(point[s].p) / point[s].q for s in self.symbols]
@@ -196,23 +190,17 @@ def _term_entries(tape: Tape, expression: sp.Expr, equation: Equation) -> list[s
     """Return tape entries of the residual's terms, expanded with an undefined function."""
     field = sp.Function("U")(*equation.variables)
     residual = sp.expand(equation.residual(field))
-    value = tape.record(expression)
-    entries = {}
+    value, entries = tape.record(expression), {}
     for jet in sorted(residual.atoms(sp.Derivative, type(field)), key=sp.default_sort_key):
-        entry = value
-        for variable in getattr(jet, "variables", ()):
-            entry = tape.derivative(entry, variable)
-        entries[jet] = entry
-    terms = sp.Add.make_args(residual)
-    return [tape.record(term.xreplace(entries)) for term in terms]
+        entries[jet] = reduce(tape.derivative, getattr(jet, "variables", ()), value)
+    return [tape.record(term.xreplace(entries)) for term in sp.Add.make_args(residual)]
 
 
 @timed
 def check_residual(form: ClosedForm, sampling: Sampling | None = None) -> Verdict:
     """Evaluate the residual of ``form`` at random admissible points and judge its decay.
 
-    CHECKED if it falls with the digits at all points.  REFUTED, with the point as witness, if it
-    settles at a nonzero value.  UNDECIDED, with the reason, otherwise.
+    CHECKED if it falls with the digits, REFUTED if it settles above 0, UNDECIDED otherwise.
     """
     sampling = sampling or Sampling()
     method = f"residual at {', '.join(map(str, sampling.digits))} digits"
@@ -232,7 +220,7 @@ def _judge(form: ClosedForm, sampling: Sampling) -> dict[str, Any]:
     if decay.falls():
         return findings
     finer = program.level(worst, 2 * decay.digits[-1])
-    if abs(finer - decay.levels[-1]) < SETTLED:
+    if abs(finer - decay.levels[-1]) < SETTLED_CHANGE:
         return findings | {"outcome": Outcome.REFUTED, "witness": _text(worst)}
     reason = f"{decay.text()}: neither falls with the digits nor settles"
     return findings | {"outcome": Outcome.UNDECIDED, "detail": reason}
@@ -242,14 +230,13 @@ def _sweep(
     program: ResidualProgram, points: Sequence[Point], digits: Sequence[int]
 ) -> tuple[Decay, Point]:
     """Return the largest residuals until one does not fall, and the point of the last one."""
-    levels: list[float] = []
+    decay = Decay((), ())
     for precision in digits:
-        at_points = [_level_at(program, point, precision) for point in points]
-        levels.append(max(at_points))
-        decay = Decay(tuple(digits[: len(levels)]), tuple(levels))
+        levels = [_level_at(program, point, precision) for point in points]
+        decay = Decay((*decay.digits, precision), (*decay.levels, max(levels)))
         if not decay.falls():
             break
-    return decay, points[at_points.index(levels[-1])]
+    return decay, points[levels.index(max(levels))]
 
 
 def _level_at(program: ResidualProgram, point: Point, digits: int) -> float:

@@ -194,8 +194,6 @@ class Field:
         self._primitives: dict[str, list[int]] = {}
         self.slopes = self.slopes_type(self)
 
-    # images
-
     def walk(self, nodes: Iterable[int]) -> None:
         """Make the images of ``nodes`` from the inside out."""
         needed = set(nodes)
@@ -308,8 +306,6 @@ class Field:
         """Return the derivative of an element, by slopes that follow from the axioms."""
         return self.slopes.derivative(element, variable)
 
-    # hints
-
     def primitives(self, name: str) -> list[int]:
         """Return the nodes of the function ``name`` of which a generator is made."""
         return self._primitives.get(name, [])
@@ -364,8 +360,6 @@ class Field:
             return None
         value = self.image(other)
         return value.inverse() if symmetry == "inverse" else value if symmetry == "even" else -value
-
-    # generators
 
     def register(self, node: int) -> None:
         """Enter a generator for a function or symbol; one for an equal function is used instead."""

@@ -8,6 +8,7 @@ that `CaseTree.left_out` names.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import sympy as sp
@@ -20,15 +21,14 @@ from .constant_terms import Relations, Terms, terms_of
 from .domain_signs import DomainSigns, domain_of
 from .domains import Domains
 from .factors import written
+from .linear_forms import BITS
 from .problem import POINTS
 from .samples import sample
-
-BITS = 160
 
 SIGNED_TERMS = 8
 """Most terms of a polynomial whose sign is examined."""
 
-STEPS = 4_000
+MOST_SYSTEMS = 4_000
 """Most systems examined; the costliest problem of the tests needs 150."""
 
 
@@ -164,8 +164,8 @@ class CaseTree:
         waiting = [_Node(tuple(self._constants.reduced(e) for e in equations))]
         while waiting:
             self._steps += 1
-            if self._steps > STEPS:
-                raise ValueError(f"the conditions are too many to be solved ({STEPS} cases)")
+            if self._steps > MOST_SYSTEMS:
+                raise ValueError(f"the conditions are too many to be solved ({MOST_SYSTEMS} cases)")
             node = self._cleaned(waiting.pop())
             if node is None:
                 continue
@@ -348,11 +348,9 @@ class CaseTree:
         """Return whether a polynomial may be 0 everywhere, as a relation between functions."""
         written = self._constants.written(equation)
         for point in self._points:
-            try:
+            with suppress(ValueError, ZeroDivisionError):
                 if not ball_value(written, point, BITS, self._signs).contains(0):
                     return False
-            except (ValueError, ZeroDivisionError):
-                continue
         return True
 
     def _exponents_difference(self, equation: fmpq_mpoly) -> fmpq_mpoly | None:

@@ -38,7 +38,7 @@ from .linear_forms import BITS
 from .problem import Problem
 from .simplification import Rewriting
 from .statement_problem import StatementProblem
-from .text_writer import Written
+from .text_writer import Written, numbered
 from .typed_statement import StatementTexts
 
 LEMMA_BITS = 320
@@ -240,14 +240,14 @@ class SquareRoots:
         quotient = image
         for member in members:
             quotient = quotient / self._images[member]
-        parts = [self._places[member] for member in members]
+        roots = [self._places[member] for member in members]
+        parts = [*roots]
         for (kind, value), power in self._exponents(quotient).items():
             if kind == "factor":
                 base = self._written(self._field.ring.factors[value])
             else:
                 base = self._table.place(sp.Integer(value))
             parts.append(self._table.add("Pow", base, str(power // 2)))
-        roots = [self._places[member] for member in members]
         return self._table.add("Mul", *(parts or [self._table.place(sp.S.One)])), roots
 
     def _exponents(self, element: Element) -> Counter[Key]:
@@ -320,6 +320,6 @@ def _is_root(field: Field, root: int, value: int) -> bool:
 
 def _field(table: NodeTable, statement: StatementTexts, proof: Data) -> Field:
     """Return the field that the checker builds from a proof."""
-    proof = {"formulas": table.texts(), **proof}
+    proof = {"formulas": numbered(table.nodes), **proof}
     opening = opened({"statement": as_data(statement), "proof": proof})
     return registered(opening, proof)

@@ -75,12 +75,13 @@ class NodeTable:
             return ["constant", CONSTANTS[expression]]
         if expression is sp.E:
             return ["exp", self.place(sp.S.One)]
-        if expression.is_Pow and expression.exp.is_Rational:
-            return ["Pow", self.place(expression.base), str(expression.exp)]
-        if expression.is_Pow and expression.base is sp.S.NegativeOne and expression.exp.is_integer:
-            return ["parity", self.place(expression.exp)]
         if expression.is_Pow:
-            return ["power", *map(self.place, expression.args)]
+            base, exponent = expression.args
+            if exponent.is_Rational:
+                return ["Pow", self.place(base), str(exponent)]
+            is_parity = base is sp.S.NegativeOne and exponent.is_integer
+            places = [self.place(exponent)] if is_parity else map(self.place, (base, exponent))
+            return ["parity" if is_parity else "power", *places]
         if isinstance(expression, sp.Derivative):
             return ["diff", *map(self.place, (expression.expr, *expression.variables))]
         if isinstance(expression, AppliedUndef):
@@ -116,13 +117,8 @@ class NodeTable:
     def combination(self, terms: Sequence[tuple[str, int]]) -> int:
         """Return the place of a sum of rational multiples of nodes: pairs of number and place."""
         parts = [p if n == "1" else self.add("Mul", self.add("number", n), p) for n, p in terms]
-        if len(parts) < 2:
-            return parts[0] if parts else self.add("number", "0")
-        return self.add("Add", *parts)
-
-    def texts(self) -> list[str]:
-        """Return the nodes as texts; each refers to earlier nodes by number."""
-        return numbered(self.nodes)
+        parts = parts or [self.add("number", "0")]
+        return parts[0] if len(parts) == 1 else self.add("Add", *parts)
 
 
 Data = dict[str, Any]
@@ -147,7 +143,7 @@ class Certificate(Data):
     ) -> Certificate:
         """Return the certificate of ``statement`` by ``proof``, places in ``table``."""
         body: Data = {"format": FORMAT, "name": name, "statement": as_data(statement)}
-        body["proof"] = {"formulas": table.texts(), **proof}
+        body["proof"] = {"formulas": numbered(table.nodes), **proof}
         return cls(body | {"digest": digest(body)})
 
     def changed(self, **parts: Data) -> Certificate:

@@ -19,6 +19,7 @@ from longwave.derive.algebra.formula_latex import name_latex
 from longwave.derive.algebra.formula_printing import formula_as_text
 from longwave.verify.verdict import Outcome, timed
 
+from . import statement_verdict as verdicts
 from .case_tree import CaseTree, Constants
 from .constant_cases import ConstantCase, largest_cases, symbols_of, with_values
 from .constant_terms import Terms, as_terms
@@ -28,19 +29,12 @@ from .problem import equality_problem
 from .residual_system import ResidualSystem
 from .seams import seams, sides
 from .statement_problem import residual_of, with_exponentials
-from .statement_verdict import (
-    Progress,
-    StatementVerdict,
-    decide_statement,
-    statement_fields,
-    united,
-    verified_sentence,
-)
+from .statement_verdict import StatementVerdict
 from .typed_hints import NO_VERDICT
 from .typed_statement import Statement
 from .typed_values import typed_values
 
-EXPLORED = 60
+MOST_STATEMENTS = 60
 """Most statements examined for one answer."""
 
 
@@ -106,7 +100,7 @@ class ConditionalVerdict(StatementVerdict):
 
 @timed
 def solve_statement(
-    statement: Statement, progress: Progress = lambda _: None
+    statement: Statement, progress: verdicts.Progress = lambda _: None
 ) -> ConditionalVerdict:
     """Return the cases in which a statement holds, solved for its ``solve_for`` symbols.
 
@@ -138,11 +132,10 @@ def conditional_sentence(verdict: ConditionalVerdict) -> str:
     other, does = ("other ", "does") if verdict.cases else ("", "holds")
     opening = "There are no" if verdict.complete else "We found no"
     last = f"{opening} {other}values of ${names}$ with which it {does}."
-    sentences = [verified_sentence(c.statement, c.verdict) for c in verdict.cases if c.verdict]
+    sentences = [
+        verdicts.verified_sentence(c.statement, c.verdict) for c in verdict.cases if c.verdict
+    ]
     return "\n\n".join([*sentences, last + (f"\n% left out: {exceptions}" if exceptions else "")])
-
-
-# the search
 
 
 @dataclass
@@ -163,8 +156,8 @@ class _Search:
             if self._key(case) in visited:
                 continue
             visited.add(self._key(case))
-            if len(visited) > EXPLORED:
-                self.unknown[f"more than {EXPLORED} special cases"] = None
+            if len(visited) > MOST_STATEMENTS:
+                self.unknown[f"more than {MOST_STATEMENTS} special cases"] = None
                 break
             try:
                 solved, more = self._step(case)
@@ -251,10 +244,9 @@ def _constants(system: ResidualSystem, degenerate: Sequence[Sequence[Terms]]) ->
 def with_phase(
     residual: sp.Expr, statement: Statement, fixed: Sequence[sp.Symbol]
 ) -> tuple[sp.Expr, tuple[sp.Symbol, ...], sp.Expr]:
-    """Replace n and d by the single variable ``b*n + d``, if that removes a variable.
+    """Replace n and d by the variable ``b*n + d``, if d is free and not ``fixed`` and it removes n.
 
-    A residual that vanishes for all n and all values of a free constant d, not among ``fixed``,
-    vanishes for all values of the argument; lattice shifts then add constants to the argument.
+    A residual that is 0 for all n and d is 0 for all arguments; shifts add constants to them.
     Returns the residual, its variables, and b*n if one was replaced, else 0.
     """
     moving = residual.free_symbols & set(statement.variables)
@@ -282,29 +274,26 @@ def with_phase(
     return residual, statement.variables, sp.S.Zero
 
 
-# the verdicts
-
-
 def _verdict(
     statement: Statement, search: _Search, cases: Sequence[ConstantCase], reason: str = ""
 ) -> ConditionalVerdict:
     """Build the verdict from the cases; with a ``reason`` it is UNDECIDED."""
-    verdicts = [case.verdict for case in cases if case.verdict]
-    certificates = tuple(c for verdict in verdicts for c in verdict.certificates)
+    proofs = [case.verdict for case in cases if case.verdict]
+    certificates = tuple(c for proof in proofs for c in proof.certificates)
     outcome, witness = Outcome.UNDECIDED, None
     if certificates and all(case.proved or case.trivial for case in cases):
         outcome = Outcome.PROVED
     elif not (cases or reason or search.unknown or search.left_out):
-        whole = decide_statement(statement)
+        whole = verdicts.decide_statement(statement)
         if whole.outcome is Outcome.REFUTED:
             outcome, witness = whole.outcome, whole.witness
     answer = ConditionalVerdict(
-        **statement_fields(statement) | {"sides": sides(seams(statement))},
+        **verdicts.statement_fields(statement) | {"sides": sides(seams(statement))},
         outcome=outcome,
         detail=reason or "solved",
         witness=witness,
-        assumptions=united(verdict.assumptions for verdict in verdicts),
-        singularities=united(verdict.singularities for verdict in verdicts),
+        assumptions=verdicts.united(proof.assumptions for proof in proofs),
+        singularities=verdicts.united(proof.singularities for proof in proofs),
         certificate=certificates[0] if certificates else None,
         certificates=certificates,
         solved=tuple(map(str, search.solve_for)),

@@ -77,9 +77,6 @@ class ConstantCase:
         }
 
 
-# values put into a statement
-
-
 def with_values(case: ConstantCase, more: Explicit) -> ConstantCase | None:
     """Add values to a case; None if they leave the domains or make a formula undefined."""
     old, values = case.statement, more.values
@@ -125,9 +122,6 @@ def _put_into(
     texts, trees = typed_case(statement.texts, statement.trees, written)
     known = image.equations, image.solutions, domains, image.divisors
     return Statement(statement.name, *known, texts=texts, trees=trees)
-
-
-# the verdicts
 
 
 def largest_cases(cases: Sequence[ConstantCase]) -> list[ConstantCase]:

@@ -14,8 +14,7 @@ from longwave.support.user_files import shown
 class Domain:
     """Real interval between two ends, optionally without 0 or restricted to integers.
 
-    An end is a rational number, infinite, or a formula in other symbols (``elliptic_k(k**2)``).
-    Infinite ends are open.
+    An end is rational, infinite (and open), or a formula in other symbols (``elliptic_k(k**2)``).
 
     >>> k = sp.Symbol("k")
     >>> Domain(sp.S.Zero, sp.S.One, upper_open=False).text(k)
@@ -203,10 +202,9 @@ def _inner(
     """Return the inner one of two ends; of equal ends the open one."""
     if left[0] == right[0]:
         return left[0], left[1] or right[1]
-    if left[0] in (sp.oo, -sp.oo):
-        return right
-    if right[0] in (sp.oo, -sp.oo):
-        return left
+    infinite = sp.oo, -sp.oo
+    if left[0] in infinite or right[0] in infinite:
+        return right if left[0] in infinite else left
     closer = side * (left[0] - right[0])
     if closer.is_nonnegative is None and closer.is_nonpositive is None:
         got = f"{left[0]} and {right[0]} (state one of them as a bound of the other symbol)"

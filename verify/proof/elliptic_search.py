@@ -17,9 +17,8 @@ TRIPLE = (functions.jacobi_sn, functions.jacobi_cn, functions.jacobi_dn)
 class EllipticSearch:
     """Generators and hints for Jacobi functions, from the integer combinations of their arguments.
 
-    ``need`` registers what the image of any other formula needs, ``begin_forms`` the linear forms
-    if its argument is one of their primitives.  With ``moving`` the derivatives of the generators
-    are needed too; with ``epsilon`` zeta is written in terms of epsilon.
+    ``need`` registers what other formulas need, ``begin_forms`` the linear forms of a primitive.
+    With ``moving`` derivatives are needed too; with ``epsilon`` zeta is written in epsilon.
     """
 
     def __init__(
@@ -136,8 +135,8 @@ class EllipticSearch:
         if times and variable != 0:
             self._quotient(variable, step, m, here)
         if times not in (0, 1) or (times and variable == 0):
-            for part in (functions.jacobi_theta(step, m), functions.jacobi_theta(0, m)):
-                self._writer.atom(self._place(part))
+            for z0 in (step, sp.S.Zero):
+                self._writer.atom(self._place(functions.jacobi_theta(z0, m)))
         side = 1 if times > 0 else -1
         for j in range(2 if side > 0 else -1, times + side, side):
             self._next_theta(variable + (j - side) * step, side * step, z, m)
@@ -160,11 +159,11 @@ class EllipticSearch:
         next_theta = self._add("jacobi_theta", total, self._place(m))
         if next_theta in self._writer.registered:
             return
-        self._need(u)
-        self._need(d)
+        for part in (u, d):
+            self._need(part)
         if self._moves(u):
-            self._station(u, m, functions.jacobi_zeta)
-            self._station(d, m, functions.jacobi_zeta)
+            for part in (u, d):
+                self._station(part, m, functions.jacobi_zeta)
             sine = self._add("jacobi_sn", total, self._place(m))
             self._writer.words(sine, [("1", self._place(u)), ("1", self._place(d))])
         self._writer.atom(next_theta, self._add("Pow", here, "-1"))

@@ -23,11 +23,8 @@ from .elliptic_search import EllipticSearch
 from .linear_forms import independent_forms, with_dummies
 from .simplification import needs_integers
 
-AIRY = {
-    function: pair
-    for pair in ((sp.airyai, sp.airyaiprime), (sp.airybi, sp.airybiprime))
-    for function in pair
-}
+AIRY_PAIRS = (sp.airyai, sp.airyaiprime), (sp.airybi, sp.airybiprime)
+AIRY = {function: pair for pair in AIRY_PAIRS for function in pair}
 """Each Airy function with the pair in which its derivatives are expressed."""
 
 

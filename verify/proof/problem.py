@@ -26,7 +26,7 @@ POINTS = 8
 MORE_POINTS = 40
 """Number of further points at which an unproved formula is evaluated."""
 
-JETS = 64
+LARGEST_JET_POWER = 64
 """Highest power of a derivative that is written as a product."""
 
 LARGEST_POWER = 13
@@ -45,9 +45,8 @@ Term = tuple[sp.Rational, list[sp.Expr], list[list[int]]]
 class Problem:
     """Question whether ``formula`` for ``unknown`` makes ``left`` vanish on the domains.
 
-    With ``right`` the question is whether ``formula`` and ``right`` are the same function; ``left``
-    is their difference.  ``domains`` has every variable and parameter.  ``texts`` has the texts
-    that a certificate states, if they are known.
+    With ``right`` it is whether ``formula`` and ``right`` are the same function, and ``left`` is
+    the difference.  ``domains`` has all symbols; ``texts`` are those of a certificate, if known.
     """
 
     name: str
@@ -112,7 +111,7 @@ class Problem:
         inner = base.expr if isinstance(base, sp.Derivative) else base
         pairs = base.variable_count if isinstance(base, sp.Derivative) else ()
         counts = {symbol: int(count) for symbol, count in pairs}
-        whole = power.is_Integer and 0 < power <= JETS
+        whole = power.is_Integer and 0 < power <= LARGEST_JET_POWER
         if inner != self.unknown or not whole or counts.keys() - set(self.variables):
             words = f"{self.unknown} and its derivatives in its own variables"
             raise ValueError(f"{NO_POLYNOMIAL} in {words}, got {factor} (multiply it out)")
@@ -187,10 +186,8 @@ def equality_problem(
 
 def formula(name: str, given: object) -> sp.Expr:
     """Return a formula as a SymPy expression; raises TypeError for other objects."""
-    if isinstance(given, sp.Expr):
-        return given
-    if isinstance(given, int) and not isinstance(given, bool):
-        return sp.Integer(given)
+    if isinstance(given, sp.Expr | int) and not isinstance(given, bool):
+        return sp.sympify(given)
     got = shown(given)
     raise TypeError(f"{name} must be a SymPy expression, got {got} (make it from sympy.Symbol)")
 
@@ -219,10 +216,8 @@ def terms_in(equation: sp.Expr, unknown: sp.Expr) -> list[sp.Expr]:
         return [equation]
     if equation.is_Add:
         return [term for part in equation.args for term in terms_in(part, unknown)]
-    if equation.is_Mul:
-        parts = [terms_in(factor, unknown) for factor in equation.args]
-    elif equation.is_Pow and equation.base.is_Add and equation.exp in range(2, LARGEST_POWER):
-        parts = [terms_in(equation.base, unknown)] * int(equation.exp)
-    else:
-        return [equation]
-    return [sp.Mul(*factors) for factors in product(*parts)]
+    factors = equation.args if equation.is_Mul else ()
+    if equation.is_Pow and equation.base.is_Add and equation.exp in range(2, LARGEST_POWER):
+        factors = [equation.base] * int(equation.exp)
+    parts = [terms_in(factor, unknown) for factor in factors]
+    return [sp.Mul(*row) for row in product(*parts)] if parts else [equation]

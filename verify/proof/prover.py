@@ -25,8 +25,8 @@ METHOD = "differential algebra"
 QUICK_BITS = (160,)
 LONG_BITS = (2560,)
 BITS = (160, 640, 2560)
-LONG, LONG_POINTS = 640, 8
-"""Above ``LONG`` bits a residual is evaluated at no more than ``LONG_POINTS`` points."""
+HIGH_BITS, HIGH_BITS_POINTS = 640, 8
+"""Above ``HIGH_BITS`` bits a residual is evaluated at no more than ``HIGH_BITS_POINTS`` points."""
 
 SHOWN_DIGITS = 6
 
@@ -102,7 +102,7 @@ def find_witness(
     """Return a point at which the residual's ball excludes 0, and the ball in words, or None."""
     signs = DomainSigns(problem.domains)
     for precision in bits:
-        for point in points[:LONG_POINTS] if precision > LONG else points:
+        for point in points[:HIGH_BITS_POINTS] if precision > HIGH_BITS else points:
             try:
                 ball = problem.residual(point, precision, signs)
             except (ValueError, ZeroDivisionError, RecursionError):

@@ -165,10 +165,9 @@ def bilinear_certificate(name: str, A: fmpq_mpoly, B: fmpq_mpoly) -> Certificate
 class RationalFacts:
     """Exact facts about the rational solution of ``order`` with the free shifts ``free``.
 
-    ``peak`` is the value at the origin for shifts 0, ``background`` the limit for large |x|, and
-    ``degree`` the degree of the denominator in x.  ``reduced``: numerator and denominator have no
-    common factor.  ``symmetric``: the solution is invariant if x, t and all shifts change sign.
-    ``positive``: the denominator has no real zero.
+    ``peak`` is the value at the origin, ``background`` the limit for large |x|, and ``degree`` that
+    of the denominator in x.  ``reduced``: there is no common factor.  ``symmetric``: it is the same
+    with other signs of x, t and shifts.  ``positive``: the denominator has no real zero.
     """
 
     order: int
@@ -220,10 +219,7 @@ def coefficient_in_x(polynomial: fmpq_mpoly, power: int) -> fmpq_mpoly:
 
 
 def limit(N: fmpq_mpoly, leading: fmpq_mpoly, top: int) -> fmpq:
-    """Return the limit of ``N/D`` for large
-    x
-     if it is a number; ValueError otherwise.
-    """
+    """Return the limit of ``N/D`` for large |x| if it is a number; raises ValueError otherwise."""
     if N.degrees()[0] > top:
         got = "a numerator of higher degree (take a rational solution)"
         raise ValueError(f"the solution must be bounded, got {got}")

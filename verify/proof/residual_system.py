@@ -43,10 +43,10 @@ Vector = dict[tuple[sp.Expr, bool], sp.Expr]
 class ResidualSystem:
     """Conditions for a statement to hold, valid as far as its generators are independent.
 
-    ``polynomials`` in constants (parameters, their roots and functions) must vanish.  ``relations``
-    has powers of the algebraic constants.  Generators may be dependent, or a denominator 0, where
-    all entries of one list in ``degenerate`` vanish.  ``left_out`` names conditions under which
-    more solutions are not excluded, ``unknown`` names generators not known to be independent.
+    ``polynomials`` in constants must vanish; ``relations`` has powers of algebraic constants.
+    Generators may be dependent, or a denominator 0, where all entries of a list in ``degenerate``
+    vanish.  ``left_out`` has conditions under which more solutions are not excluded, ``unknown``
+    generators not known to be independent.
     """
 
     polynomials: list[Terms] = field(default_factory=list)
@@ -65,7 +65,7 @@ class ResidualSystem:
         if rest == 0:
             return
         if vector is None:
-            self.unknown[str(rest)[:LENGTH]] = None
+            self.unknown[str(rest)[:SHOWN_LENGTH]] = None
         elif all(v.is_integer for v, _ in vector):
             self.left_out[f"{rest} takes finitely many values up to periods"] = None
         else:
@@ -104,9 +104,7 @@ class _Coefficients:
                 self._system.degenerate.append(list(entries))
         for constant in {g for part in groups.values() for key in part for g, _ in key}:
             if constant is not sp.I and not is_turn(constant) and not self._signs.is_real(constant):
-                self._system.unknown[f"{str(constant)[:LENGTH]} may not be real"] = None
-
-    # polynomials
+                self._system.unknown[f"{str(constant)[:SHOWN_LENGTH]} may not be real"] = None
 
     def _split(self, exponents: Sequence[int]) -> tuple[Monomial, Monomial]:
         """Split a monomial into its moving and its constant part."""
@@ -151,8 +149,6 @@ class _Coefficients:
             square: Terms = {(): fmpq(1), ((cosine, 2),): fmpq(-1)}
             self._system.relations[sine] = (2, square)
 
-    # independence
-
     def _judge(self, present: set[sp.Expr]) -> None:
         """Record which of the moving generators are not known to be independent, and when not."""
         triples = dict[sp.Expr, dict[sp.Expr, None]]()
@@ -165,7 +161,7 @@ class _Coefficients:
             elif generator in self._meanings.forms:
                 self._judge_form(generator, present)
             else:
-                self._system.unknown[str(generator)[:LENGTH]] = None
+                self._system.unknown[str(generator)[:SHOWN_LENGTH]] = None
         if len(triples) > 1:
             self._system.unknown["elliptic functions of several parameters"] = None
         for m, arguments in triples.items():
@@ -180,14 +176,14 @@ class _Coefficients:
         vector = argument_vector(form, self._dependence)
         rest = [c for (v, _), c in vector.items() if v not in present] if vector else []
         if others or not rest:
-            self._system.unknown[str(form)[:LENGTH]] = None
+            self._system.unknown[str(form)[:SHOWN_LENGTH]] = None
         else:
             self._system.degenerate.append(list(rest))
 
     def _judge_exponent(self, exponent: sp.Expr) -> None:
         vector = argument_vector(exponent, self._dependence)
         if vector is None:
-            self._system.unknown[str(sp.exp(exponent))[:LENGTH]] = None
+            self._system.unknown[str(sp.exp(exponent))[:SHOWN_LENGTH]] = None
         elif any(is_imaginary and v.is_integer for v, is_imaginary in vector):
             words = f"{sp.expand(exponent / sp.I)} takes finitely many values up to periods"
             self._system.left_out[words] = None
@@ -203,7 +199,7 @@ class _Coefficients:
             for row in rows.values():
                 for one, other in combinations(row, 2):
                     directions[_direction(one, other)] = None
-        if len(directions) > DIRECTIONS:
+        if len(directions) > MOST_DIRECTIONS:
             self._system.left_out["exponents have a rational ratio"] = None
             directions = {frozenset({(g, 1)}): None for d in directions for g, _ in d}
         for direction in directions:
@@ -273,13 +269,13 @@ def argument_vector(argument: sp.Expr, dependence: Dependence) -> Vector | None:
 
 INDEPENDENT = ("jacobi_sn", "jacobi_cn", "jacobi_dn", "jacobi_epsilon", "jacobi_zeta")
 
-DIRECTIONS = 60
+MOST_DIRECTIONS = 60
 """Most differences of exponents examined; two solitons have about 15."""
 
 LARGEST_MINOR = 3
 """Most arguments whose independence is decided by minors."""
 
-LENGTH = 60
+SHOWN_LENGTH = 60
 """Characters shown of a function."""
 
 

@@ -15,10 +15,10 @@ from .explicit_values import tidy
 from .factors import factors_of
 from .typed_statement import Statement
 
-ROUNDS = 3
+SIMPLIFICATION_PASSES = 3
 """Passes in which restrictions simplify each other."""
 
-LONGEST = 60
+LONGEST_SIGNED = 60
 """Most operations of a formula whose sign is sought from the ends of the domains."""
 
 
@@ -106,10 +106,11 @@ class KnownSigns:
 
     def implies(self, restriction: Restriction) -> bool:
         """Return whether a restriction is shown to hold."""
+        value, relation = restriction.value, restriction.relation
+        if relation in ("real", "integer"):
+            return self._signs.is_real(value) if relation == "real" else bool(value.is_integer)
         checks = {">": self.is_positive, ">=": self.is_nonnegative, "!=": self.is_nonzero}
-        checks["real"] = self._signs.is_real
-        check = checks.get(restriction.relation, lambda value: bool(value.is_integer))
-        return check(restriction.value)
+        return checks[relation](value)
 
     def excludes(self, restriction: Restriction) -> bool:
         """Return whether a restriction is shown to hold nowhere."""
@@ -120,7 +121,7 @@ class KnownSigns:
     def _from_ends(self, value: sp.Expr) -> Iterator[sp.Expr]:
         """Yield a polynomial rewritten in the distances of its symbols from the ends of domains."""
         symbols = value.free_symbols
-        if value.count_ops() > LONGEST or not value.is_polynomial(*symbols):
+        if value.count_ops() > LONGEST_SIGNED or not value.is_polynomial(*symbols):
             return
         image = value
         for symbol, distance in self._images.items():
@@ -165,7 +166,7 @@ def needed(given: Sequence[Restriction], domains: Domains) -> tuple[Restriction,
     >>> [r.text for r in needed([Restriction(sp.sqrt(c) * (c - k)), Restriction(c)], known)]
     ['c - k > 0']
     """
-    for _ in range(ROUNDS):
+    for _ in range(SIMPLIFICATION_PASSES):
         reduced = _once(given, domains)
         if reduced is None or reduced == tuple(given):
             return reduced

@@ -18,8 +18,8 @@ SIZES = (1, 1, 1, 4, 4, sp.Rational(1, 30), 30, sp.Rational(1, 1000), 1000)
 MARGINS = (sp.Rational(1, 20),) * 3 + (sp.Rational(1, 1000), sp.Rational(1, 10**6))
 """Fractions of a bounded domain that are left out at its ends."""
 
-SLIVER, EVERY = sp.Rational(1, 10**31), 4
-"""Margin ``SLIVER`` is used for one symbol in every ``EVERY``-th of the later points."""
+NARROW_MARGIN, NARROW_PERIOD = sp.Rational(1, 10**31), 4
+"""Margin of one symbol in every ``NARROW_PERIOD``-th of the later points."""
 
 REJECTIONS = 1000
 """Successive points outside the domains after which these are taken to be empty."""
@@ -36,26 +36,23 @@ def sample(domains: Domains, count: int, seed: int = 0) -> tuple[Point, ...]:
     draw = random.Random(seed)
     ordered = in_order(domains)
     signed = [s for s in ordered if _has_both_signs(domains[s])][:SIGN_PATTERNS]
-    points: list[Point] = []
-    number = rejected = 0
+    points, number, rejected = list[Point](), 0, 0
     while len(points) < count and rejected < REJECTIONS:
         signs = {s: -1 if number >> place & 1 else 1 for place, s in enumerate(signed)}
         early = number < 2 ** len(signed)
         point: dict[sp.Symbol, sp.Rational] = {}
-        edges = ordered if not early and number % EVERY == 0 else []
-        edge = edges[number // EVERY % len(edges)] if edges else None
+        edges = ordered if not early and number % NARROW_PERIOD == 0 else []
+        edge = edges[number // NARROW_PERIOD % len(edges)] if edges else None
         for symbol in ordered:
             size = sp.S.One if early else draw.choice(SIZES)
             margin = MARGINS[0] if early else draw.choice(MARGINS)
             sign = signs.get(symbol, 1) if early else draw.choice((1, -1))
             if symbol == edge:
-                size, margin, sign = SLIVER, SLIVER, 1
+                size, margin, sign = NARROW_MARGIN, NARROW_MARGIN, 1
             point[symbol] = _value(domains[symbol], point, size * sign, margin, draw)
-        number += 1
-        rejected += 1
-        if all(domains[s].contains(value, point) for s, value in point.items()):
-            rejected = 0
-            points.append(point)
+        inside = all(domains[s].contains(value, point) for s, value in point.items())
+        points += [point] * inside
+        number, rejected = number + 1, 0 if inside else rejected + 1
     if len(points) < count:
         words = ", ".join(domain.text(symbol) for symbol, domain in domains.items())
         raise ValueError(f"domains must hold rational points, got {words} (none was found)")

@@ -3,10 +3,9 @@
 A proof holds where the formulas are smooth: on each side of a seam, not across it.  A travelling
 corner is not a solution just because both of its sides are.
 
-A seam is where the argument of abs or sign, a radicand, or the argument of a logarithm is 0 or may
-cross a cut, where an inverse function is at an end of its cuts, and where a function's argument has
-a pole, as in atan(1/x).  A pole outside of all functions is not a seam: nobody takes it as part of
-the solution.
+A seam is where the argument of abs, sign, a root or a logarithm is 0 or may cross a cut, where an
+inverse function is at an end of its cuts, and where a function's argument has a pole (atan(1/x)).
+A pole outside of all functions is not a seam: nobody takes it as part of the solution.
 """
 
 from __future__ import annotations
@@ -52,7 +51,7 @@ POLES = {"tan": "cos", "sec": "cos", "cot": "sin", "csc": "sin", "coth": "sinh",
 SAFE = ("exp", "sin", "cos", "sinh", "cosh", "tanh", "sech", "erf")
 """Functions of which SymPy changes only the notation."""
 
-LONGEST = 60
+LONGEST_PLACE = 60
 """Most characters of a place that is not abbreviated."""
 
 ONE = Fraction(1)
@@ -203,7 +202,7 @@ class _Finder:
         at_sites = all(map(self._is_site, names_in(argument) & {*self._variables}))
         solved = self._solved(argument)
         place = f"{self._text(argument)} = 0" if solved is None else solved
-        if value is not None and len(place) > LONGEST:
+        if value is not None and len(place) > LONGEST_PLACE:
             place = f"{abbreviated(value, DEPTH)} = 0"
         yield Seam(place, at_sites, line) if place else never
 

@@ -27,7 +27,7 @@ from .arguments import HYPERBOLIC, TRIGONOMETRIC
 from .domain_signs import BELOW_PI, DomainSigns, lies_between
 from .factors import Quotients, TooLong, factored
 
-DIGITS, LARGEST = 40, 10**6
+ROOT_DIGITS, LARGEST_DENOMINATOR = 40, 10**6
 """Decimals to which a cube root is evaluated, and largest denominator in its exact form."""
 
 REAL_ON_THE_LINE = (sp.exp, *HYPERBOLIC, *TRIGONOMETRIC)
@@ -96,10 +96,9 @@ class Rewriting:
             return None if denested.is_Pow else denested
         if not base.free_symbols and exponent.q == 3 and base.is_Add and base.is_positive:
             return _cube_root(base, exponent)
-        if exponent.q == 2 and (base is sp.I or base.is_Add):
-            denested = _denested(base)
-            if denested is not None:
-                return denested ** (2 * exponent)
+        is_sum = exponent.q == 2 and (base is sp.I or base.is_Add)
+        if is_sum and (denested := _denested(base)) is not None:
+            return denested ** (2 * exponent)
         factors = self._factors(_squared_function(base) or base, 2)
         if len(factors) > 1:
             outside, inside = self._known_factors(factors)
@@ -332,12 +331,15 @@ def _cube_root(base: sp.Expr, exponent: sp.Rational) -> sp.Expr | None:
     for p, q, square in _quadratics(base):
         if not square.is_Rational or square < 0:
             continue
-        norm, value = sp.real_root(p**2 - q**2 * square, 3), sp.N(base, DIGITS) ** (sp.S.One / 3)
+        norm, value = (
+            sp.real_root(p**2 - q**2 * square, 3),
+            sp.N(base, ROOT_DIGITS) ** (sp.S.One / 3),
+        )
         if not norm.is_Rational:
             continue
-        a = sp.Rational(str((value + norm / value) / 2)).limit_denominator(LARGEST)
-        b = sp.Rational(str((value - norm / value) / 2 / sp.sqrt(square).n(DIGITS)))
-        root = a + b.limit_denominator(LARGEST) * sp.sqrt(square)
+        a = sp.Rational(str((value + norm / value) / 2)).limit_denominator(LARGEST_DENOMINATOR)
+        b = sp.Rational(str((value - norm / value) / 2 / sp.sqrt(square).n(ROOT_DIGITS)))
+        root = a + b.limit_denominator(LARGEST_DENOMINATOR) * sp.sqrt(square)
         if sp.expand(root**3 - base) == 0:
             return root ** (3 * exponent)
     return None
@@ -368,9 +370,7 @@ def conjugated(expression: sp.Expr, signs: DomainSigns) -> sp.Expr | None:
     if not through and not isinstance(expression, REAL_ON_THE_LINE):
         return None
     arguments = [conjugated(argument, signs) for argument in expression.args]
-    if any(argument is None for argument in arguments):
-        return None
-    return expression.func(*arguments)
+    return None if any(argument is None for argument in arguments) else expression.func(*arguments)
 
 
 def needs_integers(size: sp.Expr) -> bool:

@@ -33,8 +33,7 @@ CONJUGATES = (sp.conjugate, sp.Abs, sp.re, sp.im)
 class StatementProblem(Problem):
     """Question whether the formulas of ``statement`` make ``left``, one of its equations, vanish.
 
-    ``unknown`` and ``formula`` are those of the first unknown in ``left``; ``also`` has further
-    expressions for which generators are needed.
+    ``unknown`` is the first in ``left``; ``also`` has further expressions that need generators.
     """
 
     statement: typed_statement.Statement | None = None

@@ -19,8 +19,6 @@ SIGNED = {"positive": "> 0", "negative": "< 0", "nonzero": "!= 0"}
 
 SMOOTH = "wherever the formulas are smooth"
 
-REAL_FUNCTIONS = "that are real at real arguments"
-
 
 @dataclass(frozen=True)
 class Scope:
@@ -35,7 +33,7 @@ class Scope:
         if "function" not in self.kinds:
             return "; ".join(kinds)
         functions = last.replace("function", "functions", 1)
-        return f"{'; '.join(values)} and {functions} {REAL_FUNCTIONS}"
+        return f"{'; '.join(values)} and {functions} that are real at real arguments"
 
     @property
     def text(self) -> str:

@@ -169,8 +169,6 @@ class _Reading:
         self.divisors |= dict.fromkeys(d for d in builder.divisors if d.args)
         return expression
 
-    # parameters and domains
-
     def _ordered_entries(self) -> list[TextPart]:
         """Return the entries, first those of parameters that bound the domains of others."""
         waiting, ordered = list(self.entries), list[TextPart]()
@@ -295,8 +293,6 @@ class _Reading:
         if any(len(side) == 1 and side[0].text in self.names for side in sides):
             words += " (a parameter's domain stands in the part parameters)"
         raise part.error(words)
-
-    # unknowns, solutions and equations
 
     def _make_fields(self, indexed: set[str]) -> None:
         for part in self.solutions:

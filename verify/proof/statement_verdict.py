@@ -39,10 +39,9 @@ UNSEEN = "an equation fails at a point at which its residual could not be repeat
 
 @dataclass(frozen=True, repr=False)
 class StatementVerdict(ProofVerdict):
-    """Verdict on a statement; ``statement`` is the parsed statement in LaTeX.
+    """Verdict on a statement, with the statement in LaTeX and a certificate for each equation.
 
-    ``certificates`` has one for each equation of a proof.  ``hint`` says what holds instead of a
-    refuted formula; ``hint_verdict`` is the proof of it.
+    ``hint`` says what holds instead of a refuted formula; ``hint_verdict`` is the proof of it.
     """
 
     statement: str = ""

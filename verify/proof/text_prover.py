@@ -63,10 +63,8 @@ def prove(
 
 def answer(statement: Statement, progress: Progress = lambda _: None) -> StatementVerdict:
     """Decide a statement, or find the values of its ``solve_for`` parameters for which it holds."""
-    if statement.weak:
-        return decide_weak(statement, progress)
     decide = solve_statement if statement.solve_for else decide_statement
-    return decide(statement, progress)
+    return (decide_weak if statement.weak else decide)(statement, progress)
 
 
 def _is_text(given: object) -> bool:

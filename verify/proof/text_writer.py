@@ -15,7 +15,7 @@ Meaning = Callable[[int], Part]
 
 LEAVES = ("number", "symbol", "constant")
 
-LONG = 40
+LONG_TEXT = 40
 """Length from which repeated formulas get a name (see `Written`)."""
 
 
@@ -101,14 +101,14 @@ class Written:
         uses.update(roots)
         for node in nodes:
             if node[0] == "poly":
-                uses.update(dict.fromkeys(node[2:], LONG))
+                uses.update(dict.fromkeys(node[2:], LONG_TEXT))
         hidden = set[int]()
         for place, node in enumerate(nodes):
             if node[0] == "unknown" or not hidden.isdisjoint(_children(node)):
                 hidden.add(place)
             text, level = node_text(node, self._texts.__getitem__, unknowns, variables)
-            often = uses[place] > 1 and len(text) > 8 and uses[place] * len(text) > 2 * LONG
-            if place not in hidden and (often or len(text) > 100 * LONG):
+            often = uses[place] > 1 and len(text) > 8 and uses[place] * len(text) > 2 * LONG_TEXT
+            if place not in hidden and (often or len(text) > 100 * LONG_TEXT):
                 name = f"f{len(self.named) + 1}"
                 while name in taken:
                     name += "_"

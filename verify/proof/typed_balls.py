@@ -168,8 +168,6 @@ class TypedPlace:
             coefficients.append(known[above] * weight)
         return TypedBall(ball_jets.Jet(self._shape, tuple(coefficients)), ball.is_real)
 
-    # powers
-
     def _power(self, base: FormulaTree, exponent: FormulaTree) -> TypedBall:
         below, number = self.value(base), self._exact_value(exponent)
         if number is not None and number > 0 and self._is_zero(base, below):
@@ -210,8 +208,6 @@ class TypedPlace:
         along = function is sp.log and ball.is_real and not value.contains(0)
         if ball_jets.touches_cut(function, value) and not along:
             raise ValueError("points must lie off the cuts, got one on a cut (take another)")
-
-    # functions
 
     def _call(self, name: str, parts: tuple[FormulaTree, ...]) -> TypedBall:
         ball, *further = map(self.value, parts)

@@ -9,17 +9,9 @@ from fractions import Fraction
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
+from longwave.derive.algebra import formula_tree as syntax
 from longwave.derive.algebra.formula_text import CONSTANTS, Parser, Vocabulary, tokens
-from longwave.derive.algebra.formula_tree import (
-    Call,
-    FormulaTree,
-    Name,
-    Number,
-    Unknown,
-    formula_text,
-    mapped,
-    rational,
-)
+from longwave.derive.algebra.formula_tree import FormulaTree
 
 from .domains import Domain
 from .text_names import FUNCTIONS
@@ -49,7 +41,7 @@ class StatementTexts:
 
 def names_in(formula: FormulaTree) -> set[str]:
     """Return the names and unknowns in a formula."""
-    return {node.name for node in formula.nodes() if isinstance(node, Name | Unknown)}
+    return {node.name for node in formula.nodes() if isinstance(node, syntax.Name | syntax.Unknown)}
 
 
 def declared_name(text: str) -> str:
@@ -75,18 +67,13 @@ class StatementTrees:
     def names(self) -> set[str]:
         """Names of the variables and of the free parameters."""
         nodes = (node for formula in self.formulas for node in formula.nodes())
-        names = {node.name for node in nodes if isinstance(node, Name)} | {*self.variables}
+        names = {node.name for node in nodes if isinstance(node, syntax.Name)} | {*self.variables}
         return names - {*self.definitions, *CONSTANTS}
 
     def with_values(self, values: Mapping[str, str]) -> StatementTrees:
         """Return the trees with parameters defined by texts of formulas."""
         trees = {name: tree_of(text) for name, text in values.items()}
         return replace(self, definitions={**self.definitions, **trees})
-
-    def with_ends(self) -> StatementTrees:
-        """Return the trees with sin, tanh and the like for Jacobi functions of parameter 0 or 1."""
-        changed = self.changed(lambda formula: mapped(formula, self._at_end))
-        return replace(changed, definitions=self.definitions)
 
     def changed(self, image: Callable[[FormulaTree], FormulaTree]) -> StatementTrees:
         """Return the trees with the image of each formula."""
@@ -95,20 +82,25 @@ class StatementTrees:
         definitions = {name: image(formula) for name, formula in self.definitions.items()}
         return StatementTrees(self.variables, equations, solutions, definitions)
 
-    def _at_end(self, node: FormulaTree) -> FormulaTree | None:
-        if not (isinstance(node, Call) and len(node.parts) == 2):
+    def elementary(self, node: FormulaTree) -> FormulaTree | None:
+        """Return sin, tanh and the like for a Jacobi function of parameter 0 or 1, else None."""
+        if not (isinstance(node, syntax.Call) and len(node.parts) == 2):
             return None
         z, m = node.parts
-        parameter = rational(mapped(m, self.meaning))
+        parameter = syntax.rational(syntax.mapped(m, self.meaning))
         name = ELEMENTARY_JACOBI.get((node.name, parameter))
         if name is None:
             return None
-        return Call((mapped(z, self._at_end),), name) if name else Number(Fraction(1))
+        return (
+            syntax.Call((syntax.mapped(z, self.elementary),), name)
+            if name
+            else syntax.Number(Fraction(1))
+        )
 
     def meaning(self, node: FormulaTree) -> FormulaTree | None:
         """Return the formula of a defined name; None for anything else."""
-        if isinstance(node, Name) and node.name in self.definitions:
-            return mapped(self.definitions[node.name], self.meaning)
+        if isinstance(node, syntax.Name) and node.name in self.definitions:
+            return syntax.mapped(self.definitions[node.name], self.meaning)
         return None
 
 
@@ -128,15 +120,16 @@ def typed_case(
 ) -> tuple[StatementTexts, StatementTrees]:
     """Substitute values for parameters; Jacobi functions of parameter 0 or 1 become elementary."""
     texts, plain = texts.with_values(values), trees.with_values(values)
-    trees = plain.with_ends()
+    changed = plain.changed(lambda formula: syntax.mapped(formula, plain.elementary))
+    trees = replace(changed, definitions=plain.definitions)
     equations, solutions = [*texts.equations], [*texts.solutions]
     for place, (old, new) in enumerate(zip(plain.equations, trees.equations, strict=True)):
         if new != old:
-            equations[place] = formula_text(new)
+            equations[place] = syntax.formula_text(new)
     for place, (name, formula) in enumerate(trees.solutions.items()):
         if formula != plain.solutions[name]:
             heading = solutions[place].partition("=")[0].strip()
-            solutions[place] = f"{heading} = {formula_text(formula)}"
+            solutions[place] = f"{heading} = {syntax.formula_text(formula)}"
     return replace(texts, equations=tuple(equations), solutions=tuple(solutions)), trees
 
 

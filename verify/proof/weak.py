@@ -162,9 +162,6 @@ def _vanishes(statement: Statement, condition: sp.Expr) -> ProofVerdict:
     return prover.prove_equal(condition, sp.S.Zero, statement.variables, domains=domains, **names)
 
 
-# the plane
-
-
 @dataclass(frozen=True)
 class Plane:
     """The plane ``variable = end``; ``sides`` has the trees of the formulas above and below it."""
@@ -239,9 +236,6 @@ def _check_smooth(tree: FormulaTree, value: sp.Expr, domains: Domains) -> None:
         raise ValueError("with weak both sides must be shown to be smooth beyond the jump")
 
 
-# the conditions
-
-
 def jump_conditions(statement: Statement, plane: Plane) -> Iterator[sp.Expr]:
     """Yield the conditions at the plane: for each equation the factors of delta, delta', ..."""
     for equation in statement.trees.equations:
@@ -250,10 +244,8 @@ def jump_conditions(statement: Statement, plane: Plane) -> Iterator[sp.Expr]:
             yield from _continuity(statement, plane, inner)
             for order, factor in _jumps(statement, plane, steps, inner).items():
                 total[order] = total.get(order, sp.S.Zero) + coefficient * factor
-        for order in sorted(total):
-            factor = sp.expand(total[order])
-            if factor != 0:
-                yield factor
+        factors = (sp.expand(total[order]) for order in sorted(total))
+        yield from (factor for factor in factors if factor != 0)
 
 
 def _terms(
@@ -300,8 +292,7 @@ def _values(statement: Statement, plane: Plane, inner: FormulaTree) -> tuple[sp.
     domains = all_domains(statement, *statement.equations)
     values = []
     for formulas in plane.sides:
-        trees = replace(statement.trees, solutions=formulas)
-        tree = put_in(trees, inner)
+        tree = put_in(replace(statement.trees, solutions=formulas), inner)
         plain = mapped(tree, lambda n: n.parts[0] if isinstance(n, Derivative) else None)
         _check_smooth(plain, build(tree), domains)
         values.append(build(tree))

@@ -143,16 +143,8 @@ class _Equations:
 
     def _polynomial(self, node: int) -> Term:
         """Return the term of a polynomial in derivatives of the unknowns."""
-        match self._field.nodes.all[node]:
-            case ("number", value):
-                return terms.number(value)
-            case ("Add", *parts):
-                return terms.added([self._polynomial(part) for part in parts])
-            case ("Mul", *parts):
-                return terms.multiplied([self._polynomial(part) for part in parts])
-            case ("Pow", base, exponent):
-                return terms.raised(self._polynomial(base), int(exponent.p))
-        return self._jet(node)[0]
+        term = terms.composed(self._field.nodes.all[node], self._polynomial)
+        return self._jet(node)[0] if term is None else term
 
     def _jet(self, node: int) -> tuple[Term, Element | None]:
         """Return the name of an unknown or of its derivative, and the checker's value of it."""

@@ -11,6 +11,8 @@ from typing import Any
 
 from flint import fmpq, fmpq_mpoly
 
+from longwave.verify.kernel.nodes import Node
+
 Term = tuple[Any, ...]
 """``("number", q)``, ``("generator", i)``, ``("node", k)``, ``("jet", k)``, ``("sum", ...)``,
 ``("product", ...)``, ``("minus", a)``, ``("inverse", a)``, ``("power", a, n)`` with n > 0, or
@@ -86,9 +88,8 @@ class Premise:
 class WrittenProof:
     """Data from which a script is written.
 
-    ``meanings`` explains the generators, ``variables`` names the variables of derivatives, and
-    ``free`` has elements that occur only in premises.  ``guards`` maps a definition to the indices
-    of the premises on which it depends.
+    ``meanings`` explains the generators, ``variables`` names the variables of derivatives, ``free``
+    has elements of premises only, and ``guards`` maps definitions to the indices of their premises.
     """
 
     title: str
@@ -181,6 +182,18 @@ def polynomial_term(polynomial: fmpq_mpoly) -> Term:
     return added(parts)
 
 
+def composed(node: Node, inner: Callable[[int], Term]) -> Term | None:
+    """Return the term of a number, sum, product or power of nodes with known terms, else None."""
+    match node:
+        case ("number", value):
+            return number(value)
+        case (("Add" | "Mul") as name, *parts):
+            return (added if name == "Add" else multiplied)([inner(part) for part in parts])
+        case ("Pow", base, exponent) if exponent.q == 1 and exponent > 0:
+            return raised(inner(base), int(exponent.p))
+    return None
+
+
 def inner_terms(term: Term) -> Iterator[Term]:
     """Yield a term and all its subterms."""
     yield term
@@ -202,16 +215,16 @@ def engine_text(name: str) -> str:
     return (files(__package__) / "engines" / name).read_text("utf-8").rstrip("\n")
 
 
-PLAIN = re.compile(r"[^A-Za-z0-9_ .,;:=<>+*/^()\[\]-]")
+UNSAFE_CHARACTERS = re.compile(r"[^A-Za-z0-9_ .,;:=<>+*/^()\[\]-]")
 """Characters removed from comments, so that none ends, begins or continues a comment."""
 
-WIDTH = 100
+COMMENT_WIDTH = 100
 
 
 def plain(text: str) -> list[str]:
     """Return a text as comment lines: unsafe characters by their code, spaces around ``*``."""
-    safe = PLAIN.sub(lambda match: f"<{ord(match[0]):x}>", text)
-    return wrap(safe.replace("*", " * "), WIDTH)
+    safe = UNSAFE_CHARACTERS.sub(lambda match: f"<{ord(match[0]):x}>", text)
+    return wrap(safe.replace("*", " * "), COMMENT_WIDTH)
 
 
 def plain_lines(proof: WrittenProof) -> list[str]:
@@ -233,14 +246,14 @@ def premise_line(premise: Premise) -> str:
     return f"{premise.words} ({premise.comment})"
 
 
-FEW = 3
+SUMMARY_PREMISES = 3
 """Number of premises listed in a short summary."""
 
 
 def premises_in_short(words: Sequence[str]) -> str:
     """Return the first premises, and the number of further ones."""
-    more = [f"{len(words) - FEW} more"] if len(words) > FEW else []
-    return "; ".join([*words[:FEW], *more])
+    more = [f"{len(words) - SUMMARY_PREMISES} more"] if len(words) > SUMMARY_PREMISES else []
+    return "; ".join([*words[:SUMMARY_PREMISES], *more])
 
 
 def premise_lines(proof: WrittenProof) -> list[str]:

@@ -21,9 +21,8 @@ from .traced_ring import Trace, TracedElement, TracedRing, plain, term_of, trace
 class TracedSlopes(Slopes):
     """Derivatives of the checker's field; those of formulas are left to the script.
 
-    A formula's derivative may need the slope that is being stated: the argument of an epsilon that
-    is part of a linear form with its variable.  Then the value that follows from the formula's
-    structure is stated, and checked when the slope is known.
+    A derivative may need the slope that is being stated (of an epsilon in a linear form).  Then the
+    value from the formula's structure is stated, and checked when the slope is known.
     """
 
     def __init__(self, field: TracedField) -> None:
@@ -177,15 +176,9 @@ class TracedField(Field):
         """Return the term of a premise's formula; without an image it becomes a free element."""
         if node in self._images:
             return self.image(node).term
-        match self.nodes.all[node]:
-            case ("number", value):
-                return terms.number(value)
-            case ("Add", *parts):
-                return terms.added([self.stated(part) for part in parts])
-            case ("Mul", *parts):
-                return terms.multiplied([self.stated(part) for part in parts])
-            case ("Pow", base, exponent) if exponent.q == 1 and exponent > 0:
-                return terms.raised(self.stated(base), int(exponent.p))
+        term = terms.composed(self.nodes.all[node], self.stated)
+        if term is not None:
+            return term
         self.free[node] = self.words.sentence("{}", node)
         return ("free", node)
 
