@@ -45,11 +45,11 @@ def chosen(names: Sequence[str] = (), others: Sequence[str] = ()) -> list[Proble
     for name in names:
         if name not in known:
             similar = did_you_mean(name, (*sorted(known), *others))
-            words = "name must be of the library, a statement's or an equation's"
+            words = "name must be a statement or equation of the library"
             remedy = similar or "longwave list --library shows them"
             raise ValueError(f"{words}, got {shown(name)} ({remedy})")
-    wanted = {*names} or known
-    return [text for text in published() if wanted & {text.name, text.equation_name}]
+    requested = {*names} or known
+    return [text for text in published() if requested & {text.name, text.equation_name}]
 
 
 def source_of(text: ProblemText) -> str:

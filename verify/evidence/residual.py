@@ -93,7 +93,7 @@ def sample_points(form: ClosedForm, count: int, seed: int) -> list[Point]:
     """Draw ``count`` points with parameters in their domains and variables within +-4."""
     draw, domains = random.Random(f"{form.name}:{seed}"), form_domains(form)
 
-    def share() -> sp.Rational:
+    def fraction() -> sp.Rational:
         """Draw a rational strictly between 0 and 1."""
         return sp.Rational(draw.randint(1, DENOMINATOR - 1), DENOMINATOR)
 
@@ -101,9 +101,9 @@ def sample_points(form: ClosedForm, count: int, seed: int) -> list[Point]:
         values: dict[sp.Symbol, sp.Rational] = {}
         for symbol in in_order(domains):
             low, high = _interval(domains[symbol], values)
-            values[symbol] = low + (high - low) * share()
+            values[symbol] = low + (high - low) * fraction()
         for variable in form.equation.variables:
-            values[variable] = HALF_WIDTH * (2 * share() - 1)
+            values[variable] = HALF_WIDTH * (2 * fraction() - 1)
         for sign in form.equation.free_sign:
             values[sign] = sp.Integer(draw.choice((1, -1)))
         return values

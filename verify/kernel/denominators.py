@@ -44,8 +44,8 @@ class Denominators:
         turns = [self._field.nodes.all[node] for node in turning]
         degrees = [int(turn[2].q) if turn[0] == "Pow" else 2 for turn in turns]
         within("the branches of a denominator", prod(degrees), BRANCHES)
-        for shares in product(*([fmpq(k, n) for k in range(n)] for n in degrees)):
-            values = self._at(tuple(zip(turning, shares, strict=True)))
+        for fractions in product(*([fmpq(k, n) for k in range(n)] for n in degrees)):
+            values = self._at(tuple(zip(turning, fractions, strict=True)))
             with ctx.workprec(BITS):
                 ball = value_at(factor, values)
             if not ball.is_finite() or ball.contains(0):

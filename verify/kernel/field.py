@@ -161,8 +161,8 @@ class Slopes:
         for q in nome:
             turn = self.rate(q, variable)
             if not turn.is_zero:
-                share = turn / (field.ring.number(-4) * field.image(q))
-                total = total + share * field.image_of(name, z, q, (label, order + 2))
+                factor = turn / (field.ring.number(-4) * field.image(q))
+                total = total + factor * field.image_of(name, z, q, (label, order + 2))
         return total
 
 

@@ -123,15 +123,15 @@ def constant(nodes: Nodes, node: int) -> acb | None:
     return value if value.is_finite() else None
 
 
-def _turn(share: fmpq) -> acb:
-    """Return exp(2 i pi share)."""
-    return (acb(0, 2) * acb.pi() * acb(arb(share))).exp()
+def _turn(fraction: fmpq) -> acb:
+    """Return exp(2 i pi fraction)."""
+    return (acb(0, 2) * acb.pi() * acb(arb(fraction))).exp()
 
 
 def _parity(value: acb) -> acb:
     whole = value.real.unique_fmpz()
     if whole is None or value.imag != 0:
-        raise CertificateError("a power of -1 must be to an integer at the point")
+        raise CertificateError("exponents of -1 must be integers at the point")
     return acb(-1 if int(whole) % 2 else 1)
 
 

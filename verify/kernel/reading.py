@@ -116,7 +116,7 @@ def tokens(text: object) -> list[tuple[str, str]]:
         match = TOKEN.match(text, place)
         if match is None:
             got = text[place : place + 20]
-            raise CertificateError(f"formulas must be of the grammar, got {got!a}")
+            raise CertificateError(f"formulas must follow the grammar, got {got!a}")
         if match.lastgroup is not None:
             found.append((match.lastgroup, match[0]))
         place = match.end()

@@ -47,7 +47,7 @@ def is_multiple(field: Field, node: int, exponent: fmpq) -> bool:
     nodes = field.nodes
     factors = nodes.all[node][1:] if nodes.all[node][0] == "Mul" else (node,)
     powers = [_power(field, f) for f in factors if not field.signs.not_negative(f)]
-    if not powers or not all(0 < share <= exponent for _, share in powers):
+    if not powers or not all(0 < fraction <= exponent for _, fraction in powers):
         return False
     bases = [base for base, _ in powers]
     if len(bases) > 1 and not all(map(field.signs.is_real, bases)):
@@ -59,8 +59,8 @@ def _power(field: Field, node: int) -> tuple[int, fmpq]:
     """Return f and s of a node f**s, or (f**t)**n with an integer n and s = t n."""
     match field.nodes.all[node]:
         case ("Pow", base, exponent):
-            inner, share = _power(field, base) if exponent.q == 1 else (base, fmpq(1))
-            return inner, share * exponent
+            inner, fraction = _power(field, base) if exponent.q == 1 else (base, fmpq(1))
+            return inner, fraction * exponent
     return node, fmpq(1)
 
 

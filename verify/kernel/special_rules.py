@@ -111,12 +111,12 @@ def _of_order(
     up, down = map(field.ring.number, CYLINDER[name])
     lower, higher = pair
     for _ in range(abs(steps)):
-        share = field.ring.number(2) / field.image(z)
+        factor = field.ring.number(2) / field.image(z)
         if steps > 0:
             place = place + field.one
-            lower, higher = higher, up * (down * lower - share * place * higher)
+            lower, higher = higher, up * (down * lower - factor * place * higher)
         else:
-            lower, higher = down * (up * higher + share * place * lower), lower
+            lower, higher = down * (up * higher + factor * place * lower), lower
             place = place - field.one
     return lower
 

@@ -88,7 +88,7 @@ def _kind(words: Sequence[str]) -> str:
     alone = zip(befores, words, afters, strict=False)
     named = [word for before, word, after in alone if word in KINDS and before == after == ","]
     if len(named) > 1:
-        raise CertificateError("a parameter must be of one kind")
+        raise CertificateError("a parameter must have one kind")
     return named[0] if named else "real"
 
 
@@ -138,7 +138,7 @@ def _solution(scope: Scope, text: str) -> int:
     """Return the formula of ``u = formula`` or ``u[n] = formula``."""
     parser = TextReader(scope, text)
     if parser.atom() != scope.node(tokens(text)[0][1]):
-        raise CertificateError("a solution must be of the unknown at its own variables")
+        raise CertificateError("a solution must define the unknown at its own variables")
     parser.expect("=")
     return parser.whole()
 

@@ -256,8 +256,8 @@ def size_jet(name: str, inner: Jet) -> Jet:
     if name == "conjugate":
         return other
     if name in ("re", "im"):
-        share, sign = (acb(0.5), acb(1)) if name == "re" else (acb(0, -0.5), acb(-1))
-        return constant(inner.shape, share) * (inner + constant(inner.shape, sign) * other)
+        fraction, sign = (acb(0.5), acb(1)) if name == "re" else (acb(0, -0.5), acb(-1))
+        return constant(inner.shape, fraction) * (inner + constant(inner.shape, sign) * other)
     if inner.value.contains(0):
         raise ValueError("points must be smooth, got one where a modulus is 0 (take another)")
     if name == "abs":

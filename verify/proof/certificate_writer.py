@@ -100,7 +100,7 @@ class NodeTable:
                 shifts = [moved - variable for moved, variable in pairs]
                 if all(shift.is_Integer for shift in shifts):
                     return ["unknown", place, list(map(int, shifts))]
-        raise ValueError(f"unknowns must be of a statement, at shifted variables, got {unknown}")
+        raise ValueError(f"unknowns must be the statement's at shifted variables, got {unknown}")
 
     def jet(self, orders: Sequence[int], variables: Sequence[sp.Symbol]) -> int:
         """Return the place of the derivative of these orders of the first unknown."""

@@ -75,16 +75,16 @@ def _value(
     """Draw a value of the domain: a fraction of a bounded one, else a distance from its end."""
     lower, upper = (rational_near(end) for end in domain.ends(known))
     prime = draw.choice(DENOMINATORS)
-    share = sp.Rational(draw.randint(1, prime - 1), prime)
+    fraction = sp.Rational(draw.randint(1, prime - 1), prime)
     if lower is None:
-        value = size * share if upper is None else upper - _length(-upper, size) * share
+        value = size * fraction if upper is None else upper - _length(-upper, size) * fraction
     elif upper is None:
-        value = lower + _length(lower, size) * share
+        value = lower + _length(lower, size) * fraction
     else:
         edge = margin * (upper - lower)
-        value = lower + edge + (upper - lower - 2 * edge) * share
+        value = lower + edge + (upper - lower - 2 * edge) * fraction
         if margin < MARGINS[0]:
-            near = edge * (1 + share)
+            near = edge * (1 + fraction)
             value = draw.choice((value, lower + near, upper - near))
     if not domain.integer:
         return sp.Rational(value)

@@ -50,7 +50,7 @@ def prove(
         return prover.prove(equation, solution, **options)
     if not all(textual):
         got = "text and a SymPy object (write both as text)"
-        raise TypeError(f"equation and solution must be of one kind, got {got}")
+        raise TypeError(f"equation and solution must both be text or SymPy objects, got {got}")
     wrong = sorted(options.keys() - {"name"})
     if wrong:
         known = "parameters, domain, solve, variables, weak and name"

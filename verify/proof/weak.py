@@ -231,7 +231,7 @@ def _check_smooth(tree: FormulaTree, value: sp.Expr, domains: Domains) -> None:
         plain = isinstance(node, Sum | Product | Number | Name) or whole
         if not (plain or (isinstance(node, Call) and node.name in SAFE)):
             known, got = ", ".join(SAFE), formula_text(node)
-            raise ValueError(f"with weak a side must be of {known}, got {got}")
+            raise ValueError(f"with weak a side must consist of {known}, got {got}")
     if singularities([value], domains):
         raise ValueError("with weak both sides must be shown to be smooth beyond the jump")
 

@@ -130,8 +130,8 @@ class TracedField(Field):
             is_principal = super().is_kept(name, f, value)
         if is_principal:
             turn = self.nodes.add("pi")
-            shares = (0, 1) if name == "acos" else (fmpq(-1, 2), fmpq(1, 2))
-            ends = (self.nodes.add("number", fmpq(share)) for share in shares)
+            fractions = (0, 1) if name == "acos" else (fmpq(-1, 2), fmpq(1, 2))
+            ends = (self.nodes.add("number", fmpq(fraction)) for fraction in fractions)
             low, high = (self.nodes.add("Mul", end, turn) for end in ends)
             self.signs.note(Question("less", (low, value)))
             self.signs.note(Question("less", (value, high)))
