@@ -115,7 +115,7 @@ AnyVerdict = TypeVar("AnyVerdict", bound=Verdict)
 
 
 def timed(decide: Callable[Given, AnyVerdict]) -> Callable[Given, AnyVerdict]:
-    """Return ``decide`` so that its verdicts have the seconds that the call took."""
+    """Return ``decide`` with its run time in seconds recorded in the verdicts."""
 
     @wraps(decide)
     def measured(*arguments: Given.args, **options: Given.kwargs) -> AnyVerdict:

@@ -27,7 +27,7 @@ from .signs import Signs
 
 @dataclass(frozen=True)
 class Rule:
-    """``answer`` to a ``question`` on ``functions``; it is None where the rule does not apply."""
+    """Rule whose ``answer`` to a question on some functions is None where it does not apply."""
 
     question: str
     functions: tuple[str, ...]
@@ -334,7 +334,7 @@ class Field:
             return False
 
     def renamed(self, node: int) -> int | None:
-        """Return the same function of its argument as a hint for it writes it, once checked."""
+        """Return the same function with its argument written as a checked hint gives it."""
         name, *arguments = self.nodes.all[node]
         if name not in FUNCTIONS or FUNCTIONS[name].symmetry in ("", "same"):
             return None
@@ -362,7 +362,7 @@ class Field:
         return value.inverse() if symmetry == "inverse" else value if symmetry == "even" else -value
 
     def register(self, node: int) -> None:
-        """Enter a generator for a function or symbol; one for an equal function is used instead."""
+        """Register a generator for a function or symbol; reuse that of an equal function."""
         self._enter_circle(node)
         self.walk(children(self.nodes.all[node]) if node not in self.circles.values() else ())
         known = self.known(node)
@@ -373,7 +373,7 @@ class Field:
             self.register_forms([node], [((self.nodes.rational(1),), self.nodes.rational(0))])
 
     def register_forms(self, nodes: Sequence[int], rows: Sequence[Row]) -> None:
-        """Enter linear forms in symbols or functions, or a root's multiple, as generators."""
+        """Register linear forms in symbols or functions, or a root's multiple, as generators."""
         relations = [self._relation(node) for node in nodes]
         for node in nodes:
             self._divide_by_argument(node)

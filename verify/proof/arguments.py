@@ -191,7 +191,7 @@ class IntegerCombinations:
         self.basis = tuple(self._written(row, given, vectors) for row in self._rows)
 
     def coordinates(self, argument: sp.Expr) -> tuple[int, ...]:
-        """Return the integer coordinates of ``argument`` in the basis; ValueError without any."""
+        """Return the integer coordinates of ``argument`` in the basis; ValueError if none."""
         rest, multiples = self._integers(expanded_terms(argument)), []
         for row in self._rows:
             pivot = next(i for i, value in enumerate(row) if value)

@@ -177,7 +177,7 @@ def equal_parts(problem: Problem) -> Iterator[list[Pair]]:
 def find_lemmas(
     left: sp.Expr, right: sp.Expr, variables: Sequence[sp.Symbol], point: Point
 ) -> list[Pair]:
-    """Return the largest proper sums that differ as formulas and agree at ``point``, disjoint."""
+    """Return the largest disjoint sums that differ as formulas and agree at ``point``."""
     with ctx.workprec(LEMMA_BITS):
         balls = BallEvaluator(JetShape([(0,)]), (), point)
         sums = [_values(formula, variables, balls) for formula in (left, right)]

@@ -113,7 +113,7 @@ def find_witness(
 
 
 def _proved(problem: Problem) -> ProofVerdict:
-    """Return an accepted proof, by equal parts first; ValueError says why the last one fails."""
+    """Return an accepted proof, by equal parts first; raises ValueError if no attempt succeeds."""
     reason = ValueError("there is no proof")
     for parts in equal_parts(problem):
         try:

@@ -54,7 +54,7 @@ TIME = "A*B_t - A_t*B + A*B_xxx - A_xxx*B - 3*A_x*B_xx + 3*A_xx*B_x"
 
 @timed
 def prove_rational(order: int) -> ProofVerdict:
-    """Prove the rational solution of an order (without shifts); ValueError unless it is positive.
+    """Decide whether the rational solution of a positive ``order``, without shifts, is right.
 
     >>> prove_rational(3).outcome
     <Outcome.PROVED: 'PROVED'>

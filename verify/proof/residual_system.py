@@ -189,7 +189,7 @@ class _Coefficients:
             self._system.left_out[words] = None
 
     def _judge_exponentials(self, polynomials: Iterable[Iterable[Monomial]]) -> None:
-        """Record where exponents of one polynomial, other factors equal, differ by a constant."""
+        """Record when products of exponentials depend, since exponents differ by a constant."""
         directions: dict[frozenset[tuple[sp.Expr, int]], None] = {}
         for monomials in polynomials:
             rows: defaultdict[Monomial, list[Counter[sp.Expr]]] = defaultdict(list)

@@ -264,7 +264,7 @@ class _Reading:
             self._keep(self.variables[letter], replace(domain, lower=lower, upper=upper))
 
     def _limited(self, part: TextPart, plain: Mapping[str, sp.Symbol]) -> tuple[str, Domain]:
-        """Return the domain and its variable: a side of its own, else the first to be isolated."""
+        """Return the variable that an inequality restricts (a lone side first), and its domain."""
         first: FormulaError | None = None
         for name in self._subjects(part, [*plain]):
             try:
