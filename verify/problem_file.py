@@ -73,10 +73,9 @@ class UnreadableProblem:
 class ProblemText:
     """A problem as written in the file, before its formulas are parsed.
 
-    ``looked_up`` is the address of a text that contains the formula, up to the names and the scale
-    of its parameters; it is empty if the formula is written from memory of the source.
-    ``variant_of`` is the name of the problem of which this is a wrong variant; ``note`` describes
-    the error. ``misprint_in`` is the publication with the wrong formula, if one printed it.
+    ``looked_up`` is the address of a text with the formula, up to names and scales; it is empty if
+    the formula is written from memory.  ``variant_of`` names the problem of which this is a wrong
+    variant, ``note`` describes the error, and ``misprint_in`` names a publication that has it.
     """
 
     where: str
@@ -99,14 +98,9 @@ class ProblemText:
     def problem(self) -> StatedProblem:
         """Parse the formulas; raises FormulaError with the problem's number and name."""
         texts = self.equation, self.solution, self.parameters, self.domain
+        names = {"name": self.name, "solve": self.solve, "variables": self.variables}
         try:
-            statement = read_statement(
-                *texts,
-                name=self.name,
-                solve=self.solve,
-                variables=self.variables,
-                weak=self.weak,
-            )
+            statement = read_statement(*texts, **names, weak=self.weak)
             return StatedProblem(statement, self.expect, self.source)
         except FormulaError as error:
             raise error.within(f"{self.where} ({self.name})") from None
@@ -120,10 +114,9 @@ class ProblemText:
 
 
 def problem_texts(path: Path) -> list[ProblemText]:
-    """Return the problems of a TOML file in order, with unparsed formulas.
+    """Return the problems of a TOML file (``-`` is the standard input) with unparsed formulas.
 
-    ``-`` is the standard input. Raises ValueError with the problem's number, and OSError if the
-    file cannot be opened.
+    Raises ValueError with the problem's number, and OSError if the file cannot be opened.
     """
     name, stem = shown_path(path), file_stem(path)
     data = read_toml(path, "problem file", FILE_BYTES)
@@ -148,18 +141,14 @@ def _problem(
     known = [key.name for key in fields(ProblemText) if key.name != "where"]
     for key in table:
         if key not in known:
-            raise ValueError(
-                f"{where}: keys must be known ones, got {shown(key)} ({one_of(key, known)})"
-            )
-    original = table.get("variant_of")
+            got = f"{shown(key)} ({one_of(key, known)})"
+            raise ValueError(f"{where}: keys must be known ones, got {got}")
+    original, texts = table.get("variant_of"), dict[str, Any](table)
     if isinstance(original, str) and original in earlier:
-        inherited = {key: getattr(earlier[original], key) for key in TAKEN}
-    elif original is None:
-        inherited = {}
-    else:
+        texts = {key: getattr(earlier[original], key) for key in TAKEN} | texts
+    elif original is not None:
         words = "variant_of must be the name of a problem above"
         raise ValueError(f"{where}: {words}, got {shown(original)}")
-    texts: dict[str, Any] = {**inherited, **table}
     for key in known:
         if key in FORMULAS:
             texts[key] = _formula_texts(where, key, texts.get(key))

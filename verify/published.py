@@ -36,9 +36,7 @@ def published() -> tuple[ProblemText, ...]:
 
 
 def chosen(names: Sequence[str] = (), others: Sequence[str] = ()) -> list[ProblemText]:
-    """Return the statements whose name or equation's name is in ``names``; all without names.
-
-    Raises ValueError for an unknown name, with similar names from the library and ``others``.
+    """Return statements by name or equation, all without names; ValueError for an unknown name.
 
     >>> [text.name for text in chosen(["kdv_one_soliton"])]
     ['kdv_one_soliton']
@@ -46,17 +44,12 @@ def chosen(names: Sequence[str] = (), others: Sequence[str] = ()) -> list[Proble
     known = {word for text in published() for word in (text.name, text.equation_name)}
     for name in names:
         if name not in known:
-            remedy = (
-                did_you_mean(name, (*sorted(known), *others))
-                or "longwave list --library shows them"
-            )
-            words = "name must be of the library, a statement's or an equation's"
+            similar = did_you_mean(name, (*sorted(known), *others))
+            words = "name must be a statement or equation of the library"
+            remedy = similar or "longwave list --library shows them"
             raise ValueError(f"{words}, got {shown(name)} ({remedy})")
-    return [
-        text
-        for text in published()
-        if not names or text.name in names or text.equation_name in names
-    ]
+    requested = {*names} or known
+    return [text for text in published() if requested & {text.name, text.equation_name}]
 
 
 def source_of(text: ProblemText) -> str:
@@ -70,10 +63,8 @@ def source_of(text: ProblemText) -> str:
 
 def records() -> list[dict[str, object]]:
     """Return the library as plain data, without empty values."""
-    return [
-        {key: value for key, value in vars(text).items() if value and key != "where"}
-        for text in published()
-    ]
+    tables = (vars(text).items() for text in published())
+    return [{key: value for key, value in t if value and key != "where"} for t in tables]
 
 
 def print_library() -> None:

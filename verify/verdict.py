@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import enum
 import json
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import wraps
+from typing import Any, ParamSpec, TypeVar
 
 from longwave.support.html_tables import html_table
 
@@ -42,10 +44,8 @@ class Verdict:
     ``detail`` is one line: the residual at each precision, the fact that was proved, or the reason
     why nothing was decided.  ``residual`` is the largest relative residual at the highest
     precision (0 for an exact proof, None if there is none).  ``witness`` is the point, as exact
-    rationals in text, at which a refuted form has a nonzero residual.
-
-    Raises ValueError for a refutation without a witness, and for an undecided verdict without a
-    reason.
+    rationals in text, at which a refuted form has a nonzero residual.  Raises ValueError for a
+    refutation without a witness, and for an undecided verdict without a reason.
 
     >>> Verdict("kink", "mKdV", "proof", Outcome.REFUTED, "residual 2", witness={"xi": "1"})
     <Verdict REFUTED: kink, mKdV: residual 2 at xi = 1>
@@ -62,14 +62,11 @@ class Verdict:
 
     def __post_init__(self) -> None:
         if self.outcome is Outcome.REFUTED and self.witness is None:
-            raise ValueError(
-                "witness must name the point of a refutation, got none "
-                "(use UNDECIDED where there is no such point)"
-            )
+            remedy = "use UNDECIDED where there is no such point"
+            raise ValueError(f"witness must name the point of a refutation, got none ({remedy})")
         if self.outcome is Outcome.UNDECIDED and not self.detail:
-            raise ValueError(
-                "detail must give the reason of an undecided verdict, got '' (say what stopped it)"
-            )
+            words = "detail must give the reason of an undecided verdict, got ''"
+            raise ValueError(f"{words} (say what stopped it)")
 
     @property
     def passed(self) -> bool:
@@ -113,6 +110,22 @@ class Verdict:
         return html_table(f"{self.heading}: {self.name}", rows)
 
 
+Given = ParamSpec("Given")
+AnyVerdict = TypeVar("AnyVerdict", bound=Verdict)
+
+
+def timed(decide: Callable[Given, AnyVerdict]) -> Callable[Given, AnyVerdict]:
+    """Return ``decide`` with its run time in seconds recorded in the verdicts."""
+
+    @wraps(decide)
+    def measured(*arguments: Given.args, **options: Given.kwargs) -> AnyVerdict:
+        start = time.perf_counter()
+        verdict = decide(*arguments, **options)
+        return replace(verdict, seconds=time.perf_counter() - start)
+
+    return measured
+
+
 SHOWN_PLACES = 4
 """Most places that `on_each_side` lists."""
 
@@ -126,10 +139,8 @@ def on_each_side(places: Sequence[str], sites: Sequence[str] = ()) -> str:
     'apart from n = 3, nothing said of it'
     """
     parts = []
-    for before, listed, after in (
-        ("on each side of", places, "across"),
-        ("apart from", sites, "of"),
-    ):
+    cases = ("on each side of", places, "across"), ("apart from", sites, "of")
+    for before, listed, after in cases:
         more = len(listed) - SHOWN_PLACES
         names = [*listed[:SHOWN_PLACES], *([f"{more} more"] if more > 0 else [])]
         them = "it" if len(listed) == 1 else "them"
@@ -141,13 +152,9 @@ def on_each_side(places: Sequence[str], sites: Sequence[str] = ()) -> str:
 class ProofVerdict(Verdict):
     """Verdict of the prover, with ``assumptions`` in words and a proof's accepted ``certificate``.
 
-    ``sides`` names the places in the domain at which a formula may jump or have a corner; a proof
-    holds on each side of them.
-
-    ``singularities`` names the poles, jumps and branch points that the formula may have inside
-    its domains; the verdict holds where the formula is smooth.
-
-    Raises ValueError for a proof without a certificate.
+    ``sides`` names places in the domain where a formula may jump or have a corner; a proof holds on
+    each side.  ``singularities`` names poles, jumps and branch points inside the domains, where the
+    verdict makes no claim.  Raises ValueError for a proof without a certificate.
     """
 
     assumptions: tuple[str, ...] = ()
@@ -158,9 +165,8 @@ class ProofVerdict(Verdict):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.outcome is Outcome.PROVED and self.certificate is None:
-            raise ValueError(
-                "certificate must be given with a proof, got none (prove only what is checked)"
-            )
+            remedy = "prove only what is checked"
+            raise ValueError(f"certificate must be given with a proof, got none ({remedy})")
 
     @property
     def restriction(self) -> str:
@@ -192,7 +198,5 @@ class ProofVerdict(Verdict):
         """Return the record as plain data, with the size of the certificate in place of it."""
         record = super().json()
         del record["certificate"]
-        record["assumptions"] = list(self.assumptions)
-        record["singularities"] = list(self.singularities)
-        record["certificate_bytes"] = self.certificate_bytes
-        return record
+        lists = {name: list(record[name]) for name in ("assumptions", "singularities")}
+        return record | lists | {"certificate_bytes": self.certificate_bytes}

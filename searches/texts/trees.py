@@ -125,7 +125,7 @@ class _Reader:
         while text[place:].strip():
             match = _WORD.match(text, place)
             if match is None:
-                raise ValueError(f"formulas must be of the grammar, got {text[place:]!r}")
+                raise ValueError(f"formulas must follow the grammar, got {text[place:]!r}")
             self.words.append(match[match.lastindex or 0])
             place = match.end()
         self.words.append("")

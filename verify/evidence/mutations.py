@@ -113,20 +113,17 @@ class MutationCount:
     @property
     def proved(self) -> int:
         """Number of mutants proved to be solutions."""
-        return self._count(Outcome.PROVED)
+        return sum(survivor.outcome is Outcome.PROVED for survivor in self.survivors)
 
     @property
     def undecided(self) -> int:
         """Number of mutants left undecided."""
-        return self._count(Outcome.UNDECIDED)
+        return len(self.survivors) - self.proved
 
     @property
     def refuted(self) -> int:
         """Number of mutants refuted with a witness."""
         return self.mutants - len(self.survivors)
-
-    def _count(self, outcome: Outcome) -> int:
-        return sum(survivor.outcome is outcome for survivor in self.survivors)
 
     def json(self) -> dict[str, Any]:
         """Return the record as plain data."""
@@ -149,8 +146,7 @@ def count_mutants(form: ClosedForm) -> MutationCount:
 
 
 def _survivor(form: ClosedForm, mutant: Mutant) -> Survivor | None:
-    problem = own_problem(replace(form, expression=mutant.expression))
-    verdict = decide(problem, time.perf_counter())
+    verdict = decide(own_problem(replace(form, expression=mutant.expression)))
     if verdict.outcome is Outcome.REFUTED:
         return None
     proved = verdict.outcome is Outcome.PROVED

@@ -11,9 +11,9 @@ from __future__ import annotations
 
 import itertools
 import random
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import reduce
 from typing import Any
 
 import mpmath
@@ -25,7 +25,7 @@ from longwave.solutions.record import ClosedForm
 from longwave.verify.proof import form_domains
 from longwave.verify.proof.domains import Domain, Point, in_order
 from longwave.verify.proof.samples import rational_near
-from longwave.verify.verdict import Outcome, Verdict
+from longwave.verify.verdict import Outcome, Verdict, timed
 
 SLACK_DIGITS = 4
 """Digits by which the decay may fall short of d2 - d1; covers rounding at the worst point."""
@@ -37,10 +37,7 @@ MINIMUM_GAP = 2 * SLACK_DIGITS + 1
 
 @dataclass(frozen=True)
 class Decay:
-    """Decimal logarithms of the largest relative residual (``levels``) at each of ``digits``.
-
-    A residual of exactly 0 has level -inf.
-    """
+    """Decimal logarithms (-inf for 0) of the largest relative residual at each of ``digits``."""
 
     digits: tuple[int, ...]
     levels: tuple[float, ...]
@@ -57,9 +54,8 @@ class Decay:
         """
         floored = [max(level, -d) for d, level in zip(self.digits, self.levels, strict=True)]
         steps = itertools.pairwise(zip(self.digits, floored, strict=True))
-        return all(
-            before - after >= high - low - SLACK_DIGITS for (low, before), (high, after) in steps
-        )
+        falls = ((before - after, high - low) for (low, before), (high, after) in steps)
+        return all(fall >= digits - SLACK_DIGITS for fall, digits in falls)
 
     def text(self) -> str:
         """Return the residuals and their digits on one line.
@@ -84,8 +80,7 @@ def scientific(level: float) -> str:
 
 
 HALF_WIDTH = 4
-"""Variables are drawn from plus or minus this; an unbounded domain is cut this far beyond 0 and
-its other end."""
+"""Bound of drawn variables; unbounded domains are cut this far beyond 0 and the other end."""
 
 DENOMINATOR = 1009
 """Denominator of drawn values; a prime, so that no drawn value is exact in binary."""
@@ -95,13 +90,10 @@ MARGIN = sp.Rational(1, 20)
 
 
 def sample_points(form: ClosedForm, count: int, seed: int) -> list[Point]:
-    """Return ``count`` points with parameters inside their domains and variables within +-4.
-
-    The points depend on the form's name and domains and on the seed.
-    """
+    """Draw ``count`` points with parameters in their domains and variables within +-4."""
     draw, domains = random.Random(f"{form.name}:{seed}"), form_domains(form)
 
-    def share() -> sp.Rational:
+    def fraction() -> sp.Rational:
         """Draw a rational strictly between 0 and 1."""
         return sp.Rational(draw.randint(1, DENOMINATOR - 1), DENOMINATOR)
 
@@ -109,9 +101,9 @@ def sample_points(form: ClosedForm, count: int, seed: int) -> list[Point]:
         values: dict[sp.Symbol, sp.Rational] = {}
         for symbol in in_order(domains):
             low, high = _interval(domains[symbol], values)
-            values[symbol] = low + (high - low) * share()
+            values[symbol] = low + (high - low) * fraction()
         for variable in form.equation.variables:
-            values[variable] = HALF_WIDTH * (2 * share() - 1)
+            values[variable] = HALF_WIDTH * (2 * fraction() - 1)
         for sign in form.equation.free_sign:
             values[sign] = sp.Integer(draw.choice((1, -1)))
         return values
@@ -134,7 +126,7 @@ DIGITS = (30, 50, 100)
 MOST_POINTS = 100_000
 POINTS = 24
 
-SETTLED = 0.005
+SETTLED_CHANGE = 0.005
 """A residual has settled if its log10 moves by less than this when the digits double."""
 
 
@@ -146,8 +138,7 @@ class EvaluationError(ValueError):
 class Sampling:
     """Sampling plan of a residual: digits, number of points, and random seed.
 
-    Raises ValueError for fewer than two precisions, for precisions too close together to show the
-    decay, and for more than `MOST_POINTS` points.
+    Raises ValueError for fewer than two precisions, ones too close together, and too many points.
     """
 
     digits: tuple[int, ...] = DIGITS
@@ -158,23 +149,16 @@ class Sampling:
         digits = self.digits
         gaps = [high - low for low, high in itertools.pairwise(digits)]
         if not gaps or digits[0] < 15 or min(gaps) < MINIMUM_GAP or digits[-1] > MOST_DIGITS:
-            raise ValueError(
-                f"digits must be two or more numbers from 15 to {MOST_DIGITS}, each at least "
-                f"{MINIMUM_GAP} above the one before, got "
-                f"{','.join(map(str, digits)) or 'none'} (30,50,100 is usual)"
-            )
+            words = f"two or more numbers from 15 to {MOST_DIGITS}, each at least {MINIMUM_GAP}"
+            got = f"{','.join(map(str, digits)) or 'none'} (30,50,100 is usual)"
+            raise ValueError(f"digits must be {words} above the one before, got {got}")
         if not 1 <= self.points <= MOST_POINTS:
-            raise ValueError(
-                f"points must satisfy 1 <= points <= {MOST_POINTS}, got {self.points} (24 is usual)"
-            )
+            words = f"points must satisfy 1 <= points <= {MOST_POINTS}"
+            raise ValueError(f"{words}, got {self.points} (24 is usual)")
 
 
 class ResidualProgram:
-    """Terms of the residual of one expression, differentiated and compiled once.
-
-    ``level(point, digits)`` is log10 of the relative residual at an exact point.
-    Raises EvaluationError for a function without a known derivative.
-    """
+    """Compiled terms of a residual; raises EvaluationError for an unknown derivative."""
 
     def __init__(self, expression: sp.Expr, equation: Equation) -> None:
         symbols = {*equation.variables, *equation.free_sign} | expression.free_symbols
@@ -188,10 +172,7 @@ class ResidualProgram:
         self._terms = tape.formula(self.symbols, entries)
 
     def level(self, point: Point, digits: int) -> float:
-        """Return log10 of |residual| / sum of |terms| at ``point``; -inf if the residual is 0.
-
-        Raises EvaluationError if the value is not finite or cannot be computed.
-        """
+        """Return log10 of |residual| / sum of |terms|; EvaluationError if it is not finite."""
         context = self._context
         context.dps = digits
         values = [context.mpf(point[s].p) / point[s].q for s in self.symbols]
@@ -206,53 +187,40 @@ class ResidualProgram:
 
 
 def _term_entries(tape: Tape, expression: sp.Expr, equation: Equation) -> list[sp.Expr]:
-    """Record the terms of the residual on the tape and return their entries.
-
-    The terms are expanded with an undefined function; then its derivatives become tape entries.
-    """
+    """Return tape entries of the residual's terms, expanded with an undefined function."""
     field = sp.Function("U")(*equation.variables)
     residual = sp.expand(equation.residual(field))
-    value = tape.record(expression)
-    entries = {}
+    value, entries = tape.record(expression), {}
     for jet in sorted(residual.atoms(sp.Derivative, type(field)), key=sp.default_sort_key):
-        entry = value
-        for variable in getattr(jet, "variables", ()):
-            entry = tape.derivative(entry, variable)
-        entries[jet] = entry
-    terms = sp.Add.make_args(residual)
-    return [tape.record(term.xreplace(entries)) for term in terms]
+        entries[jet] = reduce(tape.derivative, getattr(jet, "variables", ()), value)
+    return [tape.record(term.xreplace(entries)) for term in sp.Add.make_args(residual)]
 
 
+@timed
 def check_residual(form: ClosedForm, sampling: Sampling | None = None) -> Verdict:
     """Evaluate the residual of ``form`` at random admissible points and judge its decay.
 
-    CHECKED if it falls with the digits at all points.  REFUTED, with the point as witness, if it
-    settles at a nonzero value.  UNDECIDED, with the reason, otherwise.
+    CHECKED if it falls with the digits, REFUTED if it settles above 0, UNDECIDED otherwise.
     """
-    start = time.perf_counter()
     sampling = sampling or Sampling()
     method = f"residual at {', '.join(map(str, sampling.digits))} digits"
     try:
         findings = _judge(form, sampling)
     except EvaluationError as error:
         findings = {"outcome": Outcome.UNDECIDED, "detail": str(error)}
-    seconds = time.perf_counter() - start
-    return Verdict(form.name, form.equation.name, method, **findings, seconds=seconds)
+    return Verdict(form.name, form.equation.name, method, **findings)
 
 
 def _judge(form: ClosedForm, sampling: Sampling) -> dict[str, Any]:
     program = ResidualProgram(form.expression, form.equation)
     points = sample_points(form, sampling.points, sampling.seed)
     decay, worst = _sweep(program, points, sampling.digits)
-    findings = {
-        "outcome": Outcome.CHECKED,
-        "detail": f"{decay.text()}, {len(points)} points",
-        "residual": 10 ** decay.levels[-1],
-    }
+    detail = f"{decay.text()}, {len(points)} points"
+    findings = {"outcome": Outcome.CHECKED, "detail": detail, "residual": 10 ** decay.levels[-1]}
     if decay.falls():
         return findings
     finer = program.level(worst, 2 * decay.digits[-1])
-    if abs(finer - decay.levels[-1]) < SETTLED:
+    if abs(finer - decay.levels[-1]) < SETTLED_CHANGE:
         return findings | {"outcome": Outcome.REFUTED, "witness": _text(worst)}
     reason = f"{decay.text()}: neither falls with the digits nor settles"
     return findings | {"outcome": Outcome.UNDECIDED, "detail": reason}
@@ -261,18 +229,14 @@ def _judge(form: ClosedForm, sampling: Sampling) -> dict[str, Any]:
 def _sweep(
     program: ResidualProgram, points: Sequence[Point], digits: Sequence[int]
 ) -> tuple[Decay, Point]:
-    """Return the decay of the largest residual, and its point at the highest precision.
-
-    Stops at the first increase of precision that does not lower the residual.
-    """
-    levels: list[float] = []
+    """Return the largest residuals until one does not fall, and the point of the last one."""
+    decay = Decay((), ())
     for precision in digits:
-        at_points = [_level_at(program, point, precision) for point in points]
-        levels.append(max(at_points))
-        decay = Decay(tuple(digits[: len(levels)]), tuple(levels))
+        levels = [_level_at(program, point, precision) for point in points]
+        decay = Decay((*decay.digits, precision), (*decay.levels, max(levels)))
         if not decay.falls():
             break
-    return decay, points[at_points.index(levels[-1])]
+    return decay, points[levels.index(max(levels))]
 
 
 def _level_at(program: ResidualProgram, point: Point, digits: int) -> float:

@@ -64,12 +64,7 @@ NOT_NEGATIVE = Interval(fmpq(0))
 ABOVE: Ends = (fmpq(0), None)
 UNIT_ENDS: Ends = (fmpq(-1), fmpq(1))
 
-CYLINDER: Mapping[str, tuple[int, int]] = {
-    "bessel_j": (-1, 1),
-    "bessel_y": (-1, 1),
-    "bessel_i": (1, 1),
-    "bessel_k": (-1, -1),
-}
+CYLINDER = {"bessel_j": (-1, 1), "bessel_y": (-1, 1), "bessel_i": (1, 1), "bessel_k": (-1, -1)}
 """Bessel functions C of order v, with a and b in C' = v/z C + a C(v + 1) = b C(v - 1) - v/z C."""
 
 

@@ -51,11 +51,6 @@ class Interval:
         return self.high is not None and self.high <= 0 and not self.is_not_negative
 
     @property
-    def closed(self) -> Interval:
-        """The interval with its ends."""
-        return Interval(self.low, self.high)
-
-    @property
     def ends(self) -> tuple[End, End]:
         """The two ends."""
         return (self.low, self.low_open), (self.high, self.high_open)
@@ -134,9 +129,8 @@ class Interval:
     def exponential(self) -> Interval:
         """Return the interval of exp, by rational bounds of its values at the ends."""
         least = None if self.low is None else of_constant(arb(min(self.low, _FAR)).exp()).low
-        most = None
-        if self.high is not None and self.high <= _FAR:
-            most = of_constant(arb(self.high).exp()).high
+        is_far = self.high is None or self.high > _FAR
+        most = None if is_far else of_constant(arb(self.high).exp()).high
         return POSITIVE & Interval(least, most, self.low_open, self.high_open)
 
     def root(self) -> Interval:

@@ -3,21 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from .denominators import Denominators, is_continuous_end, is_linear
 from .field import Field, Hints
-from .limits import (
-    FORMAT,
-    FORMS,
-    GENERATORS,
-    NAME,
-    NODES,
-    PARTS,
-    CertificateError,
-    digest,
-    within,
-)
+from .limits import FORMAT, FORMS, GENERATORS, NAME, NODES, PARTS, CertificateError, digest, within
 from .node_balls import Balls
 from .nodes import Nodes, listed, number
 from .reading import formula
@@ -26,10 +17,7 @@ from .table import RULES
 
 
 def check_certificate(data: object) -> str:
-    """Repeat the proof in ``data`` and return what it proves, in words.
-
-    Raises CertificateError, with the reason on one line, if any part of it fails.
-    """
+    """Repeat the proof in ``data``; return its statement in words or raise CertificateError."""
     try:
         return _check(data)
     except CertificateError:
@@ -61,7 +49,7 @@ def _check(data: object) -> str:
 
 
 def opened(data: Mapping[str, Any]) -> Statement:
-    """Return the statement of a certificate; its nodes have the proof's formulas as places."""
+    """Return the statement of a certificate; ``nodes.places`` has the formulas of its proof."""
     nodes = Nodes()
     statement, scope = read_statement(nodes, data["statement"])
     symbols = len(scope.known)
@@ -73,11 +61,7 @@ def opened(data: Mapping[str, Any]) -> Statement:
 
 
 def prove(statement: Statement, proof: Mapping[str, Any], part: bool = False) -> None:
-    """Decide whether the equations of ``statement`` vanish in the field of ``proof``.
-
-    Raises CertificateError if they do not, if the point of the proof is outside the domain or a
-    denominator is not shown to be other than 0 there.  A part is an equality used in a proof.
-    """
+    """Raise CertificateError unless ``proof`` proves the statement; a ``part`` has no parts."""
     field = registered(statement, proof, part)
     field.walk(statement.formulas)
     for equation in statement.equations:
@@ -138,9 +122,7 @@ def _register(field: Field, entry: object, parts: Sequence[Any], statement: Stat
             left, right, proof = listed(parts[number_of], 3, "a part", exactly=True)
             sides = place(left), place(right)
             difference = field.nodes.gap(sides[1], sides[0])
-            equality = Statement(
-                field.nodes, statement.variables, (), sides, (difference,), statement.domain
-            )
+            equality = replace(statement, unknowns=(), formulas=sides, equations=(difference,))
             prove(equality, proof, part=True)
             field.register_part(*sides)
         case _:

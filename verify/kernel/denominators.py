@@ -22,13 +22,11 @@ from .nodes import Nodes, children
 from .reading import axiom
 from .statement import Statement, Substitution
 
-Point = Mapping[int, fmpq]
-
 
 class Denominators:
     """The check of the factors of a field's ring at a point of a statement's domain."""
 
-    def __init__(self, field: Field, statement: Statement, point: Point) -> None:
+    def __init__(self, field: Field, statement: Statement, point: Mapping[int, fmpq]) -> None:
         self._field, self._statement, self._point = field, statement, point
         self._connected = is_connected(field, statement)
         self._values: dict[tuple[tuple[int, fmpq], ...], list[acb]] = {}
@@ -43,10 +41,11 @@ class Denominators:
                 raise CertificateError("a denominator has both a root and a function that may jump")
             if factor not in self._own:
                 raise CertificateError("a denominator that may jump is none of the statement's")
-        degrees = [self._degree(node) for node in turning]
+        turns = [self._field.nodes.all[node] for node in turning]
+        degrees = [int(turn[2].q) if turn[0] == "Pow" else 2 for turn in turns]
         within("the branches of a denominator", prod(degrees), BRANCHES)
-        for shares in product(*([fmpq(k, n) for k in range(n)] for n in degrees)):
-            values = self._at(tuple(zip(turning, shares, strict=True)))
+        for fractions in product(*([fmpq(k, n) for k in range(n)] for n in degrees)):
+            values = self._at(tuple(zip(turning, fractions, strict=True)))
             with ctx.workprec(BITS):
                 ball = value_at(factor, values)
             if not ball.is_finite() or ball.contains(0):
@@ -56,10 +55,9 @@ class Denominators:
     def _own(self) -> list[fmpq_mpoly]:
         """Factors that may jump and vanish where the statement is not smooth, or almost nowhere.
 
-        They are what the statement divides by or has in a logarithm, also within definitions of its
-        functions (a part, which has no unknowns, is no statement); exponentials, which are nowhere
-        0; and W(f), which is 0 where f is, and 1 + W(f), which is 0 at W's branch point, if f does
-        not jump.
+        They are divisors and arguments of logarithms in the statement (a part, without unknowns,
+        has none) and in the definitions of its functions; exponentials, which are nowhere 0; and,
+        if f does not jump, W(f), 0 where f is 0, and 1 + W(f), 0 at the branch point of W.
         """
         field, nodes, own = self._field, self._field.nodes, self._statement
         put = Substitution(nodes, own.variables, own.formulas)
@@ -107,10 +105,6 @@ class Denominators:
         z = inner[own.letters.index("z")]
         off_cut = signs.is_real(node) if own.kind == "arc" else own.free and signs.positive(z)
         return not (self._connected and off_cut and signs.is_bounded(z))
-
-    def _degree(self, node: int) -> int:
-        name, *_, last = self._field.nodes.all[node]
-        return int(last.q) if name == "Pow" else 2
 
 
 def _divisors(nodes: Nodes, stated: Sequence[int]) -> Iterator[int]:
@@ -172,10 +166,5 @@ def is_linear(nodes: Nodes, node: int) -> bool:
         case ("Mul", *factors):
             moving = [f for f in factors if not nodes.is_constant(f)]
             return len(moving) <= 1 and all(is_linear(nodes, f) for f in factors)
-    return is_real_constant(nodes, node)
-
-
-def is_real_constant(nodes: Nodes, node: int) -> bool:
-    """Return whether a node has no symbols and a value that is evidently real, such as log(2)."""
-    value = constant(nodes, node)
+    value = constant(nodes, node)  # a real number without a symbol, such as log(2)
     return value is not None and bool(value.imag == 0)

@@ -7,7 +7,6 @@ integer n and f < 0, f**n = (-1)**n (-f)**n.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from functools import reduce
 from operator import mul
 
@@ -19,62 +18,56 @@ from .nodes import Nodes
 from .ring import Element
 from .root_rules import angle_of, whole
 
-UNITY: Mapping[int, str] = {
-    1: "-1",
-    2: "I",
-    3: "(1 + I*sqrt(3))/2",
-    4: "(1 + I)*sqrt(2)/2",
-    6: "(sqrt(3) + I)/2",
-}
+UNITY = {1: "-1", 2: "I", 3: "(1 + I*sqrt(3))/2", 4: "(1 + I)*sqrt(2)/2", 6: "(sqrt(3) + I)/2"}
 """exp(i pi/n)."""
 
 PHASE, HALF_PHASE = "(1 + I*z)/(1 - I*z)", "(1 + I*z)/sqrt(1 + z**2)"
 """exp(2 i atan z) and exp(i atan z)."""
 
 LARGEST_ORDER = 60
-"""Denominator of a share of i pi whose exponential has a relation."""
+"""Largest denominator of q for which exp(i pi q) gets a relation."""
 
 
 def exponential_of_lambert(field: Field, node: int) -> Element | None:
     """Apply exp(n W(f)) = (f/W(f))**n."""
     times, u = field.nodes.multiple(field.nodes.all[node][1])
-    match field.nodes.all[u]:
-        case ("lambert_w", f):
-            return (field.image(f) / field.image(u)) ** whole(times)
-    return None
+    name, *arguments = field.nodes.all[u]
+    if name != "lambert_w":
+        return None
+    return (field.image(arguments[0]) / field.image(u)) ** whole(times)
 
 
 def turn_of(nodes: Nodes, z: int) -> tuple[fmpq, list[int]] | None:
     """Return a number q and the factors of a node i pi q times these; None for any other."""
-    share, letters, others, waiting = fmpq(1), list[str](), list[int](), [z]
+    fraction, letters, others, waiting = fmpq(1), list[str](), list[int](), [z]
     while waiting:
         factor = waiting.pop()
         match nodes.all[factor]:
             case ("Mul", *factors):
                 waiting += factors
             case ("number", value):
-                share *= value
+                fraction *= value
             case ("Pow", base, exponent) if exponent == -1 and (below := nodes.value(base)):
-                share /= below
+                fraction /= below
             case ("I" | "pi" as letter,):
                 letters.append(letter)
             case _:
                 others.append(factor)
-    return (share, others) if sorted(letters) == ["I", "pi"] else None
+    return (fraction, others) if sorted(letters) == ["I", "pi"] else None
 
 
-def share_of_turn(nodes: Nodes, z: int) -> fmpq | None:
+def fraction_of_turn(nodes: Nodes, z: int) -> fmpq | None:
     """Return q of a node i pi q, with a number q of small denominator; else None."""
-    share, others = turn_of(nodes, z) or (None, [])
-    return share if share is not None and not others and share.q <= LARGEST_ORDER else None
+    fraction, others = turn_of(nodes, z) or (None, [])
+    return fraction if fraction is not None and not others and fraction.q <= LARGEST_ORDER else None
 
 
 def cyclotomic_relation(field: Field, node: int) -> tuple[int, Element] | None:
     """Return the degree of exp(i pi q), a root of unity, and that power of it in lower ones."""
-    share = share_of_turn(field.nodes, field.nodes.all[node][1])
-    if share is None:
+    fraction = fraction_of_turn(field.nodes, field.nodes.all[node][1])
+    if fraction is None:
         return None
-    order = int(share.q) * (1 if share.p % 2 == 0 else 2)
+    order = int(fraction.q) * (1 if fraction.p % 2 == 0 else 2)
     *lower, _ = [int(c) for c in fmpz_poly.cyclotomic(order).coeffs()]
     root = field.ring.generator(len(field.generators))
     return len(lower), field.sum([field.ring.number(-c) * root**n for n, c in enumerate(lower)])
@@ -82,24 +75,24 @@ def cyclotomic_relation(field: Field, node: int) -> tuple[int, Element] | None:
 
 def root_of_unity(field: Field, node: int) -> Element | None:
     """Return exp(i pi q) as a power of a generator, or of exp(i pi/n) for some small n."""
-    share = share_of_turn(field.nodes, field.nodes.all[node][1])
-    if share is None:
+    fraction = fraction_of_turn(field.nodes, field.nodes.all[node][1])
+    if fraction is None:
         return None
     for other in field.primitives("exp"):
-        own = share_of_turn(field.nodes, field.nodes.all[other][1]) or fmpq(0)
+        own = fraction_of_turn(field.nodes, field.nodes.all[other][1]) or fmpq(0)
         for times in range(2 * int(own.q)):
-            if ((times * own - share) / 2).q == 1:
+            if ((times * own - fraction) / 2).q == 1:
                 return field.image(other) ** times
-    first = UNITY.get(int(share.q))
-    return None if first is None else field.read(first) ** (int(share.p) % (2 * int(share.q)))
+    first = UNITY.get(int(fraction.q))
+    return None if first is None else field.read(first) ** (int(fraction.p) % (2 * int(fraction.q)))
 
 
 def turns_of_integer(field: Field, node: int) -> Element | None:
     """Apply exp(i pi n) = (-1)**n for an integer n, if such powers are generators."""
-    share, others = turn_of(field.nodes, field.nodes.all[node][1]) or (fmpq(1, 2), [])
-    if share.q != 1 or not others or not all(map(field.nodes.is_integer, others)):
+    fraction, others = turn_of(field.nodes, field.nodes.all[node][1]) or (fmpq(1, 2), [])
+    if fraction.q != 1 or not others or not all(map(field.nodes.is_integer, others)):
         return None
-    if share.p % 2 == 0:
+    if fraction.p % 2 == 0:
         return field.one
     power = field.nodes.add("parity", field.nodes.product(*others))
     return field.image(power) if field.primitives("parity") else None
@@ -132,7 +125,7 @@ def parity(field: Field, node: int) -> Element:
     if field.nodes.value(z) is not None:
         return field.one if whole(times) % 2 == 0 else -field.one
     if rest == z:
-        raise CertificateError("a power of -1 must be to a sum of integers")
+        raise CertificateError("exponents of -1 must be sums of integers")
     return field.image_of("parity", rest) ** whole(times)
 
 

@@ -7,8 +7,9 @@ generators by a rule whose premises are checked, by exact arithmetic on images.
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import reduce
 from operator import mul
 from typing import Any, ClassVar
@@ -26,10 +27,7 @@ from .signs import Signs
 
 @dataclass(frozen=True)
 class Rule:
-    """A question, the functions that it is asked of, the answer, and what that assumes.
-
-    An answer is given the field and a node, and is None where the rule does not apply.
-    """
+    """Rule whose ``answer`` to a question on some functions is None where it does not apply."""
 
     question: str
     functions: tuple[str, ...]
@@ -42,14 +40,14 @@ class Rules:
 
     def __init__(self, *rows: Rule) -> None:
         self.rows = rows
-        self._answers: dict[tuple[str, str], list[Callable[..., Any]]] = {}
+        self._answers: defaultdict[tuple[str, str], list[Callable[..., Any]]] = defaultdict(list)
         for row in rows:
             for name in row.functions:
-                self._answers.setdefault((row.question, name), []).append(row.answer)
+                self._answers[row.question, name].append(row.answer)
 
     def tried(self, question: str, function: str) -> Sequence[Callable[..., Any]]:
         """Return the answers to a question about a function, in order."""
-        return self._answers.get((question, function), ())
+        return self._answers[question, function]
 
 
 Row = tuple[Sequence[int], int]
@@ -58,11 +56,10 @@ Row = tuple[Sequence[int], int]
 
 @dataclass(frozen=True)
 class Hints:
-    """Hints for a proof: nothing of this is believed, all of it is checked.
+    """Hints for a proof, all of which are checked.
 
-    ``values[f]`` names what a root, an absolute value, a logarithm or an inverse function is, or
-    the same function of an argument written as a sum; ``signs[f]`` a formula with the same image
-    whose structure shows its sign.
+    ``values[f]`` is what a root, absolute value, logarithm or inverse function equals, or the same
+    function of a sum; ``signs[f]`` is a formula with the image of f whose structure shows its sign.
     """
 
     values: Mapping[int, int]
@@ -102,25 +99,21 @@ class Slopes:
     def slope(self, place: int, variable: int) -> Element:
         """Return the derivative of a generator."""
         if (place, variable) not in self._slopes:
-            self._slopes[place, variable] = self._slope(place, variable)
+            generator = self._field.generators[place]
+            rate = self.rate(generator.formula, variable)
+            if not generator.scale.is_one():
+                factor = Element(self._field.ring, generator.scale)
+                image = self._field.ring.generator(place) / factor
+                rate = rate * factor + image * self.derivative(factor, variable)
+            self._slopes[place, variable] = rate
         return self._slopes[place, variable]
-
-    def _slope(self, place: int, variable: int) -> Element:
-        generator = self._field.generators[place]
-        rate, scale = self.rate(generator.formula, variable), generator.scale
-        if scale.is_one():
-            return rate
-        factor = Element(self._field.ring, scale)
-        image = self._field.ring.generator(place) / factor
-        return rate * factor + image * self.derivative(factor, variable)
 
     def rate(self, node: int, variable: int) -> Element:
         """Return the derivative of a formula, by its structure and the axioms."""
         if (node, variable) not in self._rates:
             moves = variable in self._field.nodes.below([node])
-            self._rates[node, variable] = (
-                self._made_rate(node, variable) if moves else self._field.zero
-            )
+            rate = self._made_rate(node, variable) if moves else self._field.zero
+            self._rates[node, variable] = rate
         return self._rates[node, variable]
 
     def _made_rate(self, node: int, variable: int) -> Element:
@@ -168,8 +161,8 @@ class Slopes:
         for q in nome:
             turn = self.rate(q, variable)
             if not turn.is_zero:
-                share = turn / (field.ring.number(-4) * field.image(q))
-                total = total + share * field.image_of(name, z, q, (label, order + 2))
+                factor = turn / (field.ring.number(-4) * field.image(q))
+                total = total + factor * field.image_of(name, z, q, (label, order + 2))
         return total
 
 
@@ -192,19 +185,14 @@ class Field:
         hints: Hints,
         rules: Rules,
     ) -> None:
-        self.nodes, self.ring, self.hints = nodes, self.ring_type(count), hints
-        self.rules = rules
+        self.nodes, self.ring, self.hints, self.rules = nodes, self.ring_type(count), hints, rules
         self.variables, self.generators = variables, list[Generator]()
-        self.positive, self.point = positive, dict[int, fmpq]()
+        self.positive, self.point, self.circles = positive, dict[int, fmpq](), dict[int, int]()
         self.signs = Signs(nodes, self.image, positive, hints.signs)
-        self.circles: dict[int, int] = {}
         self.one, self.zero = self.ring.number(1), self.ring.number(0)
-        self._images: dict[int, Element] = {}
-        self._underway: set[int] = set()
+        self._images, self._underway = dict[int, Element](), set[int]()
         self._primitives: dict[str, list[int]] = {}
-        self._slopes = self.slopes_type(self)
-
-    # images
+        self.slopes = self.slopes_type(self)
 
     def walk(self, nodes: Iterable[int]) -> None:
         """Make the images of ``nodes`` from the inside out."""
@@ -271,10 +259,10 @@ class Field:
         for found in (answer(self, node) for answer in self.rules.tried("image", name)):
             if found is not None:
                 return found
-        if name in FUNCTIONS and FUNCTIONS[name].definition:
-            own = FUNCTIONS[name]
-            return self.read(own.definition, **own.arguments(*arguments))
-        raise CertificateError(f"there is no generator for a {name}")
+        own = FUNCTIONS.get(name)
+        if own is None or not own.definition:
+            raise CertificateError(f"there is no generator for a {name}")
+        return self.read(own.definition, **own.arguments(*arguments))
 
     def image_of(self, name: str, *arguments: Any) -> Element:
         """Return the image of the node ``(name, *arguments)``."""
@@ -289,12 +277,8 @@ class Field:
         by_denominator: dict[frozenset[tuple[int, int]], Element] = {}
         for part in parts:
             key = frozenset(part.powers.items())
-            above = (
-                part.numerator + by_denominator[key].numerator
-                if key in by_denominator
-                else part.numerator
-            )
-            by_denominator[key] = Element(self.ring, above, part.powers)
+            known = by_denominator.get(key, self.zero)
+            by_denominator[key] = replace(part, numerator=part.numerator + known.numerator)
         return total(self.ring, list(by_denominator.values())).cancelled()
 
     def product(self, factors: Iterable[int]) -> Element:
@@ -316,18 +300,11 @@ class Field:
 
     def is_kept(self, name: str, f: int, value: int) -> bool:
         """Return whether ``value``, of which the function is ``f``, is principal by continuity."""
-        answers = self.rules.tried("continuity", name)
-        return any(answer(self, name, f, value) for answer in answers)
+        return any(rule(self, name, f, value) for rule in self.rules.tried("continuity", name))
 
     def derivative(self, element: Element, variable: int) -> Element:
         """Return the derivative of an element, by slopes that follow from the axioms."""
-        return self._slopes.derivative(element, variable)
-
-    def slope(self, place: int, variable: int) -> Element:
-        """Return the derivative of a generator."""
-        return self._slopes.slope(place, variable)
-
-    # hints
+        return self.slopes.derivative(element, variable)
 
     def primitives(self, name: str) -> list[int]:
         """Return the nodes of the function ``name`` of which a generator is made."""
@@ -357,10 +334,7 @@ class Field:
             return False
 
     def renamed(self, node: int) -> int | None:
-        """Return the same function of an argument in the words that a hint names; checked.
-
-        What is said of the argument of sn holds for those of cn, dn, epsilon and zeta.
-        """
+        """Return the same function with its argument written as a checked hint gives it."""
         name, *arguments = self.nodes.all[node]
         if name not in FUNCTIONS or FUNCTIONS[name].symmetry in ("", "same"):
             return None
@@ -387,13 +361,8 @@ class Field:
         value = self.image(other)
         return value.inverse() if symmetry == "inverse" else value if symmetry == "even" else -value
 
-    # generators
-
     def register(self, node: int) -> None:
-        """Enter a generator for ``node``, a function or a symbol.
-
-        It is not used where another one stands for the same function of equal arguments.
-        """
+        """Register a generator for a function or symbol; reuse that of an equal function."""
         self._enter_circle(node)
         self.walk(children(self.nodes.all[node]) if node not in self.circles.values() else ())
         known = self.known(node)
@@ -401,14 +370,10 @@ class Field:
             self.generators.append(Generator(node, self.ring.context.constant(1), ()))
             self._images[node] = known
         else:
-            one, zero = self.nodes.rational(1), self.nodes.rational(0)
-            self.register_forms([node], [((one,), zero)])
+            self.register_forms([node], [((self.nodes.rational(1),), self.nodes.rational(0))])
 
     def register_forms(self, nodes: Sequence[int], rows: Sequence[Row]) -> None:
-        """Enter generators that are linear in as many symbols or functions, with images of these.
-
-        Of an algebraic function it is a multiple, times what makes its power a polynomial.
-        """
+        """Register linear forms in symbols or functions, or a root's multiple, as generators."""
         relations = [self._relation(node) for node in nodes]
         for node in nodes:
             self._divide_by_argument(node)
@@ -521,7 +486,7 @@ class Field:
 
 
 SINES = ("jacobi_cn", "jacobi_dn", "jacobi_epsilon", "jacobi_zeta")
-"""Functions whose arguments are written like those of sn."""
+"""Functions to whose arguments a hint for that of sn applies."""
 
 
 def solved(table: list[list[Element]]) -> list[Element]:

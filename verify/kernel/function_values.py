@@ -25,7 +25,7 @@ Jet = tuple[str, int]
 TERMS = 80
 """Terms of the series, which is taken where B |z|**2 <= 1/16."""
 
-LEAST = arb(2) ** -60
+POSITIVE_SHIFT = arb(2) ** -60
 """FLINT has no cube root of 0."""
 
 
@@ -98,7 +98,7 @@ class Jacobi:
 
 def weierstrass(z: acb, g2: acb, g3: acb) -> tuple[acb, acb]:
     """Return p and its derivative at ``z``, by halving z and adding points of the cubic curve."""
-    bound = _upper(abs(g2) / 60).sqrt() + _upper(abs(g3) / 84 + LEAST).root(3)
+    bound = _upper(abs(g2) / 60).sqrt() + _upper(abs(g3) / 84 + POSITIVE_SHIFT).root(3)
     halvings = 0
     while not bound * abs(z) ** 2 < arb(1) / 16 and halvings < 64:
         z, halvings = z / 2, halvings + 1
@@ -144,10 +144,7 @@ def theta_ball(z: acb, q: acb, jet: Jet) -> acb:
 
 
 def jet_ball(z: acb, jet: Jet) -> acb:
-    """Return a derivative of one function that is generic: 1/gamma at a shift.
-
-    It satisfies no algebraic differential equation.
-    """
+    """Return a derivative of a shifted 1/gamma, which has no algebraic differential equation."""
     label, order = jet
     place = z + acb(arb(generic_shift(label)))
     terms, ctx.cap = ctx.cap, order + 1  # FLINT's series take the terms beyond for 0

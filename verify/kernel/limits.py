@@ -23,8 +23,7 @@ FORMS, PARTS = 4, 8
 """Most linear forms that belong together, and most equal parts that a proof may rest on."""
 
 WORK = 50_000_000
-"""Products of terms in all polynomial multiplications; the catalogue's dearest proof takes a
-tenth of it."""
+"""Most products of terms in all polynomial multiplications; the catalogue needs a tenth."""
 
 HEIGHT = 1_000_000
 """Bits of the coefficients of a power; the catalogue's have at most some hundred."""

@@ -20,9 +20,8 @@ BITS = 320
 class Balls:
     """Balls around the nodes of a table, with its symbols at ``point``.
 
-    Roots, absolute values and signs in ``turns`` are on another branch: times a root of unity, of
-    which the share of a whole turn is given.  Complex conjugates are continued with them, by the
-    formulas, given by ``conjugate``, that they have on the domain.
+    Roots, absolute values and signs in ``turns`` are on another branch: times a root of unity,
+    given as a fraction of a turn.  ``conjugate`` gives the formulas of complex conjugates there.
     """
 
     def __init__(
@@ -68,7 +67,7 @@ class Balls:
             case (("re" | "im" | "conjugate") as name, inner):
                 return self._part(name, inner)
             case ("parity", inner):
-                return self._unit(node) if node in self._turns else _parity(known[inner])
+                return _turn(self._turns[node]) if node in self._turns else _parity(known[inner])
             case (str(name), z, m) if name.startswith("jacobi_"):
                 return getattr(self._parameter(m), name.removeprefix("jacobi_"))(known[z])
             case (str(name), *rest) if name in FUNCTIONS:
@@ -85,13 +84,13 @@ class Balls:
         if node not in self._turns:
             return value.root(degree)
         if value.real < 0:
-            return (-value).root(degree) * _turn(fmpq(1, 2 * degree)) * self._unit(node)
-        return value.root(degree) * self._unit(node)
+            return (-value).root(degree) * _turn(fmpq(1, 2 * degree)) * _turn(self._turns[node])
+        return value.root(degree) * _turn(self._turns[node])
 
     def _size(self, node: int, inner: int) -> acb:
         if node not in self._turns:
             return acb(abs(self._found[inner]))
-        return (self._found[inner] * self._conjugate(inner)).sqrt() * self._unit(node)
+        return (self._found[inner] * self._conjugate(inner)).sqrt() * _turn(self._turns[node])
 
     def _part(self, name: str, inner: int) -> acb:
         value = self._found[inner]
@@ -106,9 +105,6 @@ class Balls:
         if self._formula is not None and self._nodes.all[inner][0] != "symbol":
             return self.ball(self._formula(inner))
         return acb(self._found[inner].real, -self._found[inner].imag)
-
-    def _unit(self, node: int) -> acb:
-        return _turn(self._turns[node])
 
     def _parameter(self, m: int) -> Jacobi:
         if m not in self._elliptic:
@@ -127,15 +123,15 @@ def constant(nodes: Nodes, node: int) -> acb | None:
     return value if value.is_finite() else None
 
 
-def _turn(share: fmpq) -> acb:
-    """Return exp(2 i pi share)."""
-    return (acb(0, 2) * acb.pi() * acb(arb(share))).exp()
+def _turn(fraction: fmpq) -> acb:
+    """Return exp(2 i pi fraction)."""
+    return (acb(0, 2) * acb.pi() * acb(arb(fraction))).exp()
 
 
 def _parity(value: acb) -> acb:
     whole = value.real.unique_fmpz()
     if whole is None or value.imag != 0:
-        raise CertificateError("a power of -1 must be to an integer at the point")
+        raise CertificateError("exponents of -1 must be integers at the point")
     return acb(-1 if int(whole) % 2 else 1)
 
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Sequence
+from math import prod
 from typing import Any
 
 from flint import fmpq
@@ -62,9 +63,7 @@ def listed(value: object, limit: int, what: str, exactly: bool = False) -> list[
 
 
 class Nodes:
-    """The nodes of a certificate, and those that the axioms make from them.
-
-    ``places`` are those that a proof refers to by number.
+    """Nodes of a certificate and its axioms; ``places`` are those that a proof refers to.
 
     >>> nodes = Nodes()
     >>> x, two = nodes.add("symbol", "x", "real"), nodes.rational(2)
@@ -122,14 +121,9 @@ class Nodes:
     def multiple(self, node: int) -> tuple[fmpq, int]:
         """Return the numbers in a product, multiplied, and the rest, 1 if there is none."""
         factors = self.all[node][1:] if self.all[node][0] == "Mul" else (node,)
-        number, rest = fmpq(1), []
-        for factor in factors:
-            value = self.value(factor)
-            if value is None:
-                rest.append(factor)
-            else:
-                number *= value
-        return number, self.product(*rest)
+        values = [value for value in map(self.value, factors) if value is not None]
+        rest = [factor for factor in factors if self.value(factor) is None]
+        return prod(values, start=fmpq(1)), self.product(*rest)
 
     def times(self, number: int, node: int) -> int:
         """Return a multiple of a node."""

@@ -50,22 +50,21 @@ def shape(nodes: Nodes, node: int) -> Shape | None:
             return 1, frozenset({0})
         case ("diff", inner, *along) if nodes.all[inner][0] == "unknown" and shape(nodes, inner):
             return 1 + len(along), frozenset({len(along) % 2})
-        case (("Add" | "Mul") as name, *inner):
-            parts = [shape(nodes, part) for part in inner]
+        case ("Add", *inner):
+            parts = [shape(nodes, term) for term in inner]
             known = [part for part in parts if part is not None]
             if len(known) == len(parts):
-                return reduce(_plus if name == "Add" else _times, known)
+                return max(power for power, _ in known), frozenset().union(*(o for _, o in known))
+        case ("Mul", *inner):
+            return reduce(_times, [shape(nodes, factor) for factor in inner])
         case ("Pow", base, exponent) if exponent.q == 1 and exponent > 0:
-            own = shape(nodes, base)
-            return None if own is None else reduce(_times, [own] * int(exponent.p))
+            return reduce(_times, [shape(nodes, base)] * int(exponent.p))
     return None
 
 
-def _plus(left: Shape, right: Shape) -> Shape:
-    return max(left[0], right[0]), left[1] | right[1]
-
-
-def _times(left: Shape, right: Shape) -> Shape:
+def _times(left: Shape | None, right: Shape | None) -> Shape | None:
+    if left is None or right is None:
+        return None
     return left[0] + right[0], frozenset(a ^ b for a in left[1] for b in right[1])
 
 
@@ -101,16 +100,9 @@ class _Partials:
 
     def _jet(self, along: Sequence[int]) -> fmpq_poly:
         """Return the numerator of a derivative along variables."""
-        total = {(0, 0): fmpq(1)}
-        for variable in along:
-            moved: dict[tuple[int, int], fmpq] = {}
-            for (a, b), weight in total.items():
-                for place, rate in zip(
-                    ((a + 1, b), (a, b + 1)), self._rates[variable], strict=True
-                ):
-                    moved[place] = moved.get(place, fmpq(0)) + weight * rate
-            total = {place: weight for place, weight in moved.items() if weight != 0}
-        return sum((w * self._partial(*place) for place, w in total.items()), fmpq_poly([0]))
+        weights = reduce(mul, (fmpq_poly([*self._rates[variable]]) for variable in along))
+        terms = ((b, weight) for b, weight in enumerate(weights.coeffs()) if weight != 0)
+        return sum((w * self._partial(len(along) - b, b) for b, w in terms), fmpq_poly([0]))
 
     def _partial(self, a: int, b: int) -> fmpq_poly:
         if b > 1:
@@ -148,11 +140,10 @@ def long_quotient(field: Field, statement: Statement) -> tuple[Element, int, int
     t, x = sorted(range(2), key=lambda place: image.numerator.degrees()[1 - place])
     rates: Rates = {}
     for variable in statement.variables:
-        slopes = [field.slope(place, variable) for place in (x, t)]
+        slopes = [field.slopes.slope(place, variable) for place in (x, t)]
         if any(slope.places for slope in slopes):
             return None
-        zero = (0,) * len(field.ring.names)
-        rates[variable] = (slopes[0].numerator[zero], slopes[1].numerator[zero])
+        rates[variable] = (slopes[0].numerator[0, 0], slopes[1].numerator[0, 0])
     return image, x, t, rates
 
 

@@ -45,10 +45,7 @@ def is_reserved(name: str) -> bool:
 
 @dataclass
 class Scope:
-    """Meaning of names: variables and symbols, definitions (nodes) and unknowns.
-
-    A name that means nothing yet is a real parameter from then on.
-    """
+    """Meaning of names: variables, symbols, definitions and unknowns; new ones are parameters."""
 
     nodes: Nodes
     variables: list[int] = field(default_factory=list)
@@ -71,7 +68,7 @@ class Scope:
                 raise CertificateError(f"subscripts must be variables, got {base}_{steps[:40]}")
             within("the order of a derivative", len(steps), ORDER)
             return self.nodes.add("diff", self.node(base), *sorted(letters[s] for s in steps))
-        self._refuse_likeness(name)
+        self.refuse_likeness(name)
         return self.declare(name, "real")
 
     def is_function(self, name: str) -> bool:
@@ -94,17 +91,12 @@ class Scope:
         """Return an unknown at shifted variables."""
         return self.nodes.add("unknown", self.unknowns.index(name), shifts)
 
-    def check(self) -> None:
-        """Raise CertificateError if a symbol's name reads as a derivative of an unknown."""
-        for name in self.known:
-            self._refuse_likeness(name)
-
     def letters(self) -> dict[str, int]:
         """Return the variables by their names."""
         return {self.nodes.all[variable][1]: variable for variable in self.variables}
 
-    def _refuse_likeness(self, name: str) -> None:
-        """``u_t``, ``ut`` and ``ubar`` beside the unknown u are no parameters."""
+    def refuse_likeness(self, name: str) -> None:
+        """Raise CertificateError for a name such as ``u_t``, ``ut`` or ``ubar`` of an unknown u."""
         letters = "|".join(map(re.escape, self.letters()))
         for unknown in self.unknowns:
             rest = name.removeprefix(unknown)
@@ -124,7 +116,7 @@ def tokens(text: object) -> list[tuple[str, str]]:
         match = TOKEN.match(text, place)
         if match is None:
             got = text[place : place + 20]
-            raise CertificateError(f"formulas must be of the grammar, got {got!a}")
+            raise CertificateError(f"formulas must follow the grammar, got {got!a}")
         if match.lastgroup is not None:
             found.append((match.lastgroup, match[0]))
         place = match.end()

@@ -18,15 +18,7 @@ from operator import or_
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 from flint.utils.flint_exceptions import DomainError
 
-from .limits import (
-    DEGREE,
-    FACTOR_DEGREE,
-    FACTOR_TERMS,
-    HEIGHT,
-    WORK,
-    CertificateError,
-    within,
-)
+from .limits import DEGREE, FACTOR_DEGREE, FACTOR_TERMS, HEIGHT, WORK, CertificateError, within
 
 Powers = Mapping[int, int]
 
@@ -76,13 +68,8 @@ class Ring:
 
     def roots(self) -> list[tuple[int, int, fmpq_mpoly]]:
         """Return the generators with a relation in ``factors``: place there, degree, value."""
-        found = []
-        for index, degree, modulus in self.relations:
-            generator = self.context.gens()[index]
-            if generator in self.factors:
-                value = generator**degree - modulus
-                found.append((self.factors.index(generator), degree, value))
-        return found
+        known = ((self.context.gens()[index], n, modulus) for index, n, modulus in self.relations)
+        return [(self.factors.index(g), n, g**n - m) for g, n, m in known if g in self.factors]
 
     def spend(self, work: int) -> None:
         """Count work; raises CertificateError when it is too much."""
@@ -131,13 +118,18 @@ class Element:
         return bool(self.numerator.is_zero())
 
     @property
+    def value(self) -> fmpq | None:
+        """The value of a rational number; None for any other element."""
+        if self.powers or not self.numerator.is_constant():
+            return None
+        return fmpq(0) if self.is_zero else self.numerator.leading_coefficient()
+
+    @property
     def places(self) -> set[int]:
         """The generators that occur."""
-        found: set[int] = set()
-        for polynomial in (self.numerator, *(self.ring.factors[i] for i in self.powers)):
-            degrees = reversed(polynomial.degrees())
-            found |= {place for place, degree in enumerate(degrees) if degree > 0}
-        return found
+        polynomials = (self.numerator, *(self.ring.factors[i] for i in self.powers))
+        degrees = (reversed(polynomial.degrees()) for polynomial in polynomials)
+        return {place for row in degrees for place, degree in enumerate(row) if degree > 0}
 
     def over(self, powers: Powers) -> fmpq_mpoly:
         """Return the numerator over a multiple of the denominator."""
@@ -190,10 +182,8 @@ class Element:
             if power:  # 1/g = g**(degree - 1)/value
                 factor = self.ring.factors[place]
                 rest = {i: n for i, n in inverse.powers.items() if i != place}
-                whole = Element(self.ring, inverse.numerator, rest)
-                other = (
-                    Element(self.ring, factor ** (degree - 1)) * Element(self.ring, value).inverse()
-                )
+                whole, above = Element(self.ring, inverse.numerator, rest), factor ** (degree - 1)
+                other = Element(self.ring, above) * Element(self.ring, value).inverse()
                 inverse = whole * other**power
         return inverse
 
@@ -203,10 +193,8 @@ class Element:
             return Element(self.ring, self.numerator)
         numerator, powers = self.numerator, dict(self.powers)
         for place in self.powers:
-            while powers[place]:
-                quotient = self.ring.quotient(numerator, self.ring.factors[place])
-                if quotient is None:
-                    break
+            factor = self.ring.factors[place]
+            while powers[place] and (quotient := self.ring.quotient(numerator, factor)) is not None:
                 numerator, powers[place] = quotient, powers[place] - 1
         return Element(self.ring, numerator, {i: n for i, n in powers.items() if n})
 

@@ -47,7 +47,7 @@ def is_multiple(field: Field, node: int, exponent: fmpq) -> bool:
     nodes = field.nodes
     factors = nodes.all[node][1:] if nodes.all[node][0] == "Mul" else (node,)
     powers = [_power(field, f) for f in factors if not field.signs.not_negative(f)]
-    if not powers or not all(0 < share <= exponent for _, share in powers):
+    if not powers or not all(0 < fraction <= exponent for _, fraction in powers):
         return False
     bases = [base for base, _ in powers]
     if len(bases) > 1 and not all(map(field.signs.is_real, bases)):
@@ -59,16 +59,16 @@ def _power(field: Field, node: int) -> tuple[int, fmpq]:
     """Return f and s of a node f**s, or (f**t)**n with an integer n and s = t n."""
     match field.nodes.all[node]:
         case ("Pow", base, exponent):
-            inner, share = _power(field, base) if exponent.q == 1 else (base, fmpq(1))
-            return inner, share * exponent
+            inner, fraction = _power(field, base) if exponent.q == 1 else (base, fmpq(1))
+            return inner, fraction * exponent
     return node, fmpq(1)
 
 
 def _is_sum_positive(field: Field, left: int, right: int) -> bool:
     """Return whether the sum of two nodes is a positive number, or shown to be positive."""
-    total = field.image(left) + field.image(right)
-    if total.numerator.is_constant() and not total.powers:
-        return bool(not total.is_zero and total.numerator.leading_coefficient() > 0)
+    total = (field.image(left) + field.image(right)).value
+    if total is not None:
+        return bool(total > 0)
     return field.signs.positive(field.nodes.add("Add", left, right))
 
 
@@ -123,9 +123,8 @@ def absolute_value(field: Field, node: int) -> Element:
     if value is None:
         raise CertificateError("there is no generator for a Abs")
     if not (field.image(value) ** 2 - field.squared(field.nodes.all[node][1])).is_zero:
-        raise CertificateError(
-            "the square of the value given for an abs is not the square of its argument"
-        )
+        got = "is not the square of its argument"
+        raise CertificateError(f"the square of the value given for an abs {got}")
     if not field.signs.not_negative(value):
         raise CertificateError("the value given for an abs is not shown to be >= 0 on the domain")
     return field.image(value)

@@ -96,9 +96,9 @@ class Signs:
 
     def is_between(self, node: int, low: fmpq | None, high: fmpq | None) -> bool:
         """Return whether ``node`` is real and not outside two rational numbers (None: any)."""
-        ends = [None if end is None else self._nodes.add("number", end) for end in (low, high)]
-        gaps = [] if ends[0] is None else [self._nodes.gap(ends[0], node)]
-        gaps += [] if ends[1] is None else [self._nodes.gap(node, ends[1])]
+        add, gap = self._nodes.add, self._nodes.gap
+        gaps = [] if low is None else [gap(add("number", low), node)]
+        gaps += [] if high is None else [gap(node, add("number", high))]
         return self.is_real(node) and all(map(self.not_negative, gaps))
 
     def interval(self, node: int) -> Interval:
@@ -109,9 +109,12 @@ class Signs:
             self._intervals[node] = Interval()  # no rule asks for its own node
             found = self._interval(node) & self._stated(node)
             if node in self._witnesses and not found.is_not_zero:
-                other = self._witness(node)
+                other = self._witnesses[node]
+                if node != other and not (self._image(node) - self._image(other)).is_zero:
+                    raise CertificateError("the witness of a sign has another image")
                 witnessed = self.interval(other)  # an open end is where the witness is defined
-                found = found & (witnessed if self.is_bounded(other) else witnessed.closed)
+                ends = Interval(witnessed.low, witnessed.high)
+                found = found & (witnessed if self.is_bounded(other) else ends)
             self._intervals[node] = found
         return self._intervals[node]
 
@@ -176,13 +179,6 @@ class Signs:
                 below = Interval(None, gap.high, False, not weak)
                 return above if moving == [node] else below
         return Interval()
-
-    def _witness(self, node: int) -> int:
-        """Return the formula with the same image that a hint names, checked."""
-        other = self._witnesses[node]
-        if node != other and not (self._image(node) - self._image(other)).is_zero:
-            raise CertificateError("the witness of a sign has another image")
-        return other
 
     def conjugate(self, node: int) -> int:
         """Return the complex conjugate of a node as a node."""
@@ -258,7 +254,5 @@ def _multiple(element: Element, other: Element) -> tuple[fmpq, fmpq] | None:
     if element.powers or other.powers or above.is_constant() or below.is_constant():
         return None
     ratio = above.leading_coefficient() / below.leading_coefficient()
-    gap = above - ratio * below
-    if not gap.is_constant():
-        return None
-    return ratio, fmpq(0) if gap.is_zero() else gap.leading_coefficient()
+    gap = Element(element.ring, above - ratio * below).value
+    return None if gap is None else (ratio, gap)

@@ -8,8 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from flint import fmpq
-
 from .axioms import BEHIND, CYLINDER, FUNCTIONS, SPECIAL_VALUES, SUMS, ZETA
 from .field import Field
 from .function_values import THETA
@@ -84,37 +82,25 @@ HALF_ORDERS: Mapping[str, tuple[str, str]] = {
 
 
 def cylinder(field: Field, node: int) -> Element:
-    """Return a Bessel function, from those of the orders v and v + 1 that are generators, or +-1/2.
-
-    That K is even in its order gives it from the orders -v too.
-    """
+    """Return a Bessel function by recurrence, from two orders with generators or from +-1/2."""
     name, order, z = field.nodes.all[node]
     for other in field.primitives(name):
         _, v, w = field.nodes.all[other]
         if not field.equal(z, w):
             continue
-        sides = (1, -1) if name == "bessel_k" else (1,)
-        for side in sides:
-            steps = _difference(field, field.nodes.times(side, order), v)
+        for side in (1, -1) if name == "bessel_k" else (1,):  # K is even in its order
+            steps = (field.image(field.nodes.times(side, order)) - field.image(v)).value
             if steps is not None and steps.q == 1:
                 above = field.nodes.add("Add", v, field.nodes.rational(1))
                 pair = field.image(other), field.image_of(name, above, z)
                 return _of_order(field, node, pair, field.image(v), whole(steps))
     start = field.nodes.rational(-1, 2)
-    steps = _difference(field, order, start)
+    steps = (field.image(order) - field.image(start)).value
     if steps is None or steps.q != 1:
         raise CertificateError(f"there is no generator for a {name}")
     scale = field.read("sqrt(2)/(sqrt(pi)*sqrt(z))", z=z)
     lower, higher = (scale * field.read(text, z=z) for text in HALF_ORDERS[name])
     return _of_order(field, node, (lower, higher), field.image(start), whole(steps))
-
-
-def _difference(field: Field, left: int, right: int) -> fmpq | None:
-    """Return the difference of two orders if it is a number."""
-    gap = field.image(left) - field.image(right)
-    if gap.powers or not gap.numerator.is_constant():
-        return None
-    return fmpq(0) if gap.is_zero else gap.numerator.leading_coefficient()
 
 
 def _of_order(
@@ -125,18 +111,18 @@ def _of_order(
     up, down = map(field.ring.number, CYLINDER[name])
     lower, higher = pair
     for _ in range(abs(steps)):
-        share = field.ring.number(2) / field.image(z)
+        factor = field.ring.number(2) / field.image(z)
         if steps > 0:
             place = place + field.one
-            lower, higher = higher, up * (down * lower - share * place * higher)
+            lower, higher = higher, up * (down * lower - factor * place * higher)
         else:
-            lower, higher = down * (up * higher + share * place * lower), lower
+            lower, higher = down * (up * higher + factor * place * lower), lower
             place = place - field.one
     return lower
 
 
 def odd_or_even(field: Field, node: int) -> Element | None:
-    """Return the first theta function is odd, the others are even, if that of -z is a generator."""
+    """Return a theta function from that of -z with a generator; the first is odd, others even."""
     _, z, q, (label, order) = field.nodes.all[node]
     found = field.known(field.nodes.add("theta", field.nodes.negative(z), q, (label, order)))
     return found if found is None or (label == THETA[0]) == (order % 2 == 1) else -found

@@ -12,12 +12,6 @@ from .reading import Scope, TextReader, is_reserved, tokens
 
 PARTS = ("variables", "equations", "solutions", "parameters", "domain")
 
-INTEGERS = ("n",)
-"""Variables that are integers where nothing else is said."""
-
-SIGNED = {"positive": (0, 1), "negative": (1, 0)}
-"""Words for 0 < name and name < 0."""
-
 
 @dataclass(frozen=True)
 class Statement:
@@ -40,22 +34,15 @@ def read_statement(nodes: Nodes, data: object) -> tuple[Statement, Scope]:
         raise CertificateError(f"the statement must have the parts {', '.join(PARTS)}")
     texts = {name: listed(data[name], 400, name) for name in PARTS}
     scope = _declared(nodes, texts)
-    domain: list[tuple[bool, int, int]] = []
-    for text in texts["parameters"]:
-        domain += _parameter(scope, text)
+    domain = [limit for text in texts["parameters"] for limit in _parameter(scope, text)]
     for text in texts["domain"]:
         domain += _conditions(scope, TextReader(scope, text), "")
     solutions = [_solution(scope, text) for text in texts["solutions"]]
     left_sides = [_equation(scope, text) for text in texts["equations"]]
-    scope.check()
-    found = Statement(
-        nodes,
-        tuple(scope.variables),
-        tuple(scope.unknowns),
-        tuple(solutions),
-        tuple(left_sides),
-        tuple(domain),
-    )
+    for name in scope.known:
+        scope.refuse_likeness(name)
+    known = tuple(scope.variables), tuple(scope.unknowns), tuple(solutions), tuple(left_sides)
+    found = Statement(nodes, *known, tuple(domain))
     _check(found)
     return found, scope
 
@@ -75,7 +62,7 @@ def _declared(nodes: Nodes, texts: Mapping[str, list[Any]]) -> Scope:
         name = TextReader(scope, text).name()
         if len(tokens(text)) > 1:
             raise CertificateError("variables must be names")
-        kind = kinds.pop(name, "integer" if name in INTEGERS else "real")
+        kind = kinds.pop(name, "integer" if name == "n" else "real")  # n is a lattice site
         if kind not in ("real", "integer"):
             raise CertificateError("variables must be real or integers")
         scope.variables.append(scope.declare(name, kind))
@@ -101,7 +88,7 @@ def _kind(words: Sequence[str]) -> str:
     alone = zip(befores, words, afters, strict=False)
     named = [word for before, word, after in alone if word in KINDS and before == after == ","]
     if len(named) > 1:
-        raise CertificateError("a parameter must be of one kind")
+        raise CertificateError("a parameter must have one kind")
     return named[0] if named else "real"
 
 
@@ -124,10 +111,9 @@ def _conditions(scope: Scope, parser: TextReader, name: str) -> list[tuple[bool,
     while True:
         if name and parser.next in DOMAIN_WORDS:
             word = parser.name()
-            if word in SIGNED:
-                ends = [scope.nodes.rational(0), scope.node(name)]
-                left, right = SIGNED[word]
-                found.append((False, ends[left], ends[right]))
+            if word in ("positive", "negative"):
+                zero, own = scope.nodes.rational(0), scope.node(name)
+                found.append((False, zero, own) if word == "positive" else (False, own, zero))
         else:
             found += _chain(parser)
         if parser.ended:
@@ -152,7 +138,7 @@ def _solution(scope: Scope, text: str) -> int:
     """Return the formula of ``u = formula`` or ``u[n] = formula``."""
     parser = TextReader(scope, text)
     if parser.atom() != scope.node(tokens(text)[0][1]):
-        raise CertificateError("a solution must be of the unknown at its own variables")
+        raise CertificateError("a solution must define the unknown at its own variables")
     parser.expect("=")
     return parser.whole()
 
@@ -187,30 +173,24 @@ def _check(statement: Statement) -> None:
 
 def statement_text(statement: Statement, texts: Mapping[str, Sequence[str]]) -> str:
     """Return the statement as it was typed, and for which symbols it was proved."""
-    nodes = statement.nodes
-    kinds = {
-        kind: sorted(node[1] for node in nodes.all if node[0] == "symbol" and node[2] == kind)
-        for kind in KINDS
-    }
-    symbols = [f"{kind} {', '.join(names)}" for kind, names in kinds.items() if names]
-    limits = [text for text in texts["parameters"] if ":" in text] + list(texts["domain"])
-    where = [text for text in texts["parameters"] if ":" not in text]
+    symbols = [node for node in statement.nodes.all if node[0] == "symbol"]
+    named = [(kind, sorted(node[1] for node in symbols if node[2] == kind)) for kind in KINDS]
+    kinds = "; ".join(f"{kind} {', '.join(names)}" for kind, names in named if names)
+    limits = "; ".join([t for t in texts["parameters"] if ":" in t] + list(texts["domain"]))
+    where = "; ".join(text for text in texts["parameters"] if ":" not in text)
     lines = [
         f"equation: {'; '.join(texts['equations'])}",
         f"solution: {'; '.join(texts['solutions'])}",
-        *([f"where {'; '.join(where)}"] if where else []),
-        f"for all {'; '.join(symbols)}"
-        + (f" with {'; '.join(limits)}" if limits else "")
-        + ", wherever the formulas are smooth",
+        f"where {where}" if where else "",
+        f"for all {kinds}{' with ' * bool(limits)}{limits}, wherever the formulas are smooth",
     ]
-    return "\n".join(" ".join(line.split()) for line in lines)
+    return "\n".join(" ".join(line.split()) for line in lines if line)
 
 
 class Substitution:
-    """``formulas``, without derivatives and unknowns, for the unknowns of the same places.
+    """Substitution of ``formulas``, which have no unknowns, for the unknowns in their order.
 
-    It is done on nodes, so that nothing is simplified by it; what is left are the formulas' own
-    functions, and ``diff`` nodes, whose images the field finds.
+    It is done on nodes, without simplification; ``diff`` nodes are left to the field.
     """
 
     def __init__(self, nodes: Nodes, variables: Sequence[int], formulas: Sequence[int]) -> None:

@@ -21,8 +21,7 @@ from .axioms import CYLINDER, SUMS
 from .field import Rule, Rules
 
 RULES = Rules(
-    Rule("image", ("Pow",), roots.root,
-         "a hint w with w^q = f, and a rule of `branch` for it"),
+    Rule("image", ("Pow",), roots.root, "a hint w with w^q = f, and a rule of `branch` for it"),
     Rule("image", ("Abs",), roots.absolute_value, "a hint w with w^2 = f conj f and w >= 0"),
     Rule("image", ("conjugate",), roots.conjugate, "conjugation passes through the function"),
     Rule("image", ("diff",), roots.derivative, "the slopes of generators"),
@@ -42,8 +41,7 @@ RULES = Rules(
          "addition theorems, values at 0 and K, symmetries; m constant, m < 1 for zeta"),
     Rule("image", ("jacobi_theta",), special.theta,
          "the product theorem of Theta; m constant, 0 < m < 1"),
-    Rule("image", ("theta",), special.odd_or_even,
-         "theta_1 is odd, the others are even"),
+    Rule("image", ("theta",), special.odd_or_even, "theta_1 is odd, the others are even"),
     Rule("image", ("parity",), exponential.parity,
          "(-1)^(j n + l) = ((-1)^n)^j (-1)^l for integers"),
     Rule("image", ("power",), exponential.power_of_negative,

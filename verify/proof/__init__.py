@@ -20,11 +20,7 @@ if TYPE_CHECKING:
     )
     from longwave.verify.proof.domains import Domain
     from longwave.verify.proof.prover import prove, prove_equal
-    from longwave.verify.proof.rational_proofs import (
-        RationalFacts,
-        prove_rational,
-        rational_facts,
-    )
+    from longwave.verify.proof.rational_proofs import RationalFacts, prove_rational, rational_facts
     from longwave.verify.verdict import ProofVerdict
 
 __all__ = [

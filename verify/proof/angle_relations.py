@@ -20,10 +20,10 @@ ARCS = (sp.atan, sp.asin)
 UNIT = sp.pi / 12
 """Unit of the constant in a relation."""
 
-BITS, SCALE = 400, 160
+BITS, SHIFT = 400, 160
 """Working precision in bits, and the power of 2 that scales values to integers for LLL."""
 
-LARGEST, MOST, POINTS = 60, 8, 3
+LARGEST_INTEGER, MOST_FUNCTIONS, SAMPLE_POINTS = 60, 8, 3
 """Limits: integers in a relation, functions in all relations, and sample points."""
 
 
@@ -35,35 +35,33 @@ def angle_values(expressions: Iterable[sp.Expr], points: Sequence[Point]) -> dic
     {atan(1/239): -pi/4 + 4*atan(1/5)}
     """
     nodes = {node for e in expressions for node in distinct_nodes(e)}
-    arcs = {node for node in nodes if isinstance(node, ARCS)}
-    arcs |= {sp.asin(node.args[0]) for node in nodes if isinstance(node, sp.acos)}
-    arcs = {arc for arc in arcs if isinstance(arc, ARCS)}
+    nodes |= {sp.asin(node.args[0]) for node in nodes if isinstance(node, sp.acos)}
+    arcs = {arc for arc in nodes if isinstance(arc, ARCS)}
     remaining = sorted(arcs, key=lambda arc: (arc.count_ops(), sp.default_sort_key(arc)))
     values: dict[sp.Expr, sp.Expr] = {}
-    if not 1 < len(remaining) <= MOST:
+    if not 1 < len(remaining) <= MOST_FUNCTIONS:
         return values
     while (relation := _relation(remaining, points)) is not None:
         pivot = max(i for i, n in enumerate(relation[:-1]) if abs(n) == 1)
-        factors = [-n * relation[pivot] for n in relation]
-        others = (
-            n * arc for n, arc in zip(factors, remaining, strict=False) if arc != remaining[pivot]
-        )
-        values[remaining[pivot]] = sp.Add(*others, factors[-1] * UNIT)
-        del remaining[pivot]
+        *factors, constant = [-n * relation[pivot] for n in relation]
+        arc = remaining.pop(pivot)
+        del factors[pivot]
+        products = (n * other for n, other in zip(factors, remaining, strict=True))
+        values[arc] = sp.Add(*products, constant * UNIT)
     return values
 
 
 def _relation(arcs: Sequence[sp.Expr], points: Sequence[Point]) -> list[int] | None:
     """Return integers, one +-1, whose combination of the arcs and the unit appears to be 0."""
-    columns = [[_value(part, point) for part in (*arcs, UNIT)] for point in points[:POINTS]]
+    columns = [[_value(part, point) for part in (*arcs, UNIT)] for point in points[:SAMPLE_POINTS]]
     known = [[v for v in column if v is not None] for column in columns if None not in column]
     size = len(arcs) + 1
     with ctx.workprec(BITS):
-        scaled = [[int((v * 2**SCALE).real.mid().floor().unique_fmpz()) for v in c] for c in known]
+        scaled = [[int((v * 2**SHIFT).real.mid().floor().unique_fmpz()) for v in c] for c in known]
     table = [[int(i == j) for j in range(size)] + [c[i] for c in scaled] for i in range(size)]
     for row in fmpz_mat(table).lll().table() if known else []:
         integers = [int(n) for n in row[:size]]
-        if max(map(abs, integers)) > LARGEST or not any(abs(n) == 1 for n in integers[:-1]):
+        if max(map(abs, integers)) > LARGEST_INTEGER or not any(abs(n) == 1 for n in integers[:-1]):
             continue
         with ctx.workprec(BITS):
             products = [[n * v for n, v in zip(integers, c, strict=True)] for c in known]

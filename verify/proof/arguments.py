@@ -61,7 +61,7 @@ OPAQUE = (sp.log, sp.atan, sp.LambertW, *INVERSE)
 TURN, UNITY = sp.I * sp.pi, (1, 2, 3, 4, 6)
 """Exponent i pi, and the denominators of its rational multiples with known exponentials."""
 
-LONGEST = 60
+LONGEST_CANCELLED = 60
 """Most operations of a quotient that is cancelled."""
 
 
@@ -91,7 +91,7 @@ def cancelled(expression: sp.Expr) -> sp.Expr:
     x - 1
     """
     below = (node.base for node in expression.atoms(sp.Pow) if node.exp.is_negative)
-    if not any(base.is_Add for base in below) or expression.count_ops() > LONGEST:
+    if not any(base.is_Add for base in below) or expression.count_ops() > LONGEST_CANCELLED:
         return expression
     result: sp.Expr = sp.cancel(expression)
     return result
@@ -131,11 +131,10 @@ def with_definitions(expressions: Iterable[sp.Expr]) -> list[sp.Expr]:
     while waiting:
         expression = waiting.pop()
         halves = filter(has_half_order, expression.atoms(BesselBase))
-        for node in (*expression.atoms(*INVERSE), *halves):
-            defined = definition(node)
-            if defined not in collected:
-                collected[defined] = None
-                waiting.append(defined)
+        defined = map(definition, (*expression.atoms(*INVERSE), *halves))
+        new = [d for d in dict.fromkeys(defined) if d not in collected]
+        collected |= dict.fromkeys(new)
+        waiting += new
     return list(collected)
 
 
@@ -186,14 +185,13 @@ class IntegerCombinations:
         monomials = {monomial for vector in vectors for monomial in vector}
         self._monomials = sorted(monomials, key=lambda m: (-_nesting(m), sp.default_sort_key(m)))
         self._scale = lcm(*(int(value.q) for vector in vectors for value in vector.values()))
-        self._rows = self._hermite([self._integers(vector) for vector in vectors])
+        rows = [self._integers(vector) for vector in vectors] if monomials else []
+        table = fmpz_mat(rows).hnf().table() if rows else []
+        self._rows = [[int(value) for value in row] for row in table if any(row)]
         self.basis = tuple(self._written(row, given, vectors) for row in self._rows)
 
     def coordinates(self, argument: sp.Expr) -> tuple[int, ...]:
-        """Return the integer coordinates of ``argument`` in the basis.
-
-        Raises ValueError if it is not an integer combination of the basis.
-        """
+        """Return the integer coordinates of ``argument`` in the basis; ValueError if none."""
         rest, multiples = self._integers(expanded_terms(argument)), []
         for row in self._rows:
             pivot = next(i for i, value in enumerate(row) if value)
@@ -201,25 +199,16 @@ class IntegerCombinations:
             rest = [value - multiple * step for value, step in zip(rest, row, strict=True)]
             multiples.append(multiple)
         if any(rest):
-            raise ValueError(
-                f"argument must be a combination of {self.basis}, got {argument} (extend the basis)"
-            )
+            words = f"argument must be a combination of {self.basis}"
+            raise ValueError(f"{words}, got {argument} (extend the basis)")
         return tuple(multiples)
 
     def _integers(self, vector: Vector) -> list[int]:
         unknown = [monomial for monomial in vector if monomial not in self._monomials]
         if unknown:
-            raise ValueError(
-                f"argument must be made of {self._monomials}, got {unknown[0]} (extend the basis)"
-            )
+            words = f"argument must be made of {self._monomials}"
+            raise ValueError(f"{words}, got {unknown[0]} (extend the basis)")
         return [int(vector.get(m, sp.S.Zero) * self._scale) for m in self._monomials]
-
-    @staticmethod
-    def _hermite(rows: list[list[int]]) -> list[list[int]]:
-        if not rows or not rows[0]:
-            return []
-        table = fmpz_mat(rows).hnf().table()
-        return [[int(value) for value in row] for row in table if any(row)]
 
     def _written(self, row: list[int], given: list[sp.Expr], vectors: list[Vector]) -> sp.Expr:
         """Return a basis vector as an expression: a given argument up to sign, if there is one."""

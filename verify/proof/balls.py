@@ -34,12 +34,13 @@ class JetShape:
 
     def __init__(self, tops: Sequence[Index]) -> None:
         indices = {tuple(0 for _ in tops[0])}
-        waiting = list(tops)
+        waiting, axes = list(tops), range(len(tops[0]))
         while waiting:
             index = waiting.pop()
             if index not in indices:
                 indices.add(index)
-                waiting += [_lowered(index, axis) for axis in range(len(index)) if index[axis]]
+                lowered = (tuple(n - (i == axis) for i, n in enumerate(index)) for axis in axes)
+                waiting += [inner for inner in lowered if min(inner) >= 0]
         self.indices = sorted(indices, key=lambda index: (sum(index), index))
         self.order = max(map(sum, self.indices))
         positions = {index: i for i, index in enumerate(self.indices)}
@@ -49,10 +50,6 @@ class JetShape:
             for j, right in enumerate(self.indices)
             if (total := tuple(map(sum, zip(left, right, strict=True)))) in positions
         ]
-
-
-def _lowered(index: Index, axis: int) -> Index:
-    return tuple(value - (i == axis) for i, value in enumerate(index))
 
 
 @dataclass(frozen=True)
@@ -88,8 +85,7 @@ class Jet:
 
     def conjugate(self) -> Jet:
         """Return the complex conjugate, for real variables."""
-        parts = (acb(c.real, -c.imag) for c in self.coefficients)
-        return Jet(self.shape, tuple(parts))
+        return Jet(self.shape, tuple(acb(c.real, -c.imag) for c in self.coefficients))
 
 
 def constant(shape: JetShape, value: acb) -> Jet:
@@ -119,11 +115,11 @@ QUOTIENTS = {
 
 SPECIAL = {
     sp.erf: "erf",
-    sp.airyai: "airy_ai",
-    sp.airyaiprime: "airy_ai_prime",
-    sp.airybi: "airy_bi",
-    sp.airybiprime: "airy_bi_prime",
     sp.LambertW: "lambertw",
+    sp.airyai: "airy_ai",
+    sp.airybi: "airy_bi",
+    sp.airyaiprime: "airy_ai_prime",
+    sp.airybiprime: "airy_bi_prime",
 }
 """Names of FLINT's power series for special functions."""
 
@@ -183,19 +179,13 @@ class BallEvaluator:
     ) -> None:
         self._shape = shape
         self._signs = DomainSigns({}) if signs is None else signs
-        self._found: dict[sp.Expr, Jet] = {
-            symbol: constant(shape, exact(value)) for symbol, value in point.items()
-        }
+        self._found: dict[sp.Expr, Jet] = {s: constant(shape, exact(v)) for s, v in point.items()}
         for place, symbol in enumerate(variables):
             self._found[symbol] = variable(shape, place, exact(point[symbol]))
         self._elliptic: dict[sp.Expr, functions.Elliptic] = {}
 
     def jet(self, expression: sp.Expr) -> Jet:
-        """Return the jet of ``expression``.
-
-        Raises ValueError for a symbol without value, an unknown function, and at a branch point or
-        on a cut, where a formula is not smooth.
-        """
+        """Return an expression's jet; ValueError without a value and where it is not smooth."""
         if expression not in self._found:
             self._found[expression] = self._jet(expression)
         return self._found[expression]
@@ -228,8 +218,7 @@ class BallEvaluator:
             return self.jet(node.args[0]).composed(taylor)
         if isinstance(node, sp.elliptic_k | sp.elliptic_e) and len(node.args) == 1:
             m = self._constant(node.args[0])
-            is_first = isinstance(node, sp.elliptic_k)
-            return constant(self._shape, m.elliptic_k() if is_first else m.elliptic_e())
+            return constant(self._shape, getattr(m, node.func.__name__)())
         if node.func in ELEMENTARY and node.func not in PERIODIC:
             self._check_smooth(node, node.args[0])
         return function_jet(node.func, list(map(self.jet, node.args)))
@@ -267,8 +256,8 @@ def size_jet(name: str, inner: Jet) -> Jet:
     if name == "conjugate":
         return other
     if name in ("re", "im"):
-        share, sign = (acb(0.5), acb(1)) if name == "re" else (acb(0, -0.5), acb(-1))
-        return constant(inner.shape, share) * (inner + constant(inner.shape, sign) * other)
+        fraction, sign = (acb(0.5), acb(1)) if name == "re" else (acb(0, -0.5), acb(-1))
+        return constant(inner.shape, fraction) * (inner + constant(inner.shape, sign) * other)
     if inner.value.contains(0):
         raise ValueError("points must be smooth, got one where a modulus is 0 (take another)")
     if name == "abs":
@@ -285,10 +274,8 @@ def function_jet(function: type, jets: Sequence[Jet]) -> Jet:
         inverse = powered(jets[0].composed(ELEMENTARY[below]), Fraction(-1))
         return inverse if above is None else jets[0].composed(ELEMENTARY[above]) * inverse
     if function not in ELEMENTARY or len(jets) > 1:
-        raise ValueError(
-            f"functions must have ball arithmetic, got {function.__name__}, stated or SymPy's form "
-            "of a part (write it by others)"
-        )
+        got = f"{function.__name__}, stated or SymPy's form of a part"
+        raise ValueError(f"functions must have ball arithmetic, got {got} (write it by others)")
     return jets[0].composed(ELEMENTARY[function])
 
 
@@ -304,9 +291,8 @@ def special_jet(function: type, jets: Sequence[Jet]) -> Jet:
     order, (argument,) = constant_value(z), others
     entire = function in (sp.besselj, sp.besseli) and order.unique_fmpz() is not None
     if not entire and argument.value.imag.contains(0) and not argument.value.real > 0:
-        raise ValueError(
-            "points must lie off the cuts, got one on a Bessel function's (take another)"
-        )
+        got = "one on a Bessel function's"
+        raise ValueError(f"points must lie off the cuts, got {got} (take another)")
     return argument.composed(functions.bessel(ORDERS[function], order))
 
 
@@ -353,12 +339,9 @@ def residual_ball(
     with ctx.workprec(bits):
         jet = BallEvaluator(shape, variables, point, signs).jet(expression)
         coefficients = dict(zip(shape.indices, jet.coefficients, strict=True))
-        values = {
-            symbol: coefficients[index] * reduce(mul, map(factorial, index))
-            for symbol, index in zip(symbols, tops, strict=True)
-        }
+        values = [coefficients[index] * reduce(mul, map(factorial, index)) for index in tops]
         flat = BallEvaluator(JetShape([(0,)]), (), point, signs)
-        flat.know(values)
+        flat.know(dict(zip(symbols, values, strict=True)))
         return flat.jet(flat_equation).value
 
 

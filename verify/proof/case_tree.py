@@ -8,7 +8,8 @@ that `CaseTree.left_out` names.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 
 import sympy as sp
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
@@ -20,15 +21,14 @@ from .constant_terms import Relations, Terms, terms_of
 from .domain_signs import DomainSigns, domain_of
 from .domains import Domains
 from .factors import written
+from .linear_forms import BITS
 from .problem import POINTS
 from .samples import sample
-
-BITS = 160
 
 SIGNED_TERMS = 8
 """Most terms of a polynomial whose sign is examined."""
 
-STEPS = 4_000
+MOST_SYSTEMS = 4_000
 """Most systems examined; the costliest problem of the tests needs 150."""
 
 
@@ -41,9 +41,8 @@ class Constants:
         self.context = fmpq_mpoly_ctx.get(names, Ordering.lex)
         self.places = {constant: place for place, constant in enumerate(self.all)}
         known = {g: pair for g, pair in relations.items() if g in self.places}
-        self.relations = {
-            self.places[g]: (degree, self.polynomial(terms)) for g, (degree, terms) in known.items()
-        }
+        pairs = ((g, degree, self.polynomial(terms)) for g, (degree, terms) in known.items())
+        self.relations = {self.places[g]: (degree, value) for g, degree, value in pairs}
 
     def polynomial(self, terms: Terms) -> fmpq_mpoly:
         """Return the polynomial with these terms."""
@@ -65,9 +64,8 @@ class Constants:
 
     def coefficients(self, polynomial: fmpq_mpoly, place: int) -> list[fmpq_mpoly]:
         """Return the coefficients of the powers of a constant, lowest first."""
-        rows: list[dict[tuple[int, ...], fmpq]] = [
-            {} for _ in range(int(polynomial.degrees()[place]) + 1)
-        ]
+        count = int(polynomial.degrees()[place]) + 1
+        rows: list[dict[tuple[int, ...], fmpq]] = [{} for _ in range(count)]
         for exponents, c in polynomial.terms():
             rest = tuple(0 if i == place else int(n) for i, n in enumerate(exponents))
             rows[int(exponents[place])][rest] = c
@@ -151,16 +149,11 @@ class CaseTree:
         self._constants, self._signs = constants, DomainSigns(domains)
         self._points = sample(domains, POINTS)
         self._solve_for = {constants.places[s] for s in solve_for if s in constants.places}
-        symbols = (*solve_for, *others)
+        symbols, self._dependent = (*solve_for, *others), dict[int, set[int]]()
         self._symbols = [constants.places[s] for s in symbols if s in constants.places]
-        self._dependent = {
-            place: {
-                other
-                for other, constant in enumerate(constants.all)
-                if other != place and constant.has(constants.all[place])
-            }
-            for place in self._symbols
-        }
+        for place in self._symbols:
+            containing = {i for i, c in enumerate(constants.all) if c.has(constants.all[place])}
+            self._dependent[place] = containing - {place}
         self._nonzero: dict[str, bool] = {}
         self._steps = 0
         self.left_out: dict[str, None] = {}
@@ -171,15 +164,12 @@ class CaseTree:
         waiting = [_Node(tuple(self._constants.reduced(e) for e in equations))]
         while waiting:
             self._steps += 1
-            if self._steps > STEPS:
-                raise ValueError(f"the conditions are too many to be solved ({STEPS} cases)")
+            if self._steps > MOST_SYSTEMS:
+                raise ValueError(f"the conditions are too many to be solved ({MOST_SYSTEMS} cases)")
             node = self._cleaned(waiting.pop())
             if node is None:
                 continue
-            if not node.equations:
-                yield SystemCase(node.rules, True)
-                continue
-            step = self._next(node)
+            step = self._next(node) if node.equations else SystemCase(node.rules, True)
             if isinstance(step, SystemCase):
                 yield step
             else:
@@ -199,7 +189,7 @@ class CaseTree:
                 return None
             products[str(product)] = product
         equations = sorted(products.values(), key=lambda e: (len(e), e.total_degree()))
-        return _Node(tuple(equations), node.rules, node.nonzero)
+        return replace(node, equations=tuple(equations))
 
     def _is_nonzero(self, factor: fmpq_mpoly) -> bool:
         """Return whether the domains exclude 0."""
@@ -207,9 +197,8 @@ class CaseTree:
             return False
         key = str(factor)
         if key not in self._nonzero:
-            self._nonzero[key] = self._signs.is_nonzero(
-                self._constants.written(factor)
-            ) or self._has_no_root(factor)
+            known = self._signs.is_nonzero(self._constants.written(factor))
+            self._nonzero[key] = known or self._has_no_root(factor)
         return self._nonzero[key]
 
     def _has_no_root(self, factor: fmpq_mpoly) -> bool:
@@ -238,8 +227,7 @@ class CaseTree:
 
     @staticmethod
     def _without(node: _Node, equation: fmpq_mpoly) -> _Node:
-        rest = tuple(e for e in node.equations if e is not equation)
-        return _Node(rest, node.rules, node.nonzero)
+        return replace(node, equations=tuple(e for e in node.equations if e is not equation))
 
     def _signed_terms(self, equation: fmpq_mpoly) -> list[fmpq_mpoly]:
         """Return the terms of a sum if all have one sign, so that each must be 0; else []."""
@@ -320,18 +308,13 @@ class CaseTree:
         rule = Rule(self._constants.all[place], equation)
         if self._dependent[place] and rest.equations:
             return SystemCase((*node.rules, rule), False)
-        rules = [
-            Rule(r.symbol, self._constants.remainder(r.polynomial, equation, place))
-            for r in node.rules
-        ]
+        remainder = self._constants.remainder
+        rules = (Rule(r.symbol, remainder(r.polynomial, equation, place)) for r in node.rules)
         nonzero = tuple(e for e in node.nonzero if not int(e.degrees()[place]))
         return [_Node(rest.equations, (*rules, rule), nonzero)]
 
     def _vanishing_square(self, inner: fmpq_mpoly, node: _Node) -> fmpq_mpoly | None:
-        """Return a squared factor of a discriminant that may be 0 while the rest may be negative.
-
-        The roots are real at its zeros, whatever the sign of the rest.
-        """
+        """Return a squared factor of a discriminant whose zeros give real roots, else None."""
         number, factors = inner.factor()
         odd = [factor for factor, power in factors if power % 2]
         rest = self._constants.context.constant(number)
@@ -365,11 +348,9 @@ class CaseTree:
         """Return whether a polynomial may be 0 everywhere, as a relation between functions."""
         written = self._constants.written(equation)
         for point in self._points:
-            try:
+            with suppress(ValueError, ZeroDivisionError):
                 if not ball_value(written, point, BITS, self._signs).contains(0):
                     return False
-            except (ValueError, ZeroDivisionError):
-                continue
         return True
 
     def _exponents_difference(self, equation: fmpq_mpoly) -> fmpq_mpoly | None:

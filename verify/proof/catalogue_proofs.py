@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import functools
 import re
-import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -28,7 +27,7 @@ from longwave.solutions.record import ClosedForm
 from longwave.support.user_files import shown
 from longwave.verify.kernel import CertificateError
 from longwave.verify.kernel import check_certificate as check_content
-from longwave.verify.verdict import ProofVerdict
+from longwave.verify.verdict import ProofVerdict, timed
 
 from .certificate import statement_texts
 from .certificate_writer import as_data
@@ -40,19 +39,16 @@ from .statement_problem import statement_problem
 from .typed_statement import Statement, StatementTexts
 
 
+@timed
 def prove_form(form: ClosedForm) -> ProofVerdict:
     """Decide whether ``form`` solves its equation; mKdV is taken in X, T with K2 > 0 and K4.
-
-    For mKdV the canonical expression is taken at ``xi = a X``, ``tau = b T``; `lab_frame` gives K2
-    and K4 in its generators, one to one.
 
     >>> from longwave.solutions import closed_form
     >>> prove_form(closed_form("kink")).outcome
     <Outcome.PROVED: 'PROVED'>
     """
-    start = time.perf_counter()
     _check_form(form)
-    return decide(_problems(form)[0](form), start)
+    return decide(_problems(form)[0](form))
 
 
 def _problems(form: ClosedForm) -> Sequence[Callable[[ClosedForm], Problem]]:
@@ -62,17 +58,13 @@ def _problems(form: ClosedForm) -> Sequence[Callable[[ClosedForm], Problem]]:
 
 def lab_problem(form: ClosedForm) -> Problem:
     """Return the problem that ``form``, one of mKdV, solves the equation in the lab variables."""
-    domains = form_domains(form)
     frame = lab_frame(form.equation.s)
-    variables = {form.equation.xi: frame.xi, form.equation.tau: frame.tau}
-    unknown = sp.Function("U")(X, T)
-    expression = form.expression.xreplace(variables)
     return solution_problem(
-        frame.residual(unknown),
-        expression,
+        frame.residual(sp.Function("U")(X, T)),
+        form.expression.xreplace({form.equation.xi: frame.xi, form.equation.tau: frame.tau}),
         name=form.name,
         equation_name=f"mKdV in X, T, K4 {'>' if frame.s > 0 else '<'} 0",
-        stated=domains,
+        stated=form_domains(form),
     )
 
 
@@ -89,6 +81,7 @@ def own_problem(form: ClosedForm) -> Problem:
     return replace(statement_problem(statement, left), equation_name=equation.name)
 
 
+@timed
 def prove_stable(form: ClosedForm) -> ProofVerdict:
     """Decide whether the evaluation form of ``form`` is the same function as its canonical one.
 
@@ -96,56 +89,44 @@ def prove_stable(form: ClosedForm) -> ProofVerdict:
     >>> prove_stable(closed_form("rational_2")).outcome
     <Outcome.PROVED: 'PROVED'>
     """
-    start = time.perf_counter()
-    return decide(stable_problem(form), start)
+    return decide(stable_problem(form))
 
 
 def stable_problem(form: ClosedForm) -> Problem:
     """Return the problem that the evaluation form of ``form`` equals its canonical one."""
-    domains = form_domains(form)
     return equality_problem(
-        form.expression,
-        form.stable,
-        form.equation.variables,
-        name=form.name,
-        equation_name="stable form = canonical form",
-        stated=domains,
-    )
+        form.expression, form.stable, form.equation.variables, form.name,
+        "stable form = canonical form", form_domains(form),
+    )  # fmt: skip
 
 
 def _check_form(form: object) -> None:
     if not isinstance(form, ClosedForm):
-        raise TypeError(
-            f"form must be a ClosedForm, got {shown(form)} (solutions.closed_form('kink'))"
-        )
+        got = f"{shown(form)} (solutions.closed_form('kink'))"
+        raise TypeError(f"form must be a ClosedForm, got {got}")
 
 
 def form_domains(form: ClosedForm) -> dict[sp.Symbol, Domain]:
-    """Return the domains of the parameters of a closed form, from its record.
-
-    Raises TypeError if ``form`` is not a ClosedForm.
+    """Return the domains of a closed form's parameters; raises TypeError for anything else.
 
     >>> from longwave.solutions import closed_form
     >>> {str(s): d.text(s) for s, d in form_domains(closed_form("wave_cn")).items()}
     {'k': '0 < k < 1'}
     """
     _check_form(form)
-    return {
-        parameter.symbol: Domain(
-            -sp.oo if (low := parameter.lower) is None else low.value,
-            sp.oo if (high := parameter.upper) is None else high.value,
-            low is None or low.is_open,
-            high is None or high.is_open,
-        )
-        for parameter in form.parameters
-    }
+    domains = {}
+    for parameter in form.parameters:
+        low, high = parameter.lower, parameter.upper
+        values = -sp.oo if low is None else low.value, sp.oo if high is None else high.value
+        opens = low is None or low.is_open, high is None or high.is_open
+        domains[parameter.symbol] = Domain(*values, *opens)
+    return domains
 
 
 def check_certificate(data: Any) -> str:
     """Repeat the proof in ``data`` and return its statement in words.
 
-    Raises CertificateError if the proof fails, or if it has the name of a closed form but states
-    something else.
+    Raises CertificateError also if a name of the catalogue stands for another statement.
     """
     statement = check_content(data)
     name = data["name"]
@@ -173,10 +154,7 @@ a = sp.Symbol("a", positive=True)
 
 @dataclass(frozen=True)
 class LabFrame:
-    """Reduced equation in X and T; K2, K4, xi and tau are rational in X, T, a and c.
-
-    ``s`` is the sign of K4.
-    """
+    """Reduced equation with K4 of sign ``s``; K2, K4, xi and tau are rational in X, T, a and c."""
 
     s: int
     K2: sp.Expr
@@ -210,17 +188,12 @@ def lab_frame(s: int) -> LabFrame:
 HIGHER_ORDERS = range(4, 10)
 """Orders of the rational family that are proved along with the catalogue."""
 
-NAMES = (
-    *CATALOGUE.names,
-    *(f"rational_{order}" for order in HIGHER_ORDERS),
-)
+NAMES = (*CATALOGUE.names, *(f"rational_{order}" for order in HIGHER_ORDERS))
 """Forms that are checked if none is named."""
 
 
 def higher_order(name: str) -> int | None:
-    """Return the order of a member of the rational family; None for a name of the catalogue.
-
-    Raises ValueError, listing the catalogue, if ``name`` is neither.
+    """Return the order of a rational solution, None for a catalogue name, else raise ValueError.
 
     >>> higher_order("rational_7"), higher_order("rational_2")
     (7, None)

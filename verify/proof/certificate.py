@@ -38,7 +38,7 @@ from .linear_forms import BITS
 from .problem import Problem
 from .simplification import Rewriting
 from .statement_problem import StatementProblem
-from .text_writer import Written
+from .text_writer import Written, numbered
 from .typed_statement import StatementTexts
 
 LEMMA_BITS = 320
@@ -58,8 +58,8 @@ def make_certificate(
 ) -> Certificate:
     """Return the certificate for ``problem``, given equal ``parts`` of both sides of an equality.
 
-    Functions in ``unsplit`` are not rewritten; ``values`` has extra values of functions.
-    Raises ValueError for a function without an axiom, or if no regular point is found.
+    Functions in ``unsplit`` are not rewritten; ``values`` has extra values of functions.  Raises
+    ValueError for a function without an axiom, or if no regular point is found.
     """
     table = NodeTable()
     statement = problem.texts or statement_texts(problem)
@@ -114,10 +114,8 @@ def statement_texts(problem: Problem) -> StatementTexts:
     pairs = zip(unknowns, formulas, strict=True)
     named = [f"{name} = {text}" for name, text in written.named.items()]
     own = {name: limit for name, limit in limits.items() if name not in variables}
-    stated = [
-        f"{name}: {', '.join(part[name] for part in (kinds, own) if name in part)}"
-        for name in {**kinds, **own}
-    ]
+    domains = {name: [part[name] for part in (kinds, own) if name in part] for name in kinds | own}
+    stated = [f"{name}: {', '.join(words)}" for name, words in domains.items()]
     stated += [f"{name}: function" for name in arbitrary_functions(problem)]
     return StatementTexts(
         tuple(variables),
@@ -179,11 +177,7 @@ def equal_parts(problem: Problem) -> Iterator[list[Pair]]:
 def find_lemmas(
     left: sp.Expr, right: sp.Expr, variables: Sequence[sp.Symbol], point: Point
 ) -> list[Pair]:
-    """Return the largest proper sums that differ as formulas and agree at ``point``.
-
-    No sum contains another.  A sum is skipped if it contains a smaller one that also occurs
-    elsewhere.
-    """
+    """Return the largest disjoint sums that differ as formulas and agree at ``point``."""
     with ctx.workprec(LEMMA_BITS):
         balls = BallEvaluator(JetShape([(0,)]), (), point)
         sums = [_values(formula, variables, balls) for formula in (left, right)]
@@ -246,14 +240,14 @@ class SquareRoots:
         quotient = image
         for member in members:
             quotient = quotient / self._images[member]
-        parts = [self._places[member] for member in members]
+        roots = [self._places[member] for member in members]
+        parts = [*roots]
         for (kind, value), power in self._exponents(quotient).items():
             if kind == "factor":
                 base = self._written(self._field.ring.factors[value])
             else:
                 base = self._table.place(sp.Integer(value))
             parts.append(self._table.add("Pow", base, str(power // 2)))
-        roots = [self._places[member] for member in members]
         return self._table.add("Mul", *(parts or [self._table.place(sp.S.One)])), roots
 
     def _exponents(self, element: Element) -> Counter[Key]:
@@ -270,11 +264,8 @@ class SquareRoots:
         """Write a polynomial in the generators as a node in their formulas."""
         terms = []
         for exponents, coefficient in polynomial.terms():
-            powers = [
-                self._table.add("Pow", self._meaning(place), str(int(n)))
-                for place, n in enumerate(reversed(exponents))
-                if n
-            ]
+            pairs = [(place, int(n)) for place, n in enumerate(reversed(exponents)) if n]
+            powers = [self._table.add("Pow", self._meaning(place), str(n)) for place, n in pairs]
             number = self._table.add("number", str(coefficient))
             terms.append(self._table.add("Mul", number, *powers))
         return terms[0] if len(terms) == 1 else self._table.add("Add", *terms)
@@ -290,9 +281,8 @@ class SquareRoots:
         """Return the node of a formula that is built from nodes of the table."""
         if node not in self._places:
             name, *parts = self._field.nodes.all[node]
-            if name == "number":
-                return self._table.add("number", str(parts[0]))
-            return self._table.add(name, *map(self._formula, parts))
+            inner = [str(parts[0])] if name == "number" else map(self._formula, parts)
+            return self._table.add(name, *inner)
         return self._places[node]
 
 
@@ -330,6 +320,6 @@ def _is_root(field: Field, root: int, value: int) -> bool:
 
 def _field(table: NodeTable, statement: StatementTexts, proof: Data) -> Field:
     """Return the field that the checker builds from a proof."""
-    proof = {"formulas": table.texts(), **proof}
+    proof = {"formulas": numbered(table.nodes), **proof}
     opening = opened({"statement": as_data(statement), "proof": proof})
     return registered(opening, proof)

@@ -37,9 +37,7 @@ CONSTANTS = {sp.I: "I", sp.pi: "pi"}
 
 
 class NodeTable:
-    """Table of the nodes of expressions; symbols are real, or integers.
-
-    ``unknowns`` are the undefined functions that an equation may contain, in order.
+    """Nodes of expressions in real and integer symbols; ``unknowns`` may occur in an equation.
 
     >>> table = NodeTable()
     >>> table.place(sp.Symbol("x") / 2)
@@ -77,12 +75,13 @@ class NodeTable:
             return ["constant", CONSTANTS[expression]]
         if expression is sp.E:
             return ["exp", self.place(sp.S.One)]
-        if expression.is_Pow and expression.exp.is_Rational:
-            return ["Pow", self.place(expression.base), str(expression.exp)]
-        if expression.is_Pow and expression.base is sp.S.NegativeOne and expression.exp.is_integer:
-            return ["parity", self.place(expression.exp)]
         if expression.is_Pow:
-            return ["power", *map(self.place, expression.args)]
+            base, exponent = expression.args
+            if exponent.is_Rational:
+                return ["Pow", self.place(base), str(exponent)]
+            is_parity = base is sp.S.NegativeOne and exponent.is_integer
+            places = [self.place(exponent)] if is_parity else map(self.place, (base, exponent))
+            return ["parity" if is_parity else "power", *places]
         if isinstance(expression, sp.Derivative):
             return ["diff", *map(self.place, (expression.expr, *expression.variables))]
         if isinstance(expression, AppliedUndef):
@@ -90,10 +89,8 @@ class NodeTable:
         label = expression.func.__name__
         name = label if isinstance(expression, JetFunction) else NAMES.get(expression.func)
         if name is None:
-            raise ValueError(
-                f"no axiom is known for {label}, which was stated or is SymPy's form of a part "
-                "(write it by other functions)"
-            )
+            where = "which was stated or is SymPy's form of a part (write it by other functions)"
+            raise ValueError(f"no axiom is known for {label}, {where}")
         return [name, *map(self.place, expression.args)]
 
     def _unknown(self, unknown: AppliedUndef) -> Node:
@@ -103,7 +100,7 @@ class NodeTable:
                 shifts = [moved - variable for moved, variable in pairs]
                 if all(shift.is_Integer for shift in shifts):
                     return ["unknown", place, list(map(int, shifts))]
-        raise ValueError(f"unknowns must be of a statement, at shifted variables, got {unknown}")
+        raise ValueError(f"unknowns must be the statement's at shifted variables, got {unknown}")
 
     def jet(self, orders: Sequence[int], variables: Sequence[sp.Symbol]) -> int:
         """Return the place of the derivative of these orders of the first unknown."""
@@ -120,13 +117,8 @@ class NodeTable:
     def combination(self, terms: Sequence[tuple[str, int]]) -> int:
         """Return the place of a sum of rational multiples of nodes: pairs of number and place."""
         parts = [p if n == "1" else self.add("Mul", self.add("number", n), p) for n, p in terms]
-        if len(parts) < 2:
-            return parts[0] if parts else self.add("number", "0")
-        return self.add("Add", *parts)
-
-    def texts(self) -> list[str]:
-        """Return the nodes as texts; each refers to earlier nodes by number."""
-        return numbered(self.nodes)
+        parts = parts or [self.add("number", "0")]
+        return parts[0] if len(parts) == 1 else self.add("Add", *parts)
 
 
 Data = dict[str, Any]
@@ -151,7 +143,7 @@ class Certificate(Data):
     ) -> Certificate:
         """Return the certificate of ``statement`` by ``proof``, places in ``table``."""
         body: Data = {"format": FORMAT, "name": name, "statement": as_data(statement)}
-        body["proof"] = {"formulas": table.texts(), **proof}
+        body["proof"] = {"formulas": numbered(table.nodes), **proof}
         return cls(body | {"digest": digest(body)})
 
     def changed(self, **parts: Data) -> Certificate:
@@ -192,11 +184,10 @@ class ProofWriter:
         """Add a generator for the node at ``place``, or for ``factor`` times it, if it has none."""
         if place not in self.registered:
             self.registered.add(place)
-            if factor is None:
-                self.generators.append(["atom", place])
-            else:
-                zero = self.table.add("number", "0")
-                self.generators.append(["forms", [place], [[[factor], zero]]])
+            entry: list[Any] = ["atom", place]
+            if factor is not None:
+                entry = ["forms", [place], [[[factor], self.table.add("number", "0")]]]
+            self.generators.append(entry)
 
     def name(self, *, place: int, value: int) -> None:
         """Record that the root or function at ``place`` equals the node at ``value``."""
@@ -210,10 +201,7 @@ class ProofWriter:
 
     def data(self, point: Point) -> Data:
         """Return the proof part of a certificate; no denominator vanishes at ``point``."""
-        return {
-            "generators": self.generators,
-            "values": [[node, other] for node, other in self.values.items()],
-            "signs": [[node, other] for node, other in self.signs.items()],
-            "point": [[self.table.place(s), str(value)] for s, value in point.items()],
-            "parts": self.parts,
-        }
+        values, signs = (list(map(list, pairs.items())) for pairs in (self.values, self.signs))
+        places = [[self.table.place(s), str(value)] for s, value in point.items()]
+        hints = {"values": values, "signs": signs, "point": places, "parts": self.parts}
+        return {"generators": self.generators, **hints}

@@ -8,18 +8,18 @@ then decides each case.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import count
+from itertools import chain, count
 from typing import Any
 
 import sympy as sp
 
 from longwave.derive.algebra.formula_latex import name_latex
 from longwave.derive.algebra.formula_printing import formula_as_text
-from longwave.verify.verdict import Outcome
+from longwave.verify.verdict import Outcome, timed
 
+from . import statement_verdict as verdicts
 from .case_tree import CaseTree, Constants
 from .constant_cases import ConstantCase, largest_cases, symbols_of, with_values
 from .constant_terms import Terms, as_terms
@@ -29,19 +29,12 @@ from .problem import equality_problem
 from .residual_system import ResidualSystem
 from .seams import seams, sides
 from .statement_problem import residual_of, with_exponentials
-from .statement_verdict import (
-    Progress,
-    StatementVerdict,
-    decide_statement,
-    statement_fields,
-    united,
-    verified_sentence,
-)
+from .statement_verdict import StatementVerdict
 from .typed_hints import NO_VERDICT
 from .typed_statement import Statement
 from .typed_values import typed_values
 
-EXPLORED = 60
+MOST_STATEMENTS = 60
 """Most statements examined for one answer."""
 
 
@@ -65,14 +58,9 @@ class ConditionalVerdict(StatementVerdict):
 
     def json(self) -> dict[str, Any]:
         """Return the record as plain data."""
-        return super().json() | {
-            "reason": self._answer,
-            "solved": list(self.solved),
-            "cases": [case.json() for case in self.cases],
-            "complete": self.complete,
-            "left_out": list(self.left_out),
-            "unknown": list(self.unknown),
-        }
+        record = super().json() | {"reason": self._answer, "solved": list(self.solved)}
+        record |= {"cases": [case.json() for case in self.cases], "complete": self.complete}
+        return record | {"left_out": list(self.left_out), "unknown": list(self.unknown)}
 
     def lines(self) -> list[str]:
         """Return the answer in words, several cases on lines of their own."""
@@ -110,8 +98,9 @@ class ConditionalVerdict(StatementVerdict):
         return f"apart from where {' or '.join(self.left_out)}" if self.left_out else ""
 
 
+@timed
 def solve_statement(
-    statement: Statement, progress: Progress = lambda _: None
+    statement: Statement, progress: verdicts.Progress = lambda _: None
 ) -> ConditionalVerdict:
     """Return the cases in which a statement holds, solved for its ``solve_for`` symbols.
 
@@ -120,12 +109,7 @@ def solve_statement(
     >>> print(solve_statement(kdv).detail)
     holds if and only if a = 2, c = 4; or a = 0 (trivial)
     """
-    start = time.perf_counter()
-    verdict = _solved(statement, progress)
-    return replace(verdict, seconds=time.perf_counter() - start)
 
-
-def _solved(statement: Statement, progress: Progress) -> ConditionalVerdict:
     search = _Search(statement.solve_for)
     progress("the coefficients of the residual")
     try:
@@ -148,11 +132,10 @@ def conditional_sentence(verdict: ConditionalVerdict) -> str:
     other, does = ("other ", "does") if verdict.cases else ("", "holds")
     opening = "There are no" if verdict.complete else "We found no"
     last = f"{opening} {other}values of ${names}$ with which it {does}."
-    sentences = [verified_sentence(c.statement, c.verdict) for c in verdict.cases if c.verdict]
+    sentences = [
+        verdicts.verified_sentence(c.statement, c.verdict) for c in verdict.cases if c.verdict
+    ]
     return "\n\n".join([*sentences, last + (f"\n% left out: {exceptions}" if exceptions else "")])
-
-
-# the search
 
 
 @dataclass
@@ -173,8 +156,8 @@ class _Search:
             if self._key(case) in visited:
                 continue
             visited.add(self._key(case))
-            if len(visited) > EXPLORED:
-                self.unknown[f"more than {EXPLORED} special cases"] = None
+            if len(visited) > MOST_STATEMENTS:
+                self.unknown[f"more than {MOST_STATEMENTS} special cases"] = None
                 break
             try:
                 solved, more = self._step(case)
@@ -205,8 +188,7 @@ class _Search:
         own = [s for s in self.solve_for if s in domains]
         others = sorted(set(domains) - {*own, *case.statement.variables}, key=str)
         tree = CaseTree(constants, own, others, domains)
-        solved: list[ConstantCase] = []
-        further: list[ConstantCase] = []
+        solved, further = list[ConstantCase](), list[ConstantCase]()
         for place, polynomials in enumerate((system.polynomials, *degenerate)):
             for branch in tree.branches([constants.polynomial(p) for p in polynomials]):
                 is_case = place == 0 and branch.complete
@@ -236,17 +218,13 @@ class _Search:
             try:
                 system.add(equality_problem(residual, sp.S.Zero, variables, stated=domains))
             except NO_VERDICT as error:
-                words = f"the residual has no known generators: {error}"
-                raise ValueError(words) from None
+                raise ValueError(f"the residual has no known generators: {error}") from None
             system.judge_phase(rest, statement.variables)
         return system
 
 
 def _doubts(statement: Statement, residuals: Sequence[sp.Expr]) -> Iterator[str]:
-    """Yield reasons why the statement may also hold where a coefficient is not 0.
-
-    For example, a nonzero polynomial may vanish at finitely many sites.
-    """
+    """Yield reasons why the statement may hold with nonzero coefficients, such as few sites."""
     if reason := typed_values(statement).difference(residuals):
         yield reason
     for variable in statement.variables:
@@ -257,8 +235,7 @@ def _doubts(statement: Statement, residuals: Sequence[sp.Expr]) -> Iterator[str]
 
 def _constants(system: ResidualSystem, degenerate: Sequence[Sequence[Terms]]) -> set[sp.Expr]:
     relations = [terms for _, terms in system.relations.values()]
-    entries = [entry for entries in degenerate for entry in entries]
-    everything = [*system.polynomials, *relations, *entries]
+    everything = chain(system.polynomials, relations, *degenerate)
     constants = {g for terms in everything for monomial in terms for g, _ in monomial}
     constants |= system.relations.keys()
     return constants | {s for g in constants for s in g.free_symbols}
@@ -267,10 +244,9 @@ def _constants(system: ResidualSystem, degenerate: Sequence[Sequence[Terms]]) ->
 def with_phase(
     residual: sp.Expr, statement: Statement, fixed: Sequence[sp.Symbol]
 ) -> tuple[sp.Expr, tuple[sp.Symbol, ...], sp.Expr]:
-    """Replace n and d by the single variable ``b*n + d``, if that removes a variable.
+    """Replace n and d by the variable ``b*n + d``, if d is free and not ``fixed`` and it removes n.
 
-    A residual that vanishes for all n and all values of a free constant d, not among ``fixed``,
-    vanishes for all values of the argument; lattice shifts then add constants to the argument.
+    A residual that is 0 for all n and d is 0 for all arguments; shifts add constants to them.
     Returns the residual, its variables, and b*n if one was replaced, else 0.
     """
     moving = residual.free_symbols & set(statement.variables)
@@ -287,44 +263,37 @@ def with_phase(
             names = {symbol.name for symbol in residual.free_symbols}
             fresh = next(name for n in count() if (name := "phase" + "_" * n) not in names)
             variable = sp.Symbol(fresh, real=True)
-            image = _expanded(residual.xreplace({phase: (variable - rest) / slope}))
+            image = residual.xreplace({phase: (variable - rest) / slope})
+            image = image.replace(
+                lambda node: isinstance(node, sp.Function),
+                lambda node: node.func(*map(sp.expand, node.args)),
+            )
             left = [v for v in statement.variables if v in image.free_symbols]
             if len(left) < len(moving):
                 return image, (variable, *left), rest
     return residual, statement.variables, sp.S.Zero
 
 
-def _expanded(expression: sp.Expr) -> sp.Expr:
-    """Return the expression with the arguments of functions expanded."""
-    return expression.replace(
-        lambda node: isinstance(node, sp.Function),
-        lambda node: node.func(*map(sp.expand, node.args)),
-    )
-
-
-# the verdicts
-
-
 def _verdict(
     statement: Statement, search: _Search, cases: Sequence[ConstantCase], reason: str = ""
 ) -> ConditionalVerdict:
     """Build the verdict from the cases; with a ``reason`` it is UNDECIDED."""
-    verdicts = [case.verdict for case in cases if case.verdict]
-    certificates = tuple(c for verdict in verdicts for c in verdict.certificates)
+    proofs = [case.verdict for case in cases if case.verdict]
+    certificates = tuple(c for proof in proofs for c in proof.certificates)
     outcome, witness = Outcome.UNDECIDED, None
     if certificates and all(case.proved or case.trivial for case in cases):
         outcome = Outcome.PROVED
     elif not (cases or reason or search.unknown or search.left_out):
-        whole = decide_statement(statement)
+        whole = verdicts.decide_statement(statement)
         if whole.outcome is Outcome.REFUTED:
             outcome, witness = whole.outcome, whole.witness
     answer = ConditionalVerdict(
-        **statement_fields(statement) | {"sides": sides(seams(statement))},
+        **verdicts.statement_fields(statement) | {"sides": sides(seams(statement))},
         outcome=outcome,
         detail=reason or "solved",
         witness=witness,
-        assumptions=united(verdict.assumptions for verdict in verdicts),
-        singularities=united(verdict.singularities for verdict in verdicts),
+        assumptions=verdicts.united(proof.assumptions for proof in proofs),
+        singularities=verdicts.united(proof.singularities for proof in proofs),
         certificate=certificates[0] if certificates else None,
         certificates=certificates,
         solved=tuple(map(str, search.solve_for)),

@@ -77,9 +77,6 @@ class ConstantCase:
         }
 
 
-# values put into a statement
-
-
 def with_values(case: ConstantCase, more: Explicit) -> ConstantCase | None:
     """Add values to a case; None if they leave the domains or make a formula undefined."""
     old, values = case.statement, more.values
@@ -92,10 +89,8 @@ def with_values(case: ConstantCase, more: Explicit) -> ConstantCase | None:
         value = values.get(symbol, symbol)
         lower, upper = domain.lower.xreplace(values), domain.upper.xreplace(values)
         if value != symbol or symbol in lower.free_symbols | upper.free_symbols:
-            given += [
-                *realities(value),
-                *domain_restrictions(replace(domain, lower=lower, upper=upper), value),
-            ]
+            moved = replace(domain, lower=lower, upper=upper)
+            given += [*realities(value), *domain_restrictions(moved, value)]
             continue
         if lower.is_number and upper.is_number and lower >= upper:
             return None
@@ -113,28 +108,20 @@ def with_values(case: ConstantCase, more: Explicit) -> ConstantCase | None:
 def symbols_of(statement: Statement) -> set[sp.Symbol]:
     """Return the variables and parameters of a statement."""
     formulas = (*statement.equations, *statement.solutions.values())
-    symbols = {s for formula in formulas for s in formula.free_symbols}
-    return symbols | {s for domain in statement.domains.values() for s in domain.symbols}
+    return {s for f in formulas for s in f.free_symbols} | statement.domain_symbols
 
 
 def _put_into(
     statement: Statement, values: Values, domains: Mapping[sp.Symbol, Domain]
 ) -> Statement | None:
     """Substitute values for symbols in a statement; None if a formula is undefined."""
-    solutions = {u: f.xreplace(values) for u, f in statement.solutions.items()}
-    equations = tuple(e.xreplace(values) for e in statement.equations)
-    divisors = tuple(d.xreplace(values) for d in statement.divisors)
-    if any(f.has(*UNDEFINED) for f in (*solutions.values(), *equations, *divisors)):
-        return None
-    if any(divisor == 0 for divisor in divisors):
+    image = statement.with_values(values)
+    if any(f.has(*UNDEFINED) for f in image.expressions) or 0 in image.divisors:
         return None
     written = {symbol.name: formula_as_text(value) for symbol, value in values.items()}
     texts, trees = typed_case(statement.texts, statement.trees, written)
-    known = equations, solutions, domains, divisors
+    known = image.equations, image.solutions, domains, image.divisors
     return Statement(statement.name, *known, texts=texts, trees=trees)
-
-
-# the verdicts
 
 
 def largest_cases(cases: Sequence[ConstantCase]) -> list[ConstantCase]:

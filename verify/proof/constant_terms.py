@@ -26,10 +26,7 @@ def is_turn(constant: sp.Expr) -> bool:
 
 
 def real_parts(terms: Terms) -> list[Terms]:
-    """Return the real and the imaginary part of a polynomial, leaving out parts that are 0.
-
-    The exponential of a complex constant is written as a cosine and a sine.
-    """
+    """Return the nonzero real and imaginary parts, with cosines and sines for exponentials."""
     parts: tuple[dict[Monomial, fmpq], dict[Monomial, fmpq]] = {}, {}
     for monomial, c in _centred(terms).items():
         turning = [pair for pair in monomial if pair[0] is sp.I or is_turn(pair[0])]
@@ -91,8 +88,8 @@ def as_terms(entries: Sequence[Terms | sp.Expr], relations: Relations) -> list[T
 
 def terms_of(polynomial: sp.Poly) -> Terms:
     """Return the terms of a SymPy polynomial."""
-    gens = polynomial.gens
-    return {
-        tuple((g, int(n)) for g, n in zip(gens, powers, strict=True) if n): exact(sp.Rational(c))
-        for powers, c in polynomial.terms()
-    }
+    terms = {}
+    for powers, c in polynomial.terms():
+        pairs = zip(polynomial.gens, powers, strict=True)
+        terms[tuple((g, int(n)) for g, n in pairs if n)] = exact(sp.Rational(c))
+    return terms

@@ -66,6 +66,11 @@ def _is_polynomial_node(node: sp.Expr) -> bool:
     return bool(node.is_Add or node.is_Mul or node.is_Symbol or node.is_Rational)
 
 
+def point_range(value: sp.Rational) -> Interval:
+    """Return the range of a rational constant."""
+    return Interval(exact(value), exact(value))
+
+
 class DomainSigns:
     """Ranges of formulas on ``domains``; a symbol without a domain is real."""
 
@@ -87,18 +92,15 @@ class DomainSigns:
 
     def is_positive(self, expression: sp.Expr) -> bool:
         """Return whether ``expression`` is shown to be positive."""
-        values = self.range(expression)
-        return values is not None and values.is_positive
+        return (self.range(expression) or REAL).is_positive
 
     def is_nonnegative(self, expression: sp.Expr) -> bool:
         """Return whether ``expression`` is shown to be at least 0."""
-        values = self.range(expression)
-        return values is not None and values.is_not_negative
+        return (self.range(expression) or REAL).is_not_negative
 
     def is_nonpositive(self, expression: sp.Expr) -> bool:
         """Return whether ``expression`` is shown to be at most 0."""
-        values = self.range(expression)
-        return values is not None and (-values).is_not_negative
+        return (-(self.range(expression) or REAL)).is_not_negative
 
     def is_nonzero(self, expression: sp.Expr) -> bool:
         """Return whether ``expression``, real or not, is shown to be nowhere 0."""
@@ -112,13 +114,11 @@ class DomainSigns:
             return True
         if isinstance(expression, sp.Abs | sp.conjugate):
             return self.is_nonzero(expression.args[0])
-        values = self.range(expression)
-        return values is not None and values.is_not_zero
+        return (self.range(expression) or REAL).is_not_zero
 
     def _range(self, node: sp.Expr) -> Interval | None:
         if node.is_Rational:
-            value = exact(node)
-            return Interval(value, value)
+            return point_range(node)
         if node.is_Symbol:
             return self._symbol(self._domains.get(node, Domain()))
         if isinstance(node, sp.re | sp.im):
@@ -140,16 +140,9 @@ class DomainSigns:
         return known[0] if isinstance(node, sp.conjugate) else _function(node, known)
 
     def _symbol(self, domain: Domain) -> Interval:
-        lower, upper = (
-            REAL if end in (sp.oo, -sp.oo) else self.range(end) or REAL
-            for end in (domain.lower, domain.upper)
-        )
-        return Interval(
-            lower.low,
-            upper.high,
-            domain.lower_open or lower.low_open,
-            domain.upper_open or upper.high_open,
-        )
+        lower, upper = (self.range(end) or REAL for end in (domain.lower, domain.upper))
+        opens = domain.lower_open or lower.low_open, domain.upper_open or upper.high_open
+        return Interval(lower.low, upper.high, *opens)
 
     def _sum(self, node: sp.Expr, total: Interval) -> Interval:
         if node in self._gaps and not total.is_not_zero:
@@ -173,8 +166,7 @@ class DomainSigns:
             if ratio.is_Rational and ratio > 0:
                 rest = sp.expand(node - ratio * gap)
                 if rest.is_Rational:
-                    number = Interval(exact(rest), exact(rest))
-                    yield gap_range * Interval(exact(ratio), exact(ratio)) + number
+                    yield gap_range * point_range(ratio) + point_range(rest)
 
     def _factored(self, node: sp.Expr) -> Interval | None:
         """Return the range of the factored polynomial, or its sign if it has no root there."""
@@ -190,9 +182,8 @@ class DomainSigns:
         if values is None:
             return None
         low, high = domain_of(values).ends({})
-        inner = polynomial.count_roots(
-            None if low == -sp.oo else low, None if high == sp.oo else high
-        )
+        limits = None if low == -sp.oo else low, None if high == sp.oo else high
+        inner = polynomial.count_roots(*limits)
         for end, is_open in ((low, values.low_open), (high, values.high_open)):
             if is_open and end.is_finite and polynomial(end) == 0:
                 inner -= 1
@@ -223,10 +214,8 @@ def is_entire(node: sp.Expr) -> bool:
 def _gaps(domains: Domains) -> Iterator[tuple[sp.Expr, Interval]]:
     """Yield differences of a symbol and its non-rational bound, with their signs."""
     for symbol, domain in domains.items():
-        for end, is_open, side in (
-            (domain.lower, domain.lower_open, 1),
-            (domain.upper, domain.upper_open, -1),
-        ):
+        ends = (domain.lower, domain.lower_open, 1), (domain.upper, domain.upper_open, -1)
+        for end, is_open, side in ends:
             if end.is_finite and not end.is_Rational:
                 sign_range = POSITIVE if is_open else NONNEGATIVE
                 yield side * (symbol - end), sign_range
@@ -302,16 +291,12 @@ def _function(node: sp.Expr, arguments: Sequence[Interval]) -> Interval | None:
     return values & SHARPER[node.func](z) if node.func in SHARPER else values
 
 
-def _sign(z: Interval) -> Interval:
-    return ONE if z.is_positive else -ONE if (-z).is_positive else UNIT
-
-
 CONSTANTS = {sp.pi: Interval(fmpq(3), fmpq(4)), sp.E: Interval(fmpq(2), fmpq(3))}
 
 SHARPER: dict[type, Callable[[Interval], Interval]] = {
     sp.exp: Interval.exponential,
     sp.log: lambda z: (z + -ONE).side(),
-    sp.sign: _sign,
+    sp.sign: lambda z: ONE if z.is_positive else -ONE if (-z).is_positive else UNIT,
     sp.sin: lambda z: z.side() if lies_between(z, fmpq(0), BELOW_PI) else UNIT,
     sp.cos: lambda z: POSITIVE if lies_between(z, -HALF_PI, HALF_PI) else UNIT,
     **dict.fromkeys((sp.atan, sp.asin), lambda z: Interval(fmpq(-2), fmpq(2), True, True)),
@@ -323,13 +308,9 @@ SHARPER: dict[type, Callable[[Interval], Interval]] = {
 
 def domain_of(values: Interval) -> Domain:
     """Return an interval as the domain of a symbol."""
-    low, high = (None if end is None else rational(end) for end, _ in values.ends)
-    return Domain(
-        -sp.oo if low is None else low,
-        sp.oo if high is None else high,
-        values.low_open,
-        values.high_open,
-    )
+    low = -sp.oo if values.low is None else rational(values.low)
+    high = sp.oo if values.high is None else rational(values.high)
+    return Domain(low, high, values.low_open, values.high_open)
 
 
 def _between(low: sp.Expr, high: sp.Expr) -> sp.Rational:
@@ -354,10 +335,10 @@ def singularities(expressions: Iterable[sp.Expr], domains: Domains) -> tuple[str
     ('branch point where x is not positive',)
     """
     signs = DomainSigns(domains)
-    nodes = (node for expression in expressions for node in distinct_nodes(expression))
     places = (
-        words.format(_short(node if argument is None else node.args[argument]))
-        for node in nodes
+        words.format(abbreviated(node if argument is None else node.args[argument], DEPTH))
+        for expression in expressions
+        for node in distinct_nodes(expression)
         for words, argument in rough_places(node, signs)
     )
     return tuple(dict.fromkeys(places))
@@ -381,7 +362,7 @@ def corners(
         or (node.is_Pow and node.base is not sp.E and not node.exp.is_Integer)
     )
     may_be_zero = (f for f in inner if f.has(*variables) and not signs.is_nonzero(f))
-    return tuple(dict.fromkeys(f"{_short(f)} = 0" for f in may_be_zero))
+    return tuple(dict.fromkeys(f"{abbreviated(f, DEPTH)} = 0" for f in may_be_zero))
 
 
 JUMP = "jump or corner"
@@ -444,7 +425,3 @@ def _is_off_cuts(node: sp.Expr, signs: DomainSigns) -> bool:
     if isinstance(node, sp.acosh):
         return (inner + -ONE).is_positive
     return _is_below_one(inner.absolute())
-
-
-def _short(expression: sp.Expr) -> str:
-    return abbreviated(expression, DEPTH)

@@ -14,8 +14,7 @@ from longwave.support.user_files import shown
 class Domain:
     """Real interval between two ends, optionally without 0 or restricted to integers.
 
-    An end is a rational number, infinite, or a formula in other symbols (``elliptic_k(k**2)``).
-    Infinite ends are open.
+    An end is rational, infinite (and open), or a formula in other symbols (``elliptic_k(k**2)``).
 
     >>> k = sp.Symbol("k")
     >>> Domain(sp.S.Zero, sp.S.One, upper_open=False).text(k)
@@ -35,10 +34,8 @@ class Domain:
         """Raise TypeError for an end that is not a SymPy expression; text is not evaluated."""
         for end in (self.lower, self.upper):
             if not isinstance(end, sp.Expr):
-                raise TypeError(
-                    f"ends of domains must be SymPy expressions, got {shown(end)} "
-                    "(such as sympy.Rational(1, 2))"
-                )
+                got = f"{shown(end)} (such as sympy.Rational(1, 2))"
+                raise TypeError(f"ends of domains must be SymPy expressions, got {got}")
 
     def text(self, symbol: sp.Symbol) -> str:
         """Return the domain of ``symbol`` in words."""
@@ -50,10 +47,7 @@ class Domain:
         return f"{words}, {symbol} != 0" if self.nonzero else words
 
     def chain(
-        self,
-        name: str,
-        text: Callable[[sp.Expr], str] = str,
-        signs: tuple[str, str] = ("<", "<="),
+        self, name: str, text: Callable[[sp.Expr], str] = str, signs: tuple[str, str] = ("<", "<=")
     ) -> str:
         """Return the inequalities of ``name``, with ends written by ``text``."""
         below, above = (signs[not is_open] for is_open in (self.lower_open, self.upper_open))
@@ -80,12 +74,9 @@ class Domain:
 
     def __and__(self, other: Domain) -> Domain:
         """Return the intersection; raises ValueError for two ends that cannot be compared."""
-        lower, lower_open = _inner(
-            (self.lower, self.lower_open), (other.lower, other.lower_open), side=1
-        )
-        upper, upper_open = _inner(
-            (self.upper, self.upper_open), (other.upper, other.upper_open), side=-1
-        )
+        lows = (self.lower, self.lower_open), (other.lower, other.lower_open)
+        highs = (self.upper, self.upper_open), (other.upper, other.upper_open)
+        (lower, lower_open), (upper, upper_open) = _inner(*lows, side=1), _inner(*highs, side=-1)
         nonzero, integer = self.nonzero or other.nonzero, self.integer or other.integer
         return Domain(lower, upper, lower_open, upper_open, nonzero, integer)
 
@@ -105,32 +96,20 @@ Point = Mapping[sp.Symbol, sp.Rational]
 
 
 def assumed_domain(symbol: sp.Symbol) -> Domain:
-    """Return the domain that SymPy's assumptions give ``symbol``; without any, all reals.
-
-    Raises ValueError for a symbol that is declared complex or not real, and for assumptions that a
-    domain cannot express.
+    """Return the domain from a symbol's assumptions; ValueError if a domain cannot express them.
 
     >>> assumed_domain(sp.Symbol("q", nonnegative=True)).text("q")
     '0 <= q'
     """
     if symbol.is_real is False or (symbol.assumptions0.get("complex") and symbol.is_real is None):
-        raise ValueError(
-            f"symbols must be real, got {symbol} that is declared complex or not real "
-            "(write it as a + I*b with real a and b)"
-        )
+        got = f"{symbol} that is declared complex or not real"
+        raise ValueError(f"symbols must be real, got {got} (write it as a + I*b with real a and b)")
     _check_assumptions(symbol)
     low = sp.S.Zero if symbol.is_nonnegative else sp.S.NegativeInfinity
     high = sp.S.Zero if symbol.is_nonpositive else sp.S.Infinity
     excluded = bool(symbol.is_nonzero)
-    inside = low == 0 or high == 0
-    return Domain(
-        low,
-        high,
-        lower_open=low != 0 or excluded,
-        upper_open=high != 0 or excluded,
-        nonzero=excluded and not inside,
-        integer=bool(symbol.is_integer),
-    )
+    opens = low != 0 or excluded, high != 0 or excluded
+    return Domain(low, high, *opens, excluded and 0 not in (low, high), bool(symbol.is_integer))
 
 
 def settled_domains(
@@ -138,15 +117,12 @@ def settled_domains(
 ) -> dict[sp.Symbol, Domain]:
     """Return the domain of each symbol: its assumed and its stated domain, intersected.
 
-    Raises TypeError for anything but symbols.  Raises ValueError for two symbols of one name, for
-    ends that cannot be compared or that depend on each other, and for a domain without an inner
-    point.
+    Raises TypeError for anything but symbols, and ValueError for two symbols of one name, ends
+    that cannot be compared or that depend on each other, and a domain without an inner point.
     """
     if not isinstance(stated, Mapping):
-        raise TypeError(
-            f"domains must map symbols to intervals, got {shown(stated)} "
-            "({x: sympy.Interval.open(0, 1)})"
-        )
+        got = f"{shown(stated)} ({{x: sympy.Interval.open(0, 1)}})"
+        raise TypeError(f"domains must map symbols to intervals, got {got}")
     everything = set(symbols)
     for symbol in (*everything, *stated):
         if not isinstance(symbol, sp.Symbol):
@@ -180,9 +156,8 @@ def as_domain(domain: Domain | sp.Interval) -> Domain:
         return domain
     if isinstance(domain, sp.Interval):
         return Domain(domain.start, domain.end, bool(domain.left_open), bool(domain.right_open))
-    raise ValueError(
-        f"domains must be intervals, got {shown(domain)} (such as sympy.Interval.open(0, 1))"
-    )
+    got = f"{shown(domain)} (such as sympy.Interval.open(0, 1))"
+    raise ValueError(f"domains must be intervals, got {got}")
 
 
 def in_order(domains: Domains) -> list[sp.Symbol]:
@@ -207,10 +182,9 @@ def _check_assumptions(symbol: sp.Symbol) -> None:
         counted = symbol.is_integer and symbol.is_positive
         beyond = [k for k in KINDS_OF_INTEGERS if assumed.get(k) or (counted and k in assumed)]
     if beyond:
-        raise ValueError(
-            f"symbols must be real, integer or of one sign, got {symbol} with {beyond[0]} = "
-            f"{assumed[beyond[0]]} (write an even one as 2*n, an extended one as positive)"
-        )
+        got = f"{symbol} with {beyond[0]} = {assumed[beyond[0]]}"
+        remedy = "write an even one as 2*n, an extended one as positive"
+        raise ValueError(f"symbols must be real, integer or of one sign, got {got} ({remedy})")
 
 
 def _end_at(end: sp.Expr, values: Mapping[sp.Symbol, sp.Expr]) -> sp.Expr:
@@ -228,30 +202,23 @@ def _inner(
     """Return the inner one of two ends; of equal ends the open one."""
     if left[0] == right[0]:
         return left[0], left[1] or right[1]
-    if left[0] in (sp.oo, -sp.oo):
-        return right
-    if right[0] in (sp.oo, -sp.oo):
-        return left
+    infinite = sp.oo, -sp.oo
+    if left[0] in infinite or right[0] in infinite:
+        return right if left[0] in infinite else left
     closer = side * (left[0] - right[0])
     if closer.is_nonnegative is None and closer.is_nonpositive is None:
-        raise ValueError(
-            f"ends of a domain on one side must be comparable, got {left[0]} and {right[0]} "
-            "(state one of them as a bound of the other symbol)"
-        )
+        got = f"{left[0]} and {right[0]} (state one of them as a bound of the other symbol)"
+        raise ValueError(f"ends of a domain on one side must be comparable, got {got}")
     return left if closer.is_positive else right
 
 
 def _check_inner_point(symbol: sp.Symbol, domain: Domain) -> None:
     for end in (domain.lower, domain.upper):
         if not (end.is_extended_real or end.free_symbols):
-            raise ValueError(
-                f"ends of domains must be real or infinite, got {end} for {symbol} "
-                "(take a rational number inside)"
-            )
+            got = f"{end} for {symbol} (take a rational number inside)"
+            raise ValueError(f"ends of domains must be real or infinite, got {got}")
     if domain.symbols:
         return
     if not domain.lower < domain.upper:
-        raise ValueError(
-            f"domains must hold more than one point, got {domain.text(symbol)} "
-            f"(put the value in place of {symbol})"
-        )
+        got = f"{domain.text(symbol)} (put the value in place of {symbol})"
+        raise ValueError(f"domains must hold more than one point, got {got}")

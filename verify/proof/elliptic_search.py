@@ -6,28 +6,19 @@ from collections.abc import Callable
 
 import sympy as sp
 
-from longwave.solutions.functions import (
-    jacobi_cn,
-    jacobi_dn,
-    jacobi_epsilon,
-    jacobi_eta,
-    jacobi_sn,
-    jacobi_theta,
-    jacobi_zeta,
-)
+from longwave.solutions import functions
 
 from .arguments import Arguments
 from .certificate_writer import ProofWriter
 
-TRIPLE = (jacobi_sn, jacobi_cn, jacobi_dn)
+TRIPLE = (functions.jacobi_sn, functions.jacobi_cn, functions.jacobi_dn)
 
 
 class EllipticSearch:
     """Generators and hints for Jacobi functions, from the integer combinations of their arguments.
 
-    ``need`` registers what the image of any other formula needs, ``begin_forms`` the linear forms
-    if its argument is one of their primitives.  With ``moving`` the derivatives of the generators
-    are needed too; with ``epsilon`` zeta is written in terms of epsilon.
+    ``need`` registers what other formulas need, ``begin_forms`` the linear forms of a primitive.
+    With ``moving`` derivatives are needed too; with ``epsilon`` zeta is written in epsilon.
     """
 
     def __init__(
@@ -62,14 +53,14 @@ class EllipticSearch:
         self._need(z)
         self._need(m)
         self.below_one(m)
-        if isinstance(node, jacobi_theta):
+        if isinstance(node, functions.jacobi_theta):
             self._theta(z, m)
-        elif isinstance(node, jacobi_eta):
+        elif isinstance(node, functions.jacobi_eta):
             self._root(self._place(m), "1/4", sp.sqrt(sp.sqrt(m)))
-            self._need(jacobi_sn(z, m))
-            self._need(jacobi_theta(z, m))
-        elif isinstance(node, jacobi_zeta) and self._epsilon:
-            for part in (jacobi_epsilon(z, m), sp.elliptic_e(m), sp.elliptic_k(m)):
+            for function in (functions.jacobi_sn, functions.jacobi_theta):
+                self._need(function(z, m))
+        elif isinstance(node, functions.jacobi_zeta) and self._epsilon:
+            for part in (functions.jacobi_epsilon(z, m), sp.elliptic_e(m), sp.elliptic_k(m)):
                 self._need(part)
         else:
             self._station(z, m, node.func if node.func not in TRIPLE else None)
@@ -83,10 +74,8 @@ class EllipticSearch:
         """Register the Jacobi functions of the basis arguments whose combination is ``z``."""
         variable, constant = self._arguments.parts(z)
         terms = []
-        for combinations, part in (
-            (self._arguments.moving(m), variable),
-            (self._arguments.fixed(m), constant),
-        ):
+        parts = (self._arguments.moving(m), variable), (self._arguments.fixed(m), constant)
+        for combinations, part in parts:
             if part == 0:
                 continue
             for u, n in zip(combinations.basis, combinations.coordinates(part), strict=True):
@@ -104,26 +93,24 @@ class EllipticSearch:
         place, parameter = self._place(u), self._place(m)
         if u == sp.elliptic_k(m):
             self._root(self._complement(m), "1/2", sp.sqrt(1 - m))
-            if second is jacobi_epsilon:
+            if second is functions.jacobi_epsilon:
                 self._need(sp.elliptic_e(m))
             return
         modulus = sp.sqrt(m)
         for function in sorted(TRIPLE, key=lambda f: -self._arguments.count[f, m]):
             own = self._add(function.__name__, place, parameter)
-            if modulus.is_Symbol and function is not jacobi_dn:
-                self._writer.atom(own, self._place(modulus))
-            else:
-                self._writer.atom(own)
+            scaled = modulus.is_Symbol and function is not functions.jacobi_dn
+            self._writer.atom(own, self._place(modulus) if scaled else None)
         if second is not None:
             self._second(second, u, m)
 
     def _second(self, kind: type, u: sp.Expr, m: sp.Expr) -> None:
         """Register epsilon or zeta of a generator's argument, and what its derivative needs."""
-        if kind is jacobi_zeta and self._moves(u):
+        if kind is functions.jacobi_zeta and self._moves(u):
             self._need(sp.elliptic_e(m))
             self._need(sp.elliptic_k(m))
         own = self._add(kind.__name__, self._place(u), self._place(m))
-        if kind is jacobi_epsilon:
+        if kind is functions.jacobi_epsilon:
             self._begin_forms(sp.Tuple(u, m))
         self._writer.atom(own)
 
@@ -141,20 +128,20 @@ class EllipticSearch:
         step, times = self._arguments.steps(constant, m)
         if variable == 0 and times < 0:
             times = -times
-        here = self._place(jacobi_theta(variable, m))
+        here = self._place(functions.jacobi_theta(variable, m))
         if self._moves(variable):
-            self._need(jacobi_zeta(variable, m))
+            self._need(functions.jacobi_zeta(variable, m))
         self._writer.atom(here)
         if times and variable != 0:
             self._quotient(variable, step, m, here)
         if times not in (0, 1) or (times and variable == 0):
-            for part in (jacobi_theta(step, m), jacobi_theta(0, m)):
-                self._writer.atom(self._place(part))
+            for z0 in (step, sp.S.Zero):
+                self._writer.atom(self._place(functions.jacobi_theta(z0, m)))
         side = 1 if times > 0 else -1
         for j in range(2 if side > 0 else -1, times + side, side):
             self._next_theta(variable + (j - side) * step, side * step, z, m)
         if times and self._moves(variable):
-            self._station(z, m, jacobi_zeta)
+            self._station(z, m, functions.jacobi_zeta)
 
     def _next_theta(self, u: sp.Expr, step: sp.Expr, z: sp.Expr, m: sp.Expr) -> None:
         """Record theta(u + step) from theta at u and u - step; ``z`` may be minus that argument."""
@@ -172,11 +159,11 @@ class EllipticSearch:
         next_theta = self._add("jacobi_theta", total, self._place(m))
         if next_theta in self._writer.registered:
             return
-        self._need(u)
-        self._need(d)
+        for part in (u, d):
+            self._need(part)
         if self._moves(u):
-            self._station(u, m, jacobi_zeta)
-            self._station(d, m, jacobi_zeta)
+            for part in (u, d):
+                self._station(part, m, functions.jacobi_zeta)
             sine = self._add("jacobi_sn", total, self._place(m))
             self._writer.words(sine, [("1", self._place(u)), ("1", self._place(d))])
         self._writer.atom(next_theta, self._add("Pow", here, "-1"))

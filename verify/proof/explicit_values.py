@@ -11,10 +11,10 @@ import sympy as sp
 from .case_tree import Constants, SystemCase
 from .factors import factors_of
 
-RELATIONS = 3
+MOST_RELATIONS = 3
 """Most algebraic constants in which a root is sought."""
 
-SHORT = 60
+LONGEST_SIMPLIFIED = 60
 """Most operations of a quotient of exponentials in which hyperbolic functions are sought."""
 
 Values = dict[sp.Symbol, sp.Expr]
@@ -30,11 +30,8 @@ class Explicit:
 
 def explicit_values(branch: SystemCase, constants: Constants) -> Iterator[Explicit]:
     """Yield the values that the rules of a branch give, solved from the last rule to the first."""
-    squares = [
-        (constants.all[place], constants.written(value))
-        for place, (degree, value) in constants.relations.items()
-        if degree == 2
-    ][:RELATIONS]
+    known = [(i, value) for i, (degree, value) in constants.relations.items() if degree == 2]
+    squares = [(constants.all[i], constants.written(value)) for i, value in known[:MOST_RELATIONS]]
     waiting = [(len(branch.rules), Explicit({}))]
     while waiting:
         count, partial = waiting.pop(0)
@@ -43,19 +40,17 @@ def explicit_values(branch: SystemCase, constants: Constants) -> Iterator[Explic
             yield Explicit(values, partial.implicit)
             continue
         rule = branch.rules[count - 1]
-        rows = [
-            tidy(constants.written(row).xreplace(partial.values))
-            for row in constants.coefficients(rule.polynomial, constants.places[rule.symbol])
-        ]
+        coefficients = constants.coefficients(rule.polynomial, constants.places[rule.symbol])
+        rows = [tidy(constants.written(row).xreplace(partial.values)) for row in coefficients]
         while rows and rows[-1] == 0:
             rows.pop()
         for root in _roots(rows, rule.symbol, squares):
-            new = (
-                Explicit(partial.values, (*partial.implicit, root.polynomial))
-                if isinstance(root, _Implicit)
-                else Explicit({rule.symbol: root, **partial.values}, partial.implicit)
-            )
-            waiting.append((count - 1, new))
+            values, implicit = partial.values, partial.implicit
+            if isinstance(root, _Implicit):
+                implicit = (*implicit, root.polynomial)
+            else:
+                values = {rule.symbol: root, **values}
+            waiting.append((count - 1, Explicit(values, implicit)))
 
 
 @dataclass(frozen=True)
@@ -172,7 +167,7 @@ def tidy(expression: sp.Expr) -> sp.Expr:
         number, factors = factors_of(result)
         whole = number * sp.Mul(*(factor**power for factor, power in factors))
         result = min(result, whole, key=lambda e: e.count_ops())
-    if result.has(sp.exp) and result.count_ops() <= SHORT:
+    if result.has(sp.exp) and result.count_ops() <= LONGEST_SIMPLIFIED:
         return min(result, sp.simplify(result), key=lambda e: e.count_ops())
     if result.is_number or any(p.base.is_Rational for p in result.atoms(sp.Pow) if p.exp.q != 1):
         result = sp.radsimp(result)

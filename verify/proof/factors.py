@@ -7,14 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import suppress
-from math import lcm
+from math import lcm, prod
 
 import sympy as sp
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 
 from longwave.verify.subexpressions import outer_nodes
 
-TERMS, DEGREE = 200, 40
+MOST_TERMS, MOST_DEGREE = 200, 40
 """Most terms and highest degree of a polynomial that is factored."""
 
 Powers = list[tuple[sp.Expr, int]]
@@ -60,16 +60,14 @@ class Quotients:
     """Expression as a quotient of polynomials in its atoms."""
 
     def __init__(self, expression: sp.Expr) -> None:
-        nodes = outer_nodes(expression)
         degrees: dict[sp.Expr, int] = {}
-        for node in nodes:
+        for node in outer_nodes(expression):
             base, exponent = _rational_power(node)
             if not _is_inner(base):
                 degrees[base] = lcm(degrees.get(base, 1), int(exponent.q))
             elif exponent.q != 1:
                 degrees.setdefault(base, int(exponent.q))
-        self._degrees = degrees
-        self._bases = list(degrees)
+        self._degrees, self._bases = degrees, list(degrees)
         names = tuple(f"g{i}" for i in range(max(1, len(degrees))))
         self._context = fmpq_mpoly_ctx.get(names, Ordering.lex)
         self._atoms = dict(zip(self._bases, self._context.gens(), strict=False))
@@ -79,12 +77,10 @@ class Quotients:
 
     def factors(self) -> tuple[sp.Rational, Powers]:
         """Return a number, and the powers of the irreducible factors."""
-        unit, powers = self.above.factor()
-        under, below = self.below.factor()
-        unit /= under
+        (unit, powers), (under, below) = self.above.factor(), self.below.factor()
         factors = [(self.written(part), int(n)) for part, n in powers]
         factors += [(self.written(part), -int(n)) for part, n in below]
-        return rational(unit), factors
+        return rational(unit / under), factors
 
     def squares(self) -> sp.Expr | None:
         """Write the numerator as a sum of squares and even powers; None if that fails.
@@ -104,8 +100,8 @@ class Quotients:
                 continue
             number = second.leading_coefficient()
             root = (second / number).sqrt()
-            shift = _quotient_of(first, 2 * number * root)
-            if shift is not None:
+            shift, remainder = divmod(first, 2 * number * root)
+            if remainder.is_zero():
                 square = root * gen + shift
                 squares.append(rational(number) * self.written(square) ** 2)
                 rest -= number * square**2
@@ -138,7 +134,7 @@ class Quotients:
         if node not in self._found:
             above, below = self._build(node)
             size = max(len(above), len(below))
-            if size > TERMS or max(above.total_degree(), below.total_degree()) > DEGREE:
+            if size > MOST_TERMS or max(above.total_degree(), below.total_degree()) > MOST_DEGREE:
                 raise TooLong(f"{size} terms")
             if size > 1 and not below.is_constant():
                 common = above.gcd(below)
@@ -153,16 +149,12 @@ class Quotients:
         if node.is_Add:
             above, below = self._context.constant(0), one
             for a, b in map(self._quotient, node.args):
-                if b == below:
-                    above += a
-                else:
-                    above, below = above * b + a * below, below * b
+                same = b == below
+                above, below = (above + a, b) if same else (above * b + a * below, below * b)
             return above, below
         if node.is_Mul:
-            above, below = one, one
-            for a, b in map(self._quotient, node.args):
-                above, below = above * a, below * b
-            return above, below
+            numerators, denominators = zip(*map(self._quotient, node.args), strict=True)
+            return prod(numerators, start=one), prod(denominators, start=one)
         base, exponent = _rational_power(node)
         if base in self._atoms and (exponent.q != 1 or not _is_inner(base)):
             above, below = self._atoms[base], one
@@ -170,7 +162,7 @@ class Quotients:
         else:
             above, below = self._quotient(base)
             power = int(exponent)
-        if abs(power) * max(above.total_degree(), below.total_degree()) > DEGREE:
+        if abs(power) * max(above.total_degree(), below.total_degree()) > MOST_DEGREE:
             raise TooLong(f"degree of {node}")
         return (above**power, below**power) if power >= 0 else (below**-power, above**-power)
 
@@ -194,12 +186,6 @@ def written(polynomial: fmpq_mpoly, atoms: Sequence[sp.Expr]) -> sp.Expr:
     return sp.Add(*terms)
 
 
-def _quotient_of(left: fmpq_mpoly, right: fmpq_mpoly) -> fmpq_mpoly | None:
-    """Return the exact quotient of two polynomials; None if there is a remainder."""
-    quotient, rest = divmod(left, right)
-    return quotient if rest.is_zero() else None
-
-
 def _rational_power(node: sp.Expr) -> tuple[sp.Expr, sp.Rational]:
     """Return base and exponent of a rational power; any other node has the exponent 1."""
     base, exponent = node.as_base_exp() if node.is_Pow else (node, sp.S.One)
@@ -208,6 +194,5 @@ def _rational_power(node: sp.Expr) -> tuple[sp.Expr, sp.Rational]:
 
 def _is_inner(node: sp.Expr) -> bool:
     """Return whether a node is a sum, product, number or integer power, and so not an atom."""
-    return bool(
-        node.is_Add or node.is_Mul or node.is_Rational or (node.is_Pow and node.exp.is_Integer)
-    )
+    whole = node.is_Pow and node.exp.is_Integer
+    return bool(whole or node.is_Add or node.is_Mul or node.is_Rational)

@@ -10,26 +10,12 @@ from collections.abc import Mapping, Sequence
 import sympy as sp
 from sympy.functions.special.bessel import BesselBase
 
-from longwave.solutions.functions import jacobi_epsilon
+from longwave.solutions.functions import jacobi_epsilon, weierstrass
 from longwave.solutions.functions.jacobi import JacobiFunction
 from longwave.solutions.functions.jet_functions import JetFunction, jet_function
-from longwave.solutions.functions.weierstrass import (
-    WeierstrassFunction,
-    weierstrass_p,
-    weierstrass_p_prime,
-)
 from longwave.verify.subexpressions import distinct_nodes
 
-from .arguments import (
-    HYPERBOLIC,
-    INVERSE,
-    TRIGONOMETRIC,
-    TURN,
-    Arguments,
-    cancelled,
-    definition,
-    has_half_order,
-)
+from . import arguments
 from .certificate_writer import NAMES, Data, NodeTable, ProofWriter
 from .domain_signs import excess_of_exponential, is_small_polynomial
 from .domains import Domains, Point
@@ -37,11 +23,8 @@ from .elliptic_search import EllipticSearch
 from .linear_forms import independent_forms, with_dummies
 from .simplification import needs_integers
 
-AIRY = {
-    function: pair
-    for pair in ((sp.airyai, sp.airyaiprime), (sp.airybi, sp.airybiprime))
-    for function in pair
-}
+AIRY_PAIRS = (sp.airyai, sp.airyaiprime), (sp.airybi, sp.airybiprime)
+AIRY = {function: pair for pair in AIRY_PAIRS for function in pair}
 """Each Airy function with the pair in which its derivatives are expressed."""
 
 
@@ -71,9 +54,8 @@ class GeneratorSearch:
         self._values, self._moving, self._order = values, moving, order
         self._orders: set[tuple[type, sp.Expr, sp.Expr]] = set()
         self._done: set[sp.Expr] = set()
-        self._has_epsilon = any(
-            isinstance(node, jacobi_epsilon) for e in expressions for node in distinct_nodes(e)
-        )
+        nodes = (node for expression in expressions for node in distinct_nodes(expression))
+        self._has_epsilon = any(isinstance(node, jacobi_epsilon) for node in nodes)
 
     def equal_part(self, left: sp.Expr, right: sp.Expr, proof: Data) -> None:
         """Add one generator for two formulas that ``proof`` shows to be equal."""
@@ -87,15 +69,11 @@ class GeneratorSearch:
         visible = with_dummies(self._expressions, self._done)
         values = [self._factors_in(node, value) for node, value in self._values.items()]
         logarithms = {f: value for f, value in self._values.items() if isinstance(f, sp.log)}
-        self._arguments = Arguments([*visible, *values], self._variables, logarithms)
+        self._arguments = arguments.Arguments([*visible, *values], self._variables, logarithms)
         self._elliptic = EllipticSearch(
-            self._writer,
-            self._arguments,
-            self.need,
-            self._begin_forms,
-            moving=self._moving,
-            epsilon=self._has_epsilon,
-        )
+            self._writer, self._arguments, self.need, self._begin_forms,
+            moving=self._moving, epsilon=self._has_epsilon,
+        )  # fmt: skip
         forms = independent_forms(self._expressions, self._arguments, self._done, point)
         self._pivots, self._others, self._rows = forms
         for expression in self._expressions:
@@ -127,8 +105,6 @@ class GeneratorSearch:
             if isinstance(node, sp.atan | sp.asin):
                 self._angle(node, value)
             return
-        if node.is_Rational:
-            return
         if node.is_Add or node.is_Mul:
             for part in node.args:
                 self.need(part)
@@ -136,20 +112,14 @@ class GeneratorSearch:
         elif node.is_Pow:
             self._power(node)
         elif node.is_Symbol or node in (sp.I, sp.pi):
-            self._primitive(node)
+            if not self._begin_forms(node):
+                if node in self._arguments.circles:
+                    self._writer.atom(self._place(sp.sqrt(1 - node**2)))
+                self._writer.atom(self._place(node))
         elif node is sp.E:
             self._exponential(sp.S.One, self._place(sp.S.One))
-        else:
+        elif not node.is_Rational:
             self._function(node)
-
-    def _primitive(self, node: sp.Expr) -> None:
-        """Register a symbol or a constant."""
-        if self._begin_forms(node):
-            return
-        if node in self._arguments.circles:
-            other = self._place(sp.sqrt(1 - node**2))
-            self._writer.atom(other)
-        self._writer.atom(self._place(node))
 
     def _begin_forms(self, primitive: sp.Basic) -> bool:
         """Register the linear forms when their first primitive is needed; return whether it was."""
@@ -162,17 +132,17 @@ class GeneratorSearch:
             shift = sp.Add(*(v * p for v, p in zip(rest, self._others, strict=True)))
             for part in (*factors, shift):
                 self.need(part)
-                self._show_sign_of_roots(part)
+                for node in distinct_nodes(part):
+                    if node.is_Pow and node.exp.is_Rational and not node.exp.is_Integer:
+                        self.show_sign(node.base)
             rows.append([[self._place(f) for f in factors], self._place(shift)])
         for pivot in pivots:
             if isinstance(pivot, sp.Tuple):
                 self.need(pivot[1])
-        places = [
-            self._add("jacobi_epsilon", *map(self._place, pivot))
-            if isinstance(pivot, sp.Tuple)
-            else self._place(pivot)
-            for pivot in pivots
-        ]
+        places = []
+        for pivot in pivots:
+            pair = map(self._place, pivot) if isinstance(pivot, sp.Tuple) else None
+            places.append(self._add("jacobi_epsilon", *pair) if pair else self._place(pivot))
         self._writer.registered |= set(places)
         self._done |= {pivot for pivot in pivots if isinstance(pivot, sp.Symbol)}
         self._writer.generators.append(["forms", places, rows])
@@ -238,11 +208,6 @@ class GeneratorSearch:
         square = self._add("Mul", minus, self._add("Pow", self._place(f), "2"))
         return self._add("Add", one, square), 1 - f**2
 
-    def _show_sign_of_roots(self, expression: sp.Expr) -> None:
-        for node in distinct_nodes(expression):
-            if node.is_Pow and node.exp.is_Rational and not node.exp.is_Integer:
-                self.show_sign(node.base)
-
     def show_sign(self, node: sp.Expr) -> None:
         """Record the factored ``node`` as witness of its sign."""
         other = sp.factor(node)
@@ -254,9 +219,8 @@ class GeneratorSearch:
         excess = excess_of_exponential(node) if node.is_Add else None
         if excess is not None:
             one = sp.Add(excess[1], sp.S.NegativeOne, evaluate=False)
-            self._writer.signs[self._place(node)] = self._place(
-                sp.Mul(excess[0], one, evaluate=False)
-            )
+            witness = sp.Mul(excess[0], one, evaluate=False)
+            self._writer.signs[self._place(node)] = self._place(witness)
 
     def _show_ends(self, domains: Domains) -> None:
         """Record k = (k - l) + l as witness of the sign of a symbol k > l."""
@@ -282,18 +246,17 @@ class GeneratorSearch:
         for argument in node.args:
             self.need(argument)
         z = node.args[0]
-        if isinstance(node, JetFunction | WeierstrassFunction | BesselBase):
+        if isinstance(node, JetFunction | weierstrass.WeierstrassFunction | BesselBase):
             self._special(node)
-        elif isinstance(node, (sp.exp, *HYPERBOLIC)):
+        elif isinstance(node, (sp.exp, *arguments.HYPERBOLIC)):
             self._exponential(z, self._place(z))
-        elif isinstance(node, TRIGONOMETRIC):
+        elif isinstance(node, arguments.TRIGONOMETRIC):
             self.need(sp.I)
             place = self._add("Mul", self._place(sp.I), self._place(z))
             self._exponential(sp.I * z, place)
-        elif isinstance(node, sp.elliptic_k | sp.elliptic_e):
-            self._elliptic.below_one(z)
-            self._writer.atom(self._place(node))
-        elif isinstance(node, sp.log | sp.atan | sp.LambertW):
+        elif isinstance(node, sp.log | sp.atan | sp.LambertW | sp.elliptic_k | sp.elliptic_e):
+            if isinstance(node, sp.elliptic_k | sp.elliptic_e):
+                self._elliptic.below_one(z)
             self._writer.atom(self._place(node))
         elif node.func in AIRY:
             for function in AIRY[node.func]:
@@ -303,11 +266,11 @@ class GeneratorSearch:
                 self.need(sp.sqrt(sp.pi))
                 self.need(sp.exp(-(z**2)))
             self._writer.atom(self._place(node))
-        elif isinstance(node, INVERSE):
+        elif isinstance(node, arguments.INVERSE):
             if isinstance(node, sp.asin | sp.acos):
                 self.need(sp.I)
                 self._name_cosine(z)
-            self.need(sp.asin(z) if isinstance(node, sp.acos) else definition(node))
+            self.need(sp.asin(z) if isinstance(node, sp.acos) else arguments.definition(node))
         elif isinstance(node, sp.conjugate | sp.re | sp.im):
             if isinstance(node, sp.im):
                 self.need(sp.I)
@@ -316,10 +279,9 @@ class GeneratorSearch:
             size, place = sp.Abs(z), self._add("Abs", self._place(z))
             if node == size or needs_integers(node):
                 self._writer.atom(place)
-            elif isinstance(size, sp.Abs) and size.args[0] == z:
-                self.need(size)
             else:
-                self._writer.name(place=place, value=self._place(size))
+                if not (isinstance(size, sp.Abs) and size.args[0] == z):
+                    self._writer.name(place=place, value=self._place(size))
                 self.need(size)
         else:
             raise ValueError(f"no generator is known for {node.func.__name__}")
@@ -328,22 +290,22 @@ class GeneratorSearch:
         """Register the functions in which derivatives of arbitrary, theta, p or Bessel ones are."""
         if isinstance(node, JetFunction):
             steps = self._order * len(node.args) if self._moving else 0
-            functions = [
-                jet_function(node.label, node.order + n)(*node.args) for n in range(steps + 1)
-            ]
+            orders = range(node.order, node.order + steps + 1)
+            functions = [jet_function(node.label, order)(*node.args) for order in orders]
             for nome in node.args[1:]:
                 self._show_nome(nome)
-        elif isinstance(node, WeierstrassFunction):
-            functions = [function(*node.args) for function in (weierstrass_p, weierstrass_p_prime)]
+        elif isinstance(node, weierstrass.WeierstrassFunction):
+            pair = weierstrass.weierstrass_p, weierstrass.weierstrass_p_prime
+            functions = [function(*node.args) for function in pair]
         else:
             v, z = node.args
-            if has_half_order(node):
-                for part in (definition(node), sp.sqrt(2), sp.sqrt(z)):
+            if arguments.has_half_order(node):
+                for part in (arguments.definition(node), sp.sqrt(2), sp.sqrt(z)):
                     self.need(part)
                 root = self._add("Pow", self._place(z), "1/2")
                 self._writer.name(place=root, value=self._place(sp.sqrt(z)))
                 return
-            plain = sp.expand(cancelled(v))
+            plain = sp.expand(arguments.cancelled(v))
             sides = (plain, -plain) if isinstance(node, sp.besselk) else (plain,)
             keys = [(node.func, v - sp.floor(v.as_coeff_Add(rational=True)[0]), z) for v in sides]
             if self._orders.isdisjoint(keys):  # two orders determine all others
@@ -390,9 +352,8 @@ class GeneratorSearch:
         for logarithm, q in logarithms.items():
             if isinstance(logarithm, sp.log):
                 self.need(sp.Pow(logarithm.args[0], q))
-            elif logarithm == TURN:
-                self.need(sp.I)
-                for part in (sp.cos(q * sp.pi), sp.sin(q * sp.pi)):
+            elif logarithm == arguments.TURN:
+                for part in (sp.I, sp.cos(q * sp.pi), sp.sin(q * sp.pi)):
                     self.need(part)
             elif isinstance(logarithm, sp.LambertW):
                 self.need(logarithm.args[0])

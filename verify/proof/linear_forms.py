@@ -69,10 +69,7 @@ def linear_forms(expressions: Iterable[sp.Expr], dependence: Dependence) -> list
 
 
 def with_one_integral(expressions: Sequence[sp.Expr], dependence: Dependence) -> list[sp.Expr]:
-    """Remove shifts of epsilon by its addition theorem, and write zeta(z) = epsilon(z) - z E/K.
-
-    If no expression contains epsilon, all are returned unchanged.
-    """
+    """Remove shifts of epsilon, and write zeta(z) = epsilon(z) - z E/K if epsilon occurs."""
     nodes = {expression: distinct_nodes(expression) for expression in expressions}
     if not any(isinstance(node, jacobi_epsilon) for inner in nodes.values() for node in inner):
         return list(expressions)
@@ -132,9 +129,8 @@ def independent_forms(
     """
     written = with_one_integral(with_dummies(expressions, hidden), arguments.dependence)
     forms = [_by_argument(f, arguments) for f in linear_forms(written, arguments.dependence)]
-    primitives = sorted(
-        {p for form in forms for p in form}, key=lambda p: (not isinstance(p, sp.Tuple), str(p))
-    )
+    primitives = sorted({p for form in forms for p in form}, key=str)
+    primitives.sort(key=lambda p: not isinstance(p, sp.Tuple))
     rows: list[list[sp.Expr]] = []
     balls: list[list[acb]] = []
     with ctx.workprec(BITS):

@@ -12,11 +12,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from longwave.derive.algebra.foreign_characters import ascii_text
 from longwave.derive.algebra.formula_text import FormulaError
-from longwave.derive.algebra.typing_mistakes import (
-    LONGEST_CORRECTED,
-    Spelling,
-    corrected,
-)
+from longwave.derive.algebra.typing_mistakes import LONGEST_CORRECTED, Spelling, corrected
 from longwave.derive.algebra.typing_rules import SITE, VARIABLES
 
 from .text_parts import WORDS
@@ -27,7 +23,7 @@ Parts = Mapping[str, Sequence[str]]
 LONGEST_LINE = 690
 """Most characters of an error with a correction."""
 
-TRIES = 6
+MOST_RESPELLINGS = 6
 """Most misspelled names that are corrected in one statement."""
 
 _DOMAIN_WORDS = {
@@ -45,6 +41,7 @@ _LEADING = re.compile(r"(?:let|with|for|where|assume|given)\s+")
 _CALLED = re.compile(r"(?<![\w.\\])([fghFGH])\s*(?=\()")
 """Letters that stand for arbitrary functions if they are not declared."""
 
+_DECLARED = re.compile(r"(?:^|[;,])\s*([A-Za-z]\w*)\s*(?=[:=<>]|,|;|$|\b(?:is|in)\b)")
 _SIZED = re.compile(r"(?:abs\(|\|)\s*([A-Za-z]\w*)\s*[)|]\s*(<=?)\s*(\w[\w.]*)")
 
 
@@ -64,7 +61,7 @@ def corrected_error(
 
 def _readable(parts: Parts, read: Callable[[Parts], object]) -> Parts | None:
     """Return the parts with misspelled names corrected, once they can be read; None if never."""
-    for _ in range(TRIES):
+    for _ in range(MOST_RESPELLINGS):
         try:
             read(parts)
         except FormulaError as error:
@@ -89,22 +86,17 @@ def _changes(name: str, given: Parts, parts: Parts) -> str:
     """Return the corrections in words, the part with the error first."""
     remedies = []
     for label in sorted(given, key=lambda label: label != name):
-        old, new = [*given[label]], [*parts[label]]
-        if old == new:
+        if [*given[label]] == [*parts[label]]:
             continue
         where = "" if label == name else f"{label} "
-        changed = [n for o, n in zip(old, new, strict=True) if o != n]
+        changed = [n for o, n in zip(given[label], parts[label], strict=True) if o != n]
         remedies += [f"write {where}'{text}'" if text else f"leave {label} out" for text in changed]
     return " and ".join(remedies)
 
 
 def _rewritten(given: Parts, functions: set[str]) -> Parts:
-    declared = {
-        name
-        for text in given["parameters"]
-        for name in re.findall(r"(?:^|[;,])\s*([A-Za-z]\w*)\s*(?=[:=<>]|,|;|$|\b(?:is|in)\b)", text)
-    }
-    unknowns = _unknowns(given["equation"], given["solution"], functions)
+    declared = {name for text in given["parameters"] for name in _DECLARED.findall(text)}
+    unknowns = _unknowns(given, functions)
     given = {**given, "equation": [_with_case_of(unknowns, text) for text in given["equation"]]}
     formulas = " ;; ".join([*given["equation"], *given["solution"]])
     variables = [
@@ -126,19 +118,17 @@ def _rewritten(given: Parts, functions: set[str]) -> Parts:
     }
 
 
-def _unknowns(
-    equations: Sequence[str], solutions: Sequence[str], functions: set[str]
-) -> tuple[str, ...]:
+def _unknowns(given: Parts, functions: set[str]) -> tuple[str, ...]:
     """Return the names on the left of solutions; without ``u =``, the names with a derivative."""
     headings = [
         match[1]
-        for text in solutions
+        for text in given["solution"]
         for part in re.split(r";;|\n|(?<!;);(?!;)", text)
         if (match := re.match(r"\s*\\?([A-Za-z][A-Za-z0-9]*)[^=<>]*?(?::=|==?|->|→)", part))
         and match[1] not in functions
     ]
-    derived = (m[1] for text in equations for m in re.finditer(r"(?<!\w)([A-Za-z])_", text))
-    return tuple(dict.fromkeys(headings or derived))
+    subscripted = re.findall(r"(?<!\w)([A-Za-z])_", "\n".join(given["equation"]))
+    return tuple(dict.fromkeys(headings or subscripted))
 
 
 def _with_case_of(unknowns: Sequence[str], text: str) -> str:
@@ -187,27 +177,20 @@ def split_outside(text: str, separators: str) -> list[str]:
     return [*parts, text[start:]]
 
 
-# parameters and domains
-
-
 def _conditions(given: Parts, spelling: Spelling) -> tuple[list[str], list[str]]:
     """Return the parts parameters and domain; each condition is assigned by its name."""
-    entries: dict[str, list[str]] = {}
-    values: dict[str, str] = {}
+    entries, values = dict[str, list[str]](), dict[str, str]()
     for text in (*given["parameters"], *given["domain"]):
-        last = ""
-        waiting: list[str] = []
+        last, waiting = "", list[str]()
         for chunk in _chunks(text):
             last = _assign(chunk, last, waiting, entries, values, spelling)
         for name in waiting:
             entries.setdefault(name, []).append("real")
     limits = [limit for name in entries if name in (*VARIABLES, SITE) for limit in entries[name]]
     order = {**dict.fromkeys(entries), **dict.fromkeys(values)}
-    texts = [
-        f"{name} = {values[name]}" if name in values else f"{name}: {', '.join(entries[name])}"
-        for name in order
-        if name not in (*VARIABLES, SITE)
-    ]
+    stated = {name: f"{name}: {', '.join(words)}" for name, words in entries.items()}
+    stated |= {name: f"{name} = {value}" for name, value in values.items()}
+    texts = [stated[name] for name in order if name not in (*VARIABLES, SITE)]
     limits = [limit for limit in limits if limit not in ("real", "integer")]
     return ["; ".join(texts)], ["; ".join(limits)]
 
@@ -265,8 +248,7 @@ def _domain_of(name: str, text: str, spelling: Spelling) -> list[str]:
     interval = interval or re.fullmatch(r"()(.*?)\s*\.\.+\s*(.*)()", text)
     if interval:
         first, low, high, final = interval.groups()
-        left = "<=" if first == "[" else "<"
-        right = "<=" if final == "]" else "<"
+        left, right = "<=" if first == "[" else "<", "<=" if final == "]" else "<"
         return _inequality(f"{low.strip()}{left}{name}{right}{high.strip()}", name, spelling)[1]
     return []
 
@@ -282,9 +264,7 @@ def _inequality(text: str, last: str, spelling: Spelling) -> tuple[str, list[str
         return last, []
     if not sides[0] and last:
         sides[0] = last
-    names = [
-        side for side in sides if _NAME.fullmatch(side) and side not in ("pi", "oo", "Infinity")
-    ]
+    names = [s for s in sides if _NAME.fullmatch(s) and s not in ("pi", "oo", "Infinity")]
     name = last if last in names else next(iter(names), last)
     for place in (0, -1):
         if len(sides) > 1 and re.fullmatch(r"[+-]?(oo|inf|[Ii]nfinity)", sides[place]):

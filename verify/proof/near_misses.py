@@ -7,29 +7,16 @@ at the point of the refutation is decided as a statement of its own.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
-from itertools import chain
 
+from longwave.derive.algebra import formula_tree as syntax
 from longwave.derive.algebra.formula_text import CONSTANTS, FormulaError
-from longwave.derive.algebra.formula_tree import (
-    MINUS_ONE,
-    Call,
-    Derivative,
-    FormulaTree,
-    Name,
-    Number,
-    Power,
-    Product,
-    Sum,
-    Unknown,
-    mapped,
-    plain_text,
-    rational,
-)
+from longwave.derive.algebra.formula_tree import FormulaTree
 from longwave.verify.verdict import Outcome
 
 from .domain_signs import JUMP
@@ -39,7 +26,7 @@ from .statement_problem import typed_domains
 from .statement_text import read_statement
 from .statement_verdict import StatementVerdict, decide_statement, witness_trees
 from .text_names import CONTINUOUS, SITE
-from .typed_statement import Statement, StatementTexts, StatementTrees
+from .typed_statement import Statement, StatementTexts, StatementTrees, names_in
 from .typed_values import TypedValues
 
 SIGNS, EXPONENTS, HALVES, OTHERS = range(4)
@@ -126,36 +113,29 @@ class _Witness:
 
 
 def _is_as_strong(witness: _Witness, trees: StatementTrees) -> bool:
-    """Return whether no equation is trivial, as ``2*u_x - 2*u_x = 0``, and no variable is lost.
-
-    The formulas must depend on all variables on which the typed ones depend.
-    """
-    typed = witness.statement.trees
-    assert typed is not None
-    letters = [Name(name) for name in trees.variables]
-    terms = [Product((Number(Fraction(1, i + 3)), v)) for i, v in enumerate(letters)]
-    terms.append(Product((*letters, *letters)))
-    others = {
-        name: Call((Sum((Number(Fraction(i, 7)), *terms)),), "exp")
-        for i, name in enumerate(trees.solutions)
-    }
+    """Return whether no equation is trivial, such as ``u_x - u_x``, and no variable is lost."""
+    letters = [syntax.Name(name) for name in trees.variables]
+    terms = [syntax.Product((syntax.Number(Fraction(1, i + 3)), v)) for i, v in enumerate(letters)]
+    terms.append(syntax.Product((*letters, *letters)))
+    sums = (syntax.Sum((syntax.Number(Fraction(i, 7)), *terms)) for i in itertools.count())
+    others = {name: syntax.Call((next(sums),), "exp") for name in trees.solutions}
     arbitrary = (replace(trees, equations=(e,), solutions=others) for e in trees.equations)
     if any(map(witness.leaves_nothing, arbitrary)):
         return False
-    slopes = [_slope(name, v) for name in trees.solutions for v in trees.variables]
-    return all(
-        witness.leaves_nothing(replace(typed, equations=(slope,)))
-        or not witness.leaves_nothing(replace(trees, equations=(slope,)))
-        for slope in slopes
-    )
+    for slope in (_slope(name, v) for name in trees.solutions for v in trees.variables):
+        typed = replace(witness.statement.trees, equations=(slope,))
+        lost = witness.leaves_nothing(replace(trees, equations=(slope,)))
+        if lost and not witness.leaves_nothing(typed):
+            return False
+    return True
 
 
 def _slope(unknown: str, variable: str) -> FormulaTree:
     """Return the derivative of an unknown, or its difference from site to site."""
     if variable != SITE:
-        return Unknown(unknown, (variable,))
-    here, there = Unknown(unknown, (), SITE), Unknown(unknown, (), SITE, 1)
-    return Sum((there, Product((MINUS_ONE, here))))
+        return syntax.Unknown(unknown, (variable,))
+    here, there = syntax.Unknown(unknown, (), SITE), syntax.Unknown(unknown, (), SITE, 1)
+    return syntax.Sum((there, syntax.Product((syntax.MINUS_ONE, here))))
 
 
 def near_misses(statement: Statement) -> list[NearMiss]:
@@ -166,39 +146,33 @@ def near_misses(statement: Statement) -> list[NearMiss]:
     >>> near_misses(wrong)[0].change
     'm**2 in the place of m as the parameter of elliptic functions'
     """
-    typed = statement.texts, statement.trees
     misses: dict[tuple[str, ...], tuple[int, NearMiss]] = {}
-    for rank, miss in (*_of_formulas(*typed), *_of_equations(*typed)):
+    for rank, miss in _near_misses(statement.texts, statement.trees):
         key = (*miss.texts.equations, *miss.texts.solutions, *miss.texts.parameters)
         misses.setdefault(key, (rank, miss))
     return [miss for _, miss in sorted(misses.values(), key=lambda pair: pair[0])]
 
 
-def _of_formulas(texts: StatementTexts, trees: StatementTrees) -> Iterator[tuple[int, NearMiss]]:
-    """Yield changes of the formulas of unknowns and of defined names."""
+def _near_misses(texts: StatementTexts, trees: StatementTrees) -> Iterator[tuple[int, NearMiss]]:
+    """Yield changes of the formulas of unknowns and of defined names, and of equations."""
+    headings = [text.partition("=")[0].strip() for text in texts.solutions]
     for place, (name, formula) in enumerate(trees.solutions.items()):
-        heading = texts.solutions[place].partition("=")[0].strip()
         for rank, words, new in _changes(formula):
-            text = f"{heading} = {plain_text(new)}"
+            text = f"{headings[place]} = {syntax.plain_text(new)}"
             changed = replace(texts, solutions=_put(texts.solutions, place, text))
-            solutions = {**trees.solutions, name: new}
-            yield rank, NearMiss(words, text, changed, replace(trees, solutions=solutions))
-    for name, formula in trees.definitions.items():
-        place = next(
-            i for i, p in enumerate(texts.parameters) if p.partition("=")[0].strip() == name
-        )
-        for rank, words, new in _changes(formula):
-            text = f"{name} = {plain_text(new)}"
-            changed = replace(texts, parameters=_put(texts.parameters, place, text))
-            definitions = {**trees.definitions, name: new}
-            changed_trees = replace(trees, definitions=definitions)
+            changed_trees = replace(trees, solutions={**trees.solutions, name: new})
             yield rank, NearMiss(words, text, changed, changed_trees)
-
-
-def _of_equations(texts: StatementTexts, trees: StatementTrees) -> Iterator[tuple[int, NearMiss]]:
+    headings = [text.partition("=")[0].strip() for text in texts.parameters]
+    for name, formula in trees.definitions.items():
+        for rank, words, new in _changes(formula):
+            text = f"{name} = {syntax.plain_text(new)}"
+            parameters = _put(texts.parameters, headings.index(name), text)
+            changed = replace(texts, parameters=parameters)
+            changed_trees = replace(trees, definitions={**trees.definitions, name: new})
+            yield rank, NearMiss(words, text, changed, changed_trees)
     for place, equation in enumerate(trees.equations):
         for rank, words, new in _changes(equation):
-            text = plain_text(new)
+            text = syntax.plain_text(new)
             changed = replace(texts, equations=_put(texts.equations, place, text))
             equations = (*trees.equations[:place], new, *trees.equations[place + 1 :])
             changed_trees = replace(trees, equations=equations)
@@ -211,21 +185,17 @@ def _put(texts: tuple[str, ...], place: int, text: str) -> tuple[str, ...]:
 
 def _changes(formula: FormulaTree) -> Iterator[tuple[int, str, FormulaTree]]:
     """Yield the formula with one change, and the words for it."""
-    names = _names(formula)
+    names = names_in(formula)
     for words, changed in _moduli(formula):
         yield -1, words, changed
-    for rank, changed in chain(_in_one_place(formula), _everywhere(formula)):
-        if _names(changed) == names:
+    for rank, changed in itertools.chain(_in_one_place(formula), _everywhere(formula)):
+        if names_in(changed) == names:
             old, new = _difference(formula, changed)
             yield rank, _instead(new, old), changed
 
 
-def _names(formula: FormulaTree) -> set[str]:
-    return {node.name for node in formula.nodes() if isinstance(node, Name | Unknown)}
-
-
 def _instead(new: FormulaTree, old: FormulaTree) -> str:
-    return f"{plain_text(new)} in the place of {plain_text(old)}"
+    return f"{syntax.plain_text(new)} in the place of {syntax.plain_text(old)}"
 
 
 def _difference(old: FormulaTree, new: FormulaTree) -> tuple[FormulaTree, FormulaTree]:
@@ -236,7 +206,7 @@ def _difference(old: FormulaTree, new: FormulaTree) -> tuple[FormulaTree, Formul
     if len(pairs) != 1:
         return old, new
     difference = _difference(*pairs[0])
-    is_part = isinstance(old, Sum | Call | Derivative)
+    is_part = isinstance(old, syntax.Sum | syntax.Call | syntax.Derivative)
     return difference if is_part or difference != pairs[0] else (old, new)
 
 
@@ -244,27 +214,28 @@ def _moduli(formula: FormulaTree) -> Iterator[tuple[str, FormulaTree]]:
     """Yield the parameters of all elliptic functions squared, or their roots taken."""
 
     def is_elliptic(node: FormulaTree) -> bool:
-        return isinstance(node, Call) and node.name.startswith(("jacobi_", "elliptic_"))
+        return isinstance(node, syntax.Call) and node.name.startswith(("jacobi_", "elliptic_"))
 
     def image(old: FormulaTree, new: FormulaTree, node: FormulaTree) -> FormulaTree | None:
         if not is_elliptic(node):
             return None
-        *others, m = (mapped(part, partial(image, old, new)) for part in node.inner())
+        *others, m = (syntax.mapped(part, partial(image, old, new)) for part in node.inner())
         return node.made_of((*others, new if m == old else m))
 
     for old in dict.fromkeys(f.inner()[-1] for f in formula.nodes() if is_elliptic(f)):
-        squared = isinstance(old, Power) and rational(old.parts[1]) == 2
+        squared = isinstance(old, syntax.Power) and syntax.rational(old.parts[1]) == 2
         for new in (_power(old, Fraction(2)), old.inner()[0] if squared else _power(old, HALF)):
             words = f"{_instead(new, old)} as the parameter of elliptic functions"
-            if _names(old):
-                yield words, mapped(formula, partial(image, old, new))
+            if names_in(old):
+                yield words, syntax.mapped(formula, partial(image, old, new))
 
 
 def _everywhere(formula: FormulaTree) -> Iterator[Change]:
     """Yield the formula with one name changed wherever it occurs."""
-    for name in sorted(_names(formula) - CONSTANTS.keys()):
-        for rank, new in _of_name(Name(name)):
-            yield max(rank, HALVES), _replaced(formula, Name(name), new)
+    for name in map(syntax.Name, sorted(names_in(formula) - CONSTANTS.keys())):
+        factors = [(rank, _times(factor, name)) for factor, rank in FACTORS.items()]
+        for rank, new in ((SIGNS, _times(Fraction(-1), name)), *_powers(name), *factors):
+            yield max(rank, HALVES), _replaced(formula, name, new)
 
 
 def _replaced(formula: FormulaTree, old: FormulaTree, new: FormulaTree) -> FormulaTree:
@@ -278,23 +249,18 @@ def _made_of(formula: FormulaTree, parts: tuple[FormulaTree, ...]) -> FormulaTre
     """Return the formula with other parts; flatten products and collect their numbers."""
     result = formula.made_of(parts)
     changed = (part for part, old in zip(parts, formula.inner(), strict=True) if part != old)
-    if isinstance(result, Product) and any(isinstance(part, Number | Product) for part in changed):
+    if isinstance(result, syntax.Product) and any(
+        isinstance(part, syntax.Number | syntax.Product) for part in changed
+    ):
         return _times(Fraction(1), result)
     return result
 
 
-def _of_name(name: Name) -> Iterator[Change]:
-    yield SIGNS, _times(Fraction(-1), name)
-    yield from _powers(name)
-    yield from ((rank, _times(factor, name)) for factor, rank in FACTORS.items())
-
-
 def _in_one_place(formula: FormulaTree) -> Iterator[Change]:
     """Yield the formula with one change, of itself or of one of its parts."""
-    parameters = sorted(_names(formula) - {*CONSTANTS, *CONTINUOUS, SITE})
-    parameters = [n for n in parameters if Name(n) in formula.nodes()]
-    for rank, new in _of_term(formula, parameters):
-        yield rank, new
+    parameters = sorted(names_in(formula) - {*CONSTANTS, *CONTINUOUS, SITE})
+    parameters = [n for n in parameters if syntax.Name(n) in formula.nodes()]
+    yield from _of_term(formula, parameters)
     for node, put in _places(formula):
         for rank, new in _of_node(node, parameters):
             yield rank, put(new)
@@ -320,38 +286,41 @@ def _places(formula: FormulaTree) -> Iterator[tuple[FormulaTree, Put]]:
 def _of_node(node: FormulaTree, parameters: Iterable[str]) -> Iterator[Change]:
     """Yield a node with one change of a term, factor, exponent, argument or shift."""
     match node:
-        case Sum(parts=parts):
+        case syntax.Sum(parts=parts):
             for place, part in reversed([*enumerate(parts)]):  # the first term is rarely wrong
                 for rank, new in (*_of_term(part, parameters), *_shifted(part)):
-                    yield rank, Sum((*parts[:place], new, *parts[place + 1 :]))
-        case Product(parts=parts):
+                    yield rank, syntax.Sum((*parts[:place], new, *parts[place + 1 :]))
+        case syntax.Product(parts=parts):
             for place, part in enumerate(parts):
                 for rank, new in _of_factor(part):
-                    yield rank, Product((*parts[:place], new, *parts[place + 1 :]))
-        case Power(parts=(base, exponent)):
-            for rank, value in _exponents(rational(exponent)):
-                yield rank, _power(base, value)
-        case Call(parts=(first, *rest), name=name):
+                    yield rank, syntax.Product((*parts[:place], new, *parts[place + 1 :]))
+        case syntax.Power(parts=(base, exponent)):
+            if (old := syntax.rational(exponent)) is not None:
+                values = (-old, old + 1, old - 1, 2 * old, old / 2, -2 * old, -old / 2)
+                yield from ((EXPONENTS, _power(base, v)) for v in dict.fromkeys(values) if v)
+        case syntax.Call(parts=(first, *rest), name=name):
             for rank, new in _of_term(first, parameters):
-                yield rank, Call((new, *rest), name)
+                yield rank, syntax.Call((new, *rest), name)
             if name == "sqrt":
                 yield from ((EXPONENTS, _power(first, value)) for value in (Fraction(1), -HALF))
-        case Unknown(site=site, shift=shift) if site:
+        case syntax.Unknown(site=site, shift=shift) if site:
             for moved in dict.fromkeys((-shift, shift + 1, shift - 1)):
                 yield EXPONENTS, replace(node, shift=moved)
-        case Name(name=name) if name not in CONSTANTS:
+        case syntax.Name(name=name) if name not in CONSTANTS:
             yield from _powers(node)
             yield from _shifted(node) if name == SITE else ()
 
 
 def _of_factor(factor: FormulaTree) -> Iterator[Change]:
     """Yield a factor with an exponent, or another number."""
-    if isinstance(factor, Number):
+    if isinstance(factor, syntax.Number):
         values = (factor.value + step for step in (1, -1))
-        yield from ((OTHERS, Number(value)) for value in values if value)
-    elif not isinstance(factor, Product | Power) and factor not in [*map(Name, CONSTANTS)]:
+        yield from ((OTHERS, syntax.Number(value)) for value in values if value)
+    elif not isinstance(factor, syntax.Product | syntax.Power) and factor not in [
+        *map(syntax.Name, CONSTANTS)
+    ]:
         for rank, new in _powers(factor):
-            yield rank if isinstance(factor, Name) else OTHERS, new
+            yield rank if isinstance(factor, syntax.Name) else OTHERS, new
 
 
 def _of_term(term: FormulaTree, parameters: Iterable[str]) -> Iterator[Change]:
@@ -361,7 +330,7 @@ def _of_term(term: FormulaTree, parameters: Iterable[str]) -> Iterator[Change]:
         yield rank, _times(factor, term)
     for name in parameters:
         for exponent in map(Fraction, (1, -1, 2, -2)):
-            yield OTHERS, Product((*_factors(term), _power(Name(name), exponent)))
+            yield OTHERS, syntax.Product((*_factors(term), _power(syntax.Name(name), exponent)))
 
 
 def _powers(base: FormulaTree) -> Iterator[Change]:
@@ -369,55 +338,50 @@ def _powers(base: FormulaTree) -> Iterator[Change]:
         yield EXPONENTS, _power(base, exponent)
 
 
-def _exponents(old: Fraction | None) -> Iterator[tuple[int, Fraction]]:
-    if old is not None:
-        for new in dict.fromkeys((-old, old + 1, old - 1, 2 * old, old / 2, -2 * old, -old / 2)):
-            if new:
-                yield EXPONENTS, new
-
-
 def _shifted(term: FormulaTree) -> Iterator[Change]:
     """Yield a site or a number shifted by 1 or -1."""
-    value = rational(term)
+    value = syntax.rational(term)
     for step in (1, -1):
         if value is not None:
-            yield EXPONENTS, Number(value + step)
-        elif term == Name(SITE):
-            yield EXPONENTS, Sum((term, Number(Fraction(step))))
+            yield EXPONENTS, syntax.Number(value + step)
+        elif term == syntax.Name(SITE):
+            yield EXPONENTS, syntax.Sum((term, syntax.Number(Fraction(step))))
 
 
 def _power(base: FormulaTree, exponent: Fraction) -> FormulaTree:
     if exponent == HALF:
-        return Call((base,), "sqrt")
-    return base if exponent == 1 else Power((base, Number(exponent)))
+        return syntax.Call((base,), "sqrt")
+    return base if exponent == 1 else syntax.Power((base, syntax.Number(exponent)))
 
 
 def _times(factor: Fraction, term: FormulaTree) -> FormulaTree:
     """Return a multiple of a term; its numbers are collected in numerator and denominator."""
     above, below = list[FormulaTree](), list[FormulaTree]()
     for part in _factors(term):
-        value = rational(part)
+        value = syntax.rational(part)
         if value is not None:
             factor *= value
-        elif isinstance(part, Power) and part.parts[1] == MINUS_ONE:
+        elif isinstance(part, syntax.Power) and part.parts[1] == syntax.MINUS_ONE:
             below.append(part.parts[0])
         else:
             above.append(part)
     number, divisor = abs(factor.numerator), factor.denominator
-    above[:0] = [Number(Fraction(number))] * (number != 1 or not above)
-    below[:0] = [Number(Fraction(divisor))] * (divisor != 1)
-    line = [Power((_product(below), MINUS_ONE))] if below else []
-    return _product([*[MINUS_ONE] * (factor < 0), *above, *line])
+    above[:0] = [syntax.Number(Fraction(number))] * (number != 1 or not above)
+    below[:0] = [syntax.Number(Fraction(divisor))] * (divisor != 1)
+    line = [syntax.Power((_product(below), syntax.MINUS_ONE))] if below else []
+    return _product([*[syntax.MINUS_ONE] * (factor < 0), *above, *line])
 
 
 def _product(parts: Sequence[FormulaTree]) -> FormulaTree:
-    return parts[0] if len(parts) == 1 else Product(tuple(parts))
+    return parts[0] if len(parts) == 1 else syntax.Product(tuple(parts))
 
 
 def _factors(term: FormulaTree) -> list[FormulaTree]:
     match term:
-        case Product(parts=parts):
+        case syntax.Product(parts=parts):
             return [factor for part in parts for factor in _factors(part)]
-        case Power(parts=(Product(parts=parts), exponent)) if exponent == MINUS_ONE:
-            return [Power((factor, exponent)) for part in parts for factor in _factors(part)]
+        case syntax.Power(parts=(syntax.Product(parts=parts), exponent)) if (
+            exponent == syntax.MINUS_ONE
+        ):
+            return [syntax.Power((factor, exponent)) for part in parts for factor in _factors(part)]
     return [term]

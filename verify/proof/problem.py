@@ -26,7 +26,7 @@ POINTS = 8
 MORE_POINTS = 40
 """Number of further points at which an unproved formula is evaluated."""
 
-JETS = 64
+LARGEST_JET_POWER = 64
 """Highest power of a derivative that is written as a product."""
 
 LARGEST_POWER = 13
@@ -45,9 +45,8 @@ Term = tuple[sp.Rational, list[sp.Expr], list[list[int]]]
 class Problem:
     """Question whether ``formula`` for ``unknown`` makes ``left`` vanish on the domains.
 
-    With ``right`` the question is whether ``formula`` and ``right`` are the same function; ``left``
-    is their difference.  ``domains`` has every variable and parameter.  ``texts`` has the texts
-    that a certificate states, if they are known.
+    With ``right`` it is whether ``formula`` and ``right`` are the same function, and ``left`` is
+    the difference.  ``domains`` has all symbols; ``texts`` are those of a certificate, if known.
     """
 
     name: str
@@ -112,12 +111,10 @@ class Problem:
         inner = base.expr if isinstance(base, sp.Derivative) else base
         pairs = base.variable_count if isinstance(base, sp.Derivative) else ()
         counts = {symbol: int(count) for symbol, count in pairs}
-        whole = power.is_Integer and 0 < power <= JETS
+        whole = power.is_Integer and 0 < power <= LARGEST_JET_POWER
         if inner != self.unknown or not whole or counts.keys() - set(self.variables):
-            raise ValueError(
-                f"{NO_POLYNOMIAL} in {self.unknown} and its derivatives in its own "
-                f"variables, got {factor} (multiply it out)"
-            )
+            words = f"{self.unknown} and its derivatives in its own variables"
+            raise ValueError(f"{NO_POLYNOMIAL} in {words}, got {factor} (multiply it out)")
         return [[counts.get(variable, 0) for variable in self.variables]] * int(power)
 
 
@@ -128,10 +125,7 @@ def solution_problem(
     equation_name: str | None = None,
     stated: Stated | None = None,
 ) -> Problem:
-    """Return the problem that `prove` decides.
-
-    Raises ValueError without a single unknown, and as `domains.settled_domains` does.
-    """
+    """Return the problem that `prove` decides, with the errors that it raises."""
     expression = formula("expression", expression)
     left, label = _left_side(equation)
     unknown = _single_unknown(left)
@@ -141,13 +135,10 @@ def solution_problem(
     left = left.xreplace({derivative: derivative.doit() for derivative in products})
     steps = {symbol for d in left.atoms(sp.Derivative) for symbol in d.variables}
     if not steps <= set(unknown.args):
-        raise ValueError(
-            f"derivatives must be in the arguments of {unknown}, got one in "
-            f"{(steps - set(unknown.args)).pop()} (make it an argument, or work it out)"
-        )
+        got = f"one in {(steps - set(unknown.args)).pop()} (make it an argument, or work it out)"
+        raise ValueError(f"derivatives must be in the arguments of {unknown}, got {got}")
     domains = settled_domains(left.free_symbols | expression.free_symbols, stated or {})
-    label = equation_name or label
-    return Problem(_text(name), label, unknown, expression, left, domains)
+    return Problem(_text(name), equation_name or label, unknown, expression, left, domains)
 
 
 def _left_side(equation: Equation | sp.Expr) -> tuple[sp.Expr, str]:
@@ -156,26 +147,20 @@ def _left_side(equation: Equation | sp.Expr) -> tuple[sp.Expr, str]:
         return equation, f"{equation} = 0"
     if hasattr(equation, "residual"):
         return equation.residual(sp.Function("U")(equation.xi, equation.tau)), equation.name
-    raise TypeError(
-        f"equation must be a SymPy expression, got {shown(equation)} (its left-hand "
-        "side, '= 0' understood)"
-    )
+    got = f"{shown(equation)} (its left-hand side, '= 0' understood)"
+    raise TypeError(f"equation must be a SymPy expression, got {got}")
 
 
 def _single_unknown(left: sp.Expr) -> sp.Expr:
     """Return the one undefined function, of different symbols; else raise ValueError."""
     unknowns = left.atoms(AppliedUndef)
     if len(unknowns) != 1:
-        raise ValueError(
-            f"equation must contain one unknown function, got {len(unknowns)} "
-            "(write it with sympy.Function('u')(x, t))"
-        )
+        got = f"{len(unknowns)} (write it with sympy.Function('u')(x, t))"
+        raise ValueError(f"equation must contain one unknown function, got {got}")
     (unknown,) = unknowns
     if len(set(unknown.args)) < len(unknown.args) or not all(a.is_Symbol for a in unknown.args):
-        raise ValueError(
-            f"the unknown must be a function of different symbols, got {unknown} "
-            "(write it with sympy.Function('u')(x, t))"
-        )
+        got = f"{unknown} (write it with sympy.Function('u')(x, t))"
+        raise ValueError(f"the unknown must be a function of different symbols, got {got}")
     return unknown
 
 
@@ -201,13 +186,10 @@ def equality_problem(
 
 def formula(name: str, given: object) -> sp.Expr:
     """Return a formula as a SymPy expression; raises TypeError for other objects."""
-    if isinstance(given, sp.Expr):
-        return given
-    if isinstance(given, int) and not isinstance(given, bool):
-        return sp.Integer(given)
-    raise TypeError(
-        f"{name} must be a SymPy expression, got {shown(given)} (make it from sympy.Symbol)"
-    )
+    if isinstance(given, sp.Expr | int) and not isinstance(given, bool):
+        return sp.sympify(given)
+    got = shown(given)
+    raise TypeError(f"{name} must be a SymPy expression, got {got} (make it from sympy.Symbol)")
 
 
 def _text(name: object) -> str:
@@ -217,15 +199,9 @@ def _text(name: object) -> str:
 
 
 def real_symbols(symbols: Iterable[sp.Symbol]) -> dict[sp.Symbol, sp.Symbol]:
-    """Map symbols without assumptions to real symbols.
-
-    Raises ValueError as `domains.settled_domains` does.
-    """
-    return {
-        symbol: sp.Symbol(symbol.name, real=True)
-        for symbol in settled_domains(symbols, {})
-        if symbol.is_real is None
-    }
+    """Map symbols without assumptions to real ones; raises as `domains.settled_domains` does."""
+    unassumed = (symbol for symbol in settled_domains(symbols, {}) if symbol.is_real is None)
+    return {symbol: sp.Symbol(symbol.name, real=True) for symbol in unassumed}
 
 
 def terms_in(equation: sp.Expr, unknown: sp.Expr) -> list[sp.Expr]:
@@ -240,10 +216,8 @@ def terms_in(equation: sp.Expr, unknown: sp.Expr) -> list[sp.Expr]:
         return [equation]
     if equation.is_Add:
         return [term for part in equation.args for term in terms_in(part, unknown)]
-    if equation.is_Mul:
-        parts = [terms_in(factor, unknown) for factor in equation.args]
-    elif equation.is_Pow and equation.base.is_Add and equation.exp in range(2, LARGEST_POWER):
-        parts = [terms_in(equation.base, unknown)] * int(equation.exp)
-    else:
-        return [equation]
-    return [sp.Mul(*factors) for factors in product(*parts)]
+    factors = equation.args if equation.is_Mul else ()
+    if equation.is_Pow and equation.base.is_Add and equation.exp in range(2, LARGEST_POWER):
+        factors = [equation.base] * int(equation.exp)
+    parts = [terms_in(factor, unknown) for factor in factors]
+    return [sp.Mul(*row) for row in product(*parts)] if parts else [equation]

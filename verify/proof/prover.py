@@ -5,16 +5,14 @@ A witness against a formula is a point at which ball arithmetic shows that its r
 
 from __future__ import annotations
 
-import time
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 import sympy as sp
 
 from longwave.solutions.equation import Equation
 from longwave.verify.kernel import check_certificate
-from longwave.verify.verdict import Outcome, ProofVerdict, on_each_side
+from longwave.verify.verdict import Outcome, ProofVerdict, on_each_side, timed
 
 from .certificate import equal_parts, make_certificate
 from .certificate_writer import Certificate
@@ -27,12 +25,13 @@ METHOD = "differential algebra"
 QUICK_BITS = (160,)
 LONG_BITS = (2560,)
 BITS = (160, 640, 2560)
-LONG, LONG_POINTS = 640, 8
-"""Above ``LONG`` bits a residual is evaluated at no more than ``LONG_POINTS`` points."""
+HIGH_BITS, HIGH_BITS_POINTS = 640, 8
+"""Above ``HIGH_BITS`` bits a residual is evaluated at no more than ``HIGH_BITS_POINTS`` points."""
 
 SHOWN_DIGITS = 6
 
 
+@timed
 def prove(
     equation: Equation | sp.Expr,
     expression: sp.Expr,
@@ -58,10 +57,10 @@ def prove(
     >>> prove(transport, sp.sin(x + c * t)).outcome
     <Outcome.REFUTED: 'REFUTED'>
     """
-    start = time.perf_counter()
-    return decide(solution_problem(equation, expression, name, stated=domains), start)
+    return decide(solution_problem(equation, expression, name, stated=domains))
 
 
+@timed
 def prove_equal(
     left: sp.Expr,
     right: sp.Expr,
@@ -71,28 +70,17 @@ def prove_equal(
     equation_name: str = "equality",
     domains: Stated | None = None,
 ) -> ProofVerdict:
-    """Decide whether two formulas are the same function of ``variables`` and all parameters.
-
-    ``domains`` are those of `prove`.
+    """Decide whether two formulas are the same function; ``domains`` are as in `prove`.
 
     >>> x = sp.Symbol("x")
     >>> prove_equal(sp.tanh(x) ** 2, 1 - sp.sech(x) ** 2, [x]).outcome
     <Outcome.PROVED: 'PROVED'>
     """
-    start = time.perf_counter()
-    problem = equality_problem(left, right, variables, name, equation_name, domains)
-    return decide(problem, start)
+    return decide(equality_problem(left, right, variables, name, equation_name, domains))
 
 
-def decide(problem: Problem, start: float) -> ProofVerdict:
-    """Return the verdict on a problem; PROVED only if the checker accepts its certificate.
-
-    ``start`` is a value of `time.perf_counter`, from which the seconds of the verdict count.
-    """
-    return replace(_decide(problem), seconds=time.perf_counter() - start)
-
-
-def _decide(problem: Problem) -> ProofVerdict:
+def decide(problem: Problem) -> ProofVerdict:
+    """Return the verdict on a problem; PROVED only if the checker accepts its certificate."""
     witness = find_witness(problem, problem.points, QUICK_BITS)
     witness = witness or find_witness(problem, problem.points[:1], LONG_BITS)
     if witness is None:
@@ -114,7 +102,7 @@ def find_witness(
     """Return a point at which the residual's ball excludes 0, and the ball in words, or None."""
     signs = DomainSigns(problem.domains)
     for precision in bits:
-        for point in points[:LONG_POINTS] if precision > LONG else points:
+        for point in points[:HIGH_BITS_POINTS] if precision > HIGH_BITS else points:
             try:
                 ball = problem.residual(point, precision, signs)
             except (ValueError, ZeroDivisionError, RecursionError):
@@ -125,10 +113,7 @@ def find_witness(
 
 
 def _proved(problem: Problem) -> ProofVerdict:
-    """Return a proof that the checker accepts, by equal parts first if there are any.
-
-    Raises ValueError with the reason why the last attempt is not accepted.
-    """
+    """Return an accepted proof, by equal parts first; raises ValueError if no attempt succeeds."""
     reason = ValueError("there is no proof")
     for parts in equal_parts(problem):
         try:

@@ -22,8 +22,7 @@ on the right: a contradiction.  So ``D > 0`` for all real x, t and shifts.
 
 from __future__ import annotations
 
-import time
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
 from itertools import product
@@ -35,7 +34,7 @@ from longwave.solutions.equation import FOCUSING_MKDV
 from longwave.solutions.forms.tau_polynomials import RationalTau, rational_tau
 from longwave.solutions.symbols import tau, xi
 from longwave.verify.kernel import CertificateError, check_certificate
-from longwave.verify.verdict import Outcome, ProofVerdict
+from longwave.verify.verdict import Outcome, ProofVerdict, timed
 
 from .certificate_writer import Certificate, NodeTable, ProofWriter
 from .text_writer import Written
@@ -53,25 +52,19 @@ TIME = "A*B_t - A_t*B + A*B_xxx - A_xxx*B - 3*A_x*B_xx + 3*A_xx*B_x"
 """``(D_t + D_x**3) f.f*`` divided by ``2 i``."""
 
 
+@timed
 def prove_rational(order: int) -> ProofVerdict:
-    """Decide whether the rational solution of ``order``, without free shifts, is a solution.
-
-    Raises ValueError if ``order`` is not a positive integer.
+    """Decide whether the rational solution of a positive ``order``, without shifts, is right.
 
     >>> prove_rational(3).outcome
     <Outcome.PROVED: 'PROVED'>
     """
-    start = time.perf_counter()
     family = rational_tau(order)
-    verdict = rational_verdict(order, family.A, family.B)
-    return replace(verdict, seconds=time.perf_counter() - start)
+    return rational_verdict(order, family.A, family.B)
 
 
 def rational_verdict(order: int, A: fmpq_mpoly, B: fmpq_mpoly) -> ProofVerdict:
-    """Decide whether the formula with A and B, polynomials in x and t, is a solution.
-
-    A wrong formula is refuted by integers x and t at which the residual is not 0.
-    """
+    """Prove the formula with A and B in x and t, or refute it at integers x and t."""
     verdict = partial(ProofVerdict, f"rational_{order}", FOCUSING_MKDV.name, METHOD)
     certificate = rational_certificate(order, A, B)
     try:
@@ -83,13 +76,9 @@ def rational_verdict(order: int, A: fmpq_mpoly, B: fmpq_mpoly) -> ProofVerdict:
         detail = "the residual is not 0 at x = xi - 6 tau, t = tau"
         return verdict(Outcome.REFUTED, detail, witness=witness)
     values = 4 * int((A * A + B * B).degrees()[1]) + 1
-    return verdict(
-        Outcome.PROVED,
-        f"0 at {values} values of tau, accepted by the checker",
-        residual=0.0,
-        assumptions=("for all real xi, tau",),
-        certificate=certificate,
-    )
+    detail, scope = f"0 at {values} values of tau, accepted by the checker", "for all real xi, tau"
+    accepted = partial(verdict, residual=0.0, assumptions=(scope,), certificate=certificate)
+    return accepted(Outcome.PROVED, detail)
 
 
 def rational_texts(order: int, A: fmpq_mpoly, B: fmpq_mpoly) -> StatementTexts:
@@ -98,20 +87,13 @@ def rational_texts(order: int, A: fmpq_mpoly, B: fmpq_mpoly) -> StatementTexts:
     space, time_ = table.place(xi), table.place(tau)
     shift = table.place(-6 * tau)
     x = table.add("Add", space, shift)
-    a, b, a_x, b_x = (
-        table.polynomial(part, [x, time_]) for part in (A, B, A.derivative("x"), B.derivative("x"))
-    )
-    one = table.add("number", "1")
-    slope = table.add(
-        "Add",
-        table.add("Mul", a, b_x),
-        table.add("Mul", table.add("number", "-1"), a_x, b),
-    )
-    below = table.add("Add", table.add("Pow", a, "2"), table.add("Pow", b, "2"))
-    inverse = table.add("Pow", below, "-1")
-    change = table.add("Mul", table.add("number", "-2"), slope, inverse)
-    wave = table.add("Add", one, change)
-    formula = table.add("Mul", table.add("number", str((-1) ** order)), wave)
+    parts = A, B, A.derivative("x"), B.derivative("x")
+    a, b, a_x, b_x = (table.polynomial(part, [x, time_]) for part in parts)
+    one, add = table.add("number", "1"), table.add
+    slope = add("Add", add("Mul", a, b_x), add("Mul", add("number", "-1"), a_x, b))
+    below = add("Add", add("Pow", a, "2"), add("Pow", b, "2"))
+    change = add("Mul", add("number", "-2"), slope, add("Pow", below, "-1"))
+    formula = add("Mul", add("number", str((-1) ** order)), add("Add", one, change))
     written = Written(table.nodes, [formula], ["U"], ["xi", "tau"])
     return StatementTexts(
         ("xi", "tau"),
@@ -141,10 +123,7 @@ def nonzero_residual(A: fmpq_mpoly, B: fmpq_mpoly) -> dict[str, str] | None:
 
 
 def residual_at(A: fmpq_mpoly, B: fmpq_mpoly, x: int, t: int) -> fmpq:
-    """Return ``D**4`` times the residual ``U_t + 6 (U**2 - 1) U_x + U_xxx`` at a point, shifts 0.
-
-    The n-th derivative in x has a numerator P over ``D**(n + 1)``; the next is P' D - (n + 1) P D'.
-    """
+    """Return ``D**4`` times ``U_t + 6 (U**2 - 1) U_x + U_xxx`` at a point, with shifts 0."""
     D = A * A + B * B
     N = D - 2 * (A * B.derivative("x") - A.derivative("x") * B)
     others: dict[str | int, int | fmpz | fmpq] = dict.fromkeys(D.context().names()[1:], 0)
@@ -186,10 +165,9 @@ def bilinear_certificate(name: str, A: fmpq_mpoly, B: fmpq_mpoly) -> Certificate
 class RationalFacts:
     """Exact facts about the rational solution of ``order`` with the free shifts ``free``.
 
-    ``peak`` is the value at the origin for shifts 0, ``background`` the limit for large |x|, and
-    ``degree`` the degree of the denominator in x.  ``reduced``: numerator and denominator have no
-    common factor.  ``symmetric``: the solution is invariant if x, t and all shifts change sign.
-    ``positive``: the denominator has no real zero.
+    ``peak`` is the value at the origin, ``background`` the limit for large |x|, and ``degree`` that
+    of the denominator in x.  ``reduced``: there is no common factor.  ``symmetric``: it is the same
+    with other signs of x, t and shifts.  ``positive``: the denominator has no real zero.
     """
 
     order: int
@@ -241,21 +219,14 @@ def coefficient_in_x(polynomial: fmpq_mpoly, power: int) -> fmpq_mpoly:
 
 
 def limit(N: fmpq_mpoly, leading: fmpq_mpoly, top: int) -> fmpq:
-    """Return the limit of ``N/D`` for large |x|; ``leading`` is D's constant leading coefficient.
-
-    Raises ValueError if N grows faster or the limit depends on another generator.
-    """
+    """Return the limit of ``N/D`` for large |x| if it is a number; raises ValueError otherwise."""
     if N.degrees()[0] > top:
-        raise ValueError(
-            "the solution must be bounded, got a numerator of higher degree "
-            "(take a rational solution)"
-        )
+        got = "a numerator of higher degree (take a rational solution)"
+        raise ValueError(f"the solution must be bounded, got {got}")
     ratio = coefficient_in_x(N, top) / leading
     if not ratio.is_constant():
-        raise ValueError(
-            "the background must be constant, got one that depends on t or a shift "
-            "(take a rational solution)"
-        )
+        got = "one that depends on t or a shift (take a rational solution)"
+        raise ValueError(f"the background must be constant, got {got}")
     return ratio.leading_coefficient()
 
 

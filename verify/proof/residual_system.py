@@ -43,10 +43,10 @@ Vector = dict[tuple[sp.Expr, bool], sp.Expr]
 class ResidualSystem:
     """Conditions for a statement to hold, valid as far as its generators are independent.
 
-    ``polynomials`` in constants (parameters, their roots and functions) must vanish.  ``relations``
-    has powers of the algebraic constants.  Generators may be dependent, or a denominator 0, where
-    all entries of one list in ``degenerate`` vanish.  ``left_out`` names conditions under which
-    more solutions are not excluded, ``unknown`` names generators not known to be independent.
+    ``polynomials`` in constants must vanish; ``relations`` has powers of algebraic constants.
+    Generators may be dependent, or a denominator 0, where all entries of a list in ``degenerate``
+    vanish.  ``left_out`` has conditions under which more solutions are not excluded, ``unknown``
+    generators not known to be independent.
     """
 
     polynomials: list[Terms] = field(default_factory=list)
@@ -65,7 +65,7 @@ class ResidualSystem:
         if rest == 0:
             return
         if vector is None:
-            self.unknown[str(rest)[:LENGTH]] = None
+            self.unknown[str(rest)[:SHOWN_LENGTH]] = None
         elif all(v.is_integer for v, _ in vector):
             self.left_out[f"{rest} takes finitely many values up to periods"] = None
         else:
@@ -104,9 +104,7 @@ class _Coefficients:
                 self._system.degenerate.append(list(entries))
         for constant in {g for part in groups.values() for key in part for g, _ in key}:
             if constant is not sp.I and not is_turn(constant) and not self._signs.is_real(constant):
-                self._system.unknown[f"{str(constant)[:LENGTH]} may not be real"] = None
-
-    # polynomials
+                self._system.unknown[f"{str(constant)[:SHOWN_LENGTH]} may not be real"] = None
 
     def _split(self, exponents: Sequence[int]) -> tuple[Monomial, Monomial]:
         """Split a monomial into its moving and its constant part."""
@@ -126,10 +124,6 @@ class _Coefficients:
             parts[moving][constant] = parts[moving].get(constant, fmpq(0)) + c
         return dict(parts)
 
-    def _terms(self, polynomial: fmpq_mpoly) -> Terms:
-        """Return the terms of a polynomial in constants."""
-        return self._by_moving(polynomial).get((), {})
-
     @staticmethod
     def _phases(monomials: Iterable[Monomial]) -> dict[sp.Expr, int]:
         """Return the generators that every monomial has with the same power; they divide out."""
@@ -143,8 +137,8 @@ class _Coefficients:
         for index, degree, modulus in ring.relations:
             meaning = self._meanings[count - 1 - index]
             if meaning is not sp.I and not self._dependence.depends(meaning):
-                value = ring.context.gens()[index] ** degree - modulus
-                self._system.relations[meaning] = (degree, self._terms(value))
+                value = self._by_moving(ring.context.gens()[index] ** degree - modulus)
+                self._system.relations[meaning] = (degree, value.get((), {}))
 
     def _relate_turns(self, polynomials: Iterable[Terms]) -> None:
         """Record the relations of the sines in which complex exponentials are written."""
@@ -154,8 +148,6 @@ class _Coefficients:
             (sine,), (cosine,) = sp.sin(angle).atoms(sp.sin), sp.cos(angle).atoms(sp.cos)
             square: Terms = {(): fmpq(1), ((cosine, 2),): fmpq(-1)}
             self._system.relations[sine] = (2, square)
-
-    # independence
 
     def _judge(self, present: set[sp.Expr]) -> None:
         """Record which of the moving generators are not known to be independent, and when not."""
@@ -169,7 +161,7 @@ class _Coefficients:
             elif generator in self._meanings.forms:
                 self._judge_form(generator, present)
             else:
-                self._system.unknown[str(generator)[:LENGTH]] = None
+                self._system.unknown[str(generator)[:SHOWN_LENGTH]] = None
         if len(triples) > 1:
             self._system.unknown["elliptic functions of several parameters"] = None
         for m, arguments in triples.items():
@@ -184,23 +176,20 @@ class _Coefficients:
         vector = argument_vector(form, self._dependence)
         rest = [c for (v, _), c in vector.items() if v not in present] if vector else []
         if others or not rest:
-            self._system.unknown[str(form)[:LENGTH]] = None
+            self._system.unknown[str(form)[:SHOWN_LENGTH]] = None
         else:
             self._system.degenerate.append(list(rest))
 
     def _judge_exponent(self, exponent: sp.Expr) -> None:
         vector = argument_vector(exponent, self._dependence)
         if vector is None:
-            self._system.unknown[str(sp.exp(exponent))[:LENGTH]] = None
+            self._system.unknown[str(sp.exp(exponent))[:SHOWN_LENGTH]] = None
         elif any(is_imaginary and v.is_integer for v, is_imaginary in vector):
             words = f"{sp.expand(exponent / sp.I)} takes finitely many values up to periods"
             self._system.left_out[words] = None
 
     def _judge_exponentials(self, polynomials: Iterable[Iterable[Monomial]]) -> None:
-        """Record where two exponents differ by a constant, so that products of exponentials depend.
-
-        Compared are products with the same other generators in one polynomial.
-        """
+        """Record when products of exponentials depend, since exponents differ by a constant."""
         directions: dict[frozenset[tuple[sp.Expr, int]], None] = {}
         for monomials in polynomials:
             rows: defaultdict[Monomial, list[Counter[sp.Expr]]] = defaultdict(list)
@@ -210,7 +199,7 @@ class _Coefficients:
             for row in rows.values():
                 for one, other in combinations(row, 2):
                     directions[_direction(one, other)] = None
-        if len(directions) > DIRECTIONS:
+        if len(directions) > MOST_DIRECTIONS:
             self._system.left_out["exponents have a rational ratio"] = None
             directions = {frozenset({(g, 1)}): None for d in directions for g, _ in d}
         for direction in directions:
@@ -243,8 +232,7 @@ class _Coefficients:
                 continue
             self._system.degenerate.append(list(vector.values()))
             if all(v.is_integer for v, _ in vector):
-                words = f"{z} takes finitely many values up to periods"
-                self._system.left_out[words] = None
+                self._system.left_out[f"{z} takes finitely many values up to periods"] = None
         self._judge_together([v for v in vectors if v], ", ".join(map(str, arguments)))
         self._system.degenerate += [[m], [1 - m]]
 
@@ -258,9 +246,7 @@ def _direction(one: Counter[sp.Expr], other: Counter[sp.Expr]) -> frozenset[tupl
 
 
 def argument_vector(argument: sp.Expr, dependence: Dependence) -> Vector | None:
-    """Return the constant factors of the argument's monomials; None if it is not a polynomial.
-
-    Real and imaginary parts have separate keys (False and True).
+    """Return constant factors by monomial and part (True: imaginary); None if not a polynomial.
 
     >>> x, a, b = sp.symbols("x a b")
     >>> argument_vector((a + sp.I * b) * x, Dependence([x]))
@@ -283,13 +269,13 @@ def argument_vector(argument: sp.Expr, dependence: Dependence) -> Vector | None:
 
 INDEPENDENT = ("jacobi_sn", "jacobi_cn", "jacobi_dn", "jacobi_epsilon", "jacobi_zeta")
 
-DIRECTIONS = 60
+MOST_DIRECTIONS = 60
 """Most differences of exponents examined; two solitons have about 15."""
 
 LARGEST_MINOR = 3
 """Most arguments whose independence is decided by minors."""
 
-LENGTH = 60
+SHOWN_LENGTH = 60
 """Characters shown of a function."""
 
 
@@ -324,9 +310,8 @@ class GeneratorFormulas:
     def _is_form(self, generator: Generator) -> bool:
         """Return whether a generator is a linear form and not a multiple of one function."""
         pairs = generator.form
-        single = len(pairs) == 1 and self._field.nodes.product(*pairs[0])
-        plain = len(pairs) == 1 and pairs[0][1]
-        return bool(pairs) and generator.formula not in (single, plain)
+        known = (self._field.nodes.product(*pairs[0]), pairs[0][1]) if len(pairs) == 1 else ()
+        return bool(pairs) and generator.formula not in known
 
     def scale(self, place: int) -> Iterator[sp.Expr]:
         """Yield the non-numeric factor by which a generator is a multiple of a function."""
@@ -364,12 +349,8 @@ class GeneratorFormulas:
                 return sp.Pow(self._node(base), rational(power))
             case "poly", (terms, *places):
                 values = [self._node(place) for place in places]  # type: ignore[arg-type]
-                return sp.Add(
-                    *(
-                        rational(c) * sp.Mul(*(v**n for v, n in zip(values, powers, strict=True)))
-                        for c, powers in terms  # type: ignore[attr-defined]
-                    )
-                )
+                products = ((c, zip(values, powers, strict=True)) for c, powers in terms)  # type: ignore[attr-defined]
+                return sp.Add(*(rational(c) * sp.Mul(*(v**n for v, n in p)) for c, p in products))
             case "parity", (int(exponent),):
                 return sp.S.NegativeOne ** self._node(exponent)
             case (("jet" | "theta"), (*places, (str(label), int(order)))):

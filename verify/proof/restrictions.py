@@ -15,10 +15,10 @@ from .explicit_values import tidy
 from .factors import factors_of
 from .typed_statement import Statement
 
-ROUNDS = 3
+SIMPLIFICATION_PASSES = 3
 """Passes in which restrictions simplify each other."""
 
-LONGEST = 60
+LONGEST_SIGNED = 60
 """Most operations of a formula whose sign is sought from the ends of the domains."""
 
 
@@ -40,15 +40,11 @@ class Restriction:
 
     def holds(self) -> bool:
         """Return whether the restriction holds; ``value`` must be a number."""
-        match self.relation:
-            case "!=":
-                return bool(self.value != 0)
-            case "integer":
-                return bool(self.value.is_integer)
-            case "real":
-                return bool(self.value.is_real)
-        real = bool(self.value.is_real)
-        return real and bool(self.value > 0 if self.relation == ">" else self.value >= 0)
+        value, is_real = self.value, bool(self.value.is_real)
+        known = {"!=": value != 0, "integer": bool(value.is_integer), "real": is_real}
+        if self.relation in known:
+            return known[self.relation]
+        return is_real and bool(value > 0 if self.relation == ">" else value >= 0)
 
 
 def realities(value: sp.Expr) -> Iterator[Restriction]:
@@ -110,16 +106,11 @@ class KnownSigns:
 
     def implies(self, restriction: Restriction) -> bool:
         """Return whether a restriction is shown to hold."""
-        match restriction.relation:
-            case ">":
-                return self.is_positive(restriction.value)
-            case ">=":
-                return self.is_nonnegative(restriction.value)
-            case "!=":
-                return self.is_nonzero(restriction.value)
-            case "real":
-                return self._signs.is_real(restriction.value)
-        return bool(restriction.value.is_integer)
+        value, relation = restriction.value, restriction.relation
+        if relation in ("real", "integer"):
+            return self._signs.is_real(value) if relation == "real" else bool(value.is_integer)
+        checks = {">": self.is_positive, ">=": self.is_nonnegative, "!=": self.is_nonzero}
+        return checks[relation](value)
 
     def excludes(self, restriction: Restriction) -> bool:
         """Return whether a restriction is shown to hold nowhere."""
@@ -130,7 +121,7 @@ class KnownSigns:
     def _from_ends(self, value: sp.Expr) -> Iterator[sp.Expr]:
         """Yield a polynomial rewritten in the distances of its symbols from the ends of domains."""
         symbols = value.free_symbols
-        if value.count_ops() > LONGEST or not value.is_polynomial(*symbols):
+        if value.count_ops() > LONGEST_SIGNED or not value.is_polynomial(*symbols):
             return
         image = value
         for symbol, distance in self._images.items():
@@ -148,20 +139,19 @@ def _in_distances(domains: Domains) -> tuple[dict[sp.Symbol, sp.Expr], dict[sp.S
     """
     images, distances = dict[sp.Symbol, sp.Expr](), dict[sp.Symbol, Domain]()
     for symbol in reversed(in_order(domains)):
-        domain = domains[symbol]
-        distance = sp.Dummy("distance", real=True)
+        domain, distance = domains[symbol], sp.Dummy("distance", real=True)
         is_closed = domain.upper != sp.oo and not domain.upper_open
         if is_closed or (domain.lower == -sp.oo and domain.upper == sp.oo):
             distances[symbol] = domain
             continue
+        is_open = domain.upper_open if domain.lower == -sp.oo else domain.lower_open
         if domain.upper == sp.oo:
-            images[symbol], is_open = domain.lower + distance, domain.lower_open
+            images[symbol] = domain.lower + distance
         elif domain.lower == -sp.oo:
-            images[symbol], is_open = domain.upper - distance, domain.upper_open
+            images[symbol] = domain.upper - distance
         else:
-            share = distance / (1 + distance)
-            images[symbol] = domain.lower + (domain.upper - domain.lower) * share
-            is_open = domain.lower_open
+            fraction = distance / (1 + distance)
+            images[symbol] = domain.lower + (domain.upper - domain.lower) * fraction
         distances[distance] = Domain(lower=sp.S.Zero, lower_open=is_open)
     return images, distances
 
@@ -176,7 +166,7 @@ def needed(given: Sequence[Restriction], domains: Domains) -> tuple[Restriction,
     >>> [r.text for r in needed([Restriction(sp.sqrt(c) * (c - k)), Restriction(c)], known)]
     ['c - k > 0']
     """
-    for _ in range(ROUNDS):
+    for _ in range(SIMPLIFICATION_PASSES):
         reduced = _once(given, domains)
         if reduced is None or reduced == tuple(given):
             return reduced
@@ -219,10 +209,7 @@ def _values_of(root: sp.Expr, signs: DomainSigns) -> Domain:
 
 
 def _simplified(restriction: Restriction, known: KnownSigns) -> Iterator[Restriction]:
-    """Yield the restriction without factors of known sign and without squares.
-
-    Raises ValueError if it holds only at the zeros of a square.
-    """
+    """Yield it without squares and known signs; ValueError if it holds only where a square is 0."""
     relation = restriction.relation
     if restriction.value.is_number or relation in ("real", "integer"):
         yield restriction

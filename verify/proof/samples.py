@@ -18,8 +18,8 @@ SIZES = (1, 1, 1, 4, 4, sp.Rational(1, 30), 30, sp.Rational(1, 1000), 1000)
 MARGINS = (sp.Rational(1, 20),) * 3 + (sp.Rational(1, 1000), sp.Rational(1, 10**6))
 """Fractions of a bounded domain that are left out at its ends."""
 
-SLIVER, EVERY = sp.Rational(1, 10**31), 4
-"""Margin ``SLIVER`` is used for one symbol in every ``EVERY``-th of the later points."""
+NARROW_MARGIN, NARROW_PERIOD = sp.Rational(1, 10**31), 4
+"""Margin of one symbol in every ``NARROW_PERIOD``-th of the later points."""
 
 REJECTIONS = 1000
 """Successive points outside the domains after which these are taken to be empty."""
@@ -29,34 +29,30 @@ SIGN_PATTERNS = 5
 
 
 def sample(domains: Domains, count: int, seed: int = 0) -> tuple[Point, ...]:
-    """Return ``count`` points of the domains; the first ones combine the possible signs of symbols.
+    """Return ``count`` points: first moderate ones with all combinations of signs, then all sizes.
 
-    The first points have moderate values, the later ones all sizes.  Raises ValueError if too few
-    points are found in the domains.
+    Raises ValueError if too few points are found in the domains.
     """
     draw = random.Random(seed)
     ordered = in_order(domains)
     signed = [s for s in ordered if _has_both_signs(domains[s])][:SIGN_PATTERNS]
-    points: list[Point] = []
-    number = rejected = 0
+    points, number, rejected = list[Point](), 0, 0
     while len(points) < count and rejected < REJECTIONS:
         signs = {s: -1 if number >> place & 1 else 1 for place, s in enumerate(signed)}
         early = number < 2 ** len(signed)
         point: dict[sp.Symbol, sp.Rational] = {}
-        edges = ordered if not early and number % EVERY == 0 else []
-        edge = edges[number // EVERY % len(edges)] if edges else None
+        edges = ordered if not early and number % NARROW_PERIOD == 0 else []
+        edge = edges[number // NARROW_PERIOD % len(edges)] if edges else None
         for symbol in ordered:
             size = sp.S.One if early else draw.choice(SIZES)
             margin = MARGINS[0] if early else draw.choice(MARGINS)
             sign = signs.get(symbol, 1) if early else draw.choice((1, -1))
             if symbol == edge:
-                size, margin, sign = SLIVER, SLIVER, 1
+                size, margin, sign = NARROW_MARGIN, NARROW_MARGIN, 1
             point[symbol] = _value(domains[symbol], point, size * sign, margin, draw)
-        number += 1
-        rejected += 1
-        if all(domains[s].contains(value, point) for s, value in point.items()):
-            rejected = 0
-            points.append(point)
+        inside = all(domains[s].contains(value, point) for s, value in point.items())
+        points += [point] * inside
+        number, rejected = number + 1, 0 if inside else rejected + 1
     if len(points) < count:
         words = ", ".join(domain.text(symbol) for symbol, domain in domains.items())
         raise ValueError(f"domains must hold rational points, got {words} (none was found)")
@@ -64,9 +60,9 @@ def sample(domains: Domains, count: int, seed: int = 0) -> tuple[Point, ...]:
 
 
 def _has_both_signs(domain: Domain) -> bool:
-    return bool(domain.lower == -sp.oo and (domain.upper == sp.oo or domain.upper.is_positive)) or (
-        bool(domain.upper == sp.oo and domain.lower.is_negative)
-    )
+    low, high = domain.lower, domain.upper
+    below = low == -sp.oo and (high == sp.oo or high.is_positive)
+    return bool(below or (high == sp.oo and low.is_negative))
 
 
 def _value(
@@ -79,16 +75,16 @@ def _value(
     """Draw a value of the domain: a fraction of a bounded one, else a distance from its end."""
     lower, upper = (rational_near(end) for end in domain.ends(known))
     prime = draw.choice(DENOMINATORS)
-    share = sp.Rational(draw.randint(1, prime - 1), prime)
+    fraction = sp.Rational(draw.randint(1, prime - 1), prime)
     if lower is None:
-        value = size * share if upper is None else upper - _length(-upper, size) * share
+        value = size * fraction if upper is None else upper - _length(-upper, size) * fraction
     elif upper is None:
-        value = lower + _length(lower, size) * share
+        value = lower + _length(lower, size) * fraction
     else:
         edge = margin * (upper - lower)
-        value = lower + edge + (upper - lower - 2 * edge) * share
+        value = lower + edge + (upper - lower - 2 * edge) * fraction
         if margin < MARGINS[0]:
-            near = edge * (1 + share)
+            near = edge * (1 + fraction)
             value = draw.choice((value, lower + near, upper - near))
     if not domain.integer:
         return sp.Rational(value)
@@ -101,17 +97,13 @@ def _length(end: sp.Rational, size: sp.Rational) -> sp.Rational:
 
 
 def rational_near(end: sp.Expr) -> sp.Rational | None:
-    """Return a rational number close to an end, None if it is infinite; margins cover the error.
-
-    Raises ValueError for an end that is not real.
-    """
+    """Return a rational number close to a real end, within the margins; None if it is infinite."""
     if end in (sp.oo, -sp.oo):
         return None
     if end.is_Rational:
         return end
     number = sp.N(end, 20)
     if not number.is_Float:
-        raise ValueError(
-            f"ends of domains must be real, got {end} (state where what it contains makes it so)"
-        )
+        remedy = "state where what it contains makes it so"
+        raise ValueError(f"ends of domains must be real, got {end} ({remedy})")
     return sp.Rational(str(number))

@@ -3,10 +3,9 @@
 A proof holds where the formulas are smooth: on each side of a seam, not across it.  A travelling
 corner is not a solution just because both of its sides are.
 
-A seam is where the argument of abs or sign, a radicand, or the argument of a logarithm is 0 or may
-cross a cut, where an inverse function is at an end of its cuts, and where a function's argument has
-a pole, as in atan(1/x).  A pole outside of all functions is not a seam: nobody takes it as part of
-the solution.
+A seam is where the argument of abs, sign, a root or a logarithm is 0 or may cross a cut, where an
+inverse function is at an end of its cuts, and where a function's argument has a pole (atan(1/x)).
+A pole outside of all functions is not a seam: nobody takes it as part of the solution.
 """
 
 from __future__ import annotations
@@ -41,10 +40,10 @@ from .simplification import Rewriting
 from .statement_problem import all_domains
 from .typed_hints import put_in, vocabulary
 from .typed_places import DOTS, corner_line, typed_places
-from .typed_statement import Statement
+from .typed_statement import Statement, names_in
 
-ENDS = {"asin": (1, -1), "acos": (1, -1), "atanh": (1, -1), "acosh": (1, -1)}
-"""Values of the argument at which inverse functions have branch points."""
+BRANCH_AT_ONE = ("asin", "acos", "atanh", "acosh")
+"""Inverse functions with branch points where the argument is 1 or -1."""
 
 POLES = {"tan": "cos", "sec": "cos", "cot": "sin", "csc": "sin", "coth": "sinh", "csch": "sinh"}
 """Functions with poles on the real axis, and the function that is 0 there."""
@@ -52,7 +51,7 @@ POLES = {"tan": "cos", "sec": "cos", "cot": "sin", "csc": "sin", "coth": "sinh",
 SAFE = ("exp", "sin", "cos", "sinh", "cosh", "tanh", "sech", "erf")
 """Functions of which SymPy changes only the notation."""
 
-LONGEST = 60
+LONGEST_PLACE = 60
 """Most characters of a place that is not abbreviated."""
 
 ONE = Fraction(1)
@@ -119,7 +118,7 @@ def sides(jumps: Sequence[Seam]) -> str:
 
 
 class _Finder:
-    """Seams of the formulas of one statement, without unknowns and defined names."""
+    """Finder of the seams of one statement's formulas, without unknowns and defined names."""
 
     def __init__(self, statement: Statement) -> None:
         self._build = ExpressionBuilder(vocabulary(statement)).expression
@@ -129,11 +128,7 @@ class _Finder:
         self._variables = {str(v): v for v in statement.variables}
 
     def seams(self, formula: FormulaTree, inside: bool | None = False) -> Iterator[Seam]:
-        """Yield the seams of a formula.
-
-        A pole or the logarithm of 0 is a seam only ``inside`` the argument of a function, and never
-        if ``inside`` is None.
-        """
+        """Yield seams; poles and log 0 are seams only ``inside`` functions, never if it is None."""
         match formula:
             case Power(parts=(Call(name="abs", parts=parts), exponent)) if _is_even(exponent):
                 pass  # f times its conjugate
@@ -146,13 +141,11 @@ class _Finder:
             case Call(name="lambert_w", parts=(argument,) as parts):
                 yield from self._zero(Sum((argument, Call((Number(-ONE),), "exp"))))
             case Call(name="bessel_j" | "bessel_y" | "bessel_i" | "bessel_k", parts=parts):
-                order = rational(parts[0])
-                whole = order is not None and order.denominator == 1
-                if not (whole and formula.name in ("bessel_j", "bessel_i")):
-                    yield from self._branch(parts[1])
-            case Call(name=name, parts=parts) if name in ENDS:
-                for end in ENDS[name]:
-                    yield from self._zero(Sum((parts[0], Number(-end * ONE))))
+                is_entire = formula.name in ("bessel_j", "bessel_i") and _is_whole(parts[0])
+                yield from () if is_entire else self._branch(parts[1])
+            case Call(name=name, parts=parts) if name in BRANCH_AT_ONE:
+                for end in (ONE, -ONE):
+                    yield from self._zero(Sum((parts[0], Number(-end))))
             case Call(name="atan" | "asinh", parts=(argument,) as parts):
                 yield from () if self._is_real(argument) else self._cut("re", argument)
             case Call(name=name, parts=parts) if inside and name in POLES:
@@ -184,37 +177,32 @@ class _Finder:
             yield Seam(f"{part}({self._text(argument)}) = 0", False)
 
     def _zero(self, argument: FormulaTree, line: str = "", jumps: bool = False) -> Iterator[Seam]:
-        """Yield where a formula is 0, if it contains a variable and may be 0.
+        """Yield where a formula with a variable may be 0; a product where one of its factors is.
 
-        A product is 0 where one of its factors is; ``line`` is the line for the whole product.  If
-        the formula ``jumps`` there, factors without variables have lines of their own.
+        ``line`` is that of the product; if it ``jumps``, constant factors have lines of their own.
         """
         if not (line or self._moves(argument)):
             return
         line = line or corner_line(argument)
         never = Seam("", False, "" if DOTS in line or self._has_complexes else line)
         match argument:
-            case Power(parts=(_, exponent)) if (rational(exponent) or 0) < 0:
-                yield never
-                return
             case Product(parts=factors) | Call(name="abs" | "sign", parts=factors):
                 for factor in factors:
                     yield from self._zero(factor, line, jumps)
                 return
         value = self._value(argument)
-        if value is not None and self._is_nonzero(value):
+        inverse = isinstance(argument, Power) and (rational(argument.parts[1]) or 0) < 0
+        if inverse or (value is not None and self._is_nonzero(value)):
             yield never
             return
         if not self._moves(argument):
-            named = any(isinstance(node, Name) for node in argument.nodes())
-            yield Seam("", False, line, corner_line(argument) if jumps and named else "")
+            own_line = corner_line(argument) if jumps and names_in(argument) else ""
+            yield Seam("", False, line, own_line)
             return
-        moving = {n.name for n in argument.nodes() if isinstance(n, Name)} & {*self._variables}
-        at_sites = all(self._is_site(name) for name in moving)
-        place = self._solved(argument)
-        if place is None:
-            place = f"{self._text(argument)} = 0"
-        if value is not None and len(place) > LONGEST:
+        at_sites = all(map(self._is_site, names_in(argument) & {*self._variables}))
+        solved = self._solved(argument)
+        place = f"{self._text(argument)} = 0" if solved is None else solved
+        if value is not None and len(place) > LONGEST_PLACE:
             place = f"{abbreviated(value, DEPTH)} = 0"
         yield Seam(place, at_sites, line) if place else never
 
@@ -265,7 +253,7 @@ class _Finder:
         return self._signs.is_nonzero(value) or Rewriting(self._signs).is_nonzero(value)
 
     def _moves(self, argument: FormulaTree) -> bool:
-        return any(isinstance(n, Name) and n.name in self._variables for n in argument.nodes())
+        return not names_in(argument).isdisjoint(self._variables)
 
     def _value(self, argument: FormulaTree) -> sp.Expr | None:
         with suppress(ValueError, TypeError, NotImplementedError, RecursionError):
@@ -273,16 +261,17 @@ class _Finder:
         return None
 
 
+def _is_whole(exponent: FormulaTree) -> bool:
+    power = rational(exponent)
+    return power is not None and power.denominator == 1
+
+
 def _is_even(exponent: FormulaTree) -> bool:
     power = rational(exponent)
-    return power is not None and power.denominator == 1 and power % 2 == 0 and power > 0
+    return power is not None and power > 0 and power % 2 == 0
 
 
 def _is_polynomial(node: FormulaTree) -> bool:
-    if rational(node) is not None:
-        return True
-    match node:
-        case Power(parts=(_, exponent)):
-            power = rational(exponent)
-            return power is not None and power.denominator == 1 and power > 0
-    return isinstance(node, Name | Number | Sum | Product)
+    if isinstance(node, Power) and rational(node) is None:
+        return _is_whole(node.parts[1]) and (rational(node.parts[1]) or 0) > 0
+    return rational(node) is not None or isinstance(node, Name | Number | Sum | Product)

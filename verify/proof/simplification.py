@@ -27,7 +27,7 @@ from .arguments import HYPERBOLIC, TRIGONOMETRIC
 from .domain_signs import BELOW_PI, DomainSigns, lies_between
 from .factors import Quotients, TooLong, factored
 
-DIGITS, LARGEST = 40, 10**6
+ROOT_DIGITS, LARGEST_DENOMINATOR = 40, 10**6
 """Decimals to which a cube root is evaluated, and largest denominator in its exact form."""
 
 REAL_ON_THE_LINE = (sp.exp, *HYPERBOLIC, *TRIGONOMETRIC)
@@ -35,11 +35,7 @@ REAL_ON_THE_LINE = (sp.exp, *HYPERBOLIC, *TRIGONOMETRIC)
 
 
 class Rewriting:
-    """Simpler forms of expressions on the domains of ``signs``.
-
-    ``found`` maps each replaced root, logarithm, absolute value, sign or conjugate, as it stood in
-    the expression, to its replacement.
-    """
+    """Simpler forms of expressions on domains; ``found`` maps nodes, as they stood, to new ones."""
 
     def __init__(self, signs: DomainSigns) -> None:
         self.signs = signs
@@ -92,9 +88,7 @@ class Rewriting:
     def is_nonzero(self, total: sp.Expr) -> bool:
         """Return whether a formula, or each of its factors, is shown to be nowhere 0."""
         factors = self._factors(_squared_function(total) or total, 1)
-        return all(
-            self.signs.is_nonzero(factor.base if factor.is_Pow else factor) for factor in factors
-        )
+        return all(self.signs.is_nonzero(f.base if f.is_Pow else f) for f in factors)
 
     def _power(self, base: sp.Expr, exponent: sp.Rational) -> sp.Expr | None:
         if not base.free_symbols and exponent == sp.S.Half and base.is_real:
@@ -102,10 +96,9 @@ class Rewriting:
             return None if denested.is_Pow else denested
         if not base.free_symbols and exponent.q == 3 and base.is_Add and base.is_positive:
             return _cube_root(base, exponent)
-        if exponent.q == 2 and (base is sp.I or base.is_Add):
-            denested = _denested(base)
-            if denested is not None:
-                return denested ** (2 * exponent)
+        is_sum = exponent.q == 2 and (base is sp.I or base.is_Add)
+        if is_sum and (denested := _denested(base)) is not None:
+            return denested ** (2 * exponent)
         factors = self._factors(_squared_function(base) or base, 2)
         if len(factors) > 1:
             outside, inside = self._known_factors(factors)
@@ -113,10 +106,10 @@ class Rewriting:
                 return None
             return sp.Mul(*(sp.Pow(f, exponent) for f in outside)) * sp.Pow(inside, exponent)
         (base,) = factors
-        if isinstance(base, sp.exp) and self.signs.is_real(base.args[0]):
-            return sp.exp(exponent * base.args[0])
-        if isinstance(base, sp.exp) and self._is_narrow(base.args[0] / sp.I):
-            return sp.exp(exponent * base.args[0])
+        if isinstance(base, sp.exp):
+            z = base.args[0]
+            if self.signs.is_real(z) or self._is_narrow(z / sp.I):
+                return sp.exp(exponent * z)
         if not (base.is_Pow and base.exp.is_Rational):
             return None
         inner = base.base
@@ -130,7 +123,8 @@ class Rewriting:
 
     def _is_to_the_right(self, total: sp.Expr) -> bool:
         """Return whether a sum has a positive real part; square roots have a nonnegative one."""
-        roots = [part for part in sp.Add.make_args(total) if _has_square_root(part)]
+        terms = [(term, *term.as_coeff_Mul(rational=True)) for term in sp.Add.make_args(total)]
+        roots = [t for t, n, f in terms if n > 0 and f.is_Pow and f.exp == sp.S.Half]
         return bool(roots) and self.signs.is_positive(total - sp.Add(*roots))
 
     def _is_narrow(self, angle: sp.Expr) -> bool:
@@ -287,11 +281,6 @@ def _squared_function(total: sp.Expr) -> sp.Expr | None:
     return None
 
 
-def _has_square_root(term: sp.Expr) -> bool:
-    number, rest = term.as_coeff_Mul(rational=True)
-    return bool(number > 0 and rest.is_Pow and rest.exp == sp.S.Half)
-
-
 def _evidently_signed(total: sp.Expr) -> sp.Expr:
     """Rewrite a sum as a square or as a sum of squares, if it is one."""
     square = _squared_function(total)
@@ -331,13 +320,10 @@ def _joined_roots(high: sp.Expr, low: sp.Expr, b: sp.Expr, square: sp.Expr) -> s
     """Return sqrt(high) + sqrt(low), with the sign of b in front of the second root."""
     if high.is_negative or (not high.is_positive and low.is_positive):
         high, low = low, high
+    second = sp.I * sp.sqrt(-low) if square == -1 else sp.sqrt(low)
     if b.could_extract_minus_sign() or (square != -1 and b.is_negative):
-        return sp.sqrt(high) - _root_of(low, square)
-    return sp.sqrt(high) + _root_of(low, square)
-
-
-def _root_of(low: sp.Expr, square: sp.Expr) -> sp.Expr:
-    return sp.I * sp.sqrt(-low) if square == -1 else sp.sqrt(low)
+        return sp.sqrt(high) - second
+    return sp.sqrt(high) + second
 
 
 def _cube_root(base: sp.Expr, exponent: sp.Rational) -> sp.Expr | None:
@@ -345,12 +331,15 @@ def _cube_root(base: sp.Expr, exponent: sp.Rational) -> sp.Expr | None:
     for p, q, square in _quadratics(base):
         if not square.is_Rational or square < 0:
             continue
-        norm, value = sp.real_root(p**2 - q**2 * square, 3), sp.N(base, DIGITS) ** (sp.S.One / 3)
+        norm, value = (
+            sp.real_root(p**2 - q**2 * square, 3),
+            sp.N(base, ROOT_DIGITS) ** (sp.S.One / 3),
+        )
         if not norm.is_Rational:
             continue
-        a = sp.Rational(str((value + norm / value) / 2)).limit_denominator(LARGEST)
-        b = sp.Rational(str((value - norm / value) / 2 / sp.sqrt(square).n(DIGITS)))
-        root = a + b.limit_denominator(LARGEST) * sp.sqrt(square)
+        a = sp.Rational(str((value + norm / value) / 2)).limit_denominator(LARGEST_DENOMINATOR)
+        b = sp.Rational(str((value - norm / value) / 2 / sp.sqrt(square).n(ROOT_DIGITS)))
+        root = a + b.limit_denominator(LARGEST_DENOMINATOR) * sp.sqrt(square)
         if sp.expand(root**3 - base) == 0:
             return root ** (3 * exponent)
     return None
@@ -381,9 +370,7 @@ def conjugated(expression: sp.Expr, signs: DomainSigns) -> sp.Expr | None:
     if not through and not isinstance(expression, REAL_ON_THE_LINE):
         return None
     arguments = [conjugated(argument, signs) for argument in expression.args]
-    if any(argument is None for argument in arguments):
-        return None
-    return expression.func(*arguments)
+    return None if any(argument is None for argument in arguments) else expression.func(*arguments)
 
 
 def needs_integers(size: sp.Expr) -> bool:

@@ -43,24 +43,20 @@ def scope_latex(statement: Statement) -> str:
 
 def equations_latex(statement: Statement) -> str:
     """Return the equations of a statement in LaTeX."""
-    texts, trees = _typed(statement)
-    pairs = zip(texts, trees.equations, strict=True)
+    trees = statement.trees
+    pairs = zip(statement.texts.equations, trees.equations, strict=True)
     return r",\quad ".join(_equation(trees, text, left) for text, left in pairs)
 
 
 def formulas_latex(statement: Statement) -> str:
     """Return the unknowns and their formulas in LaTeX, with defined names expanded."""
-    _, trees = _typed(statement)
+    trees = statement.trees
     heads = {node for left in trees.equations for node in left.nodes() if isinstance(node, Unknown)}
     sites = {head.name: head.site for head in heads}
     return r",\quad ".join(
         f"{formula_latex(Unknown(name, site=sites.get(name, '')))} = {_latex(trees, formula)}"
         for name, formula in trees.solutions.items()
     )
-
-
-def _typed(statement: Statement) -> tuple[tuple[str, ...], StatementTrees]:
-    return statement.texts.equations, statement.trees
 
 
 def _equation(trees: StatementTrees, text: str, left: FormulaTree) -> str:

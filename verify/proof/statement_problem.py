@@ -33,8 +33,7 @@ CONJUGATES = (sp.conjugate, sp.Abs, sp.re, sp.im)
 class StatementProblem(Problem):
     """Question whether the formulas of ``statement`` make ``left``, one of its equations, vanish.
 
-    ``unknown`` and ``formula`` are those of the first unknown in ``left``; ``also`` has further
-    expressions for which generators are needed.
+    ``unknown`` is the first in ``left``; ``also`` has further expressions that need generators.
     """
 
     statement: typed_statement.Statement | None = None
@@ -77,15 +76,13 @@ class StatementProblem(Problem):
 
 def statement_problem(statement: Statement, equation: sp.Expr) -> StatementProblem:
     """Return the problem of one equation; raises ValueError if it has no unknown."""
-    known = ((u, f) for u, f in statement.solutions.items() if equation.has(u.func))
-    unknown, formula = next(known, (None, None))
+    used = ((u, f) for u, f in statement.solutions.items() if equation.has(u.func))
+    unknown, formula = next(used, (None, None))
     if unknown is None:
         raise ValueError("equations must have an unknown, got one in which it cancels")
     domains = all_domains(statement, equation)
-    label = f"{formula_as_text(equation)} = 0"
-    return StatementProblem(
-        statement.name, label, unknown, formula, equation, domains, statement=statement
-    )
+    known = f"{formula_as_text(equation)} = 0", unknown, formula, equation, domains
+    return StatementProblem(statement.name, *known, statement=statement)
 
 
 def all_domains(statement: Statement, *equations: sp.Expr) -> Domains:
@@ -123,10 +120,7 @@ def _is_nonzero(value: sp.Expr, point: Point) -> bool:
 
 
 def with_exponentials(expression: sp.Expr) -> sp.Expr:
-    """Write x**k as exp(k*log(x)), its definition.
-
-    A negative x with an integer exponent n becomes (-1)**n*exp(n*log(-x)).
-    """
+    """Write x**k as exp(k*log(x)); for x < 0 and an integer k as (-1)**k*exp(k*log(-x))."""
     if not any(_is_symbolic(power) for power in expression.atoms(sp.Pow)):
         return expression
 

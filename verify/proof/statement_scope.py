@@ -19,8 +19,6 @@ SIGNED = {"positive": "> 0", "negative": "< 0", "nonzero": "!= 0"}
 
 SMOOTH = "wherever the formulas are smooth"
 
-REAL_FUNCTIONS = "that are real at real arguments"
-
 
 @dataclass(frozen=True)
 class Scope:
@@ -34,9 +32,8 @@ class Scope:
         *values, last = kinds
         if "function" not in self.kinds:
             return "; ".join(kinds)
-        return (
-            f"{'; '.join(values)} and {last.replace('function', 'functions', 1)} {REAL_FUNCTIONS}"
-        )
+        functions = last.replace("function", "functions", 1)
+        return f"{'; '.join(values)} and {functions} that are real at real arguments"
 
     @property
     def text(self) -> str:
@@ -58,16 +55,12 @@ def scope(statement: Statement) -> Scope:
     symbols = [node for node in nodes.all if node[0] == "symbol"]
     named = {kind: sorted(node[1] for node in symbols if node[2] == kind) for kind in KINDS}
     kinds = {kind: names for kind, names in named.items() if names}
-    return Scope(kinds, tuple(c for c in conditions(statement.texts) if _is_inequality(c)))
+    return Scope(kinds, tuple(c for c in conditions(statement.texts) if ":" not in c))
 
 
 def conditions(texts: StatementTexts) -> list[str]:
     """Return the typed conditions, such as ``k > 0`` and ``b: complex``, without repeats."""
     return list(dict.fromkeys(_conditions(texts)))
-
-
-def _is_inequality(condition: str) -> bool:
-    return ":" not in condition
 
 
 def _conditions(texts: StatementTexts) -> Iterator[str]:

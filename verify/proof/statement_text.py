@@ -78,13 +78,8 @@ def read_statement(
     >>> {str(symbol): domain.text(symbol) for symbol, domain in statement.domains.items()}
     {'c': '0 < c'}
     """
-    given = {
-        "equation": _texts(equation, "equation"),
-        "solution": _texts(solution, "solution"),
-        "parameters": [parameters],
-        "domain": [domain],
-        "solve": [solve],
-    }
+    given = {"equation": _texts(equation, "equation"), "solution": _texts(solution, "solution")}
+    given |= {"parameters": [parameters], "domain": [domain], "solve": [solve]}
     read = partial(_read, name=name, variables=variable_names(variables))
     try:
         return replace(read(given), weak=weak)
@@ -105,8 +100,7 @@ def _read(given: Parts, name: str, variables: Sequence[str]) -> Statement:
 def _texts(given: Texts, label: str) -> list[str]:
     texts = [given] if isinstance(given, str) else list(given)
     if not texts or len(texts) > PARTS:
-        words = f"expected 1 to {PARTS} texts, got {len(texts)}"
-        raise FormulaError(label, words, "", 0)
+        raise FormulaError(label, f"expected 1 to {PARTS} texts, got {len(texts)}", "", 0)
     return texts
 
 
@@ -141,8 +135,7 @@ class _Reading:
                 raise part.error("expected a formula, got the end")
         for parts in listed:
             if len(parts) > PARTS:
-                words = f"expected at most {PARTS} parts, got {len(parts)}"
-                raise parts[PARTS].error(words)
+                raise parts[PARTS].error(f"expected at most {PARTS} parts, got {len(parts)}")
         for entry in self._ordered_entries():
             self._declare(entry)
         letters, indexed = self.known.letters(self.names), self.known.indexed()
@@ -163,9 +156,8 @@ class _Reading:
         divisors = tuple(self.divisors)
         typed = (tuple(part.written for part in parts) for parts in listed)
         texts = StatementTexts(tuple(self.variables), *typed)
-        trees = StatementTrees(
-            texts.variables, tuple(self.left_sides), self.formulas, self.definitions
-        )
+        left_sides = tuple(self.left_sides)
+        trees = StatementTrees(texts.variables, left_sides, self.formulas, self.definitions)
         known = equations, solutions, self.domains, divisors, solve_for, texts, trees
         return Statement(self.name, *known, tuple(self.complexes), tuple(self.functions))
 
@@ -176,8 +168,6 @@ class _Reading:
         self.used |= parser.used
         self.divisors |= dict.fromkeys(d for d in builder.divisors if d.args)
         return expression
-
-    # parameters and domains
 
     def _ordered_entries(self) -> list[TextPart]:
         """Return the entries, first those of parameters that bound the domains of others."""
@@ -199,10 +189,8 @@ class _Reading:
         if word.kind != "name":
             raise entry.error(f"expected a parameter's name, got {word}")
         if name in self.known.reserved:
-            remedy = "rename the parameter; a variable's domain stands in the part domain"
-            raise entry.error(
-                f"expected a parameter, got the independent variable {name} ({remedy})"
-            )
+            got = f"the independent variable {name} (rename the parameter; a variable's domain"
+            raise entry.error(f"expected a parameter, got {got} stands in the part domain)")
         if name in FUNCTIONS or name in CONSTANTS or name in ("diff", *RESERVED):
             raise entry.error(f"expected a name of its own, got {word} (rename the parameter)")
         if "_" in name:
@@ -276,10 +264,7 @@ class _Reading:
             self._keep(self.variables[letter], replace(domain, lower=lower, upper=upper))
 
     def _limited(self, part: TextPart, plain: Mapping[str, sp.Symbol]) -> tuple[str, Domain]:
-        """Return the variable that an inequality restricts, and its domain.
-
-        It is the first variable that is a side of its own, else the first that can be isolated.
-        """
+        """Return the variable that an inequality restricts (a lone side first), and its domain."""
         first: FormulaError | None = None
         for name in self._subjects(part, [*plain]):
             try:
@@ -308,8 +293,6 @@ class _Reading:
         if any(len(side) == 1 and side[0].text in self.names for side in sides):
             words += " (a parameter's domain stands in the part parameters)"
         raise part.error(words)
-
-    # unknowns, solutions and equations
 
     def _make_fields(self, indexed: set[str]) -> None:
         for part in self.solutions:
@@ -355,8 +338,7 @@ class _Reading:
             raise part.error(f"expected '=' behind {name}, got {part.words[1]}{rows}", 1)
         for place, word in enumerate(part.words[equal + 1 :], equal + 1):
             if word.kind == "name" and word.text.partition("_")[0] in self.fields:
-                words = f"expected a formula without unknowns, got {word}"
-                raise part.error(words, place)
+                raise part.error(f"expected a formula without unknowns, got {word}", place)
         parser = part.parser(self._vocabulary(), equal + 1)
         self.formulas[name] = parser.whole()
         return self.fields[name], self._built(parser, self.formulas[name])
@@ -377,16 +359,9 @@ class _Reading:
         return residual
 
     def _vocabulary(self) -> Vocabulary:
-        site = self.variables.get(SITE)
-        own = {name: (jet_function(name), 1) for name in self.functions}
-        return Vocabulary(
-            {**FUNCTIONS, **own},
-            self.variables,
-            self.fields,
-            self.names,
-            self._real_parameter,
-            site,
-        )
+        functions = FUNCTIONS | {name: (jet_function(name), 1) for name in self.functions}
+        known = functions, self.variables, self.fields, self.names
+        return Vocabulary(*known, self._real_parameter, self.variables.get(SITE))
 
     def _real_parameter(self, name: str) -> sp.Symbol:
         """Return a real symbol for an undeclared name; ValueError if it may mean another name."""

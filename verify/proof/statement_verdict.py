@@ -8,28 +8,24 @@ substitutes the formulas.  SymPy gives only hints.
 from __future__ import annotations
 
 import re
-import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import chain
 from typing import Any
 
 from longwave.derive.algebra.formula_latex import formula_latex, name_latex
-from longwave.derive.algebra.formula_tree import FormulaTree, Name, Number, mapped, rational
+from longwave.derive.algebra.formula_tree import Name, Number, mapped, rational
 from longwave.solutions.record import LONGEST_FORMULA
 from longwave.verify.kernel.function_values import generic_shift
 from longwave.verify.subexpressions import abbreviated
-from longwave.verify.verdict import Outcome, ProofVerdict
+from longwave.verify.verdict import Outcome, ProofVerdict, timed
 
 from . import prover
 from .certificate_writer import Certificate
 from .seams import left_open, sides
 from .statement_latex import equations_latex, formulas_latex, scope_latex, statement_latex
-from .statement_problem import (
-    typed_domains,
-    undefined,
-)
+from .statement_problem import typed_domains, undefined
 from .statement_scope import scope
 from .typed_hints import NO_VERDICT, typed_certificate
 from .typed_statement import Statement, StatementTrees, tree_of
@@ -37,15 +33,15 @@ from .typed_values import TypedValues, failing_values
 
 Progress = Callable[[str], None]
 
+ONE = Number(Fraction(1))
 UNSEEN = "an equation fails at a point at which its residual could not be repeated"
 
 
 @dataclass(frozen=True, repr=False)
 class StatementVerdict(ProofVerdict):
-    """Verdict on a statement; ``statement`` is the parsed statement in LaTeX.
+    """Verdict on a statement, with the statement in LaTeX and a certificate for each equation.
 
-    ``certificates`` has one for each equation of a proof.  ``hint`` says what holds instead of a
-    refuted formula; ``hint_verdict`` is the proof of it.
+    ``hint`` says what holds instead of a refuted formula; ``hint_verdict`` is the proof of it.
     """
 
     statement: str = ""
@@ -83,15 +79,9 @@ class StatementVerdict(ProofVerdict):
         }
 
 
+@timed
 def decide_statement(statement: Statement, progress: Progress = lambda _: None) -> StatementVerdict:
-    """Decide a statement; ``progress`` is called with the name of each step."""
-    start = time.perf_counter()
-    verdict = _decided(statement, progress)
-    return replace(verdict, seconds=time.perf_counter() - start)
-
-
-def _decided(statement: Statement, progress: Progress) -> StatementVerdict:
-    """Return the verdict, from a point at which an equation fails or from accepted proofs."""
+    """Refute a statement at a point or prove its equations; report each step to ``progress``."""
     count, certificates = len(statement.equations), list[Certificate]()
     progress(f"equation 1 of {count}")
     failing = failing_values(statement)
@@ -136,18 +126,14 @@ def proved(statement: Statement, certificates: Sequence[Mapping[str, Any]]) -> S
 
 
 def refuted(statement: Statement, witness: Mapping[str, str]) -> StatementVerdict | None:
-    """Return the verdict REFUTED by a point of the domain; None if no equation is shown to fail.
-
-    Complex values, which are not numbers of a point, are substituted into the trees.
-    """
+    """Return the verdict REFUTED by a point, maybe complex; None if no equation fails there."""
     trees, numbers = witness_trees(statement, statement.trees, witness)
     failing = TypedValues(trees, typed_domains(statement)).failing(numbers)
     if failing is None:
         return None
     number, residual = failing
     where = f"equation {number}: " if len(statement.equations) > 1 else ""
-    ends = (s for domain in statement.domains.values() for s in domain.symbols)
-    bounds = {*map(str, ends)} & witness.keys()  # parameters that may be missing from the formulas
+    bounds = {*map(str, statement.domain_symbols)} & witness.keys()  # may not be in the formulas
     names = (statement.trees.names | bounds) - {*statement.functions}
     chosen = {name: f"1/gamma(z + {generic_shift(name)})" for name in statement.functions}
     return StatementVerdict(
@@ -164,13 +150,11 @@ def witness_trees(
     """Substitute the complex values of a point into the trees; return them and its other values."""
     complexes = {n: witness[n] for n in statement.complexes if "I" in witness[n]}
     trees = trees.with_values(complexes)
-    if any(rational(mapped(tree_of(text), _without_unit)) is None for text in complexes.values()):
+    trees_of_values = map(tree_of, complexes.values())
+    real = (mapped(t, lambda n: ONE if n == Name("I") else None) for t in trees_of_values)
+    if any(rational(tree) is None for tree in real):
         raise ValueError(f"witness must have numbers for {', '.join(complexes)}, got other values")
     return trees, {name: Fraction(witness[name]) for name in trees.names}
-
-
-def _without_unit(node: FormulaTree) -> FormulaTree | None:
-    return Number(Fraction(1)) if node == Name("I") else None
 
 
 def united(lines: Iterable[Iterable[str]]) -> tuple[str, ...]:
@@ -230,10 +214,7 @@ def verified_sentence(statement: Statement, verdict: StatementVerdict) -> str:
 
 
 def _corners_latex(statement: Statement, lines: Sequence[str]) -> list[str]:
-    """Return the places of jumps and corners, at which formulas are defined, as LaTeX equations.
-
-    A place that cannot be parsed, such as one with dots, is quoted as text.
-    """
+    """Return the places of jumps and corners as LaTeX equations; unparsed ones as text."""
     equations = []
     for line in lines:
         if place := re.fullmatch(r"jump or corner (?:at the site|at|where) (.*) = (.*)", line):

@@ -30,17 +30,12 @@ FROM_FILE = "as an earlier run said, not decided again: "
 
 def verdict_record(verdict: StatementVerdict) -> dict[str, Any]:
     """Return the verdict as plain data, with its certificates."""
-    return verdict.json() | {
-        "certificates": list(verdict.certificates),
-        "hint_certificates": list(verdict.hint_certificates),
-    }
+    names = "certificates", "hint_certificates"
+    return verdict.json() | {name: list(getattr(verdict, name)) for name in names}
 
 
 def checked_again(statement: Statement, record: Mapping[str, Any]) -> StatementVerdict | None:
-    """Return the verdict in a record of `verdict_record`; None if it cannot be checked again.
-
-    Verdicts on weak solutions and on parameters to solve for cannot be checked again.
-    """
+    """Return a stored verdict, checked again; None if invalid, weak or solved for parameters."""
     start = time.perf_counter()
     try:
         verdict = _checked(statement, record)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
+from functools import partialmethod
 from math import factorial
 from typing import Any
 
@@ -38,18 +39,13 @@ def power(exponent: Fraction) -> Callable[[acb, int], Series]:
     q = fmpq(exponent.numerator, exponent.denominator)
 
     def taylor(z: acb, order: int) -> Series:
-        series = [z.sqrt() if exponent == Fraction(1, 2) else _integer_or_root(z, exponent)]
+        root = z if q.q == 1 else z.sqrt() if exponent == Fraction(1, 2) else z.root(int(q.q))
+        series = [root if exponent == Fraction(1, 2) else root ** int(q.p)]
         for n in range(1, order + 1):
             series.append(series[-1] * acb(q - n + 1) / (n * z))
         return series
 
     return taylor
-
-
-def _integer_or_root(z: acb, exponent: Fraction) -> acb:
-    if exponent.denominator == 1:
-        return z**exponent.numerator
-    return z.root(exponent.denominator) ** exponent.numerator
 
 
 @contextmanager
@@ -91,9 +87,8 @@ def bessel(name: str, v: acb) -> Callable[[acb, int], Series]:
         value = _ball(name, v, z)
         series = [value, v / z * value + up * _ball(name, v + 1, z)]
         for n in range(order - 1):
-            rest = (n * n + sign * z * z - v * v) * series[n] + (n + 1) * (2 * n + 1) * z * series[
-                -1
-            ]
+            rest = (n * n + sign * z * z - v * v) * series[n]
+            rest += (n + 1) * (2 * n + 1) * z * series[-1]
             rest += sign * (2 * z * series[n - 1] if n else acb(0))
             rest += sign * (series[n - 2] if n > 1 else acb(0))
             series.append(-rest / ((n + 2) * (n + 1) * z * z))
@@ -144,81 +139,38 @@ INVERSE_SLOPES: dict[str, Callable[[acb_series], acb_series]] = {
 }
 
 
-class AtZero:
-    """Jacobi functions for m = 0, all except theta and eta."""
+class ElementaryJacobi:
+    """Jacobi functions for m = 0 and m = 1: sn, cn, dn, epsilon, and zeta for m = 0."""
 
     K = E = acb(1)
     """Complete integrals, up to a common factor."""
 
     def __init__(self, m: acb) -> None:
         self.m = m
+        self.sn, self.cn = (acb.sin, acb.cos) if m == 0 else (acb.tanh, acb.sech)
 
-    def sn(self, z: acb) -> acb:
-        """sn."""
-        return z.sin()
-
-    def cn(self, z: acb) -> acb:
-        """cn."""
-        return z.cos()
-
-    def dn(self, _z: acb) -> acb:
-        """dn."""
-        return acb(1)
+    def dn(self, z: acb) -> acb:
+        """Return dn."""
+        return acb(1) if self.m == 0 else z.sech()
 
     def epsilon(self, z: acb) -> acb:
         """Return the integral of dn**2 from 0."""
-        return z
+        return z if self.m == 0 else z.tanh()
 
-    def zeta(self, _z: acb) -> acb:
-        """Theta'/Theta."""
-        return acb(0)
+    def zeta(self, z: acb) -> acb:
+        """Return Theta'/Theta for m = 0; raises ValueError for m = 1."""
+        return acb(0) if self.m == 0 else self.theta(z)
 
     def theta(self, _z: acb) -> acb:
         """Raise ValueError: theta is not defined here."""
         raise ValueError(f"this function needs 0 < m < 1, got m = {self.m.str(10)}")
 
 
-class AtOne(AtZero):
-    """Jacobi functions for m = 1, all except zeta, theta and eta."""
-
-    def sn(self, z: acb) -> acb:
-        """sn."""
-        return z.tanh()
-
-    def cn(self, z: acb) -> acb:
-        """cn."""
-        return z.sech()
-
-    def dn(self, z: acb) -> acb:
-        """dn."""
-        return z.sech()
-
-    def epsilon(self, z: acb) -> acb:
-        """Return the integral of dn**2 from 0."""
-        return z.tanh()
-
-    def zeta(self, z: acb) -> acb:
-        """Raise ValueError: zeta at m = 1 is not implemented."""
-        return self.theta(z)
-
-
 class Elliptic:
     """Series of the Jacobi functions with a real parameter."""
 
     def __init__(self, m: acb) -> None:
-        self._values = (Jacobi if m not in (0, 1) else AtZero if m == 0 else AtOne)(m)
-
-    def sn(self, z: acb, order: int) -> Series:
-        """sn."""
-        return self._triple(z, order)[0]
-
-    def cn(self, z: acb, order: int) -> Series:
-        """cn."""
-        return self._triple(z, order)[1]
-
-    def dn(self, z: acb, order: int) -> Series:
-        """dn."""
-        return self._triple(z, order)[2]
+        self._values = (ElementaryJacobi if m in (0, 1) else Jacobi)(m)
 
     def epsilon(self, z: acb, order: int) -> Series:
         """Return the integral of dn**2 from 0."""
@@ -244,11 +196,14 @@ class Elliptic:
         root_k = self._values.m.root(4)
         return [root_k * _product(sn, theta, n) for n in range(order + 1)]
 
-    def _triple(self, z: acb, order: int) -> tuple[Series, Series, Series]:
+    def _triple(self, place: int, z: acb, order: int) -> Series:
+        """Return the series of sn, cn or dn, from the differential equations of all three."""
         values = self._values
         sn, cn, dn = [values.sn(z)], [values.cn(z)], [values.dn(z)]
         for n in range(order):
             slopes = _product(cn, dn, n), -_product(sn, dn, n), -values.m * _product(sn, cn, n)
             for series, slope in zip((sn, cn, dn), slopes, strict=True):
                 series.append(slope / (n + 1))
-        return sn, cn, dn
+        return (sn, cn, dn)[place]
+
+    sn, cn, dn = partialmethod(_triple, 0), partialmethod(_triple, 1), partialmethod(_triple, 2)

@@ -16,16 +16,11 @@ PARTS = 50
 """Most equations, solutions or parameters of a statement."""
 
 MISREAD = {
-    "i": "write I for the imaginary unit",
-    "j": "write I for the imaginary unit",
-    "e": "write exp(1)",
-    "E": "write exp(1)",
-    "Pi": "write pi",
-    "PI": "write pi",
-    "oo": "leave the bound out",
-    "inf": "leave the bound out",
-    "nan": "formulas have values",
-    "zoo": "formulas have values",
+    **dict.fromkeys(("i", "j"), "write I for the imaginary unit"),
+    **dict.fromkeys(("e", "E"), "write exp(1)"),
+    **dict.fromkeys(("Pi", "PI"), "write pi"),
+    **dict.fromkeys(("oo", "inf"), "leave the bound out"),
+    **dict.fromkeys(("nan", "zoo"), "formulas have values"),
 }
 """Names that are constants in other systems and must be declared here."""
 
@@ -35,12 +30,7 @@ _ONE = (
     *(sp.asin, sp.acos, sp.atan, sp.asinh, sp.acosh, sp.atanh),
     *(sp.erf, sp.sign, sp.conjugate, sp.re, sp.im, sp.elliptic_k, sp.elliptic_e),
 )
-BESSEL = {
-    "bessel_j": sp.besselj,
-    "bessel_y": sp.bessely,
-    "bessel_i": sp.besseli,
-    "bessel_k": sp.besselk,
-}
+BESSEL = {f"bessel_{kind}": getattr(sp, f"bessel{kind}") for kind in "jyik"}
 """Bessel functions of (order, z)."""
 
 OTHERS = {

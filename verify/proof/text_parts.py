@@ -12,15 +12,9 @@ from operator import and_
 
 import sympy as sp
 
+from longwave.derive.algebra import formula_text
 from longwave.derive.algebra.formula_expression import ExpressionBuilder
-from longwave.derive.algebra.formula_text import (
-    CONSTANTS,
-    FormulaError,
-    Parser,
-    Token,
-    Vocabulary,
-    tokens,
-)
+from longwave.derive.algebra.formula_text import FormulaError
 
 from .domains import REAL, Domain
 from .text_names import CONTINUOUS, FUNCTIONS, SITE
@@ -47,16 +41,16 @@ class TextPart:
 
     label: str
     text: str
-    words: list[Token]
+    words: list[formula_text.Token]
 
     @property
     def written(self) -> str:
         """The part as typed."""
         return self.text[self.words[0].start : self.words[-1].start].strip()
 
-    def parser(self, vocabulary: Vocabulary, skipped: int = 0) -> Parser:
+    def parser(self, vocabulary: formula_text.Vocabulary, skipped: int = 0) -> formula_text.Parser:
         """Return a parser of the words after the first ``skipped``."""
-        return Parser(self.text, self.words[skipped:], vocabulary, self.label)
+        return formula_text.Parser(self.text, self.words[skipped:], vocabulary, self.label)
 
     def error(self, words: str, place: int = 0) -> FormulaError:
         """Return the error at word number ``place``."""
@@ -74,25 +68,23 @@ def text_parts(text: str, label: str, *separators: str) -> Iterator[TextPart]:
     >>> [part.text[part.words[0].start :] for part in text_parts("u_t ;; v_t", "equation")]
     ['u_t ;; v_t', 'v_t']
     """
-    words = tokens(text, label)
+    words = formula_text.tokens(text, label)
     cuts = separators or (";;",)
     start = 0
     for place, word in enumerate(words):
         if word.kind != "end" and not (word.kind == "sign" and word.text in cuts):
             continue
         if place > start:
-            yield TextPart(label, text, [*words[start:place], Token("end", "", word.start)])
+            end = formula_text.Token("end", "", word.start)
+            yield TextPart(label, text, [*words[start:place], end])
         elif not separators:
             got = "the end" if word.kind == "end" else str(word)
             raise FormulaError(label, f"expected a formula, got {got}", text, word.start)
         start = place + 1
 
 
-def condition(part: TextPart, parser: Parser, name: str) -> Domain:
-    """Parse the next condition on ``name``: one word, or a chain of inequalities.
-
-    Raises FormulaError for anything else.
-    """
+def condition(part: TextPart, parser: formula_text.Parser, name: str) -> Domain:
+    """Parse the next condition on ``name``, a word or inequalities; FormulaError otherwise."""
     own = parser.vocabulary.names[name]
     start = part.words.index(parser.next)
     if parser.next.text in WORDS:
@@ -182,13 +174,13 @@ def variable_names(text: str) -> tuple[str, ...]:
     ('r', 't')
     """
     names: list[str] = []
-    for place, word in enumerate(words := tokens(text, "variables")[:-1]):
+    for place, word in enumerate(words := formula_text.tokens(text, "variables")[:-1]):
         if place % 2:
             if word.text not in (",", ";"):
                 raise FormulaError("variables", f"expected ',', got {word}", text, word.start)
             continue
         name = word.text
-        if word.kind != "name" or len(name) > 1 or name in CONSTANTS or name in names:
+        if word.kind != "name" or len(name) > 1 or name in formula_text.CONSTANTS or name in names:
             words_expected = f"expected a letter of its own for a variable, as in r, t, got {word}"
             raise FormulaError("variables", words_expected, text, word.start)
         names.append(name)
@@ -199,33 +191,24 @@ def variable_names(text: str) -> tuple[str, ...]:
 
 
 class VariableNames:
-    """Names of the variables in the texts ``parts``.
-
-    If ``named`` is empty they are those of x, y, z, t and n that occur.  n is always the site of a
-    lattice.
-    """
+    """Names of the variables in texts: those ``named``, else those of x, y, z, t, n that occur."""
 
     def __init__(self, named: Sequence[str], parts: Iterable[TextPart]) -> None:
         self.continuous = tuple(name for name in named if name != SITE) or tuple(CONTINUOUS)
         self._named, self._parts = tuple(named), tuple(parts)
         self.reserved = (*self.continuous, SITE)
 
-    def words(self) -> Iterator[tuple[TextPart, int, Token]]:
+    def words(self) -> Iterator[tuple[TextPart, int, formula_text.Token]]:
         """Yield the words of all parts, with their positions."""
         for part in self._parts:
             for place, word in enumerate(part.words):
                 yield part, place, word
 
-    def is_derivative(self, word: Token, names: Iterable[str]) -> bool:
+    def is_derivative(self, word: formula_text.Token, names: Iterable[str]) -> bool:
         """Return whether a word is an unknown with subscripts and not a declared name."""
         base, _, steps = word.text.partition("_")
-        return bool(
-            word.kind == "name"
-            and steps
-            and set(steps) <= {*self.continuous}
-            and base not in names
-            and word.text not in FUNCTIONS
-        )
+        is_new = word.kind == "name" and base not in names and word.text not in FUNCTIONS
+        return is_new and bool(steps) and set(steps) <= {*self.continuous}
 
     def letters(self, names: Iterable[str]) -> list[str]:
         """Return the variables, the site first: those named or occurring, else x."""
@@ -240,8 +223,6 @@ class VariableNames:
 
     def indexed(self) -> set[str]:
         """Return the names that are followed by a site, as in u[n]."""
-        return {
-            word.text.partition("_")[0]
-            for part, place, word in self.words()
-            if word.kind == "name" and part.words[place + 1].text == "["
-        }
+        names = ((part, place, word) for part, place, word in self.words() if word.kind == "name")
+        indexed = (word for part, place, word in names if part.words[place + 1].text == "[")
+        return {word.text.partition("_")[0] for word in indexed}

@@ -44,24 +44,18 @@ def prove(
     """
     textual = [_is_text(equation), _is_text(solution)]
     if not any(textual):
-        given = parameters or domain or solve or variables or weak
-        if given:
-            raise ValueError(
-                "parameters, domain, solve, variables and weak must be left out with SymPy "
-                f"objects, got {given!r} (state the equation in text)"
-            )
+        if given := parameters or domain or solve or variables or weak:
+            words = "parameters, domain, solve, variables and weak must be left out with SymPy"
+            raise ValueError(f"{words} objects, got {given!r} (state the equation in text)")
         return prover.prove(equation, solution, **options)
     if not all(textual):
-        raise TypeError(
-            "equation and solution must be of one kind, got text and a SymPy object "
-            "(write both as text)"
-        )
+        got = "text and a SymPy object (write both as text)"
+        raise TypeError(f"equation and solution must both be text or SymPy objects, got {got}")
     wrong = sorted(options.keys() - {"name"})
     if wrong:
-        raise TypeError(
-            "options beside texts must be parameters, domain, solve, variables, weak and name, "
-            f"got {wrong[0]} (say it in parameters)"
-        )
+        known = "parameters, domain, solve, variables, weak and name"
+        got = f"{wrong[0]} (say it in parameters)"
+        raise TypeError(f"options beside texts must be {known}, got {got}")
     texts = equation, solution, parameters, domain
     statement = read_statement(*texts, solve=solve, variables=variables, weak=weak, **options)
     return answer(statement)
@@ -69,13 +63,10 @@ def prove(
 
 def answer(statement: Statement, progress: Progress = lambda _: None) -> StatementVerdict:
     """Decide a statement, or find the values of its ``solve_for`` parameters for which it holds."""
-    if statement.weak:
-        return decide_weak(statement, progress)
     decide = solve_statement if statement.solve_for else decide_statement
-    return decide(statement, progress)
+    return (decide_weak if statement.weak else decide)(statement, progress)
 
 
 def _is_text(given: object) -> bool:
-    return isinstance(given, str) or (
-        isinstance(given, (list, tuple)) and all(isinstance(part, str) for part in given)
-    )
+    parts = given if isinstance(given, (list, tuple)) else [given]
+    return all(isinstance(part, str) for part in parts)

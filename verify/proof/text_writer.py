@@ -15,7 +15,7 @@ Meaning = Callable[[int], Part]
 
 LEAVES = ("number", "symbol", "constant")
 
-LONG = 40
+LONG_TEXT = 40
 """Length from which repeated formulas get a name (see `Written`)."""
 
 
@@ -64,9 +64,7 @@ def _product(parts: Sequence[Part]) -> str:
     (head, level), *rest = parts
     texts = [head if level >= POWER or (head[-1].isdigit() and level) else f"({head})"]
     texts += [text if level >= POWER else f"({text})" for text, level in rest]
-    if texts[0] == "-1" and rest:
-        return "-" + "*".join(texts[1:])
-    return "*".join(texts)
+    return "-" + "*".join(texts[1:]) if texts[0] == "-1" and rest else "*".join(texts)
 
 
 def _monomial(coefficient: str, exponents: Sequence[int], texts: Sequence[str], power: str) -> str:
@@ -103,12 +101,14 @@ class Written:
         uses.update(roots)
         for node in nodes:
             if node[0] == "poly":
-                uses.update(dict.fromkeys(node[2:], LONG))
-        hidden = _with_unknowns(nodes)
+                uses.update(dict.fromkeys(node[2:], LONG_TEXT))
+        hidden = set[int]()
         for place, node in enumerate(nodes):
+            if node[0] == "unknown" or not hidden.isdisjoint(_children(node)):
+                hidden.add(place)
             text, level = node_text(node, self._texts.__getitem__, unknowns, variables)
-            often = uses[place] > 1 and len(text) > 8 and uses[place] * len(text) > 2 * LONG
-            if place not in hidden and (often or len(text) > 100 * LONG):
+            often = uses[place] > 1 and len(text) > 8 and uses[place] * len(text) > 2 * LONG_TEXT
+            if place not in hidden and (often or len(text) > 100 * LONG_TEXT):
                 name = f"f{len(self.named) + 1}"
                 while name in taken:
                     name += "_"
@@ -129,11 +129,3 @@ def _children(node: Node) -> list[int]:
         case ["poly", _, *parts]:
             return parts
     return node[1:]
-
-
-def _with_unknowns(nodes: Sequence[Node]) -> set[int]:
-    containing: set[int] = set()
-    for place, node in enumerate(nodes):
-        if node[0] == "unknown" or not containing.isdisjoint(_children(node)):
-            containing.add(place)
-    return containing

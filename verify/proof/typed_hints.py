@@ -15,27 +15,14 @@ from fractions import Fraction
 from functools import partial
 from itertools import product
 from operator import sub
-from typing import Any
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
+from longwave.derive.algebra import formula_tree as syntax
 from longwave.derive.algebra.formula_expression import ExpressionBuilder
 from longwave.derive.algebra.formula_text import Vocabulary
-from longwave.derive.algebra.formula_tree import (
-    MINUS_ONE,
-    Call,
-    Derivative,
-    FormulaTree,
-    Name,
-    Number,
-    Power,
-    Product,
-    Sum,
-    Unknown,
-    formula_text,
-    mapped,
-)
+from longwave.derive.algebra.formula_tree import FormulaTree
 from longwave.verify.kernel.check import check_certificate
 
 from .balls import ball_value
@@ -54,7 +41,7 @@ NO_VERDICT = (
 )
 """Errors of a search without a proof; exponents above 64 bits overflow in FLINT."""
 
-MOST = 80
+MOST_FUNCTIONS = 80
 """Most functions, powers and names in the trees."""
 
 INVERSE = ("asin", "acos", "atan", "asinh", "acosh", "atanh")
@@ -72,19 +59,17 @@ class Typed:
 
 
 def typed_certificate(statement: Statement, number: int) -> Certificate:
-    """Return a certificate of an equation as it was typed that the checker accepts.
-
-    Raises one of `NO_VERDICT`, with the reason of the last search, if none is accepted.
-    """
+    """Return an accepted certificate of a typed equation; raises a `NO_VERDICT` without one."""
     reason: Exception = ValueError("there is no proof")
     for search in (_as_read, _as_typed, partial(_as_typed, opaque=OPAQUE)):
         try:
             certificate = search(statement, number)
+            proof = with_conjugates(certificate["proof"], statement.complexes)
+            certificate = certificate.changed(proof=proof)
             check_certificate(certificate)
+            return certificate
         except NO_VERDICT as error:
             reason = error
-        else:
-            return certificate
     raise reason
 
 
@@ -96,9 +81,7 @@ def _problem(statement: Statement, number: int, left: sp.Expr) -> StatementProbl
 
 def _as_read(statement: Statement, number: int) -> Certificate:
     """Return a certificate with generators for SymPy's form of the formulas."""
-    problem = _problem(statement, number, statement.equations[number - 1])
-    certificate = make_certificate(problem)
-    return certificate.changed(proof=with_conjugates(certificate["proof"], statement.complexes))
+    return make_certificate(_problem(statement, number, statement.equations[number - 1]))
 
 
 def _as_typed(statement: Statement, number: int, opaque: tuple[type, ...] = ()) -> Certificate:
@@ -112,24 +95,15 @@ def _as_typed(statement: Statement, number: int, opaque: tuple[type, ...] = ()) 
         also = tuple(dict.fromkeys(part.plain for part in parts))
     domains = all_domains(statement, left, *also, *vocabulary(statement).names.values())
     problem = replace(_problem(statement, number, left), domains=domains, also=also)
-    certificate = _certificate(problem, parts, opaque)
-    return certificate.changed(proof=with_conjugates(certificate["proof"], statement.complexes))
+    return _certificate(problem, parts, opaque)
 
 
 def _with_complex_symbols(statement: Statement) -> Statement:
     """Replace complex parameters by symbols without assumptions, so that SymPy evaluates less."""
-    if not statement.complexes:
-        return statement
-    formulas = (*statement.equations, *statement.solutions.values(), *statement.divisors)
-    symbols = {s for formula in formulas for s in formula.free_symbols} | {*statement.domains}
+    symbols = statement.free_symbols | {*statement.domains}
     new = {s: sp.Symbol(s.name) for s in symbols if s.name in statement.complexes}
-    return replace(
-        statement,
-        equations=tuple(e.xreplace(new) for e in statement.equations),
-        solutions={u: f.xreplace(new) for u, f in statement.solutions.items()},
-        domains={new.get(s, s): domain for s, domain in statement.domains.items()},
-        divisors=tuple(d.xreplace(new) for d in statement.divisors),
-    )
+    domains = {new.get(s, s): domain for s, domain in statement.domains.items()}
+    return replace(statement.with_values(new), domains=domains)
 
 
 def with_conjugates(proof: Data, complexes: Sequence[str]) -> Data:
@@ -156,10 +130,10 @@ def _certificate(
 def typed_parts(
     statement: Statement, equation: FormulaTree, opaque: tuple[type, ...] = ()
 ) -> list[Typed]:
-    """Return `typed_nodes` as a list; raises ValueError for more than `MOST`."""
+    """Return `typed_nodes` as a list; raises ValueError for more than `MOST_FUNCTIONS`."""
     nodes = [*typed_nodes(statement, equation, opaque)]
-    if len(nodes) > MOST:
-        raise ValueError(f"texts must have at most {MOST} functions, got {len(nodes)}")
+    if len(nodes) > MOST_FUNCTIONS:
+        raise ValueError(f"texts must have at most {MOST_FUNCTIONS} functions, got {len(nodes)}")
     return nodes
 
 
@@ -186,29 +160,24 @@ def put_in(trees: StatementTrees, formula: FormulaTree) -> FormulaTree:
     """Substitute unknowns and defined names in a formula by their formulas."""
 
     def image(node: FormulaTree) -> FormulaTree | None:
-        if not isinstance(node, Unknown):
+        if not isinstance(node, syntax.Unknown):
             return trees.meaning(node)
         result = put_in(trees, trees.solutions[node.name])
         if node.shift:
-            site = Name(node.site)
-            moved = Sum((site, Number(Fraction(node.shift))))
-            result = mapped(result, lambda inner: moved if inner == site else None)
-        return Derivative((result,), node.steps) if node.steps else result
+            site = syntax.Name(node.site)
+            moved = syntax.Sum((site, syntax.Number(Fraction(node.shift))))
+            result = syntax.mapped(result, lambda inner: moved if inner == site else None)
+        return syntax.Derivative((result,), node.steps) if node.steps else result
 
-    return mapped(formula, image)
+    return syntax.mapped(formula, image)
 
 
 def vocabulary(statement: Statement, opaque: tuple[type, ...] = ()) -> Vocabulary:
-    """Return the symbols of a statement by name; symbols without assumptions are real.
-
-    Functions of the types ``opaque`` are not evaluated.
-    """
+    """Return a statement's symbols, real by default; ``opaque`` functions stay unevaluated."""
     plain = {name: (partial(f, evaluate=False), n) for name, (f, n) in FUNCTIONS.items()}
     functions = {name: plain[name] if f[0] in opaque else f for name, f in FUNCTIONS.items()}
     functions |= {name: (function_named(name), 1) for name in statement.functions}
-    formulas = (*statement.equations, *statement.solutions.values(), *statement.divisors)
-    symbols = {s for formula in formulas for s in formula.free_symbols}
-    symbols |= {s for domain in statement.domains.values() for s in domain.symbols}
+    symbols = statement.free_symbols | statement.domain_symbols
     known = {s.name: s for s in (*symbols, *statement.domains, *statement.variables)}
     variables = {s.name: s for s in statement.variables}
     real = {n: None if n in statement.complexes else True for n in statement.trees.names}
@@ -221,18 +190,18 @@ def _plain(
 ) -> sp.Expr | None:
     """Return a name, function or power unevaluated in SymPy; None for anything else."""
     match node:
-        case Name():
+        case syntax.Name():
             return expression(node)
-        case Call(name="sqrt", parts=(inner,)):
+        case syntax.Call(name="sqrt", parts=(inner,)):
             return sp.Pow(expression(inner), sp.S.Half, evaluate=False)
-        case Call(name=name, parts=parts):
+        case syntax.Call(name=name, parts=parts):
             arguments = [*map(expression, parts)]
             if name in ("cos", "sin", "tan") and (arguments[0] / sp.pi).is_integer:
                 # the checker writes it in exponentials of i, and reads these as powers of -1
                 return sp.I * sp.S.NegativeOne ** (arguments[0] / sp.pi)
             if name not in ("abs", "sign") or arguments != [0]:
                 return words.functions[name][0](*arguments, evaluate=False)
-        case Power(parts=parts):
+        case syntax.Power(parts=parts):
             base, exponent = map(expression, parts)
             if not exponent.is_Rational:
                 return sp.Pow(base, exponent, evaluate=False)
@@ -247,43 +216,40 @@ def _plain(
 def _is_read_as_number(exponent: FormulaTree) -> bool:
     """Return whether the checker reads an exponent as a number; others use the logarithm."""
     match exponent:
-        case Number():
+        case syntax.Number():
             return True
-        case Product(parts=parts):
+        case syntax.Product(parts=parts):
             return all(map(_is_read_as_number, parts))
-        case Power(parts=(base, power)):
-            return _is_read_as_number(base) and power == MINUS_ONE
+        case syntax.Power(parts=(base, power)):
+            return _is_read_as_number(base) and power == syntax.MINUS_ONE
     return False
 
 
 def _with_values(proof: Data, typed: Sequence[Typed], problem: StatementProblem) -> Data:
-    """Return the proof with SymPy's value of each root, absolute value and logarithm as a hint.
-
-    The factors of a radicand are hints for its sign.
-    """
+    """Add SymPy's values of roots, moduli and logarithms, and factored radicands, as hints."""
     formulas, hints = [*proof["formulas"]], {k: [*proof[k]] for k in ("values", "signs")}
 
-    def hint(kind: str, text: str, value: str, pack: Callable[[int], Any]) -> None:
-        hints[kind].append([len(formulas), pack(len(formulas) + 1)])
+    def hint(kind: str, text: str, value: str) -> None:
+        hints[kind].append([len(formulas), len(formulas) + 1])
         formulas.extend((text, value))
 
     variables = [str(variable) for variable in problem.variables]
     for part in typed:
-        text = formula_text(part.tree)
+        text = syntax.formula_text(part.tree)
         match part.tree:
-            case Call(name="sqrt", parts=(base,)) | Power(parts=(base, _)):
+            case syntax.Call(name="sqrt", parts=(base,)) | syntax.Power(parts=(base, _)):
                 plain = part.plain.args[0]
                 if is_small_polynomial(plain) and not plain.is_Atom:
                     factors = _written(sp.factor(plain), variables)
-                    hint("signs", formula_text(base), factors, lambda place: place)
+                    hint("signs", syntax.formula_text(base), factors)
         if part.value == part.plain:
             continue
         match part.tree:
-            case Call(name="log"):
+            case syntax.Call(name="log"):
                 hints["values"].append([len(formulas), len(formulas)])
                 formulas.append(text)
-            case Call(name=name) if name in ("sqrt", "abs", "lambert_w", *INVERSE):
-                hint("values", text, _written(part.value, variables), lambda place: place)
+            case syntax.Call(name=name) if name in ("sqrt", "abs", "lambert_w", *INVERSE):
+                hint("values", text, _written(part.value, variables))
     return {**proof, "formulas": formulas, **hints}
 
 
@@ -297,8 +263,8 @@ def _equal_parts(typed: Sequence[Typed], problem: StatementProblem) -> dict[sp.E
                     if _are_equal(part.plain, value, problem):
                         values[part.plain] = value
     for part, other in product(typed, typed):
-        name = part.tree.name if isinstance(part.tree, Call) else ""
-        is_same = isinstance(other.tree, Call) and other.tree.name == name
+        name = part.tree.name if isinstance(part.tree, syntax.Call) else ""
+        is_same = isinstance(other.tree, syntax.Call) and other.tree.name == name
         known = part.plain in (*values, *values.values()) or other.plain in values
         if name not in ("sqrt", "abs", *INVERSE) or is_same or known or other.plain.is_number:
             continue

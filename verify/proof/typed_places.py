@@ -29,9 +29,7 @@ DEPTH = 5
 
 
 def typed_places(statement: Statement) -> tuple[str, ...]:
-    """Return one line for each place where the formulas or an equation may not be smooth.
-
-    Zeros at integers, such as lattice sites, are listed one by one.
+    """Return a line for each place that may not be smooth; integer zeros are listed one by one.
 
     >>> from longwave.verify.proof.statement_text import read_statement as read
     >>> typed_places(read("u_x - 1", "u = x + 0/x"))
@@ -41,13 +39,7 @@ def typed_places(statement: Statement) -> tuple[str, ...]:
     """
     domains = typed_domains(statement)
     signs = DomainSigns(domains)
-    trees = statement.trees
-    trees = replace(
-        trees,
-        equations=tuple(mapped(equation, _smooth) for equation in trees.equations),
-        solutions={name: mapped(formula, _smooth) for name, formula in trees.solutions.items()},
-        definitions={name: mapped(formula, _smooth) for name, formula in trees.definitions.items()},
-    )
+    trees = statement.trees.changed(lambda formula: mapped(formula, _smooth))
     variables = {str(variable) for variable in statement.variables}
     lines = [
         line
@@ -103,17 +95,15 @@ def _base(formula: FormulaTree) -> FormulaTree:
 
 def _sites(argument: sp.Expr, domains: Domains) -> list[str] | None:
     """Return the integer zeros of a polynomial in one integer symbol; None for anything else."""
-    symbols = argument.free_symbols
-    if len(symbols) != 1 or not argument.is_polynomial():
-        return None
-    (symbol,) = symbols
+    symbol = next(iter(argument.free_symbols), None)
     domain = domains.get(symbol, Domain())
-    if not domain.integer or domain.symbols:
+    if argument.free_symbols != {symbol} or not argument.is_polynomial():
         return None
-    roots = sp.Poly(argument, symbol)
-    if not all(c.is_Rational for c in roots.all_coeffs()):
+    polynomial = sp.Poly(argument, symbol)
+    rational = all(c.is_Rational for c in polynomial.all_coeffs())
+    if not (rational and domain.integer) or domain.symbols:
         return None
-    whole = [root for root in sp.roots(roots.as_expr(), symbol) if root.is_Integer]
+    whole = [root for root in sp.roots(polynomial.as_expr(), symbol) if root.is_Integer]
     return [f"{symbol} = {root}" for root in sorted(whole) if domain.contains(root, {})]
 
 

@@ -2,23 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
+from longwave.derive.algebra import formula_tree as syntax
 from longwave.derive.algebra.formula_text import CONSTANTS, Parser, Vocabulary, tokens
-from longwave.derive.algebra.formula_tree import (
-    Call,
-    FormulaTree,
-    Name,
-    Number,
-    formula_text,
-    mapped,
-    rational,
-)
+from longwave.derive.algebra.formula_tree import FormulaTree
 
 from .domains import Domain
 from .text_names import FUNCTIONS
@@ -41,13 +34,19 @@ class StatementTexts:
         >>> texts.with_values({"b": "1"}).parameters
         ('b = 1',)
         """
-        others = (
-            p
-            for p in self.parameters
-            if p.replace("=", ":").partition(":")[0].strip() not in values
-        )
+        others = (text for text in self.parameters if declared_name(text) not in values)
         definitions = (f"{name} = {text}" for name, text in values.items())
         return replace(self, parameters=(*definitions, *others))
+
+
+def names_in(formula: FormulaTree) -> set[str]:
+    """Return the names and unknowns in a formula."""
+    return {node.name for node in formula.nodes() if isinstance(node, syntax.Name | syntax.Unknown)}
+
+
+def declared_name(text: str) -> str:
+    """Return the name that a text such as ``k: k>0`` or ``k = 2`` declares."""
+    return text.replace("=", ":").partition(":")[0].strip()
 
 
 @dataclass(frozen=True)
@@ -68,7 +67,7 @@ class StatementTrees:
     def names(self) -> set[str]:
         """Names of the variables and of the free parameters."""
         nodes = (node for formula in self.formulas for node in formula.nodes())
-        names = {node.name for node in nodes if isinstance(node, Name)} | {*self.variables}
+        names = {node.name for node in nodes if isinstance(node, syntax.Name)} | {*self.variables}
         return names - {*self.definitions, *CONSTANTS}
 
     def with_values(self, values: Mapping[str, str]) -> StatementTrees:
@@ -76,32 +75,36 @@ class StatementTrees:
         trees = {name: tree_of(text) for name, text in values.items()}
         return replace(self, definitions={**self.definitions, **trees})
 
-    def with_ends(self) -> StatementTrees:
-        """Return the trees with sin, tanh and the like for Jacobi functions of parameter 0 or 1."""
-        return replace(
-            self,
-            equations=tuple(mapped(formula, self._at_end) for formula in self.equations),
-            solutions={name: mapped(f, self._at_end) for name, f in self.solutions.items()},
-        )
+    def changed(self, image: Callable[[FormulaTree], FormulaTree]) -> StatementTrees:
+        """Return the trees with the image of each formula."""
+        equations = tuple(map(image, self.equations))
+        solutions = {name: image(formula) for name, formula in self.solutions.items()}
+        definitions = {name: image(formula) for name, formula in self.definitions.items()}
+        return StatementTrees(self.variables, equations, solutions, definitions)
 
-    def _at_end(self, node: FormulaTree) -> FormulaTree | None:
-        if not (isinstance(node, Call) and len(node.parts) == 2):
+    def elementary(self, node: FormulaTree) -> FormulaTree | None:
+        """Return sin, tanh and the like for a Jacobi function of parameter 0 or 1, else None."""
+        if not (isinstance(node, syntax.Call) and len(node.parts) == 2):
             return None
         z, m = node.parts
-        parameter = rational(mapped(m, self.meaning))
-        end = None if parameter is None else ENDS.get((node.name, parameter))
-        if end is None:
+        parameter = syntax.rational(syntax.mapped(m, self.meaning))
+        name = ELEMENTARY_JACOBI.get((node.name, parameter))
+        if name is None:
             return None
-        return Call((mapped(z, self._at_end),), end) if end else Number(Fraction(1))
+        return (
+            syntax.Call((syntax.mapped(z, self.elementary),), name)
+            if name
+            else syntax.Number(Fraction(1))
+        )
 
     def meaning(self, node: FormulaTree) -> FormulaTree | None:
         """Return the formula of a defined name; None for anything else."""
-        if isinstance(node, Name) and node.name in self.definitions:
-            return mapped(self.definitions[node.name], self.meaning)
+        if isinstance(node, syntax.Name) and node.name in self.definitions:
+            return syntax.mapped(self.definitions[node.name], self.meaning)
         return None
 
 
-ENDS: Mapping[tuple[str, Fraction | int], str] = {
+ELEMENTARY_JACOBI: Mapping[tuple[str, Fraction | int | None], str] = {
     ("jacobi_sn", 0): "sin",
     ("jacobi_cn", 0): "cos",
     ("jacobi_dn", 0): "",
@@ -109,7 +112,7 @@ ENDS: Mapping[tuple[str, Fraction | int], str] = {
     ("jacobi_cn", 1): "sech",
     ("jacobi_dn", 1): "sech",
 }
-"""Jacobi functions at the ends of their parameter; "" means the constant 1."""
+"""Jacobi functions of parameter 0 or 1; "" means the constant 1."""
 
 
 def typed_case(
@@ -117,23 +120,17 @@ def typed_case(
 ) -> tuple[StatementTexts, StatementTrees]:
     """Substitute values for parameters; Jacobi functions of parameter 0 or 1 become elementary."""
     texts, plain = texts.with_values(values), trees.with_values(values)
-    trees = plain.with_ends()
-    pairs = zip(texts.solutions, trees.solutions.items(), strict=True)
-    return replace(
-        texts,
-        equations=tuple(
-            text if new == old else formula_text(new)
-            for text, old, new in zip(
-                texts.equations, plain.equations, trees.equations, strict=True
-            )
-        ),
-        solutions=tuple(
-            text
-            if new == plain.solutions[name]
-            else f"{text.partition('=')[0].strip()} = {formula_text(new)}"
-            for text, (name, new) in pairs
-        ),
-    ), trees
+    changed = plain.changed(lambda formula: syntax.mapped(formula, plain.elementary))
+    trees = replace(changed, definitions=plain.definitions)
+    equations, solutions = [*texts.equations], [*texts.solutions]
+    for place, (old, new) in enumerate(zip(plain.equations, trees.equations, strict=True)):
+        if new != old:
+            equations[place] = syntax.formula_text(new)
+    for place, (name, formula) in enumerate(trees.solutions.items()):
+        if formula != plain.solutions[name]:
+            heading = solutions[place].partition("=")[0].strip()
+            solutions[place] = f"{heading} = {syntax.formula_text(formula)}"
+    return replace(texts, equations=tuple(equations), solutions=tuple(solutions)), trees
 
 
 def tree_of(text: str, functions: Iterable[str] = ()) -> FormulaTree:
@@ -172,3 +169,25 @@ class Statement:
     def variables(self) -> tuple[sp.Symbol, ...]:
         """The independent variables."""
         return tuple(next(iter(self.solutions)).args)
+
+    @property
+    def expressions(self) -> tuple[sp.Expr, ...]:
+        """Equations, formulas and divisors."""
+        return (*self.equations, *self.solutions.values(), *self.divisors)
+
+    @property
+    def free_symbols(self) -> set[sp.Symbol]:
+        """Symbols of the equations, formulas and divisors."""
+        return {symbol for formula in self.expressions for symbol in formula.free_symbols}
+
+    @property
+    def domain_symbols(self) -> set[sp.Symbol]:
+        """Symbols in the ends of domains."""
+        return {symbol for domain in self.domains.values() for symbol in domain.symbols}
+
+    def with_values(self, values: Mapping[sp.Symbol, sp.Expr]) -> Statement:
+        """Return the statement with values for symbols in the equations, formulas and divisors."""
+        equations = tuple(equation.xreplace(values) for equation in self.equations)
+        solutions = {u: formula.xreplace(values) for u, formula in self.solutions.items()}
+        divisors = tuple(divisor.xreplace(values) for divisor in self.divisors)
+        return replace(self, equations=equations, solutions=solutions, divisors=divisors)

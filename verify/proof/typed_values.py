@@ -1,6 +1,4 @@
-"""Evaluate typed statements at points of the domain, and at the first integers in it.
-
-Complex parameters also get a few values that are not real.
+"""Evaluate typed statements at points of the domain, first integers and a few complex values.
 
 SymPy simplifies while it builds formulas: `sign(z)**2` becomes 1, and `abs(n)` becomes n for n > 0
 before it is shifted.  So a refutation is a point at which a ball around the residual of the typed
@@ -28,7 +26,7 @@ from .statement_problem import typed_domains
 from .typed_balls import TextPoint, TypedBalls
 from .typed_statement import Statement, StatementTrees
 
-POINTS = 4
+POINTS_WITH_INTEGERS = 4
 """Sampled points at which the first integers are tried too."""
 
 BITS = (128, 512, 2048, 8192)
@@ -36,16 +34,15 @@ BITS = (128, 512, 2048, 8192)
 
 QUICK = ((BITS[0], 8), (BITS[2], 1))
 THOROUGH = ((BITS[0], 48), (BITS[1], 48), (BITS[2], 8), (BITS[3], 8))
-"""Precisions in bits and numbers of points of the search for a failure, before a proof is
-tried and after it fails."""
+"""Bits and numbers of points of the search for a failure, before a proof and if it fails."""
 
-FIRST, MOST = 4, 16
+FIRST_INTEGERS, MOST_COMBINATIONS = 4, 16
 """Range of integers tried next to the end of their domain or about 0, and most combinations."""
 
 COMPLEX = ("2/3 + 5/7*I", "-3/5 + 4/9*I", "-7/8 - 3/4*I", "5/4*I", "11/7")
 """Values in several quadrants of the complex plane, and on its axes."""
 
-CHOICES = 25
+MOST_COMPLEX_CHOICES = 25
 """Most choices of complex values."""
 
 PLAIN = {
@@ -56,31 +53,27 @@ PLAIN = {
 """Functions without branches: agreement at a few points is agreement everywhere."""
 
 PLAIN_POINTS, SIGNED_POINTS = 6, 36
-"""Points at which residuals are compared, for `PLAIN` and for other functions (all signs of
-five symbols)."""
+"""Points at which residuals are compared, for `PLAIN` and for other functions."""
 
-SMALL = (*map(Fraction, (0, 1, -1, 2, -2)), Fraction(1, 2))
+SMALL_VALUES = (*map(Fraction, (0, 1, -1, 2, -2)), Fraction(1, 2))
 """Parameter values at which SymPy's form may differ from that at other values."""
 
-LEAST = 3
+LEAST_AGREEING = 3
 """Fewest points at which residuals must be shown to agree."""
 
 COMPARED_BITS = (128, 512)
-CLOSE = arb(2) ** -40
+RELATIVE_AGREEMENT = arb(2) ** -40
 
 OTHER_RESIDUAL = "what was typed has another residual than what was solved"
 NOT_SEEN = "what was typed was not seen to have the residual that was solved"
 
 
 def failing_values(statement: Statement, thorough: bool = False) -> dict[str, str] | None:
-    """Return values of all symbols at which an equation fails; None if none are found.
-
-    A ``thorough`` search takes more points and bits, and values that are not real.
-    """
+    """Return values at which an equation fails, also complex ones if ``thorough``, or None."""
     typed = typed_values(statement)
     failing = typed.failure(thorough)
     names = statement.complexes if thorough and failing is None else ()
-    for values in islice(product(COMPLEX, repeat=len(names)), CHOICES if names else 0):
+    for values in islice(product(COMPLEX, repeat=len(names)), MOST_COMPLEX_CHOICES if names else 0):
         chosen = dict(zip(names, values, strict=True))
         trees = typed.trees.with_values(chosen)
         failing = TypedValues(trees, typed_domains(statement)).failure()
@@ -114,11 +107,8 @@ class TypedValues:
 
     def failing(self, point: TextPoint) -> tuple[int, acb] | None:
         """Return the number of an equation that fails at a point, and its ball, or None."""
-        for _, balls in self._residuals(point, BITS):
-            for number, residual in enumerate(balls, 1):
-                if not residual.contains(0):
-                    return number, residual
-        return None
+        rows = (enumerate(balls, 1) for _, balls in self._residuals(point, BITS))
+        return next((pair for row in rows for pair in row if not pair[1].contains(0)), None)
 
     def _residuals(self, point: TextPoint, bits: Sequence[int]) -> Iterator[tuple[int, list[acb]]]:
         """Yield precision and balls of the residuals at a point; [] if they have no value."""
@@ -137,11 +127,7 @@ class TypedValues:
         return None
 
     def difference(self, residuals: Sequence[sp.Expr]) -> str:
-        """Return why residuals are not shown to equal those of the typed trees; "" if they are.
-
-        They are compared in balls: at points with all signs, at the first integers, and where a
-        parameter is a small number.
-        """
+        """Return why residuals are not shown to equal those of the typed trees; "" if they are."""
         agreed = 0
         for point in self._compared():
             agrees = self._agree_at(point, residuals)
@@ -149,7 +135,7 @@ class TypedValues:
                 where = ", ".join(f"{name} = {value}" for name, value in point.items())
                 return f"{OTHER_RESIDUAL} at {where}"
             agreed += bool(agrees)
-        return "" if agreed >= LEAST else NOT_SEEN
+        return "" if agreed >= LEAST_AGREEING else NOT_SEEN
 
     def _agree_at(self, point: TextPoint, residuals: Sequence[sp.Expr]) -> bool | None:
         """Return whether residuals have the values of the typed trees; None if undecided."""
@@ -161,7 +147,7 @@ class TypedValues:
                 gaps = [(a - b, a.abs_upper() + 1) for a, b in zip(typed, other, strict=True)]
                 if any(not gap.contains(0) for gap, _ in gaps):
                     return False
-                if all(gap.abs_upper() < size * CLOSE for gap, size in gaps):
+                if all(gap.abs_upper() < size * RELATIVE_AGREEMENT for gap, size in gaps):
                     return True
         return None
 
@@ -171,13 +157,13 @@ class TypedValues:
         drawn = list(self._points(PLAIN_POINTS if all(map(_is_plain, nodes)) else SIGNED_POINTS, 1))
         yield from drawn
         parameters = [s for s in self._domains if s.name not in self.trees.variables]
-        for number, (symbol, value) in enumerate(product(parameters, SMALL)):
+        for number, (symbol, value) in enumerate(product(parameters, SMALL_VALUES)):
             point = {**drawn[number % len(drawn)], symbol.name: value}
             exact = {s: sp.Rational(point[s.name]) for s in self._domains}
             if all(d.contains(exact[s], exact) for s, d in self._domains.items()):
                 yield point
 
-    def _points(self, count: int, most: int = POINTS) -> Iterator[TextPoint]:
+    def _points(self, count: int, most: int = POINTS_WITH_INTEGERS) -> Iterator[TextPoint]:
         """Yield sampled points; the first ``most`` of them are repeated with the first integers."""
         known = {str(symbol): symbol for symbol in self._domains}
         added = {sp.Symbol(name, real=True): Domain() for name in self._names - known.keys()}
@@ -187,7 +173,7 @@ class TypedValues:
             yield {str(symbol): Fraction(int(v.p), int(v.q)) for symbol, v in drawn.items()}
             if not integers or place >= most:
                 continue
-            for whole in islice(self._with_first(drawn, integers), MOST):
+            for whole in islice(self._with_first(drawn, integers), MOST_COMBINATIONS):
                 if all(d.contains(whole[s], whole) for s, d in self._domains.items()):
                     yield {str(s): Fraction(int(v.p), int(v.q)) for s, v in whole.items()}
 
@@ -203,10 +189,10 @@ class TypedValues:
     def _first(self, domain: Domain, point: Point) -> list[sp.Integer]:
         lower, upper = domain.lower.xreplace(point), domain.upper.xreplace(point)
         if lower.is_Rational:
-            return [sp.floor(lower) + step for step in range(FIRST + 1)]
+            return [sp.floor(lower) + step for step in range(FIRST_INTEGERS + 1)]
         if upper.is_Rational:
-            return [sp.ceiling(upper) - step for step in range(FIRST + 1)]
-        return [sp.Integer(step) for step in range(-FIRST // 2, FIRST // 2 + 1)]
+            return [sp.ceiling(upper) - step for step in range(FIRST_INTEGERS + 1)]
+        return [sp.Integer(step) for step in range(-FIRST_INTEGERS // 2, FIRST_INTEGERS // 2 + 1)]
 
 
 def _is_plain(node: FormulaTree) -> bool:

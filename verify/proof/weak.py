@@ -15,7 +15,6 @@ distribution if and only if the equation holds on each side and every g_j is 0.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -38,7 +37,7 @@ from longwave.derive.algebra.formula_tree import (
     mapped,
     rational,
 )
-from longwave.verify.verdict import Outcome, ProofVerdict
+from longwave.verify.verdict import Outcome, ProofVerdict, timed
 
 from . import prover
 from .conditions import ConditionalVerdict, solve_statement
@@ -49,15 +48,9 @@ from .seams import SAFE, seams
 from .statement_problem import all_domains
 from .statement_scope import SMOOTH
 from .statement_text import read_statement
-from .statement_verdict import (
-    Progress,
-    StatementVerdict,
-    decide_statement,
-    undecided,
-    united,
-)
+from .statement_verdict import Progress, StatementVerdict, decide_statement, undecided, united
 from .typed_hints import put_in, vocabulary
-from .typed_statement import Statement
+from .typed_statement import Statement, declared_name
 
 Jumps = dict[int, sp.Expr]
 """Factors g_j of the derivatives of delta, by j."""
@@ -65,17 +58,13 @@ Jumps = dict[int, sp.Expr]
 SHAPE = "with weak an equation must be a sum of derivatives, as u_t + diff(u**2/2, x)"
 
 
+@timed
 def decide_weak(statement: Statement, progress: Progress = lambda _: None) -> StatementVerdict:
-    """Decide whether a statement holds for weak solutions.
-
-    PROVED needs certificates that each side solves the equation and every jump condition holds.
-    """
-    start = time.perf_counter()
+    """Decide a weak solution: each side must be proved, and every condition at the jump."""
     try:
-        verdict = _decided(statement, progress)
+        return _decided(statement, progress)
     except ValueError as error:
-        verdict = undecided(statement, " ".join(str(error).split()))
-    return replace(verdict, seconds=time.perf_counter() - start)
+        return undecided(statement, " ".join(str(error).split()))
 
 
 def _decided(statement: Statement, progress: Progress) -> StatementVerdict:
@@ -98,11 +87,8 @@ def _decided(statement: Statement, progress: Progress) -> StatementVerdict:
     for condition, verdict in zip(conditions, verdicts, strict=True):
         failing = f"no weak solution across {plane.words}: a condition there is {condition} = 0"
         if verdict.outcome is Outcome.REFUTED and not limited:
-            return replace(
-                sides, outcome=verdict.outcome, witness=verdict.witness, residual=None,
-                detail=failing, certificate=None, certificates=(), assumptions=(),
-                singularities=(), sides="",
-            )  # fmt: skip
+            open_verdict = undecided(statement, failing)
+            return replace(open_verdict, outcome=verdict.outcome, witness=verdict.witness)
         if verdict.outcome is not Outcome.PROVED:
             raise ValueError(f"it is not decided whether {condition} = 0 ({verdict.detail})")
     certificates = (*sides.certificates, *(v.certificate for v in verdicts if v.certificate))
@@ -125,11 +111,10 @@ def _solved(
     if missing:
         raise ValueError(f"no condition at the jump contains {', '.join(missing)}")
     names = [f"jump{'abcdefgh'[place]}" for place in range(len(conditions))]
-    texts = (formula_as_text(condition) for condition in conditions)
-    parameters = "; ".join(
-        text for text in statement.texts.parameters if text.partition(":")[0].strip() in known
-    )
-    solutions = [f"{name} = {text}" for name, text in zip(names, texts, strict=True)]
+    formulas = map(formula_as_text, conditions)
+    texts = statement.texts.parameters
+    parameters = "; ".join(t for t in texts if t.partition(":")[0].strip() in known)
+    solutions = [f"{name} = {text}" for name, text in zip(names, formulas, strict=True)]
     system = read_statement(
         names, solutions, parameters, name=statement.name, solve=", ".join(targets),
         variables=", ".join(statement.texts.variables),
@@ -154,7 +139,7 @@ def _as_weak(statement: Statement, case: ConstantCase) -> ConstantCase:
     if case.implicit or case.restrictions:
         return replace(case, verdict=None)
     names = {symbol.name for value in case.values.values() for symbol in value.free_symbols}
-    declared = {text.replace("=", ":").partition(":")[0].strip() for text in texts.parameters}
+    declared = {*map(declared_name, texts.parameters)}
     values = {symbol.name: formula_as_text(value) for symbol, value in case.values.items()}
     others = [t for t in texts.parameters if t.partition(":")[0].strip() not in values]
     parameters = [
@@ -173,13 +158,8 @@ def _as_weak(statement: Statement, case: ConstantCase) -> ConstantCase:
 
 def _vanishes(statement: Statement, condition: sp.Expr) -> ProofVerdict:
     domains = {s: d for s, d in statement.domains.items() if s in condition.free_symbols}
-    return prover.prove_equal(
-        condition, sp.S.Zero, statement.variables, name="jump",
-        equation_name="a condition at a jump", domains=domains,
-    )  # fmt: skip
-
-
-# the plane
+    names = {"name": "jump", "equation_name": "a condition at a jump"}
+    return prover.prove_equal(condition, sp.S.Zero, statement.variables, domains=domains, **names)
 
 
 @dataclass(frozen=True)
@@ -205,12 +185,8 @@ def travelling_plane(statement: Statement) -> Plane:
     trees, words = statement.trees, vocabulary(statement)
     build = ExpressionBuilder(words).expression
     whole = {name: put_in(trees, tree) for name, tree in trees.solutions.items()}
-    kinks = [
-        node.parts[0]
-        for tree in whole.values()
-        for node in tree.nodes()
-        if isinstance(node, Call) and node.name in ("abs", "sign")
-    ]
+    nodes = (node for tree in whole.values() for node in tree.nodes() if isinstance(node, Call))
+    kinks = [node.parts[0] for node in nodes if node.name in ("abs", "sign")]
     domains = all_domains(statement, *statement.equations)
     signs = DomainSigns(domains)
     variable = by_name[name]
@@ -230,9 +206,9 @@ def travelling_plane(statement: Statement) -> Plane:
 
     def side(tree: FormulaTree, above: int) -> FormulaTree:
         def image(node: FormulaTree) -> FormulaTree | None:
-            if not (isinstance(node, Call) and node.parts[0] in slopes):
+            if not (isinstance(node, Call) and node.name in ("abs", "sign")):
                 return None
-            if node.name not in ("abs", "sign"):
+            if node.parts[0] not in slopes:
                 return None
             turned = above * slopes[node.parts[0]] < 0
             if node.name == "sign":
@@ -255,12 +231,9 @@ def _check_smooth(tree: FormulaTree, value: sp.Expr, domains: Domains) -> None:
         plain = isinstance(node, Sum | Product | Number | Name) or whole
         if not (plain or (isinstance(node, Call) and node.name in SAFE)):
             known, got = ", ".join(SAFE), formula_text(node)
-            raise ValueError(f"with weak a side must be of {known}, got {got}")
+            raise ValueError(f"with weak a side must consist of {known}, got {got}")
     if singularities([value], domains):
         raise ValueError("with weak both sides must be shown to be smooth beyond the jump")
-
-
-# the conditions
 
 
 def jump_conditions(statement: Statement, plane: Plane) -> Iterator[sp.Expr]:
@@ -271,10 +244,8 @@ def jump_conditions(statement: Statement, plane: Plane) -> Iterator[sp.Expr]:
             yield from _continuity(statement, plane, inner)
             for order, factor in _jumps(statement, plane, steps, inner).items():
                 total[order] = total.get(order, sp.S.Zero) + coefficient * factor
-        for order in sorted(total):
-            factor = sp.expand(total[order])
-            if factor != 0:
-                yield factor
+        factors = (sp.expand(total[order]) for order in sorted(total))
+        yield from (factor for factor in factors if factor != 0)
 
 
 def _terms(
@@ -321,8 +292,7 @@ def _values(statement: Statement, plane: Plane, inner: FormulaTree) -> tuple[sp.
     domains = all_domains(statement, *statement.equations)
     values = []
     for formulas in plane.sides:
-        trees = replace(statement.trees, solutions=formulas)
-        tree = put_in(trees, inner)
+        tree = put_in(replace(statement.trees, solutions=formulas), inner)
         plain = mapped(tree, lambda n: n.parts[0] if isinstance(n, Derivative) else None)
         _check_smooth(plain, build(tree), domains)
         values.append(build(tree))
@@ -347,8 +317,7 @@ def _jumps(statement: Statement, plane: Plane, steps: Sequence[str], inner: Form
     above, below = _values(statement, plane, inner)
     gap, factors = above - below, dict[int, sp.Expr]()
     by_name = {str(v): v for v in statement.variables}
-    for step in steps:
-        v = by_name[step]
+    for v in map(by_name.__getitem__, steps):
         slope = sp.diff(plane.variable - plane.end, v)
         derived: Jumps = {0: slope * gap.xreplace({plane.variable: plane.end})}
         for order, factor in factors.items():

@@ -113,7 +113,7 @@ def test_an_unknown_name_is_an_error_and_installs_nothing(
 ) -> None:
     monkeypatch.setattr(recheck, "install_systems", lambda: pytest.fail("installed first"))
     assert main(["verify", "recheck", "--only", "no such wave"]) == 2
-    assert "name must be of the library" in capsys.readouterr().err
+    assert "name must be a statement or equation of the library" in capsys.readouterr().err
     assert main(["verify", "recheck", "--only", "kinck"]) == 2
     assert "(did you mean kink?)" in capsys.readouterr().err
 

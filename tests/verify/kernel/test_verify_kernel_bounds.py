@@ -67,7 +67,6 @@ def test_what_is_said_of_an_interval_is_said_of_its_numbers() -> None:
         assert interval.is_not_zero is (above or below)
         at_most = all(number <= 0 for number in numbers)
         assert interval.is_below is (at_most and any(number < 0 for number in numbers))
-        assert interval.closed == Interval(interval.low, interval.high)
 
 
 @pytest.mark.parametrize("sign", [1, -1])

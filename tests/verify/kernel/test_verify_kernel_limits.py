@@ -19,7 +19,7 @@ from longwave.verify.kernel import (
     reading,
 )
 from longwave.verify.kernel import __main__ as command
-from longwave.verify.kernel.exponential_rules import share_of_turn
+from longwave.verify.kernel.exponential_rules import fraction_of_turn
 from longwave.verify.kernel.limits import within
 from longwave.verify.kernel.nodes import Nodes, integer, listed, number
 from longwave.verify.kernel.reading import Scope, axiom, formula, rational
@@ -306,7 +306,7 @@ def test_a_coefficient_in_an_argument_at_its_limit() -> None:
 
 def test_a_share_of_a_turn_has_a_small_denominator() -> None:
     table = Nodes()
-    shares = {text: share_of_turn(table, axiom(table, text)) for text in (
+    shares = {text: fraction_of_turn(table, axiom(table, text)) for text in (
         "I*pi/60", "I*pi/61", "I*pi", "2*pi*I/3", "pi/3", "I/3", "I*I*pi", "I*pi*pi", "-I*pi/7",
     )}  # fmt: skip
     assert shares == {

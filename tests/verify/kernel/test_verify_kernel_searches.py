@@ -54,7 +54,7 @@ def test_the_search_sees_the_ball_of_a_constant_parity(monkeypatch: pytest.Monke
 
 
 def test_the_search_sees_a_name_that_reads_as_a_derivative(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Scope, "_refuse_likeness", lambda self, name: None)
+    monkeypatch.setattr(Scope, "refuse_likeness", lambda self, name: None)
     assert kernel_attacks.search("reading", 100, 10)[1]
 
 

@@ -41,7 +41,7 @@ def test_the_order_in_which_exponentials_are_tried() -> None:
 def test_every_rule_of_the_rule_files_is_in_the_table() -> None:
     """Catches: a public function of a rule file that no row and no other rule uses."""
     used = {row.answer.__name__ for row in RULES.rows}
-    helpers = {"whole", "angle_of", "real_part", "is_branch", "turn_of", "share_of_turn"}
+    helpers = {"whole", "angle_of", "real_part", "is_branch", "turn_of", "fraction_of_turn"}
     helpers |= {"is_value", "is_convex", "is_continuous"}
     for path in FOLDER.glob("*_rules.py"):
         tree = ast.parse(path.read_text(encoding="utf-8"))

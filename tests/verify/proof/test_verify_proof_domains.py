@@ -106,7 +106,7 @@ def test_a_point_on_a_cut_is_no_witness() -> None:
     at_cut = {x: sp.S.One, b: sp.S.Zero}
     problem = equality_problem(root, root * sp.sign(b) ** 2, [x])
     assert find_witness(problem, [at_cut]) is None
-    assert prover.decide(problem, 0.0).outcome is not Outcome.REFUTED
+    assert prover.decide(problem).outcome is not Outcome.REFUTED
 
 
 def test_bare_symbols_are_real_and_one_name_is_one_symbol() -> None:

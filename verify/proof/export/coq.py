@@ -120,9 +120,8 @@ class _Theorem:
 
     def _predicates(self) -> list[str]:
         """Return the declaration of a predicate variable for each kind of premise."""
-        arities = {
-            p.relation: len(p.terms) for p in self._proof.premises if p.relation in PREDICATES
-        }
+        stated = (p for p in self._proof.premises if p.relation in PREDICATES)
+        arities = {premise.relation: len(premise.terms) for premise in stated}
         return [f"Variable {name} : {'F -> ' * count}Prop." for name, count in arities.items()]
 
     def _premises(self) -> list[str]:

@@ -28,10 +28,7 @@ from .traced_ring import TracedRing, plain, term_of
 
 
 def written_out(certificate: Mapping[str, Any]) -> WrittenProof:
-    """Return the steps and the premises of a certificate's proof.
-
-    Raises CertificateError if a step fails, and for a proof by equal parts.
-    """
+    """Return the steps and premises of a proof; raises CertificateError for equal parts."""
     if certificate["proof"]["parts"]:
         raise CertificateError("a proof by equal parts has no script (its parts have proofs)")
     statement = opened(certificate)
@@ -60,8 +57,7 @@ def written_out(certificate: Mapping[str, Any]) -> WrittenProof:
 
 
 class _Premises:
-    """Premises of a proof: the domain, those of generators and used definitions, and nonzero
-    denominators."""
+    """Premises of a proof: the domain, those of generators and definitions, and denominators."""
 
     def __init__(self, field: TracedField, statement: Statement) -> None:
         self._field, self._statement = field, statement
@@ -73,17 +69,13 @@ class _Premises:
         self.guards: dict[Term, list[int]] = {}
 
     def note_denominators(self, divisors: Sequence[int], point: Sequence[Any]) -> None:
-        """Add the premises that denominators are not 0, with the reason as comment.
-
-        Raises CertificateError if a denominator is not shown to be nonzero.
-        """
+        """Add the premises that denominators are not 0; raises CertificateError if not shown."""
         field, nodes = self._field, self._field.nodes
         values = {nodes.place(symbol): number(value) for symbol, value in point}
         at = ", ".join(f"{nodes.all[symbol][1]} = {value}" for symbol, value in values.items())
         reason = f"shown at {at}, on every branch"
-        free = not field.ring.relations and all(
-            nodes.all[g.formula][0] == "symbol" for g in field.generators
-        )
+        symbols = all(nodes.all[g.formula][0] == "symbol" for g in field.generators)
+        free = symbols and not field.ring.relations
         with field.signs.recording() as questions:
             check = Denominators(field, self._statement, values)
             for place in divisors:
@@ -96,9 +88,8 @@ class _Premises:
             factor = field.ring.factors[place]
             words = RELATIONS["not_zero"].format(polynomial_words(factor, field.generator_words))
             comment = "a denominator, no zero polynomial" if free else f"a denominator, {reason}"
-            self._denominators.append(
-                Premise("not_zero", (terms.polynomial_term(factor),), words, comment)
-            )
+            term = terms.polynomial_term(factor)
+            self._denominators.append(Premise("not_zero", (term,), words, comment))
 
     @property
     def all(self) -> list[Premise]:
@@ -115,9 +106,8 @@ class _Premises:
             before = len(self._comments)
             used = {name for premise in self.all for term in premise.terms for name in _names(term)}
             steps = list(_used_backwards(field.trace.steps, used))[::-1]
-            named = [
-                s.name[1] for s, _ in steps if isinstance(s, Definition) and s.name[0] == "node"
-            ]
+            names = (step.name for step, _ in steps if isinstance(step, Definition))
+            named = [place for kind, place in names if kind == "node"]
             guards = {node: field.guards[node] for node in named if node in field.guards}
             for node, questions in guards.items():
                 for question in questions:
@@ -153,16 +143,8 @@ class _Equations:
 
     def _polynomial(self, node: int) -> Term:
         """Return the term of a polynomial in derivatives of the unknowns."""
-        match self._field.nodes.all[node]:
-            case ("number", value):
-                return terms.number(value)
-            case ("Add", *parts):
-                return terms.added([self._polynomial(part) for part in parts])
-            case ("Mul", *parts):
-                return terms.multiplied([self._polynomial(part) for part in parts])
-            case ("Pow", base, exponent):
-                return terms.raised(self._polynomial(base), int(exponent.p))
-        return self._jet(node)[0]
+        term = terms.composed(self._field.nodes.all[node], self._polynomial)
+        return self._jet(node)[0] if term is None else term
 
     def _jet(self, node: int) -> tuple[Term, Element | None]:
         """Return the name of an unknown or of its derivative, and the checker's value of it."""

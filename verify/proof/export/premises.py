@@ -154,7 +154,7 @@ def _holds(relation: str, values: list[fmpq]) -> bool:
 
 RATIONAL = ("number", "symbol", "pi", "I", "Add", "Mul", "poly")
 
-LONG = 60
+LONG_PART = 60
 """Length in characters above which a part of a premise's formula gets a name."""
 
 
@@ -192,7 +192,7 @@ class FormulaWords:
 
     def _part(self, names: set[int], node: int) -> Part:
         part, inner = self._of(node)
-        if len(part[0]) > LONG:
+        if len(part[0]) > LONG_PART:
             names.add(node)
             return f"n{node}", ATOM
         names |= inner

@@ -17,7 +17,7 @@ from .terms import WrittenProof
 
 ACCEPTED, REJECTED, NO_ANSWER = "accepted", "rejected", "no answer"
 
-MEMORY = "2000M"
+PARI_MEMORY = "2000M"
 """Memory limit of PARI, whose default is 8 MB."""
 
 SHORTAGES = ("stack overflow", "out of memory", "heap exhausted", "cannot allocate")
@@ -43,18 +43,12 @@ class AlgebraSystem:
 
 SYSTEMS: Mapping[str, AlgebraSystem] = {
     "pari": AlgebraSystem(
-        "PARI/GP",
-        "gp",
-        "pari-gp",
-        ".gp",
+        *("PARI/GP", "gp", "pari-gp", ".gp"),
         lambda proof: script(proof, PARI),
-        lambda file: ["gp", "--quiet", "--fast", "--default", f"parisizemax={MEMORY}", file],
+        lambda file: ["gp", "--quiet", "--fast", "--default", f"parisizemax={PARI_MEMORY}", file],
     ),
     "maxima": AlgebraSystem(
-        "Maxima",
-        "maxima",
-        "maxima",
-        ".mac",
+        *("Maxima", "maxima", "maxima", ".mac"),
         lambda proof: script(proof, MAXIMA),
         lambda file: ["maxima", "--very-quiet", f'--batch-string=batchload("{file}")$'],
     ),
@@ -63,10 +57,7 @@ SYSTEMS: Mapping[str, AlgebraSystem] = {
 
 
 def answer(text: str, system: str, seconds: float) -> tuple[str, float]:
-    """Run a script within ``seconds`` and return the system's answer and the time taken.
-
-    The answer is "accepted" only if the exit status is 0 and the last line says so.
-    """
+    """Run a script; return its answer (accepted needs status 0 and that last line) and seconds."""
     own = SYSTEMS[system]
     with tempfile.TemporaryDirectory() as name:
         folder, file = Path(name), f"proof{own.ending}"

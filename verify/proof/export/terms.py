@@ -11,6 +11,8 @@ from typing import Any
 
 from flint import fmpq, fmpq_mpoly
 
+from longwave.verify.kernel.nodes import Node
+
 Term = tuple[Any, ...]
 """``("number", q)``, ``("generator", i)``, ``("node", k)``, ``("jet", k)``, ``("sum", ...)``,
 ``("product", ...)``, ``("minus", a)``, ``("inverse", a)``, ``("power", a, n)`` with n > 0, or
@@ -74,10 +76,7 @@ Step = Definition | Relation | SlopeAxiom | Rate | Vanishing
 
 @dataclass(frozen=True)
 class Premise:
-    """Condition of the proof that no script shows: a ``relation`` of ``terms``, and its purpose.
-
-    The relation ``not_zero`` is for denominators, which are polynomials in the generators.
-    """
+    """Condition that no script shows; ``not_zero`` is for denominators, which are polynomials."""
 
     relation: str
     terms: tuple[Term, ...]
@@ -89,9 +88,8 @@ class Premise:
 class WrittenProof:
     """Data from which a script is written.
 
-    ``meanings`` explains the generators, ``variables`` names the variables of derivatives, and
-    ``free`` has elements that occur only in premises.  ``guards`` maps a definition to the indices
-    of the premises on which it depends.
+    ``meanings`` explains the generators, ``variables`` names the variables of derivatives, ``free``
+    has elements of premises only, and ``guards`` maps definitions to the indices of their premises.
     """
 
     title: str
@@ -135,21 +133,19 @@ def is_number(term: Term, value: int) -> bool:
     return term[0] == "number" and term[1] == value
 
 
+def _flat(parts: Sequence[Term], kind: str) -> list[Term]:
+    return [inner for part in parts for inner in (part[1:] if part[0] == kind else (part,))]
+
+
 def added(parts: Sequence[Term]) -> Term:
     """Return the flattened sum, without zeros."""
-    flat: list[Term] = []
-    for part in parts:
-        flat += part[1:] if part[0] == "sum" else [part]
-    nonzero = [part for part in flat if not is_number(part, 0)]
+    nonzero = [part for part in _flat(parts, "sum") if not is_number(part, 0)]
     return nonzero[0] if len(nonzero) == 1 else ("sum", *nonzero) if nonzero else number(0)
 
 
 def multiplied(parts: Sequence[Term]) -> Term:
     """Return the flattened product, without ones."""
-    flat: list[Term] = []
-    for part in parts:
-        flat += part[1:] if part[0] == "product" else [part]
-    factors = [part for part in flat if not is_number(part, 1)]
+    factors = [part for part in _flat(parts, "product") if not is_number(part, 1)]
     if any(is_number(part, 0) for part in factors):
         return number(0)
     return factors[0] if len(factors) == 1 else ("product", *factors) if factors else number(1)
@@ -180,11 +176,22 @@ def polynomial_term(polynomial: fmpq_mpoly) -> Term:
     """Return the term of a polynomial of the checker's ring, whose generators are last first."""
     parts = []
     for exponents, coefficient in polynomial.terms():
-        powers = (
-            raised(("generator", place), int(n)) for place, n in enumerate(reversed(exponents)) if n
-        )
+        pairs = ((place, int(n)) for place, n in enumerate(reversed(exponents)) if n)
+        powers = (raised(("generator", place), n) for place, n in pairs)
         parts.append(multiplied([number(coefficient), *powers]))
     return added(parts)
+
+
+def composed(node: Node, inner: Callable[[int], Term]) -> Term | None:
+    """Return the term of a number, sum, product or power of nodes with known terms, else None."""
+    match node:
+        case ("number", value):
+            return number(value)
+        case (("Add" | "Mul") as name, *parts):
+            return (added if name == "Add" else multiplied)([inner(part) for part in parts])
+        case ("Pow", base, exponent) if exponent.q == 1 and exponent > 0:
+            return raised(inner(base), int(exponent.p))
+    return None
 
 
 def inner_terms(term: Term) -> Iterator[Term]:
@@ -208,16 +215,16 @@ def engine_text(name: str) -> str:
     return (files(__package__) / "engines" / name).read_text("utf-8").rstrip("\n")
 
 
-PLAIN = re.compile(r"[^A-Za-z0-9_ .,;:=<>+*/^()\[\]-]")
+UNSAFE_CHARACTERS = re.compile(r"[^A-Za-z0-9_ .,;:=<>+*/^()\[\]-]")
 """Characters removed from comments, so that none ends, begins or continues a comment."""
 
-WIDTH = 100
+COMMENT_WIDTH = 100
 
 
 def plain(text: str) -> list[str]:
     """Return a text as comment lines: unsafe characters by their code, spaces around ``*``."""
-    safe = PLAIN.sub(lambda match: f"<{ord(match[0]):x}>", text)
-    return wrap(safe.replace("*", " * "), WIDTH)
+    safe = UNSAFE_CHARACTERS.sub(lambda match: f"<{ord(match[0]):x}>", text)
+    return wrap(safe.replace("*", " * "), COMMENT_WIDTH)
 
 
 def plain_lines(proof: WrittenProof) -> list[str]:
@@ -227,11 +234,8 @@ def plain_lines(proof: WrittenProof) -> list[str]:
     lines += [f"g{place}: {text}" for place, text in enumerate(proof.meanings)]
     lines += ["Derivatives are along " + ", ".join(proof.variables)]
     lines += ["Names and what they stand for:"]
-    lines += [
-        f"{name_of(step.name)}: {step.comment}"
-        for step in proof.steps
-        if isinstance(step, Definition) and step.comment
-    ]
+    named = [step for step in proof.steps if isinstance(step, Definition) and step.comment]
+    lines += [f"{name_of(step.name)}: {step.comment}" for step in named]
     lines += [f"{name_of(('free', place))}: {text}" for place, text in proof.free.items()]
     lines += ["Accepted means proved if", *map(premise_line, proof.premises)]
     return [short for line in lines for short in plain(line)]
@@ -242,14 +246,14 @@ def premise_line(premise: Premise) -> str:
     return f"{premise.words} ({premise.comment})"
 
 
-FEW = 3
+SUMMARY_PREMISES = 3
 """Number of premises listed in a short summary."""
 
 
 def premises_in_short(words: Sequence[str]) -> str:
     """Return the first premises, and the number of further ones."""
-    more = [f"{len(words) - FEW} more"] if len(words) > FEW else []
-    return "; ".join([*words[:FEW], *more])
+    more = [f"{len(words) - SUMMARY_PREMISES} more"] if len(words) > SUMMARY_PREMISES else []
+    return "; ".join([*words[:SUMMARY_PREMISES], *more])
 
 
 def premise_lines(proof: WrittenProof) -> list[str]:

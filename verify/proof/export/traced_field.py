@@ -21,9 +21,8 @@ from .traced_ring import Trace, TracedElement, TracedRing, plain, term_of, trace
 class TracedSlopes(Slopes):
     """Derivatives of the checker's field; those of formulas are left to the script.
 
-    A formula's derivative may need the slope that is being stated: the argument of an epsilon that
-    is part of a linear form with its variable.  Then the value that follows from the formula's
-    structure is stated, and checked when the slope is known.
+    A derivative may need the slope that is being stated (of an epsilon in a linear form).  Then the
+    value from the formula's structure is stated, and checked when the slope is known.
     """
 
     def __init__(self, field: TracedField) -> None:
@@ -131,10 +130,9 @@ class TracedField(Field):
             is_principal = super().is_kept(name, f, value)
         if is_principal:
             turn = self.nodes.add("pi")
-            shares = (0, 1) if name == "acos" else (fmpq(-1, 2), fmpq(1, 2))
-            low, high = (
-                self.nodes.add("Mul", self.nodes.add("number", fmpq(s)), turn) for s in shares
-            )
+            fractions = (0, 1) if name == "acos" else (fmpq(-1, 2), fmpq(1, 2))
+            ends = (self.nodes.add("number", fmpq(fraction)) for fraction in fractions)
+            low, high = (self.nodes.add("Mul", end, turn) for end in ends)
             self.signs.note(Question("less", (low, value)))
             self.signs.note(Question("less", (value, high)))
         return is_principal
@@ -178,15 +176,9 @@ class TracedField(Field):
         """Return the term of a premise's formula; without an image it becomes a free element."""
         if node in self._images:
             return self.image(node).term
-        match self.nodes.all[node]:
-            case ("number", value):
-                return terms.number(value)
-            case ("Add", *parts):
-                return terms.added([self.stated(part) for part in parts])
-            case ("Mul", *parts):
-                return terms.multiplied([self.stated(part) for part in parts])
-            case ("Pow", base, exponent) if exponent.q == 1 and exponent > 0:
-                return terms.raised(self.stated(base), int(exponent.p))
+        term = terms.composed(self.nodes.all[node], self.stated)
+        if term is not None:
+            return term
         self.free[node] = self.words.sentence("{}", node)
         return ("free", node)
 
@@ -248,7 +240,7 @@ class TracedField(Field):
         for place, degree, value in self._roots:
             for axis in sorted({s.variable for s in stated if s.generator == place}):
                 for other in sorted(value.places):
-                    self.slope(other, self.variables[axis])
+                    self.slopes.slope(other, self.variables[axis])
                 root = ("generator", place)
                 outer = [terms.number(degree), terms.raised(root, degree - 1)]
                 own = terms.multiplied([*outer, ("slope", axis, root)])

@@ -85,10 +85,8 @@ def followed(element: Element) -> TracedElement:
     """Return an element with its term; an untraced one gets a quotient of polynomials."""
     if isinstance(element, TracedElement):
         return element
-    below = [
-        terms.raised(terms.inverted(terms.polynomial_term(element.ring.factors[place])), power)
-        for place, power in element.powers.items()
-    ]
+    factors = ((element.ring.factors[place], n) for place, n in element.powers.items())
+    below = [terms.raised(terms.inverted(terms.polynomial_term(f)), n) for f, n in factors]
     _note_factors(element.ring, element.powers)
     term = terms.multiplied([terms.polynomial_term(element.numerator), *below])
     return traced(element, term)
@@ -112,10 +110,7 @@ def _note_factors(ring: Ring, powers: Mapping[int, int]) -> None:
 
 
 class Trace:
-    """Recorded steps, each with the checker's value of it.
-
-    ``open`` has the slopes that are being stated; vanishing terms are added when it is empty.
-    """
+    """Recorded steps with the checker's values; ``open`` has the slopes that are being stated."""
 
     def __init__(self) -> None:
         self.steps: list[tuple[Step, Element | None]] = []
@@ -138,10 +133,7 @@ class Trace:
 
 
 class TracedRing(Ring):
-    """The checker's ring with traced elements.
-
-    ``divisors`` are the indices of the factors by which something was divided.
-    """
+    """The checker's ring with traced elements; ``divisors`` are the indices of used factors."""
 
     def __init__(self, count: int) -> None:
         super().__init__(count)
