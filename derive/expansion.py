@@ -17,19 +17,10 @@ from functools import cached_property
 
 from sympy import Expr, S
 
+from longwave.derive.algebra import small_matrices as matrices
 from longwave.derive.algebra.exact_numbers import instance
 from longwave.derive.algebra.jets import DifferentialPolynomial, EpsSeries, Operator
 from longwave.derive.algebra.rational_functions import RationalFunction, RationalFunctions
-from longwave.derive.algebra.small_matrices import (
-    Column,
-    Matrix,
-    combined,
-    determinant,
-    inverse,
-    null_space,
-    transposed,
-    without,
-)
 from longwave.derive.lattice import Bond, Cell, Lattice
 from longwave.derive.scaling import Scaling
 from longwave.derive.symbols import check_constants, powers_of_eps
@@ -99,7 +90,7 @@ class Expansion:
         """Return the rows weighted with the left null vector, which vanish on solutions."""
         parts = self.slaved_parts() if slaved is None else slaved
         rows = self.rows(self._fields(parts, self.limit))
-        return combined(self.zero_mode[1], rows, EpsSeries(self.field, self.limit, {}))
+        return matrices.combined(self.zero_mode[1], rows, EpsSeries(self.field, self.limit, {}))
 
     def _fields(self, slaved: Sequence[EpsSeries], limit: int) -> list[EpsSeries]:
         wave = self.ansatz()
@@ -154,7 +145,7 @@ class Expansion:
         parts = powers_of_eps(value).items()
         return EpsSeries.collect(self.field, limit, ((p, self.number(v) * one) for p, v in parts))
 
-    def matrix(self, j: int) -> Matrix:
+    def matrix(self, j: int) -> matrices.Matrix:
         """Return the linear part of ``mass d^2/dt^2 - forces`` at the j-th harmonic and eps = 0."""
         count = len(self.lattice.fields)
         means = (powers_of_eps(b).get(0, S.Zero) for p, b in self.scaling.background if p == 0)
@@ -174,13 +165,16 @@ class Expansion:
     def _leading(self, value: Expr) -> RationalFunction:
         return self.number(powers_of_eps(value).get(0, S.Zero))
 
-    def null_vectors(self, j: int) -> tuple[Column, Column]:
+    def null_vectors(self, j: int) -> tuple[matrices.Column, matrices.Column]:
         """Return the right and left null vector of the j-th matrix, with first nonzero entry 1.
 
         Raises ValueError unless there is one of each.
         """
         matrix = self.matrix(j)
-        null_spaces = (null_space(matrix), null_space(transposed(matrix)))
+        null_spaces = (
+            matrices.null_space(matrix),
+            matrices.null_space(matrices.transposed(matrix)),
+        )
         if any(len(vectors) != 1 for vectors in null_spaces):
             several_waves, no_wave = (
                 "its fields move apart at no cost",
@@ -193,17 +187,17 @@ class Expansion:
         return null_spaces[0][0], null_spaces[1][0]
 
     @cached_property
-    def zero_mode(self) -> tuple[Column, Column]:
+    def zero_mode(self) -> tuple[matrices.Column, matrices.Column]:
         """The null vectors at wavenumber zero, right and left: e and l."""
         return self.null_vectors(0)
 
     @cached_property
     def is_pinned(self) -> bool:
         """Whether an on-site force acts: the mean is then slaved."""
-        return bool(determinant(self.matrix(0)))
+        return bool(matrices.determinant(self.matrix(0)))
 
     @cached_property
-    def shares(self) -> Column:
+    def shares(self) -> matrices.Column:
         """The zero mode's entry for each field; zeros if the lattice is pinned."""
         return [self.field.zero] * len(self.lattice.fields) if self.is_pinned else self.zero_mode[0]
 
@@ -216,7 +210,10 @@ class Expansion:
         )
 
     def slaved(
-        self, j: int, rows: Sequence[DifferentialPolynomial], wave: tuple[Column, Column] | None
+        self,
+        j: int,
+        rows: Sequence[DifferentialPolynomial],
+        wave: tuple[matrices.Column, matrices.Column] | None,
     ) -> Iterator[tuple[int, DifferentialPolynomial]]:
         """Solve for the parts of fields that balance the rows of a harmonic; yield (field, part).
 
@@ -224,12 +221,12 @@ class Expansion:
         Raises ZeroDivisionError if the harmonic is another wave of the lattice.
         """
         column, row = (vector.index(1) for vector in wave) if wave else (None, None)
-        part = without(self.matrix(j), row, column)
+        part = matrices.without(self.matrix(j), row, column)
         others = [values for i, values in enumerate(rows) if i != row]
         fields = [index for index in range(len(rows)) if index != column]
         nothing = DifferentialPolynomial.zero(self.field)
-        for index, weights in zip(fields, inverse(part) if part else [], strict=True):
-            yield index, -combined(weights, others, nothing)
+        for index, weights in zip(fields, matrices.inverse(part) if part else [], strict=True):
+            yield index, -matrices.combined(weights, others, nothing)
 
 
 def expand(lattice: Lattice, scaling: Scaling, limit: int) -> Expansion:

@@ -12,16 +12,7 @@ from sympy import Expr, Poly, S, Symbol, factorial, nan, oo, simplify, zoo
 
 from longwave.derive.algebra.contact import contact
 from longwave.derive.algebra.exact_numbers import Number, exact, instance, integer, tuple_of
-from longwave.derive.output.notation import (
-    Displayed,
-    Printed,
-    bracketed,
-    latex_of,
-    power_of,
-    signed_sum,
-    text_of,
-    weighted_sum,
-)
+from longwave.derive.output import notation
 from longwave.derive.output.own_names import unused
 from longwave.derive.symbols import (
     check_constants,
@@ -188,7 +179,7 @@ def on_site(force: Expr, field: int = 0, axes: int = 1) -> Bond:
 
 
 @dataclass(frozen=True, repr=False)
-class Lattice(Displayed):
+class Lattice(notation.Displayed):
     """Equations of motion ``mass f'' = sum of bond forces - loss f'``, one for each field.
 
     ``definitions`` are symbols that represent expressions in the lattice's other constants,
@@ -530,14 +521,14 @@ class Lattice(Displayed):
         check_constants(self.basic_constants, fields)
         check_constants(self.constants, fields)
 
-    def equations(self, printed: Printed = text_of) -> tuple[str, ...]:
+    def equations(self, printed: notation.Printed = notation.text_of) -> tuple[str, ...]:
         """Return the equations of motion, then the force of each bond, one a line.
 
         >>> from longwave.derive import LATTICES
         >>> LATTICES["fput_strain"].equations()[0]
         "y_n'' = F(y_{n+1}) - 2 F(y_n) + F(y_{n-1})"
         """
-        is_text = printed is text_of
+        is_text = printed is notation.text_of
         return tuple(
             _equations(
                 self, printed, ("{}'", "{}''") if is_text else (r"\dot{{{}}}", r"\ddot{{{}}}")
@@ -550,7 +541,7 @@ class Lattice(Displayed):
 
     def latex(self) -> str:
         """Return the equations in LaTeX, without delimiters."""
-        return r",\quad ".join(self.equations(latex_of))
+        return r",\quad ".join(self.equations(notation.latex_of))
 
 
 def _sum_of_force(weights: Weights, field: int) -> str:
@@ -561,7 +552,7 @@ def _sum_of_force(weights: Weights, field: int) -> str:
             steps = ", ".join(f"{a}{s:+d}" if s else a for a, s in zip("nml", cell, strict=False))
             size = "" if abs(weight) == 1 else f"{abs(weight)}*"
             terms.append((weight < 0, f"{size}F[{steps}]"))
-    return signed_sum(terms)
+    return notation.signed_sum(terms)
 
 
 def _letters(number: int) -> str:
@@ -608,7 +599,7 @@ def _each(
     return {name: values.get(name, S.Zero) for name in names}
 
 
-def _equations(lattice: Lattice, printed: Printed, dots: tuple[str, str]) -> Iterator[str]:
+def _equations(lattice: Lattice, printed: notation.Printed, dots: tuple[str, str]) -> Iterator[str]:
     """Yield equations of motion and forces; ``printed`` formats constants, ``dots`` derivatives."""
     rate, acceleration = dots
     many = len(lattice.bonds) > 1
@@ -627,7 +618,7 @@ def _equations(lattice: Lattice, printed: Printed, dots: tuple[str, str]) -> Ite
         if loss:
             forces.append((-1, _times(loss, rate.format(f"{name}_{here}"), printed)))
         moving = _times(mass, acceleration.format(f"{name}_{here}"), printed)
-        yield f"{moving} = {weighted_sum(forces)}"
+        yield f"{moving} = {notation.weighted_sum(forces)}"
     for force, bond in zip(labels, lattice.bonds, strict=True):
         dashpot = f" + {_times(bond.loss, rate.format('x'), printed)}" if bond.loss else ""
         if not bond.is_polynomial:
@@ -635,18 +626,20 @@ def _equations(lattice: Lattice, printed: Printed, dots: tuple[str, str]) -> Ite
             continue
         terms = enumerate(reversed(bond.coefficients()))
         law = (_law_term(value, power, printed) for power, value in terms if value != 0)
-        yield f"{force}(x) = {signed_sum(law)}{dashpot}"
+        yield f"{force}(x) = {notation.signed_sum(law)}{dashpot}"
 
 
-def _law_term(value: Expr, power: int, printed: Printed) -> tuple[bool, str]:
+def _law_term(value: Expr, power: int, printed: notation.Printed) -> tuple[bool, str]:
     """Return whether a term of a force is negative, and the term without its sign."""
     is_negative = bool(value.as_coeff_Mul()[0] < 0)
     size = -value if is_negative else value
-    return is_negative, _times(size, power_of(x, power, printed), printed).rstrip()
+    return is_negative, _times(size, notation.power_of(x, power, printed), printed).rstrip()
 
 
-def _times(factor: Expr, product: str, printed: Printed) -> str:
-    return product if factor == 1 and product else f"{bracketed(factor, printed)} {product}"
+def _times(factor: Expr, product: str, printed: notation.Printed) -> str:
+    return (
+        product if factor == 1 and product else f"{notation.bracketed(factor, printed)} {product}"
+    )
 
 
 def _stretch(lattice: Lattice, bond: Bond, at: Stencil) -> str:
@@ -655,7 +648,7 @@ def _stretch(lattice: Lattice, bond: Bond, at: Stencil) -> str:
     for entry in bond.stretch:
         cell = [i + j for i, j in zip(entry.shift, at.shift, strict=True)]
         parts.append((entry.weight, f"{lattice.fields[entry.field]}_{_cell(cell)}"))
-    return weighted_sum(parts)
+    return notation.weighted_sum(parts)
 
 
 def _cell(shift: Sequence[int]) -> str:

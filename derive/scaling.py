@@ -8,15 +8,7 @@ from dataclasses import dataclass
 from sympy import Expr, S, Symbol
 
 from longwave.derive.algebra.exact_numbers import integer, tuple_of
-from longwave.derive.output.notation import (
-    Displayed,
-    Printed,
-    bracketed,
-    latex_of,
-    power_of,
-    text_of,
-    weighted_sum,
-)
+from longwave.derive.output import notation
 from longwave.derive.symbols import c, check_constants, eps, rational_function
 from longwave.support.user_files import shown
 
@@ -53,7 +45,7 @@ class SlowVariable:
                     "terms of the reduced equation)"
                 )
 
-    def phase(self, printed: Printed = text_of) -> str:
+    def phase(self, printed: notation.Printed = notation.text_of) -> str:
         """Return the phase of the variable, without its power of eps.
 
         >>> SlowVariable("X", 1, (-2,), -c).phase()
@@ -63,13 +55,13 @@ class SlowVariable:
         for step, axis in (*zip(self.direction, "nml", strict=False), (-self.speed, "t")):
             is_negative = step.could_extract_minus_sign()
             size = -step if is_negative else step
-            name = axis if size == 1 else f"{bracketed(size, printed)} {axis}"
+            name = axis if size == 1 else f"{notation.bracketed(size, printed)} {axis}"
             parts += [(-1 if is_negative else 1, name)] if step else []
-        return weighted_sum(parts)
+        return notation.weighted_sum(parts)
 
 
 @dataclass(frozen=True, repr=False)
-class Scaling(Displayed):
+class Scaling(notation.Displayed):
     """``field = background + eps^amplitude Y(space, T)`` with ``T = eps^time t``.
 
     ``background`` lists (exponent, value) pairs, each adding ``eps^exponent value``.  The frame
@@ -172,17 +164,19 @@ class Scaling(Displayed):
         >>> Scaling().text()
         'y = eps Y(X, T), X = eps (n - c t), T = eps^3 t'
         """
-        return ", ".join(self._parts(field, wave, text_of))
+        return ", ".join(self._parts(field, wave, notation.text_of))
 
     def latex(self, field: str = "y", wave: str = "Y") -> str:
         """Return the ansatz in LaTeX, without delimiters."""
-        return r",\; ".join(self._parts(field, wave, latex_of))
+        return r",\; ".join(self._parts(field, wave, notation.latex_of))
 
-    def _parts(self, field: str, wave: str, printed: Printed) -> list[str]:
+    def _parts(self, field: str, wave: str, printed: notation.Printed) -> list[str]:
         def small(exponent: int) -> str:
-            return power_of(eps, exponent, printed)
+            return notation.power_of(eps, exponent, printed)
 
-        mean = "".join(f"{small(p)}{bracketed(value, printed)} + " for p, value in self.background)
+        mean = "".join(
+            f"{small(p)}{notation.bracketed(value, printed)} + " for p, value in self.background
+        )
         wave_text = f"{small(self.amplitude)}{wave}({', '.join(self.axes)})"
         phases = ((v, v.phase(printed)) for v in self.space)
         slow = (

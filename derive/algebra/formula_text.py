@@ -16,20 +16,8 @@ from fractions import Fraction
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
+from longwave.derive.algebra import formula_tree as syntax
 from longwave.derive.algebra.bounded_building import ORDER
-from longwave.derive.algebra.formula_tree import (
-    MINUS_ONE,
-    Call,
-    Derivative,
-    FormulaTree,
-    Name,
-    Number,
-    Power,
-    Product,
-    Sum,
-    Unknown,
-    rational,
-)
 from longwave.support.known_names import did_you_mean
 
 LONGEST = 20_000
@@ -229,23 +217,23 @@ class Parser:
         """Return the error at a position in the text."""
         return FormulaError(self.name, words, self.text, position)
 
-    def formula(self) -> FormulaTree:
+    def formula(self) -> syntax.FormulaTree:
         """Parse a sum."""
         start = self.next.start
         terms = [self._term()]
         while sign := self.take_sign("+", "-"):
             term = self._term()
             minus = sign.text == "-"
-            terms.append(Product((MINUS_ONE, term), at=sign.start) if minus else term)
-        return terms[0] if len(terms) == 1 else Sum(tuple(terms), at=start)
+            terms.append(syntax.Product((syntax.MINUS_ONE, term), at=sign.start) if minus else term)
+        return terms[0] if len(terms) == 1 else syntax.Sum(tuple(terms), at=start)
 
-    def whole(self) -> FormulaTree:
+    def whole(self) -> syntax.FormulaTree:
         """Parse a sum that must end the text."""
         tree = self.formula()
         self.expect_end()
         return tree
 
-    def _term(self) -> FormulaTree:
+    def _term(self) -> syntax.FormulaTree:
         """Parse a product; numbers and signs remain separate factors."""
         start = self.next.start
         factors = self._signed()
@@ -253,11 +241,11 @@ class Parser:
             further = self._signed()
             if sign.text == "/":
                 divisor = _product(further, sign.start)
-                further = [Power((divisor, MINUS_ONE), at=sign.start)]
+                further = [syntax.Power((divisor, syntax.MINUS_ONE), at=sign.start)]
             factors += further
         return _product(factors, start)
 
-    def _signed(self) -> list[FormulaTree]:
+    def _signed(self) -> list[syntax.FormulaTree]:
         """Parse an operand with its sign, as factors; ``**`` binds closer than signs."""
         start, negative = self.next, False
         while sign := self.take_sign("+", "-"):
@@ -267,16 +255,16 @@ class Parser:
             raise self.error(f"brackets and powers must be at most {DEEPEST} deep", start)
         operand = self._power()
         self._depth -= 1
-        return [MINUS_ONE, operand] if negative else [operand]
+        return [syntax.MINUS_ONE, operand] if negative else [operand]
 
-    def _power(self) -> FormulaTree:
+    def _power(self) -> syntax.FormulaTree:
         base = self._operand()
         sign = self.take_sign("**")
         if sign is None:
             return base
-        return Power((base, _product(self._signed(), sign.start)), at=sign.start)
+        return syntax.Power((base, _product(self._signed(), sign.start)), at=sign.start)
 
-    def _operand(self) -> FormulaTree:
+    def _operand(self) -> syntax.FormulaTree:
         token = self.next
         if token.kind == "number":
             return self._number(self.take())
@@ -288,16 +276,16 @@ class Parser:
             return tree
         raise self.error(f"expected a number, a name or '(', got {token}")
 
-    def _number(self, token: Token) -> Number:
+    def _number(self, token: Token) -> syntax.Number:
         digits, _, exponent = token.text.lower().partition("e")
         if len(digits) > DIGITS or len(exponent) > 5 or abs(int(exponent or 0)) > DIGITS:
             raise self.error(f"numbers must have at most {DIGITS} digits", token)
         following = self.next
         if following.kind == "name" and following.start == token.start + len(token.text):
             raise self.error(f"expected an operator such as *, got {following}", following)
-        return Number(Fraction(token.text), at=token.start)
+        return syntax.Number(Fraction(token.text), at=token.start)
 
-    def _named(self, token: Token) -> FormulaTree:
+    def _named(self, token: Token) -> syntax.FormulaTree:
         name, words = token.text, self.vocabulary
         if len(name) > NAME_LENGTH:
             raise self.error(f"names must have at most {NAME_LENGTH} characters", token)
@@ -316,9 +304,9 @@ class Parser:
         if not is_known:
             expectation = "a name without _" if "_" in name else "a known name"
             raise self.error(f"expected {expectation}, got {token}{self._nearest(name)}", token)
-        return Name(name, at=token.start)
+        return syntax.Name(name, at=token.start)
 
-    def _field(self, token: Token, base: str, steps: str) -> Unknown:
+    def _field(self, token: Token, base: str, steps: str) -> syntax.Unknown:
         """Parse the unknown ``base``, with derivatives in its subscripts and its site if any."""
         site, arguments = self.vocabulary.site, self.vocabulary.fields[base].args
         self.used.add(base)
@@ -336,7 +324,7 @@ class Parser:
                 if steps.isalpha():
                     words += f" (or name all of them: --variables {','.join(letters)})"
                 raise self.error(words, token)
-        return Unknown(base, tuple(steps), index, shift, at=token.start)
+        return syntax.Unknown(base, tuple(steps), index, shift, at=token.start)
 
     def _shift(self, site: str) -> int:
         """Parse the integer in an index such as ``n+1``, with its closing bracket."""
@@ -345,15 +333,15 @@ class Parser:
         if self.next.text == ",":
             raise self.error(f"expected ']' after the site, got ','{ROWS}")
         self.expect("]", " after the site")
-        terms = index.inner() if isinstance(index, Sum) else (index,)
-        offsets = [rational(term) for term in terms if term != Name(site)]
+        terms = index.inner() if isinstance(index, syntax.Sum) else (index,)
+        offsets = [syntax.rational(term) for term in terms if term != syntax.Name(site)]
         shift = sum((value for value in offsets if value is not None), Fraction(0))
         whole = len(offsets) == len(terms) - 1 and None not in offsets and shift.denominator == 1
         if not whole or abs(shift) > SHIFT:
             raise self.error(f"expected a site such as {site}+1, got another index", start)
         return int(shift)
 
-    def _call(self, token: Token) -> FormulaTree:
+    def _call(self, token: Token) -> syntax.FormulaTree:
         name, functions = token.text, self.vocabulary.functions
         if name == "diff":
             return self._derivative(token)
@@ -371,9 +359,9 @@ class Parser:
             plural = "" if arity == 1 else "s"
             words = f"expected {arity} argument{plural} of {name}, got {len(arguments)}"
             raise self.error(words, token)
-        return Call(tuple(arguments), name, at=token.start)
+        return syntax.Call(tuple(arguments), name, at=token.start)
 
-    def _arguments(self, token: Token) -> Iterator[tuple[FormulaTree, str]]:
+    def _arguments(self, token: Token) -> Iterator[tuple[syntax.FormulaTree, str]]:
         """Parse the arguments of a call; yield each with its text."""
         sign: Token | None = self.expect("(")
         while sign:
@@ -383,14 +371,14 @@ class Parser:
             sign = self.take_sign(",")
         self.expect(")", f" for the '(' of {token.text}")
 
-    def _derivative(self, token: Token) -> Derivative:
+    def _derivative(self, token: Token) -> syntax.Derivative:
         """Parse ``diff(expression, x, x)``, or the same as ``diff(expression, x, 2)``."""
         (expression, _), *steps = self._arguments(token)
         variables: list[str] = []
         known = self.vocabulary.variables.keys() - {str(self.vocabulary.site)}
         for step, text in steps:
-            times = rational(step)
-            if isinstance(step, Name) and step.name in known:
+            times = syntax.rational(step)
+            if isinstance(step, syntax.Name) and step.name in known:
                 variables.append(step.name)
             elif variables and times and times.denominator == 1 and 0 < times <= ORDER:
                 variables += [variables[-1]] * (int(times) - 1)
@@ -399,7 +387,7 @@ class Parser:
                 raise self.error(words, token)
         if not variables:
             raise self.error("expected a variable in diff, as in diff(u, x)", token)
-        return Derivative((expression,), tuple(variables), at=token.start)
+        return syntax.Derivative((expression,), tuple(variables), at=token.start)
 
     def _nearest(self, name: str, among: Iterable[str] | None = None) -> str:
         words = self.vocabulary
@@ -408,5 +396,5 @@ class Parser:
         return f" ({close})" if close else ""
 
 
-def _product(factors: list[FormulaTree], at: int) -> FormulaTree:
-    return factors[0] if len(factors) == 1 else Product(tuple(factors), at=at)
+def _product(factors: list[syntax.FormulaTree], at: int) -> syntax.FormulaTree:
+    return factors[0] if len(factors) == 1 else syntax.Product(tuple(factors), at=at)

@@ -11,20 +11,8 @@ import re
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 
+from longwave.derive.algebra import typing_rules
 from longwave.derive.algebra.foreign_characters import GREEK, ascii_text
-from longwave.derive.algebra.typing_rules import (
-    ALIASES,
-    BRACES,
-    CALLS,
-    DERIVATIVES,
-    END,
-    LATEX,
-    SITE,
-    SPELLED_NUMBERS,
-    TIDY,
-    VARIABLES,
-    Rule,
-)
 from longwave.support.known_names import close_names
 
 LONGEST_CORRECTED = 400
@@ -51,8 +39,8 @@ class Spelling:
 
     def patterns(self) -> dict[str, str]:
         """Return the patterns that the short names in rules represent."""
-        unknown = _either(self.unknowns)
-        derived = rf"(?<![\w.]){unknown}(?:_[{VARIABLES}]+)?(?![A-Za-z0-9_])(?:\[[^\[\]]*\])?"
+        unknown, letters = _either(self.unknowns), typing_rules.VARIABLES
+        derived = rf"(?<![\w.]){unknown}(?:_[{letters}]+)?(?![A-Za-z0-9_])(?:\[[^\[\]]*\])?"
         return {
             "<U>": unknown,
             "<D>": derived,
@@ -145,7 +133,7 @@ def misread(name: str, spelling: Spelling, *, declared: bool = False) -> str | N
             return match.expand(text) if text else _free_name(match["rest"], spelling, base)
     if called := _called(name, spelling, declared):
         return called
-    match = re.fullmatch(rf"(\w+)([{VARIABLES}])", name)
+    match = re.fullmatch(rf"(\w+)([{typing_rules.VARIABLES}])", name)
     if match is None or declared or match[2] not in spelling.variables:
         return None
     factors = {*spelling.declared, *spelling.variables, *GREEK}
@@ -164,21 +152,21 @@ def _called(name: str, spelling: Spelling, declared: bool) -> str | None:
 
 
 _READINGS: tuple[tuple[str, str], ...] = (
-    (rf"(?P<base><U>)_?(?P<rest>[{VARIABLES}]+)", r"\g<base>_\g<rest>"),
+    (rf"(?P<base><U>)_?(?P<rest>[{typing_rules.VARIABLES}]+)", r"\g<base>_\g<rest>"),
     (r"(?P<base><U>)_?(?:bar|star|conj|conjugate|dag|dagger)", r"conjugate(\g<base>)"),
     (r"(?:conj|conjugate|bar)_?(?P<base><U>)", r"conjugate(\g<base>)"),
     (r"d\d?(?P<base><U>)", r"diff(\g<base>, x)"),
-    (rf"(?P<base>[{VARIABLES}{SITE}])(?P<rest>[1-9]\d*)", ""),
+    (rf"(?P<base>[{typing_rules.VARIABLES}{typing_rules.SITE}])(?P<rest>[1-9]\d*)", ""),
 )
 """Readings that apply even to declared names."""
 
 _LOOSE_READINGS = (
     (r"(?P<base><U>)c", r"conjugate(\g<base>)"),
-    (rf"(?P<base><U>){SITE}", rf"\g<base>[{SITE}]"),
-    (rf"(?P<base><U>){SITE}p(?P<rest>\d)", rf"\g<base>[{SITE}+\g<rest>]"),
-    (rf"(?P<base><U>){SITE}m(?P<rest>\d)", rf"\g<base>[{SITE}-\g<rest>]"),
+    (rf"(?P<base><U>){typing_rules.SITE}", rf"\g<base>[{typing_rules.SITE}]"),
+    (rf"(?P<base><U>){typing_rules.SITE}p(?P<rest>\d)", rf"\g<base>[{typing_rules.SITE}+\g<rest>]"),
+    (rf"(?P<base><U>){typing_rules.SITE}m(?P<rest>\d)", rf"\g<base>[{typing_rules.SITE}-\g<rest>]"),
     (r"(?P<base><U>)(?P<rest><U>(?:_[xyzt]+)?)", r"\g<base>*\g<rest>"),
-    (rf"d(?P<base>[{VARIABLES}])\d?", r"diff(u, \g<base>)"),
+    (rf"d(?P<base>[{typing_rules.VARIABLES}])\d?", r"diff(u, \g<base>)"),
 )
 
 
@@ -189,13 +177,18 @@ def _free_name(digits: str, spelling: Spelling, base: str) -> str:
     return next(name for name in names if name not in spelling.declared)
 
 
-def _stages(spelling: Spelling) -> Iterator[tuple[Rule, ...]]:
-    yield LATEX
-    yield BRACES
-    yield SPELLED_NUMBERS
-    yield (*CALLS, *_calls(spelling), *DERIVATIVES, (_DIFF, _differentiated(spelling)))
-    yield (*_products(spelling), *TIDY)
-    yield (*TIDY, *END)
+def _stages(spelling: Spelling) -> Iterator[tuple[typing_rules.Rule, ...]]:
+    yield typing_rules.LATEX
+    yield typing_rules.BRACES
+    yield typing_rules.SPELLED_NUMBERS
+    yield (
+        *typing_rules.CALLS,
+        *_calls(spelling),
+        *typing_rules.DERIVATIVES,
+        (_DIFF, _differentiated(spelling)),
+    )
+    yield (*_products(spelling), *typing_rules.TIDY)
+    yield (*typing_rules.TIDY, *typing_rules.END)
 
 
 def _differentiated(spelling: Spelling) -> Callable[[re.Match[str]], str]:
@@ -212,7 +205,7 @@ def _differentiated(spelling: Spelling) -> Callable[[re.Match[str]], str]:
         letters = ""
         for step in ",".join(steps).replace("$", ",").replace("(", "").replace(")", "").split(","):
             plain = step.strip().strip("'")
-            if plain in VARIABLES and len(plain) == 1:
+            if plain in typing_rules.VARIABLES and len(plain) == 1:
                 letters += plain
             elif plain in "123456789" and letters and plain:
                 letters += letters[-1] * (int(plain) - 1)
@@ -243,16 +236,16 @@ def _arguments(text: str) -> list[str]:
     return arguments
 
 
-def _calls(spelling: Spelling) -> tuple[Rule, ...]:
+def _calls(spelling: Spelling) -> tuple[typing_rules.Rule, ...]:
     """Return rules for functions with other names and other brackets."""
 
     def rename_function(match: re.Match[str]) -> str:
         name = match[0]
-        other = ALIASES.get(name, name.lower())
+        other = typing_rules.ALIASES.get(name, name.lower())
         taken = name in spelling.functions or name in spelling.declared
         return other if other in spelling.functions and not taken else name
 
-    continuous = [letter for letter in spelling.variables if letter in VARIABLES]
+    continuous = [letter for letter in spelling.variables if letter in typing_rules.VARIABLES]
 
     def rewrite_primes(match: re.Match[str]) -> str:
         unknown, site, primes = match.groups()
@@ -274,7 +267,7 @@ def _calls(spelling: Spelling) -> tuple[Rule, ...]:
     )
 
 
-def _products(spelling: Spelling) -> tuple[Rule, ...]:
+def _products(spelling: Spelling) -> tuple[typing_rules.Rule, ...]:
     """Return rules for functions without brackets, powers, implied products and names."""
 
     def split_name(match: re.Match[str]) -> str:

@@ -26,12 +26,7 @@ from longwave.derive.linear_waves import LinearWaves
 from longwave.derive.models.lattices import FPUT_STRAIN, LATTICES
 from longwave.derive.models.mkdv import initial_velocity, initial_velocity_latex
 from longwave.derive.multiscale import FURTHER_ORDERS, ReductionError, reduce
-from longwave.derive.output.derive_options import (
-    DeriveOptions,
-    count,
-    given_constants,
-    measured_with_options,
-)
+from longwave.derive.output import derive_options
 from longwave.derive.output.notation import aligned, latex_of, text_of
 from longwave.derive.output.own_names import unused
 from longwave.derive.output.report import head_lines, reduction_data
@@ -48,7 +43,7 @@ LONG_RATIO = 1000
 """Largest denominator of a measured value that is printed as a fraction."""
 
 
-def print_derivation(options: DeriveOptions) -> int:
+def print_derivation(options: derive_options.DeriveOptions) -> int:
     """Print a derivation; return the exit status (1 if a check differs, 2 for wrong input)."""
     try:
         if options.check and options.form != "text":
@@ -101,9 +96,9 @@ def _with_losses(lattice: Lattice, texts: Mapping[str, str]) -> Lattice:
 # long waves
 
 
-def _linear_lattice_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[str]:
+def _linear_lattice_lines(lattice: Lattice, options: derive_options.DeriveOptions) -> Iterator[str]:
     """Yield the waves of a linear chain: branches as formulas, and numbers if all are given."""
-    waves, given = LinearWaves.of(lattice), given_constants(lattice, options)
+    waves, given = LinearWaves.of(lattice), derive_options.given_constants(lattice, options)
     known = {*map(str, lattice.basic_constants)} == {*given}
     if unknown := sorted({*given} - {*map(str, lattice.basic_constants)}):
         waves.table({unknown[0]: given[unknown[0]]})
@@ -143,7 +138,7 @@ def _linear_lattice_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[
             yield "  " + "  ".join(f"{cell:>14}" for cell in cells)
 
 
-def _reduction_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[str]:
+def _reduction_lines(lattice: Lattice, options: derive_options.DeriveOptions) -> Iterator[str]:
     is_plain = lattice.dimension == 1 and not (lattice.has_losses or options.check)
     if lattice.is_linear and is_plain:
         yield from _linear_lattice_lines(lattice, options)
@@ -171,7 +166,7 @@ def _reduction_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[str]:
         yield f"{lattice.name}: {reduction.pde.kind}: {reduction.pde.text()}"
         yield from map(Check.text, checks_of_reduction(reduction))
         return
-    measured, note = measured_with_options(
+    measured, note = derive_options.measured_with_options(
         lattice, reduction.lattice.basic_constants, values, options
     )
     intervals = {} if measured is None else intervals_of_reduction(reduction, measured)
@@ -204,14 +199,14 @@ def _reduction_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[str]:
 
 
 def _long_wave(
-    lattice: Lattice, options: DeriveOptions
+    lattice: Lattice, options: derive_options.DeriveOptions
 ) -> tuple[Reduction, Mapping[str, Expr], str]:
     """Return the reduction, its remaining constants with values, and why the usual one failed.
 
     Under the usual ansatz constants are symbols, except small ones.  If the values contradict it,
     all are substituted first, as in a scene, and a balanced ansatz is searched.
     """
-    given = given_constants(lattice, options)
+    given = derive_options.given_constants(lattice, options)
     space, direction_values = _space(lattice, options, given)
     unfelt = {*map(str, lattice.unfelt_constants)}
     substituted = {n: value for n, value in given.items() if value.has(eps) or n in unfelt}
@@ -263,7 +258,7 @@ class _Ansatz:
     def of(
         cls,
         lattice: Lattice,
-        options: DeriveOptions,
+        options: derive_options.DeriveOptions,
         space: tuple[SlowVariable, ...],
         constants: Mapping[str, Expr],
     ) -> _Ansatz:
@@ -271,9 +266,9 @@ class _Ansatz:
         return cls(
             *about_mean(lattice, options.background or 0, constants),
             space,
-            count("--amplitude", options.amplitude, 8),
-            count("--time", options.time, 9),
-            count("--order", options.orders, MOST_ORDERS),
+            derive_options.count("--amplitude", options.amplitude, 8),
+            derive_options.count("--time", options.time, 9),
+            derive_options.count("--order", options.orders, MOST_ORDERS),
         )
 
     @property
@@ -317,7 +312,7 @@ class _Ansatz:
 
 
 def _space(
-    lattice: Lattice, options: DeriveOptions, values: Mapping[str, Expr]
+    lattice: Lattice, options: derive_options.DeriveOptions, values: Mapping[str, Expr]
 ) -> tuple[tuple[SlowVariable, ...], Mapping[str, Expr]]:
     """Return the slow variables of the requested direction, and the values it determines."""
     if options.direction is None:

@@ -15,7 +15,6 @@ from sympy import Symbol
 
 from longwave.derive.algebra.exact_numbers import Number
 from longwave.derive.algebra.jets import DifferentialPolynomial
-from longwave.derive.algebra.rational_functions import RationalFunction
 from longwave.derive.normal_form import NORMAL_EQUATIONS, NormalForm
 from longwave.derive.output.notation import Notation, aligned, latex_of, power_of, text_of
 from longwave.derive.output.own_names import marked, unused
@@ -23,17 +22,14 @@ from longwave.derive.symbols import eps
 
 if TYPE_CHECKING:
     from longwave.derive.lattice import Lattice
-    from longwave.derive.reduced_equation import ReducedEquation
+    from longwave.derive.reduction import Reduction
+    from longwave.derive.scaling import Scaling
 
 Data = dict[str, Any]
 
 
-def text_report(reduction: ReducedEquation) -> str:
-    """Return ansatz, orders, conditions, reduced equation and corrections as lines of text."""
-    return "\n".join(_lines(reduction))
-
-
-def _lines(reduction: ReducedEquation) -> Iterator[str]:
+def text_lines(reduction: Reduction) -> Iterator[str]:
+    """Yield ansatz, orders, conditions, reduced equation and corrections as lines of text."""
     yield from head_lines(reduction.lattice)
     yield f"ansatz: {reduction.scaling.text(reduction.lattice.fields[0], reduction.wave)}"
     yield from (f"  {line}" for line in _slaved_lines(reduction))
@@ -64,7 +60,7 @@ def head_lines(lattice: Lattice) -> Iterator[str]:
     yield from (f"  not an energy: {line}" for line in lattice.missing_energies)
 
 
-def _slaved_lines(reduction: ReducedEquation) -> Iterator[str]:
+def _slaved_lines(reduction: Reduction) -> Iterator[str]:
     """Yield the first slaved term of each field after the first."""
     notation = replace(reduction.notation, unknown=reduction.wave)
     field = reduction.pde.flow.field
@@ -81,7 +77,7 @@ def _slaved_lines(reduction: ReducedEquation) -> Iterator[str]:
         )
 
 
-def _beyond(reduction: ReducedEquation) -> Iterator[str]:
+def _beyond(reduction: Reduction) -> Iterator[str]:
     notation = reduction.notation
     for order, part in reduction.remainders.items():
         yield f"left in the lattice equation at eps^{order} by an exact solution of it:"
@@ -96,12 +92,9 @@ def _beyond(reduction: ReducedEquation) -> Iterator[str]:
         yield f"  {notation.text(part)}"
 
 
-def latex_report(reduction: ReducedEquation, constants: Mapping[str, Number]) -> str:
+def latex_report(reduction: Reduction, constants: Mapping[str, Number]) -> str:
     """Return orders, conditions, reduced equation and coefficients as one ``aligned`` block."""
-    rows = [
-        (rf"\epsilon^{{{order}}}:", equation.latex())
-        for order, equation in reduction.orders.items()
-    ]
+    rows = [(rf"\epsilon^{{{order}}}:", e.latex()) for order, e in reduction.orders.items()]
     rows.append((r"\text{sound}:", latex_of(reduction.sound_condition)))
     rows += [(r"\text{condition}:", condition.latex()) for condition in reduction.conditions]
     rows.append((r"\text{reduced}:", reduction.pde.latex()))
@@ -125,9 +118,7 @@ def latex_report(reduction: ReducedEquation, constants: Mapping[str, Number]) ->
     return aligned(rows)
 
 
-def reduction_data(
-    reduction: ReducedEquation, constants: Mapping[str, Number] | None = None
-) -> Data:
+def reduction_data(reduction: Reduction, constants: Mapping[str, Number]) -> Data:
     """Return the document: ansatz, orders, conditions, reduced equation, corrections, normal form.
 
     Coefficients and normal form are those at ``constants`` (names to values).
@@ -142,7 +133,7 @@ def reduction_data(
         "lattice": reduction.lattice.name,
         "equations": list(reduction.lattice.equations()),
         "missing_energies": list(reduction.lattice.missing_energies),
-        "scaling": _scaling_data(reduction),
+        "scaling": _scaling_data(reduction.scaling),
         "generators": [str(symbol) for symbol in reduction.pde.flow.field.symbols],
         "orders": {str(o): data(e.polynomial) for o, e in reduction.orders.items()},
         "sound_condition": f"{text_of(sound.lhs)} = {text_of(sound.rhs)}",
@@ -151,18 +142,18 @@ def reduction_data(
             for item in reduction.conditions
         ],
         "kind": reduction.pde.kind,
-        **(_loss_data(reduction, constants or {}) if reduction.lattice.has_losses else {}),
+        **(_loss_data(reduction, constants) if reduction.lattice.has_losses else {}),
         "units": reduction.units,
         "definitions": {str(s): text_of(value) for s, value in reduction.lattice.definitions},
         "pde": {"equation": reduction.pde.text(), **data(reduction.pde.polynomial)},
         "remainders": {str(o): data(part) for o, part in reduction.remainders.items()},
         "corrections": {str(p): data(part) for p, part in reduction.corrections.items()},
         "obstruction": {str(obstruction[0]): data(obstruction[1])} if obstruction else {},
-        **_number_data(reduction, constants or {}),
+        **_number_data(reduction, constants),
     }
 
 
-def _loss_data(reduction: ReducedEquation, constants: Mapping[str, Number]) -> Data:
+def _loss_data(reduction: Reduction, constants: Mapping[str, Number]) -> Data:
     law = reduction.amplitude_law(**constants)
     return {
         "idle_losses": list(reduction.idle_losses),
@@ -170,8 +161,7 @@ def _loss_data(reduction: ReducedEquation, constants: Mapping[str, Number]) -> D
     }
 
 
-def _scaling_data(reduction: ReducedEquation) -> Data:
-    scaling = reduction.scaling
+def _scaling_data(scaling: Scaling) -> Data:
     return {
         "amplitude": scaling.amplitude,
         "time": scaling.time,
@@ -188,16 +178,16 @@ def _scaling_data(reduction: ReducedEquation) -> Data:
     }
 
 
-def _number_data(reduction: ReducedEquation, constants: Mapping[str, Number]) -> Data:
+def _number_data(reduction: Reduction, constants: Mapping[str, Number]) -> Data:
     """Return the coefficients at ``constants``, and the normal form if the equation has one."""
-    data: Data = {"constants": {name: str(value) for name, value in constants.items()}}
     values = reduction.coefficients(**constants)
     terms = {name: text_of(value) for name, value in values.terms.items()}
-    data["coefficients"] = {"c": text_of(values.c), "terms": terms}
-    if reduction.has_normal_form:
-        form = reduction.normal_form(**constants)
-        data["normal_form"] = form_data(form)
-    return data
+    has_form = reduction.has_normal_form
+    return {
+        "constants": {name: str(value) for name, value in constants.items()},
+        "coefficients": {"c": text_of(values.c), "terms": terms},
+        **({"normal_form": form_data(reduction.normal_form(**constants))} if has_form else {}),
+    }
 
 
 def form_data(form: NormalForm) -> Data:
@@ -217,13 +207,11 @@ def polynomial_data(polynomial: DifferentialPolynomial, notation: Notation) -> D
         "terms": [
             {
                 "jets": [list(jet) for jet in monomial],
-                "numerator": _ring_data(coefficient, below=False),
-                "denominator": _ring_data(coefficient, below=True),
+                **{
+                    name: [[list(exponents), str(n)] for exponents, n in value.terms(below=below)]
+                    for name, below in (("numerator", False), ("denominator", True))
+                },
             }
-            for monomial, coefficient in polynomial.terms.items()
+            for monomial, value in polynomial.terms.items()
         ],
     }
-
-
-def _ring_data(element: RationalFunction, *, below: bool) -> list[list[Any]]:
-    return [[list(exponents), str(number)] for exponents, number in element.terms(below=below)]
