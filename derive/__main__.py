@@ -3,8 +3,6 @@
 The help text needs no further imports; SymPy is imported for the derivation.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable, Sequence
 from typing import Any

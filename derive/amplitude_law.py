@@ -8,8 +8,6 @@ equation it keeps this shape, at leading order, and the balance
 NLS equation has the same shape with r = 2.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Collection
 from dataclasses import dataclass

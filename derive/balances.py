@@ -1,7 +1,5 @@
 """Search for an ansatz: balances of nonlinearity and dispersion, found by trying exponents."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from itertools import product
 

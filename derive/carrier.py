@@ -14,8 +14,6 @@ Losses enter G_0 at eps^2.  They end the derivation there, because their effect 
 a local function of A.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property

@@ -296,7 +296,7 @@ class Envelope(Displayed):
         """Return exp(i k), i omega, k and the constants by name, to `DIGITS` digits."""
         exact_k = self.wavenumber if k is None else wavenumber(k)
         if exact_k is None:
-            raise ValueError("k must be given, got none (a wavenumber, as 1 or pi)")
+            raise ValueError("k must be given, got none (a wavenumber, such as 1 or pi)")
         values = self._values(constants)
         number = self.branch if branch is None else _branch(branch, self.lattice)
         with mpmath.workdps(DIGITS + GUARD):
@@ -320,9 +320,9 @@ class Envelope(Displayed):
         exact_k = self.wavenumber if k is None else wavenumber(k)
         values = {s: v for s, v in self._values(constants).items() if v.is_Rational}
         for leader in range(len(self.lattice.fields)):
-            candidate = replace(
-                self, carrier=_carrier_led_by(self.lattice, exact_k, leader, values)
-            )
+            turn = TURNS.get(exact_k)
+            carrier = Carrier(self.lattice, turn=turn, leader=leader, values=values)
+            candidate = replace(self, carrier=carrier)
             if candidate._is_valid_at(point := candidate.point(k, branch, constants)):
                 candidate.carrier.solve()
                 return candidate
@@ -353,9 +353,8 @@ class Envelope(Displayed):
         for name, element in self.parts.items():
             value = evaluated(element, point)
             if value is None:
-                raise EnvelopeError(
-                    _resonance_message("the group velocity is the sound speed", point)
-                )
+                reason = "the group velocity is the sound speed"
+                raise EnvelopeError(_resonance_message(reason, point))
             is_none = abs(value) < mpmath.mpf(10) ** -DIGITS * abs(point[str(w)])
             numbers[name] = 0 * value if is_none else value / 1j if name in IMAGINARY else value
         if abs(numbers["p"]) < ROUNDING * abs(point[str(w)]):
@@ -372,12 +371,9 @@ class Envelope(Displayed):
 
     def latex(self) -> str:
         """Return the equation and its coefficients in LaTeX, without delimiters."""
-        rows = [self.equation_latex]
-        rows += [
-            f"{COEFFICIENT_LATEX[name]} = {latex_of(value)}"
-            for name, value in self.expressions.items()
-        ]
-        return r",\quad ".join(rows)
+        values = self.expressions.items()
+        rows = (f"{COEFFICIENT_LATEX[name]} = {latex_of(value)}" for name, value in values)
+        return r",\quad ".join((self.equation_latex, *rows))
 
 
 COEFFICIENT_LATEX = {
@@ -418,13 +414,6 @@ def envelope(
     return Envelope(lattice, exact_k, number, values, carrier)
 
 
-def _carrier_led_by(
-    lattice: Lattice, exact_k: Expr | None, leader: int, values: Mapping[Symbol, Expr]
-) -> Carrier:
-    """Return the unsolved carrier with the amplitude of one field."""
-    return Carrier(lattice, turn=TURNS.get(exact_k), leader=leader, values=values)
-
-
 def modulation_map(
     lattice: Lattice,
     wavenumbers: Sequence[Number],
@@ -458,9 +447,8 @@ def wavenumber(k: Number) -> Expr:
 
 def _branch(branch: str | int, lattice: Lattice) -> int:
     count = len(lattice.fields)
-    number = (
-        {"acoustic": 0, "optical": count - 1}.get(branch) if isinstance(branch, str) else branch
-    )
+    by_name = {"acoustic": 0, "optical": count - 1}
+    number = by_name.get(branch) if isinstance(branch, str) else branch
     if number is None or isinstance(number, bool) or not 0 <= number < count:
         raise ValueError(
             f"branch must be acoustic, optical or a number below {count}, got {shown(branch)} "
@@ -514,21 +502,19 @@ def evaluated(element: RationalFunction, point: Mapping[str, mpmath.mpc]) -> mpm
     """Return the element at a point; None if its denominator vanishes there."""
     gens = [str(symbol) for symbol in element.field.symbols]
     power = cache(lambda name, exponent: point[name] ** exponent)  # shared by many terms
-    sums = []
-    for below_line in (False, True):
-        terms = [
+    numerator, denominator = (
+        [
             mpmath.fprod(power(g, e) for g, e in zip(gens, exponents, strict=True) if e) * value
-            for exponents, value in element.terms(below=below_line)
+            for exponents, value in element.terms(below=below)
         ]
-        size = mpmath.fsum(terms, absolute=True)
-        total = mpmath.fsum(terms)
-        sums.append((total, abs(total) <= RESONANT * size))
-    (numerator, _), (denominator, vanishes) = sums
-    return None if vanishes else numerator / denominator
+        for below in (False, True)
+    )
+    total, size = mpmath.fsum(denominator), mpmath.fsum(denominator, absolute=True)
+    return None if abs(total) <= RESONANT * size else mpmath.fsum(numerator) / total
 
 
 def _resonance_message(words: str, point: Mapping[str, mpmath.mpc]) -> str:
     return (
-        f"k must be no resonance, got {mpmath.nstr(point['k'], 8)}, where {words} "
+        f"k must not be a resonance, got {mpmath.nstr(point['k'], 8)}, where {words} "
         "(the two waves interact at the order of the envelope: take another wavenumber)"
     )

@@ -4,8 +4,6 @@ A field is ``sum value eps^power product of jets``, each product with the phase 
 jet is the m-th X-derivative of A or of its conjugate.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -131,7 +129,7 @@ def _value(element: RationalFunction, point: Mapping[str, mpmath.mpc]) -> mpmath
     number = evaluated(element, point)
     if number is None:
         raise EnvelopeError(
-            f"k must be no resonance, got {mpmath.nstr(point['k'], 8)}, where a harmonic of "
+            f"k must not be a resonance, got {mpmath.nstr(point['k'], 8)}, where a harmonic of "
             "the carrier is a wave of the lattice (take another wavenumber)"
         )
     return number

@@ -4,27 +4,29 @@ Constants are set to rational numbers chosen here. The lattice itself is evaluat
 and the remainder of an expansion must fall with eps at the promised power.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import cycle
 from typing import Any
 
 import mpmath
-from sympy import Expr, Rational, S, Symbol, pi, solve, sqrt
+from sympy import Expr, Rational, S, Symbol, pi, primerange, solve, sqrt
 
 from longwave.derive.algebra.jets import DifferentialPolynomial
 from longwave.derive.carrier_envelope import Envelope, evaluated
+from longwave.derive.equations import Coefficients
 from longwave.derive.lattice import Bond, Lattice, Stencil
 from longwave.derive.reduction import Reduction
 from longwave.derive.scaling import SlowVariable
 from longwave.derive.symbols import eps
 
 DIGITS = 60
-STEPS = ("1e-4", "1e-5")
+"""Working digits."""
+
+EPS_VALUES = ("1e-4", "1e-5")
 """Values of eps between which an exponent is measured."""
 
-NEAR = 0.05
+EXPONENT_TOLERANCE = 0.05
 """Allowed shortfall of a measured exponent, whose own error falls with eps."""
 
 Values = Mapping[Symbol, Any]
@@ -50,8 +52,8 @@ def numbers(symbols: Sequence[Symbol]) -> dict[Symbol, Rational]:
     >>> numbers([Symbol("a"), Symbol("b")])
     {a: 30/23, b: 41/29}
     """
-    primes = (23, 29, 31, 37, 41, 43, 47, 53, 59, 61, 67, 71, 73, 79)
-    return {s: Rational(30 + 11 * i % 31, primes[i % len(primes)]) for i, s in enumerate(symbols)}
+    denominators = (23, 29, 31, 37, 41, 43, 47, 53, 59, 61, 67, 71, 73, 79)
+    return {s: Rational(30 + 11 * i % 31, denominators[i % 14]) for i, s in enumerate(symbols)}
 
 
 def simple_numbers(symbols: Sequence[Symbol]) -> dict[Symbol, Rational]:
@@ -60,8 +62,7 @@ def simple_numbers(symbols: Sequence[Symbol]) -> dict[Symbol, Rational]:
     >>> simple_numbers([Symbol("a"), Symbol("b")])
     {a: 2, b: 3}
     """
-    primes = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43)
-    return {s: Rational(primes[i % len(primes)]) for i, s in enumerate(symbols)}
+    return dict(zip(symbols, cycle(map(Rational, primerange(44))), strict=False))
 
 
 def checks_of_reduction(reduction: Reduction) -> list[Check]:
@@ -118,28 +119,21 @@ def _complex_carrier(envelope: Envelope) -> Check:
     values = lattice.with_defined(basic)
 
     def rest(small: Any) -> Any:
-        def vanishing(growth: Any) -> Any:
-            def turn(steps: Sequence[int]) -> Any:
-                return mpmath.mpc(0, 1) * point["k"] * steps[0]
-
-            return mpmath.det(_matrix(lattice, lambda v: _number(v, values, small), growth, turn))
-
         known = undamped - small**2 * loss
-        return _root(vanishing, known) - known
+        phase = mpmath.mpc(0, 1) * point["k"]
+        return _growth_near(known, lattice, values, small, phase) - known
 
     return _falling("complex frequency", rest, 3)
 
 
 def _falling(name: str, rest: Callable[[Any], Any], promised: int) -> Check:
-    eps_values = [mpmath.mpf(step) for step in STEPS]
-    remainders = [abs(rest(step)) for step in eps_values]
+    first, second = map(mpmath.mpf, EPS_VALUES)
+    remainders = abs(rest(first)), abs(rest(second))
     if not all(remainders):
         return Check(name, "nothing is left", passed=True)
-    exponent = float(
-        mpmath.log(remainders[0] / remainders[1]) / mpmath.log(eps_values[0] / eps_values[1])
-    )
+    exponent = float(mpmath.log(remainders[0] / remainders[1]) / mpmath.log(first / second))
     detail = f"what is left falls as eps^{exponent:.2f}, promised {promised}"
-    return Check(name, detail, exponent > promised - NEAR)
+    return Check(name, detail, exponent > promised - EXPONENT_TOLERANCE)
 
 
 class _Point:
@@ -152,20 +146,18 @@ class _Point:
         self.shares = {name: self._number(e.as_expr()) for name, (e, _) in reduction.slaved.items()}
         self.left = [self._number(value.as_expr()) for value in reduction.left]
         self.row, self.column = self.left.index(1), [*self.shares.values()].index(1)
-        axes = len(self.scaling.axes)
-        self.rates = [
-            [Rational(3 + i, 7 + 2 * j) * (-1) ** (i * j) for j in range(axes)] for i in (0, 1)
-        ]
+        axes = range(len(self.scaling.axes))
+        self.rates = [[Rational(3 + i, 7 + 2 * j) * (-1) ** (i * j) for j in axes] for i in (0, 1)]
 
     def _number(self, value: Expr, small: Any = 0) -> Any:
         return _number(value, self.values, small)
 
     def slow(self, cell: Sequence[int], time: Any, small: Any) -> list[Any]:
         """Return the slow variables at a cell and a time."""
-        slow = []
-        for variable in self.scaling.space:
-            distance = self._along(variable, cell) - self._number(variable.speed) * time
-            slow.append(small**variable.exponent * distance)
+        slow = [
+            small**v.exponent * (self._along(v, cell) - self._number(v.speed) * time)
+            for v in self.scaling.space
+        ]
         return [*slow, small**self.scaling.time * time]
 
     def _along(self, variable: SlowVariable, cell: Sequence[int]) -> Any:
@@ -291,12 +283,9 @@ def _matrix(
 
     A shift by ``steps`` cells along the axes multiplies by ``exp(turn(steps))``.
     """
-    matrix = mpmath.diag(
-        [
-            number(mass) * growth**2 + number(loss) * growth
-            for mass, loss in zip(lattice.masses, lattice.site_losses, strict=True)
-        ]
-    )
+    pairs = zip(lattice.masses, lattice.site_losses, strict=True)
+    inertia = [number(mass) * growth**2 + number(loss) * growth for mass, loss in pairs]
+    matrix = mpmath.diag(inertia)
     for bond in lattice.bonds:
         about = mean * sum(entry.weight for entry in bond.stretch)
         slope = number(bond.stiffness(about).expand()) + number(bond.loss) * growth
@@ -310,9 +299,8 @@ def _matrix(
 
 def _complex_frequency(reduction: Reduction) -> Check:
     """Compare the complex frequency of the lattice with losses with that of the equation."""
-    basic = _admissible(reduction)
-    values, scaling = reduction.lattice.with_defined(basic), reduction.scaling
-    coefficients = reduction.coefficients(**{str(symbol): value for symbol, value in basic.items()})
+    values, coefficients = _admissible(reduction)
+    scaling = reduction.scaling
     rate = mpmath.mpc(0, 1) * mpmath.mpf(3) / 7
     linear = [
         (coefficients.terms[n], m[0][0]) for n, m in coefficients.monomials.items() if len(m) == 1
@@ -324,25 +312,27 @@ def _complex_frequency(reduction: Reduction) -> Check:
     def rest(small: Any) -> Any:
         along = rate * small**variable.exponent
         known = small**scaling.time * slow - along * mpmath.mpf(coefficients.c.evalf(DIGITS))
-
-        def vanishing(growth: Any) -> Any:
-            def turn(steps: Sequence[int]) -> Any:
-                return along * direction * steps[0]
-
-            def number(value: Expr) -> Any:
-                return _number(value, values, small)
-
-            return mpmath.det(_matrix(reduction.lattice, number, growth, turn, scaling.mean))
-
-        return _root(vanishing, known) - known
+        phase = along * direction
+        return _growth_near(known, reduction.lattice, values, small, phase, scaling.mean) - known
 
     return _falling("complex frequency", rest, scaling.time + 1)
 
 
-def _root(vanishing: Wave, near: Any) -> Any:
-    """Return the root next to ``near``, whose relative error is small."""
+def _growth_near(
+    near: Any, lattice: Lattice, values: Values, small: Any, phase: Any, mean: Expr = S.Zero
+) -> Any:
+    """Return the growth rate next to ``near`` of a wave multiplied by exp(phase) a cell."""
+
+    def determinant(growth: Any) -> Any:
+        def turn(steps: Sequence[int]) -> Any:
+            return phase * steps[0]
+
+        return mpmath.det(
+            _matrix(lattice, lambda value: _number(value, values, small), growth, turn, mean)
+        )
+
     steps = (near, near * (1 + mpmath.mpf("1e-20")))
-    return mpmath.findroot(vanishing, steps, tol=mpmath.mpf(10) ** -DIGITS, verify=False)
+    return mpmath.findroot(determinant, steps, tol=mpmath.mpf(10) ** -DIGITS, verify=False)
 
 
 def _has_static_law(reduction: Reduction) -> bool:
@@ -355,9 +345,7 @@ def _has_static_law(reduction: Reduction) -> bool:
 
 def _static(reduction: Reduction) -> Check:
     """Compare the speed of long waves on a uniform strain with the nonlinear terms."""
-    basic = _admissible(reduction)
-    values = reduction.lattice.with_defined(basic)
-    coefficients = reduction.coefficients(**{str(symbol): value for symbol, value in basic.items()})
+    values, coefficients = _admissible(reduction)
     terms = {"Y_X": 0, "Y Y_X": 1, "Y^2 Y_X": 2}
     shifts = {terms[name]: value for name, value in coefficients.terms.items() if name in terms}
     highest = max(shifts, default=0)
@@ -372,8 +360,8 @@ def _static(reduction: Reduction) -> Check:
     return _falling("static stress law", rest, highest + 1)
 
 
-def _admissible(reduction: Reduction) -> dict[Symbol, Expr]:
-    """Return constants that meet the conditions, each solved for its last symbol."""
+def _admissible(reduction: Reduction) -> tuple[dict[Symbol, Expr], Coefficients]:
+    """Return constants that meet the conditions, each solved for its last symbol; coefficients."""
     constants, definitions = reduction.lattice.basic_constants, dict(reduction.lattice.definitions)
     chosen: dict[Symbol, Expr] = dict(numbers(constants))
     for condition in reduction.conditions:
@@ -383,7 +371,8 @@ def _admissible(reduction: Reduction) -> dict[Symbol, Expr]:
         if candidates:
             others = {s: value for s, value in chosen.items() if s != candidates[-1]}
             chosen[candidates[-1]] = solve(vanishing.xreplace(others), candidates[-1])[0]
-    return chosen
+    coefficients = reduction.coefficients(**{str(symbol): v for symbol, v in chosen.items()})
+    return reduction.lattice.with_defined(chosen), coefficients
 
 
 def _sound(lattice: Lattice, values: Values, strain: Any) -> Any:
@@ -404,9 +393,8 @@ def _sound(lattice: Lattice, values: Values, strain: Any) -> Any:
 
     def stretch(bond: Bond, size: Any, inner: Sequence[Any]) -> Any:
         positions = [mpmath.mpf(0), *inner]
-        return mpmath.fsum(
-            e.weight * (size * e.shift[0] + positions[e.field]) for e in bond.stretch
-        )
+        ends = bond.stretch
+        return mpmath.fsum(e.weight * (size * e.shift[0] + positions[e.field]) for e in ends)
 
     def unbalanced(size: Any, inner: Sequence[Any]) -> list[Any]:
         rows = [mpmath.mpf(0)] * len(masses)

@@ -1,7 +1,5 @@
 """Direction of a wave on a lattice with two axes, from text to slow variables."""
 
-from __future__ import annotations
-
 from sympy import Expr, Integer, Symbol, atan, cos, sin, sqrt
 
 from longwave.derive.algebra.exact_numbers import exact

@@ -1,7 +1,5 @@
 """Equations of a reduction: orders in eps, conditions, the evolution equation, coefficients."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 

@@ -10,8 +10,6 @@ equation for W.  Shifts are exponentials, ``f_{n+s} = exp(s . sum eps^a d_X) f``
 derivatives follow the chain rule, ``d/dt = -sum speed eps^a d_X + eps^q d_T``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from functools import cached_property
 
@@ -249,7 +247,7 @@ def expand(lattice: Lattice, scaling: Scaling, limit: int) -> Expansion:
             )
     if scaling.frame_symbol in lattice.constants:
         raise ValueError(
-            f"speed must be no constant of {lattice.name}, got {scaling.speed} (the reduction "
+            f"speed must not be a constant of {lattice.name}, got {scaling.speed} (the reduction "
             "finds it: take another symbol)"
         )
     if not lattice.is_polynomial:

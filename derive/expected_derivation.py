@@ -5,8 +5,6 @@ masses or springs. The laws are orders of magnitude: for 20 derivations with sev
 took more than 0.3 s they gave 0.2 to 7 times the measured time.
 """
 
-from __future__ import annotations
-
 from longwave.derive.lattice import Lattice, Stencil
 
 PLAIN = 0.15

@@ -36,8 +36,8 @@ SINGULAR = (nan, oo, -oo, zoo)
 
 _ASSUMPTIONS = ("positive", "negative", "nonnegative", "nonpositive", "nonzero", "integer")
 
-MOST_CELLS = 10**6
-"""Bound on the absolute values of shifts and weights."""
+LARGEST_STEP = 10**6
+"""Largest absolute value of a shift or weight."""
 
 
 @dataclass(frozen=True)
@@ -52,8 +52,8 @@ class Stencil:
         shift = tuple_of("shift", self.shift, object, "one an axis: (1,) is a chain's next cell")
         object.__setattr__(self, "shift", shift)
         for step in (*shift, self.weight):
-            integer("shift and weight", step, -MOST_CELLS, "whole cells, whole weights")
-        integer("field", self.field, 0, "the place of the field in the lattice's fields")
+            integer("shift and weight", step, -LARGEST_STEP, "whole cells, whole weights")
+        integer("field", self.field, 0, "the index of the field in the lattice's fields")
 
 
 @dataclass(frozen=True)
@@ -203,10 +203,9 @@ class Lattice(notation.Displayed):
     @property
     def constants(self) -> tuple[Symbol, ...]:
         """Symbols in forces, masses and losses, sorted by name, without eps."""
-        symbols: set[Symbol] = set()
         forces = (part for bond in self.bonds for part in (bond.force, bond.loss))
-        for expression in (*self.masses, *self.losses, *forces):
-            symbols |= expression.free_symbols
+        expressions = (*self.masses, *self.losses, *forces)
+        symbols = {symbol for expression in expressions for symbol in expression.free_symbols}
         return tuple(sorted(symbols - {x, eps}, key=str))
 
     @property
@@ -235,26 +234,22 @@ class Lattice(notation.Displayed):
         >>> LATTICES["fput"].with_values({"K2": 4, "K3": "eps/2"}).equations()[1]
         'F(x) = 4 x + eps/2 x^2 + K4 x^3'
         """
-        substitutions = values_of(
-            values, {str(s): s for s in self.constants}, self.name, constant_value
-        )
+        names = {str(s): s for s in self.constants}
+        substitutions = values_of(values, names, self.name, constant_value)
         for symbol, value in substitutions.items():
             if symbol.is_positive and value.subs(eps, 0).is_positive is False:
                 remedy = self.vacuum_at(symbol, value) or self.name
                 raise ValueError(f"{symbol} must satisfy {symbol} > 0, got {value} ({remedy})")
+
+        def image(expression: Expr) -> Expr:
+            return expression.xreplace(substitutions)
+
         return replace(
             self,
-            masses=tuple(mass.xreplace(substitutions) for mass in self.masses),
-            bonds=tuple(
-                replace(
-                    b, force=b.force.xreplace(substitutions), loss=b.loss.xreplace(substitutions)
-                )
-                for b in self.bonds
-            ),
-            definitions=tuple(
-                (symbol, value.xreplace(substitutions)) for symbol, value in self.definitions
-            ),
-            losses=tuple(loss.xreplace(substitutions) for loss in self.losses),
+            masses=tuple(map(image, self.masses)),
+            bonds=tuple(replace(b, force=image(b.force), loss=image(b.loss)) for b in self.bonds),
+            definitions=tuple((symbol, image(value)) for symbol, value in self.definitions),
+            losses=tuple(map(image, self.losses)),
         )
 
     def with_losses(
@@ -276,9 +271,8 @@ class Lattice(notation.Displayed):
         symbols = {str(symbol): symbol for symbol in self.constants}
         sites = _each("site", site, self.fields, symbols)
         dashpots = _each("bond", bond, springs, symbols)
-        bonds = tuple(
-            replace(each, loss=dashpots.get(str(i), S.Zero)) for i, each in enumerate(self.bonds, 1)
-        )
+        numbered = enumerate(self.bonds, 1)
+        bonds = tuple(replace(b, loss=dashpots.get(str(i), S.Zero)) for i, b in numbered)
         losses = tuple(sites.values())
         return replace(self, bonds=bonds, losses=losses if any(losses) else ())
 
@@ -301,26 +295,20 @@ class Lattice(notation.Displayed):
     def contact_constants(self) -> set[Symbol]:
         """Constants that only set where contacts open; they may be 0 when a chain is run."""
         laws = [bond.force for bond in self.bonds]
-        opening_constants = {
-            symbol for law in laws for at in law.atoms(contact) for symbol in at.free_symbols
-        }
-        return (
-            opening_constants
-            - {x}
-            - {s for law in laws for s in law.replace(contact, lambda _: S.One).free_symbols}
-        )
+        opening = {s for law in laws for at in law.atoms(contact) for s in at.free_symbols}
+        closed_laws = (law.replace(contact, lambda _: S.One) for law in laws)
+        return opening - {x} - {s for law in closed_laws for s in law.free_symbols}
 
     @property
     def unfelt_constants(self) -> set[Symbol]:
         """Constants only of contacts that are open at rest, which small waves do not feel."""
-        closed = replace(
-            self,
-            bonds=tuple(
-                replace(b, force=b.force.replace(contact, lambda at: _closed_at_rest(at)))
-                for b in self.bonds
-            ),
-        )
-        return {*self.constants} - {*closed.constants}
+
+        def closed_at_rest(opening: Expr) -> Expr:
+            return S.Zero if opening.subs(x, 0).is_negative else contact(opening)
+
+        laws = (bond.force.replace(contact, closed_at_rest) for bond in self.bonds)
+        bonds = (replace(b, force=law) for b, law in zip(self.bonds, laws, strict=True))
+        return {*self.constants} - {*replace(self, bonds=tuple(bonds)).constants}
 
     def check_values(self, values: Mapping[Symbol, Expr]) -> None:
         """Raise ValueError for a value that violates the assumptions of its symbol."""
@@ -423,9 +411,8 @@ class Lattice(notation.Displayed):
         """
         bonds = []
         for bond in self.bonds:
-            mean = strain * sum(
-                e.weight * (e.shift[0] if self.is_displacement else 1) for e in bond.stretch
-            )
+            shifts = [e.shift[0] if self.is_displacement else 1 for e in bond.stretch]
+            mean = strain * sum(e.weight * i for e, i in zip(bond.stretch, shifts, strict=True))
             force = bond.force.subs(x, x + mean) - bond.force.subs(x, mean)
             bonds.append(replace(bond, force=force.expand() if bond.is_polynomial else force))
         return replace(self, bonds=tuple(bonds))
@@ -489,16 +476,13 @@ class Lattice(notation.Displayed):
         object.__setattr__(self, "losses", tuple(_loss("losses", loss) for loss in losses))
         bonds = tuple_of("bonds", self.bonds, Bond, "LATTICES['fput_strain'].bonds shows one")
         object.__setattr__(self, "bonds", bonds)
-        if len(masses) != len(fields):
-            raise ValueError(
-                f"masses must be as many as the fields, {len(fields)}, got {len(masses)} "
-                "(a mass for each field)"
-            )
-        if losses and len(losses) != len(fields):
-            raise ValueError(
-                f"losses must be as many as the fields, {len(fields)}, got {len(losses)} "
-                "(one for each field, or () for none)"
-            )
+        for label, values in (("masses", masses), ("losses", losses or fields)):
+            if len(values) != len(fields):
+                none = ", or () for none" if label == "losses" else ""
+                raise ValueError(
+                    f"{label} must be as many as the fields, {len(fields)}, got {len(values)} "
+                    f"(one for each field{none})"
+                )
         for name in fields:
             if not re.fullmatch(r"[A-Za-z][A-Za-z0-9]*", name, re.ASCII) or fields.count(name) > 1:
                 raise ValueError(
@@ -529,11 +513,8 @@ class Lattice(notation.Displayed):
         "y_n'' = F(y_{n+1}) - 2 F(y_n) + F(y_{n-1})"
         """
         is_text = printed is notation.text_of
-        return tuple(
-            _equations(
-                self, printed, ("{}'", "{}''") if is_text else (r"\dot{{{}}}", r"\ddot{{{}}}")
-            )
-        )
+        dots = ("{}'", "{}''") if is_text else (r"\dot{{{}}}", r"\ddot{{{}}}")
+        return tuple(_equations(self, printed, dots))
 
     def text(self) -> str:
         """Return the name, and the equations in plain text."""
@@ -579,11 +560,6 @@ def _loss(label: str, value: Expr) -> Expr:
     return value
 
 
-def _closed_at_rest(opening: Expr) -> Expr:
-    """Return a contact, or 0 if it is open at zero stretch."""
-    return S.Zero if opening.subs(x, 0).is_negative else contact(opening)
-
-
 def _each(
     kind: str, given: Number | Mapping[Any, Number], names: Sequence[str], known: dict[str, Symbol]
 ) -> dict[str, Expr]:
@@ -602,8 +578,8 @@ def _each(
 def _equations(lattice: Lattice, printed: notation.Printed, dots: tuple[str, str]) -> Iterator[str]:
     """Yield equations of motion and forces; ``printed`` formats constants, ``dots`` derivatives."""
     rate, acceleration = dots
-    many = len(lattice.bonds) > 1
-    names = [f"F{number}" if many else "F" for number, _ in enumerate(lattice.bonds, 1)]
+    numbers = range(1, len(lattice.bonds) + 1)
+    names = [f"F{number}" for number in numbers] if len(numbers) > 1 else ["F"]
     labels = [printed(Symbol(unused(name, lattice.names))) for name in names]
     here = _cell((0,) * lattice.dimension)
     for index, name in enumerate(lattice.fields):
@@ -637,9 +613,8 @@ def _law_term(value: Expr, power: int, printed: notation.Printed) -> tuple[bool,
 
 
 def _times(factor: Expr, product: str, printed: notation.Printed) -> str:
-    return (
-        product if factor == 1 and product else f"{notation.bracketed(factor, printed)} {product}"
-    )
+    size = "" if factor == 1 and product else f"{notation.bracketed(factor, printed)} "
+    return size + product
 
 
 def _stretch(lattice: Lattice, bond: Bond, at: Stencil) -> str:

@@ -32,8 +32,6 @@ A small constant is written with its power of eps, as in ``force = "K2*x + eps*k
 Two axes are ``u[n, m+1]``.  Formulas are parsed with a whitelist, never evaluated.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping

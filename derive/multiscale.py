@@ -8,8 +8,6 @@ the paper's eq. (8).  For displacements the wave is W, and the steps use Y = W_X
 X-derivative of the equation.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 from sympy import Expr, Symbol

@@ -1,7 +1,5 @@
 """The result of a reduction: every order's equation, the reduced equation, its coefficients."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass

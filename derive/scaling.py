@@ -1,7 +1,5 @@
 """The ansatz as data: amplitude, slow variables, frame speed, mean; the paper's eq. (7)."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 
@@ -97,14 +95,12 @@ class Scaling(notation.Displayed):
                 "(take longwave.derive.symbols.c: the reduction finds its value; -c is the other "
                 "direction)"
             )
-        pairs = self.background and tuple_of(
-            "background", self.background, tuple, "((0, ybar),) is a uniform strain"
-        )
+        example = "((0, ybar),) is a uniform strain"
+        pairs = self.background and tuple_of("background", self.background, tuple, example)
         for pair in pairs:
             if len(pair) != 2:
                 raise ValueError(
-                    f"background must hold pairs (exponent, value), got {shown(pair)} "
-                    "(((0, ybar),) is a uniform strain)"
+                    f"background must hold pairs (exponent, value), got {shown(pair)} ({example})"
                 )
         mean = tuple((power, rational_function("background", value)) for power, value in pairs)
         object.__setattr__(self, "background", mean)
@@ -152,10 +148,9 @@ class Scaling(notation.Displayed):
     @property
     def constants(self) -> tuple[Symbol, ...]:
         """Symbols in speeds and background, sorted by name; eps does not count as a constant."""
-        symbols: set[Symbol] = set()
         space_parts = (part for v in self.space for part in (v.speed, *v.direction))
-        for expression in (*space_parts, *(b for _, b in self.background)):
-            symbols |= expression.free_symbols
+        expressions = (*space_parts, *(value for _, value in self.background))
+        symbols = {symbol for expression in expressions for symbol in expression.free_symbols}
         return tuple(sorted(symbols - {eps}, key=str))
 
     def text(self, field: str = "y", wave: str = "Y") -> str:

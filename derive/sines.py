@@ -5,8 +5,6 @@ multiplication by a phase that centres its powers of z. So a polynomial is facto
 each factor is multiplied by its phase.
 """
 
-from __future__ import annotations
-
 from functools import cache
 from math import comb
 

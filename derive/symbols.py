@@ -8,8 +8,6 @@ Lattices and scalings may declare constants of their own; their names and values
 here.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 
 from sympy import Expr, Pow, Symbol, fraction, together

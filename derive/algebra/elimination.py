@@ -4,8 +4,6 @@ A rational condition is solved for a constant in which it is linear.  An evoluti
 ``Y_T = F_0 + eps^2 F_2 + ...`` expresses every jet with a time derivative by jets without.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property

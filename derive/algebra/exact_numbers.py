@@ -1,7 +1,5 @@
 """Checks of arguments: numbers made exact without evaluating text, errors naming the argument."""
 
-from __future__ import annotations
-
 import math
 import re
 from contextlib import suppress
@@ -73,8 +71,6 @@ def exact(name: str, value: Number) -> Expr:
         return value
     if isinstance(value, bool):
         raise _not_real(name, value)
-    if isinstance(value, Integral):
-        return Rational(int(value))
     if isinstance(value, Decimal) and value.is_finite():
         return parse_rational(name, f"{value:e}")
     if isinstance(value, RationalNumber):
@@ -119,14 +115,9 @@ def exact_number(name: str, value: object) -> Expr:
     if isinstance(value, Expr):
         return _exact_number(name, value)
     if isinstance(value, bool) or not isinstance(value, Real | Decimal):
-        remedy = (
-            "write it without quotes"
-            if isinstance(value, str)
-            else "such as 0.7 or Fraction(7, 10)"
-        )
+        is_text = isinstance(value, str)
+        remedy = "write it without quotes" if is_text else "such as 0.7 or Fraction(7, 10)"
         raise ValueError(f"{name} must be a real number, got {shown(value)} ({remedy})")
-    if isinstance(value, Integral):
-        return Rational(int(value))
     if isinstance(value, RationalNumber):
         return Rational(int(value.numerator), int(value.denominator))
     literal = str(value) if isinstance(value, Decimal) else repr(float(value))

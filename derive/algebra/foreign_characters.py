@@ -1,7 +1,5 @@
 """Non-ASCII characters and their replacements in the text of a formula."""
 
-from __future__ import annotations
-
 import re
 import unicodedata
 
@@ -26,30 +24,11 @@ _SIGNS = {
     **dict.fromkeys("∣∥‖", "|"),
     **dict.fromkeys("\u200b\u200c\u200d\ufeff\u00ad\u2061", ""),
     **dict.fromkeys("\u2062\u00a0\u2009\u202f", " "),
-    "≠": "!=",
-    "√": " sqrt ",
-    "≡": "=",
-    "≔": "=",
-    "→": "=",
-    "∞": " oo ",
-    "∂": "\\partial ",
-    "½": "(1/2)",
-    "¼": "(1/4)",
-    "¾": "(3/4)",
-    "⅓": "(1/3)",
-    "⅔": "(2/3)",
-    "∈": " in ",
-    "ℝ": " real ",
-    "∧": " and ",
-    "ⅈ": " I ",
-    "ⅇ": " e ",
-    "ϵ": " epsilon ",
-    "ϕ": " phi ",
-    "ϑ": " theta ",
-    "ϱ": " rho ",
-    "ℏ": " hbar ",
-    "⟨": "(",
-    "⟩": ")",
+    **dict.fromkeys("≡≔→", "="),
+    "≠": "!=", "√": " sqrt ", "∞": " oo ", "∂": "\\partial ", "⟨": "(", "⟩": ")",
+    "½": "(1/2)", "¼": "(1/4)", "¾": "(3/4)", "⅓": "(1/3)", "⅔": "(2/3)",
+    "∈": " in ", "ℝ": " real ", "∧": " and ", "ⅈ": " I ", "ⅇ": " e ", "ℏ": " hbar ",
+    "ϵ": " epsilon ", "ϕ": " phi ", "ϑ": " theta ", "ϱ": " rho ",
     # Cyrillic letters that look Latin
     **dict(zip("асеорхуікАВСЕНКМОРТХ", "aceopxyikABCEHKMOPTX", strict=True)),
 }

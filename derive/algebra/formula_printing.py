@@ -1,7 +1,5 @@
 """Expressions as text in the grammar that `derive.algebra.formula_text` reads."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import sympy as sp

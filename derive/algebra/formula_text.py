@@ -17,7 +17,7 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from longwave.derive.algebra import formula_tree as syntax
-from longwave.derive.algebra.bounded_building import ORDER
+from longwave.derive.algebra.bounded_building import HIGHEST_DERIVATIVE
 from longwave.support.known_names import did_you_mean
 
 LONGEST = 20_000
@@ -26,16 +26,19 @@ LONGEST = 20_000
 DEEPEST = 40
 """Deepest nesting of brackets and exponents."""
 
-DIGITS = 100
+MOST_DIGITS = 100
 """Most digits of a number, and largest exponent of ten of a decimal."""
 
 NAME_LENGTH = 40
+"""Longest name, in characters."""
 
-SHIFT = 1000
+MOST_SHIFT = 1000
 """Largest shift of a lattice site."""
 
-ROWS = " (one site is read; write a row of a second one m as an unknown: v[n] for u[n,m+1])"
-"""Remedy for an index of two sites."""
+ROWS = (
+    """Remedy for an index of two sites."""
+    " (one site is read; write a row of a second one m as an unknown: v[n] for u[n,m+1])"
+)
 
 WINDOW = 60
 """Characters of a text that an error shows."""
@@ -61,26 +64,23 @@ _REMEDIES = {
 
 
 class FormulaError(ValueError):
-    """A text that cannot be read: one line, with a picture of the place as the error's note.
+    """A text that cannot be read: one line, with a picture of the position as the error's note.
 
-    ``text`` and ``position`` locate the error; `picture` is the text with a caret below the place.
+    ``text`` and ``position`` locate the error; `picture` shows it with a caret.
     """
 
     def __init__(self, name: str, words: str, text: str, position: int) -> None:
         super().__init__(f"{name}: {words} (column {position + 1})")
-        self.name = name
-        self.words = words
-        self.text = text
-        self.position = position
+        self.name, self.words, self.text, self.position = name, words, text, position
         self.add_note(self.picture)
 
-    def within(self, place: str) -> FormulaError:
-        """Return the same error, with ``place`` before the name of the text."""
-        return FormulaError(f"{place}: {self.name}", self.words, self.text, self.position)
+    def within(self, location: str) -> FormulaError:
+        """Return the same error, with ``location`` before the name of the text."""
+        return FormulaError(f"{location}: {self.name}", self.words, self.text, self.position)
 
     @property
     def picture(self) -> str:
-        """Two lines: the text around the place, and a caret."""
+        """Two lines: the text around the position, and a caret below it."""
         start = max(0, min(self.position - WINDOW // 2, len(self.text) - WINDOW))
         excerpt = self.text[start : start + WINDOW]
         plain = "".join(c if c.isascii() and c.isprintable() else "?" for c in excerpt)
@@ -148,16 +148,14 @@ def tokens(text: str, name: str = "formula") -> list[Token]:
     while position < len(text):
         match = _TOKEN.match(text, position)
         if match is None:
-            raise FormulaError(name, _strange(text[position]), text, position)
+            sign = text[position]
+            remedy = _REMEDIES.get(sign, "letters of ASCII, digits and + - * / ** ( ) [ ] are read")
+            words = f"expected a formula, got {sign!a} ({remedy})"
+            raise FormulaError(name, words, text, position)
         if match.lastgroup != "space":
             result.append(Token(str(match.lastgroup), match[0], position))
         position = match.end()
     return [*result, Token("end", "", len(text))]
-
-
-def _strange(sign: str) -> str:
-    remedy = _REMEDIES.get(sign, "letters of ASCII, digits and + - * / ** ( ) [ ] are read")
-    return f"expected a formula, got {sign!a} ({remedy})"
 
 
 class Parser:
@@ -169,23 +167,19 @@ class Parser:
     def __init__(
         self, text: str, words: Sequence[Token], vocabulary: Vocabulary, name: str
     ) -> None:
-        self.text = text
-        self.words = words
-        self.vocabulary = vocabulary
-        self.name = name
-        self.place = 0
-        self._depth = 0
+        self.text, self.words, self.vocabulary, self.name = text, words, vocabulary, name
+        self.position = self._depth = 0
         self.used: set[str] = set()
 
     @property
     def next(self) -> Token:
         """The next token."""
-        return self.words[self.place]
+        return self.words[self.position]
 
     def take(self) -> Token:
         """Consume and return the next token."""
         token = self.next
-        self.place = min(self.place + 1, len(self.words) - 1)
+        self.position = min(self.position + 1, len(self.words) - 1)
         return token
 
     def take_sign(self, *signs: str) -> Token | None:
@@ -202,12 +196,9 @@ class Parser:
     def expect_end(self) -> None:
         """Raise FormulaError if tokens are left."""
         if self.next.kind != "end":
-            raise self.error(f"expected {self.after_operand()}, got {self.next}")
-
-    def after_operand(self) -> str:
-        """Return a description of the signs that may follow an operand, for an error."""
-        juxtaposed = self.next.kind in ("number", "name") or self.next.text == "("
-        return "an operator such as *" if juxtaposed else "an operator or the end"
+            juxtaposed = self.next.kind in ("number", "name") or self.next.text == "("
+            expected = "an operator such as *" if juxtaposed else "an operator or the end"
+            raise self.error(f"expected {expected}, got {self.next}")
 
     def error(self, words: str, token: Token | None = None) -> FormulaError:
         """Return the error at a token, by default the next one."""
@@ -278,8 +269,8 @@ class Parser:
 
     def _number(self, token: Token) -> syntax.Number:
         digits, _, exponent = token.text.lower().partition("e")
-        if len(digits) > DIGITS or len(exponent) > 5 or abs(int(exponent or 0)) > DIGITS:
-            raise self.error(f"numbers must have at most {DIGITS} digits", token)
+        if max(len(digits), abs(int(exponent[:5] or 0))) > MOST_DIGITS or len(exponent) > 5:
+            raise self.error(f"numbers must have at most {MOST_DIGITS} digits", token)
         following = self.next
         if following.kind == "name" and following.start == token.start + len(token.text):
             raise self.error(f"expected an operator such as *, got {following}", following)
@@ -337,7 +328,7 @@ class Parser:
         offsets = [syntax.rational(term) for term in terms if term != syntax.Name(site)]
         shift = sum((value for value in offsets if value is not None), Fraction(0))
         whole = len(offsets) == len(terms) - 1 and None not in offsets and shift.denominator == 1
-        if not whole or abs(shift) > SHIFT:
+        if not whole or abs(shift) > MOST_SHIFT:
             raise self.error(f"expected a site such as {site}+1, got another index", start)
         return int(shift)
 
@@ -380,7 +371,7 @@ class Parser:
             times = syntax.rational(step)
             if isinstance(step, syntax.Name) and step.name in known:
                 variables.append(step.name)
-            elif variables and times and times.denominator == 1 and 0 < times <= ORDER:
+            elif variables and times and times.denominator == 1 and 0 < times <= HIGHEST_DERIVATIVE:
                 variables += [variables[-1]] * (int(times) - 1)
             else:
                 words = f"expected variables behind the first argument of diff, got {text}"

@@ -16,7 +16,7 @@ from typing import Any
 
 from flint import fmpq_mpoly_ctx, fmpz_mpoly, fmpz_mpoly_ctx
 from flint.utils.flint_exceptions import DomainError
-from sympy import Expr, Integer, Rational, Symbol
+from sympy import Expr, Integer, Rational, S, Symbol
 
 Exponents = tuple[int, ...]
 Terms = list[tuple[Exponents, int]]
@@ -144,11 +144,11 @@ class Factor:
         return _factor, (self.polynomial.context().names(), dict(self.terms))
 
     def taken_from(self, numer: fmpz_mpoly, most: int) -> tuple[fmpz_mpoly, int]:
-        """Divide ``numer`` by this factor up to ``most`` times; return it and the rest."""
+        """Divide ``numer`` by this factor at most ``most`` times; also return the times left."""
         while most:
             try:
                 numer = numer / self.polynomial
-            except DomainError:  # it is none
+            except DomainError:  # not a factor
                 break
             most -= 1
         return numer, most
@@ -169,10 +169,7 @@ class RationalFunction:
     def __init__(
         self, field: RationalFunctions, numer: fmpz_mpoly, content: int, below: Factors
     ) -> None:
-        self.field = field
-        self.numer = numer
-        self.content = content
-        self.below = below
+        self.field, self.numer, self.content, self.below = field, numer, content, below
         self._parts: tuple[int, dict[Factor, int]] | None = None
 
     def __reduce__(self) -> tuple[Callable[..., RationalFunction], tuple[Any, ...]]:
@@ -374,11 +371,10 @@ class RationalFunction:
 
     def as_expr(self) -> Expr:
         """Return the quotient as a SymPy expression."""
-        numerator, denominator = Integer(0), Integer(0)
-        for exponents, value in self.terms():
-            numerator += _product(self.field.symbols, exponents, value)
-        for exponents, value in self.terms(below=True):
-            denominator += _product(self.field.symbols, exponents, value)
+        numerator, denominator = (
+            sum((_product(self.field.symbols, *term) for term in self.terms(below=below)), S.Zero)
+            for below in (False, True)
+        )
         return numerator / denominator
 
     def factored(self) -> Expr:
@@ -413,10 +409,7 @@ class RationalFunction:
 
 
 def _quotient(
-    field: RationalFunctions,
-    above: Mapping[Exponents, int],
-    content: int,
-    below: Factors,
+    field: RationalFunctions, above: Mapping[Exponents, int], content: int, below: Factors
 ) -> RationalFunction:
     """Rebuild a pickled element."""
     return RationalFunction(field, field.context.from_dict(above), content, below)

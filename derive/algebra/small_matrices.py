@@ -1,7 +1,5 @@
 """Linear algebra for the few fields of a cell, over any field of exact elements."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

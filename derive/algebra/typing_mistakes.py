@@ -5,8 +5,6 @@ changes. Nothing here decides what a formula means: the caller parses the result
 only if it follows the grammar.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass

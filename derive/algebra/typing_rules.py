@@ -1,7 +1,5 @@
 """Rules that rewrite formulas of other systems and of papers, by stages: tables of patterns."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 
@@ -15,51 +13,25 @@ and a site, ``<F>`` a function of the grammar, ``<A>`` an argument, ``<()>`` and
 bracketed text, with its brackets, ``<e>`` and ``<i>`` constants unless declared as names."""
 
 ALIASES = {
-    "ln": "log",
-    "Ln": "log",
-    "root": "sqrt",
-    **{f"arc{name}": f"a{name}" for name in ("sin", "cos", "tan", "sinh", "cosh", "tanh")},
-    **{f"Arc{name}": f"a{name.lower()}" for name in ("Sin", "Cos", "Tan", "Sinh", "Cosh", "Tanh")},
-    **{f"ar{name}": f"a{name}" for name in ("sinh", "cosh", "tanh")},
-    **{f"arg{name}": f"a{name}" for name in ("sh", "ch", "th")},
-    "arctg": "atan",
-    "tg": "tan",
-    "ctg": "cot",
-    "cotg": "cot",
-    "cosec": "csc",
-    "sh": "sinh",
-    "ch": "cosh",
-    "th": "tanh",
-    "cth": "coth",
-    "arsh": "asinh",
-    "arch": "acosh",
-    "arth": "atanh",
-    "argsh": "asinh",
-    "argch": "acosh",
-    "argth": "atanh",
-    "fabs": "abs",
-    "norm": "abs",
-    "modulus": "abs",
-    "mod": "abs",
-    "sgn": "sign",
-    "signum": "sign",
-    "conj": "conjugate",
-    "Conj": "conjugate",
-    "cc": "conjugate",
-    "real": "re",
-    "imag": "im",
-    **{f"airy{name}": f"airy_{name}" for name in ("ai", "bi")},
-    **{f"Airy{name}": f"airy_{name.lower()}" for name in ("Ai", "Bi")},
-    **{f"Airy{name}Prime": f"airy_{name.lower()}_prime" for name in ("Ai", "Bi")},
-    **{f"airy{name}prime": f"airy_{name}_prime" for name in ("ai", "bi")},
-    **{f"bessel{name}": f"bessel_{name}" for name in "jyik"},
-    **{f"Bessel{name}": f"bessel_{name.lower()}" for name in "JYIK"},
-    **dict.fromkeys(("ProductLog", "LambertW", "lambertw", "W"), "lambert_w"),
-    "ellipk": "elliptic_k",
-    "ellipticK": "elliptic_k",
-    "ellipe": "elliptic_e",
-    "ellipticE": "elliptic_e",
-    **{f"jacobi{name}": f"jacobi_{name}" for name in ("sn", "cn", "dn")},
+    alias: name
+    for name, aliases in {
+        **{f"a{name}": f"arc{name} Arc{name.title()}" for name in ("sin", "cos")},
+        "atan": "arctan ArcTan arctg",
+        **{
+            f"a{name}h": f"arc{name}h Arc{name.title()}h ar{name}h ar{name[0]}h arg{name[0]}h"
+            for name in ("sin", "cos", "tan")
+        },
+        **{f"airy_{name}": f"airy{name} Airy{name.title()}" for name in ("ai", "bi")},
+        **{f"airy_{n}_prime": f"airy{n}prime Airy{n.title()}Prime" for n in ("ai", "bi")},
+        **{f"bessel_{letter}": f"bessel{letter} Bessel{letter.upper()}" for letter in "jyik"},
+        **{f"jacobi_{name}": f"jacobi{name}" for name in ("sn", "cn", "dn")},
+        "log": "ln Ln", "sqrt": "root", "tan": "tg", "cot": "ctg cotg", "csc": "cosec",
+        "sinh": "sh", "cosh": "ch", "tanh": "th", "coth": "cth",
+        "abs": "fabs norm modulus mod", "sign": "sgn signum", "re": "real", "im": "imag",
+        "conjugate": "conj Conj cc", "lambert_w": "ProductLog LambertW lambertw W",
+        "elliptic_k": "ellipk ellipticK", "elliptic_e": "ellipe ellipticE",
+    }.items()
+    for alias in aliases.split()
 }
 """Other names of functions; names that differ only in capital letters need no entry."""
 

@@ -1,7 +1,5 @@
 """The paper's reduction: the strain FPUT lattice to mKdV."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 from sympy import Expr, Symbol

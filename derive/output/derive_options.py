@@ -1,7 +1,5 @@
 """Options of ``longwave derive``, and the values of constants that they give."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 

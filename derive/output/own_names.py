@@ -1,7 +1,5 @@
 """Names in an output that avoid those of a lattice, and joined powers."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Collection, Iterable
 

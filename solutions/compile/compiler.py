@@ -6,8 +6,6 @@ on disk (``solutions.data_store``) by the name of the closed form, so that its e
 be built; forms outside the catalogue are cached by their expression.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 

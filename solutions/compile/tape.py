@@ -5,8 +5,6 @@ third derivative is then a few times the size of the expression, where the expan
 hundreds of times as large. The machine's programs and the residuals are both built from a tape.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 
 import sympy as sp

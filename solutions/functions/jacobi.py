@@ -7,8 +7,6 @@ H(z) = theta_1(pi z / (2 K), q) and Theta(z) = theta_4(pi z / (2 K), q), not nor
 paper's eqs. (19) and (20), so H = sqrt(k) sn Theta.
 """
 
-from __future__ import annotations
-
 from typing import Any, ClassVar
 
 from mpmath import MPContext

@@ -6,8 +6,6 @@ Arguments are doubles; a `Wave` handles phases that are large or near k = 1.
 [0.0, 0.8226355781298...]
 """
 
-from __future__ import annotations
-
 from functools import partial
 
 import mpmath

@@ -8,8 +8,6 @@ from compiled loops, but also work from Python on single numbers.
 True
 """
 
-from __future__ import annotations
-
 from fractions import Fraction
 from typing import Any
 

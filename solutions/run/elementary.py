@@ -36,7 +36,7 @@ _HALVINGS = 4
 
 _LOG2 = (0.6931471805599453, 2.3190468138462996e-17)
 _ZERO_ABOVE, _NEGLIGIBLE_ABOVE = 708.0, 680.0
-"""exp(-w) is replaced by 0 for w above the first; ``2 exp(-w)`` is below ``TINY`` for the second."""
+"""exp(-w) is replaced by 0 above the first w; ``2 exp(-w)`` is below ``TINY`` above the second."""
 
 
 def _inverse_factorials(first: int, stride: int) -> dd.Array:

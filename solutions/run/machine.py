@@ -3,8 +3,6 @@
 A register is a block of ``solutions.run.bounded``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -4,8 +4,6 @@ Every instruction is replaced by those of its series' coefficients; the Jacobi f
 follow from their differential equations. All arithmetic is double-double with error bounds.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
