@@ -34,7 +34,7 @@ Two axes are ``u[n, m+1]``.  Formulas are parsed with a whitelist, never evaluat
 
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -53,10 +53,10 @@ from longwave.derive.symbols import check_names, eps, x
 from longwave.support.known_names import one_of
 from longwave.support.user_files import file_stem, read_toml, shown, shown_path
 
-LARGEST = 100_000
+LARGEST_FILE = 100_000
 """Largest size of a file, in bytes."""
 
-MOST = 50
+MAX_ENTRIES = 50
 """Most entries of each kind."""
 
 LONGEST_NAME = 30
@@ -93,7 +93,7 @@ def read_lattice(path: Path) -> Lattice:
     Raises ValueError, with the file and the entry, for an invalid lattice; OSError if the file
     cannot be read.
     """
-    document = read_toml(path, "lattice", LARGEST)
+    document = read_toml(path, "lattice", LARGEST_FILE)
     try:
         return lattice_of(document, file_stem(path))
     except ValueError as error:
@@ -136,12 +136,18 @@ def _bonds(
     document: Mapping[str, Any], kind: str, build: Callable[[Mapping[str, Any]], Bond]
 ) -> list[Bond]:
     """Build the bonds of all entries of a kind; errors name the entry."""
+    entries = document.get(kind, [])
+    if not isinstance(entries, list) or len(entries) > MAX_ENTRIES:
+        raise ValueError(
+            f"{kind} must be [[{kind}]] tables, at most {MAX_ENTRIES}, got {shown(entries)}"
+        )
     bonds = []
-    for place, entry in _entries(document, kind):
+    for number, entry in enumerate(entries, 1):
+        _check_keys(entry, kind)
         try:
             bonds.append(build(entry))
         except ValueError as error:
-            raise ValueError(f"{place}: {error}") from None
+            raise ValueError(f"[[{kind}]] {number}: {error}") from None
     return bonds
 
 
@@ -162,12 +168,9 @@ def document_of_lattice(lattice: Lattice) -> dict[str, Any]:
         )
 
     def action_of(bond: Bond) -> dict[str, str]:
-        ends = {place: [e for e in bond.action if e.field == place] for place in range(MOST)}
-        return {
-            lattice.fields[i]: sum_of(tuple(stencils), "F")
-            for i, stencils in ends.items()
-            if stencils
-        }
+        ends = [[e for e in bond.action if e.field == i] for i in range(len(lattice.fields))]
+        pairs = zip(lattice.fields, ends, strict=True)
+        return {field: sum_of(tuple(entries), "F") for field, entries in pairs if entries}
 
     return {
         "fields": list(lattice.fields),
@@ -195,10 +198,10 @@ def _measured(document: Mapping[str, Any], lattice: Lattice) -> Measured | None:
 
 
 def _table(label: str, value: object) -> Mapping[str, Any]:
-    if not isinstance(value, Mapping) or len(value) > MOST:
+    if not isinstance(value, Mapping) or len(value) > MAX_ENTRIES:
         raise ValueError(
-            f"{label} must be a table by constants' names, at most {MOST}, got {shown(value)} "
-            "(such as {K2 = 1})"
+            f"{label} must be a table by constants' names, at most {MAX_ENTRIES}, got "
+            f"{shown(value)} (such as {{K2 = 1}})"
         )
     return value
 
@@ -268,21 +271,12 @@ def _check_keys(table: object, kind: str) -> None:
             raise ValueError(f"keys must be known ones, got {shown(key)} ({suggestion})")
 
 
-def _entries(document: Mapping[str, Any], kind: str) -> Iterator[tuple[str, Mapping[str, Any]]]:
-    entries = document.get(kind, [])
-    if not isinstance(entries, list) or len(entries) > MOST:
-        raise ValueError(f"{kind} must be [[{kind}]] tables, at most {MOST}, got {shown(entries)}")
-    for number, entry in enumerate(entries, 1):
-        _check_keys(entry, kind)
-        yield f"[[{kind}]] {number}", entry
-
-
 def _texts(document: Mapping[str, Any], key: str, *, required: bool = True) -> list[str]:
     names = document.get(key, None if required else [])
     texts = isinstance(names, list) and all(
         isinstance(entry, str) and len(entry) <= LONGEST_NAME for entry in names
     )
-    if not texts or (required and not names) or len(names) > MOST:
+    if not texts or (required and not names) or len(names) > MAX_ENTRIES:
         raise ValueError(f'{key} must be a list of names, got {shown(names)} (such as ["u"])')
     return list(names)
 

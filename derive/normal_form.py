@@ -234,11 +234,10 @@ class NormalForm:
         return f"NormalForm({', '.join(f'{i.name}={getattr(self, i.name)}' for i in fields_shown)})"
 
     def _repr_latex_(self) -> str:
-        map_latex = self.map_text.replace("drift", r"\nu")
+        greek = {"drift": r"\nu"}
+        map_latex = self.map_text.replace("drift", greek["drift"])
         parts = [rf"{NORMAL_EQUATIONS[self.equation].latex},\quad {map_latex}"]
-        parts += (
-            f"{name} = {latex(v)}".replace("drift", r"\nu") for name, v in self.values.items()
-        )
+        parts += (f"{greek.get(name, name)} = {latex(v)}" for name, v in self.values.items())
         return rf"$\displaystyle {', '.join(parts)}$"
 
 

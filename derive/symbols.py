@@ -10,26 +10,14 @@ here.
 
 from collections.abc import Callable, Mapping, Sequence
 
-from sympy import Expr, Pow, Symbol, fraction, together
+from sympy import Expr, Pow, Symbol, fraction, symbols, together
 
 from longwave.derive.algebra.exact_numbers import Number, exact
 from longwave.support.known_names import did_you_mean
 from longwave.support.user_files import shown
 
-K2 = Symbol("K2", positive=True)
-K3 = Symbol("K3", real=True)
-K4 = Symbol("K4", real=True)
-c = Symbol("c", positive=True)
-eps = Symbol("eps", positive=True)
-
-n = Symbol("n", real=True)
-t = Symbol("t", real=True)
-X = Symbol("X", real=True)
-T = Symbol("T", real=True)
-
-k = Symbol("k", real=True)
-ybar = Symbol("ybar", real=True)
-x = Symbol("x", real=True)
+K2, c, eps = symbols("K2 c eps", positive=True)
+K3, K4, n, t, X, T, k, ybar, x = symbols("K3 K4 n t X T k ybar x", real=True)
 
 RESERVED = {
     "T": "the slow time",
@@ -55,11 +43,11 @@ def rational_function(name: str, value: Expr) -> Expr:
     """
     number = exact(name, value)
     numerator, denominator = fraction(together(number))
-    symbols = number.free_symbols
+    names = number.free_symbols
     if (
-        not (numerator.is_polynomial(*symbols) and denominator.is_polynomial(*symbols))
+        not (numerator.is_polynomial(*names) and denominator.is_polynomial(*names))
         or denominator.has(eps)
-        or not all(atom.is_Rational for atom in number.atoms() - symbols)
+        or not all(atom.is_Rational for atom in number.atoms() - names)
         or not all(power.exp.is_Integer for power in number.atoms(Pow))
     ):
         raise ValueError(

@@ -44,12 +44,7 @@ class Wave(NumericWave):
     2.714142842854
     """
 
-    def __init__(
-        self,
-        form: ClosedForm,
-        normal_form: NormalForm,
-        **parameters: object,
-    ) -> None:
+    def __init__(self, form: ClosedForm, normal_form: NormalForm, **parameters: object) -> None:
         instance("form", form, ClosedForm, "closed_form('kink') is one")
         instance("normal_form", normal_form, NormalForm, "mkdv_normal_form(K2=1, K4=1) is one")
         _check_equation(form, normal_form)

@@ -32,3 +32,19 @@ def lazy_exports(
         return value
 
     return get, lambda: sorted({*vars(sys.modules[room]), *sys.modules[room].__all__})
+
+
+def declared_exports(
+    room: str,
+) -> tuple[Callable[[str], object], Callable[[], list[str]], list[str]]:
+    """Return ``__getattr__``, ``__dir__`` and ``__all__`` of a room from its own source.
+
+    Its names are those that it imports for type checkers: ``from MODULE import NAME as NAME``.
+    """
+    modules: dict[str, str] = {}
+    with open(str(sys.modules[room].__file__), encoding="utf-8") as source:
+        for line in source:
+            match line.split():
+                case ["from", module, "import", name, "as", _]:
+                    modules[module] = f"{modules.get(module, '')} {name}"
+    return *lazy_exports(room, modules), sorted(" ".join(modules.values()).split())

@@ -1,5 +1,7 @@
 """Rules that rewrite formulas of other systems and of papers, by stages: tables of patterns."""
 
+from __future__ import annotations
+
 import re
 from collections.abc import Callable
 
@@ -12,27 +14,24 @@ Rule = tuple[str, Replacement]
 and a site, ``<F>`` a function of the grammar, ``<A>`` an argument, ``<()>`` and ``<[]>``
 bracketed text, with its brackets, ``<e>`` and ``<i>`` constants unless declared as names."""
 
-ALIASES = {
-    alias: name
-    for name, aliases in {
-        **{f"a{name}": f"arc{name} Arc{name.title()}" for name in ("sin", "cos")},
-        "atan": "arctan ArcTan arctg",
-        **{
-            f"a{name}h": f"arc{name}h Arc{name.title()}h ar{name}h ar{name[0]}h arg{name[0]}h"
-            for name in ("sin", "cos", "tan")
-        },
-        **{f"airy_{name}": f"airy{name} Airy{name.title()}" for name in ("ai", "bi")},
-        **{f"airy_{n}_prime": f"airy{n}prime Airy{n.title()}Prime" for n in ("ai", "bi")},
-        **{f"bessel_{letter}": f"bessel{letter} Bessel{letter.upper()}" for letter in "jyik"},
-        **{f"jacobi_{name}": f"jacobi{name}" for name in ("sn", "cn", "dn")},
-        "log": "ln Ln", "sqrt": "root", "tan": "tg", "cot": "ctg cotg", "csc": "cosec",
-        "sinh": "sh", "cosh": "ch", "tanh": "th", "coth": "cth",
-        "abs": "fabs norm modulus mod", "sign": "sgn signum", "re": "real", "im": "imag",
-        "conjugate": "conj Conj cc", "lambert_w": "ProductLog LambertW lambertw W",
-        "elliptic_k": "ellipk ellipticK", "elliptic_e": "ellipe ellipticE",
-    }.items()
-    for alias in aliases.split()
-}
+_ALIASES_BY_NAME = (
+    {f"a{name}": f"arc{name} Arc{name.title()}" for name in ("sin", "cos")}
+    | {
+        f"a{name}h": f"arc{name}h Arc{name.title()}h ar{name}h ar{name[0]}h arg{name[0]}h"
+        for name in ("sin", "cos", "tan")
+    }
+    | {f"airy_{name}": f"airy{name} Airy{name.title()}" for name in ("ai", "bi")}
+    | {f"airy_{name}_prime": f"airy{name}prime Airy{name.title()}Prime" for name in ("ai", "bi")}
+    | {f"bessel_{letter}": f"bessel{letter} Bessel{letter.upper()}" for letter in "jyik"}
+    | {f"jacobi_{name}": f"jacobi{name}" for name in ("sn", "cn", "dn")}
+    | {"log": "ln Ln", "sqrt": "root", "tan": "tg", "cot": "ctg cotg", "csc": "cosec"}
+    | {"atan": "arctan ArcTan arctg", "sinh": "sh", "cosh": "ch", "tanh": "th", "coth": "cth"}
+    | {"abs": "fabs norm modulus mod", "sign": "sgn signum", "re": "real", "im": "imag"}
+    | {"conjugate": "conj Conj cc", "lambert_w": "ProductLog LambertW lambertw W"}
+    | {"elliptic_k": "ellipk ellipticK", "elliptic_e": "ellipe ellipticE"}
+)
+
+ALIASES = {alias: name for name, words in _ALIASES_BY_NAME.items() for alias in words.split()}
 """Other names of functions; names that differ only in capital letters need no entry."""
 
 CALLS: tuple[Rule, ...] = (
@@ -51,10 +50,7 @@ CALLS: tuple[Rule, ...] = (
     (r"(?<![\w.])([scd]n)\s*\(\s*(<A>)[,;]\s*k\s*\)", r"jacobi_\1(\2, k**2)"),
     (r"(?<![\w.])jacobi_([scd]n)\s*\(\s*(<A>)[|;]\s*(<A>)\)", r"jacobi_\1(\2, \3)"),
     (r"(?<![\w.])Elliptic([KE])\s*\[\s*(<A>)\]", lambda m: f"elliptic_{m[1].lower()}({m[2]})"),
-    (
-        r"(?<![\w.])Elliptic([KE])\s*\(\s*(<A>)\)",
-        lambda m: f"elliptic_{m[1].lower()}(({m[2]})**2)",
-    ),
+    (r"(?<![\w.])Elliptic([KE])\s*\(\s*(<A>)\)", lambda m: f"elliptic_{m[1].lower()}(({m[2]})**2)"),
     (r"(?<![\w.])log_?(10|2)\s*(<()>)", r"(log\2/log(\1))"),
     (r"(?<![\w.])a(?:rc?)?sech\s*(<()>)", r"acosh(1/\1)"),
     (r"(?<![\w.])a(?:rc?)?csch\s*(<()>)", r"asinh(1/\1)"),
@@ -153,10 +149,7 @@ LATEX: tuple[Rule, ...] = (
         r"conjugate(\1)",
     ),
     (r"(<D>)\s*†", r"conjugate(\1)"),
-    (
-        r"(?<![\w.])(<U>(?:_[xyzt]+)?)_\{\s*(n\s*(?:[+-]\s*\d+)?)\s*(?:,\s*t\s*)?\}",
-        r"\1[\2]",
-    ),
+    (r"(?<![\w.])(<U>(?:_[xyzt]+)?)_\{\s*(n\s*(?:[+-]\s*\d+)?)\s*(?:,\s*t\s*)?\}", r"\1[\2]"),
     (r"(?<![\w.])(<U>(?:_[xyzt]+)?)_(n(?:[+-]\d+)?)(?!\w)", r"\1[\2]"),
     (r"(?<![\w.])([A-Za-z]+)_\{?(\d+)\}?(?![A-Za-z])", r"\1\2"),
     (r"\\partial\s*_\s*(?:\{\s*([xyzt]+)\s*\}|([xyzt]+(?![A-Za-z])|[xyzt]))", r" D_(\1\2) "),
@@ -254,7 +247,4 @@ TIDY: tuple[Rule, ...] = (
     (r"^\s+|\s+$", ""),
 )
 
-END: tuple[Rule, ...] = (
-    (r"\s*[.,;]+$", ""),
-    (r"=\s*$", "= 0"),
-)
+END: tuple[Rule, ...] = ((r"\s*[.,;]+$", ""), (r"=\s*$", "= 0"))

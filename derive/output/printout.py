@@ -38,8 +38,9 @@ from longwave.support.known_names import one_of
 from longwave.support.user_files import STANDARD_INPUT, shown
 
 MOST_ORDERS = 13
+"""Largest --order."""
 
-LONG_RATIO = 1000
+LARGEST_DENOMINATOR = 1000
 """Largest denominator of a measured value that is printed as a fraction."""
 
 
@@ -107,15 +108,8 @@ def _linear_lattice_lines(lattice: Lattice, options: derive_options.DeriveOption
         branches = [text_of(value) for value in waves.branches]
         data = {"lattice": lattice.name, "equations": list(lattice.equations())}
         data |= {"relation": waves.relation(), "omega_squared": branches}
-        yield json.dumps(
-            {
-                **data,
-                "waves": [
-                    [text_of(wavenumber), branch_values] for wavenumber, branch_values in rows
-                ],
-            },
-            indent=2,
-        )
+        waves_data = [[text_of(wavenumber), values] for wavenumber, values in rows]
+        yield json.dumps({**data, "waves": waves_data}, indent=2)
     elif options.form == "latex":
         yield aligned([("", line) for line in waves.lines(latex_of)])
     else:
@@ -126,16 +120,9 @@ def _linear_lattice_lines(lattice: Lattice, options: derive_options.DeriveOption
             branch_numbers = range(len(rows[0][1]))
             heads = ["k", *(h for i in branch_numbers for h in (f"omega {i}", f"d omega {i}/dk"))]
             yield "  " + "  ".join(f"{head:>14}" for head in heads)
-        for wavenumber, branch_values in rows:
-            cells = [
-                text_of(wavenumber),
-                *(
-                    "meet" if entry is None else f"{entry:.10g}"
-                    for pair in branch_values
-                    for entry in pair
-                ),
-            ]
-            yield "  " + "  ".join(f"{cell:>14}" for cell in cells)
+        for wavenumber, pairs in rows:
+            cells = ("meet" if v is None else f"{v:.10g}" for pair in pairs for v in pair)
+            yield "  " + "  ".join(f"{cell:>14}" for cell in (text_of(wavenumber), *cells))
 
 
 def _reduction_lines(lattice: Lattice, options: derive_options.DeriveOptions) -> Iterator[str]:
@@ -210,10 +197,8 @@ def _long_wave(
     space, direction_values = _space(lattice, options, given)
     unfelt = {*map(str, lattice.unfelt_constants)}
     substituted = {n: value for n, value in given.items() if value.has(eps) or n in unfelt}
-    remaining = {
-        **{name: value for name, value in given.items() if name not in substituted},
-        **direction_values,
-    }
+    remaining = {n: value for n, value in given.items() if n not in substituted}
+    remaining |= direction_values
     symbolic = _Ansatz.of(lattice, options, space, substituted)
     usual, refusal = None, ""
     try:
@@ -225,11 +210,8 @@ def _long_wave(
         refusal = str(error)
     if usual is None or not (usual.is_balanced or symbolic.is_stated or not given):
         with suppress(ValueError):
-            return (
-                _Ansatz.of(lattice, options, space, given).found(direction_values),
-                direction_values,
-                refusal,
-            )
+            numeric = _Ansatz.of(lattice, options, space, given)
+            return numeric.found(direction_values), direction_values, refusal
     if usual is None:
         raise ValueError(refusal)
     return usual, remaining, ""
@@ -399,5 +381,5 @@ def _number_lines(
 
 def _decimal(value: Expr) -> str:
     """Format a value, with 6 digits if it is a ratio of long integers."""
-    is_long = value.is_Rational and value.q > LONG_RATIO
+    is_long = value.is_Rational and value.q > LARGEST_DENOMINATOR
     return f"{float(value):.6g}" if is_long else str(value)

@@ -22,13 +22,7 @@ from longwave.solutions.functions import (
 )
 from longwave.solutions.symbols import tau, xi, zeta
 
-JACOBI_FUNCTIONS: tuple[type[sp.Function], ...] = (
-    jacobi_sn,
-    jacobi_cn,
-    jacobi_dn,
-    jacobi_zeta,
-    jacobi_theta,
-)
+JACOBI_FUNCTIONS = (jacobi_sn, jacobi_cn, jacobi_dn, jacobi_zeta, jacobi_theta)
 
 
 class Phase(NamedTuple):
@@ -57,11 +51,8 @@ class JacobiCall(NamedTuple):
         m = sp.Dummy("m", positive=True)
         functions = {f(z, m): self.symbol_of(f) for f in JACOBI_FUNCTIONS}
         functions |= {sp.elliptic_e(m) / sp.elliptic_k(m): mean}
-        rates = {}
-        for f in JACOBI_FUNCTIONS:
-            rate = sp.diff(f(z, m), z).subs(functions).subs(m, self.m)
-            rates[self.symbol_of(f)] = rate
-        return rates
+        rates = (sp.diff(f(z, m), z).subs(functions).subs(m, self.m) for f in JACOBI_FUNCTIONS)
+        return dict(zip(self.symbols, rates, strict=True))
 
     def symbol_of(self, function: type[sp.Function]) -> sp.Symbol:
         """Return the symbol of ``function`` of the phase."""

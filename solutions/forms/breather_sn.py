@@ -18,7 +18,7 @@ from longwave.solutions.functions import (
     jacobi_theta,
     jacobi_zeta,
 )
-from longwave.solutions.record import Bound, ClosedForm, FarFields, Parameter, Reference
+from longwave.solutions.record import Bound, ClosedForm, FarFields, Reference, positive, real
 from longwave.solutions.symbols import X_0, alpha, k, tau, xi
 
 _m = k**2
@@ -112,12 +112,12 @@ def breather_sn() -> ClosedForm:
         equation=DEFOCUSING_MKDV,
         parameters=(
             modulus("the zero solution", "the kink"),
-            Parameter(
+            positive(
                 alpha,
-                lower=Bound(sp.S.Zero, "the bare snoidal wave"),
-                upper=Bound(QUARTER_PERIOD, "the bare snoidal wave reversed"),
+                "the bare snoidal wave",
+                Bound(QUARTER_PERIOD, "the bare snoidal wave reversed"),
             ),
-            Parameter(X_0, default=sp.S.Zero),
+            real(X_0),
         ),
         background=SN_WAVE,
         far_fields=FarFields(SN_WAVE.subs(xi, xi + 2 * alpha), SN_WAVE.subs(xi, xi - 2 * alpha)),

@@ -8,7 +8,7 @@ import sympy as sp
 
 from longwave.solutions import equation
 from longwave.solutions.forms.solitons import by_sech, by_tanh
-from longwave.solutions.record import Bound, ClosedForm, FarFields, Parameter, Reference
+from longwave.solutions.record import Bound, ClosedForm, FarFields, Parameter, Reference, positive
 from longwave.solutions.symbols import A, kappa, tau, xi
 
 _PHASE: sp.Expr = kappa * (xi - kappa**2 * tau)
@@ -34,13 +34,13 @@ def _soliton(name: str, title: str, parameter: Parameter, sign: int) -> ClosedFo
 
 def gardner_soliton() -> ClosedForm:
     """Return the positive soliton (s = 1)."""
-    parameter = Parameter(kappa, lower=Bound(sp.S.Zero, "the zero solution"))
+    parameter = positive(kappa, "the zero solution")
     return _soliton("gardner_soliton", "Gardner soliton", parameter, 1)
 
 
 def gardner_negative_soliton() -> ClosedForm:
     """Return the negative soliton (s = 1), at least 2 deep; it tends to an algebraic soliton."""
-    parameter = Parameter(kappa, lower=Bound(sp.S.Zero, "the algebraic soliton"))
+    parameter = positive(kappa, "the algebraic soliton")
     return _soliton("gardner_negative_soliton", "negative Gardner soliton", parameter, -1)
 
 
@@ -60,7 +60,7 @@ def gardner_kink() -> ClosedForm:
         title="Gardner front",
         expression=half - A * sp.tanh(A * (xi - speed * tau)),
         equation=equation.DEFOCUSING_GARDNER,
-        parameters=(Parameter(A, lower=Bound(sp.S.Zero, "the constant 1/2"), default=half),),
+        parameters=(positive(A, "the constant 1/2", default=half),),
         far_fields=FarFields(half + A, half - A),
         reference=_SOURCE,
     )

@@ -1,7 +1,7 @@
 """Evaluation of an expression in mpmath, at any precision."""
 
 from collections.abc import Mapping, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 import mpmath
@@ -14,7 +14,11 @@ from longwave.solutions.symbols import tau, xi, zeta
 from longwave.support.user_files import shown
 
 GUARD_DIGITS = 30
+"""Extra working digits of the first attempt."""
+
 MOST_DIGITS = 100_000
+"""Most digits that can be requested."""
+
 LARGEST = sp.Integer(10) ** 1000
 """Largest position or time; the working precision grows with its logarithm."""
 
@@ -61,13 +65,14 @@ def evaluate_mp(
             if highest is None:
                 values = _with_differences(context, formula, coordinates, len(point), numbers)
             else:
-                values = _along(context, formula, coordinates, numbers, highest)
+                start, *others = (*coordinates, *numbers)
+                along = partial(_value_at, context, formula, others)
+                values = list(context.diffs(along, start, highest))
             scales = [_convert(context, rate) for rate in rates]
             results = [rate * value for rate, value in zip(scales, values, strict=True)]
             if highest is None:
                 results[2] -= _convert(context, drift) * results[1]
-        agree = previous is not None and _agree(context, results, previous, digits)
-        if agree:
+        if previous is not None and _agree(context, results, previous, digits):
             with context.workdps(digits):
                 return tuple(+value for value in results)
         guard, previous = 2 * guard, results
@@ -93,19 +98,8 @@ def _with_differences(
     return slopes
 
 
-def _along(
-    context: Any,
-    formula: MpmathFormula,
-    coordinates: list[Any],
-    parameters: list[Any],
-    highest: int,
-) -> list[Any]:
-    """Return the value and its xi derivatives."""
-
-    def value(x: Any) -> Any:
-        return formula(context, x, *coordinates[1:], *parameters)[0]
-
-    return list(context.diffs(value, coordinates[0], highest))
+def _value_at(context: Any, formula: MpmathFormula, others: list[Any], x: Any) -> Any:
+    return formula(context, x, *others)[0]
 
 
 def _agree(context: Any, one: Sequence[Any], other: Sequence[Any], digits: int) -> bool:
