@@ -137,8 +137,8 @@ class Carrier(Expansion):
         self.flow = self._series({})
         self.mean = self._series({2: self._letter(MEAN_LETTER)})
         self.parts = [self._series({}) for _ in self.lattice.fields]
-        for index, share in enumerate(self.carried[0]):
-            self._add(index, 1, share * self._letter(A))
+        for index, weight in enumerate(self.carried[0]):
+            self._add(index, 1, weight * self._letter(A))
 
     def _set_out(self, lattice: Lattice, among: Sequence[Symbol], wave: int | None = None) -> bool:
         """Compute the dispersion relation; return whether it can be solved for a constant.
@@ -156,14 +156,11 @@ class Carrier(Expansion):
         waves = [factor for factor, found in powers if 0 in found and len(found) > 1]
         if not waves:
             raise EnvelopeError(at_rest({1: " at k = 0", -1: " at k = pi"}.get(turn or 0, "")))
-        is_stable = len(waves) > 1 and not any(
-            i % 2 for factor in waves for i in factor.powers_of(w)
-        )
+        is_stable = len(waves) > 1 and not any(i % 2 for f in waves for i in f.powers_of(w))
         self.waves = sorted(waves, key=self._first_moved) if is_stable else [self.relation]
         candidates = self.waves if wave is None else [self.waves[min(wave, len(self.waves) - 1)]]
-        self.wave = next(
-            (factor for factor in candidates if any(map(factor.solved_for, among))), candidates[0]
-        )
+        solvable_waves = (factor for factor in candidates if any(map(factor.solved_for, among)))
+        self.wave = next(solvable_waves, candidates[0])
         solvable = [s for s in among if self.wave.solved_for(s)]
         solvable.sort(key=lambda s: self.relation.solved_for(s) is None)
         simple = (s for s in solvable if self.wave.diff(s).is_number)
@@ -271,13 +268,10 @@ class Carrier(Expansion):
     def _harmonic(self, order: int, j: int) -> Rows:
         """Return the part of ``mass f'' - forces`` at this order and harmonic, for each field."""
         mean_part = self._series({}) if self.is_displacement else self.mean
-        fields = [
-            (part + share * mean_part).upto(order)
-            for part, share in zip(self.parts, self.shares, strict=True)
-        ]
-        rows = [
-            row.at(order).select(lambda m: harmonic(m) == j) for row in self.pulls(fields, order)
-        ]
+        pairs = zip(self.parts, self.shares, strict=True)
+        fields = [(part + weight * mean_part).upto(order) for part, weight in pairs]
+        pulls = self.pulls(fields, order)
+        rows = [pull.at(order).select(lambda m: harmonic(m) == j) for pull in pulls]
         drift = self._drift(order) if self.is_displacement and not j else self._nothing
         fields_of_rows = zip(self.lattice.masses, fields, self.shares, rows, strict=True)
         residuals = [
@@ -293,9 +287,8 @@ class Carrier(Expansion):
         """Return the j-th harmonic of f'' at this order; d/dt is ``-j w - eps v D + eps^2 d_T``."""
         rate, harmonic_part = j * self.rate, self._series({})
         for power in range(1, order + 1):
-            harmonic_part = harmonic_part.plus(
-                power, series.at(power).select(lambda m: harmonic(m) == j)
-            )
+            selected = series.at(power).select(lambda m: harmonic(m) == j)
+            harmonic_part = harmonic_part.plus(power, selected)
         advected = self.group_velocity * harmonic_part.derivative(0).delayed(1)
         total = rate**2 * harmonic_part.at(order) + 2 * rate * advected.at(order)
         total = total + self.group_velocity * advected.at(order - 1).derivative(0)
@@ -306,13 +299,10 @@ class Carrier(Expansion):
 
         The remainder, ``-eps v D + eps^2 d_T``, is beyond the last order with losses.
         """
-        rotated = {
-            order: DifferentialPolynomial.collect(
-                self.field,
-                ((m, self.field(-harmonic(m)) * self.rate * v) for m, v in part.terms.items()),
-            )
-            for order, part in series.parts.items()
-        }
+        rotated = {}
+        for order, part in series.parts.items():
+            items = ((m, self.field(-harmonic(m)) * self.rate * v) for m, v in part.terms.items())
+            rotated[order] = DifferentialPolynomial.collect(self.field, items)
         return self._series(rotated, series.limit)
 
     def _drift(self, order: int) -> DifferentialPolynomial:
@@ -356,16 +346,11 @@ class Carrier(Expansion):
         """Shift a series: each harmonic by its phase, the letters by Taylor's theorem."""
         if not any(cell):
             return series
-        rotated = {
-            order: DifferentialPolynomial(
-                self.field,
-                {
-                    m: v * self.phase_factor ** (harmonic(m) * cell[0])
-                    for m, v in part.terms.items()
-                },
-            )
-            for order, part in series.parts.items()
-        }
+        rotated = {}
+        for order, part in series.parts.items():
+            phases = {m: self.phase_factor ** (harmonic(m) * cell[0]) for m in part.terms}
+            terms = {m: v * phases[m] for m, v in part.terms.items()}
+            rotated[order] = DifferentialPolynomial(self.field, terms)
         return super().shifted(self._series(rotated, series.limit), cell)
 
     def number(self, value: Expr) -> RationalFunction:
@@ -445,21 +430,17 @@ class Carrier(Expansion):
         items = (
             (
                 tuple(sorted((m, kind if kind == MEAN else 1 - kind) for m, kind in monomial)),
-                self._conjugated_number(value),
+                value.mapped(self._reflected, self._conjugates),
             )
             for monomial, value in polynomial.terms.items()
         )
         return DifferentialPolynomial.collect(self.field, items)
 
-    def _conjugated_number(self, element: RationalFunction) -> RationalFunction:
-        """Return the element at 1/z and -w."""
-        return element.mapped(self._reflected, self._conjugates)
-
     def _reflected(self, terms: Terms) -> RationalFunction:
         """Return the polynomial at 1/z and -w."""
         degree = max((exponents[0] for exponents, _ in terms), default=0)
         reflected = [
-            ((degree - exponents[0], *exponents[1:]), -value if exponents[1] % 2 else value)
-            for exponents, value in terms
+            ((degree - i, j, *others), -value if j % 2 else value)
+            for (i, j, *others), value in terms
         ]
         return self.field.from_terms(reflected) / self.field(z) ** degree

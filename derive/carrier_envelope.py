@@ -33,10 +33,10 @@ DIGITS = 60
 GUARD = 20
 """Extra working digits, because cancellation costs some."""
 
-RESONANT = 1e-40
+ZERO_TOLERANCE = 1e-40
 """Size below which a denominator counts as 0, in units of the sum of its terms' absolute values."""
 
-ROUNDING = 1e-12
+IMAGINARY_TOLERANCE = 1e-12
 """Size below which an imaginary part counts as 0, in units of the whole."""
 
 TURNS = {S.Zero: 1, pi: -1}
@@ -196,10 +196,8 @@ class Envelope(Displayed):
                 f"{longest} (give numbers for some of {', '.join(unknown)}, as {unknown[0]}=1"
                 f"{', or take --order 3, without the next order' if short else ''})"
             )
-        return {
-            name: self._expression(self.parts[name]) * (-I if name in IMAGINARY else 1)
-            for name in sizes
-        }
+        factors = {name: -I if name in IMAGINARY else 1 for name in sizes}
+        return {name: self._expression(self.parts[name]) * factors[name] for name in sizes}
 
     def _expression(self, element: RationalFunction) -> Expr:
         angle = k if self.wavenumber is None else self.wavenumber
@@ -246,7 +244,7 @@ class Envelope(Displayed):
             return _nls_form(self.expressions_of(_MAPPED))
         regular = self.regular(k, branch, **constants)
         numbers = regular._numbers(k, branch, constants)
-        if abs(numbers["q"]) <= RESONANT:
+        if abs(numbers["q"]) <= ZERO_TOLERANCE:
             return _nls_form({**dict.fromkeys(_MAPPED, S.One), "q": S.Zero})
         if len(self.lattice.fields) == 1:
             angle = self.wavenumber if k is None else wavenumber(k)
@@ -357,7 +355,7 @@ class Envelope(Displayed):
                 raise EnvelopeError(_resonance_message(reason, point))
             is_none = abs(value) < mpmath.mpf(10) ** -DIGITS * abs(point[str(w)])
             numbers[name] = 0 * value if is_none else value / 1j if name in IMAGINARY else value
-        if abs(numbers["p"]) < ROUNDING * abs(point[str(w)]):
+        if abs(numbers["p"]) < IMAGINARY_TOLERANCE * abs(point[str(w)]):
             raise EnvelopeError(
                 f"k must not be a zero of the dispersion p, got {mpmath.nstr(point['k'], 8)} "
                 "(the third derivative of omega takes its place there: take another wavenumber)"
@@ -473,9 +471,9 @@ def _frequency(carrier: Carrier, point: Mapping[str, mpmath.mpc], number: int) -
     except mpmath.mp.NoConvergence:  # because of multiple roots
         raise ValueError(_degeneracy_message(where)) from None
     squared = roots[number]
-    if abs(squared) <= RESONANT * abs(roots[-1]):
+    if abs(squared) <= ZERO_TOLERANCE * abs(roots[-1]):
         raise EnvelopeError(at_rest(f" at {where}"))
-    if abs(squared.imag) > ROUNDING * abs(squared) or squared.real <= 0:
+    if abs(squared.imag) > IMAGINARY_TOLERANCE * abs(squared) or squared.real <= 0:
         raise ValueError(
             f"constants must give a real frequency, got omega^2 = {mpmath.nstr(squared, 8)} at "
             f"{where} (the lattice must be stable)"
@@ -492,7 +490,7 @@ def _degeneracy_message(at: str) -> str:
 
 def _plain(value: mpmath.mpc) -> Any:
     """Return a complex number if its imaginary part exceeds rounding, else a float."""
-    threshold = ROUNDING * abs(value)
+    threshold = IMAGINARY_TOLERANCE * abs(value)
     number = mpmath.mpc(value)
     real, imaginary = (part if abs(part) > threshold else 0 for part in (number.real, number.imag))
     return complex(real, imaginary) if imaginary else float(real)
@@ -510,11 +508,11 @@ def evaluated(element: RationalFunction, point: Mapping[str, mpmath.mpc]) -> mpm
         for below in (False, True)
     )
     total, size = mpmath.fsum(denominator), mpmath.fsum(denominator, absolute=True)
-    return None if abs(total) <= RESONANT * size else mpmath.fsum(numerator) / total
+    return None if abs(total) <= ZERO_TOLERANCE * size else mpmath.fsum(numerator) / total
 
 
-def _resonance_message(words: str, point: Mapping[str, mpmath.mpc]) -> str:
+def _resonance_message(reason: str, point: Mapping[str, mpmath.mpc]) -> str:
     return (
-        f"k must not be a resonance, got {mpmath.nstr(point['k'], 8)}, where {words} "
+        f"k must not be a resonance, got {mpmath.nstr(point['k'], 8)}, where {reason} "
         "(the two waves interact at the order of the envelope: take another wavenumber)"
     )

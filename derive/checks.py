@@ -6,6 +6,7 @@ and the remainder of an expansion must fall with eps at the promised power.
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import cycle
 from typing import Any
 
@@ -184,9 +185,8 @@ class _Point:
     def field(self, name: str, cell: Sequence[int], time: Any, small: Any) -> Any:
         """Return a field of the lattice under the ansatz, slaved parts included."""
         at = self.slow(cell, time, small)
-        mean = mpmath.fsum(
-            small**power * self._number(value, small) for power, value in self.scaling.background
-        )
+        background = self.scaling.background
+        mean = mpmath.fsum(small**power * self._number(v, small) for power, v in background)
         zero = (0,) * len(self.scaling.axes)
         one = DifferentialPolynomial.monomial(self.reduction.pde.flow.field, (zero,))
         wave = small**self.scaling.amplitude * self.shares[name] * self.polynomial(one, at)
@@ -220,38 +220,33 @@ class _Point:
                     force += loss * mpmath.diff(stretch, 0)
                 rows[end.field] -= end.weight * force
         at = self.slow(origin, 0, small)
-        known = mpmath.fsum(
-            small**order * self.polynomial(equation.polynomial, at)
-            for order, equation in self.reduction.orders.items()
-        )
+        orders = self.reduction.orders.items()
+        known = mpmath.fsum(small**order * self.polynomial(e.polynomial, at) for order, e in orders)
         rest = mpmath.fdot(self.left, rows) - known
         return max([abs(rest), *(abs(row) for i, row in enumerate(rows) if i != self.row)])
 
     def _stretch(self, bond: Bond, end: Stencil, time: Any, small: Any) -> Any:
         """Return the stretch of the bond that acts through ``end``."""
+        names = self.lattice.fields
         cells = ([i + j for i, j in zip(e.shift, end.shift, strict=True)] for e in bond.stretch)
-        return mpmath.fsum(
-            entry.weight * self.field(self.lattice.fields[entry.field], cell, time, small)
-            for entry, cell in zip(bond.stretch, cells, strict=True)
-        )
+        pairs = zip(bond.stretch, cells, strict=True)
+        return mpmath.fsum(e.weight * self.field(names[e.field], c, time, small) for e, c in pairs)
 
     def linear_rest(self, small: Any) -> Any:
         """Return the linear lattice's determinant at a plane wave minus the derived terms."""
         rates = [mpmath.mpc(0, 1) * mpmath.mpf(rate.p) / rate.q for rate in self.rates[0]]
         growth = rates[-1] * small**self.scaling.time
-        for rate, variable in zip(rates, self.scaling.space, strict=False):
-            growth -= rate * small**variable.exponent * self._number(variable.speed)
+        pairs = zip(rates, self.scaling.space, strict=False)
+        scaled = [(rate * small**v.exponent, v) for rate, v in pairs]
+        for rate, variable in scaled:
+            growth -= rate * self._number(variable.speed)
 
         def turn(steps: Sequence[int]) -> Any:
-            return mpmath.fsum(
-                rate * small**variable.exponent * self._along(variable, steps)
-                for rate, variable in zip(rates, self.scaling.space, strict=False)
-            )
+            return mpmath.fsum(rate * self._along(v, steps) for rate, v in scaled)
 
         count = len(self.lattice.fields)
-        matrix = _matrix(
-            self.lattice, lambda value: self._number(value, small), growth, turn, self.scaling.mean
-        )
+        number = partial(_number, values=self.values, small=small)
+        matrix = _matrix(self.lattice, number, growth, turn, self.scaling.mean)
         sign = (-1) ** (self.row + self.column)
         minor = mpmath.mpf(1)
         if count > 1:
@@ -302,10 +297,9 @@ def _complex_frequency(reduction: Reduction) -> Check:
     values, coefficients = _admissible(reduction)
     scaling = reduction.scaling
     rate = mpmath.mpc(0, 1) * mpmath.mpf(3) / 7
-    linear = [
-        (coefficients.terms[n], m[0][0]) for n, m in coefficients.monomials.items() if len(m) == 1
-    ]
-    slow = -mpmath.fsum(mpmath.mpf(v.evalf(DIGITS)) * rate**count for v, count in linear)
+    linear = {name: m[0][0] for name, m in coefficients.monomials.items() if len(m) == 1}
+    values_of_terms = ((coefficients.terms[name].evalf(DIGITS), n) for name, n in linear.items())
+    slow = -mpmath.fsum(mpmath.mpf(value) * rate**count for value, count in values_of_terms)
     [variable] = scaling.space
     [direction] = variable.direction
 
@@ -327,9 +321,8 @@ def _growth_near(
         def turn(steps: Sequence[int]) -> Any:
             return phase * steps[0]
 
-        return mpmath.det(
-            _matrix(lattice, lambda value: _number(value, values, small), growth, turn, mean)
-        )
+        number = partial(_number, values=values, small=small)
+        return mpmath.det(_matrix(lattice, number, growth, turn, mean))
 
     steps = (near, near * (1 + mpmath.mpf("1e-20")))
     return mpmath.findroot(determinant, steps, tol=mpmath.mpf(10) ** -DIGITS, verify=False)
@@ -346,16 +339,14 @@ def _has_static_law(reduction: Reduction) -> bool:
 def _static(reduction: Reduction) -> Check:
     """Compare the speed of long waves on a uniform strain with the nonlinear terms."""
     values, coefficients = _admissible(reduction)
-    terms = {"Y_X": 0, "Y Y_X": 1, "Y^2 Y_X": 2}
-    shifts = {terms[name]: value for name, value in coefficients.terms.items() if name in terms}
+    powers = {"Y_X": 0, "Y Y_X": 1, "Y^2 Y_X": 2}
+    shifts = {powers[name]: value for name, value in coefficients.terms.items() if name in powers}
     highest = max(shifts, default=0)
 
     def rest(strain: Any) -> Any:
         waves = _sound(reduction.lattice, values, strain)
-        known = mpmath.mpf(coefficients.c.evalf(DIGITS)) + mpmath.fsum(
-            mpmath.mpf(value.evalf(DIGITS)) * strain**power for power, value in shifts.items()
-        )
-        return waves - known
+        terms = (mpmath.mpf(v.evalf(DIGITS)) * strain**power for power, v in shifts.items())
+        return waves - (mpmath.mpf(coefficients.c.evalf(DIGITS)) + mpmath.fsum(terms))
 
     return _falling("static stress law", rest, highest + 1)
 

@@ -109,9 +109,8 @@ def dispersion_relation(lattice: Lattice = FPUT_STRAIN) -> Dispersion:
     rates = lattice.site_losses[0] + constant_loss + dashpot_loss
     damping = (expand(rates) / lattice.masses[0]).subs(actual)
     if uniform_part != 0:
-        squared_frequency = (expand(uniform_part + squared) / lattice.masses[0]).subs(
-            {**actual, ybar: 0}
-        )
+        over_mass = expand(uniform_part + squared) / lattice.masses[0]
+        squared_frequency = over_mass.subs({**actual, ybar: 0})
         return Dispersion(squared_frequency, sqrt(squared_frequency), damping)
     over_mass = squared / lattice.masses[0]
     stiffness = factor(expand(over_mass / HALF_SINE**2))

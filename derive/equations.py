@@ -18,8 +18,7 @@ from longwave.derive.output.notation import (
 )
 
 _NAMES_BY_TERM = {
-    "Y_XXX": "linear",
-    "Y_5X": "linear",
+    **dict.fromkeys(("Y_XXX", "Y_5X"), "linear"),
     "Y Y_X": "Hopf, without dispersion",
     "Y^2 Y_X": "modified Hopf, without dispersion",
 }

@@ -44,21 +44,17 @@ class Expansion:
     @property
     def time_derivative(self) -> Operator:
         """d/dt by the chain rule through the slow variables."""
-        frame = tuple(
-            (axis, variable.exponent, -self.number(variable.speed))
-            for axis, variable in enumerate(self.scaling.space)
-        )
+        variables = enumerate(self.scaling.space)
+        frame = tuple((axis, v.exponent, -self.number(v.speed)) for axis, v in variables)
         return (*frame, (len(frame), self.scaling.time, self.field.one))
 
     def shifted(self, series: EpsSeries, cell: Cell) -> EpsSeries:
         """Shift a series by whole cells, by Taylor's theorem."""
-        steps = (
-            (axis, v.exponent, sum(d * s for d, s in zip(v.direction, cell, strict=True)))
-            for axis, v in enumerate(self.scaling.space)
-        )
-        return series.exponential(
-            tuple((axis, power, self.number(step)) for axis, power, step in steps if step)
-        )
+        operator = []
+        for axis, v in enumerate(self.scaling.space):
+            if step := sum(d * s for d, s in zip(v.direction, cell, strict=True)):
+                operator.append((axis, v.exponent, self.number(step)))
+        return series.exponential(tuple(operator))
 
     def ansatz(self) -> EpsSeries:
         """Return ``background + eps^amplitude W``."""
@@ -91,11 +87,8 @@ class Expansion:
         return matrices.combined(self.zero_mode[1], rows, EpsSeries(self.field, self.limit, {}))
 
     def _fields(self, slaved: Sequence[EpsSeries], limit: int) -> list[EpsSeries]:
-        wave = self.ansatz()
-        return [
-            (share * wave + part).upto(limit)
-            for share, part in zip(self.zero_mode[0], slaved, strict=True)
-        ]
+        wave, pairs = self.ansatz(), zip(self.zero_mode[0], slaved, strict=True)
+        return [(weight * wave + part).upto(limit) for weight, part in pairs]
 
     def rows(self, fields: Sequence[EpsSeries], since: int = 0) -> list[EpsSeries]:
         """Return ``mass f'' + loss f' - forces`` of each field, from ``eps^since`` on."""
@@ -169,18 +162,12 @@ class Expansion:
         Raises ValueError unless there is one of each.
         """
         matrix = self.matrix(j)
-        null_spaces = (
-            matrices.null_space(matrix),
-            matrices.null_space(matrices.transposed(matrix)),
-        )
+        null_spaces = [matrices.null_space(m) for m in (matrix, matrices.transposed(matrix))]
         if any(len(vectors) != 1 for vectors in null_spaces):
-            several_waves, no_wave = (
-                "its fields move apart at no cost",
-                "pinned: derive a carrier's envelope",
-            )
+            count, no_wave = len(null_spaces[0]), "pinned: derive a carrier's envelope"
             raise ValueError(
-                f"lattice must have one wave of vanishing frequency, got {len(null_spaces[0])} "
-                f"({several_waves if len(null_spaces[0]) > 1 else no_wave})"
+                f"lattice must have one wave of vanishing frequency, got {count} "
+                f"({'its fields move apart at no cost' if count > 1 else no_wave})"
             )
         return null_spaces[0][0], null_spaces[1][0]
 

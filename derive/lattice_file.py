@@ -273,10 +273,9 @@ def _check_keys(table: object, kind: str) -> None:
 
 def _texts(document: Mapping[str, Any], key: str, *, required: bool = True) -> list[str]:
     names = document.get(key, None if required else [])
-    texts = isinstance(names, list) and all(
-        isinstance(entry, str) and len(entry) <= LONGEST_NAME for entry in names
-    )
-    if not texts or (required and not names) or len(names) > MAX_ENTRIES:
+    entries = names if isinstance(names, list) else [None]
+    are_texts = all(isinstance(text, str) and len(text) <= LONGEST_NAME for text in entries)
+    if not are_texts or (required and not names) or len(names) > MAX_ENTRIES:
         raise ValueError(f'{key} must be a list of names, got {shown(names)} (such as ["u"])')
     return list(names)
 
@@ -344,10 +343,8 @@ def _bond(entry: Mapping[str, Any], fields: list[str], symbols: _Symbols) -> Bon
     action = entry.get("action")
     if not isinstance(action, Mapping) or not action:
         raise ValueError(f'action must name fields, got {shown(action)} ({{u = "F[n] - F[n-1]"}})')
-    stretch = tuple(
-        Stencil(cell, weight, _field("stretch", name, fields))
-        for weight, name, cell in _terms("stretch", entry.get("stretch"))
-    )
+    terms = _terms("stretch", entry.get("stretch"))
+    stretch = tuple(Stencil(cell, w, _field("stretch", name, fields)) for w, name, cell in terms)
     ends = []
     for name, text in action.items():
         for weight, force, cell in _terms("action", text):

@@ -103,21 +103,18 @@ class Measured:
         correlations = [
             [self.covariance[i][j] / scales[i] / scales[j] for j in uncertain] for i in uncertain
         ]
-        eigenvalues, vectors = context.eigsy(context.matrix(correlations))
-        rows = dict(zip(uncertain, vectors.tolist(), strict=True))
-        return [float(value) for value in eigenvalues], [
-            [scale * float(part) for part in rows.get(i, ())] for i, scale in enumerate(scales)
-        ]
+        eigenvalues, columns = context.eigsy(context.matrix(correlations))
+        rows = dict(zip(uncertain, columns.tolist(), strict=True))
+        vectors = [[size * float(v) for v in rows.get(i, ())] for i, size in enumerate(scales)]
+        return [float(value) for value in eigenvalues], vectors
 
     def samples(self, count: int, seed: int = 0) -> list[tuple[float, ...]]:
         """Draw samples of the constants, in the order of ``values``, with normal errors."""
         eigenvalues, vectors = self._modes
         sizes = [math.sqrt(max(value, 0.0)) for value in eigenvalues]
         normal = random.Random(seed).gauss
-        rows = [
-            (float(value), [part * size for part, size in zip(vector, sizes, strict=False)])
-            for (_, value), vector in zip(self.values, vectors, strict=True)
-        ]
+        factors = ([v * size for v, size in zip(row, sizes, strict=False)] for row in vectors)
+        rows = list(zip((float(value) for _, value in self.values), factors, strict=True))
         samples = []
         for _ in range(count):
             normals = [normal(0.0, 1.0) for _ in sizes]

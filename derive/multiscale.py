@@ -33,9 +33,6 @@ FURTHER_ORDERS = 2
 """Default number of orders beyond the evolution equation: usually includes the first correction."""
 
 
-USUAL = "Scaling() is the paper's"
-
-
 class ReductionError(ValueError):
     """The ansatz does not reduce the lattice; the message names the order and its terms."""
 
@@ -77,9 +74,8 @@ class _Solver:
         shortfall = self.leading_order - order
         power_text = f"eps^{power + shortfall}" if power + shortfall > 1 else "eps"
         slow_time = self.scaling.time - shortfall
-        remedy = f"write {power_text} times a constant" + (
-            f", or take T = eps^{slow_time} t" * (slow_time > 1)
-        )
+        other = f", or take T = eps^{slow_time} t" if slow_time > 1 else ""
+        remedy = f"write {power_text} times a constant{other}"
         return (
             f"{kind} loss must enter at the order of the reduced equation, eps^"
             f"{self.leading_order}, got {text_of(given)}, which dominates at eps^{order} ({remedy})"
@@ -146,9 +142,8 @@ class _Solver:
         self, order: int, vanishing: RationalFunction, drifts: Sequence[Symbol] = ()
     ) -> None:
         """Solve for one of the ``drifts``, which have no given values, or of the constants."""
-        solved = (drifts and solve_linear(vanishing, drifts)) or solve_linear(
-            vanishing, self.constants, self.frame
-        )
+        solved = solve_linear(vanishing, drifts) if drifts else None
+        solved = solved or solve_linear(vanishing, self.constants, self.frame)
         if solved is None:
             raise self._refusal(
                 order,
@@ -199,7 +194,8 @@ def reduce(
     >>> print(reduce(LATTICES["fput_strain"]).pde.text())
     Y_T + (3 K4/(2 c)) Y^2 Y_X + (c/24) Y_XXX = 0
     """
-    chosen = Scaling() if scaling is None else instance("scaling", scaling, Scaling, USUAL)
+    remedy = "Scaling() is the paper's"
+    chosen = instance("scaling", Scaling() if scaling is None else scaling, Scaling, remedy)
     leading = chosen.leading_order
     highest = leading + FURTHER_ORDERS if orders is None else orders
     if integer("orders", highest, 0, "the highest power of eps") < leading:
@@ -230,10 +226,7 @@ def reduce(
         remainders={} if transverse else dict(_on_solutions(solver, {0: flow}).parts),
         corrections=corrections,
         obstruction=obstruction,
-        slaved={
-            name: (weight, part)
-            for name, weight, part in zip(names, expansion.zero_mode[0], slaved, strict=True)
-        },
+        slaved=dict(zip(names, zip(expansion.zero_mode[0], slaved, strict=True), strict=True)),
         left=tuple(expansion.zero_mode[1]),
     )
 

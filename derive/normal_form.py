@@ -228,10 +228,9 @@ class NormalForm:
         return {name: getattr(self, name) for name in names}
 
     def __repr__(self) -> str:
-        fields_shown = (
-            i for i in fields(self) if i.name in "absc" or getattr(self, i.name) != i.default
-        )
-        return f"NormalForm({', '.join(f'{i.name}={getattr(self, i.name)}' for i in fields_shown)})"
+        values = [(i.name, getattr(self, i.name), i.default) for i in fields(self)]
+        texts = (f"{name}={v}" for name, v, usual in values if name in "absc" or v != usual)
+        return f"NormalForm({', '.join(texts)})"
 
     def _repr_latex_(self) -> str:
         greek = {"drift": r"\nu"}
@@ -277,11 +276,8 @@ def normal_form_of(
     >>> normal_form_of(S(2), {"Y Y_X": S(3), "Y_XXX": S(1)})
     NormalForm(a=1, b=1, s=1, c=2, equation=KdV, h=2)
     """
-    terms = {
-        term: value
-        for term, value in coefficients.items()
-        if not (value.equals(0) if value.is_number else value.is_zero)
-    }
+    vanishes = {t: v.equals(0) if v.is_number else v.is_zero for t, v in coefficients.items()}
+    terms = {term: value for term, value in coefficients.items() if not vanishes[term]}
     drift = terms.pop("Y_X", S.Zero)
     entry = equation_of(terms)
     if entry is None:

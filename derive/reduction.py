@@ -195,10 +195,8 @@ class Reduction:
     def lossless_form(self, **constants: Number) -> NormalForm:
         """Return the normal form of the equation without the terms of losses."""
         values = self.coefficients(**constants)
-        terms = {
-            name: value for name, value in self._named(values).items() if name not in _LOSS_TERMS
-        }
-        return normal_form_of(values.c, terms)
+        terms = self._named(values).items()
+        return normal_form_of(values.c, {n: v for n, v in terms if n not in _LOSS_TERMS})
 
     def amplitude_law(self, **constants: Number) -> AmplitudeLaw | None:
         """Return the decay of a soliton by the losses; arguments as for coefficients.

@@ -169,13 +169,11 @@ class Scaling(notation.Displayed):
         def small(exponent: int) -> str:
             return notation.power_of(eps, exponent, printed)
 
-        mean = "".join(
-            f"{small(p)}{notation.bracketed(value, printed)} + " for p, value in self.background
-        )
+        terms = ((p, notation.bracketed(value, printed)) for p, value in self.background)
+        mean = "".join(f"{small(power)}{text} + " for power, text in terms)
         wave_text = f"{small(self.amplitude)}{wave}({', '.join(self.axes)})"
-        phases = ((v, v.phase(printed)) for v in self.space)
-        slow = (
-            f"{v.name} = {small(v.exponent)}{f'({phase})' if ' ' in phase else phase}"
-            for v, phase in phases
-        )
+        phases = [v.phase(printed) for v in self.space]
+        factors = (f"({phase})" if " " in phase else phase for phase in phases)
+        pairs = zip(self.space, factors, strict=True)
+        slow = (f"{v.name} = {small(v.exponent)}{factor}" for v, factor in pairs)
         return [f"{field} = {mean}{wave_text}", *slow, f"T = {small(self.time)}t"]

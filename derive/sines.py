@@ -32,10 +32,7 @@ def in_sines(element: RationalFunction) -> tuple[Expr, Expr]:
     (0, -4*K*omega~*sin(k/2)**2)
     """
     field = RationalFunctions((sine, cosine, frequency, *element.field.symbols[2:]))
-    numerator, denominator = (
-        _Product(field, element, below=False),
-        _Product(field, element, below=True),
-    )
+    numerator, denominator = (_Product(field, element, below=below) for below in (False, True))
     rest = _times(numerator.rest, _power(field, numerator.turns - denominator.turns))
     if denominator.rest[1]:
         real, imaginary = denominator.rest
@@ -101,10 +98,8 @@ def _power(field: RationalFunctions, count: int) -> Complex:
 
 
 def _times(left: Complex, right: Complex) -> Complex:
-    return (
-        _reduced(left[0] * right[0] - left[1] * right[1]),
-        _reduced(left[0] * right[1] + left[1] * right[0]),
-    )
+    (a, b), (c, d) = left, right
+    return _reduced(a * c - b * d), _reduced(a * d + b * c)
 
 
 def _reduced(polynomial: RationalFunction) -> RationalFunction:

@@ -122,9 +122,8 @@ def values_of(
 def check_constants(constants: Sequence[Symbol], fields: Sequence[str] = ()) -> None:
     """Raise ValueError if a constant has a reserved name, a field's, or another constant's."""
     names = [str(constant) for constant in constants]
+    check_names("constants", names)
     for name in names:
-        if name in RESERVED:
-            check_names("constants", [name])
         if name in fields:
             raise ValueError(
                 f"constants must have names other than the fields', got {name} ({name} is a field: "

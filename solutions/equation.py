@@ -31,10 +31,8 @@ _LEFT_SIDES: Mapping[str, _LeftSide] = {
     "KdV": _LeftSide(lambda U, d, s, r: 6 * U * d(1) + d(3)),
     "mKdV": _LeftSide(lambda U, d, s, r: 6 * s * U**2 * d(1) + d(3)),
     "Gardner": _LeftSide(lambda U, d, s, r: 6 * U * d(1) + d(3) + 6 * s * U**2 * d(1)),
-    "Kawahara": _LeftSide(lambda U, d, s, r: 6 * U * d(1) + s * d(3) - d(5), order=5),
-    "modified Kawahara": _LeftSide(
-        lambda U, d, s, r: 6 * r * U**2 * d(1) + s * d(3) - d(5), order=5
-    ),
+    "Kawahara": _LeftSide(lambda U, d, s, r: 6 * U * d(1) + s * d(3) - d(5), 5),
+    "modified Kawahara": _LeftSide(lambda U, d, s, r: 6 * r * U**2 * d(1) + s * d(3) - d(5), 5),
     "KdV-Burgers": _LeftSide(lambda U, d, s, r: 6 * U * d(1) + s * d(3) - d(2)),
     "mKdV-Burgers": _LeftSide(lambda U, d, s, r: 6 * r * U**2 * d(1) + s * d(3) - d(2)),
     "KP": _LeftSide(lambda U, d, s, r: 6 * U * d(1) + d(3), has_across=True),

@@ -196,9 +196,8 @@ class NumericWave:
 
         if part not in self._value_evaluators:
             evaluator, rows = self._evaluator(part), self._value_rows
-            self._value_evaluators[part] = (
-                evaluator.only(rows) if isinstance(evaluator, Evaluator) else None
-            )
+            can_select = isinstance(evaluator, Evaluator)
+            self._value_evaluators[part] = evaluator.only(rows) if can_select else None
         return self._value_evaluators[part]
 
     def jets(

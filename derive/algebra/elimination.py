@@ -56,10 +56,8 @@ class Elimination:
             times, remainder = divmod(exponents[index], self.power)
             others = (*exponents[:index], remainder, *exponents[index + 1 :])
             by_power.setdefault(times, []).append((others, number))
-        return sum(
-            (field.from_terms(part) * self.value**times for times, part in by_power.items()),
-            field.zero,
-        )
+        parts = (field.from_terms(part) * self.value**times for times, part in by_power.items())
+        return sum(parts, field.zero)
 
 
 def solve_linear(

@@ -49,10 +49,6 @@ def exact_value(name: str, value: AnyNumber, names: Mapping[str, sp.Expr] | None
     return expression
 
 
-def _refused(_: int, words: str) -> ValueError:
-    return ValueError(words)
-
-
 class ExpressionBuilder:
     """Builder of expressions in the words of a vocabulary.
 
@@ -61,7 +57,9 @@ class ExpressionBuilder:
     """
 
     def __init__(
-        self, vocabulary: Vocabulary, refused: Callable[[int, str], ValueError] = _refused
+        self,
+        vocabulary: Vocabulary,
+        refused: Callable[[int, str], ValueError] = lambda _, words: ValueError(words),
     ) -> None:
         self._words, self._refused = vocabulary, refused
         self.divisors: list[sp.Expr] = []
@@ -100,9 +98,8 @@ class ExpressionBuilder:
                     self.divisors += parts
                 return bounded_building.applied(self._words.functions[name][0], parts)
             case syntax.Derivative(steps=steps):
-                return bounded_building.derivative(
-                    parts[0], [self._words.variables[step] for step in steps]
-                )
+                variables = [self._words.variables[step] for step in steps]
+                return bounded_building.derivative(parts[0], variables)
         raise TypeError(f"formula must be a node of a tree, got {type(formula).__name__}")
 
     def _field(self, formula: syntax.Unknown) -> sp.Expr:

@@ -35,10 +35,8 @@ NAME_LENGTH = 40
 MOST_SHIFT = 1000
 """Largest shift of a lattice site."""
 
-ROWS = (
-    """Remedy for an index of two sites."""
-    " (one site is read; write a row of a second one m as an unknown: v[n] for u[n,m+1])"
-)
+ROWS = " (one site is read; write a row of a second one m as an unknown: v[n] for u[n,m+1])"
+"""Remedy for an index of two sites."""
 
 WINDOW = 60
 """Characters of a text that an error shows."""

@@ -179,12 +179,8 @@ def _stages(spelling: Spelling) -> Iterator[tuple[typing_rules.Rule, ...]]:
     yield typing_rules.LATEX
     yield typing_rules.BRACES
     yield typing_rules.SPELLED_NUMBERS
-    yield (
-        *typing_rules.CALLS,
-        *_calls(spelling),
-        *typing_rules.DERIVATIVES,
-        (_DIFF, _differentiated(spelling)),
-    )
+    calls = (*typing_rules.CALLS, *_calls(spelling), *typing_rules.DERIVATIVES)
+    yield (*calls, (_DIFF, _differentiated(spelling)))
     yield (*_products(spelling), *typing_rules.TIDY)
     yield (*typing_rules.TIDY, *typing_rules.END)
 
@@ -250,10 +246,9 @@ def _calls(spelling: Spelling) -> tuple[typing_rules.Rule, ...]:
         letter = continuous[0] if continuous else "t" if site else ""
         if not letter or len(continuous) > 1:
             return match[0]
-        steps = [letter] * len(primes)
-        return (
-            f"diff({unknown}{site}, {', '.join(steps)})" if site else f"{unknown}_{''.join(steps)}"
-        )
+        if site:
+            return f"diff({unknown}{site}, {', '.join(letter * len(primes))})"
+        return f"{unknown}_{letter * len(primes)}"
 
     return (
         (r"(?<![\w.])(<U>)('+)(\[[^\[\]]*\])", r"\1\3\2"),

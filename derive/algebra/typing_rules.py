@@ -91,9 +91,8 @@ def _at_its_variables(match: re.Match[str]) -> str:
     letters_used = re.findall(r"[xyzt]", match["at"])
     lists = re.findall(rf"{re.escape(match['of'])}\s*[\[(]([xyzt_,\s]+)[\])]", match.string)
     distinct = {"".join(re.findall(r"[xyzt]", letters)) for letters in lists}
-    return (
-        match[0] if len(set(letters_used)) < len(letters_used) or len(distinct) > 1 else match["of"]
-    )
+    is_repeated = len(set(letters_used)) < len(letters_used)
+    return match[0] if is_repeated or len(distinct) > 1 else match["of"]
 
 
 def _joined(match: re.Match[str]) -> str:

@@ -143,11 +143,8 @@ def _data(
         wave = {"wave": result.frequency_text()} if result.waves > 1 else {}
         formulas = result.expressions_of(names).items()
         return {**data, **wave, **{name: text_of(value) for name, value in formulas}}
-    values = {
-        n: [v.real, v.imag] if isinstance(v, complex) else v
-        for n, v in asdict(numbers).items()
-        if n in ("omega", *names)
-    }
+    items = ((name, v) for name, v in asdict(numbers).items() if name in ("omega", *names))
+    values = {name: [v.real, v.imag] if isinstance(v, complex) else v for name, v in items}
     normal = {"normal_form": {**form_data(form), "digits": form.digits}} if form else {}
     return {**data, "numbers": values, **normal}
 
@@ -185,9 +182,8 @@ def _texts(
         return marked(text, ("A", "i", "X", "T", "omega", *result.parts), names_taken)
 
     yield from head_lines(lattice)
-    yield renamed(
-        f"carrier: {result.leading_field}_n = eps A(X, T) exp(i (k n - omega t)) + c.c. + ..."
-    )
+    carried = "eps A(X, T) exp(i (k n - omega t)) + c.c. + ..."
+    yield renamed(f"carrier: {result.leading_field}_n = {carried}")
     yield renamed("  X = eps (n - v t), T = eps^2 t")
     if numbers is None:
         location = "" if angle is None else f" at k = {text_of(angle)}"

@@ -64,10 +64,8 @@ def measured_with_options(
     uncertain = {name for name, deviation in lattice.measured.deviations.items() if deviation}
     uncertain -= {*options.constants, *map(str, lattice.unfelt_constants)}
     if substituted := sorted(uncertain - names):
-        return (
-            None,
-            f"(no intervals: {', '.join(substituted)} had to be put in before the expansion)",
-        )
+        names_text = ", ".join(substituted)
+        return None, f"(no intervals: {names_text} had to be put in before the expansion)"
     if unknown := sorted(names - values.keys()):
         return None, f"(no intervals: {', '.join(unknown)} has no value)"
     exact = {name: value for name, value in values.items() if name not in uncertain}

@@ -153,9 +153,8 @@ def _reduction_lines(lattice: Lattice, options: derive_options.DeriveOptions) ->
         yield f"{lattice.name}: {reduction.pde.kind}: {reduction.pde.text()}"
         yield from map(Check.text, checks_of_reduction(reduction))
         return
-    measured, note = derive_options.measured_with_options(
-        lattice, reduction.lattice.basic_constants, values, options
-    )
+    remaining = reduction.lattice.basic_constants
+    measured, note = derive_options.measured_with_options(lattice, remaining, values, options)
     intervals = {} if measured is None else intervals_of_reduction(reduction, measured)
     numbers = list(_number_lines(reduction, values, intervals, note))
     is_paper = reduction.lattice == FPUT_STRAIN and reduction.scaling == Scaling()

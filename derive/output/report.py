@@ -70,11 +70,10 @@ def _slaved_lines(reduction: Reduction) -> Iterator[str]:
         return power_of(eps, power, text_of)
 
     for name, (share, series) in list(reduction.slaved.items())[1:]:
-        first_term = next(iter(series.parts.items()), None)
+        first = next(iter(series.parts.items()), None)
         wave_text = small(reduction.scaling.amplitude) + notation.text(share * unit)
-        yield f"{name} = {wave_text}" + (
-            f" + {small(first_term[0])}({notation.text(first_term[1])}) + ..." if first_term else ""
-        )
+        text = f" + {small(first[0])}({notation.text(first[1])}) + ..." if first else ""
+        yield f"{name} = {wave_text}{text}"
 
 
 def _beyond(reduction: Reduction) -> Iterator[str]:
@@ -111,10 +110,8 @@ def latex_report(reduction: Reduction, constants: Mapping[str, Number]) -> str:
         taken = reduction.lattice.names
         equation = marked(NORMAL_EQUATIONS[form.equation].latex, "srU", taken)
         rows.append((r"\text{normal form}:", re.sub(r"(\w)~", r"\\tilde{\1}", equation)))
-        rows += [
-            ("", f"{latex_of(Symbol(unused(key, taken)))} = {latex_of(value)}")
-            for key, value in form.values.items()
-        ]
+        values_by_label = {latex_of(Symbol(unused(n, taken))): v for n, v in form.values.items()}
+        rows += [("", f"{label} = {latex_of(value)}") for label, value in values_by_label.items()]
     return aligned(rows)
 
 

@@ -61,7 +61,6 @@ class JacobiCall(NamedTuple):
 
 _AT_PARAMETER_ZERO = {sp.sin: jacobi_sn, sp.cos: jacobi_cn}
 
-
 SPACE_TIME_VARIABLES = (xi, tau, zeta)
 
 Parts = tuple[sp.Expr, sp.Expr]
@@ -116,9 +115,7 @@ class Lowering:
             return call.symbol_of(_AT_PARAMETER_ZERO[expression.func])
         if expression.is_Mul:
             constant_factors, varying = self._split(expression)
-            return sp.Mul(
-                self.constant(constant_factors), *(self.lower(factor) for factor in varying)
-            )
+            return sp.Mul(self.constant(constant_factors), *map(self.lower, varying))
         if expression.is_Pow:
             return self.lower(expression.base) ** self.constant(expression.exp)
         return expression.func(*(self.lower(argument) for argument in expression.args))
@@ -176,9 +173,8 @@ class Lowering:
 
     def _is_varying(self, expression: sp.Expr) -> bool:
         if expression not in self._varies:
-            self._varies[expression] = expression in SPACE_TIME_VARIABLES or any(
-                self._is_varying(argument) for argument in expression.args
-            )
+            is_variable = expression in SPACE_TIME_VARIABLES
+            self._varies[expression] = is_variable or any(map(self._is_varying, expression.args))
         return self._varies[expression]
 
 
@@ -188,7 +184,6 @@ def complex_parts(expression: sp.Expr) -> Parts:
     It may have sums, products and powers of real expressions, I and exp(I ...). Nothing is expanded
     or simplified; symbols and functions without I are taken as real. Raises ValueError for I in
     another function or in a divisor.
-
 
     >>> x, y = sp.symbols("x y", real=True)
     >>> complex_parts((1 + 2 * sp.I * x) / (1 + x**2) * sp.exp(sp.I * y))[1]

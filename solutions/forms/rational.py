@@ -22,9 +22,8 @@ CO_MOVING: sp.Expr = xi - 6 * tau
 def horner_form(order: int, free: tuple[int, ...] = ()) -> sp.Expr:
     """Return ``(-1)**j [1 - 2 (A B_x - A_x B)/(A**2 + B**2)]``, each polynomial in Horner form."""
     family = rational_tau(order, free)
-    parts = [
-        sp.horner(_to_sympy(part, *family.symbols), *family.symbols) for part in _parts(family)
-    ]
+    symbols = family.symbols
+    parts = [sp.horner(_to_sympy(part, *symbols), *symbols) for part in _parts(family)]
     wave = _wave(order, *parts)
     return wave.subs(dict(zip(SPACE_TIME, (CO_MOVING, tau), strict=True)), simultaneous=True)
 

@@ -29,7 +29,6 @@ _lambda = (k + sp.I * _kp) / 2
 _weight = _y**2 + sp.I * k * _kp
 _inverse_lambda = 2 * (k - sp.I * _kp)  # lambda has modulus 1/2
 
-
 Parts = tuple[sp.Expr, sp.Expr]
 """Real and imaginary part."""
 
@@ -145,9 +144,8 @@ def _stable() -> sp.Expr:
     difference = (_theta_re - _theta_im) * (_theta_re + _theta_im)
     divided = (sp.S.One, _theta_re, _theta_im, difference, 2 * _theta_re * _theta_im)
     sphere = (1 - size, 2 * _theta_re, 2 * _theta_im)
-    weights = {
-        symbol: value / (1 + size) for symbol, value in zip(w + n, divided + sphere, strict=True)
-    }
+    values = zip(w + n, divided + sphere, strict=True)
+    weights = {symbol: value / (1 + size) for symbol, value in values}
     return _in_xi_tau(G_1 / G_2, _stable_theta(), weights)
 
 

@@ -43,9 +43,8 @@ def _stable_integral(u: sp.Expr) -> sp.Expr:
     slope = sp.diff(symbolic, E)
     rest = sp.factor(sp.cancel((symbolic - symbolic.subs({s: 0, E: 0})).subs(E, k**2 * s * c / d)))
     total = slope * E + symbolic.subs({s: 0, E: 0}) + rest
-    to_functions = {symbol: function for function, symbol in functions.items()} | {
-        E: bare_waves.shifted_area(z)
-    }
+    to_functions = {symbol: function for function, symbol in functions.items()}
+    to_functions[E] = bare_waves.shifted_area(z)
     return total.subs(to_functions).subs(kp, complementary_modulus).subs(z, u)
 
 

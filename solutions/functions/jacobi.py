@@ -103,9 +103,8 @@ class JacobiFunction(Function):
         return rf"{self.latex_symbol}{power}\left({printer._print(z)}{second}\right)"
 
     def _numpycode(self, printer: Any) -> str:
-        name = printer._module_format(
-            f"longwave.solutions.functions.numpy_values.{self.func.__name__}"
-        )
+        module = "longwave.solutions.functions.numpy_values"
+        name = printer._module_format(f"{module}.{self.func.__name__}")
         return f"{name}({', '.join(printer._print(x) for x in self.args)})"
 
 

@@ -26,10 +26,7 @@ _BITS = 240
 
 
 def split(number: Any) -> Pair:
-    """Return the pair nearest to an exact number.
-
-    Args:
-        number: int, Fraction, float, decimal or fraction literal, mpf, or a SymPy number.
+    """Return the pair nearest to an exact number: int, float, Fraction, mpf, SymPy's, or literal.
 
     >>> split(0.1)
     (0.1, 0.0)
@@ -62,11 +59,7 @@ def split_three(number: Any) -> Three:
 
 
 def check_range(number: Any) -> Any:
-    """Return `number` if pairs and triples of floats can represent it.
-
-    Raises:
-        OverflowError: unless it is 0 or within 1e-250 .. 1e250.
-    """
+    """Return `number`. Raises OverflowError unless it is 0 or within 1e-250 .. 1e250."""
     if number and not 1e-250 < abs(number) < 1e250:
         raise OverflowError(_CONTEXT.nstr(_CONTEXT.convert(number), 3))
     return number
@@ -123,6 +116,16 @@ def two_sum(a: float, b: float) -> Pair:
     s = a + b
     t = s - a
     return s, (a - (s - t)) + (b - t)
+
+
+@njit()
+def normalized(high: float, middle: float, low: float) -> Three:
+    """Return three floats of the same sum, each below the rounding of the one before."""
+    high, middle = two_sum(high, middle)
+    middle, low = two_sum(middle, low)
+    high, middle = two_sum(high, middle)
+    middle, low = two_sum(middle, low)
+    return high, middle, low
 
 
 @njit()

@@ -164,9 +164,8 @@ def tanh(x: dd.Array, z: dd.Array, scratch: dd.Array) -> None:
     """Fill ``z`` with tanh(x), of full relative precision, after `decay_of` 2 x."""
     fall, rise = scratch[3], scratch[4]
     for i in range(BLOCK):
-        value = dd.multiply(
-            load_pair(rise, i), dd.reciprocal(dd.add((1.0, 0.0), load_pair(fall, i)))
-        )
+        inverse = dd.reciprocal(dd.add((1.0, 0.0), load_pair(fall, i)))
+        value = dd.multiply(load_pair(rise, i), inverse)
         high, low = dd.scale(value, 1.0 if x[i] >= 0.0 else -1.0)
         e = x[i + 2 * BLOCK]
         slope = min(1.0, 12.0 * fall[i]) if e <= 0.5 else 1.0  # sech**2 <= 4 exp(1) fall nearby

@@ -216,11 +216,7 @@ def _without(u: dd.Three, j: float, quarter: dd.Three) -> dd.Three:
     middle, b = dd.two_sum(middle, -e)
     middle, c = dd.two_sum(middle, g)
     low = (u[2] - quarter[2] * j) + ((a - f) + (b + c))
-    high, middle = dd.two_sum(high, middle)
-    middle, low = dd.two_sum(middle, low)
-    high, middle = dd.two_sum(high, middle)
-    middle, low = dd.two_sum(middle, low)
-    return high, middle, low
+    return dd.normalized(high, middle, low)
 
 
 @njit(cache=True, examples=[(doubles(2), THREE, doubles(3))])

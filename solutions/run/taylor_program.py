@@ -39,10 +39,8 @@ def taylor_bytecode(
         registers[target] = expansion.series(
             Operation(operation), registers[a], registers[b], constants[c] if constants else None
         )
-    coefficients = [
-        registers[bytecode.outputs[row]][n] for row in outputs for n in range(highest + 1)
-    ]
-    program = code.assemble([code.number(coefficient) for coefficient in coefficients])
+    results = [registers[bytecode.outputs[row]] for row in outputs]
+    program = code.assemble([code.number(c) for series in results for c in series[: highest + 1]])
     pairs = np.array([split(number) for number in program.pool]).reshape(-1, 2)
     return replace(program, pool=()), pairs
 
