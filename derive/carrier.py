@@ -37,18 +37,15 @@ z, w = Symbol("exp(i k)"), Symbol("i omega")
 """Symbols with names that no constant of a lattice can have."""
 
 LETTER, CONJUGATE, MEAN = 0, 1, 2
-"""Second entry of a jet; the first is the number of X-derivatives."""
+"""Second entry of a jet, of A, its conjugate or the mean; the first counts X-derivatives."""
 
 A: Jet = (0, LETTER)
 MEAN_LETTER: Jet = (0, MEAN)
 
-LAST = 4
-"""Power of eps that determines G_1."""
+NLS, LAST = 3, 4
+"""Powers of eps that determine G_0, which gives the NLS equation, and G_1."""
 
-NLS = 3
-"""Power of eps that determines G_0."""
-
-MOST_TERMS_A_FIELD = 10
+MAX_TERMS_PER_FIELD = 10
 """Bound on the terms of the second harmonic's determinant, for each field, with symbolic constants.
 Three masses and equal springs have 30 and take 2 s, four masses with a symbol for one have 46 and
 take 14 s, three masses and three springs 72 and did not finish within minutes."""
@@ -129,7 +126,8 @@ class Carrier(Expansion):
         self.values = {s: value for s, value in (values or {}).items() if s != self.fixed}
         value = self.number(self.wave.as_expr()).solved_for(self.fixed)
         if value is None:
-            raise EnvelopeError(f"{self.fixed} must enter the dispersion relation, got it nowhere")
+            relation = f"{self.relation} = 0"
+            raise EnvelopeError(f"{self.fixed} must be in the dispersion relation, got {relation}")
         self.images = {self.fixed: value}
         self._conjugates: dict[Factor, RationalFunction] = {}
         self.means: list[DifferentialPolynomial] = []
@@ -170,9 +168,9 @@ class Carrier(Expansion):
     def _first_moved(self, wave: RationalFunction) -> int:
         """Return the first field that a wave moves: the others' determinant is nonzero on it."""
         fields = range(len(self.linear))
-        others = (determinant(without(self.linear, i, i)) for i in fields)
-        pairs = zip(fields, others, strict=True)
-        return next((i for i, own in pairs if wave not in own.factors()), 0)
+        minors = (determinant(without(self.linear, i, i)) for i in fields)
+        pairs = zip(fields, minors, strict=True)
+        return next((i for i, minor in pairs if wave not in minor.factors()), 0)
 
     def solve(self) -> None:
         """Solve for all parts up to G_1; with losses up to G_0."""
@@ -191,12 +189,12 @@ class Carrier(Expansion):
         """Raise EnvelopeError if the second harmonic's determinant is too large to compute soon."""
         fields, size = len(self.lattice.fields), (1 / self.second_harmonic).size
         unresolved = [s for s in self.lattice.constants if s not in {self.fixed, *self.values}]
-        if self.turn is None and unresolved and fields > 2 and size > MOST_TERMS_A_FIELD * fields:
+        if self.turn is None and unresolved and fields > 2 and size > MAX_TERMS_PER_FIELD * fields:
             names = [str(s) for s in self.lattice.constants if s not in self.values]
             raise EnvelopeError(
                 f"constants of a cell with {fields} fields must be few, got {', '.join(names)}: "
-                f"the second harmonic's resonance has {size} terms, and {MOST_TERMS_A_FIELD} for "
-                f"each field are solved in symbols (give numbers, for all masses first, as "
+                f"the second harmonic's resonance has {size} terms, and {MAX_TERMS_PER_FIELD} for "
+                f"each field are solved in symbols (give numbers, for all masses first, such as "
                 f"{names[0]}=1)"
             )
 
@@ -242,7 +240,7 @@ class Carrier(Expansion):
         return (1 / (2 * self.rate * sum(inertia, self.field.zero))) * row
 
     def _solve_carrier(self, order: int) -> None:
-        """Solve for the group velocity or G at this order, then for the rest of harmonic 1."""
+        """Solve for the group velocity or G at this order, then for the other harmonic-1 terms."""
         flow = self._flow_at(order)
         if order == 2:
             self.group_velocity = -flow.coefficient((1, LETTER))
@@ -321,8 +319,8 @@ class Carrier(Expansion):
                         continue
                     while len(rates[kind]) <= count:
                         rates[kind].append(rates[kind][-1].derivative(0))
-                    rest = {(*monomial[:i], *monomial[i + 1 :]): value}
-                    total = total + DifferentialPolynomial(self.field, rest) * rates[kind][count]
+                    others = {(*monomial[:i], *monomial[i + 1 :]): value}
+                    total = total + DifferentialPolynomial(self.field, others) * rates[kind][count]
         return total
 
     def stretch(self, bond: Bond, fields: Sequence[EpsSeries]) -> EpsSeries:

@@ -27,11 +27,9 @@ from longwave.derive.sines import cosine, frequency, in_sines, omega, sine
 from longwave.derive.symbols import k, values_of
 from longwave.support.user_files import shown
 
-DIGITS = 60
-"""Digits of the numbers at a given wavenumber, before they are rounded."""
-
-GUARD = 20
-"""Extra working digits, because cancellation costs some."""
+DIGITS, GUARD_DIGITS = 60, 20
+"""Digits of the numbers at a given wavenumber, before they are rounded; extra working digits,
+because cancellation costs some."""
 
 ZERO_TOLERANCE = 1e-40
 """Size below which a denominator counts as 0, in units of the sum of its terms' absolute values."""
@@ -39,8 +37,8 @@ ZERO_TOLERANCE = 1e-40
 IMAGINARY_TOLERANCE = 1e-12
 """Size below which an imaginary part counts as 0, in units of the whole."""
 
-TURNS = {S.Zero: 1, pi: -1}
-"""exp(i k) at the wavenumbers where it is an integer."""
+INTEGER_PHASES = {S.Zero: 1, pi: -1}
+"""Wavenumber k -> exp(i k), where that is an integer."""
 
 MOST_TERMS = 2500
 """Most terms of a coefficient that is written as a formula. One of 1900 took 2 s and has 36 000
@@ -52,7 +50,7 @@ MOST_SIMPLIFIED = 1000
 NEXT_ORDER = ("a3", "a1", "a2")
 """Coefficients of the order beyond the NLS equation."""
 
-_MAPPED = ("v", "p", "q")
+_NORMAL_FORM_NAMES = ("v", "p", "q")
 """Coefficients that determine the normal form."""
 
 IMAGINARY = ("p", "q", "detuning")
@@ -63,7 +61,7 @@ IMAGINARY = ("p", "q", "detuning")
 class EnvelopeNumbers:
     """The coefficients at one wavenumber.
 
-    ``omega`` and ``v``: frequency and group velocity.  ``p``, ``q``: those of the NLS equation.
+    ``omega`` and ``v``: frequency and group velocity.  ``p``, ``q``: terms of the NLS equation.
     ``mean``: the mean is ``eps^2 mean |A|^2`` (for displacements, the mean of a cell's strain).
     ``second``: the second harmonic is ``eps^2 second A^2``, complex if its phase differs from the
     carrier's.  ``detuning``: an independent mean ``eps^2 S`` adds ``detuning S A`` to the left of
@@ -121,7 +119,7 @@ class Envelope(Displayed):
             (second, {(A_XXX,), (A, B, A_X), (A, A, B_X)}),
         ):
             if not part.terms.keys() <= jets:
-                raise EnvelopeError(f"G must be that of an NLS equation, got {part.terms.keys()}")
+                raise EnvelopeError(f"G must have the terms of NLS only, got {part.terms.keys()}")
         next_order = {
             "a3": second.coefficient(A_XXX),
             "a1": -second.coefficient(A, B, A_X),
@@ -139,11 +137,6 @@ class Envelope(Displayed):
         }
 
     @property
-    def leading_field(self) -> str:
-        """Name of the field whose amplitude is A."""
-        return self.lattice.fields[self.carrier.leader]
-
-    @property
     def waves(self) -> int:
         """Number of factors of the dispersion relation; the formulas solve one of them."""
         return len(self.carrier.waves)
@@ -155,8 +148,8 @@ class Envelope(Displayed):
         if parts.keys() == {0, 2}:
             value = (parts[0] / parts[2]).factored().xreplace(self.constants)
             return f"{printed(squared)} = {printed(value)}"
-        rest = sum((v.as_expr() * (-squared) ** (power // 2) for power, v in parts.items()), S.Zero)
-        return f"{printed(rest.xreplace(self.constants))} = 0"
+        terms = (v.as_expr() * (-squared) ** (power // 2) for power, v in parts.items())
+        return f"{printed(sum(terms, S.Zero).xreplace(self.constants))} = 0"
 
     @property
     def equation(self) -> str:
@@ -193,7 +186,7 @@ class Envelope(Displayed):
             unknown = [str(s) for s in self.lattice.constants if s not in self.constants]
             raise EnvelopeError(
                 f"formulas must have at most {MOST_TERMS} terms, got {sizes[longest]} in "
-                f"{longest} (give numbers for some of {', '.join(unknown)}, as {unknown[0]}=1"
+                f"{longest} (give numbers for some of {', '.join(unknown)}, such as {unknown[0]}=1"
                 f"{', or take --order 3, without the next order' if short else ''})"
             )
         factors = {name: -I if name in IMAGINARY else 1 for name in sizes}
@@ -206,7 +199,7 @@ class Envelope(Displayed):
             actual[frequency] = omega
         real, imaginary = (part.subs(actual) for part in in_sines(element))
         value = real + I * imaginary
-        is_exact = self.wavenumber is None or self.wavenumber in TURNS
+        is_exact = self.wavenumber is None or self.wavenumber in INTEGER_PHASES
         algebraic = not is_exact and (self.wavenumber / pi).is_Rational
         return simplify(value) if algebraic and element.size <= MOST_SIMPLIFIED else value
 
@@ -241,15 +234,15 @@ class Envelope(Displayed):
                 "the wave cannot be scaled away: take the lattice without them)"
             )
         if self.wavenumber is None and k is None and not constants and not self.constants:
-            return _nls_form(self.expressions_of(_MAPPED))
+            return _nls_form(self.expressions_of(_NORMAL_FORM_NAMES))
         regular = self.regular(k, branch, **constants)
         numbers = regular._numbers(k, branch, constants)
         if abs(numbers["q"]) <= ZERO_TOLERANCE:
-            return _nls_form({**dict.fromkeys(_MAPPED, S.One), "q": S.Zero})
+            return _nls_form({**dict.fromkeys(_NORMAL_FORM_NAMES, S.One), "q": S.Zero})
         if len(self.lattice.fields) == 1:
             angle = self.wavenumber if k is None else wavenumber(k)
             return _nls_form(regular._exact_numbers(angle, regular._values(constants)))
-        texts = {name: mpmath.nstr(numbers[name].real, DIGITS) for name in _MAPPED}
+        texts = {name: mpmath.nstr(numbers[name].real, DIGITS) for name in _NORMAL_FORM_NAMES}
         return _nls_form({n: parse_rational(n, text) for n, text in texts.items()}, DIGITS)
 
     @property
@@ -279,13 +272,14 @@ class Envelope(Displayed):
         lattice = self.carrier.lattice
         known = {*self.lattice.constants, *lattice.basic_constants}
         names = {str(s): s for s in sorted(known, key=str)}
-        stated = {str(symbol): value for symbol, value in self.constants.items()} | {**constants}
-        values = values_of(stated, names, self.lattice.name)
+        given = {str(symbol): value for symbol, value in self.constants.items()} | {**constants}
+        values = values_of(given, names, self.lattice.name)
         lattice.check_values({symbol: value for symbol, value in values.items() if value == 0})
         required = names.keys() - {str(s) for s, _ in lattice.definitions}
-        missing = sorted(required - stated.keys())
+        missing = sorted(required - given.keys())
         if missing:
-            raise ValueError(f"{missing[0]} must be given, got none (a number, as {missing[0]}=1)")
+            name = missing[0]
+            raise ValueError(f"{name} must be given, got none (a number, such as {name}=1)")
         return lattice.with_defined(values)
 
     def point(
@@ -297,10 +291,10 @@ class Envelope(Displayed):
             raise ValueError("k must be given, got none (a wavenumber, such as 1 or pi)")
         values = self._values(constants)
         number = self.branch if branch is None else _branch(branch, self.lattice)
-        with mpmath.workdps(DIGITS + GUARD):
-            angle = mpmath.mpf(exact_k.evalf(DIGITS + GUARD))
-            point = {str(s): mpmath.mpf(v.evalf(DIGITS + GUARD)) for s, v in values.items()}
-            point[str(z)] = mpmath.mpc(TURNS.get(exact_k) or mpmath.expj(angle))
+        with mpmath.workdps(DIGITS + GUARD_DIGITS):
+            angle = mpmath.mpf(exact_k.evalf(DIGITS + GUARD_DIGITS))
+            point = {str(s): mpmath.mpf(v.evalf(DIGITS + GUARD_DIGITS)) for s, v in values.items()}
+            point[str(z)] = mpmath.mpc(INTEGER_PHASES.get(exact_k) or mpmath.expj(angle))
             point["k"] = angle
             return {**point, str(w): 1j * _frequency(self.carrier, point, number)}
 
@@ -318,7 +312,7 @@ class Envelope(Displayed):
         exact_k = self.wavenumber if k is None else wavenumber(k)
         values = {s: v for s, v in self._values(constants).items() if v.is_Rational}
         for leader in range(len(self.lattice.fields)):
-            turn = TURNS.get(exact_k)
+            turn = INTEGER_PHASES.get(exact_k)
             carrier = Carrier(self.lattice, turn=turn, leader=leader, values=values)
             candidate = replace(self, carrier=carrier)
             if candidate._is_valid_at(point := candidate.point(k, branch, constants)):
@@ -328,7 +322,7 @@ class Envelope(Displayed):
 
     def _is_valid_at(self, point: Mapping[str, mpmath.mpc]) -> bool:
         """Return whether the formulas are of the point's wave and the leading field moves."""
-        with mpmath.workdps(DIGITS + GUARD):
+        with mpmath.workdps(DIGITS + GUARD_DIGITS):
             is_wave = evaluated(1 / self.carrier.wave, point) is None
             return is_wave and all(evaluated(s, point) is not None for s in self.carrier.singular)
 
@@ -336,7 +330,7 @@ class Envelope(Displayed):
         self, k: Number | None, branch: str | int | None, constants: Mapping[str, Number]
     ) -> dict[str, mpmath.mpc]:
         """Return omega and all coefficients at a wavenumber, to `DIGITS` digits."""
-        with mpmath.workdps(DIGITS + GUARD):
+        with mpmath.workdps(DIGITS + GUARD_DIGITS):
             return self._evaluated_at(self.point(k, branch, constants))
 
     def _evaluated_at(self, point: Mapping[str, mpmath.mpc]) -> dict[str, mpmath.mpc]:
@@ -381,7 +375,7 @@ COEFFICIENT_LATEX = {
 
 
 def _nls_form(form_values: Mapping[str, Expr], digits: int | None = None) -> NormalForm:
-    v, p, q = (form_values[name] for name in _MAPPED)
+    v, p, q = (form_values[name] for name in _NORMAL_FORM_NAMES)
     return normal_form_of(v, {"A_XX": p, "|A|^2 A": q}, digits)
 
 
@@ -407,7 +401,7 @@ def envelope(
     number = _branch(branch, lattice)
     names = {str(symbol): symbol for symbol in lattice.constants}
     values = values_of(constants, names, lattice.name)
-    carrier = Carrier(lattice, turn=TURNS.get(exact_k), wave=number, values=values)
+    carrier = Carrier(lattice, turn=INTEGER_PHASES.get(exact_k), wave=number, values=values)
     carrier.solve()
     return Envelope(lattice, exact_k, number, values, carrier)
 
@@ -483,7 +477,7 @@ def _frequency(carrier: Carrier, point: Mapping[str, mpmath.mpc], number: int) -
 
 def _degeneracy_message(at: str) -> str:
     return (
-        f"k must leave the branches apart, got {at}, where two have the same frequency (take "
+        f"k must separate the branches, got {at}, where two have the same frequency (take "
         "another k, or constants that separate them)"
     )
 

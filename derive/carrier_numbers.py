@@ -14,7 +14,7 @@ from longwave.derive.algebra.exact_numbers import Number
 from longwave.derive.algebra.jets import EpsSeries, Monomial, raised
 from longwave.derive.algebra.rational_functions import RationalFunction
 from longwave.derive.carrier import LAST, EnvelopeError, harmonic
-from longwave.derive.carrier_envelope import DIGITS, GUARD, Envelope, evaluated
+from longwave.derive.carrier_envelope import DIGITS, GUARD_DIGITS, Envelope, evaluated
 
 
 class CarrierTerm(NamedTuple):
@@ -83,10 +83,10 @@ def carrier_fields(
     point = envelope.point(k, branch, constants)
     carrier = envelope.carrier
     free = not carrier.is_pinned
-    with mpmath.workdps(DIGITS + GUARD):
+    with mpmath.workdps(DIGITS + GUARD_DIGITS):
         parts = tuple(_numeric(part, point) for part in carrier.parts)
         mean = _numeric(carrier.mean, point) if free else ()
-        shares = tuple(float(_value(share, point).real) for share in carrier.shares)
+        shares = tuple(float(_value(weight, point).real) for weight in carrier.shares)
         highest = 1 + max(m for terms in (*parts, mean) for t in terms for m, _ in t.jets)
         flow = [_numeric(carrier.flow, point)]
         for _ in range(highest):

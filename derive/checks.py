@@ -105,8 +105,8 @@ def checks_of_envelope(envelope: Envelope) -> Iterator[Check]:
             ("a3 = omega'''/6", 3 * parts["a3"], slope(parts["p"])),
             ("a1 + a2 = -dq/dk", parts["a1"] + parts["a2"], -slope(parts["q"])),
         ]
-    for name, left_vector, right in identities:
-        yield Check(name, "exactly, for all k and constants", left_vector == right)
+    for name, left, right in identities:
+        yield Check(name, "exactly, for all k and constants", left == right)
 
 
 def _complex_carrier(envelope: Envelope) -> Check:

@@ -119,7 +119,7 @@ def dispersion_relation(lattice: Lattice = FPUT_STRAIN) -> Dispersion:
 
 
 def _in_half_sines(weights: Mapping[int, Expr]) -> tuple[Expr, Expr]:
-    """Return minus the sum of ``weights[shift] exp(i shift k)``: value at k = 0, and the rest."""
+    """Return minus the sum of ``weights[shift] exp(i shift k)`` at k = 0, and its change with k."""
     squared: Expr = Integer(0)
     for shift in sorted(weights):
         if weights[shift] != weights[-shift]:
@@ -160,8 +160,8 @@ def long_wave_of_reduction(reduction: Reduction) -> Expr:
     linear = {n: m[0][0] for n, m in values.monomials.items() if len(m) == 1}
     if scaling != paper or not linear.keys() <= {"Y_XXX", "Y", "Y_XX"}:
         raise ValueError(
-            "reduction must have X = eps (n - c t), T = eps^3 t and no linear term but Y_XXX, got "
-            f"{reduction.pde.text()} (compare the terms of .pde by hand)"
+            "reduction must have X = eps (n - c t), T = eps^3 t and no linear term except Y_XXX, "
+            f"got {reduction.pde.text()} (compare the terms of .pde by hand)"
         )
     omega = values.c * k - values.dispersive * k**3
     losses = [(values.terms[name], count) for name, count in linear.items() if count % 2 == 0]

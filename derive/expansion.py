@@ -183,7 +183,7 @@ class Expansion:
 
     @cached_property
     def shares(self) -> matrices.Column:
-        """The zero mode's entry for each field; zeros if the lattice is pinned."""
+        """Weight of each field in the zero mode; zeros if the lattice is pinned."""
         return [self.field.zero] * len(self.lattice.fields) if self.is_pinned else self.zero_mode[0]
 
     @cached_property

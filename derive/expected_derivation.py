@@ -28,7 +28,7 @@ further constant; the most seconds added: `carrier_envelope` refuses larger form
 FACTOR_PER_CELL = 30.0
 """Factor for each further cell that a bond spans, for one field."""
 
-CHEAPER_ORDER = "take a lower --order, or a FILE.toml with numbers in the place of constants"
+CHEAPER_ORDER = "take a lower --order, or a FILE.toml with numbers instead of constants"
 CHEAPER_CARRIER = "take --envelope k=pi, or give constants by --set"
 
 
@@ -63,9 +63,8 @@ def envelope_seconds(lattice: Lattice, at_pi: bool, given: int = 0) -> float:
         return PI_SECONDS * PI_FACTOR_PER_CONSTANT ** (constants - 5) * PI_FACTOR_PER_FIELD**further
     growth = SYMBOLIC_FACTOR_PER_CONSTANT ** (constants - 5)
     added = min(SYMBOLIC_SECONDS * growth, MAX_SYMBOLIC_SECONDS) if constants else 0.0
-    return (
-        NUMERIC_SECONDS * NUMERIC_FACTOR_PER_FIELD**further + added * PI_FACTOR_PER_FIELD**further
-    )
+    numeric = NUMERIC_SECONDS * NUMERIC_FACTOR_PER_FIELD**further
+    return numeric + added * PI_FACTOR_PER_FIELD**further
 
 
 def _range(lattice: Lattice) -> int:

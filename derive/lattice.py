@@ -162,13 +162,11 @@ def spring(force: Expr, start: tuple[Cell, int], end: tuple[Cell, int]) -> Bond:
     "u_n'' = F(u_{n+1} - u_n) - F(u_n - u_{n-1})"
     """
     (start_cell, first), (end_cell, second) = start, end
+    from_start, from_end = (tuple(-step for step in cell) for cell in (start_cell, end_cell))
     return Bond(
         stretch=(Stencil(end_cell, 1, second), Stencil(start_cell, -1, first)),
         force=force,
-        action=(
-            Stencil(tuple(-step for step in start_cell), 1, first),
-            Stencil(tuple(-step for step in end_cell), -1, second),
-        ),
+        action=(Stencil(from_start, 1, first), Stencil(from_end, -1, second)),
     )
 
 
@@ -257,7 +255,7 @@ class Lattice(notation.Displayed):
     ) -> Lattice:
         """Return the lattice with the force ``-site df/dt`` on each field and dashpots at springs.
 
-        Losses are numbers or formulas in text, as "eps**3*gamma"; new names in them are positive
+        Losses are numbers or formulas such as "eps**3*gamma"; new names in them are positive
         constants.  A mapping gives different losses to fields (by name) or bonds (by number from
         1). An on-site force is not a bond between cells; its dashpot is a loss of the site. Raises
         ValueError for anything else.
@@ -391,15 +389,12 @@ class Lattice(notation.Displayed):
         rows = [row for row in rows if any(row)]
         action, mirror = rows[0]
         square = _products(action, mirror, -1)  # the stencil times the square of the mirror
-        waves = (
-            sum(w * math.cos(k * c[0] + 0.7 * k * c[-1]) for (_, c), w in square.items())
-            for k in (0.3, 1.0, 1.7, 2.4, 3.1)
-        )
         mirrored = {(0, tuple(-step for step in cell)): w for (_, cell), w in square.items()}
-        return (
-            square == mirrored
-            and all(size > 0 for size in waves)
-            and all(_products(a, mirror) == _products(action, m) for a, m in rows)
+        if square != mirrored or any(_products(a, mirror) != _products(action, m) for a, m in rows):
+            return False
+        return all(
+            sum(w * math.cos(k * c[0] + 0.7 * k * c[-1]) for (_, c), w in square.items()) > 0
+            for k in (0.3, 1.0, 1.7, 2.4, 3.1)
         )
 
     def strained(self, strain: Expr) -> Lattice:
@@ -486,7 +481,7 @@ class Lattice(notation.Displayed):
         for name in fields:
             if not re.fullmatch(r"[A-Za-z][A-Za-z0-9]*", name, re.ASCII) or fields.count(name) > 1:
                 raise ValueError(
-                    "fields must have names of letters and digits, each its own, got "
+                    "fields must have different names of letters and digits, got "
                     f"{shown(name)} (such as 'u1', 'u2')"
                 )
         for mass in self.masses:

@@ -125,7 +125,7 @@ def lattice_of(document: Mapping[str, Any], name: str = "lattice") -> Lattice:
     sites = _bonds(document, "site", partial(_site, fields=fields, symbols=symbols, axes=axes))
     bonds = [*springs, *sites, *others]
     if not bonds:
-        raise ValueError("bonds must be there, got none (write a [[spring]])")
+        raise ValueError("bonds must be given, got none (write a [[spring]])")
     lattice_name = _title("name", document.get("name", name))
     title = _title("title", document.get("title", lattice_name))
     lattice = Lattice(lattice_name, title, tuple(fields), tuple(masses), tuple(bonds))

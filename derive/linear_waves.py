@@ -66,11 +66,12 @@ class LinearWaves:
             return ()
         last, middle = self.coefficients[:2]
         inner = factor(expand(middle**2 / 4 - last))
-        outer, rest = S.One, S.One
+        outer, inside = S.One, S.One
         for base, power in inner.as_powers_dict().items():
             is_square = power.is_integer and power % 2 == 0 and base.is_positive
-            outer, rest = (outer * base**power, rest) if is_square else (outer, rest * base**power)
-        root = sqrt(outer) * sqrt(expand(rest))
+            factor_ = base**power
+            outer, inside = (outer * factor_, inside) if is_square else (outer, inside * factor_)
+        root = sqrt(outer) * sqrt(expand(inside))
         return tuple(factor(-middle / 2) + sign * root for sign in (-1, 1))
 
     @property
@@ -100,7 +101,8 @@ class LinearWaves:
         terms = sum((v * square**j for j, v in enumerate(self.coefficients)), S.Zero)
         relation = terms.xreplace(values)
         if missing := sorted(map(str, relation.free_symbols - {k, square})):
-            raise ValueError(f"{missing[0]} must be given, got none (a number, as {missing[0]}=1)")
+            name = missing[0]
+            raise ValueError(f"{name} must be given, got none (a number, such as {name}=1)")
         slopes = [relation.diff(k), relation.diff(square), relation.diff(k, 2)]
         rows: list[Row] = []
         for angle in TABLE_WAVENUMBERS:

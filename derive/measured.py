@@ -79,11 +79,10 @@ class Measured:
     def with_exact(self, values: Mapping[str, Expr]) -> Measured:
         """Return a copy with other values, or values of other constants, that have no error."""
         remaining = {name: row for name, row in self.table.items() if name not in values}
-        covariance = {
-            name: {other: value for other, value in row.items() if other in remaining}
-            for name, row in remaining.items()
-        }
-        return Measured.of({**dict(self.values), **values}, covariance)
+        for row in remaining.values():
+            for name in values.keys() & row.keys():
+                del row[name]
+        return Measured.of({**dict(self.values), **values}, remaining)
 
     @property
     def table(self) -> dict[str, dict[str, float]]:

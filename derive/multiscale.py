@@ -169,9 +169,9 @@ class _Solver:
             raise self._refusal(self.leading_order, f"linear in {mixed_name}")
         self.factor = part.coefficient(self.mixed)
         others = part.select(lambda monomial: monomial != (self.mixed,))
-        rest = others.map_coefficients(lambda value: value / self.factor)
-        transverse = rest.select(lambda m: len(m) == 1 and m[0][0] == 0)
-        flow = (-(rest - transverse)).antiderivative()
+        known = others.map_coefficients(lambda value: value / self.factor)
+        transverse = known.select(lambda m: len(m) == 1 and m[0][0] == 0)
+        flow = (-(known - transverse)).antiderivative()
         if flow is None:
             raise self._refusal(self.leading_order, "an X-derivative")
         return flow, transverse
@@ -245,10 +245,10 @@ def _corrections(
     corrections: dict[int, DifferentialPolynomial] = {}
     for power in range(1, solver.series.limit - solver.leading_order + 1):
         series = _on_solutions(solver, {0: flow, **corrections})
-        rest = (-1 / solver.factor) * series.at(solver.leading_order + power)
-        correction = rest.antiderivative()
+        derivative = (-1 / solver.factor) * series.at(solver.leading_order + power)
+        correction = derivative.antiderivative()
         if correction is None:
-            return corrections, (power, rest)
+            return corrections, (power, derivative)
         if correction:
             corrections[power] = correction
     return corrections, None

@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import dataclass
+from functools import partial
 
 from sympy import Expr, S, Symbol
 
@@ -166,9 +167,7 @@ class Scaling(notation.Displayed):
         return r",\; ".join(self._parts(field, wave, notation.latex_of))
 
     def _parts(self, field: str, wave: str, printed: notation.Printed) -> list[str]:
-        def small(exponent: int) -> str:
-            return notation.power_of(eps, exponent, printed)
-
+        small = partial(notation.power_of, eps, printed=printed)
         terms = ((p, notation.bracketed(value, printed)) for p, value in self.background)
         mean = "".join(f"{small(power)}{text} + " for power, text in terms)
         wave_text = f"{small(self.amplitude)}{wave}({', '.join(self.axes)})"

@@ -33,31 +33,31 @@ def in_sines(element: RationalFunction) -> tuple[Expr, Expr]:
     """
     field = RationalFunctions((sine, cosine, frequency, *element.field.symbols[2:]))
     numerator, denominator = (_Product(field, element, below=below) for below in (False, True))
-    rest = _times(numerator.rest, _power(field, numerator.turns - denominator.turns))
-    if denominator.rest[1]:
-        real, imaginary = denominator.rest
-        rest = _times(rest, (real, -imaginary))
+    value = _times(numerator.mixed, _power(field, numerator.turns - denominator.turns))
+    if denominator.mixed[1]:
+        real, imaginary = denominator.mixed
+        value = _times(value, (real, -imaginary))
         size = _reduced(real * real + imaginary * imaginary)
     else:
-        size = denominator.rest[0]
+        size = denominator.mixed[0]
     for _ in range((numerator.quarters - denominator.quarters) % 4):
-        rest = -rest[1], rest[0]
+        value = -value[1], value[0]
     pure = numerator.pure / denominator.pure
-    real, imaginary = ((part / size).factored() * pure if part else Integer(0) for part in rest)
+    real, imaginary = ((part / size).factored() * pure if part else Integer(0) for part in value)
     return real, imaginary
 
 
 class _Product:
-    """Factors of a numerator or denominator: ``pure i^quarters rest exp(i k turns/2)``.
+    """Factors of a numerator or denominator: ``pure i^quarters mixed exp(i k turns/2)``.
 
-    ``pure`` is the product of the real or imaginary factors, ``rest`` that of the others.
+    ``pure`` is the product of the real or imaginary factors, ``mixed`` the product of the others.
     """
 
     def __init__(self, field: RationalFunctions, element: RationalFunction, *, below: bool) -> None:
         self.field = field
         self.pure: Expr = Integer(1)
         self.quarters = self.turns = 0
-        self.rest: Complex = (field.one, field.zero)
+        self.mixed: Complex = (field.one, field.zero)
         for terms, times in element.factored_terms(below=below):
             turns = [exponents[0] for exponents, _ in terms]
             middle = max(turns) + min(turns)
@@ -65,7 +65,7 @@ class _Product:
             part = real, imaginary = _turned(field, terms, middle)
             if real and imaginary:
                 for _ in range(times):
-                    self.rest = _times(self.rest, part)
+                    self.mixed = _times(self.mixed, part)
                 continue
             self.quarters += times if imaginary else 0
             self.pure *= (imaginary or real).factored() ** times

@@ -245,8 +245,8 @@ class NumericWave:
             return False
         first, last, time = float(x.min()), float(x.max()), float(t[0])
         for phase in self._phases(part, variables):
-            zero, reach = phase.zero(time), FAR_PHASE / abs(phase.rate or 1.0)
-            if zero is not None and first - reach <= zero <= last + reach:
+            zero, distance = phase.zero(time), FAR_PHASE / abs(phase.rate or 1.0)
+            if zero is not None and first - distance <= zero <= last + distance:
                 return False
         return True
 

@@ -144,7 +144,7 @@ def derivative(expression: sp.Expr, variables: Sequence[sp.Symbol]) -> sp.Expr:
     6*x
     """
     if len(variables) > HIGHEST_DERIVATIVE:
-        raise TooLarge(f"derivatives must be of order {HIGHEST_DERIVATIVE} at most")
+        raise TooLarge(f"derivatives must have order {HIGHEST_DERIVATIVE} at most")
     result = without_sizes(expression)
     for step, variable in enumerate(variables):
         limit = MOST_NODES_FIRST if step < FIRST_STEPS else MOST_NODES_LATER

@@ -118,7 +118,7 @@ class Vocabulary:
     site: sp.Symbol | None = None
 
     def meaning(self, name: str) -> sp.Expr | None:
-        """Return the meaning of a name that is no field or function; None if it has none.
+        """Return the meaning of a name that is not a field or function; None if it has none.
 
         Raises ValueError, as ``unknown_name`` does, for a name that may mean another.
         """

@@ -48,7 +48,7 @@ class Name(FormulaTree):
 
 @dataclass(frozen=True)
 class Unknown(FormulaTree):
-    """An unknown with the derivatives in its subscripts, ``shift`` places from its ``site``."""
+    """An unknown with the derivatives in its subscripts, ``shift`` sites from its ``site``."""
 
     name: str
     steps: tuple[str, ...] = ()
@@ -143,7 +143,7 @@ def formula_text(formula: FormulaTree) -> str:
 
 
 def plain_text(formula: FormulaTree) -> str:
-    """Return the formula as one types it: an equal one is read back, with fewer brackets.
+    """Return the formula as users type it: an equal one is read back, with fewer brackets.
 
     >>> plain_text(Product((MINUS_ONE, Name("x"), Power((Name("t"), MINUS_ONE)))))
     '-x/t'

@@ -223,8 +223,8 @@ class EpsSeries:
         for order, part in self.parts.items():
             for monomial, number in part.terms.items():
                 values = [(jet, value(jet)) for jet in monomial]
-                rest = tuple(jet for jet, replacement in values if replacement is None)
-                unchanged = DifferentialPolynomial(self.field, {rest: number})
+                kept = tuple(jet for jet, replacement in values if replacement is None)
+                unchanged = DifferentialPolynomial(self.field, {kept: number})
                 product = self.collect(self.field, self.limit, [(order, unchanged)])
                 for _, replacement in values:
                     product = product if replacement is None else product * replacement

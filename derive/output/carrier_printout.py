@@ -183,7 +183,7 @@ def _texts(
 
     yield from head_lines(lattice)
     carried = "eps A(X, T) exp(i (k n - omega t)) + c.c. + ..."
-    yield renamed(f"carrier: {result.leading_field}_n = {carried}")
+    yield renamed(f"carrier: {lattice.fields[result.carrier.leader]}_n = {carried}")
     yield renamed("  X = eps (n - v t), T = eps^2 t")
     if numbers is None:
         location = "" if angle is None else f" at k = {text_of(angle)}"

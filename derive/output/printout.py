@@ -48,7 +48,7 @@ def print_derivation(options: derive_options.DeriveOptions) -> int:
     """Print a derivation; return the exit status (1 if a check differs, 2 for wrong input)."""
     try:
         if options.check and options.form != "text":
-            raise ValueError(f"--{options.form} must be left out with check, got it (it is text)")
+            raise ValueError(f"--{options.form} must be left out with check (it prints text only)")
         lattice = _with_losses(_lattice(options.model), options.losses)
         if options.carrier is not None:
             from longwave.derive.output.carrier_printout import carrier_lines
@@ -84,13 +84,13 @@ def _with_losses(lattice: Lattice, texts: Mapping[str, str]) -> Lattice:
     """Return the lattice with losses by name: site, bond, site.FIELD or bond.NUMBER."""
     losses: dict[str, Any] = {}
     for name, value in texts.items():
-        kind, dot, part_name = name.partition(".")
+        kind, dot, target = name.partition(".")
         if kind not in ("site", "bond") or (kind in losses and not (dot and kind not in texts)):
             raise ValueError(
                 f"--losses must name site and bond, or site.FIELD and bond.NUMBER, each once, got "
                 f"{shown(name)} (such as site=eps^3*gamma,bond=eps*eta)"
             )
-        losses[kind] = {**losses.get(kind, {}), part_name: value} if dot else value
+        losses[kind] = {**losses.get(kind, {}), target: value} if dot else value
     return lattice.with_losses(**losses) if losses else lattice
 
 
@@ -204,10 +204,10 @@ def _long_wave(
         is_paper = options.model in (None, FPUT_STRAIN.name)
         usual = _admitted(symbolic.usual(is_paper=is_paper), remaining)
     except ValueError as error:
-        if symbolic.is_stated or not given:
+        if symbolic.is_given or not given:
             raise
         refusal = str(error)
-    if usual is None or not (usual.is_balanced or symbolic.is_stated or not given):
+    if usual is None or not (usual.is_balanced or symbolic.is_given or not given):
         with suppress(ValueError):
             numeric = _Ansatz.of(lattice, options, space, given)
             return numeric.found(direction_values), direction_values, refusal
@@ -226,7 +226,7 @@ def _admitted(reduction: Reduction, values: Mapping[str, Expr]) -> Reduction:
 
 @dataclass(frozen=True)
 class _Ansatz:
-    """A lattice about a mean, and what is given of its ansatz; None has to be found."""
+    """A lattice about a mean, and the given parts of its ansatz; None has to be found."""
 
     lattice: Lattice
     mean: Expr
@@ -253,7 +253,7 @@ class _Ansatz:
         )
 
     @property
-    def is_stated(self) -> bool:
+    def is_given(self) -> bool:
         """Whether amplitude and time are given."""
         return self.amplitude is not None and self.time is not None
 
@@ -262,11 +262,11 @@ class _Ansatz:
 
         If only one of amplitude and time is given, the other has its usual value.
         """
-        nothing_stated = self.amplitude is None and self.time is None
-        if is_paper and nothing_stated and not self.mean:
+        nothing_given = self.amplitude is None and self.time is None
+        if is_paper and nothing_given and not self.mean:
             return reduce(self.lattice, orders=self.orders)
         _check_cost(self.lattice, FURTHER_ORDERS)
-        if nothing_stated:
+        if nothing_given:
             further = FURTHER_ORDERS if self.orders is None else 0
             balanced = best_balance(self.lattice, self.mean, further, self.space)
             return balanced if self.orders is None else self._reduced(balanced.scaling)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from sympy import Symbol
@@ -65,13 +66,10 @@ def _slaved_lines(reduction: Reduction) -> Iterator[str]:
     notation = replace(reduction.notation, unknown=reduction.wave)
     field = reduction.pde.flow.field
     unit = DifferentialPolynomial.monomial(field, ((0,) * len(notation.axes),))
-
-    def small(power: int) -> str:
-        return power_of(eps, power, text_of)
-
-    for name, (share, series) in list(reduction.slaved.items())[1:]:
+    small = partial(power_of, eps, printed=text_of)
+    for name, (weight, series) in list(reduction.slaved.items())[1:]:
         first = next(iter(series.parts.items()), None)
-        wave_text = small(reduction.scaling.amplitude) + notation.text(share * unit)
+        wave_text = small(reduction.scaling.amplitude) + notation.text(weight * unit)
         text = f" + {small(first[0])}({notation.text(first[1])}) + ..." if first else ""
         yield f"{name} = {wave_text}{text}"
 
@@ -121,6 +119,11 @@ def reduction_data(reduction: Reduction, constants: Mapping[str, Number]) -> Dat
     Coefficients and normal form are those at ``constants`` (names to values).
     """
     notation, obstruction = reduction.notation, reduction.obstruction
+    losses: Data = {}
+    if reduction.lattice.has_losses:
+        law = reduction.amplitude_law(**constants)
+        texts = law and {"rate": text_of(law.rate), "solution": text_of(law.solution)}
+        losses = {"idle_losses": list(reduction.idle_losses), "amplitude_law": texts}
 
     def data(part: DifferentialPolynomial) -> Data:
         return polynomial_data(part, notation)
@@ -139,7 +142,7 @@ def reduction_data(reduction: Reduction, constants: Mapping[str, Number]) -> Dat
             for item in reduction.conditions
         ],
         "kind": reduction.pde.kind,
-        **(_loss_data(reduction, constants) if reduction.lattice.has_losses else {}),
+        **losses,
         "units": reduction.units,
         "definitions": {str(s): text_of(value) for s, value in reduction.lattice.definitions},
         "pde": {"equation": reduction.pde.text(), **data(reduction.pde.polynomial)},
@@ -147,14 +150,6 @@ def reduction_data(reduction: Reduction, constants: Mapping[str, Number]) -> Dat
         "corrections": {str(p): data(part) for p, part in reduction.corrections.items()},
         "obstruction": {str(obstruction[0]): data(obstruction[1])} if obstruction else {},
         **_number_data(reduction, constants),
-    }
-
-
-def _loss_data(reduction: Reduction, constants: Mapping[str, Number]) -> Data:
-    law = reduction.amplitude_law(**constants)
-    return {
-        "idle_losses": list(reduction.idle_losses),
-        "amplitude_law": law and {"rate": text_of(law.rate), "solution": text_of(law.solution)},
     }
 
 

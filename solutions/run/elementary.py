@@ -27,6 +27,7 @@ from longwave.solutions.run.bounded import (
 from longwave.support.compiled.jit import njit
 
 SCRATCH = 7
+"""Blocks of scratch memory."""
 
 _TERMS, _PAIRS = 14, 9
 """Number of terms of a Taylor series, and of its first terms in double-double."""

@@ -19,7 +19,7 @@ GUARD_DIGITS = 30
 MOST_DIGITS = 100_000
 """Most digits that can be requested."""
 
-LARGEST = sp.Integer(10) ** 1000
+LARGEST_COORDINATE = sp.Integer(10) ** 1000
 """Largest position or time; the working precision grows with its logarithm."""
 
 
@@ -102,21 +102,21 @@ def _value_at(context: Any, formula: MpmathFormula, others: list[Any], x: Any) -
     return formula(context, x, *others)[0]
 
 
-def _agree(context: Any, one: Sequence[Any], other: Sequence[Any], digits: int) -> bool:
+def _agree(context: Any, first: Sequence[Any], second: Sequence[Any], digits: int) -> bool:
     bound = context.mpf(10) ** -(digits + 1)
-    return all(abs(a - b) <= bound * max(1, abs(a)) for a, b in zip(one, other, strict=True))
+    return all(abs(a - b) <= bound * max(1, abs(a)) for a, b in zip(first, second, strict=True))
 
 
 def exact_point(name: str, value: object) -> sp.Expr:
     """Return the exact number of a position or time; a float keeps its exact binary value.
 
-    Raises ValueError for a value that is not a real number, and beyond ``LARGEST``.
+    Raises ValueError for a value that is not a real number, and beyond ``LARGEST_COORDINATE``.
     """
     if isinstance(value, float | np.floating) and np.isfinite(value):
         exact: sp.Expr = sp.Rational(*map(int, value.as_integer_ratio()))
     else:
         exact = exact_number(name, value)
-    if abs(exact) > LARGEST:
+    if abs(exact) > LARGEST_COORDINATE:
         raise ValueError(
             f"{name} must satisfy |{name}| <= 10**1000, got {shown(value)} (take less)"
         )
