@@ -266,15 +266,15 @@ class Carrier(Expansion):
     def _harmonic(self, order: int, j: int) -> Rows:
         """Return the part of ``mass f'' - forces`` at this order and harmonic, for each field."""
         mean_part = self._series({}) if self.is_displacement else self.mean
-        pairs = zip(self.parts, self.shares, strict=True)
+        pairs = zip(self.parts, self.field_weights, strict=True)
         fields = [(part + weight * mean_part).upto(order) for part, weight in pairs]
         pulls = self.pulls(fields, order)
         rows = [pull.at(order).select(lambda m: harmonic(m) == j) for pull in pulls]
         drift = self._drift(order) if self.is_displacement and not j else self._nothing
-        fields_of_rows = zip(self.lattice.masses, fields, self.shares, rows, strict=True)
+        fields_of_rows = zip(self.lattice.masses, fields, self.field_weights, rows, strict=True)
         residuals = [
-            self.number(mass) * (self._acceleration(field, order, j) + share * drift) + row
-            for mass, field, share, row in fields_of_rows
+            self.number(mass) * (self._acceleration(field, order, j) + weight * drift) + row
+            for mass, field, weight, row in fields_of_rows
         ]
         for index, loss in enumerate(self.lattice.losses):
             drag = (self.constant(loss, order) * self.rate_of(fields[index])).at(order)
@@ -328,7 +328,7 @@ class Carrier(Expansion):
         total = super().stretch(bond, fields)
         for entry in bond.stretch if self.is_displacement else ():
             gain = self._summed(self.mean.upto(total.limit), entry.shift[0])
-            total = total + (entry.weight * self.shares[entry.field]) * gain
+            total = total + (entry.weight * self.field_weights[entry.field]) * gain
         return total
 
     def _summed(self, mean: EpsSeries, cells: int) -> EpsSeries:

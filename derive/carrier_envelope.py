@@ -136,11 +136,6 @@ class Envelope(Displayed):
             **({"loss": -first.coefficient(A)} if self.lattice.has_losses else {}),
         }
 
-    @property
-    def waves(self) -> int:
-        """Number of factors of the dispersion relation; the formulas solve one of them."""
-        return len(self.carrier.waves)
-
     def frequency_text(self, printed: Printed = text_of) -> str:
         """Return the equation of omega that the formulas solve, a factor of the relation."""
         parts = self.carrier.wave.powers_of(w)

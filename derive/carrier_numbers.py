@@ -86,7 +86,7 @@ def carrier_fields(
     with mpmath.workdps(DIGITS + GUARD_DIGITS):
         parts = tuple(_numeric(part, point) for part in carrier.parts)
         mean = _numeric(carrier.mean, point) if free else ()
-        shares = tuple(float(_value(weight, point).real) for weight in carrier.shares)
+        shares = tuple(float(_value(weight, point).real) for weight in carrier.field_weights)
         highest = 1 + max(m for terms in (*parts, mean) for t in terms for m, _ in t.jets)
         flow = [_numeric(carrier.flow, point)]
         for _ in range(highest):

@@ -72,8 +72,8 @@ def checks_of_reduction(reduction: Reduction) -> list[Check]:
     with mpmath.workdps(DIGITS):
         point = _Point(reduction)
         checks = [
-            _falling("dispersion determinant", point.linear_rest, promised),
-            _falling("manufactured wave", point.manufactured_rest, promised),
+            _falling("dispersion determinant", point.linear_remainder, promised),
+            _falling("manufactured wave", point.manufactured_remainder, promised),
         ]
         if _has_static_law(reduction):
             checks.append(_static(reduction))
@@ -119,17 +119,17 @@ def _complex_carrier(envelope: Envelope) -> Check:
     undamped, loss = -point["i omega"], evaluated(envelope.parts["loss"], point)
     values = lattice.with_defined(basic)
 
-    def rest(small: Any) -> Any:
+    def remainder(small: Any) -> Any:
         known = undamped - small**2 * loss
         phase = mpmath.mpc(0, 1) * point["k"]
         return _growth_near(known, lattice, values, small, phase) - known
 
-    return _falling("complex frequency", rest, 3)
+    return _falling("complex frequency", remainder, 3)
 
 
-def _falling(name: str, rest: Callable[[Any], Any], promised: int) -> Check:
+def _falling(name: str, remainder: Callable[[Any], Any], promised: int) -> Check:
     first, second = map(mpmath.mpf, EPS_VALUES)
-    remainders = abs(rest(first)), abs(rest(second))
+    remainders = abs(remainder(first)), abs(remainder(second))
     if not all(remainders):
         return Check(name, "nothing is left", passed=True)
     exponent = float(mpmath.log(remainders[0] / remainders[1]) / mpmath.log(first / second))
@@ -144,9 +144,9 @@ class _Point:
         self.reduction = reduction
         self.lattice, self.scaling = reduction.lattice, reduction.scaling
         self.values = numbers(reduction.pde.flow.field.symbols)
-        self.shares = {name: self._number(e.as_expr()) for name, (e, _) in reduction.slaved.items()}
+        self.weights = {n: self._number(w.as_expr()) for n, (w, _) in reduction.slaved.items()}
         self.left = [self._number(value.as_expr()) for value in reduction.left]
-        self.row, self.column = self.left.index(1), [*self.shares.values()].index(1)
+        self.row, self.column = self.left.index(1), [*self.weights.values()].index(1)
         axes = range(len(self.scaling.axes))
         self.rates = [[Rational(3 + i, 7 + 2 * j) * (-1) ** (i * j) for j in axes] for i in (0, 1)]
 
@@ -189,11 +189,11 @@ class _Point:
         mean = mpmath.fsum(small**power * self._number(v, small) for power, v in background)
         zero = (0,) * len(self.scaling.axes)
         one = DifferentialPolynomial.monomial(self.reduction.pde.flow.field, (zero,))
-        wave = small**self.scaling.amplitude * self.shares[name] * self.polynomial(one, at)
+        wave = small**self.scaling.amplitude * self.weights[name] * self.polynomial(one, at)
         parts = self.reduction.slaved[name][1].parts.items()
         return mean + wave + mpmath.fsum(small**o * self.polynomial(part, at) for o, part in parts)
 
-    def manufactured_rest(self, small: Any) -> Any:
+    def manufactured_remainder(self, small: Any) -> Any:
         """Return the largest residual of the equations of motion beyond the expansion."""
         origin = (0,) * self.lattice.dimension
         names = self.lattice.fields
@@ -222,8 +222,8 @@ class _Point:
         at = self.slow(origin, 0, small)
         orders = self.reduction.orders.items()
         known = mpmath.fsum(small**order * self.polynomial(e.polynomial, at) for order, e in orders)
-        rest = mpmath.fdot(self.left, rows) - known
-        return max([abs(rest), *(abs(row) for i, row in enumerate(rows) if i != self.row)])
+        remainder = mpmath.fdot(self.left, rows) - known
+        return max([abs(remainder), *(abs(row) for i, row in enumerate(rows) if i != self.row)])
 
     def _stretch(self, bond: Bond, end: Stencil, time: Any, small: Any) -> Any:
         """Return the stretch of the bond that acts through ``end``."""
@@ -232,7 +232,7 @@ class _Point:
         pairs = zip(bond.stretch, cells, strict=True)
         return mpmath.fsum(e.weight * self.field(names[e.field], c, time, small) for e, c in pairs)
 
-    def linear_rest(self, small: Any) -> Any:
+    def linear_remainder(self, small: Any) -> Any:
         """Return the linear lattice's determinant at a plane wave minus the derived terms."""
         rates = [mpmath.mpc(0, 1) * mpmath.mpf(rate.p) / rate.q for rate in self.rates[0]]
         growth = rates[-1] * small**self.scaling.time
@@ -303,13 +303,13 @@ def _complex_frequency(reduction: Reduction) -> Check:
     [variable] = scaling.space
     [direction] = variable.direction
 
-    def rest(small: Any) -> Any:
+    def remainder(small: Any) -> Any:
         along = rate * small**variable.exponent
         known = small**scaling.time * slow - along * mpmath.mpf(coefficients.c.evalf(DIGITS))
         phase = along * direction
         return _growth_near(known, reduction.lattice, values, small, phase, scaling.mean) - known
 
-    return _falling("complex frequency", rest, scaling.time + 1)
+    return _falling("complex frequency", remainder, scaling.time + 1)
 
 
 def _growth_near(
@@ -343,12 +343,12 @@ def _static(reduction: Reduction) -> Check:
     shifts = {powers[name]: value for name, value in coefficients.terms.items() if name in powers}
     highest = max(shifts, default=0)
 
-    def rest(strain: Any) -> Any:
+    def remainder(strain: Any) -> Any:
         waves = _sound(reduction.lattice, values, strain)
         terms = (mpmath.mpf(v.evalf(DIGITS)) * strain**power for power, v in shifts.items())
         return waves - (mpmath.mpf(coefficients.c.evalf(DIGITS)) + mpmath.fsum(terms))
 
-    return _falling("static stress law", rest, highest + 1)
+    return _falling("static stress law", remainder, highest + 1)
 
 
 def _admissible(reduction: Reduction) -> tuple[dict[Symbol, Expr], Coefficients]:

@@ -182,7 +182,7 @@ class Expansion:
         return bool(matrices.determinant(self.matrix(0)))
 
     @cached_property
-    def shares(self) -> matrices.Column:
+    def field_weights(self) -> matrices.Column:
         """Weight of each field in the zero mode; zeros if the lattice is pinned."""
         return [self.field.zero] * len(self.lattice.fields) if self.is_pinned else self.zero_mode[0]
 
@@ -190,7 +190,7 @@ class Expansion:
     def is_displacement(self) -> bool:
         """Whether no bond feels a uniform motion of all fields; only derivatives enter."""
         return not self.is_pinned and not any(
-            sum((e.weight * self.shares[e.field] for e in bond.stretch), self.field.zero)
+            sum((e.weight * self.field_weights[e.field] for e in bond.stretch), self.field.zero)
             for bond in self.lattice.bonds
         )
 

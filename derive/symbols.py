@@ -52,7 +52,7 @@ def rational_function(name: str, value: Expr) -> Expr:
     ):
         raise ValueError(
             f"{name} must be a rational function of symbols and a polynomial in eps, got "
-            f"{shown(number)} (put a symbol in the place of a root, and give its value to "
+            f"{shown(number)} (put a symbol instead of a root, and give its value to "
             "coefficients)"
         )
     return number

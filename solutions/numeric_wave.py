@@ -196,8 +196,8 @@ class NumericWave:
 
         if part not in self._value_evaluators:
             evaluator, rows = self._evaluator(part), self._value_rows
-            can_select = isinstance(evaluator, Evaluator)
-            self._value_evaluators[part] = evaluator.only(rows) if can_select else None
+            selected = evaluator.only(rows) if isinstance(evaluator, Evaluator) else None
+            self._value_evaluators[part] = selected
         return self._value_evaluators[part]
 
     def jets(

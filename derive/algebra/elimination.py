@@ -35,8 +35,8 @@ class Elimination:
         if {exponents[index] % self.power for exponents, _ in odd.terms()} == {1}:
             root = field(self.constant) ** (self.power - 1)
             numer, odd = numer * root, odd * root
-        rest = RationalFunction(field, numer.numer, element.content, even)
-        return rest.mapped(self._replaced, self._known) / self._replaced(odd.terms())
+        even_part = RationalFunction(field, numer.numer, element.content, even)
+        return even_part.mapped(self._replaced, self._known) / self._replaced(odd.terms())
 
     @cached_property
     def _known(self) -> dict[Factor, RationalFunction]:

@@ -37,10 +37,10 @@ def _factored(polynomial: fmpz_mpoly) -> tuple[int, list[tuple[fmpz_mpoly, int]]
         rational = fmpq_mpoly_ctx.get(context.names(), context.ordering())
         _, over_q = rational.from_dict(polynomial.to_dict()).factor()
         factors = [(_primitive(part, context), int(times)) for part, times in over_q]
-        rest = int(polynomial.leading_coefficient())
-        for part, times in factors:
-            rest //= int(part.leading_coefficient()) ** times
-        return rest, factors
+        content = int(polynomial.leading_coefficient())
+        for factor, times in factors:
+            content //= int(factor.leading_coefficient()) ** times
+        return content, factors
 
 
 def _primitive(part: Any, context: fmpz_mpoly_ctx) -> fmpz_mpoly:
@@ -260,8 +260,8 @@ class RationalFunction:
         for factor, times in self.below.items():
             right, below[factor] = factor.taken_from(right, times)
         for factor, times in factor_.below.items():
-            left, rest = factor.taken_from(left, times)
-            below[factor] = below.get(factor, 0) + rest
+            left, remaining = factor.taken_from(left, times)
+            below[factor] = below.get(factor, 0) + remaining
         return RationalFunction(self.field, left * right, over * content, _nonzero_powers(below))
 
     def __truediv__(self, other: int | RationalFunction) -> RationalFunction:
@@ -275,8 +275,8 @@ class RationalFunction:
         common = math.gcd(self.content, divisor.content)
         below = dict(self.below)
         for factor, times in parts.items():
-            numer, rest = factor.taken_from(numer, times)
-            below[factor] = below.get(factor, 0) + rest
+            numer, remaining = factor.taken_from(numer, times)
+            below[factor] = below.get(factor, 0) + remaining
         numer = numer * (divisor.content // common * (1 if leading_content > 0 else -1))
         for factor, times in divisor.below.items():
             cancelled = min(times, below.get(factor, 0))
@@ -328,8 +328,8 @@ class RationalFunction:
         """Return the terms of each irreducible factor with its power, after the content."""
         content, parts = (self.content, self.below) if below else self._numerator_factors
         nothing = (0,) * len(self.field.symbols)
-        rest = [(factor.terms, times) for factor, times in _sorted(parts)]
-        return [([(nothing, content)], 1), *rest]
+        factors = [(factor.terms, times) for factor, times in _sorted(parts)]
+        return [([(nothing, content)], 1), *factors]
 
     def numerator(self) -> RationalFunction:
         """Return the numerator as an element."""

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 from longwave.derive.algebra import typing_rules
 from longwave.derive.algebra.foreign_characters import GREEK, ascii_text
+from longwave.derive.algebra.typing_rules import SITE, VARIABLES
 from longwave.support.known_names import close_names
 
 LONGEST_CORRECTED = 400
@@ -37,8 +38,8 @@ class Spelling:
 
     def patterns(self) -> dict[str, str]:
         """Return the patterns that the short names in rules represent."""
-        unknown, letters = _either(self.unknowns), typing_rules.VARIABLES
-        derived = rf"(?<![\w.]){unknown}(?:_[{letters}]+)?(?![A-Za-z0-9_])(?:\[[^\[\]]*\])?"
+        unknown = _either(self.unknowns)
+        derived = rf"(?<![\w.]){unknown}(?:_[{VARIABLES}]+)?(?![A-Za-z0-9_])(?:\[[^\[\]]*\])?"
         return {
             "<U>": unknown,
             "<D>": derived,
@@ -128,10 +129,10 @@ def misread(name: str, spelling: Spelling, *, declared: bool = False) -> str | N
     for pattern, text in _READINGS if declared else _READINGS + _LOOSE_READINGS:
         match = re.fullmatch(_filled(pattern, spelling.patterns()), name)
         if match and (base := match["base"]) in {*spelling.variables, *spelling.unknowns}:
-            return match.expand(text) if text else _free_name(match["rest"], spelling, base)
+            return match.expand(text) if text else _free_name(match["suffix"], spelling, base)
     if called := _called(name, spelling, declared):
         return called
-    match = re.fullmatch(rf"(\w+)([{typing_rules.VARIABLES}])", name)
+    match = re.fullmatch(rf"(\w+)([{VARIABLES}])", name)
     if match is None or declared or match[2] not in spelling.variables:
         return None
     factors = {*spelling.declared, *spelling.variables, *GREEK}
@@ -150,21 +151,21 @@ def _called(name: str, spelling: Spelling, declared: bool) -> str | None:
 
 
 _READINGS: tuple[tuple[str, str], ...] = (
-    (rf"(?P<base><U>)_?(?P<rest>[{typing_rules.VARIABLES}]+)", r"\g<base>_\g<rest>"),
+    (rf"(?P<base><U>)_?(?P<suffix>[{VARIABLES}]+)", r"\g<base>_\g<suffix>"),
     (r"(?P<base><U>)_?(?:bar|star|conj|conjugate|dag|dagger)", r"conjugate(\g<base>)"),
     (r"(?:conj|conjugate|bar)_?(?P<base><U>)", r"conjugate(\g<base>)"),
     (r"d\d?(?P<base><U>)", r"diff(\g<base>, x)"),
-    (rf"(?P<base>[{typing_rules.VARIABLES}{typing_rules.SITE}])(?P<rest>[1-9]\d*)", ""),
+    (rf"(?P<base>[{VARIABLES}{SITE}])(?P<suffix>[1-9]\d*)", ""),
 )
 """Readings that apply even to declared names."""
 
 _LOOSE_READINGS = (
     (r"(?P<base><U>)c", r"conjugate(\g<base>)"),
-    (rf"(?P<base><U>){typing_rules.SITE}", rf"\g<base>[{typing_rules.SITE}]"),
-    (rf"(?P<base><U>){typing_rules.SITE}p(?P<rest>\d)", rf"\g<base>[{typing_rules.SITE}+\g<rest>]"),
-    (rf"(?P<base><U>){typing_rules.SITE}m(?P<rest>\d)", rf"\g<base>[{typing_rules.SITE}-\g<rest>]"),
-    (r"(?P<base><U>)(?P<rest><U>(?:_[xyzt]+)?)", r"\g<base>*\g<rest>"),
-    (rf"d(?P<base>[{typing_rules.VARIABLES}])\d?", r"diff(u, \g<base>)"),
+    (rf"(?P<base><U>){SITE}", rf"\g<base>[{SITE}]"),
+    (rf"(?P<base><U>){SITE}p(?P<suffix>\d)", rf"\g<base>[{SITE}+\g<suffix>]"),
+    (rf"(?P<base><U>){SITE}m(?P<suffix>\d)", rf"\g<base>[{SITE}-\g<suffix>]"),
+    (r"(?P<base><U>)(?P<suffix><U>(?:_[xyzt]+)?)", r"\g<base>*\g<suffix>"),
+    (rf"d(?P<base>[{VARIABLES}])\d?", r"diff(u, \g<base>)"),
 )
 
 
@@ -199,7 +200,7 @@ def _differentiated(spelling: Spelling) -> Callable[[re.Match[str]], str]:
         letters = ""
         for step in ",".join(steps).replace("$", ",").replace("(", "").replace(")", "").split(","):
             plain = step.strip().strip("'")
-            if plain in typing_rules.VARIABLES and len(plain) == 1:
+            if plain in VARIABLES and len(plain) == 1:
                 letters += plain
             elif plain in "123456789" and letters and plain:
                 letters += letters[-1] * (int(plain) - 1)
@@ -239,7 +240,7 @@ def _calls(spelling: Spelling) -> tuple[typing_rules.Rule, ...]:
         taken = name in spelling.functions or name in spelling.declared
         return other if other in spelling.functions and not taken else name
 
-    continuous = [letter for letter in spelling.variables if letter in typing_rules.VARIABLES]
+    continuous = [letter for letter in spelling.variables if letter in VARIABLES]
 
     def rewrite_primes(match: re.Match[str]) -> str:
         unknown, site, primes = match.groups()

@@ -140,7 +140,7 @@ def _data(
         "constants": {str(s): text_of(value) for s, value in result.constants.items()},
     }
     if numbers is None:
-        wave = {"wave": result.frequency_text()} if result.waves > 1 else {}
+        wave = {"wave": result.frequency_text()} if len(result.carrier.waves) > 1 else {}
         formulas = result.expressions_of(names).items()
         return {**data, **wave, **{name: text_of(value) for name, value in formulas}}
     items = ((name, v) for name, v in asdict(numbers).items() if name in ("omega", *names))
@@ -155,7 +155,7 @@ def _latex(result: Envelope, names: list[str], numbers: EnvelopeNumbers | None) 
     rows = [("", re.sub(r"(\w)~", r"\\tilde{\1}", equation))]
     if numbers is None:
         values = {name: latex_of(value) for name, value in result.expressions_of(names).items()}
-        if result.waves > 1:
+        if len(result.carrier.waves) > 1:
             rows.append(("", result.frequency_text(latex_of)))
     else:
         rounded = {name: _rounded(value) for name, value in asdict(numbers).items()}
@@ -189,8 +189,8 @@ def _texts(
         location = "" if angle is None else f" at k = {text_of(angle)}"
         yield renamed(f"{result.equation}{location}:")
         yield from (f"  {message}" for message in result.idle_losses)
-        if result.waves > 1:
-            yield f"  of the wave with {result.frequency_text()}, one of {result.waves}: on which"
+        if (count_of_waves := len(result.carrier.waves)) > 1:
+            yield f"  of the wave with {result.frequency_text()}, one of {count_of_waves}: on which"
             yield "  branch it is depends on the constants (--branch takes another)"
         yield f"  {renamed('omega')}^2 gives {result.carrier.fixed}, which is eliminated"
         formulas = result.expressions_of(names).items()

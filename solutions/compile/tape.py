@@ -76,8 +76,8 @@ class Tape:
         """Record a term of a sum without its numerical factor; return both multiplied."""
         if not isinstance(argument, sp.Expr):
             return self.record(argument)
-        number, rest = argument.as_coeff_Mul()
-        return number * self.record(rest)
+        number, factor = argument.as_coeff_Mul()
+        return number * self.record(factor)
 
     def _product(self, factors: Sequence[sp.Expr]) -> sp.Expr:
         """Record a product two factors at a time, constants first: SymPy's product rule is slow."""

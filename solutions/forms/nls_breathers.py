@@ -62,13 +62,13 @@ def nls_rogue_2() -> ClosedForm:
     square, offset = _x**2 + t**2, sp.Rational(3, 4)
     real = (square + offset) * (_x**2 + 5 * t**2 + offset) - offset
     imaginary = t * (t**2 - 3 * _x**2 + 2 * square**2 - sp.Rational(15, 8))
-    rest = sp.Rational(3, 64) * (12 * _x**2 + 44 * t**2 + 1)
+    positive_part = sp.Rational(3, 64) * (12 * _x**2 + 44 * t**2 + 1)
     return _on_plane_wave(
         "nls_rogue_2",
         "rogue wave of second order",
         (),
         Reference("N. Akhmediev et al., Phys. Rev. E 80 (2009) 026601"),
-        -(real + sp.I * imaginary) / (square**3 / 3 + (_x**2 - 3 * t**2) ** 2 / 4 + rest),
+        -(real + sp.I * imaginary) / (square**3 / 3 + (_x**2 - 3 * t**2) ** 2 / 4 + positive_part),
     )
 
 

@@ -51,14 +51,14 @@ def nls_bright() -> ClosedForm:
 def nls_dark() -> ClosedForm:
     """Return the dark soliton of speed v, black if v = 0, on sqrt(kappa**2 + v**2/4) (s = -1)."""
     carrier = plane_wave(-2 * (kappa**2 + _speed**2 / 4))
-    rest = sp.I * _speed / 2
-    ends = (carrier * (side * kappa + rest) for side in (-1, 1))
+    imaginary = sp.I * _speed / 2
+    ends = (carrier * (side * kappa + imaginary) for side in (-1, 1))
     return ClosedForm(
         name="nls_dark",
         title="dark soliton",
         equation=DEFOCUSING_NLS,
         parameters=(positive(kappa, "the plane wave", default=sp.S.One), real(_speed)),
-        expression=carrier * (kappa * sp.tanh(kappa * (xi - _speed * tau)) + rest),
+        expression=carrier * (kappa * sp.tanh(kappa * (xi - _speed * tau)) + imaginary),
         far_fields=FarFields(*ends),
         reference=_SOURCE,
     )

@@ -135,8 +135,8 @@ def _stable() -> sp.Expr:
     sn, dn = (f(CN_PHASE, k**2) for f in (jacobi_sn, jacobi_dn))
     small_factor = dn * _y * n[2] - k * _kp * sn * n[0]
     large_factor = k * (dn + sn * _y * n[1])
-    rest = _kp * _y * n[0] - k * sn * dn * (_y**2 - _kp**2) * n[2]
-    G_1 = 4 * k * _kp * (large_factor * rest - (_y**4 + k**2 * _kp**2) * small_factor * n[1]) / dn
+    mixed = _kp * _y * n[0] - k * sn * dn * (_y**2 - _kp**2) * n[2]
+    G_1 = 4 * k * _kp * (large_factor * mixed - (_y**4 + k**2 * _kp**2) * small_factor * n[1]) / dn
     G_2 = 2 * _kp**2 * _squared(N) + 4 * (small_factor * large_factor) ** 2 / (
         _squared(M) + _squared(S) + _squared(N)
     )

@@ -41,8 +41,9 @@ def _stable_integral(u: sp.Expr) -> sp.Expr:
     functions = {f(z, k**2): v for f, v in zip(_FUNCTIONS, (s, c, d, E), strict=True)}
     symbolic = integral(z).xreplace(functions).subs(complementary_modulus, kp)
     slope = sp.diff(symbolic, E)
-    rest = sp.factor(sp.cancel((symbolic - symbolic.subs({s: 0, E: 0})).subs(E, k**2 * s * c / d)))
-    total = slope * E + symbolic.subs({s: 0, E: 0}) + rest
+    linear = symbolic.subs({s: 0, E: 0})
+    periodic = sp.factor(sp.cancel((symbolic - linear).subs(E, k**2 * s * c / d)))
+    total = slope * E + linear + periodic
     to_functions = {symbol: function for function, symbol in functions.items()}
     to_functions[E] = bare_waves.shifted_area(z)
     return total.subs(to_functions).subs(kp, complementary_modulus).subs(z, u)

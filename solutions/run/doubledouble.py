@@ -175,8 +175,8 @@ def scale(a: Pair, b: float) -> Pair:
 def reciprocal(x: Pair) -> Pair:
     """Return 1 / x with relative error below 2^-101."""
     q = 1.0 / x[0]
-    rest = _fma(-q, x[0], 1.0)
-    return quick_two_sum(q, q * _fma(-q, x[1], rest))
+    residual = _fma(-q, x[0], 1.0)
+    return quick_two_sum(q, q * _fma(-q, x[1], residual))
 
 
 @njit()
@@ -185,5 +185,5 @@ def square_root(a: Pair) -> Pair:
     root = np.sqrt(a[0])
     if root == 0.0:
         return root, 0.0
-    rest = subtract(a, two_prod(root, root))
-    return quick_two_sum(root, rest[0] / (2.0 * root))
+    residual = subtract(a, two_prod(root, root))
+    return quick_two_sum(root, residual[0] / (2.0 * root))

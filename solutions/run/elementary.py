@@ -4,7 +4,7 @@ Each fills the block ``z`` from the block ``x``; ``scratch`` is an array of ``SC
 but sine and cosine use exp(-|x|), which `decay_of` leaves in ``scratch``. The machine calls
 `decay_of` in one place only, because LLVM compiles it anew for each call. Loops over a block have
 no branch and call only the primitives of `doubledouble`, so that LLVM vectorises them. Taylor
-series have their first terms in double-double and the tail, below 1e-16 of the sum, in double.
+series have their first terms in double-double and the others, below 1e-16 of the sum, in double.
 """
 
 from __future__ import annotations
@@ -153,9 +153,9 @@ def start_logarithm(x: dd.Array, start: dd.Array) -> None:
 def logarithm(x: dd.Array, start: dd.Array, power: dd.Array, z: dd.Array) -> None:
     """Fill ``z`` with log(x): one Newton step from ``start``; ``power`` is exp(start)."""
     for i in range(BLOCK):
-        rest = dd.subtract(dd.multiply(load_pair(x, i), load_pair(power, i)), (1.0, 0.0))
-        rest = dd.subtract(rest, dd.scale(dd.multiply(rest, rest), 0.5))
-        high, low = dd.add((-start[i], 0.0), rest)
+        residual = dd.subtract(dd.multiply(load_pair(x, i), load_pair(power, i)), (1.0, 0.0))
+        residual = dd.subtract(residual, dd.scale(dd.multiply(residual, residual), 0.5))
+        high, low = dd.add((-start[i], 0.0), residual)
         input_error = relative_error(x[i + 2 * BLOCK] / x[i])
         store(z, i, (high, low, input_error + UNIT * (1.0 + abs(high))))
 

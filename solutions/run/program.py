@@ -226,9 +226,9 @@ def _reduce(phase: dd.Array, K: dd.Three, out: dd.Array) -> None:
     for i in range(phase.shape[1]):
         u, middle = dd.two_sum(phase[0, i], phase[1, i])
         first = np.floor(u / quarter + 0.5)
-        rest = _without((u, middle, phase[2, i]), first, K)
-        second = np.floor(rest[0] / quarter + 0.5)
-        high, middle, low = _without(rest, second, K)
+        remainder = _without((u, middle, phase[2, i]), first, K)
+        second = np.floor(remainder[0] / quarter + 0.5)
+        high, middle, low = _without(remainder, second, K)
         high, low = dd.quick_two_sum(high, middle + low)
         j = first - 4.0 * np.floor(0.25 * first) + (second - 4.0 * np.floor(0.25 * second))
         j -= 4.0 * np.floor(0.25 * j)
