@@ -37,10 +37,10 @@ def _factored(polynomial: fmpz_mpoly) -> tuple[int, list[tuple[fmpz_mpoly, int]]
         rational = fmpq_mpoly_ctx.get(context.names(), context.ordering())
         _, over_q = rational.from_dict(polynomial.to_dict()).factor()
         factors = [(_primitive(part, context), int(times)) for part, times in over_q]
-        content = int(polynomial.leading_coefficient())
+        number = int(polynomial.leading_coefficient())
         for factor, times in factors:
-            content //= int(factor.leading_coefficient()) ** times
-        return content, factors
+            number //= int(factor.leading_coefficient()) ** times
+        return number, factors
 
 
 def _primitive(part: Any, context: fmpz_mpoly_ctx) -> fmpz_mpoly:
