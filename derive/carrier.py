@@ -109,7 +109,7 @@ class Carrier(Expansion):
         leader: int | None = None,
         values: Mapping[Symbol, Expr] | None = None,
     ) -> None:
-        """Start from a wave of the lattice.
+        """Set up the expansion about a wave of the lattice.
 
         ``turn``: exp(i k) at k = 0 or pi, which is 1 or -1.  ``wave``: number of the factor of the
         dispersion relation, if it has several.  ``leader``: the field with amplitude A, by default
@@ -309,7 +309,7 @@ class Carrier(Expansion):
         return self.group_velocity * (advected + self.field(-2) * self._slow(self.mean, order - 2))
 
     def _slow(self, series: EpsSeries, order: int) -> DifferentialPolynomial:
-        """Return d/dT along the flow, at this order."""
+        """Return the derivative of a series in the slow time T at this order, by ``A_T = flow``."""
         total = self._nothing
         for power, flow in self.flow.parts.items():
             rates = {LETTER: [flow], CONJUGATE: [self.conjugated(flow)]}
@@ -383,12 +383,12 @@ class Carrier(Expansion):
 
     @property
     def leader(self) -> int:
-        """Number of the field whose amplitude is A."""
+        """Index of the field whose amplitude is A."""
         return self.carried[0].index(1)
 
     @cached_property
     def singular(self) -> tuple[RationalFunction, RationalFunction]:
-        """Inverses of what vanishes if the leader rests or ``fixed`` cannot be solved for."""
+        """Inverses of two factors: 0 if the leader rests, or if ``fixed`` has no solution."""
         others = without(self.linear, self.leader, self.leader)
         minor = determinant(others) if others else self.field.one
         return 1 / minor, 1 / self.wave.diff(self.fixed)

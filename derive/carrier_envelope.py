@@ -59,7 +59,7 @@ IMAGINARY = ("p", "q", "detuning")
 
 @dataclass(frozen=True)
 class EnvelopeNumbers:
-    """The coefficients at one wavenumber.
+    """Coefficients of the envelope equation at one wavenumber.
 
     ``omega`` and ``v``: frequency and group velocity.  ``p``, ``q``: terms of the NLS equation.
     ``mean``: the mean is ``eps^2 mean |A|^2`` (for displacements, the mean of a cell's strain).
@@ -173,7 +173,7 @@ class Envelope(Displayed):
         return self.expressions_of(self.parts)
 
     def expressions_of(self, names: Iterable[str]) -> dict[str, Expr]:
-        """Return some of the expressions. Raises EnvelopeError beyond `MOST_TERMS` terms."""
+        """Return the named coefficients. Raises EnvelopeError beyond `MOST_TERMS` terms."""
         sizes = {name: self.parts[name].size for name in names}
         longest = max(sizes, key=sizes.__getitem__)
         if sizes[longest] > MOST_TERMS:
@@ -478,7 +478,7 @@ def _degeneracy_message(at: str) -> str:
 
 
 def _plain(value: mpmath.mpc) -> Any:
-    """Return a complex number if its imaginary part exceeds rounding, else a float."""
+    """Return a Python complex if the imaginary part exceeds rounding, else a float."""
     threshold = IMAGINARY_TOLERANCE * abs(value)
     number = mpmath.mpc(value)
     real, imaginary = (part if abs(part) > threshold else 0 for part in (number.real, number.imag))
@@ -486,7 +486,7 @@ def _plain(value: mpmath.mpc) -> Any:
 
 
 def evaluated(element: RationalFunction, point: Mapping[str, mpmath.mpc]) -> mpmath.mpc | None:
-    """Return the element at a point; None if its denominator vanishes there."""
+    """Return the value of an element at a point; None if its denominator vanishes there."""
     gens = [str(symbol) for symbol in element.field.symbols]
     power = cache(lambda name, exponent: point[name] ** exponent)  # shared by many terms
     numerator, denominator = (

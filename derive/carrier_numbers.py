@@ -69,7 +69,7 @@ def carrier_fields(
     branch: str | int | None = None,
     **constants: Number,
 ) -> CarrierFields:
-    """Return the fields at a wavenumber and values of all constants.
+    """Return the ansatz's fields at a wavenumber and values of all constants.
 
     Arguments and errors are those of `Envelope.coefficients`.
 
@@ -106,7 +106,7 @@ def carrier_fields(
 
 
 def _numeric(series: EpsSeries, point: Mapping[str, mpmath.mpc]) -> CarrierTerms:
-    """Return the terms through the last complete order, without harmonics below 0."""
+    """Return the terms of a series with numbers, through eps^3, without harmonics below 0."""
     return tuple(
         CarrierTerm(power, jets, complex(_value(value, point)))
         for power, part in series.parts.items()
@@ -116,7 +116,7 @@ def _numeric(series: EpsSeries, point: Mapping[str, mpmath.mpc]) -> CarrierTerms
 
 
 def _slope(terms: CarrierTerms) -> CarrierTerms:
-    """Return the X-derivative."""
+    """Return the X-derivative of a sum of terms."""
     total: dict[tuple[int, Monomial], complex] = {}
     for power, jets, value in terms:
         for i, jet in enumerate(jets):

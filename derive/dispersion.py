@@ -134,7 +134,7 @@ def _in_half_sines(weights: Mapping[int, Expr]) -> tuple[Expr, Expr]:
 
 
 def _weights(lattice: Lattice, slope_of: Callable[[Bond, Expr], Expr]) -> dict[int, Expr]:
-    """Return shift -> factor of ``exp(i shift k)`` in a linear force of these slopes about ybar."""
+    """Return the factors of ``exp(i shift k)`` by shift in a linear force with these slopes."""
     weights: dict[int, Expr] = defaultdict(lambda: Integer(0))
     definitions = dict(lattice.definitions)
     for bond in lattice.bonds:

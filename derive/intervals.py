@@ -105,7 +105,7 @@ class Intervals:
         return [float(signed_expression.diff(signed[s]).xreplace(values)) for s in self._symbols]
 
     def _sampled_values(self, expression: Expr) -> list[float]:
-        """Return the expression at those samples where it is a real number."""
+        """Return the values of the expression at the samples where it is a real number."""
         function = lambdify(self._symbols, expression, [OPENING_FUNCTIONS, "math"])
         values = []
         for sample in self._samples:
@@ -119,7 +119,7 @@ class Intervals:
 
 
 def intervals_of_reduction(reduction: Reduction, measured: Measured) -> dict[str, Interval]:
-    """Return the intervals of speed, coefficients and normal form, by their names there.
+    """Return the intervals of speed, coefficients and normal form, by name.
 
     ``measured`` has a value for each constant of the lattice and of the ansatz.
     """

@@ -103,7 +103,7 @@ class Bond:
 
     @property
     def has_reaction(self) -> bool:
-        """Whether its forces on the fields add up to 0, unlike those of an on-site force."""
+        """Whether the bond's forces on the fields add up to 0; an on-site force's do not."""
         return not sum(entry.weight for entry in self.action)
 
     @property
@@ -291,7 +291,7 @@ class Lattice(notation.Displayed):
 
     @property
     def contact_constants(self) -> set[Symbol]:
-        """Constants that only set where contacts open; they may be 0 when a chain is run."""
+        """Constants that occur only in the arguments of contacts; a run allows 0 for them."""
         laws = [bond.force for bond in self.bonds]
         opening = {s for law in laws for at in law.atoms(contact) for s in at.free_symbols}
         closed_laws = (law.replace(contact, lambda _: S.One) for law in laws)
@@ -299,7 +299,7 @@ class Lattice(notation.Displayed):
 
     @property
     def unfelt_constants(self) -> set[Symbol]:
-        """Constants only of contacts that are open at rest, which small waves do not feel."""
+        """Constants that occur only in contacts open at rest; small waves do not depend on them."""
 
         def closed_at_rest(opening: Expr) -> Expr:
             return S.Zero if opening.subs(x, 0).is_negative else contact(opening)
@@ -521,7 +521,7 @@ class Lattice(notation.Displayed):
 
 
 def _sum_of_force(weights: Weights, field: int) -> str:
-    """Return an action on a field in the notation of lattice files."""
+    """Return the force that a bond exerts on a field, in the notation of lattice files."""
     terms = []
     for (field_index, cell), weight in sorted(weights.items(), reverse=True):
         if field_index == field:

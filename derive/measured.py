@@ -77,7 +77,7 @@ class Measured:
         return {name: math.sqrt(self.covariance[i][i]) for i, (name, _) in enumerate(self.values)}
 
     def with_exact(self, values: Mapping[str, Expr]) -> Measured:
-        """Return a copy with other values, or values of other constants, that have no error."""
+        """Return a copy with these values added or replaced; they have no error."""
         remaining = {name: row for name, row in self.table.items() if name not in values}
         for row in remaining.values():
             for name in values.keys() & row.keys():

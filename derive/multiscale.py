@@ -82,7 +82,7 @@ class _Solver:
         )
 
     def sound_polynomial(self) -> RationalFunction:
-        """Return P(c) of the lowest order, and eliminate it from all orders."""
+        """Return P(c) of the lowest order; solve P(c) = 0 and substitute in all orders."""
         order = next(iter(self.series.parts), self.lowest_order)
         lowest = self.series.at(order)
         if set(lowest.terms) != {(self.second,)}:
@@ -154,7 +154,7 @@ class _Solver:
         self.series = self.conditioned(self.series)
 
     def conditioned(self, series: EpsSeries) -> EpsSeries:
-        """Return a series without the constants that the conditions determine."""
+        """Return a series with the constants eliminated that the conditions determine."""
         squares = [elimination for elimination in self.solved if elimination.power > 1]
         for elimination in (*self.solved, *squares):
             series = elimination.series(series)

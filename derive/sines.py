@@ -24,7 +24,7 @@ Complex = tuple[RationalFunction, RationalFunction]
 
 
 def in_sines(element: RationalFunction) -> tuple[Expr, Expr]:
-    """Return real and imaginary part, factored; the first two symbols of the field are z and w.
+    """Return an element's real and imaginary part, factored; its first symbols must be z, w.
 
     >>> z, w, K = map(Symbol, "zwK")
     >>> field = RationalFunctions((z, w, K))

@@ -106,7 +106,7 @@ def values_of(
     lattice: str,
     value: Callable[[str, Number], Expr] = number_value,
 ) -> dict[Symbol, Expr]:
-    """Return the ``value`` of each given constant, by its symbol.
+    """Return ``value(name, given[name])`` of each given constant, by its symbol.
 
     Raises ValueError, which names the ``lattice``, for a name that is not in ``constants``.
     """

@@ -200,9 +200,9 @@ class ClosedForm:
             remedy = "Parameter(longwave.solutions.symbols.k)"
             instance("each of parameters", parameter, Parameter, remedy)
 
-    def with_pickle_call(self, maker: "Callable[..., ClosedForm]", *of: object) -> "ClosedForm":
-        """Set the call ``maker(*of)`` that rebuilds this form on unpickling; return the form."""
-        object.__setattr__(self, "_pickle_call", (maker, of))
+    def with_pickle_call(self, maker: "Callable[..., ClosedForm]", *args: object) -> "ClosedForm":
+        """Set the call ``maker(*args)`` that rebuilds this form on unpickling; return the form."""
+        object.__setattr__(self, "_pickle_call", (maker, args))
         return self
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -60,7 +60,7 @@ class TooLarge(ValueError):
 
 
 def total(terms: Sequence[sp.Expr]) -> sp.Expr:
-    """Return the sum.
+    """Return the sum of the terms. Raises TooLarge if it would be too large.
 
     >>> x = sp.Symbol("x")
     >>> total([x, sp.Integer(2), x])
@@ -76,7 +76,7 @@ def total(terms: Sequence[sp.Expr]) -> sp.Expr:
 
 
 def product(factors: Sequence[sp.Expr]) -> sp.Expr:
-    """Return the product."""
+    """Return the product of the factors. Raises TooLarge if it would be too large."""
     if len(factors) == 1:
         return factors[0]
     count = sum(len(sp.Mul.make_args(factor)) for factor in factors)
@@ -115,7 +115,7 @@ def power(base: sp.Expr, exponent: sp.Expr) -> sp.Expr:
 
 
 def applied(function: Callable[..., sp.Expr], arguments: Sequence[sp.Expr]) -> sp.Expr:
-    """Return the value of a function."""
+    """Return ``function(*arguments)``. Raises TooLarge if SymPy might not finish."""
     if function is sp.exp:
         _check_logarithms(arguments[0])
     if function in MULTIPLIED_OUT and 2 * _expanded(arguments[0]) ** 2 > MOST_EXPANDED:
@@ -137,7 +137,7 @@ def _is_complex(z: sp.Expr) -> bool:
 
 
 def derivative(expression: sp.Expr, variables: Sequence[sp.Symbol]) -> sp.Expr:
-    """Return the derivative in the variables, one after the other.
+    """Differentiate the expression in the variables, one after the other.
 
     >>> x = sp.Symbol("x")
     >>> derivative(x**3, [x, x])
@@ -188,7 +188,7 @@ SIZES: dict[type, Callable[[sp.Expr], sp.Expr]] = {
 
 
 def _bits(expression: sp.Expr) -> int:
-    """Return the bits of the numerical factor."""
+    """Return the bits of an expression's rational factor; 0 if it has none."""
     number = expression.as_coeff_Mul(rational=True)[0]
     return int(number.p).bit_length() + int(number.q).bit_length() - 2 if number.is_Rational else 0
 

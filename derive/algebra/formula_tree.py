@@ -169,7 +169,7 @@ def quotient(formula: FormulaTree) -> Quotient:
 
 
 def signed_sum(terms: Sequence[str]) -> str:
-    """Return a sum with the minus signs that its terms begin with."""
+    """Join the terms of a sum; a minus sign at the start of a term becomes the operator."""
     first, *others = terms
     return first + "".join(f" - {t[1:]}" if t[0] == "-" else f" + {t}" for t in others)
 

@@ -138,7 +138,7 @@ class DifferentialPolynomial:
 
 
 def _lowered(monomial: Monomial, axis: int) -> Monomial | None:
-    """Return the monomial with its highest jet lowered, or None if that is not its preimage."""
+    """Return the monomial whose derivative begins with this one; None if there is none."""
     if not monomial or monomial[-1][axis] == 0:
         return None
     jet = raised(monomial[-1], axis, -1)

@@ -235,7 +235,7 @@ class RationalFunction:
         return self._lowest(numer, content, below, shared)
 
     def _over(self, content: int, below: Factors) -> fmpz_mpoly:
-        """Return the numerator expanded to a common denominator."""
+        """Return the numerator over the denominator ``content`` times the factors ``below``."""
         numer = self.numer
         if content != self.content:
             numer = numer * (content // self.content)
@@ -306,7 +306,7 @@ class RationalFunction:
 
     @property
     def is_negative(self) -> bool:
-        """Whether it is printed with a minus sign, by its first coefficient."""
+        """Whether the first coefficient is negative, so that a minus sign is printed."""
         return bool(self.numer.leading_coefficient() < 0)
 
     @property

@@ -41,7 +41,7 @@ NEXT_NEAREST = Bond(
 
 
 def degenerate(*further: Expr) -> tuple[Bond, Bond]:
-    """Return both springs with cancelled third-order dispersion, which leaves fifth order.
+    """Return two springs whose third-order dispersion cancels, so that the fifth order leads.
 
     ``further`` are K3, K4, L3, L4.
     """

@@ -112,7 +112,7 @@ def _lines(
 def _intervals(
     lattice: Lattice, result: Envelope, values: Values, options: DeriveOptions
 ) -> tuple[dict[str, Interval], str]:
-    """Return intervals of what follows from the measured constants, and a note on them."""
+    """Return intervals of the coefficients for measured constants, and a note on them."""
     if lattice.measured is None:
         return {}, ""
     if len(lattice.fields) > 1:

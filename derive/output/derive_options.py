@@ -30,7 +30,7 @@ class DeriveOptions:
 
 
 def given_constants(lattice: Lattice, options: DeriveOptions) -> dict[str, Expr]:
-    """Return the values of constants: the lattice's measured ones, overridden by the options."""
+    """Return the values of constants: measured ones of the lattice, overridden by the options."""
     typed = {name: constant_value(name, text) for name, text in options.constants.items()}
     return {**(dict(lattice.measured.values) if lattice.measured else {}), **typed}
 

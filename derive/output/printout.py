@@ -29,8 +29,8 @@ from longwave.derive.multiscale import FURTHER_ORDERS, ReductionError, reduce
 from longwave.derive.output import derive_options
 from longwave.derive.output.notation import aligned, latex_of, text_of
 from longwave.derive.output.own_names import unused
-from longwave.derive.output.report import head_lines, reduction_data
-from longwave.derive.reduction import Reduction
+from longwave.derive.output.report import head_lines
+from longwave.derive.reduction import Reduction, reduction_data
 from longwave.derive.scaling import Scaling, SlowVariable
 from longwave.derive.symbols import eps
 from longwave.support.command_line import check_and_announce, fail
@@ -217,7 +217,7 @@ def _long_wave(
 
 
 def _admitted(reduction: Reduction, values: Mapping[str, Expr]) -> Reduction:
-    """Return the reduction. Raises ValueError if it does not hold for the values."""
+    """Return the reduction. Raises ValueError if the values violate its conditions."""
     reduction.coefficients(**values)
     if reduction.has_normal_form:
         reduction.normal_form(**values)
@@ -254,7 +254,7 @@ class _Ansatz:
 
     @property
     def is_given(self) -> bool:
-        """Whether amplitude and time are given."""
+        """Whether both amplitude and time are given."""
         return self.amplitude is not None and self.time is not None
 
     def usual(self, *, is_paper: bool) -> Reduction:

@@ -73,7 +73,7 @@ class Tape:
         return self._line(expression.func(*map(self._term, expression.args)))
 
     def _term(self, argument: sp.Basic) -> sp.Expr:
-        """Record a term of a sum without its numerical factor; return both multiplied."""
+        """Record a term without its numerical factor; return its entry times the factor."""
         if not isinstance(argument, sp.Expr):
             return self.record(argument)
         number, factor = argument.as_coeff_Mul()

@@ -259,7 +259,7 @@ CONVERGED_CHANGE = 1e-50
 
 
 class Numbers(NamedTuple):
-    """Numbers of a program at the parameters' values, as mpf."""
+    """Constants, phase coefficients and moduli of a program at given parameters, as mpf."""
 
     constants: list[Any]
     coefficients: list[tuple[Any, Any, Any, Any]]
