@@ -217,7 +217,10 @@ class Carrier(Expansion):
         factor = row.coefficient((times, MEAN))
         known = row.select(lambda monomial: monomial != ((times, MEAN),))
         if not factor:
-            raise EnvelopeError("the mean must be slaved, got a group velocity equal to the sound")
+            raise EnvelopeError(
+                "the group velocity must differ from the sound speed, got the same: the mean "
+                "is then undetermined (take another wavenumber)"
+            )
         for _ in range(times):
             integral = known.antiderivative()
             if integral is None:

@@ -264,7 +264,7 @@ def time_formula(label: str, text: object) -> sp.Expr:
 def _check_keys(table: object, kind: str) -> None:
     known = KEYS[kind]
     if not isinstance(table, Mapping):
-        raise ValueError(f"[[{kind}]] must be a table, got {shown(table)}")
+        raise ValueError(f"[[{kind}]] must be a table, got {shown(table)} (write KEY = VALUE)")
     for key in table:
         if key not in known:
             suggestion = one_of(key, sorted(known))
@@ -349,6 +349,9 @@ def _bond(entry: Mapping[str, Any], fields: list[str], symbols: _Symbols) -> Bon
     for name, text in action.items():
         for weight, force, cell in _terms("action", text):
             if force != "F":
-                raise ValueError(f"action must be a sum of F, the bond's force, got {shown(text)}")
+                raise ValueError(
+                    f"action must be a sum of F, the bond's force, got {shown(text)} (such as "
+                    "F[n] - F[n-1])"
+                )
             ends.append(Stencil(cell, weight, _field("action", name, fields)))
     return Bond(stretch, symbols.formula("force", entry.get("force")), tuple(ends))

@@ -71,7 +71,7 @@ def total(terms: Sequence[sp.Expr]) -> sp.Expr:
     _check_bits(sum(_bits(term) for term in terms if term.is_Rational))
     result = sp.Add(*terms)
     if len(result.args) > MOST_TERMS:
-        raise TooLarge(f"sums must have at most {MOST_TERMS} terms")
+        raise TooLarge(f"sums must have at most {MOST_TERMS} terms, got {len(result.args)}")
     return _finite(result)
 
 
@@ -81,7 +81,7 @@ def product(factors: Sequence[sp.Expr]) -> sp.Expr:
         return factors[0]
     count = sum(len(sp.Mul.make_args(factor)) for factor in factors)
     if count > MOST_FACTORS:
-        raise TooLarge(f"products must have at most {MOST_FACTORS} factors")
+        raise TooLarge(f"products must have at most {MOST_FACTORS} factors, got {count}")
     _check_bits(sum(_bits(factor) for factor in factors))
     result = sp.Mul(*factors)
     for factor in sp.Mul.make_args(result):
@@ -144,7 +144,8 @@ def derivative(expression: sp.Expr, variables: Sequence[sp.Symbol]) -> sp.Expr:
     6*x
     """
     if len(variables) > HIGHEST_DERIVATIVE:
-        raise TooLarge(f"derivatives must have order {HIGHEST_DERIVATIVE} at most")
+        order = len(variables)
+        raise TooLarge(f"derivatives must have order {HIGHEST_DERIVATIVE} at most, got {order}")
     result = without_sizes(expression)
     for step, variable in enumerate(variables):
         limit = MOST_NODES_FIRST if step < FIRST_STEPS else MOST_NODES_LATER
