@@ -7,6 +7,7 @@ import sys
 import time
 from collections.abc import Callable, Mapping
 from importlib import import_module
+from typing import Any
 
 BEGUN = time.time()
 """Time of the first import of a room; running code is older."""
@@ -42,9 +43,9 @@ def declared_exports(
     Its names are those that it imports for type checkers: ``from MODULE import NAME as NAME``.
     """
     modules: dict[str, str] = {}
-    with open(str(sys.modules[room].__file__), encoding="utf-8") as source:
-        for line in source:
-            match line.split():
-                case ["from", module, "import", name, "as", _]:
-                    modules[module] = f"{modules.get(module, '')} {name}"
+    loader: Any = sys.modules[room].__loader__
+    for line in loader.get_source(room).splitlines():
+        match line.split():
+            case ["from", module, "import", name, "as", _]:
+                modules[module] = f"{modules.get(module, '')} {name}"
     return *lazy_exports(room, modules), sorted(" ".join(modules.values()).split())
