@@ -10,7 +10,7 @@ K3 = 0: order eps^4 reads K3 (Y^2)_XX = 0
 
 from typing import TYPE_CHECKING
 
-from longwave.support.lazy_exports import lazy_exports
+from longwave.support.lazy_exports import declared_exports
 
 if TYPE_CHECKING:
     from longwave.derive.balances import find_scaling as find_scaling
@@ -51,25 +51,4 @@ if TYPE_CHECKING:
     from longwave.derive.scaling import Scaling as Scaling
     from longwave.derive.scaling import SlowVariable as SlowVariable
 
-_NOUNS = {
-    "longwave.derive.balances": "find_scaling",
-    "longwave.derive.carrier": "EnvelopeError",
-    "longwave.derive.checks": "Check checks_of_envelope checks_of_reduction",
-    "longwave.derive.dispersion": "Dispersion dispersion_relation",
-    "longwave.derive.carrier_envelope": "Envelope EnvelopeNumbers envelope modulation_map",
-    "longwave.derive.carrier_numbers": "CarrierFields CarrierTerm CarrierTerms carrier_fields",
-    "longwave.derive.equations": "Coefficients Condition EvolutionEquation OrderEquation",
-    "longwave.derive.lattice": "Bond Lattice Stencil on_site spring",
-    "longwave.derive.lattice_file": "lattice_of read_lattice",
-    "longwave.derive.models.lattices": "LATTICES",
-    "longwave.derive.models.mkdv": "initial_velocity initial_velocity_latex mkdv_normal_form "
-    "mkdv_reduction",
-    "longwave.derive.multiscale": "ReductionError reduce",
-    "longwave.derive.normal_form": "NormalForm",
-    "longwave.derive.reduction": "Reduction",
-    "longwave.derive.scaling": "Scaling SlowVariable",
-}
-
-__all__ = [*sorted(" ".join(_NOUNS.values()).split())]
-
-__getattr__, __dir__ = lazy_exports(__name__, _NOUNS)
+__getattr__, __dir__, __all__ = declared_exports(__name__)

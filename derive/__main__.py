@@ -3,8 +3,6 @@
 The help text needs no further imports; SymPy is imported for the derivation.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -37,7 +35,9 @@ def _constant_options(function: Callable[..., Any]) -> Callable[..., Any]:
     help="Losses of cells and of dashpots beside springs: site=eps^3*gamma,bond=eps*eta.",
 )
 @click.option(
-    "--background", metavar="VALUE", help="Uniform strain that the waves ride on, as -K3/(3*K4)."
+    "--background",
+    metavar="VALUE",
+    help="Uniform strain that carries the waves, such as -K3/(3*K4).",
 )
 @click.option(
     "--direction", metavar="ANGLE|A,B", help="Direction on a square lattice: pi/4, or 3,4."

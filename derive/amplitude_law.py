@@ -8,8 +8,6 @@ equation it keeps this shape, at leading order, and the balance
 NLS equation has the same shape with r = 2.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Collection
 from dataclasses import dataclass
@@ -46,11 +44,8 @@ class AmplitudeLaw(Displayed):
         """The crest a(T) from a(0)."""
         decayed, r = exp(-self.linear * slow_time), self.power
         loss_integral = (1 - decayed**r) / self.linear if self.linear else r * slow_time
-        return (
-            first_crest
-            * decayed
-            / (1 + self.further * first_crest**r * loss_integral) ** Rational(1, r)
-        )
+        divisor = (1 + self.further * first_crest**r * loss_integral) ** Rational(1, r)
+        return first_crest * decayed / divisor
 
     def text_beside(self, taken: Collection[str]) -> str:
         """Return the text, with another name for a(T) if the lattice has a constant a."""
@@ -72,8 +67,5 @@ def amplitude_law(power: int, ratio: Expr, damping: Expr, diffusion: Expr) -> Am
     half, exponent = Rational(1, 2), Rational(2, power)
     slopes_to_squares = gammasimp(beta(exponent, 3 * half) / beta(exponent, half))
     momentum_power = 2 - half * power
-    return AmplitudeLaw(
-        power,
-        2 * damping / momentum_power,
-        2 * diffusion * ratio * slopes_to_squares / momentum_power,
-    )
+    further = 2 * diffusion * ratio * slopes_to_squares / momentum_power
+    return AmplitudeLaw(power, 2 * damping / momentum_power, further)

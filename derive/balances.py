@@ -1,7 +1,5 @@
 """Search for an ansatz: balances of nonlinearity and dispersion, found by trying exponents."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from itertools import product
 
@@ -16,7 +14,7 @@ from longwave.derive.scaling import Scaling, SlowVariable
 from longwave.derive.symbols import c, constant_value, eps
 
 AMPLITUDES, TIMES = (0, 1, 2, 3, 4), (3, 5)
-"""Exponents of amplitude and time that are tried."""
+"""Powers of eps of the amplitude and of the slow time that the search tries."""
 
 LOSSY_TIMES = (*TIMES, 2)
 """Exponents of time for a lattice with losses: T = eps^2 t is the scale of finite dashpots."""

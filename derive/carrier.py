@@ -14,8 +14,6 @@ Losses enter G_0 at eps^2.  They end the derivation there, because their effect 
 a local function of A.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -39,18 +37,15 @@ z, w = Symbol("exp(i k)"), Symbol("i omega")
 """Symbols with names that no constant of a lattice can have."""
 
 LETTER, CONJUGATE, MEAN = 0, 1, 2
-"""Second entry of a jet; the first is the number of X-derivatives."""
+"""Second entry of a jet, of A, its conjugate or the mean; the first counts X-derivatives."""
 
 A: Jet = (0, LETTER)
 MEAN_LETTER: Jet = (0, MEAN)
 
-LAST = 4
-"""Power of eps that determines G_1."""
+NLS, LAST = 3, 4
+"""Powers of eps that determine G_0, which gives the NLS equation, and G_1."""
 
-NLS = 3
-"""Power of eps that determines G_0."""
-
-MOST_TERMS_A_FIELD = 10
+MAX_TERMS_PER_FIELD = 10
 """Bound on the terms of the second harmonic's determinant, for each field, with symbolic constants.
 Three masses and equal springs have 30 and take 2 s, four masses with a symbol for one have 46 and
 take 14 s, three masses and three springs 72 and did not finish within minutes."""
@@ -114,7 +109,7 @@ class Carrier(Expansion):
         leader: int | None = None,
         values: Mapping[Symbol, Expr] | None = None,
     ) -> None:
-        """Start from a wave of the lattice.
+        """Set up the expansion about a wave of the lattice.
 
         ``turn``: exp(i k) at k = 0 or pi, which is 1 or -1.  ``wave``: number of the factor of the
         dispersion relation, if it has several.  ``leader``: the field with amplitude A, by default
@@ -131,7 +126,8 @@ class Carrier(Expansion):
         self.values = {s: value for s, value in (values or {}).items() if s != self.fixed}
         value = self.number(self.wave.as_expr()).solved_for(self.fixed)
         if value is None:
-            raise EnvelopeError(f"{self.fixed} must enter the dispersion relation, got it nowhere")
+            relation = f"{self.relation} = 0"
+            raise EnvelopeError(f"{self.fixed} must be in the dispersion relation, got {relation}")
         self.images = {self.fixed: value}
         self._conjugates: dict[Factor, RationalFunction] = {}
         self.means: list[DifferentialPolynomial] = []
@@ -139,8 +135,8 @@ class Carrier(Expansion):
         self.flow = self._series({})
         self.mean = self._series({2: self._letter(MEAN_LETTER)})
         self.parts = [self._series({}) for _ in self.lattice.fields]
-        for index, share in enumerate(self.carried[0]):
-            self._add(index, 1, share * self._letter(A))
+        for index, weight in enumerate(self.carried[0]):
+            self._add(index, 1, weight * self._letter(A))
 
     def _set_out(self, lattice: Lattice, among: Sequence[Symbol], wave: int | None = None) -> bool:
         """Compute the dispersion relation; return whether it can be solved for a constant.
@@ -158,14 +154,11 @@ class Carrier(Expansion):
         waves = [factor for factor, found in powers if 0 in found and len(found) > 1]
         if not waves:
             raise EnvelopeError(at_rest({1: " at k = 0", -1: " at k = pi"}.get(turn or 0, "")))
-        is_stable = len(waves) > 1 and not any(
-            i % 2 for factor in waves for i in factor.powers_of(w)
-        )
+        is_stable = len(waves) > 1 and not any(i % 2 for f in waves for i in f.powers_of(w))
         self.waves = sorted(waves, key=self._first_moved) if is_stable else [self.relation]
         candidates = self.waves if wave is None else [self.waves[min(wave, len(self.waves) - 1)]]
-        self.wave = next(
-            (factor for factor in candidates if any(map(factor.solved_for, among))), candidates[0]
-        )
+        solvable_waves = (factor for factor in candidates if any(map(factor.solved_for, among)))
+        self.wave = next(solvable_waves, candidates[0])
         solvable = [s for s in among if self.wave.solved_for(s)]
         solvable.sort(key=lambda s: self.relation.solved_for(s) is None)
         simple = (s for s in solvable if self.wave.diff(s).is_number)
@@ -175,9 +168,9 @@ class Carrier(Expansion):
     def _first_moved(self, wave: RationalFunction) -> int:
         """Return the first field that a wave moves: the others' determinant is nonzero on it."""
         fields = range(len(self.linear))
-        others = (determinant(without(self.linear, i, i)) for i in fields)
-        pairs = zip(fields, others, strict=True)
-        return next((i for i, own in pairs if wave not in own.factors()), 0)
+        minors = (determinant(without(self.linear, i, i)) for i in fields)
+        pairs = zip(fields, minors, strict=True)
+        return next((i for i, minor in pairs if wave not in minor.factors()), 0)
 
     def solve(self) -> None:
         """Solve for all parts up to G_1; with losses up to G_0."""
@@ -196,12 +189,12 @@ class Carrier(Expansion):
         """Raise EnvelopeError if the second harmonic's determinant is too large to compute soon."""
         fields, size = len(self.lattice.fields), (1 / self.second_harmonic).size
         unresolved = [s for s in self.lattice.constants if s not in {self.fixed, *self.values}]
-        if self.turn is None and unresolved and fields > 2 and size > MOST_TERMS_A_FIELD * fields:
+        if self.turn is None and unresolved and fields > 2 and size > MAX_TERMS_PER_FIELD * fields:
             names = [str(s) for s in self.lattice.constants if s not in self.values]
             raise EnvelopeError(
                 f"constants of a cell with {fields} fields must be few, got {', '.join(names)}: "
-                f"the second harmonic's resonance has {size} terms, and {MOST_TERMS_A_FIELD} for "
-                f"each field are solved in symbols (give numbers, for all masses first, as "
+                f"the second harmonic's resonance has {size} terms, and {MAX_TERMS_PER_FIELD} for "
+                f"each field are solved in symbols (give numbers, for all masses first, such as "
                 f"{names[0]}=1)"
             )
 
@@ -224,7 +217,10 @@ class Carrier(Expansion):
         factor = row.coefficient((times, MEAN))
         known = row.select(lambda monomial: monomial != ((times, MEAN),))
         if not factor:
-            raise EnvelopeError("the mean must be slaved, got a group velocity equal to the sound")
+            raise EnvelopeError(
+                "the group velocity must differ from the sound speed, got the same: the mean "
+                "is then undetermined (take another wavenumber)"
+            )
         for _ in range(times):
             integral = known.antiderivative()
             if integral is None:
@@ -247,7 +243,7 @@ class Carrier(Expansion):
         return (1 / (2 * self.rate * sum(inertia, self.field.zero))) * row
 
     def _solve_carrier(self, order: int) -> None:
-        """Solve for the group velocity or G at this order, then for the rest of harmonic 1."""
+        """Solve for the group velocity or G at this order, then for the other harmonic-1 terms."""
         flow = self._flow_at(order)
         if order == 2:
             self.group_velocity = -flow.coefficient((1, LETTER))
@@ -273,18 +269,15 @@ class Carrier(Expansion):
     def _harmonic(self, order: int, j: int) -> Rows:
         """Return the part of ``mass f'' - forces`` at this order and harmonic, for each field."""
         mean_part = self._series({}) if self.is_displacement else self.mean
-        fields = [
-            (part + share * mean_part).upto(order)
-            for part, share in zip(self.parts, self.shares, strict=True)
-        ]
-        rows = [
-            row.at(order).select(lambda m: harmonic(m) == j) for row in self.pulls(fields, order)
-        ]
+        pairs = zip(self.parts, self.field_weights, strict=True)
+        fields = [(part + weight * mean_part).upto(order) for part, weight in pairs]
+        pulls = self.pulls(fields, order)
+        rows = [pull.at(order).select(lambda m: harmonic(m) == j) for pull in pulls]
         drift = self._drift(order) if self.is_displacement and not j else self._nothing
-        fields_of_rows = zip(self.lattice.masses, fields, self.shares, rows, strict=True)
+        fields_of_rows = zip(self.lattice.masses, fields, self.field_weights, rows, strict=True)
         residuals = [
-            self.number(mass) * (self._acceleration(field, order, j) + share * drift) + row
-            for mass, field, share, row in fields_of_rows
+            self.number(mass) * (self._acceleration(field, order, j) + weight * drift) + row
+            for mass, field, weight, row in fields_of_rows
         ]
         for index, loss in enumerate(self.lattice.losses):
             drag = (self.constant(loss, order) * self.rate_of(fields[index])).at(order)
@@ -295,9 +288,8 @@ class Carrier(Expansion):
         """Return the j-th harmonic of f'' at this order; d/dt is ``-j w - eps v D + eps^2 d_T``."""
         rate, harmonic_part = j * self.rate, self._series({})
         for power in range(1, order + 1):
-            harmonic_part = harmonic_part.plus(
-                power, series.at(power).select(lambda m: harmonic(m) == j)
-            )
+            selected = series.at(power).select(lambda m: harmonic(m) == j)
+            harmonic_part = harmonic_part.plus(power, selected)
         advected = self.group_velocity * harmonic_part.derivative(0).delayed(1)
         total = rate**2 * harmonic_part.at(order) + 2 * rate * advected.at(order)
         total = total + self.group_velocity * advected.at(order - 1).derivative(0)
@@ -308,13 +300,10 @@ class Carrier(Expansion):
 
         The remainder, ``-eps v D + eps^2 d_T``, is beyond the last order with losses.
         """
-        rotated = {
-            order: DifferentialPolynomial.collect(
-                self.field,
-                ((m, self.field(-harmonic(m)) * self.rate * v) for m, v in part.terms.items()),
-            )
-            for order, part in series.parts.items()
-        }
+        rotated = {}
+        for order, part in series.parts.items():
+            items = ((m, self.field(-harmonic(m)) * self.rate * v) for m, v in part.terms.items())
+            rotated[order] = DifferentialPolynomial.collect(self.field, items)
         return self._series(rotated, series.limit)
 
     def _drift(self, order: int) -> DifferentialPolynomial:
@@ -323,7 +312,7 @@ class Carrier(Expansion):
         return self.group_velocity * (advected + self.field(-2) * self._slow(self.mean, order - 2))
 
     def _slow(self, series: EpsSeries, order: int) -> DifferentialPolynomial:
-        """Return d/dT along the flow, at this order."""
+        """Return the derivative of a series in the slow time T at this order, by ``A_T = flow``."""
         total = self._nothing
         for power, flow in self.flow.parts.items():
             rates = {LETTER: [flow], CONJUGATE: [self.conjugated(flow)]}
@@ -333,8 +322,8 @@ class Carrier(Expansion):
                         continue
                     while len(rates[kind]) <= count:
                         rates[kind].append(rates[kind][-1].derivative(0))
-                    rest = {(*monomial[:i], *monomial[i + 1 :]): value}
-                    total = total + DifferentialPolynomial(self.field, rest) * rates[kind][count]
+                    others = {(*monomial[:i], *monomial[i + 1 :]): value}
+                    total = total + DifferentialPolynomial(self.field, others) * rates[kind][count]
         return total
 
     def stretch(self, bond: Bond, fields: Sequence[EpsSeries]) -> EpsSeries:
@@ -342,7 +331,7 @@ class Carrier(Expansion):
         total = super().stretch(bond, fields)
         for entry in bond.stretch if self.is_displacement else ():
             gain = self._summed(self.mean.upto(total.limit), entry.shift[0])
-            total = total + (entry.weight * self.shares[entry.field]) * gain
+            total = total + (entry.weight * self.field_weights[entry.field]) * gain
         return total
 
     def _summed(self, mean: EpsSeries, cells: int) -> EpsSeries:
@@ -358,16 +347,11 @@ class Carrier(Expansion):
         """Shift a series: each harmonic by its phase, the letters by Taylor's theorem."""
         if not any(cell):
             return series
-        rotated = {
-            order: DifferentialPolynomial(
-                self.field,
-                {
-                    m: v * self.phase_factor ** (harmonic(m) * cell[0])
-                    for m, v in part.terms.items()
-                },
-            )
-            for order, part in series.parts.items()
-        }
+        rotated = {}
+        for order, part in series.parts.items():
+            phases = {m: self.phase_factor ** (harmonic(m) * cell[0]) for m in part.terms}
+            terms = {m: v * phases[m] for m, v in part.terms.items()}
+            rotated[order] = DifferentialPolynomial(self.field, terms)
         return super().shifted(self._series(rotated, series.limit), cell)
 
     def number(self, value: Expr) -> RationalFunction:
@@ -402,12 +386,12 @@ class Carrier(Expansion):
 
     @property
     def leader(self) -> int:
-        """Number of the field whose amplitude is A."""
+        """Index of the field whose amplitude is A."""
         return self.carried[0].index(1)
 
     @cached_property
     def singular(self) -> tuple[RationalFunction, RationalFunction]:
-        """Inverses of what vanishes if the leader rests or ``fixed`` cannot be solved for."""
+        """Inverses of two factors: 0 if the leader rests, or if ``fixed`` has no solution."""
         others = without(self.linear, self.leader, self.leader)
         minor = determinant(others) if others else self.field.one
         return 1 / minor, 1 / self.wave.diff(self.fixed)
@@ -447,21 +431,17 @@ class Carrier(Expansion):
         items = (
             (
                 tuple(sorted((m, kind if kind == MEAN else 1 - kind) for m, kind in monomial)),
-                self._conjugated_number(value),
+                value.mapped(self._reflected, self._conjugates),
             )
             for monomial, value in polynomial.terms.items()
         )
         return DifferentialPolynomial.collect(self.field, items)
 
-    def _conjugated_number(self, element: RationalFunction) -> RationalFunction:
-        """Return the element at 1/z and -w."""
-        return element.mapped(self._reflected, self._conjugates)
-
     def _reflected(self, terms: Terms) -> RationalFunction:
         """Return the polynomial at 1/z and -w."""
         degree = max((exponents[0] for exponents, _ in terms), default=0)
         reflected = [
-            ((degree - exponents[0], *exponents[1:]), -value if exponents[1] % 2 else value)
-            for exponents, value in terms
+            ((degree - i, j, *others), -value if j % 2 else value)
+            for (i, j, *others), value in terms
         ]
         return self.field.from_terms(reflected) / self.field(z) ** degree

@@ -27,20 +27,18 @@ from longwave.derive.sines import cosine, frequency, in_sines, omega, sine
 from longwave.derive.symbols import k, values_of
 from longwave.support.user_files import shown
 
-DIGITS = 60
-"""Digits of the numbers at a given wavenumber, before they are rounded."""
+DIGITS, GUARD_DIGITS = 60, 20
+"""Digits of the numbers at a given wavenumber, before they are rounded; extra working digits,
+because cancellation costs some."""
 
-GUARD = 20
-"""Extra working digits, because cancellation costs some."""
-
-RESONANT = 1e-40
+ZERO_TOLERANCE = 1e-40
 """Size below which a denominator counts as 0, in units of the sum of its terms' absolute values."""
 
-ROUNDING = 1e-12
+IMAGINARY_TOLERANCE = 1e-12
 """Size below which an imaginary part counts as 0, in units of the whole."""
 
-TURNS = {S.Zero: 1, pi: -1}
-"""exp(i k) at the wavenumbers where it is an integer."""
+INTEGER_PHASES = {S.Zero: 1, pi: -1}
+"""Wavenumber k -> exp(i k), where that is an integer."""
 
 MOST_TERMS = 2500
 """Most terms of a coefficient that is written as a formula. One of 1900 took 2 s and has 36 000
@@ -52,7 +50,7 @@ MOST_SIMPLIFIED = 1000
 NEXT_ORDER = ("a3", "a1", "a2")
 """Coefficients of the order beyond the NLS equation."""
 
-_MAPPED = ("v", "p", "q")
+_NORMAL_FORM_NAMES = ("v", "p", "q")
 """Coefficients that determine the normal form."""
 
 IMAGINARY = ("p", "q", "detuning")
@@ -61,9 +59,9 @@ IMAGINARY = ("p", "q", "detuning")
 
 @dataclass(frozen=True)
 class EnvelopeNumbers:
-    """The coefficients at one wavenumber.
+    """Coefficients of the envelope equation at one wavenumber.
 
-    ``omega`` and ``v``: frequency and group velocity.  ``p``, ``q``: those of the NLS equation.
+    ``omega`` and ``v``: frequency and group velocity.  ``p``, ``q``: terms of the NLS equation.
     ``mean``: the mean is ``eps^2 mean |A|^2`` (for displacements, the mean of a cell's strain).
     ``second``: the second harmonic is ``eps^2 second A^2``, complex if its phase differs from the
     carrier's.  ``detuning``: an independent mean ``eps^2 S`` adds ``detuning S A`` to the left of
@@ -121,7 +119,7 @@ class Envelope(Displayed):
             (second, {(A_XXX,), (A, B, A_X), (A, A, B_X)}),
         ):
             if not part.terms.keys() <= jets:
-                raise EnvelopeError(f"G must be that of an NLS equation, got {part.terms.keys()}")
+                raise EnvelopeError(f"G must have the terms of NLS only, got {part.terms.keys()}")
         next_order = {
             "a3": second.coefficient(A_XXX),
             "a1": -second.coefficient(A, B, A_X),
@@ -138,16 +136,6 @@ class Envelope(Displayed):
             **({"loss": -first.coefficient(A)} if self.lattice.has_losses else {}),
         }
 
-    @property
-    def leading_field(self) -> str:
-        """Name of the field whose amplitude is A."""
-        return self.lattice.fields[self.carrier.leader]
-
-    @property
-    def waves(self) -> int:
-        """Number of factors of the dispersion relation; the formulas solve one of them."""
-        return len(self.carrier.waves)
-
     def frequency_text(self, printed: Printed = text_of) -> str:
         """Return the equation of omega that the formulas solve, a factor of the relation."""
         parts = self.carrier.wave.powers_of(w)
@@ -155,8 +143,8 @@ class Envelope(Displayed):
         if parts.keys() == {0, 2}:
             value = (parts[0] / parts[2]).factored().xreplace(self.constants)
             return f"{printed(squared)} = {printed(value)}"
-        rest = sum((v.as_expr() * (-squared) ** (power // 2) for power, v in parts.items()), S.Zero)
-        return f"{printed(rest.xreplace(self.constants))} = 0"
+        terms = (v.as_expr() * (-squared) ** (power // 2) for power, v in parts.items())
+        return f"{printed(sum(terms, S.Zero).xreplace(self.constants))} = 0"
 
     @property
     def equation(self) -> str:
@@ -185,7 +173,7 @@ class Envelope(Displayed):
         return self.expressions_of(self.parts)
 
     def expressions_of(self, names: Iterable[str]) -> dict[str, Expr]:
-        """Return some of the expressions. Raises EnvelopeError beyond `MOST_TERMS` terms."""
+        """Return the named coefficients. Raises EnvelopeError beyond `MOST_TERMS` terms."""
         sizes = {name: self.parts[name].size for name in names}
         longest = max(sizes, key=sizes.__getitem__)
         if sizes[longest] > MOST_TERMS:
@@ -193,13 +181,11 @@ class Envelope(Displayed):
             unknown = [str(s) for s in self.lattice.constants if s not in self.constants]
             raise EnvelopeError(
                 f"formulas must have at most {MOST_TERMS} terms, got {sizes[longest]} in "
-                f"{longest} (give numbers for some of {', '.join(unknown)}, as {unknown[0]}=1"
+                f"{longest} (give numbers for some of {', '.join(unknown)}, such as {unknown[0]}=1"
                 f"{', or take --order 3, without the next order' if short else ''})"
             )
-        return {
-            name: self._expression(self.parts[name]) * (-I if name in IMAGINARY else 1)
-            for name in sizes
-        }
+        factors = {name: -I if name in IMAGINARY else 1 for name in sizes}
+        return {name: self._expression(self.parts[name]) * factors[name] for name in sizes}
 
     def _expression(self, element: RationalFunction) -> Expr:
         angle = k if self.wavenumber is None else self.wavenumber
@@ -208,7 +194,7 @@ class Envelope(Displayed):
             actual[frequency] = omega
         real, imaginary = (part.subs(actual) for part in in_sines(element))
         value = real + I * imaginary
-        is_exact = self.wavenumber is None or self.wavenumber in TURNS
+        is_exact = self.wavenumber is None or self.wavenumber in INTEGER_PHASES
         algebraic = not is_exact and (self.wavenumber / pi).is_Rational
         return simplify(value) if algebraic and element.size <= MOST_SIMPLIFIED else value
 
@@ -243,15 +229,15 @@ class Envelope(Displayed):
                 "the wave cannot be scaled away: take the lattice without them)"
             )
         if self.wavenumber is None and k is None and not constants and not self.constants:
-            return _nls_form(self.expressions_of(_MAPPED))
+            return _nls_form(self.expressions_of(_NORMAL_FORM_NAMES))
         regular = self.regular(k, branch, **constants)
         numbers = regular._numbers(k, branch, constants)
-        if abs(numbers["q"]) <= RESONANT:
-            return _nls_form({**dict.fromkeys(_MAPPED, S.One), "q": S.Zero})
+        if abs(numbers["q"]) <= ZERO_TOLERANCE:
+            return _nls_form({**dict.fromkeys(_NORMAL_FORM_NAMES, S.One), "q": S.Zero})
         if len(self.lattice.fields) == 1:
             angle = self.wavenumber if k is None else wavenumber(k)
             return _nls_form(regular._exact_numbers(angle, regular._values(constants)))
-        texts = {name: mpmath.nstr(numbers[name].real, DIGITS) for name in _MAPPED}
+        texts = {name: mpmath.nstr(numbers[name].real, DIGITS) for name in _NORMAL_FORM_NAMES}
         return _nls_form({n: parse_rational(n, text) for n, text in texts.items()}, DIGITS)
 
     @property
@@ -281,13 +267,14 @@ class Envelope(Displayed):
         lattice = self.carrier.lattice
         known = {*self.lattice.constants, *lattice.basic_constants}
         names = {str(s): s for s in sorted(known, key=str)}
-        stated = {str(symbol): value for symbol, value in self.constants.items()} | {**constants}
-        values = values_of(stated, names, self.lattice.name)
+        given = {str(symbol): value for symbol, value in self.constants.items()} | {**constants}
+        values = values_of(given, names, self.lattice.name)
         lattice.check_values({symbol: value for symbol, value in values.items() if value == 0})
         required = names.keys() - {str(s) for s, _ in lattice.definitions}
-        missing = sorted(required - stated.keys())
+        missing = sorted(required - given.keys())
         if missing:
-            raise ValueError(f"{missing[0]} must be given, got none (a number, as {missing[0]}=1)")
+            name = missing[0]
+            raise ValueError(f"{name} must be given, got none (a number, such as {name}=1)")
         return lattice.with_defined(values)
 
     def point(
@@ -296,13 +283,13 @@ class Envelope(Displayed):
         """Return exp(i k), i omega, k and the constants by name, to `DIGITS` digits."""
         exact_k = self.wavenumber if k is None else wavenumber(k)
         if exact_k is None:
-            raise ValueError("k must be given, got none (a wavenumber, as 1 or pi)")
+            raise ValueError("k must be given, got none (a wavenumber, such as 1 or pi)")
         values = self._values(constants)
         number = self.branch if branch is None else _branch(branch, self.lattice)
-        with mpmath.workdps(DIGITS + GUARD):
-            angle = mpmath.mpf(exact_k.evalf(DIGITS + GUARD))
-            point = {str(s): mpmath.mpf(v.evalf(DIGITS + GUARD)) for s, v in values.items()}
-            point[str(z)] = mpmath.mpc(TURNS.get(exact_k) or mpmath.expj(angle))
+        with mpmath.workdps(DIGITS + GUARD_DIGITS):
+            angle = mpmath.mpf(exact_k.evalf(DIGITS + GUARD_DIGITS))
+            point = {str(s): mpmath.mpf(v.evalf(DIGITS + GUARD_DIGITS)) for s, v in values.items()}
+            point[str(z)] = mpmath.mpc(INTEGER_PHASES.get(exact_k) or mpmath.expj(angle))
             point["k"] = angle
             return {**point, str(w): 1j * _frequency(self.carrier, point, number)}
 
@@ -320,9 +307,9 @@ class Envelope(Displayed):
         exact_k = self.wavenumber if k is None else wavenumber(k)
         values = {s: v for s, v in self._values(constants).items() if v.is_Rational}
         for leader in range(len(self.lattice.fields)):
-            candidate = replace(
-                self, carrier=_carrier_led_by(self.lattice, exact_k, leader, values)
-            )
+            turn = INTEGER_PHASES.get(exact_k)
+            carrier = Carrier(self.lattice, turn=turn, leader=leader, values=values)
+            candidate = replace(self, carrier=carrier)
             if candidate._is_valid_at(point := candidate.point(k, branch, constants)):
                 candidate.carrier.solve()
                 return candidate
@@ -330,7 +317,7 @@ class Envelope(Displayed):
 
     def _is_valid_at(self, point: Mapping[str, mpmath.mpc]) -> bool:
         """Return whether the formulas are of the point's wave and the leading field moves."""
-        with mpmath.workdps(DIGITS + GUARD):
+        with mpmath.workdps(DIGITS + GUARD_DIGITS):
             is_wave = evaluated(1 / self.carrier.wave, point) is None
             return is_wave and all(evaluated(s, point) is not None for s in self.carrier.singular)
 
@@ -338,7 +325,7 @@ class Envelope(Displayed):
         self, k: Number | None, branch: str | int | None, constants: Mapping[str, Number]
     ) -> dict[str, mpmath.mpc]:
         """Return omega and all coefficients at a wavenumber, to `DIGITS` digits."""
-        with mpmath.workdps(DIGITS + GUARD):
+        with mpmath.workdps(DIGITS + GUARD_DIGITS):
             return self._evaluated_at(self.point(k, branch, constants))
 
     def _evaluated_at(self, point: Mapping[str, mpmath.mpc]) -> dict[str, mpmath.mpc]:
@@ -353,12 +340,11 @@ class Envelope(Displayed):
         for name, element in self.parts.items():
             value = evaluated(element, point)
             if value is None:
-                raise EnvelopeError(
-                    _resonance_message("the group velocity is the sound speed", point)
-                )
+                reason = "the group velocity is the sound speed"
+                raise EnvelopeError(_resonance_message(reason, point))
             is_none = abs(value) < mpmath.mpf(10) ** -DIGITS * abs(point[str(w)])
             numbers[name] = 0 * value if is_none else value / 1j if name in IMAGINARY else value
-        if abs(numbers["p"]) < ROUNDING * abs(point[str(w)]):
+        if abs(numbers["p"]) < IMAGINARY_TOLERANCE * abs(point[str(w)]):
             raise EnvelopeError(
                 f"k must not be a zero of the dispersion p, got {mpmath.nstr(point['k'], 8)} "
                 "(the third derivative of omega takes its place there: take another wavenumber)"
@@ -372,12 +358,9 @@ class Envelope(Displayed):
 
     def latex(self) -> str:
         """Return the equation and its coefficients in LaTeX, without delimiters."""
-        rows = [self.equation_latex]
-        rows += [
-            f"{COEFFICIENT_LATEX[name]} = {latex_of(value)}"
-            for name, value in self.expressions.items()
-        ]
-        return r",\quad ".join(rows)
+        values = self.expressions.items()
+        rows = (f"{COEFFICIENT_LATEX[name]} = {latex_of(value)}" for name, value in values)
+        return r",\quad ".join((self.equation_latex, *rows))
 
 
 COEFFICIENT_LATEX = {
@@ -387,7 +370,7 @@ COEFFICIENT_LATEX = {
 
 
 def _nls_form(form_values: Mapping[str, Expr], digits: int | None = None) -> NormalForm:
-    v, p, q = (form_values[name] for name in _MAPPED)
+    v, p, q = (form_values[name] for name in _NORMAL_FORM_NAMES)
     return normal_form_of(v, {"A_XX": p, "|A|^2 A": q}, digits)
 
 
@@ -413,16 +396,9 @@ def envelope(
     number = _branch(branch, lattice)
     names = {str(symbol): symbol for symbol in lattice.constants}
     values = values_of(constants, names, lattice.name)
-    carrier = Carrier(lattice, turn=TURNS.get(exact_k), wave=number, values=values)
+    carrier = Carrier(lattice, turn=INTEGER_PHASES.get(exact_k), wave=number, values=values)
     carrier.solve()
     return Envelope(lattice, exact_k, number, values, carrier)
-
-
-def _carrier_led_by(
-    lattice: Lattice, exact_k: Expr | None, leader: int, values: Mapping[Symbol, Expr]
-) -> Carrier:
-    """Return the unsolved carrier with the amplitude of one field."""
-    return Carrier(lattice, turn=TURNS.get(exact_k), leader=leader, values=values)
 
 
 def modulation_map(
@@ -458,9 +434,8 @@ def wavenumber(k: Number) -> Expr:
 
 def _branch(branch: str | int, lattice: Lattice) -> int:
     count = len(lattice.fields)
-    number = (
-        {"acoustic": 0, "optical": count - 1}.get(branch) if isinstance(branch, str) else branch
-    )
+    by_name = {"acoustic": 0, "optical": count - 1}
+    number = by_name.get(branch) if isinstance(branch, str) else branch
     if number is None or isinstance(number, bool) or not 0 <= number < count:
         raise ValueError(
             f"branch must be acoustic, optical or a number below {count}, got {shown(branch)} "
@@ -485,9 +460,9 @@ def _frequency(carrier: Carrier, point: Mapping[str, mpmath.mpc], number: int) -
     except mpmath.mp.NoConvergence:  # because of multiple roots
         raise ValueError(_degeneracy_message(where)) from None
     squared = roots[number]
-    if abs(squared) <= RESONANT * abs(roots[-1]):
+    if abs(squared) <= ZERO_TOLERANCE * abs(roots[-1]):
         raise EnvelopeError(at_rest(f" at {where}"))
-    if abs(squared.imag) > ROUNDING * abs(squared) or squared.real <= 0:
+    if abs(squared.imag) > IMAGINARY_TOLERANCE * abs(squared) or squared.real <= 0:
         raise ValueError(
             f"constants must give a real frequency, got omega^2 = {mpmath.nstr(squared, 8)} at "
             f"{where} (the lattice must be stable)"
@@ -497,38 +472,36 @@ def _frequency(carrier: Carrier, point: Mapping[str, mpmath.mpc], number: int) -
 
 def _degeneracy_message(at: str) -> str:
     return (
-        f"k must leave the branches apart, got {at}, where two have the same frequency (take "
+        f"k must separate the branches, got {at}, where two have the same frequency (take "
         "another k, or constants that separate them)"
     )
 
 
 def _plain(value: mpmath.mpc) -> Any:
-    """Return a complex number if its imaginary part exceeds rounding, else a float."""
-    threshold = ROUNDING * abs(value)
+    """Return a Python complex if the imaginary part exceeds rounding, else a float."""
+    threshold = IMAGINARY_TOLERANCE * abs(value)
     number = mpmath.mpc(value)
     real, imaginary = (part if abs(part) > threshold else 0 for part in (number.real, number.imag))
     return complex(real, imaginary) if imaginary else float(real)
 
 
 def evaluated(element: RationalFunction, point: Mapping[str, mpmath.mpc]) -> mpmath.mpc | None:
-    """Return the element at a point; None if its denominator vanishes there."""
+    """Return the value of an element at a point; None if its denominator vanishes there."""
     gens = [str(symbol) for symbol in element.field.symbols]
     power = cache(lambda name, exponent: point[name] ** exponent)  # shared by many terms
-    sums = []
-    for below_line in (False, True):
-        terms = [
+    numerator, denominator = (
+        [
             mpmath.fprod(power(g, e) for g, e in zip(gens, exponents, strict=True) if e) * value
-            for exponents, value in element.terms(below=below_line)
+            for exponents, value in element.terms(below=below)
         ]
-        size = mpmath.fsum(terms, absolute=True)
-        total = mpmath.fsum(terms)
-        sums.append((total, abs(total) <= RESONANT * size))
-    (numerator, _), (denominator, vanishes) = sums
-    return None if vanishes else numerator / denominator
+        for below in (False, True)
+    )
+    total, size = mpmath.fsum(denominator), mpmath.fsum(denominator, absolute=True)
+    return None if abs(total) <= ZERO_TOLERANCE * size else mpmath.fsum(numerator) / total
 
 
-def _resonance_message(words: str, point: Mapping[str, mpmath.mpc]) -> str:
+def _resonance_message(reason: str, point: Mapping[str, mpmath.mpc]) -> str:
     return (
-        f"k must be no resonance, got {mpmath.nstr(point['k'], 8)}, where {words} "
+        f"k must not be a resonance, got {mpmath.nstr(point['k'], 8)}, where {reason} "
         "(the two waves interact at the order of the envelope: take another wavenumber)"
     )

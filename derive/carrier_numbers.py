@@ -4,8 +4,6 @@ A field is ``sum value eps^power product of jets``, each product with the phase 
 jet is the m-th X-derivative of A or of its conjugate.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -16,7 +14,7 @@ from longwave.derive.algebra.exact_numbers import Number
 from longwave.derive.algebra.jets import EpsSeries, Monomial, raised
 from longwave.derive.algebra.rational_functions import RationalFunction
 from longwave.derive.carrier import LAST, EnvelopeError, harmonic
-from longwave.derive.carrier_envelope import DIGITS, GUARD, Envelope, evaluated
+from longwave.derive.carrier_envelope import DIGITS, GUARD_DIGITS, Envelope, evaluated
 
 
 class CarrierTerm(NamedTuple):
@@ -71,7 +69,7 @@ def carrier_fields(
     branch: str | int | None = None,
     **constants: Number,
 ) -> CarrierFields:
-    """Return the fields at a wavenumber and values of all constants.
+    """Return the ansatz's fields at a wavenumber and values of all constants.
 
     Arguments and errors are those of `Envelope.coefficients`.
 
@@ -85,10 +83,10 @@ def carrier_fields(
     point = envelope.point(k, branch, constants)
     carrier = envelope.carrier
     free = not carrier.is_pinned
-    with mpmath.workdps(DIGITS + GUARD):
+    with mpmath.workdps(DIGITS + GUARD_DIGITS):
         parts = tuple(_numeric(part, point) for part in carrier.parts)
         mean = _numeric(carrier.mean, point) if free else ()
-        shares = tuple(float(_value(share, point).real) for share in carrier.shares)
+        shares = tuple(float(_value(weight, point).real) for weight in carrier.field_weights)
         highest = 1 + max(m for terms in (*parts, mean) for t in terms for m, _ in t.jets)
         flow = [_numeric(carrier.flow, point)]
         for _ in range(highest):
@@ -108,7 +106,7 @@ def carrier_fields(
 
 
 def _numeric(series: EpsSeries, point: Mapping[str, mpmath.mpc]) -> CarrierTerms:
-    """Return the terms through the last complete order, without harmonics below 0."""
+    """Return the terms of a series with numbers, through eps^3, without harmonics below 0."""
     return tuple(
         CarrierTerm(power, jets, complex(_value(value, point)))
         for power, part in series.parts.items()
@@ -118,7 +116,7 @@ def _numeric(series: EpsSeries, point: Mapping[str, mpmath.mpc]) -> CarrierTerms
 
 
 def _slope(terms: CarrierTerms) -> CarrierTerms:
-    """Return the X-derivative."""
+    """Return the X-derivative of a sum of terms."""
     total: dict[tuple[int, Monomial], complex] = {}
     for power, jets, value in terms:
         for i, jet in enumerate(jets):
@@ -131,7 +129,7 @@ def _value(element: RationalFunction, point: Mapping[str, mpmath.mpc]) -> mpmath
     number = evaluated(element, point)
     if number is None:
         raise EnvelopeError(
-            f"k must be no resonance, got {mpmath.nstr(point['k'], 8)}, where a harmonic of "
+            f"k must not be a resonance, got {mpmath.nstr(point['k'], 8)}, where a harmonic of "
             "the carrier is a wave of the lattice (take another wavenumber)"
         )
     return number

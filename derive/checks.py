@@ -4,27 +4,30 @@ Constants are set to rational numbers chosen here. The lattice itself is evaluat
 and the remainder of an expansion must fall with eps at the promised power.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
+from itertools import cycle
 from typing import Any
 
 import mpmath
-from sympy import Expr, Rational, S, Symbol, pi, solve, sqrt
+from sympy import Expr, Rational, S, Symbol, pi, primerange, solve, sqrt
 
 from longwave.derive.algebra.jets import DifferentialPolynomial
 from longwave.derive.carrier_envelope import Envelope, evaluated
+from longwave.derive.equations import Coefficients
 from longwave.derive.lattice import Bond, Lattice, Stencil
 from longwave.derive.reduction import Reduction
 from longwave.derive.scaling import SlowVariable
 from longwave.derive.symbols import eps
 
 DIGITS = 60
-STEPS = ("1e-4", "1e-5")
+"""Working digits."""
+
+EPS_VALUES = ("1e-4", "1e-5")
 """Values of eps between which an exponent is measured."""
 
-NEAR = 0.05
+EXPONENT_TOLERANCE = 0.05
 """Allowed shortfall of a measured exponent, whose own error falls with eps."""
 
 Values = Mapping[Symbol, Any]
@@ -50,8 +53,8 @@ def numbers(symbols: Sequence[Symbol]) -> dict[Symbol, Rational]:
     >>> numbers([Symbol("a"), Symbol("b")])
     {a: 30/23, b: 41/29}
     """
-    primes = (23, 29, 31, 37, 41, 43, 47, 53, 59, 61, 67, 71, 73, 79)
-    return {s: Rational(30 + 11 * i % 31, primes[i % len(primes)]) for i, s in enumerate(symbols)}
+    denominators = (23, 29, 31, 37, 41, 43, 47, 53, 59, 61, 67, 71, 73, 79)
+    return {s: Rational(30 + 11 * i % 31, denominators[i % 14]) for i, s in enumerate(symbols)}
 
 
 def simple_numbers(symbols: Sequence[Symbol]) -> dict[Symbol, Rational]:
@@ -60,8 +63,7 @@ def simple_numbers(symbols: Sequence[Symbol]) -> dict[Symbol, Rational]:
     >>> simple_numbers([Symbol("a"), Symbol("b")])
     {a: 2, b: 3}
     """
-    primes = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43)
-    return {s: Rational(primes[i % len(primes)]) for i, s in enumerate(symbols)}
+    return dict(zip(symbols, cycle(map(Rational, primerange(44))), strict=False))
 
 
 def checks_of_reduction(reduction: Reduction) -> list[Check]:
@@ -70,8 +72,8 @@ def checks_of_reduction(reduction: Reduction) -> list[Check]:
     with mpmath.workdps(DIGITS):
         point = _Point(reduction)
         checks = [
-            _falling("dispersion determinant", point.linear_rest, promised),
-            _falling("manufactured wave", point.manufactured_rest, promised),
+            _falling("dispersion determinant", point.linear_remainder, promised),
+            _falling("manufactured wave", point.manufactured_remainder, promised),
         ]
         if _has_static_law(reduction):
             checks.append(_static(reduction))
@@ -103,8 +105,8 @@ def checks_of_envelope(envelope: Envelope) -> Iterator[Check]:
             ("a3 = omega'''/6", 3 * parts["a3"], slope(parts["p"])),
             ("a1 + a2 = -dq/dk", parts["a1"] + parts["a2"], -slope(parts["q"])),
         ]
-    for name, left_vector, right in identities:
-        yield Check(name, "exactly, for all k and constants", left_vector == right)
+    for name, left, right in identities:
+        yield Check(name, "exactly, for all k and constants", left == right)
 
 
 def _complex_carrier(envelope: Envelope) -> Check:
@@ -117,29 +119,22 @@ def _complex_carrier(envelope: Envelope) -> Check:
     undamped, loss = -point["i omega"], evaluated(envelope.parts["loss"], point)
     values = lattice.with_defined(basic)
 
-    def rest(small: Any) -> Any:
-        def vanishing(growth: Any) -> Any:
-            def turn(steps: Sequence[int]) -> Any:
-                return mpmath.mpc(0, 1) * point["k"] * steps[0]
-
-            return mpmath.det(_matrix(lattice, lambda v: _number(v, values, small), growth, turn))
-
+    def remainder(small: Any) -> Any:
         known = undamped - small**2 * loss
-        return _root(vanishing, known) - known
+        phase = mpmath.mpc(0, 1) * point["k"]
+        return _growth_near(known, lattice, values, small, phase) - known
 
-    return _falling("complex frequency", rest, 3)
+    return _falling("complex frequency", remainder, 3)
 
 
-def _falling(name: str, rest: Callable[[Any], Any], promised: int) -> Check:
-    eps_values = [mpmath.mpf(step) for step in STEPS]
-    remainders = [abs(rest(step)) for step in eps_values]
+def _falling(name: str, remainder: Callable[[Any], Any], promised: int) -> Check:
+    first, second = map(mpmath.mpf, EPS_VALUES)
+    remainders = abs(remainder(first)), abs(remainder(second))
     if not all(remainders):
         return Check(name, "nothing is left", passed=True)
-    exponent = float(
-        mpmath.log(remainders[0] / remainders[1]) / mpmath.log(eps_values[0] / eps_values[1])
-    )
+    exponent = float(mpmath.log(remainders[0] / remainders[1]) / mpmath.log(first / second))
     detail = f"what is left falls as eps^{exponent:.2f}, promised {promised}"
-    return Check(name, detail, exponent > promised - NEAR)
+    return Check(name, detail, exponent > promised - EXPONENT_TOLERANCE)
 
 
 class _Point:
@@ -149,23 +144,21 @@ class _Point:
         self.reduction = reduction
         self.lattice, self.scaling = reduction.lattice, reduction.scaling
         self.values = numbers(reduction.pde.flow.field.symbols)
-        self.shares = {name: self._number(e.as_expr()) for name, (e, _) in reduction.slaved.items()}
+        self.weights = {n: self._number(w.as_expr()) for n, (w, _) in reduction.slaved.items()}
         self.left = [self._number(value.as_expr()) for value in reduction.left]
-        self.row, self.column = self.left.index(1), [*self.shares.values()].index(1)
-        axes = len(self.scaling.axes)
-        self.rates = [
-            [Rational(3 + i, 7 + 2 * j) * (-1) ** (i * j) for j in range(axes)] for i in (0, 1)
-        ]
+        self.row, self.column = self.left.index(1), [*self.weights.values()].index(1)
+        axes = range(len(self.scaling.axes))
+        self.rates = [[Rational(3 + i, 7 + 2 * j) * (-1) ** (i * j) for j in axes] for i in (0, 1)]
 
     def _number(self, value: Expr, small: Any = 0) -> Any:
         return _number(value, self.values, small)
 
     def slow(self, cell: Sequence[int], time: Any, small: Any) -> list[Any]:
         """Return the slow variables at a cell and a time."""
-        slow = []
-        for variable in self.scaling.space:
-            distance = self._along(variable, cell) - self._number(variable.speed) * time
-            slow.append(small**variable.exponent * distance)
+        slow = [
+            small**v.exponent * (self._along(v, cell) - self._number(v.speed) * time)
+            for v in self.scaling.space
+        ]
         return [*slow, small**self.scaling.time * time]
 
     def _along(self, variable: SlowVariable, cell: Sequence[int]) -> Any:
@@ -192,16 +185,15 @@ class _Point:
     def field(self, name: str, cell: Sequence[int], time: Any, small: Any) -> Any:
         """Return a field of the lattice under the ansatz, slaved parts included."""
         at = self.slow(cell, time, small)
-        mean = mpmath.fsum(
-            small**power * self._number(value, small) for power, value in self.scaling.background
-        )
+        background = self.scaling.background
+        mean = mpmath.fsum(small**power * self._number(v, small) for power, v in background)
         zero = (0,) * len(self.scaling.axes)
         one = DifferentialPolynomial.monomial(self.reduction.pde.flow.field, (zero,))
-        wave = small**self.scaling.amplitude * self.shares[name] * self.polynomial(one, at)
+        wave = small**self.scaling.amplitude * self.weights[name] * self.polynomial(one, at)
         parts = self.reduction.slaved[name][1].parts.items()
         return mean + wave + mpmath.fsum(small**o * self.polynomial(part, at) for o, part in parts)
 
-    def manufactured_rest(self, small: Any) -> Any:
+    def manufactured_remainder(self, small: Any) -> Any:
         """Return the largest residual of the equations of motion beyond the expansion."""
         origin = (0,) * self.lattice.dimension
         names = self.lattice.fields
@@ -228,38 +220,33 @@ class _Point:
                     force += loss * mpmath.diff(stretch, 0)
                 rows[end.field] -= end.weight * force
         at = self.slow(origin, 0, small)
-        known = mpmath.fsum(
-            small**order * self.polynomial(equation.polynomial, at)
-            for order, equation in self.reduction.orders.items()
-        )
-        rest = mpmath.fdot(self.left, rows) - known
-        return max([abs(rest), *(abs(row) for i, row in enumerate(rows) if i != self.row)])
+        orders = self.reduction.orders.items()
+        known = mpmath.fsum(small**order * self.polynomial(e.polynomial, at) for order, e in orders)
+        remainder = mpmath.fdot(self.left, rows) - known
+        return max([abs(remainder), *(abs(row) for i, row in enumerate(rows) if i != self.row)])
 
     def _stretch(self, bond: Bond, end: Stencil, time: Any, small: Any) -> Any:
         """Return the stretch of the bond that acts through ``end``."""
+        names = self.lattice.fields
         cells = ([i + j for i, j in zip(e.shift, end.shift, strict=True)] for e in bond.stretch)
-        return mpmath.fsum(
-            entry.weight * self.field(self.lattice.fields[entry.field], cell, time, small)
-            for entry, cell in zip(bond.stretch, cells, strict=True)
-        )
+        pairs = zip(bond.stretch, cells, strict=True)
+        return mpmath.fsum(e.weight * self.field(names[e.field], c, time, small) for e, c in pairs)
 
-    def linear_rest(self, small: Any) -> Any:
+    def linear_remainder(self, small: Any) -> Any:
         """Return the linear lattice's determinant at a plane wave minus the derived terms."""
         rates = [mpmath.mpc(0, 1) * mpmath.mpf(rate.p) / rate.q for rate in self.rates[0]]
         growth = rates[-1] * small**self.scaling.time
-        for rate, variable in zip(rates, self.scaling.space, strict=False):
-            growth -= rate * small**variable.exponent * self._number(variable.speed)
+        pairs = zip(rates, self.scaling.space, strict=False)
+        scaled = [(rate * small**v.exponent, v) for rate, v in pairs]
+        for rate, variable in scaled:
+            growth -= rate * self._number(variable.speed)
 
         def turn(steps: Sequence[int]) -> Any:
-            return mpmath.fsum(
-                rate * small**variable.exponent * self._along(variable, steps)
-                for rate, variable in zip(rates, self.scaling.space, strict=False)
-            )
+            return mpmath.fsum(rate * self._along(v, steps) for rate, v in scaled)
 
         count = len(self.lattice.fields)
-        matrix = _matrix(
-            self.lattice, lambda value: self._number(value, small), growth, turn, self.scaling.mean
-        )
+        number = partial(_number, values=self.values, small=small)
+        matrix = _matrix(self.lattice, number, growth, turn, self.scaling.mean)
         sign = (-1) ** (self.row + self.column)
         minor = mpmath.mpf(1)
         if count > 1:
@@ -291,12 +278,9 @@ def _matrix(
 
     A shift by ``steps`` cells along the axes multiplies by ``exp(turn(steps))``.
     """
-    matrix = mpmath.diag(
-        [
-            number(mass) * growth**2 + number(loss) * growth
-            for mass, loss in zip(lattice.masses, lattice.site_losses, strict=True)
-        ]
-    )
+    pairs = zip(lattice.masses, lattice.site_losses, strict=True)
+    inertia = [number(mass) * growth**2 + number(loss) * growth for mass, loss in pairs]
+    matrix = mpmath.diag(inertia)
     for bond in lattice.bonds:
         about = mean * sum(entry.weight for entry in bond.stretch)
         slope = number(bond.stiffness(about).expand()) + number(bond.loss) * growth
@@ -310,39 +294,38 @@ def _matrix(
 
 def _complex_frequency(reduction: Reduction) -> Check:
     """Compare the complex frequency of the lattice with losses with that of the equation."""
-    basic = _admissible(reduction)
-    values, scaling = reduction.lattice.with_defined(basic), reduction.scaling
-    coefficients = reduction.coefficients(**{str(symbol): value for symbol, value in basic.items()})
+    values, coefficients = _admissible(reduction)
+    scaling = reduction.scaling
     rate = mpmath.mpc(0, 1) * mpmath.mpf(3) / 7
-    linear = [
-        (coefficients.terms[n], m[0][0]) for n, m in coefficients.monomials.items() if len(m) == 1
-    ]
-    slow = -mpmath.fsum(mpmath.mpf(v.evalf(DIGITS)) * rate**count for v, count in linear)
+    linear = {name: m[0][0] for name, m in coefficients.monomials.items() if len(m) == 1}
+    values_of_terms = ((coefficients.terms[name].evalf(DIGITS), n) for name, n in linear.items())
+    slow = -mpmath.fsum(mpmath.mpf(value) * rate**count for value, count in values_of_terms)
     [variable] = scaling.space
     [direction] = variable.direction
 
-    def rest(small: Any) -> Any:
+    def remainder(small: Any) -> Any:
         along = rate * small**variable.exponent
         known = small**scaling.time * slow - along * mpmath.mpf(coefficients.c.evalf(DIGITS))
+        phase = along * direction
+        return _growth_near(known, reduction.lattice, values, small, phase, scaling.mean) - known
 
-        def vanishing(growth: Any) -> Any:
-            def turn(steps: Sequence[int]) -> Any:
-                return along * direction * steps[0]
-
-            def number(value: Expr) -> Any:
-                return _number(value, values, small)
-
-            return mpmath.det(_matrix(reduction.lattice, number, growth, turn, scaling.mean))
-
-        return _root(vanishing, known) - known
-
-    return _falling("complex frequency", rest, scaling.time + 1)
+    return _falling("complex frequency", remainder, scaling.time + 1)
 
 
-def _root(vanishing: Wave, near: Any) -> Any:
-    """Return the root next to ``near``, whose relative error is small."""
+def _growth_near(
+    near: Any, lattice: Lattice, values: Values, small: Any, phase: Any, mean: Expr = S.Zero
+) -> Any:
+    """Return the growth rate next to ``near`` of a wave multiplied by exp(phase) a cell."""
+
+    def determinant(growth: Any) -> Any:
+        def turn(steps: Sequence[int]) -> Any:
+            return phase * steps[0]
+
+        number = partial(_number, values=values, small=small)
+        return mpmath.det(_matrix(lattice, number, growth, turn, mean))
+
     steps = (near, near * (1 + mpmath.mpf("1e-20")))
-    return mpmath.findroot(vanishing, steps, tol=mpmath.mpf(10) ** -DIGITS, verify=False)
+    return mpmath.findroot(determinant, steps, tol=mpmath.mpf(10) ** -DIGITS, verify=False)
 
 
 def _has_static_law(reduction: Reduction) -> bool:
@@ -355,25 +338,21 @@ def _has_static_law(reduction: Reduction) -> bool:
 
 def _static(reduction: Reduction) -> Check:
     """Compare the speed of long waves on a uniform strain with the nonlinear terms."""
-    basic = _admissible(reduction)
-    values = reduction.lattice.with_defined(basic)
-    coefficients = reduction.coefficients(**{str(symbol): value for symbol, value in basic.items()})
-    terms = {"Y_X": 0, "Y Y_X": 1, "Y^2 Y_X": 2}
-    shifts = {terms[name]: value for name, value in coefficients.terms.items() if name in terms}
+    values, coefficients = _admissible(reduction)
+    powers = {"Y_X": 0, "Y Y_X": 1, "Y^2 Y_X": 2}
+    shifts = {powers[name]: value for name, value in coefficients.terms.items() if name in powers}
     highest = max(shifts, default=0)
 
-    def rest(strain: Any) -> Any:
+    def remainder(strain: Any) -> Any:
         waves = _sound(reduction.lattice, values, strain)
-        known = mpmath.mpf(coefficients.c.evalf(DIGITS)) + mpmath.fsum(
-            mpmath.mpf(value.evalf(DIGITS)) * strain**power for power, value in shifts.items()
-        )
-        return waves - known
+        terms = (mpmath.mpf(v.evalf(DIGITS)) * strain**power for power, v in shifts.items())
+        return waves - (mpmath.mpf(coefficients.c.evalf(DIGITS)) + mpmath.fsum(terms))
 
-    return _falling("static stress law", rest, highest + 1)
+    return _falling("static stress law", remainder, highest + 1)
 
 
-def _admissible(reduction: Reduction) -> dict[Symbol, Expr]:
-    """Return constants that meet the conditions, each solved for its last symbol."""
+def _admissible(reduction: Reduction) -> tuple[dict[Symbol, Expr], Coefficients]:
+    """Return constants that meet the conditions, each solved for its last symbol; coefficients."""
     constants, definitions = reduction.lattice.basic_constants, dict(reduction.lattice.definitions)
     chosen: dict[Symbol, Expr] = dict(numbers(constants))
     for condition in reduction.conditions:
@@ -383,7 +362,8 @@ def _admissible(reduction: Reduction) -> dict[Symbol, Expr]:
         if candidates:
             others = {s: value for s, value in chosen.items() if s != candidates[-1]}
             chosen[candidates[-1]] = solve(vanishing.xreplace(others), candidates[-1])[0]
-    return chosen
+    coefficients = reduction.coefficients(**{str(symbol): v for symbol, v in chosen.items()})
+    return reduction.lattice.with_defined(chosen), coefficients
 
 
 def _sound(lattice: Lattice, values: Values, strain: Any) -> Any:
@@ -404,9 +384,8 @@ def _sound(lattice: Lattice, values: Values, strain: Any) -> Any:
 
     def stretch(bond: Bond, size: Any, inner: Sequence[Any]) -> Any:
         positions = [mpmath.mpf(0), *inner]
-        return mpmath.fsum(
-            e.weight * (size * e.shift[0] + positions[e.field]) for e in bond.stretch
-        )
+        ends = bond.stretch
+        return mpmath.fsum(e.weight * (size * e.shift[0] + positions[e.field]) for e in ends)
 
     def unbalanced(size: Any, inner: Sequence[Any]) -> list[Any]:
         rows = [mpmath.mpf(0)] * len(masses)

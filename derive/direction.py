@@ -1,7 +1,5 @@
 """Direction of a wave on a lattice with two axes, from text to slow variables."""
 
-from __future__ import annotations
-
 from sympy import Expr, Integer, Symbol, atan, cos, sin, sqrt
 
 from longwave.derive.algebra.exact_numbers import exact
@@ -29,16 +27,16 @@ def read_direction(text: str) -> tuple[Expr, Expr]:
     >>> read_direction("pi/4"), read_direction("3,4"), read_direction("0,-1")
     ((sqrt(2)/2, sqrt(2)/2), (3/5, 4/5), (0, -1))
     """
-    parts = [exact("direction", read_formula(part, WORDS, "direction")) for part in text.split(",")]
-    if len(parts) == 1:
-        return cos(parts[0]), sin(parts[0])
-    if len(parts) != 2 or not any(parts):
+    numbers = [exact("direction", read_formula(t, WORDS, "direction")) for t in text.split(",")]
+    if len(numbers) == 1:
+        return cos(numbers[0]), sin(numbers[0])
+    if len(numbers) != 2 or not any(numbers):
         raise ValueError(
             f"direction must be an angle or two numbers, not both 0, got {shown(text)} (such as "
             "pi/4, or 3/5,4/5)"
         )
-    length = sqrt(parts[0] ** 2 + parts[1] ** 2)
-    return parts[0] / length, parts[1] / length
+    length = sqrt(numbers[0] ** 2 + numbers[1] ** 2)
+    return numbers[0] / length, numbers[1] / length
 
 
 def slow_variables(
@@ -51,10 +49,10 @@ def slow_variables(
     """
     if lattice.dimension != 2:
         raise ValueError(
-            f"direction must be of a lattice with two axes, got {lattice.name} with "
+            f"direction must be given for a lattice with two axes only, got {lattice.name} with "
             f"{lattice.dimension} (leave it out; square has two)"
         )
-    taken = {str(symbol) for symbol in (C, S, DRIFT)} & {str(own) for own in lattice.constants}
+    taken = {str(symbol) for symbol in (C, S, DRIFT)} & {*map(str, lattice.constants)}
     if taken:
         raise ValueError(
             f"constants must have names other than C, S and drift, got {min(taken)} (these "

@@ -109,9 +109,8 @@ def dispersion_relation(lattice: Lattice = FPUT_STRAIN) -> Dispersion:
     rates = lattice.site_losses[0] + constant_loss + dashpot_loss
     damping = (expand(rates) / lattice.masses[0]).subs(actual)
     if uniform_part != 0:
-        squared_frequency = (expand(uniform_part + squared) / lattice.masses[0]).subs(
-            {**actual, ybar: 0}
-        )
+        over_mass = expand(uniform_part + squared) / lattice.masses[0]
+        squared_frequency = over_mass.subs({**actual, ybar: 0})
         return Dispersion(squared_frequency, sqrt(squared_frequency), damping)
     over_mass = squared / lattice.masses[0]
     stiffness = factor(expand(over_mass / HALF_SINE**2))
@@ -120,7 +119,7 @@ def dispersion_relation(lattice: Lattice = FPUT_STRAIN) -> Dispersion:
 
 
 def _in_half_sines(weights: Mapping[int, Expr]) -> tuple[Expr, Expr]:
-    """Return minus the sum of ``weights[shift] exp(i shift k)``: value at k = 0, and the rest."""
+    """Return minus the sum of ``weights[shift] exp(i shift k)`` at k = 0, and its change with k."""
     squared: Expr = Integer(0)
     for shift in sorted(weights):
         if weights[shift] != weights[-shift]:
@@ -135,7 +134,7 @@ def _in_half_sines(weights: Mapping[int, Expr]) -> tuple[Expr, Expr]:
 
 
 def _weights(lattice: Lattice, slope_of: Callable[[Bond, Expr], Expr]) -> dict[int, Expr]:
-    """Return shift -> factor of ``exp(i shift k)`` in a linear force of these slopes about ybar."""
+    """Return the factors of ``exp(i shift k)`` by shift in a linear force with these slopes."""
     weights: dict[int, Expr] = defaultdict(lambda: Integer(0))
     definitions = dict(lattice.definitions)
     for bond in lattice.bonds:
@@ -161,8 +160,8 @@ def long_wave_of_reduction(reduction: Reduction) -> Expr:
     linear = {n: m[0][0] for n, m in values.monomials.items() if len(m) == 1}
     if scaling != paper or not linear.keys() <= {"Y_XXX", "Y", "Y_XX"}:
         raise ValueError(
-            "reduction must have X = eps (n - c t), T = eps^3 t and no linear term but Y_XXX, got "
-            f"{reduction.pde.text()} (compare the terms of .pde by hand)"
+            "reduction must have X = eps (n - c t), T = eps^3 t and no linear term except Y_XXX, "
+            f"got {reduction.pde.text()} (compare the terms of .pde by hand)"
         )
     omega = values.c * k - values.dispersive * k**3
     losses = [(values.terms[name], count) for name, count in linear.items() if count % 2 == 0]

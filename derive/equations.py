@@ -1,7 +1,5 @@
 """Equations of a reduction: orders in eps, conditions, the evolution equation, coefficients."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -19,20 +17,19 @@ from longwave.derive.output.notation import (
     text_of,
 )
 
-WITHOUT_NORMAL_FORM = {
-    "Y_XXX": "linear",
-    "Y_5X": "linear",
+_NAMES_BY_TERM = {
+    **dict.fromkeys(("Y_XXX", "Y_5X"), "linear"),
     "Y Y_X": "Hopf, without dispersion",
     "Y^2 Y_X": "modified Hopf, without dispersion",
 }
 """Names of equations with one term besides Y_T and Y_X."""
 
-BURGERS = {
+_BURGERS_NAMES = {
     "unnamed": "unnamed",
     "Hopf, without dispersion": "Burgers",
     "modified Hopf, without dispersion": "modified Burgers",
 }
-"""Names with a term Y_XX, for equations to which "-Burgers" cannot be appended."""
+"""Name without the term Y_XX -> name with it, where appending "-Burgers" would not do."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -105,14 +102,14 @@ class EvolutionEquation(Displayed):
         names = {self.notation.monomial(monomial) for monomial in self.flow.terms}
         kind = self._kind_without_losses(names - {"Y", "Y_XX"})
         if "Y_XX" in names:
-            kind = BURGERS.get(kind, f"{kind}-Burgers")
+            kind = _BURGERS_NAMES.get(kind, f"{kind}-Burgers")
         return f"damped {kind}" if "Y" in names else kind
 
     def _kind_without_losses(self, names: set[str]) -> str:
         if not self.transverse:
             equation = equation_of(names)
             terms_text = ", ".join(names - {"Y_X"})
-            return equation.name if equation else WITHOUT_NORMAL_FORM.get(terms_text, "unnamed")
+            return equation.name if equation else _NAMES_BY_TERM.get(terms_text, "unnamed")
         [(monomial, coefficient)] = self.transverse.terms.items()
         if names - {"Y_XXX"} not in ({"Y Y_X"}, {"Y^2 Y_X"}) or sum(monomial[0]) != 2:
             return "unnamed"
@@ -147,18 +144,16 @@ class EvolutionEquation(Displayed):
         """Return ``Y_T + 6 Y Y_X + Y_XXX = 0``, with terms from losses last."""
         losses = self.polynomial.select(lambda m: len(m) == 1 and sum(m[0]) % 2 == 0)
         left_side = self.notation.written(self.polynomial - losses, printed)
-        left_side = _added(left_side, self.notation.written(losses, printed) if losses else "")
+        if losses:
+            left_side = _sum_of(left_side, self.notation.written(losses, printed))
         if self.transverse:
             outer = derived(left_side, self.notation.axes[0], printed)
-            left_side = _added(outer, self.notation.written(self.transverse, printed))
+            left_side = _sum_of(outer, self.notation.written(self.transverse, printed))
         return f"{left_side} = 0"
 
 
-def _added(sum_: str, further: str) -> str:
-    """Return two sums as one."""
-    if not further:
-        return sum_
-    return f"{sum_} {'-' if further.startswith('-') else '+'} {further.removeprefix('-')}"
+def _sum_of(left: str, right: str) -> str:
+    return f"{left} {'-' if right.startswith('-') else '+'} {right.removeprefix('-')}"
 
 
 @dataclass(frozen=True)
@@ -171,17 +166,6 @@ class Coefficients:
     c: Expr
     terms: Mapping[str, Expr]
     monomials: Mapping[str, Monomial] = field(repr=False)
-
-    @property
-    def nonlinear(self) -> Expr:
-        """The nonlinear term's coefficient. Raises ValueError unless there is exactly one."""
-        nonlinear = [name for name, monomial in self.monomials.items() if len(monomial) > 1]
-        if len(nonlinear) != 1:
-            raise ValueError(
-                f"the equation must have one nonlinear term, got {len(nonlinear)} in "
-                f"{', '.join(self.terms)} (read the coefficients from .terms)"
-            )
-        return self.terms[nonlinear[0]]
 
     @property
     def dispersive(self) -> Expr:

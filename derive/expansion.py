@@ -10,26 +10,15 @@ equation for W.  Shifts are exponentials, ``f_{n+s} = exp(s . sum eps^a d_X) f``
 derivatives follow the chain rule, ``d/dt = -sum speed eps^a d_X + eps^q d_T``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from functools import cached_property
 
 from sympy import Expr, S
 
+from longwave.derive.algebra import small_matrices as matrices
 from longwave.derive.algebra.exact_numbers import instance
 from longwave.derive.algebra.jets import DifferentialPolynomial, EpsSeries, Operator
 from longwave.derive.algebra.rational_functions import RationalFunction, RationalFunctions
-from longwave.derive.algebra.small_matrices import (
-    Column,
-    Matrix,
-    combined,
-    determinant,
-    inverse,
-    null_space,
-    transposed,
-    without,
-)
 from longwave.derive.lattice import Bond, Cell, Lattice
 from longwave.derive.scaling import Scaling
 from longwave.derive.symbols import check_constants, powers_of_eps
@@ -55,21 +44,17 @@ class Expansion:
     @property
     def time_derivative(self) -> Operator:
         """d/dt by the chain rule through the slow variables."""
-        frame = tuple(
-            (axis, variable.exponent, -self.number(variable.speed))
-            for axis, variable in enumerate(self.scaling.space)
-        )
+        variables = enumerate(self.scaling.space)
+        frame = tuple((axis, v.exponent, -self.number(v.speed)) for axis, v in variables)
         return (*frame, (len(frame), self.scaling.time, self.field.one))
 
     def shifted(self, series: EpsSeries, cell: Cell) -> EpsSeries:
         """Shift a series by whole cells, by Taylor's theorem."""
-        steps = (
-            (axis, v.exponent, sum(d * s for d, s in zip(v.direction, cell, strict=True)))
-            for axis, v in enumerate(self.scaling.space)
-        )
-        return series.exponential(
-            tuple((axis, power, self.number(step)) for axis, power, step in steps if step)
-        )
+        operator = []
+        for axis, v in enumerate(self.scaling.space):
+            if step := sum(d * s for d, s in zip(v.direction, cell, strict=True)):
+                operator.append((axis, v.exponent, self.number(step)))
+        return series.exponential(tuple(operator))
 
     def ansatz(self) -> EpsSeries:
         """Return ``background + eps^amplitude W``."""
@@ -99,14 +84,11 @@ class Expansion:
         """Return the rows weighted with the left null vector, which vanish on solutions."""
         parts = self.slaved_parts() if slaved is None else slaved
         rows = self.rows(self._fields(parts, self.limit))
-        return combined(self.zero_mode[1], rows, EpsSeries(self.field, self.limit, {}))
+        return matrices.combined(self.zero_mode[1], rows, EpsSeries(self.field, self.limit, {}))
 
     def _fields(self, slaved: Sequence[EpsSeries], limit: int) -> list[EpsSeries]:
-        wave = self.ansatz()
-        return [
-            (share * wave + part).upto(limit)
-            for share, part in zip(self.zero_mode[0], slaved, strict=True)
-        ]
+        wave, pairs = self.ansatz(), zip(self.zero_mode[0], slaved, strict=True)
+        return [(weight * wave + part).upto(limit) for weight, part in pairs]
 
     def rows(self, fields: Sequence[EpsSeries], since: int = 0) -> list[EpsSeries]:
         """Return ``mass f'' + loss f' - forces`` of each field, from ``eps^since`` on."""
@@ -154,7 +136,7 @@ class Expansion:
         parts = powers_of_eps(value).items()
         return EpsSeries.collect(self.field, limit, ((p, self.number(v) * one) for p, v in parts))
 
-    def matrix(self, j: int) -> Matrix:
+    def matrix(self, j: int) -> matrices.Matrix:
         """Return the linear part of ``mass d^2/dt^2 - forces`` at the j-th harmonic and eps = 0."""
         count = len(self.lattice.fields)
         means = (powers_of_eps(b).get(0, S.Zero) for p, b in self.scaling.background if p == 0)
@@ -174,49 +156,49 @@ class Expansion:
     def _leading(self, value: Expr) -> RationalFunction:
         return self.number(powers_of_eps(value).get(0, S.Zero))
 
-    def null_vectors(self, j: int) -> tuple[Column, Column]:
+    def null_vectors(self, j: int) -> tuple[matrices.Column, matrices.Column]:
         """Return the right and left null vector of the j-th matrix, with first nonzero entry 1.
 
         Raises ValueError unless there is one of each.
         """
         matrix = self.matrix(j)
-        null_spaces = (null_space(matrix), null_space(transposed(matrix)))
+        null_spaces = [matrices.null_space(m) for m in (matrix, matrices.transposed(matrix))]
         if any(len(vectors) != 1 for vectors in null_spaces):
-            several_waves, no_wave = (
-                "its fields move apart at no cost",
-                "pinned: derive a carrier's envelope",
-            )
+            count, no_wave = len(null_spaces[0]), "pinned: derive a carrier's envelope"
             raise ValueError(
-                f"lattice must have one wave of vanishing frequency, got {len(null_spaces[0])} "
-                f"({several_waves if len(null_spaces[0]) > 1 else no_wave})"
+                f"lattice must have one wave of vanishing frequency, got {count} "
+                f"({'its fields move apart at no cost' if count > 1 else no_wave})"
             )
         return null_spaces[0][0], null_spaces[1][0]
 
     @cached_property
-    def zero_mode(self) -> tuple[Column, Column]:
+    def zero_mode(self) -> tuple[matrices.Column, matrices.Column]:
         """The null vectors at wavenumber zero, right and left: e and l."""
         return self.null_vectors(0)
 
     @cached_property
     def is_pinned(self) -> bool:
         """Whether an on-site force acts: the mean is then slaved."""
-        return bool(determinant(self.matrix(0)))
+        return bool(matrices.determinant(self.matrix(0)))
 
     @cached_property
-    def shares(self) -> Column:
-        """The zero mode's entry for each field; zeros if the lattice is pinned."""
+    def field_weights(self) -> matrices.Column:
+        """Weight of each field in the zero mode; zeros if the lattice is pinned."""
         return [self.field.zero] * len(self.lattice.fields) if self.is_pinned else self.zero_mode[0]
 
     @cached_property
     def is_displacement(self) -> bool:
         """Whether no bond feels a uniform motion of all fields; only derivatives enter."""
         return not self.is_pinned and not any(
-            sum((e.weight * self.shares[e.field] for e in bond.stretch), self.field.zero)
+            sum((e.weight * self.field_weights[e.field] for e in bond.stretch), self.field.zero)
             for bond in self.lattice.bonds
         )
 
     def slaved(
-        self, j: int, rows: Sequence[DifferentialPolynomial], wave: tuple[Column, Column] | None
+        self,
+        j: int,
+        rows: Sequence[DifferentialPolynomial],
+        wave: tuple[matrices.Column, matrices.Column] | None,
     ) -> Iterator[tuple[int, DifferentialPolynomial]]:
         """Solve for the parts of fields that balance the rows of a harmonic; yield (field, part).
 
@@ -224,12 +206,12 @@ class Expansion:
         Raises ZeroDivisionError if the harmonic is another wave of the lattice.
         """
         column, row = (vector.index(1) for vector in wave) if wave else (None, None)
-        part = without(self.matrix(j), row, column)
+        part = matrices.without(self.matrix(j), row, column)
         others = [values for i, values in enumerate(rows) if i != row]
         fields = [index for index in range(len(rows)) if index != column]
         nothing = DifferentialPolynomial.zero(self.field)
-        for index, weights in zip(fields, inverse(part) if part else [], strict=True):
-            yield index, -combined(weights, others, nothing)
+        for index, weights in zip(fields, matrices.inverse(part) if part else [], strict=True):
+            yield index, -matrices.combined(weights, others, nothing)
 
 
 def expand(lattice: Lattice, scaling: Scaling, limit: int) -> Expansion:
@@ -252,7 +234,7 @@ def expand(lattice: Lattice, scaling: Scaling, limit: int) -> Expansion:
             )
     if scaling.frame_symbol in lattice.constants:
         raise ValueError(
-            f"speed must be no constant of {lattice.name}, got {scaling.speed} (the reduction "
+            f"speed must not be a constant of {lattice.name}, got {scaling.speed} (the reduction "
             "finds it: take another symbol)"
         )
     if not lattice.is_polynomial:

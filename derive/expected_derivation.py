@@ -5,35 +5,30 @@ masses or springs. The laws are orders of magnitude: for 20 derivations with sev
 took more than 0.3 s they gave 0.2 to 7 times the measured time.
 """
 
-from __future__ import annotations
-
 from longwave.derive.lattice import Lattice, Stencil
 
-PLAIN = 0.15
+SECONDS_PER_BOND = 0.15
 """Seconds for each bond of a lattice with one field, at any allowed order."""
 
-BEGUN, CONSTANTS, POWER = 0.12, 6.0, 5.0
-"""Seconds for the third order beyond the equation of a lattice with several fields and CONSTANTS
-constants, and the power of their number with which the seconds grow."""
+THIRD_ORDER_SECONDS, THIRD_ORDER_CONSTANTS, THIRD_ORDER_EXPONENT = 0.12, 6.0, 5.0
+"""Seconds for the third order beyond the equation of a lattice with several fields and this number
+of constants, and the power of the number with which the seconds grow."""
 
-CARRIER, A_CONSTANT, A_FIELD = 0.06, 2.8, 6.0
+PI_SECONDS, PI_FACTOR_PER_CONSTANT, PI_FACTOR_PER_FIELD = 0.06, 2.8, 6.0
 """Seconds of the envelope at k = pi with two fields, five constants; factors for each further."""
 
-IN_NUMBERS, EACH_FIELD = 0.3, 2.0
+NUMERIC_SECONDS, NUMERIC_FACTOR_PER_FIELD = 0.3, 2.0
 """Seconds at other wavenumbers with two fields and numbers for all constants; a factor for each
 further field."""
 
-ANY_CARRIER, ITS_CONSTANT = 1.0, 6.0
+SYMBOLIC_SECONDS, SYMBOLIC_FACTOR_PER_CONSTANT, MAX_SYMBOLIC_SECONDS = 1.0, 6.0, 5.0
 """Seconds added by five symbolic constants, as the phase is a further symbol; a factor for each
-further constant."""
+further constant; the most seconds added: `carrier_envelope` refuses larger formulas."""
 
-MOST_IN_SYMBOLS = 5.0
-"""Most seconds added by symbolic constants: `carrier_envelope` refuses larger formulas."""
+FACTOR_PER_CELL = 30.0
+"""Factor for each further cell that a bond spans, for one field."""
 
-A_REACH = 30.0
-"""Factor for each further cell that a bond reaches, for one field."""
-
-CHEAPER_ORDER = "take a lower --order, or a FILE.toml with numbers in the place of constants"
+CHEAPER_ORDER = "take a lower --order, or a FILE.toml with numbers instead of constants"
 CHEAPER_CARRIER = "take --envelope k=pi, or give constants by --set"
 
 
@@ -44,11 +39,11 @@ def reduction_seconds(lattice: Lattice, further: int) -> float:
     >>> [f"{reduction_seconds(LATTICES['dimer'], further):.2g}" for further in (2, 4, 5, 8)]
     ['0.37', '3.8', '25', '8.5e+03']
     """
-    plain = PLAIN * len(lattice.bonds)
+    plain = SECONDS_PER_BOND * len(lattice.bonds)
     if len(lattice.fields) == 1:
         return plain
     constants = max(3, len(lattice.constants))
-    third_order = BEGUN * (constants / CONSTANTS) ** POWER
+    third_order = THIRD_ORDER_SECONDS * (constants / THIRD_ORDER_CONSTANTS) ** THIRD_ORDER_EXPONENT
     return plain + third_order * (constants - 1.0) ** (further - 3)
 
 
@@ -62,17 +57,18 @@ def envelope_seconds(lattice: Lattice, at_pi: bool, given: int = 0) -> float:
     ['0.06', '1.3']
     """
     if len(lattice.fields) == 1:
-        return CARRIER * (1.0 if at_pi else A_REACH ** min(_reach(lattice) - 1, 6))
+        return PI_SECONDS * (1.0 if at_pi else FACTOR_PER_CELL ** min(_range(lattice) - 1, 6))
     constants, further = max(0, len(lattice.constants) - given), len(lattice.fields) - 2
     if at_pi:
-        return CARRIER * A_CONSTANT ** (constants - 5) * A_FIELD**further
-    symbols = min(ANY_CARRIER * ITS_CONSTANT ** (constants - 5), MOST_IN_SYMBOLS)
-    symbols = symbols if constants else 0.0
-    return IN_NUMBERS * EACH_FIELD**further + symbols * A_FIELD**further
+        return PI_SECONDS * PI_FACTOR_PER_CONSTANT ** (constants - 5) * PI_FACTOR_PER_FIELD**further
+    growth = SYMBOLIC_FACTOR_PER_CONSTANT ** (constants - 5)
+    added = min(SYMBOLIC_SECONDS * growth, MAX_SYMBOLIC_SECONDS) if constants else 0.0
+    numeric = NUMERIC_SECONDS * NUMERIC_FACTOR_PER_FIELD**further
+    return numeric + added * PI_FACTOR_PER_FIELD**further
 
 
-def _reach(lattice: Lattice) -> int:
-    """Return the number of cells that the longest bond reaches."""
+def _range(lattice: Lattice) -> int:
+    """Return the number of cells that the longest bond spans."""
 
     def span(entries: tuple[Stencil, ...]) -> int:
         shifts = [entry.shift[0] for entry in entries]

@@ -4,8 +4,6 @@ The derivatives of the expression give the standard deviation. If the expression
 for them within the errors, samples of the constants give the interval.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -19,20 +17,19 @@ from longwave.derive.reduction import Reduction
 LEVEL = 0.95
 """Probability of all intervals."""
 
-WIDE = NormalDist().inv_cdf((1 + LEVEL) / 2)
+HALF_WIDTH = NormalDist().inv_cdf((1 + LEVEL) / 2)
 """Half-width of an interval of a normal distribution, in standard deviations."""
 
-SAMPLES = 20_000
+SAMPLE_COUNT = 20_000
 """Number of samples, which find the ends of an interval to 0.02 standard deviations."""
 
-SAME_ENDS = 0.05
+MAX_LINEAR_ERROR = 0.05
 """Largest error of an interval's ends by derivatives, in units of its width."""
 
-
-OPENING = {"contact": lambda x: max(x, 0.0), "touching": lambda x: float(x > 0.0)}
+OPENING_FUNCTIONS = {"contact": lambda x: max(x, 0.0), "touching": lambda x: float(x > 0.0)}
 """Functions that Python's `math` lacks."""
 
-LAST_PLACES = (-6, 3)
+PLAIN_EXPONENTS = (-6, 3)
 """Range of the last digit's power for numbers written without an exponent."""
 
 
@@ -41,7 +38,7 @@ class Interval:
     """A number that follows from measured constants, its standard deviation and 95 % interval.
 
     ``by_derivatives`` are the ends by the derivatives. ``sampled`` says that these are inaccurate,
-    and that ``ends`` and ``deviation`` come from samples.  ``lost`` is the share of samples at
+    and that ``ends`` and ``deviation`` come from samples.  ``lost`` is the fraction of samples at
     which the number does not exist.
     """
 
@@ -74,49 +71,42 @@ class Intervals:
         self._at = {symbol: values[str(symbol)] for symbol in self._symbols}
         self._rows = [[measured.table[one][two] for two in order] for one in order]
         indices = [list(values).index(name) for name in order]
-        self._samples = [tuple(s[i] for i in indices) for s in measured.samples(SAMPLES)]
+        self._samples = [tuple(s[i] for i in indices) for s in measured.samples(SAMPLE_COUNT)]
 
     def of(self, expression: Expr) -> Interval:
         """Return the interval of an expression in the constants."""
         gradient = self._gradient(expression)
-        deviation = math.sqrt(
-            max(
-                0.0,
-                sum(
-                    a * b * entry
-                    for a, row in zip(gradient, self._rows, strict=True)
-                    for b, entry in zip(gradient, row, strict=True)
-                ),
-            )
+        variance = sum(
+            a * b * entry
+            for a, row in zip(gradient, self._rows, strict=True)
+            for b, entry in zip(gradient, row, strict=True)
         )
+        deviation = math.sqrt(max(0.0, variance))
         mean = float(expression.xreplace(self._at))
-        linear = (mean - WIDE * deviation, mean + WIDE * deviation)
+        linear = (mean - HALF_WIDTH * deviation, mean + HALF_WIDTH * deviation)
         sampled = self._sampled_values(expression)
-        lost = 1 - len(sampled) / SAMPLES
+        lost = 1 - len(sampled) / SAMPLE_COUNT
         cuts = quantiles(sampled, n=round(2 / (1 - LEVEL))) if len(sampled) > 1 else [mean]
         ends = (cuts[0], cuts[-1])
-        allowed = SAME_ENDS * (ends[1] - ends[0]) + 1e-12 * abs(mean)
+        allowed = MAX_LINEAR_ERROR * (ends[1] - ends[0]) + 1e-12 * abs(mean)
         if not lost and all(abs(a - b) <= allowed for a, b in zip(ends, linear, strict=True)):
             return Interval(mean, deviation, linear, linear, sampled=False, lost=0.0)
-        spread = (ends[1] - ends[0]) / (2 * WIDE)
+        spread = (ends[1] - ends[0]) / (2 * HALF_WIDTH)
         return Interval(mean, spread, ends, linear, sampled=True, lost=lost)
 
     def _gradient(self, expression: Expr) -> list[float]:
         """Return the derivatives at the constants' values, using the constants' signs."""
-        signed_symbols = {
+        signed = {
             symbol: Dummy(positive=True) if value > 0 else Dummy(negative=True) if value else symbol
             for symbol, value in self._at.items()
         }
-        at_values = {signed_symbols[symbol]: value for symbol, value in self._at.items()}
-        signed_expression = expression.xreplace(signed_symbols)
-        return [
-            float(signed_expression.diff(signed_symbols[symbol]).xreplace(at_values))
-            for symbol in self._symbols
-        ]
+        values = {signed[symbol]: value for symbol, value in self._at.items()}
+        signed_expression = expression.xreplace(signed)
+        return [float(signed_expression.diff(signed[s]).xreplace(values)) for s in self._symbols]
 
     def _sampled_values(self, expression: Expr) -> list[float]:
-        """Return the expression at those samples where it is a real number."""
-        function = lambdify(self._symbols, expression, [OPENING, "math"])
+        """Return the values of the expression at the samples where it is a real number."""
+        function = lambdify(self._symbols, expression, [OPENING_FUNCTIONS, "math"])
         values = []
         for sample in self._samples:
             try:
@@ -129,13 +119,12 @@ class Intervals:
 
 
 def intervals_of_reduction(reduction: Reduction, measured: Measured) -> dict[str, Interval]:
-    """Return the intervals of speed, coefficients and normal form, by their names there.
+    """Return the intervals of speed, coefficients and normal form, by name.
 
     ``measured`` has a value for each constant of the lattice and of the ansatz.
     """
-    scaling_constants = (
-        s for s in reduction.scaling.constants if s != reduction.scaling.frame_symbol
-    )
+    scaling = reduction.scaling
+    scaling_constants = (s for s in scaling.constants if s != scaling.frame_symbol)
     intervals = Intervals(measured, [*reduction.lattice.basic_constants, *scaling_constants])
     symbolic = reduction.coefficients()
     expressions = {"c": symbolic.c, **symbolic.terms}
@@ -154,8 +143,8 @@ def rounded(value: float, deviation: float) -> str:
     """
     if not deviation or not math.isfinite(deviation):
         return f"{value:.6g}"
-    place = math.floor(math.log10(deviation)) - 1
-    if LAST_PLACES[0] <= place <= LAST_PLACES[1]:
-        return f"{round(value, -place):.{max(-place, 0)}f}"
-    digits = math.floor(math.log10(abs(value) or deviation)) - place
+    exponent = math.floor(math.log10(deviation)) - 1
+    if PLAIN_EXPONENTS[0] <= exponent <= PLAIN_EXPONENTS[1]:
+        return f"{round(value, -exponent):.{max(-exponent, 0)}f}"
+    digits = math.floor(math.log10(abs(value) or deviation)) - exponent
     return f"{value:.{min(max(digits, 1), 15)}e}"

@@ -12,16 +12,7 @@ from sympy import Expr, Poly, S, Symbol, factorial, nan, oo, simplify, zoo
 
 from longwave.derive.algebra.contact import contact
 from longwave.derive.algebra.exact_numbers import Number, exact, instance, integer, tuple_of
-from longwave.derive.output.notation import (
-    Displayed,
-    Printed,
-    bracketed,
-    latex_of,
-    power_of,
-    signed_sum,
-    text_of,
-    weighted_sum,
-)
+from longwave.derive.output import notation
 from longwave.derive.output.own_names import unused
 from longwave.derive.symbols import (
     check_constants,
@@ -45,8 +36,8 @@ SINGULAR = (nan, oo, -oo, zoo)
 
 _ASSUMPTIONS = ("positive", "negative", "nonnegative", "nonpositive", "nonzero", "integer")
 
-MOST_CELLS = 10**6
-"""Bound on the absolute values of shifts and weights."""
+LARGEST_STEP = 10**6
+"""Largest absolute value of a shift or weight."""
 
 
 @dataclass(frozen=True)
@@ -61,8 +52,8 @@ class Stencil:
         shift = tuple_of("shift", self.shift, object, "one an axis: (1,) is a chain's next cell")
         object.__setattr__(self, "shift", shift)
         for step in (*shift, self.weight):
-            integer("shift and weight", step, -MOST_CELLS, "whole cells, whole weights")
-        integer("field", self.field, 0, "the place of the field in the lattice's fields")
+            integer("shift and weight", step, -LARGEST_STEP, "whole cells, whole weights")
+        integer("field", self.field, 0, "the index of the field in the lattice's fields")
 
 
 @dataclass(frozen=True)
@@ -112,7 +103,7 @@ class Bond:
 
     @property
     def has_reaction(self) -> bool:
-        """Whether its forces on the fields add up to 0, unlike those of an on-site force."""
+        """Whether the bond's forces on the fields add up to 0; an on-site force's do not."""
         return not sum(entry.weight for entry in self.action)
 
     @property
@@ -171,13 +162,11 @@ def spring(force: Expr, start: tuple[Cell, int], end: tuple[Cell, int]) -> Bond:
     "u_n'' = F(u_{n+1} - u_n) - F(u_n - u_{n-1})"
     """
     (start_cell, first), (end_cell, second) = start, end
+    from_start, from_end = (tuple(-step for step in cell) for cell in (start_cell, end_cell))
     return Bond(
         stretch=(Stencil(end_cell, 1, second), Stencil(start_cell, -1, first)),
         force=force,
-        action=(
-            Stencil(tuple(-step for step in start_cell), 1, first),
-            Stencil(tuple(-step for step in end_cell), -1, second),
-        ),
+        action=(Stencil(from_start, 1, first), Stencil(from_end, -1, second)),
     )
 
 
@@ -188,7 +177,7 @@ def on_site(force: Expr, field: int = 0, axes: int = 1) -> Bond:
 
 
 @dataclass(frozen=True, repr=False)
-class Lattice(Displayed):
+class Lattice(notation.Displayed):
     """Equations of motion ``mass f'' = sum of bond forces - loss f'``, one for each field.
 
     ``definitions`` are symbols that represent expressions in the lattice's other constants,
@@ -212,10 +201,9 @@ class Lattice(Displayed):
     @property
     def constants(self) -> tuple[Symbol, ...]:
         """Symbols in forces, masses and losses, sorted by name, without eps."""
-        symbols: set[Symbol] = set()
         forces = (part for bond in self.bonds for part in (bond.force, bond.loss))
-        for expression in (*self.masses, *self.losses, *forces):
-            symbols |= expression.free_symbols
+        expressions = (*self.masses, *self.losses, *forces)
+        symbols = {symbol for expression in expressions for symbol in expression.free_symbols}
         return tuple(sorted(symbols - {x, eps}, key=str))
 
     @property
@@ -244,26 +232,22 @@ class Lattice(Displayed):
         >>> LATTICES["fput"].with_values({"K2": 4, "K3": "eps/2"}).equations()[1]
         'F(x) = 4 x + eps/2 x^2 + K4 x^3'
         """
-        substitutions = values_of(
-            values, {str(s): s for s in self.constants}, self.name, constant_value
-        )
+        names = {str(s): s for s in self.constants}
+        substitutions = values_of(values, names, self.name, constant_value)
         for symbol, value in substitutions.items():
             if symbol.is_positive and value.subs(eps, 0).is_positive is False:
                 remedy = self.vacuum_at(symbol, value) or self.name
                 raise ValueError(f"{symbol} must satisfy {symbol} > 0, got {value} ({remedy})")
+
+        def image(expression: Expr) -> Expr:
+            return expression.xreplace(substitutions)
+
         return replace(
             self,
-            masses=tuple(mass.xreplace(substitutions) for mass in self.masses),
-            bonds=tuple(
-                replace(
-                    b, force=b.force.xreplace(substitutions), loss=b.loss.xreplace(substitutions)
-                )
-                for b in self.bonds
-            ),
-            definitions=tuple(
-                (symbol, value.xreplace(substitutions)) for symbol, value in self.definitions
-            ),
-            losses=tuple(loss.xreplace(substitutions) for loss in self.losses),
+            masses=tuple(map(image, self.masses)),
+            bonds=tuple(replace(b, force=image(b.force), loss=image(b.loss)) for b in self.bonds),
+            definitions=tuple((symbol, image(value)) for symbol, value in self.definitions),
+            losses=tuple(map(image, self.losses)),
         )
 
     def with_losses(
@@ -271,7 +255,7 @@ class Lattice(Displayed):
     ) -> Lattice:
         """Return the lattice with the force ``-site df/dt`` on each field and dashpots at springs.
 
-        Losses are numbers or formulas in text, as "eps**3*gamma"; new names in them are positive
+        Losses are numbers or formulas such as "eps**3*gamma"; new names in them are positive
         constants.  A mapping gives different losses to fields (by name) or bonds (by number from
         1). An on-site force is not a bond between cells; its dashpot is a loss of the site. Raises
         ValueError for anything else.
@@ -285,9 +269,8 @@ class Lattice(Displayed):
         symbols = {str(symbol): symbol for symbol in self.constants}
         sites = _each("site", site, self.fields, symbols)
         dashpots = _each("bond", bond, springs, symbols)
-        bonds = tuple(
-            replace(each, loss=dashpots.get(str(i), S.Zero)) for i, each in enumerate(self.bonds, 1)
-        )
+        numbered = enumerate(self.bonds, 1)
+        bonds = tuple(replace(b, loss=dashpots.get(str(i), S.Zero)) for i, b in numbered)
         losses = tuple(sites.values())
         return replace(self, bonds=bonds, losses=losses if any(losses) else ())
 
@@ -308,28 +291,22 @@ class Lattice(Displayed):
 
     @property
     def contact_constants(self) -> set[Symbol]:
-        """Constants that only set where contacts open; they may be 0 when a chain is run."""
+        """Constants that occur only in the arguments of contacts; a run allows 0 for them."""
         laws = [bond.force for bond in self.bonds]
-        opening_constants = {
-            symbol for law in laws for at in law.atoms(contact) for symbol in at.free_symbols
-        }
-        return (
-            opening_constants
-            - {x}
-            - {s for law in laws for s in law.replace(contact, lambda _: S.One).free_symbols}
-        )
+        opening = {s for law in laws for at in law.atoms(contact) for s in at.free_symbols}
+        closed_laws = (law.replace(contact, lambda _: S.One) for law in laws)
+        return opening - {x} - {s for law in closed_laws for s in law.free_symbols}
 
     @property
     def unfelt_constants(self) -> set[Symbol]:
-        """Constants only of contacts that are open at rest, which small waves do not feel."""
-        closed = replace(
-            self,
-            bonds=tuple(
-                replace(b, force=b.force.replace(contact, lambda at: _closed_at_rest(at)))
-                for b in self.bonds
-            ),
-        )
-        return {*self.constants} - {*closed.constants}
+        """Constants that occur only in contacts open at rest; small waves do not depend on them."""
+
+        def closed_at_rest(opening: Expr) -> Expr:
+            return S.Zero if opening.subs(x, 0).is_negative else contact(opening)
+
+        laws = (bond.force.replace(contact, closed_at_rest) for bond in self.bonds)
+        bonds = (replace(b, force=law) for b, law in zip(self.bonds, laws, strict=True))
+        return {*self.constants} - {*replace(self, bonds=tuple(bonds)).constants}
 
     def check_values(self, values: Mapping[Symbol, Expr]) -> None:
         """Raise ValueError for a value that violates the assumptions of its symbol."""
@@ -412,15 +389,12 @@ class Lattice(Displayed):
         rows = [row for row in rows if any(row)]
         action, mirror = rows[0]
         square = _products(action, mirror, -1)  # the stencil times the square of the mirror
-        waves = (
-            sum(w * math.cos(k * c[0] + 0.7 * k * c[-1]) for (_, c), w in square.items())
-            for k in (0.3, 1.0, 1.7, 2.4, 3.1)
-        )
         mirrored = {(0, tuple(-step for step in cell)): w for (_, cell), w in square.items()}
-        return (
-            square == mirrored
-            and all(size > 0 for size in waves)
-            and all(_products(a, mirror) == _products(action, m) for a, m in rows)
+        if square != mirrored or any(_products(a, mirror) != _products(action, m) for a, m in rows):
+            return False
+        return all(
+            sum(w * math.cos(k * c[0] + 0.7 * k * c[-1]) for (_, c), w in square.items()) > 0
+            for k in (0.3, 1.0, 1.7, 2.4, 3.1)
         )
 
     def strained(self, strain: Expr) -> Lattice:
@@ -432,9 +406,8 @@ class Lattice(Displayed):
         """
         bonds = []
         for bond in self.bonds:
-            mean = strain * sum(
-                e.weight * (e.shift[0] if self.is_displacement else 1) for e in bond.stretch
-            )
+            shifts = [e.shift[0] if self.is_displacement else 1 for e in bond.stretch]
+            mean = strain * sum(e.weight * i for e, i in zip(bond.stretch, shifts, strict=True))
             force = bond.force.subs(x, x + mean) - bond.force.subs(x, mean)
             bonds.append(replace(bond, force=force.expand() if bond.is_polynomial else force))
         return replace(self, bonds=tuple(bonds))
@@ -498,20 +471,17 @@ class Lattice(Displayed):
         object.__setattr__(self, "losses", tuple(_loss("losses", loss) for loss in losses))
         bonds = tuple_of("bonds", self.bonds, Bond, "LATTICES['fput_strain'].bonds shows one")
         object.__setattr__(self, "bonds", bonds)
-        if len(masses) != len(fields):
-            raise ValueError(
-                f"masses must be as many as the fields, {len(fields)}, got {len(masses)} "
-                "(a mass for each field)"
-            )
-        if losses and len(losses) != len(fields):
-            raise ValueError(
-                f"losses must be as many as the fields, {len(fields)}, got {len(losses)} "
-                "(one for each field, or () for none)"
-            )
+        for label, values in (("masses", masses), ("losses", losses or fields)):
+            if len(values) != len(fields):
+                none = ", or () for none" if label == "losses" else ""
+                raise ValueError(
+                    f"{label} must be as many as the fields, {len(fields)}, got {len(values)} "
+                    f"(one for each field{none})"
+                )
         for name in fields:
             if not re.fullmatch(r"[A-Za-z][A-Za-z0-9]*", name, re.ASCII) or fields.count(name) > 1:
                 raise ValueError(
-                    "fields must have names of letters and digits, each its own, got "
+                    "fields must have different names of letters and digits, got "
                     f"{shown(name)} (such as 'u1', 'u2')"
                 )
         for mass in self.masses:
@@ -530,19 +500,16 @@ class Lattice(Displayed):
         check_constants(self.basic_constants, fields)
         check_constants(self.constants, fields)
 
-    def equations(self, printed: Printed = text_of) -> tuple[str, ...]:
+    def equations(self, printed: notation.Printed = notation.text_of) -> tuple[str, ...]:
         """Return the equations of motion, then the force of each bond, one a line.
 
         >>> from longwave.derive import LATTICES
         >>> LATTICES["fput_strain"].equations()[0]
         "y_n'' = F(y_{n+1}) - 2 F(y_n) + F(y_{n-1})"
         """
-        is_text = printed is text_of
-        return tuple(
-            _equations(
-                self, printed, ("{}'", "{}''") if is_text else (r"\dot{{{}}}", r"\ddot{{{}}}")
-            )
-        )
+        is_text = printed is notation.text_of
+        dots = ("{}'", "{}''") if is_text else (r"\dot{{{}}}", r"\ddot{{{}}}")
+        return tuple(_equations(self, printed, dots))
 
     def text(self) -> str:
         """Return the name, and the equations in plain text."""
@@ -550,18 +517,18 @@ class Lattice(Displayed):
 
     def latex(self) -> str:
         """Return the equations in LaTeX, without delimiters."""
-        return r",\quad ".join(self.equations(latex_of))
+        return r",\quad ".join(self.equations(notation.latex_of))
 
 
 def _sum_of_force(weights: Weights, field: int) -> str:
-    """Return an action on a field in the notation of lattice files."""
+    """Return the force that a bond exerts on a field, in the notation of lattice files."""
     terms = []
     for (field_index, cell), weight in sorted(weights.items(), reverse=True):
         if field_index == field:
             steps = ", ".join(f"{a}{s:+d}" if s else a for a, s in zip("nml", cell, strict=False))
             size = "" if abs(weight) == 1 else f"{abs(weight)}*"
             terms.append((weight < 0, f"{size}F[{steps}]"))
-    return signed_sum(terms)
+    return notation.signed_sum(terms)
 
 
 def _letters(number: int) -> str:
@@ -588,11 +555,6 @@ def _loss(label: str, value: Expr) -> Expr:
     return value
 
 
-def _closed_at_rest(opening: Expr) -> Expr:
-    """Return a contact, or 0 if it is open at zero stretch."""
-    return S.Zero if opening.subs(x, 0).is_negative else contact(opening)
-
-
 def _each(
     kind: str, given: Number | Mapping[Any, Number], names: Sequence[str], known: dict[str, Symbol]
 ) -> dict[str, Expr]:
@@ -608,11 +570,11 @@ def _each(
     return {name: values.get(name, S.Zero) for name in names}
 
 
-def _equations(lattice: Lattice, printed: Printed, dots: tuple[str, str]) -> Iterator[str]:
+def _equations(lattice: Lattice, printed: notation.Printed, dots: tuple[str, str]) -> Iterator[str]:
     """Yield equations of motion and forces; ``printed`` formats constants, ``dots`` derivatives."""
     rate, acceleration = dots
-    many = len(lattice.bonds) > 1
-    names = [f"F{number}" if many else "F" for number, _ in enumerate(lattice.bonds, 1)]
+    numbers = range(1, len(lattice.bonds) + 1)
+    names = [f"F{number}" for number in numbers] if len(numbers) > 1 else ["F"]
     labels = [printed(Symbol(unused(name, lattice.names))) for name in names]
     here = _cell((0,) * lattice.dimension)
     for index, name in enumerate(lattice.fields):
@@ -627,7 +589,7 @@ def _equations(lattice: Lattice, printed: Printed, dots: tuple[str, str]) -> Ite
         if loss:
             forces.append((-1, _times(loss, rate.format(f"{name}_{here}"), printed)))
         moving = _times(mass, acceleration.format(f"{name}_{here}"), printed)
-        yield f"{moving} = {weighted_sum(forces)}"
+        yield f"{moving} = {notation.weighted_sum(forces)}"
     for force, bond in zip(labels, lattice.bonds, strict=True):
         dashpot = f" + {_times(bond.loss, rate.format('x'), printed)}" if bond.loss else ""
         if not bond.is_polynomial:
@@ -635,18 +597,19 @@ def _equations(lattice: Lattice, printed: Printed, dots: tuple[str, str]) -> Ite
             continue
         terms = enumerate(reversed(bond.coefficients()))
         law = (_law_term(value, power, printed) for power, value in terms if value != 0)
-        yield f"{force}(x) = {signed_sum(law)}{dashpot}"
+        yield f"{force}(x) = {notation.signed_sum(law)}{dashpot}"
 
 
-def _law_term(value: Expr, power: int, printed: Printed) -> tuple[bool, str]:
+def _law_term(value: Expr, power: int, printed: notation.Printed) -> tuple[bool, str]:
     """Return whether a term of a force is negative, and the term without its sign."""
     is_negative = bool(value.as_coeff_Mul()[0] < 0)
     size = -value if is_negative else value
-    return is_negative, _times(size, power_of(x, power, printed), printed).rstrip()
+    return is_negative, _times(size, notation.power_of(x, power, printed), printed).rstrip()
 
 
-def _times(factor: Expr, product: str, printed: Printed) -> str:
-    return product if factor == 1 and product else f"{bracketed(factor, printed)} {product}"
+def _times(factor: Expr, product: str, printed: notation.Printed) -> str:
+    size = "" if factor == 1 and product else f"{notation.bracketed(factor, printed)} "
+    return size + product
 
 
 def _stretch(lattice: Lattice, bond: Bond, at: Stencil) -> str:
@@ -655,7 +618,7 @@ def _stretch(lattice: Lattice, bond: Bond, at: Stencil) -> str:
     for entry in bond.stretch:
         cell = [i + j for i, j in zip(entry.shift, at.shift, strict=True)]
         parts.append((entry.weight, f"{lattice.fields[entry.field]}_{_cell(cell)}"))
-    return weighted_sum(parts)
+    return notation.weighted_sum(parts)
 
 
 def _cell(shift: Sequence[int]) -> str:

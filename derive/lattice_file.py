@@ -32,11 +32,9 @@ A small constant is written with its power of eps, as in ``force = "K2*x + eps*k
 Two axes are ``u[n, m+1]``.  Formulas are parsed with a whitelist, never evaluated.
 """
 
-from __future__ import annotations
-
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -55,10 +53,10 @@ from longwave.derive.symbols import check_names, eps, x
 from longwave.support.known_names import one_of
 from longwave.support.user_files import file_stem, read_toml, shown, shown_path
 
-LARGEST = 100_000
+LARGEST_FILE = 100_000
 """Largest size of a file, in bytes."""
 
-MOST = 50
+MAX_ENTRIES = 50
 """Most entries of each kind."""
 
 LONGEST_NAME = 30
@@ -95,7 +93,7 @@ def read_lattice(path: Path) -> Lattice:
     Raises ValueError, with the file and the entry, for an invalid lattice; OSError if the file
     cannot be read.
     """
-    document = read_toml(path, "lattice", LARGEST)
+    document = read_toml(path, "lattice", LARGEST_FILE)
     try:
         return lattice_of(document, file_stem(path))
     except ValueError as error:
@@ -127,7 +125,7 @@ def lattice_of(document: Mapping[str, Any], name: str = "lattice") -> Lattice:
     sites = _bonds(document, "site", partial(_site, fields=fields, symbols=symbols, axes=axes))
     bonds = [*springs, *sites, *others]
     if not bonds:
-        raise ValueError("bonds must be there, got none (write a [[spring]])")
+        raise ValueError("bonds must be given, got none (write a [[spring]])")
     lattice_name = _title("name", document.get("name", name))
     title = _title("title", document.get("title", lattice_name))
     lattice = Lattice(lattice_name, title, tuple(fields), tuple(masses), tuple(bonds))
@@ -138,12 +136,18 @@ def _bonds(
     document: Mapping[str, Any], kind: str, build: Callable[[Mapping[str, Any]], Bond]
 ) -> list[Bond]:
     """Build the bonds of all entries of a kind; errors name the entry."""
+    entries = document.get(kind, [])
+    if not isinstance(entries, list) or len(entries) > MAX_ENTRIES:
+        raise ValueError(
+            f"{kind} must be [[{kind}]] tables, at most {MAX_ENTRIES}, got {shown(entries)}"
+        )
     bonds = []
-    for place, entry in _entries(document, kind):
+    for number, entry in enumerate(entries, 1):
+        _check_keys(entry, kind)
         try:
             bonds.append(build(entry))
         except ValueError as error:
-            raise ValueError(f"{place}: {error}") from None
+            raise ValueError(f"[[{kind}]] {number}: {error}") from None
     return bonds
 
 
@@ -164,12 +168,9 @@ def document_of_lattice(lattice: Lattice) -> dict[str, Any]:
         )
 
     def action_of(bond: Bond) -> dict[str, str]:
-        ends = {place: [e for e in bond.action if e.field == place] for place in range(MOST)}
-        return {
-            lattice.fields[i]: sum_of(tuple(stencils), "F")
-            for i, stencils in ends.items()
-            if stencils
-        }
+        ends = [[e for e in bond.action if e.field == i] for i in range(len(lattice.fields))]
+        pairs = zip(lattice.fields, ends, strict=True)
+        return {field: sum_of(tuple(entries), "F") for field, entries in pairs if entries}
 
     return {
         "fields": list(lattice.fields),
@@ -187,7 +188,7 @@ def document_of_lattice(lattice: Lattice) -> dict[str, Any]:
 
 
 def _measured(document: Mapping[str, Any], lattice: Lattice) -> Measured | None:
-    """Return the values of constants that the file states, with covariance; None if it has none."""
+    """Return the file's values of constants, with their covariance; None if it has none."""
     values, rows = (_table(key, document.get(key, {})) for key in ("constants", "covariance"))
     if not values and not rows:
         return None
@@ -197,10 +198,10 @@ def _measured(document: Mapping[str, Any], lattice: Lattice) -> Measured | None:
 
 
 def _table(label: str, value: object) -> Mapping[str, Any]:
-    if not isinstance(value, Mapping) or len(value) > MOST:
+    if not isinstance(value, Mapping) or len(value) > MAX_ENTRIES:
         raise ValueError(
-            f"{label} must be a table by constants' names, at most {MOST}, got {shown(value)} "
-            "(such as {K2 = 1})"
+            f"{label} must be a table by constants' names, at most {MAX_ENTRIES}, got "
+            f"{shown(value)} (such as {{K2 = 1}})"
         )
     return value
 
@@ -263,28 +264,18 @@ def time_formula(label: str, text: object) -> sp.Expr:
 def _check_keys(table: object, kind: str) -> None:
     known = KEYS[kind]
     if not isinstance(table, Mapping):
-        raise ValueError(f"[[{kind}]] must be a table, got {shown(table)}")
+        raise ValueError(f"[[{kind}]] must be a table, got {shown(table)} (write KEY = VALUE)")
     for key in table:
         if key not in known:
             suggestion = one_of(key, sorted(known))
             raise ValueError(f"keys must be known ones, got {shown(key)} ({suggestion})")
 
 
-def _entries(document: Mapping[str, Any], kind: str) -> Iterator[tuple[str, Mapping[str, Any]]]:
-    entries = document.get(kind, [])
-    if not isinstance(entries, list) or len(entries) > MOST:
-        raise ValueError(f"{kind} must be [[{kind}]] tables, at most {MOST}, got {shown(entries)}")
-    for number, entry in enumerate(entries, 1):
-        _check_keys(entry, kind)
-        yield f"[[{kind}]] {number}", entry
-
-
 def _texts(document: Mapping[str, Any], key: str, *, required: bool = True) -> list[str]:
     names = document.get(key, None if required else [])
-    texts = isinstance(names, list) and all(
-        isinstance(entry, str) and len(entry) <= LONGEST_NAME for entry in names
-    )
-    if not texts or (required and not names) or len(names) > MOST:
+    entries = names if isinstance(names, list) else [None]
+    are_texts = all(isinstance(text, str) and len(text) <= LONGEST_NAME for text in entries)
+    if not are_texts or (required and not names) or len(names) > MAX_ENTRIES:
         raise ValueError(f'{key} must be a list of names, got {shown(names)} (such as ["u"])')
     return list(names)
 
@@ -352,14 +343,15 @@ def _bond(entry: Mapping[str, Any], fields: list[str], symbols: _Symbols) -> Bon
     action = entry.get("action")
     if not isinstance(action, Mapping) or not action:
         raise ValueError(f'action must name fields, got {shown(action)} ({{u = "F[n] - F[n-1]"}})')
-    stretch = tuple(
-        Stencil(cell, weight, _field("stretch", name, fields))
-        for weight, name, cell in _terms("stretch", entry.get("stretch"))
-    )
+    terms = _terms("stretch", entry.get("stretch"))
+    stretch = tuple(Stencil(cell, w, _field("stretch", name, fields)) for w, name, cell in terms)
     ends = []
     for name, text in action.items():
         for weight, force, cell in _terms("action", text):
             if force != "F":
-                raise ValueError(f"action must be a sum of F, the bond's force, got {shown(text)}")
+                raise ValueError(
+                    f"action must be a sum of F, the bond's force, got {shown(text)} (such as "
+                    "F[n] - F[n-1])"
+                )
             ends.append(Stencil(cell, weight, _field("action", name, fields)))
     return Bond(stretch, symbols.formula("force", entry.get("force")), tuple(ends))

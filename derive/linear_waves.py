@@ -14,10 +14,10 @@ from longwave.derive.output.notation import Printed, text_of
 from longwave.derive.sines import cosine, in_sines, omega, sine
 from longwave.derive.symbols import k, values_of
 
-SAMPLES = tuple(pi * Rational(i, 4) for i in range(5))
+TABLE_WAVENUMBERS = tuple(pi * Rational(i, 4) for i in range(5))
 """Wavenumbers of the table."""
 
-NONE = 1e-9
+REST_TOLERANCE = 1e-9
 """Relative frequency below which a wave is at rest, or two branches meet."""
 
 Row = tuple[Expr, list[tuple[float, float | None]]]
@@ -66,28 +66,31 @@ class LinearWaves:
             return ()
         last, middle = self.coefficients[:2]
         inner = factor(expand(middle**2 / 4 - last))
-        outer, rest = S.One, S.One
+        outer, inside = S.One, S.One
         for base, power in inner.as_powers_dict().items():
             is_square = power.is_integer and power % 2 == 0 and base.is_positive
-            outer, rest = (outer * base**power, rest) if is_square else (outer, rest * base**power)
-        root = sqrt(outer) * sqrt(expand(rest))
+            factor_ = base**power
+            outer, inside = (outer * factor_, inside) if is_square else (outer, inside * factor_)
+        root = sqrt(outer) * sqrt(expand(inside))
         return tuple(factor(-middle / 2) + sign * root for sign in (-1, 1))
+
+    @property
+    def _omega(self) -> Symbol:
+        return Symbol("omega~") if omega.name in self.lattice.names else omega
 
     def relation(self, printed: Printed = text_of) -> str:
         """Return the relation in one line."""
-        symbol = Symbol("omega~") if omega.name in self.lattice.names else omega
-        terms = sum((v * symbol ** (2 * j) for j, v in enumerate(self.coefficients)), S.Zero)
-        return f"{printed(terms)} = 0"
+        terms = (v * self._omega ** (2 * j) for j, v in enumerate(self.coefficients))
+        return f"{printed(sum(terms, S.Zero))} = 0"
 
     def lines(self, printed: Printed = text_of) -> Iterator[str]:
         """Yield the branches from below, or the relation if they have no formula."""
-        symbol = Symbol("omega~") if omega.name in self.lattice.names else omega
         if not self.branches:
             yield self.relation(printed)
-        yield from (f"{printed(symbol**2)} = {printed(value)}" for value in self.branches)
+        yield from (f"{printed(self._omega**2)} = {printed(value)}" for value in self.branches)
 
     def table(self, constants: Mapping[str, Number]) -> list[Row]:
-        """Return omega and the group velocity of each branch at `SAMPLES`, from below.
+        """Return omega and the group velocity of each branch at `TABLE_WAVENUMBERS`, from below.
 
         The velocity is None where two branches meet.  Raises ValueError for constants that are
         missing or make a wave unstable.
@@ -98,21 +101,20 @@ class LinearWaves:
         terms = sum((v * square**j for j, v in enumerate(self.coefficients)), S.Zero)
         relation = terms.xreplace(values)
         if missing := sorted(map(str, relation.free_symbols - {k, square})):
-            raise ValueError(f"{missing[0]} must be given, got none (a number, as {missing[0]}=1)")
+            name = missing[0]
+            raise ValueError(f"{name} must be given, got none (a number, such as {name}=1)")
         slopes = [relation.diff(k), relation.diff(square), relation.diff(k, 2)]
         rows: list[Row] = []
-        for angle in SAMPLES:
-            squares = sorted(
-                float(r) for r in Poly(relation.subs(k, angle).evalf(40), square).nroots(n=30)
-            )
-            if squares[0] < -NONE * squares[-1]:
+        for angle in TABLE_WAVENUMBERS:
+            roots = Poly(relation.subs(k, angle).evalf(40), square).nroots(n=30)
+            squares = sorted(map(float, roots))
+            if squares[0] < -REST_TOLERANCE * squares[-1]:
                 raise ValueError(
                     f"constants must make waves stable, got omega^2 = {squares[0]:.6g} at k = "
                     f"{angle}"
                 )
-            rows.append(
-                (angle, [_wave(slopes, square, angle, squares, i) for i in range(len(squares))])
-            )
+            branches = range(len(squares))
+            rows.append((angle, [_wave(slopes, square, angle, squares, i) for i in branches]))
         return rows
 
 
@@ -121,11 +123,11 @@ def _wave(
 ) -> tuple[float, float | None]:
     """Return omega and d omega/dk of a branch, from the derivatives of the relation."""
     value, largest = max(squares[branch], 0.0), max(squares[-1], 1e-300)
-    if value < NONE * largest:
+    if value < REST_TOLERANCE * largest:
         value = 0.0
     k_slope, square_slope, k_curvature = (float(s.subs({k: angle, square: value})) for s in slopes)
     others = [other for i, other in enumerate(squares) if i != branch]
-    if any(abs(other - squares[branch]) < NONE * largest for other in others):
+    if any(abs(other - squares[branch]) < REST_TOLERANCE * largest for other in others):
         return value**0.5, None
     if value:
         return value**0.5, 0.0 - k_slope / (square_slope * 2 * value**0.5)

@@ -17,7 +17,7 @@ from longwave.derive.symbols import number_value
 from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
 
-ROUNDING = 1e-9
+EIGENVALUE_TOLERANCE = 1e-9
 """Size below which a negative eigenvalue of the correlations is a rounding error."""
 
 
@@ -46,30 +46,25 @@ class Measured:
                     f"({one_of(name, values)})"
                 )
         rows = {
-            first: {
-                second: _entry(first, second, covariance.get(first, {}).get(second, 0))
-                for second in values
-            }
-            for first in values
+            row: {name: _entry(row, name, covariance.get(row, {}).get(name, 0)) for name in values}
+            for row in values
         }
         for first, second in combinations(values, 2):
-            covariance_of_pair, transposed_value = rows[first][second], rows[second][first]
-            if covariance_of_pair != transposed_value:
+            value, transposed = rows[first][second], rows[second][first]
+            if value != transposed:
                 raise ValueError(
-                    f"covariance must be symmetric, got {covariance_of_pair:g} for {first} with "
-                    f"{second} and "
-                    f"{transposed_value:g} for {second} with {first} (write the same number)"
+                    f"covariance must be symmetric, got {value:g} for {first} with {second} and "
+                    f"{transposed:g} for {second} with {first} (write the same number)"
                 )
-            if covariance_of_pair and not (rows[first][first] and rows[second][second]):
+            if value and not (rows[first][first] and rows[second][second]):
                 raise ValueError(
                     f"covariance of {first} with {second} must be 0 where one of them is exact, "
-                    "got "
-                    f"{covariance_of_pair:g} (give both their variances)"
+                    f"got {value:g} (give both their variances)"
                 )
         exact = tuple((name, number_value(name, value)) for name, value in values.items())
         result = cls(exact, tuple(tuple(row.values()) for row in rows.values()))
         least = min(result._modes[0], default=0.0)
-        if least < -ROUNDING:
+        if least < -EIGENVALUE_TOLERANCE:
             raise ValueError(
                 "covariance must be positive semidefinite, got correlations with the eigenvalue "
                 f"{least:.3g} (no measurement has it)"
@@ -82,14 +77,12 @@ class Measured:
         return {name: math.sqrt(self.covariance[i][i]) for i, (name, _) in enumerate(self.values)}
 
     def with_exact(self, values: Mapping[str, Expr]) -> Measured:
-        """Return a copy with other values, or values of other constants, that have no error."""
-        own_values = dict(self.values)
+        """Return a copy with these values added or replaced; they have no error."""
         remaining = {name: row for name, row in self.table.items() if name not in values}
-        covariance = {
-            name: {o: v for o, v in row.items() if o in remaining}
-            for name, row in remaining.items()
-        }
-        return Measured.of({**own_values, **values}, covariance)
+        for row in remaining.values():
+            for name in values.keys() & row.keys():
+                del row[name]
+        return Measured.of({**dict(self.values), **values}, remaining)
 
     @property
     def table(self) -> dict[str, dict[str, float]]:
@@ -106,28 +99,21 @@ class Measured:
         if not uncertain:
             return [], [[] for _ in scales]
         context = MPContext()
-        eigenvalues, vectors = context.eigsy(
-            context.matrix(
-                [
-                    [self.covariance[i][j] / scales[i] / scales[j] for j in uncertain]
-                    for i in uncertain
-                ]
-            )
-        )
-        rows = dict(zip(uncertain, vectors.tolist(), strict=True))
-        return [float(value) for value in eigenvalues], [
-            [scale * float(part) for part in rows.get(i, ())] for i, scale in enumerate(scales)
+        correlations = [
+            [self.covariance[i][j] / scales[i] / scales[j] for j in uncertain] for i in uncertain
         ]
+        eigenvalues, columns = context.eigsy(context.matrix(correlations))
+        rows = dict(zip(uncertain, columns.tolist(), strict=True))
+        vectors = [[size * float(v) for v in rows.get(i, ())] for i, size in enumerate(scales)]
+        return [float(value) for value in eigenvalues], vectors
 
     def samples(self, count: int, seed: int = 0) -> list[tuple[float, ...]]:
         """Draw samples of the constants, in the order of ``values``, with normal errors."""
         eigenvalues, vectors = self._modes
         sizes = [math.sqrt(max(value, 0.0)) for value in eigenvalues]
         normal = random.Random(seed).gauss
-        rows = [
-            (float(value), [part * size for part, size in zip(vector, sizes, strict=False)])
-            for (_, value), vector in zip(self.values, vectors, strict=True)
-        ]
+        factors = ([v * size for v, size in zip(row, sizes, strict=False)] for row in vectors)
+        rows = list(zip((float(value) for _, value in self.values), factors, strict=True))
         samples = []
         for _ in range(count):
             normals = [normal(0.0, 1.0) for _ in sizes]
@@ -137,12 +123,12 @@ class Measured:
         return samples
 
 
-def _entry(one: str, two: str, value: object) -> float:
+def _entry(first: str, second: str, value: object) -> float:
     """Return a covariance as a float; raise ValueError if it is not finite, or a variance < 0."""
     wrong = isinstance(value, bool) or not isinstance(value, int | float)
-    if wrong or not abs(value) < 1e100 or (one == two and value < 0):  # type: ignore[arg-type, operator]
+    if wrong or not abs(value) < 1e100 or (first == second and value < 0):  # type: ignore[arg-type, operator]
         raise ValueError(
-            f"covariance of {one} with {two} must be a finite number, and no variance below 0, "
-            f"got {shown(value)} (such as 1e-4)"
+            f"covariance of {first} with {second} must be a finite number, and a variance at least "
+            f"0, got {shown(value)} (such as 1e-4)"
         )
     return float(value)  # type: ignore[arg-type]

@@ -8,8 +8,6 @@ the paper's eq. (8).  For displacements the wave is W, and the steps use Y = W_X
 X-derivative of the equation.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 from sympy import Expr, Symbol
@@ -33,9 +31,6 @@ from longwave.derive.scaling import Scaling
 
 FURTHER_ORDERS = 2
 """Default number of orders beyond the evolution equation: usually includes the first correction."""
-
-
-USUAL = "Scaling() is the paper's"
 
 
 class ReductionError(ValueError):
@@ -79,16 +74,15 @@ class _Solver:
         shortfall = self.leading_order - order
         power_text = f"eps^{power + shortfall}" if power + shortfall > 1 else "eps"
         slow_time = self.scaling.time - shortfall
-        remedy = f"write {power_text} times a constant" + (
-            f", or take T = eps^{slow_time} t" * (slow_time > 1)
-        )
+        other = f", or take T = eps^{slow_time} t" if slow_time > 1 else ""
+        remedy = f"write {power_text} times a constant{other}"
         return (
             f"{kind} loss must enter at the order of the reduced equation, eps^"
             f"{self.leading_order}, got {text_of(given)}, which dominates at eps^{order} ({remedy})"
         )
 
     def sound_polynomial(self) -> RationalFunction:
-        """Return P(c) of the lowest order, and eliminate it from all orders."""
+        """Return P(c) of the lowest order; solve P(c) = 0 and substitute in all orders."""
         order = next(iter(self.series.parts), self.lowest_order)
         lowest = self.series.at(order)
         if set(lowest.terms) != {(self.second,)}:
@@ -148,9 +142,8 @@ class _Solver:
         self, order: int, vanishing: RationalFunction, drifts: Sequence[Symbol] = ()
     ) -> None:
         """Solve for one of the ``drifts``, which have no given values, or of the constants."""
-        solved = (drifts and solve_linear(vanishing, drifts)) or solve_linear(
-            vanishing, self.constants, self.frame
-        )
+        solved = solve_linear(vanishing, drifts) if drifts else None
+        solved = solved or solve_linear(vanishing, self.constants, self.frame)
         if solved is None:
             raise self._refusal(
                 order,
@@ -161,7 +154,7 @@ class _Solver:
         self.series = self.conditioned(self.series)
 
     def conditioned(self, series: EpsSeries) -> EpsSeries:
-        """Return a series without the constants that the conditions determine."""
+        """Return a series with the constants eliminated that the conditions determine."""
         squares = [elimination for elimination in self.solved if elimination.power > 1]
         for elimination in (*self.solved, *squares):
             series = elimination.series(series)
@@ -176,9 +169,9 @@ class _Solver:
             raise self._refusal(self.leading_order, f"linear in {mixed_name}")
         self.factor = part.coefficient(self.mixed)
         others = part.select(lambda monomial: monomial != (self.mixed,))
-        rest = others.map_coefficients(lambda value: value / self.factor)
-        transverse = rest.select(lambda m: len(m) == 1 and m[0][0] == 0)
-        flow = (-(rest - transverse)).antiderivative()
+        known = others.map_coefficients(lambda value: value / self.factor)
+        transverse = known.select(lambda m: len(m) == 1 and m[0][0] == 0)
+        flow = (-(known - transverse)).antiderivative()
         if flow is None:
             raise self._refusal(self.leading_order, "an X-derivative")
         return flow, transverse
@@ -201,7 +194,8 @@ def reduce(
     >>> print(reduce(LATTICES["fput_strain"]).pde.text())
     Y_T + (3 K4/(2 c)) Y^2 Y_X + (c/24) Y_XXX = 0
     """
-    chosen = Scaling() if scaling is None else instance("scaling", scaling, Scaling, USUAL)
+    remedy = "Scaling() is the paper's"
+    chosen = instance("scaling", Scaling() if scaling is None else scaling, Scaling, remedy)
     leading = chosen.leading_order
     highest = leading + FURTHER_ORDERS if orders is None else orders
     if integer("orders", highest, 0, "the highest power of eps") < leading:
@@ -232,10 +226,7 @@ def reduce(
         remainders={} if transverse else dict(_on_solutions(solver, {0: flow}).parts),
         corrections=corrections,
         obstruction=obstruction,
-        slaved={
-            name: (weight, part)
-            for name, weight, part in zip(names, expansion.zero_mode[0], slaved, strict=True)
-        },
+        slaved=dict(zip(names, zip(expansion.zero_mode[0], slaved, strict=True), strict=True)),
         left=tuple(expansion.zero_mode[1]),
     )
 
@@ -254,10 +245,10 @@ def _corrections(
     corrections: dict[int, DifferentialPolynomial] = {}
     for power in range(1, solver.series.limit - solver.leading_order + 1):
         series = _on_solutions(solver, {0: flow, **corrections})
-        rest = (-1 / solver.factor) * series.at(solver.leading_order + power)
-        correction = rest.antiderivative()
+        derivative = (-1 / solver.factor) * series.at(solver.leading_order + power)
+        correction = derivative.antiderivative()
         if correction is None:
-            return corrections, (power, rest)
+            return corrections, (power, derivative)
         if correction:
             corrections[power] = correction
     return corrections, None

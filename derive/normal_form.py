@@ -7,8 +7,6 @@ of the paper's eq. (22).  If an equation keeps its form under a scaling, the sim
 h = 1 for mKdV, a = 1 for KdV, KP and NLS.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
@@ -71,14 +69,9 @@ def _kawahara(quadratic: Expr, third: Expr, fifth: Expr) -> Scales:
 
 def _modified_kawahara(cubic: Expr, third: Expr, fifth: Expr) -> Scales:
     square = Abs(third / fifth)
-    a = sqrt(square)
-    return {
-        "a": a,
-        "b": -fifth * a**5,
-        "h": square * sqrt(6 * Abs(fifth / cubic)),
-        "s": -sign(third / fifth),
-        "r": -sign(cubic * fifth),
-    }
+    a, h = sqrt(square), square * sqrt(6 * Abs(fifth / cubic))
+    signs = {"s": -sign(third / fifth), "r": -sign(cubic * fifth)}
+    return {"a": a, "b": -fifth * a**5, "h": h, **signs}
 
 
 def _kdv_burgers(quadratic: Expr, second: Expr, third: Expr) -> Scales:
@@ -121,48 +114,39 @@ def _nls(dispersion: Expr, cubic: Expr) -> Scales:
 
 
 _ROWS: tuple[tuple[str, str, str, Callable[..., Scales]], ...] = (
-    ("KdV", "Y Y_X, Y_XXX", "U_tau + 6 U U_xi + U_xixixi = 0", _kdv),
-    ("mKdV", "Y^2 Y_X, Y_XXX", "U_tau + 6 s U^2 U_xi + U_xixixi = 0", _mkdv),
-    (
-        "Gardner",
-        "Y^2 Y_X, Y Y_X, Y_XXX",
-        "U_tau + 6 U U_xi + 6 s U^2 U_xi + U_xixixi = 0",
-        _gardner,
-    ),
-    ("Kawahara", "Y Y_X, Y_XXX, Y_5X", "U_tau + 6 U U_xi + s U_xixixi - U_5xi = 0", _kawahara),
+    ("KdV", "Y Y_X, Y_XXX", "U_tau + 6 U U_xi + U_xixixi", _kdv),
+    ("mKdV", "Y^2 Y_X, Y_XXX", "U_tau + 6 s U^2 U_xi + U_xixixi", _mkdv),
+    ("Gardner", "Y^2 Y_X, Y Y_X, Y_XXX", "U_tau + 6 U U_xi + 6 s U^2 U_xi + U_xixixi", _gardner),
+    ("Kawahara", "Y Y_X, Y_XXX, Y_5X", "U_tau + 6 U U_xi + s U_xixixi - U_5xi", _kawahara),
     (
         "modified Kawahara",
         "Y^2 Y_X, Y_XXX, Y_5X",
-        "U_tau + 6 r U^2 U_xi + s U_xixixi - U_5xi = 0",
+        "U_tau + 6 r U^2 U_xi + s U_xixixi - U_5xi",
         _modified_kawahara,
     ),
-    ("fifth-order KdV", "Y Y_X, Y_5X", "U_tau + 6 U U_xi - U_5xi = 0", _fifth_kdv),
-    ("fifth-order mKdV", "Y^2 Y_X, Y_5X", "U_tau + 6 r U^2 U_xi - U_5xi = 0", _fifth_mkdv),
-    (
-        "KdV-Burgers",
-        "Y Y_X, Y_XX, Y_XXX",
-        "U_tau + 6 U U_xi + s U_xixixi - U_xixi = 0",
-        _kdv_burgers,
-    ),
+    ("fifth-order KdV", "Y Y_X, Y_5X", "U_tau + 6 U U_xi - U_5xi", _fifth_kdv),
+    ("fifth-order mKdV", "Y^2 Y_X, Y_5X", "U_tau + 6 r U^2 U_xi - U_5xi", _fifth_mkdv),
+    ("KdV-Burgers", "Y Y_X, Y_XX, Y_XXX", "U_tau + 6 U U_xi + s U_xixixi - U_xixi", _kdv_burgers),
     (
         "mKdV-Burgers",
         "Y^2 Y_X, Y_XX, Y_XXX",
-        "U_tau + 6 r U^2 U_xi + s U_xixixi - U_xixi = 0",
+        "U_tau + 6 r U^2 U_xi + s U_xixixi - U_xixi",
         _mkdv_burgers,
     ),
-    ("KP", "Y Y_X, Y_XXX, Y_ZZ", "(U_tau + 6 U U_xi + U_xixixi)_xi + 3 s U_zetazeta = 0", _kp),
+    ("KP", "Y Y_X, Y_XXX, Y_ZZ", "(U_tau + 6 U U_xi + U_xixixi)_xi + 3 s U_zetazeta", _kp),
     (
         "generalised KP",
         "Y^2 Y_X, Y_XXX, Y_ZZ",
-        "(U_tau + 6 r U^2 U_xi + U_xixixi)_xi + 3 s U_zetazeta = 0",
+        "(U_tau + 6 r U^2 U_xi + U_xixixi)_xi + 3 s U_zetazeta",
         _generalised_kp,
     ),
-    ("NLS", "A_XX, |A|^2 A", "i U_tau + U_xixi + 2 s |U|^2 U = 0", _nls),
+    ("NLS", "A_XX, |A|^2 A", "i U_tau + U_xixi + 2 s |U|^2 U", _nls),
 )
+"""Name, terms and left-hand side of each equation, and the scales of the map to it."""
 
 NORMAL_EQUATIONS = {
-    name: NormalEquation(name, tuple(terms.split(", ")), text, scales)
-    for name, terms, text, scales in _ROWS
+    name: NormalEquation(name, tuple(terms.split(", ")), f"{left_side} = 0", scales)
+    for name, terms, left_side, scales in _ROWS
 }
 """The normal forms by name."""
 
@@ -244,15 +228,15 @@ class NormalForm:
         return {name: getattr(self, name) for name in names}
 
     def __repr__(self) -> str:
-        fields_shown = (
-            i for i in fields(self) if i.name in "absc" or getattr(self, i.name) != i.default
-        )
-        return f"NormalForm({', '.join(f'{i.name}={getattr(self, i.name)}' for i in fields_shown)})"
+        values = [(i.name, getattr(self, i.name), i.default) for i in fields(self)]
+        texts = (f"{name}={v}" for name, v, usual in values if name in "absc" or v != usual)
+        return f"NormalForm({', '.join(texts)})"
 
     def _repr_latex_(self) -> str:
-        map_latex = self.map_text.replace("drift", _LATEX["drift"])
+        greek = {"drift": r"\nu"}
+        map_latex = self.map_text.replace("drift", greek["drift"])
         parts = [rf"{NORMAL_EQUATIONS[self.equation].latex},\quad {map_latex}"]
-        parts += (f"{_LATEX.get(name, name)} = {latex(v)}" for name, v in self.values.items())
+        parts += (f"{greek.get(name, name)} = {latex(v)}" for name, v in self.values.items())
         return rf"$\displaystyle {', '.join(parts)}$"
 
 
@@ -271,9 +255,6 @@ def equation_name(name: str, s: Expr | int, r: Expr | int = 1) -> str:
     if name in ("Kawahara", "KdV-Burgers"):
         return f"{name} (s = {s})"
     return f"{name} (s = {s}, r = {r})" if name in ("modified Kawahara", "mKdV-Burgers") else name
-
-
-_LATEX = {"drift": r"\nu"}
 
 
 def equation_of(terms: Iterable[str]) -> NormalEquation | None:
@@ -295,11 +276,8 @@ def normal_form_of(
     >>> normal_form_of(S(2), {"Y Y_X": S(3), "Y_XXX": S(1)})
     NormalForm(a=1, b=1, s=1, c=2, equation=KdV, h=2)
     """
-    terms = {
-        term: value
-        for term, value in coefficients.items()
-        if not (value.equals(0) if value.is_number else value.is_zero)
-    }
+    vanishes = {t: v.equals(0) if v.is_number else v.is_zero for t, v in coefficients.items()}
+    terms = {term: value for term, value in coefficients.items() if not vanishes[term]}
     drift = terms.pop("Y_X", S.Zero)
     entry = equation_of(terms)
     if entry is None:
@@ -313,7 +291,7 @@ def _refusal(remaining: Mapping[str, Expr], vanished: Sequence[str]) -> str:
     """Return the message for terms without a normal form."""
     vanished_terms = [term for term in vanished if term != "Y_X"]
     if vanished_terms:
-        linear = "" if any(_is_nonlinear(term) for term in remaining) else ", a linear equation"
+        linear = "" if any(" " in term for term in remaining) else ", a linear equation"
         return (
             f"the coefficient of {vanished_terms[0]} must not vanish, got 0, which leaves "
             f"{', '.join(remaining) or 'nothing'}{linear} "
@@ -324,10 +302,6 @@ def _refusal(remaining: Mapping[str, Expr], vanished: Sequence[str]) -> str:
         "the terms must be those of an equation with a normal form, got "
         f"{', '.join(remaining) or 'none'} ({known})"
     )
-
-
-def _is_nonlinear(term: str) -> bool:
-    return " " in term or "^" in term
 
 
 _REMEDY = {

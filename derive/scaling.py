@@ -1,22 +1,13 @@
 """The ansatz as data: amplitude, slow variables, frame speed, mean; the paper's eq. (7)."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
+from functools import partial
 
 from sympy import Expr, S, Symbol
 
 from longwave.derive.algebra.exact_numbers import integer, tuple_of
-from longwave.derive.output.notation import (
-    Displayed,
-    Printed,
-    bracketed,
-    latex_of,
-    power_of,
-    text_of,
-    weighted_sum,
-)
+from longwave.derive.output import notation
 from longwave.derive.symbols import c, check_constants, eps, rational_function
 from longwave.support.user_files import shown
 
@@ -53,7 +44,7 @@ class SlowVariable:
                     "terms of the reduced equation)"
                 )
 
-    def phase(self, printed: Printed = text_of) -> str:
+    def phase(self, printed: notation.Printed = notation.text_of) -> str:
         """Return the phase of the variable, without its power of eps.
 
         >>> SlowVariable("X", 1, (-2,), -c).phase()
@@ -63,13 +54,13 @@ class SlowVariable:
         for step, axis in (*zip(self.direction, "nml", strict=False), (-self.speed, "t")):
             is_negative = step.could_extract_minus_sign()
             size = -step if is_negative else step
-            name = axis if size == 1 else f"{bracketed(size, printed)} {axis}"
+            name = axis if size == 1 else f"{notation.bracketed(size, printed)} {axis}"
             parts += [(-1 if is_negative else 1, name)] if step else []
-        return weighted_sum(parts)
+        return notation.weighted_sum(parts)
 
 
 @dataclass(frozen=True, repr=False)
-class Scaling(Displayed):
+class Scaling(notation.Displayed):
     """``field = background + eps^amplitude Y(space, T)`` with ``T = eps^time t``.
 
     ``background`` lists (exponent, value) pairs, each adding ``eps^exponent value``.  The frame
@@ -105,14 +96,12 @@ class Scaling(Displayed):
                 "(take longwave.derive.symbols.c: the reduction finds its value; -c is the other "
                 "direction)"
             )
-        pairs = self.background and tuple_of(
-            "background", self.background, tuple, "((0, ybar),) is a uniform strain"
-        )
+        example = "((0, ybar),) is a uniform strain"
+        pairs = self.background and tuple_of("background", self.background, tuple, example)
         for pair in pairs:
             if len(pair) != 2:
                 raise ValueError(
-                    f"background must hold pairs (exponent, value), got {shown(pair)} "
-                    "(((0, ybar),) is a uniform strain)"
+                    f"background must hold pairs (exponent, value), got {shown(pair)} ({example})"
                 )
         mean = tuple((power, rational_function("background", value)) for power, value in pairs)
         object.__setattr__(self, "background", mean)
@@ -160,10 +149,9 @@ class Scaling(Displayed):
     @property
     def constants(self) -> tuple[Symbol, ...]:
         """Symbols in speeds and background, sorted by name; eps does not count as a constant."""
-        symbols: set[Symbol] = set()
         space_parts = (part for v in self.space for part in (v.speed, *v.direction))
-        for expression in (*space_parts, *(b for _, b in self.background)):
-            symbols |= expression.free_symbols
+        expressions = (*space_parts, *(value for _, value in self.background))
+        symbols = {symbol for expression in expressions for symbol in expression.free_symbols}
         return tuple(sorted(symbols - {eps}, key=str))
 
     def text(self, field: str = "y", wave: str = "Y") -> str:
@@ -172,21 +160,19 @@ class Scaling(Displayed):
         >>> Scaling().text()
         'y = eps Y(X, T), X = eps (n - c t), T = eps^3 t'
         """
-        return ", ".join(self._parts(field, wave, text_of))
+        return ", ".join(self._parts(field, wave, notation.text_of))
 
     def latex(self, field: str = "y", wave: str = "Y") -> str:
         """Return the ansatz in LaTeX, without delimiters."""
-        return r",\; ".join(self._parts(field, wave, latex_of))
+        return r",\; ".join(self._parts(field, wave, notation.latex_of))
 
-    def _parts(self, field: str, wave: str, printed: Printed) -> list[str]:
-        def small(exponent: int) -> str:
-            return power_of(eps, exponent, printed)
-
-        mean = "".join(f"{small(p)}{bracketed(value, printed)} + " for p, value in self.background)
+    def _parts(self, field: str, wave: str, printed: notation.Printed) -> list[str]:
+        small = partial(notation.power_of, eps, printed=printed)
+        terms = ((p, notation.bracketed(value, printed)) for p, value in self.background)
+        mean = "".join(f"{small(power)}{text} + " for power, text in terms)
         wave_text = f"{small(self.amplitude)}{wave}({', '.join(self.axes)})"
-        phases = ((v, v.phase(printed)) for v in self.space)
-        slow = (
-            f"{v.name} = {small(v.exponent)}{f'({phase})' if ' ' in phase else phase}"
-            for v, phase in phases
-        )
+        phases = [v.phase(printed) for v in self.space]
+        factors = (f"({phase})" if " " in phase else phase for phase in phases)
+        pairs = zip(self.space, factors, strict=True)
+        slow = (f"{v.name} = {small(v.exponent)}{factor}" for v, factor in pairs)
         return [f"{field} = {mean}{wave_text}", *slow, f"T = {small(self.time)}t"]

@@ -5,8 +5,6 @@ multiplication by a phase that centres its powers of z. So a polynomial is facto
 each factor is multiplied by its phase.
 """
 
-from __future__ import annotations
-
 from functools import cache
 from math import comb
 
@@ -26,7 +24,7 @@ Complex = tuple[RationalFunction, RationalFunction]
 
 
 def in_sines(element: RationalFunction) -> tuple[Expr, Expr]:
-    """Return real and imaginary part, factored; the first two symbols of the field are z and w.
+    """Return an element's real and imaginary part, factored; its first symbols must be z, w.
 
     >>> z, w, K = map(Symbol, "zwK")
     >>> field = RationalFunctions((z, w, K))
@@ -34,35 +32,32 @@ def in_sines(element: RationalFunction) -> tuple[Expr, Expr]:
     (0, -4*K*omega~*sin(k/2)**2)
     """
     field = RationalFunctions((sine, cosine, frequency, *element.field.symbols[2:]))
-    numerator, denominator = (
-        _Product(field, element, below=False),
-        _Product(field, element, below=True),
-    )
-    rest = _times(numerator.rest, _power(field, numerator.turns - denominator.turns))
-    if denominator.rest[1]:
-        real, imaginary = denominator.rest
-        rest = _times(rest, (real, -imaginary))
+    numerator, denominator = (_Product(field, element, below=below) for below in (False, True))
+    value = _times(numerator.mixed, _power(field, numerator.turns - denominator.turns))
+    if denominator.mixed[1]:
+        real, imaginary = denominator.mixed
+        value = _times(value, (real, -imaginary))
         size = _reduced(real * real + imaginary * imaginary)
     else:
-        size = denominator.rest[0]
+        size = denominator.mixed[0]
     for _ in range((numerator.quarters - denominator.quarters) % 4):
-        rest = -rest[1], rest[0]
+        value = -value[1], value[0]
     pure = numerator.pure / denominator.pure
-    real, imaginary = ((part / size).factored() * pure if part else Integer(0) for part in rest)
+    real, imaginary = ((part / size).factored() * pure if part else Integer(0) for part in value)
     return real, imaginary
 
 
 class _Product:
-    """Factors of a numerator or denominator: ``pure i^quarters rest exp(i k turns/2)``.
+    """Factors of a numerator or denominator: ``pure i^quarters mixed exp(i k turns/2)``.
 
-    ``pure`` is the product of the real or imaginary factors, ``rest`` that of the others.
+    ``pure`` is the product of the real or imaginary factors, ``mixed`` the product of the others.
     """
 
     def __init__(self, field: RationalFunctions, element: RationalFunction, *, below: bool) -> None:
         self.field = field
         self.pure: Expr = Integer(1)
         self.quarters = self.turns = 0
-        self.rest: Complex = (field.one, field.zero)
+        self.mixed: Complex = (field.one, field.zero)
         for terms, times in element.factored_terms(below=below):
             turns = [exponents[0] for exponents, _ in terms]
             middle = max(turns) + min(turns)
@@ -70,7 +65,7 @@ class _Product:
             part = real, imaginary = _turned(field, terms, middle)
             if real and imaginary:
                 for _ in range(times):
-                    self.rest = _times(self.rest, part)
+                    self.mixed = _times(self.mixed, part)
                 continue
             self.quarters += times if imaginary else 0
             self.pure *= (imaginary or real).factored() ** times
@@ -103,10 +98,8 @@ def _power(field: RationalFunctions, count: int) -> Complex:
 
 
 def _times(left: Complex, right: Complex) -> Complex:
-    return (
-        _reduced(left[0] * right[0] - left[1] * right[1]),
-        _reduced(left[0] * right[1] + left[1] * right[0]),
-    )
+    (a, b), (c, d) = left, right
+    return _reduced(a * c - b * d), _reduced(a * d + b * c)
 
 
 def _reduced(polynomial: RationalFunction) -> RationalFunction:

@@ -8,30 +8,16 @@ Lattices and scalings may declare constants of their own; their names and values
 here.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 
-from sympy import Expr, Pow, Symbol, fraction, together
+from sympy import Expr, Pow, Symbol, fraction, symbols, together
 
 from longwave.derive.algebra.exact_numbers import Number, exact
 from longwave.support.known_names import did_you_mean
 from longwave.support.user_files import shown
 
-K2 = Symbol("K2", positive=True)
-K3 = Symbol("K3", real=True)
-K4 = Symbol("K4", real=True)
-c = Symbol("c", positive=True)
-eps = Symbol("eps", positive=True)
-
-n = Symbol("n", real=True)
-t = Symbol("t", real=True)
-X = Symbol("X", real=True)
-T = Symbol("T", real=True)
-
-k = Symbol("k", real=True)
-ybar = Symbol("ybar", real=True)
-x = Symbol("x", real=True)
+K2, c, eps = symbols("K2 c eps", positive=True)
+K3, K4, n, t, X, T, k, ybar, x = symbols("K3 K4 n t X T k ybar x", real=True)
 
 RESERVED = {
     "T": "the slow time",
@@ -57,16 +43,16 @@ def rational_function(name: str, value: Expr) -> Expr:
     """
     number = exact(name, value)
     numerator, denominator = fraction(together(number))
-    symbols = number.free_symbols
+    names = number.free_symbols
     if (
-        not (numerator.is_polynomial(*symbols) and denominator.is_polynomial(*symbols))
+        not (numerator.is_polynomial(*names) and denominator.is_polynomial(*names))
         or denominator.has(eps)
-        or not all(atom.is_Rational for atom in number.atoms() - symbols)
+        or not all(atom.is_Rational for atom in number.atoms() - names)
         or not all(power.exp.is_Integer for power in number.atoms(Pow))
     ):
         raise ValueError(
             f"{name} must be a rational function of symbols and a polynomial in eps, got "
-            f"{shown(number)} (put a symbol in the place of a root, and give its value to "
+            f"{shown(number)} (put a symbol instead of a root, and give its value to "
             "coefficients)"
         )
     return number
@@ -120,7 +106,7 @@ def values_of(
     lattice: str,
     value: Callable[[str, Number], Expr] = number_value,
 ) -> dict[Symbol, Expr]:
-    """Return the ``value`` of each given constant, by its symbol.
+    """Return ``value(name, given[name])`` of each given constant, by its symbol.
 
     Raises ValueError, which names the ``lattice``, for a name that is not in ``constants``.
     """
@@ -136,9 +122,8 @@ def values_of(
 def check_constants(constants: Sequence[Symbol], fields: Sequence[str] = ()) -> None:
     """Raise ValueError if a constant has a reserved name, a field's, or another constant's."""
     names = [str(constant) for constant in constants]
+    check_names("constants", names)
     for name in names:
-        if name in RESERVED:
-            check_names("constants", [name])
         if name in fields:
             raise ValueError(
                 f"constants must have names other than the fields', got {name} ({name} is a field: "

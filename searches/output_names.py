@@ -33,7 +33,7 @@ SHAPES = {
     "exponential": "{0}*sinh({0}*x)",
 }
 REFUSED = re.compile(
-    r"error: .*(must have names other|must be no constant of|must name constants|expected )"
+    r"error: .*(must have names other|must not be a constant of|must name constants|expected )"
 )
 """Refusals in one line that say which name is in the way."""
 

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from longwave.derive.intervals import WIDE
+from longwave.derive.intervals import HALF_WIDTH
 from longwave.lattice.sensitivities import Sensor
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.fits.scene_fit import SceneFit, SceneModel, fit_scene
@@ -218,9 +218,9 @@ def main() -> int:
         fit = experiment.fitted()
         deviation = crest_apart(experiment, fit)
         spread.append(deviation)
-        covered += abs(deviation) <= WIDE
+        covered += abs(deviation) <= HALF_WIDTH
         doubted += _is_doubted(fit)
-        if abs(deviation) > 2.5 * WIDE:
+        if abs(deviation) > 2.5 * HALF_WIDTH:
             print(f"seed {seed}: {experiment.kind}, crest off by {deviation:.1f}", flush=True)
     share, root = covered / options.count, float(np.sqrt(np.mean(np.square(spread))))
     print(

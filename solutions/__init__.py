@@ -9,7 +9,7 @@ formulas.
 
 from typing import TYPE_CHECKING
 
-from longwave.support.lazy_exports import lazy_exports
+from longwave.support.lazy_exports import declared_exports
 
 if TYPE_CHECKING:
     from longwave.solutions.catalogue import CATALOGUE as CATALOGUE
@@ -31,18 +31,4 @@ if TYPE_CHECKING:
     from longwave.solutions.wave import Wave as Wave
     from longwave.solutions.wave_store import kept_wave as kept_wave
 
-_NOUNS = {
-    "longwave.solutions.catalogue": "CATALOGUE closed_form",
-    "longwave.solutions.equation": "DEFOCUSING_MKDV FOCUSING_MKDV Equation",
-    "longwave.solutions.record": "Bound ClosedForm FarFields Parameter Reference",
-    "longwave.solutions.forms.rational": "rational",
-    "longwave.solutions.forms.tau_polynomials": "rational_tau",
-    "longwave.solutions.data_store": "kept_data",
-    "longwave.solutions.wave_store": "kept_wave",
-    "longwave.solutions.numeric_wave": "NumericWave Side WaveValues",
-    "longwave.solutions.wave": "Wave",
-}
-
-__all__ = [*sorted(" ".join(_NOUNS.values()).split())]
-
-__getattr__, __dir__ = lazy_exports(__name__, _NOUNS)
+__getattr__, __dir__, __all__ = declared_exports(__name__)

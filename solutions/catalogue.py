@@ -3,6 +3,7 @@
 import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING, overload
@@ -53,6 +54,7 @@ _RATIONAL = re.compile(r"rational_([1-9]\d?)")
 _SHIFT = re.compile(r"tau_([1-9]\d?)")
 
 
+@dataclass(frozen=True, repr=False)
 class Catalogue(Sequence["ClosedForm"]):
     """Sequence of closed forms by name; each form is built on first access.
 
@@ -60,9 +62,12 @@ class Catalogue(Sequence["ClosedForm"]):
     (38, 'rational_1', 'kink and antikink')
     """
 
-    def __init__(self, names: Iterable[str]) -> None:
-        self.names = tuple(names)
-        self.modules = tuple(sorted({self.module(name) for name in self.names}))
+    names: tuple[str, ...]
+
+    @property
+    def modules(self) -> tuple[str, ...]:
+        """Modules that build the forms, sorted."""
+        return tuple(sorted({self.module(name) for name in self.names}))
 
     @overload
     def __getitem__(self, index: int) -> "ClosedForm": ...
@@ -80,12 +85,6 @@ class Catalogue(Sequence["ClosedForm"]):
     def __len__(self) -> int:
         return len(self.names)
 
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Catalogue) and self.names == other.names
-
-    def __hash__(self) -> int:
-        return hash(self.names)
-
     def __reduce__(self) -> str | tuple[type, tuple[tuple[str, ...]]]:
         return "CATALOGUE" if self is CATALOGUE else (Catalogue, (self.names,))
 
@@ -100,7 +99,7 @@ class Catalogue(Sequence["ClosedForm"]):
         >>> CATALOGUE.of("KP").names
         ('kp_line_soliton', 'kp_lump')
         """
-        return Catalogue(name for name in self.names if self.equation(name) == equation)
+        return Catalogue(tuple(n for n in self.names if self.equation(n) == equation))
 
     @staticmethod
     def module(name: str) -> str:
@@ -114,7 +113,7 @@ class Catalogue(Sequence["ClosedForm"]):
         return next(equations, "mKdV")
 
 
-CATALOGUE = Catalogue(_MODULES)
+CATALOGUE = Catalogue(tuple(_MODULES))
 
 
 @cache

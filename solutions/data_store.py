@@ -16,8 +16,8 @@ from longwave.solutions.catalogue import CATALOGUE
 from longwave.support.compiled.kernel_folder import CacheFolder, cache_folder
 from longwave.support.plain_data import PlainKind, plain_bytes, plain_value
 
-MOST_FILES, SPARE_FILES = 512, 128
-"""Number of files in a folder; beyond both together the oldest are removed down to the first.
+MAX_FILES, SPARE_FILES = 512, 128
+"""Beyond both numbers together, the oldest files of a folder are removed down to the first number.
 Counting the files takes as long as a small run. A wave has up to five, of 1 to 40 kB."""
 
 TYPES = {
@@ -71,9 +71,9 @@ class DataStore:
         folder = self._folder.path
         with suppress(OSError):
             files = [] if folder is None else [*folder.iterdir()]
-            if len(files) > MOST_FILES + SPARE_FILES:
+            if len(files) > MAX_FILES + SPARE_FILES:
                 files.sort(key=lambda path: path.stat().st_mtime)
-                for path in files[:-MOST_FILES]:
+                for path in files[:-MAX_FILES]:
                     path.unlink(missing_ok=True)
 
 

@@ -14,50 +14,30 @@ from longwave.support.user_files import shown
 
 
 class _LeftSide(NamedTuple):
-    """Left-hand side of a normal form, as a function of U and the signs s and r.
+    """Left-hand side of a normal form.
 
+    ``terms`` are those in U and its xi derivatives d(1), d(2), ...; ``U_tau``, multiplied by i if
+    U ``is_complex``, is added; ``has_across`` takes a xi derivative and adds ``3 s U_zetazeta``.
     ``order`` is that of the highest xi derivative: slow times are ``T = eps**order t``.
     """
 
-    at: Callable[[sp.Expr, int | sp.Symbol, int], sp.Expr]
+    terms: Callable[..., sp.Expr]
     order: int = 3
     has_across: bool = False
     is_complex: bool = False
 
 
-def _slope(U: sp.Expr, order: int = 1) -> sp.Expr:
-    return sp.diff(U, xi, order)
-
-
-def _kdv(U: sp.Expr) -> sp.Expr:
-    return sp.diff(U, tau) + 6 * U * _slope(U) + _slope(U, 3)
-
-
 _LEFT_SIDES: Mapping[str, _LeftSide] = {
-    "KdV": _LeftSide(lambda U, s, r: _kdv(U)),
-    "mKdV": _LeftSide(lambda U, s, r: sp.diff(U, tau) + 6 * s * U**2 * _slope(U) + _slope(U, 3)),
-    "Gardner": _LeftSide(lambda U, s, r: _kdv(U) + 6 * s * U**2 * _slope(U)),
-    "Kawahara": _LeftSide(
-        lambda U, s, r: sp.diff(U, tau) + 6 * U * _slope(U) + s * _slope(U, 3) - _slope(U, 5),
-        order=5,
-    ),
-    "modified Kawahara": _LeftSide(
-        lambda U, s, r: (
-            sp.diff(U, tau) + 6 * r * U**2 * _slope(U) + s * _slope(U, 3) - _slope(U, 5)
-        ),
-        order=5,
-    ),
-    "KdV-Burgers": _LeftSide(
-        lambda U, s, r: sp.diff(U, tau) + 6 * U * _slope(U) + s * _slope(U, 3) - _slope(U, 2)
-    ),
-    "mKdV-Burgers": _LeftSide(
-        lambda U, s, r: sp.diff(U, tau) + 6 * r * U**2 * _slope(U) + s * _slope(U, 3) - _slope(U, 2)
-    ),
-    "KP": _LeftSide(lambda U, s, r: _slope(_kdv(U)) + 3 * s * sp.diff(U, zeta, 2), has_across=True),
+    "KdV": _LeftSide(lambda U, d, s, r: 6 * U * d(1) + d(3)),
+    "mKdV": _LeftSide(lambda U, d, s, r: 6 * s * U**2 * d(1) + d(3)),
+    "Gardner": _LeftSide(lambda U, d, s, r: 6 * U * d(1) + d(3) + 6 * s * U**2 * d(1)),
+    "Kawahara": _LeftSide(lambda U, d, s, r: 6 * U * d(1) + s * d(3) - d(5), 5),
+    "modified Kawahara": _LeftSide(lambda U, d, s, r: 6 * r * U**2 * d(1) + s * d(3) - d(5), 5),
+    "KdV-Burgers": _LeftSide(lambda U, d, s, r: 6 * U * d(1) + s * d(3) - d(2)),
+    "mKdV-Burgers": _LeftSide(lambda U, d, s, r: 6 * r * U**2 * d(1) + s * d(3) - d(2)),
+    "KP": _LeftSide(lambda U, d, s, r: 6 * U * d(1) + d(3), has_across=True),
     "NLS": _LeftSide(
-        lambda U, s, r: sp.I * sp.diff(U, tau) + _slope(U, 2) + 2 * s * sp.Abs(U) ** 2 * U,
-        order=2,
-        is_complex=True,
+        lambda U, d, s, r: d(2) + 2 * s * sp.Abs(U) ** 2 * U, order=2, is_complex=True
     ),
 }
 """Left-hand sides by the names in `derive.normal_form.NORMAL_EQUATIONS`."""
@@ -129,7 +109,11 @@ class Equation:
 
     def residual(self, U: sp.Expr) -> sp.Expr:
         """Return the left-hand side of the equation at ``U``, unsimplified."""
-        return _LEFT_SIDES[self.normal].at(U, self.s, self.r)
+        terms = _LEFT_SIDES[self.normal].terms(U, lambda n: sp.diff(U, xi, n), self.s, self.r)
+        left_side = (sp.I if self.is_complex else 1) * sp.diff(U, tau) + terms
+        if not self.has_across:
+            return left_side
+        return sp.diff(left_side, xi) + 3 * self.s * sp.diff(U, zeta, 2)
 
 
 FOCUSING_MKDV = Equation("focusing mKdV", +1)

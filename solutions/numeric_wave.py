@@ -24,22 +24,22 @@ Part = Literal["wave", "formula", "background", "left", "right", "potential"]
 """Function to evaluate; "formula" is the wave by its compiled program, even if another evaluator
 exists."""
 
-CERTAIN = 5e-14
+ACCEPTED_BOUND = 5e-14
 """Largest error bound, in units of max(1, |value|), accepted from double-double."""
 
-OF_LARGEST = 1e-13
+ACCEPTED_JET_BOUND = 1e-13
 """Largest error bound of a jet, in units of the largest value of its order."""
 
-NOTHING = 1e-10
+JET_SCALE_FLOOR = 1e-10
 """Floor of the scale for a jet's error bound, in units of h a**order."""
 
-HIGHEST = 20
+HIGHEST_JET = 20
 """Highest order of a jet."""
 
-FAR = 60.0
+FAR_PHASE = 60.0
 """Distance in phase beyond which a wave does not change: exp(-60) is 1e-26."""
 
-MOST_KEPT = 4
+MAX_CACHED_INTEGRALS = 4
 """Number of cached integrals: of compared cells, of a ring, and of the ring's ends."""
 
 MOST_UNCERTAIN = 1000
@@ -182,7 +182,7 @@ class NumericWave:
         evaluator = self._values_alone(part)
         if points[0].size >= PIECE or evaluator is None:
             return np.asarray(self._evaluate(part, variables, n, t, m).Y)
-        values = self._bounded_values(evaluator, part, variables, *points)[:, 0]
+        values = self._bounded(part, variables, *points, evaluator=evaluator)[:, 0]
         return values[0] + 1j * values[1] if self.numbers.is_complex else values[0]
 
     @property
@@ -196,9 +196,8 @@ class NumericWave:
 
         if part not in self._value_evaluators:
             evaluator, rows = self._evaluator(part), self._value_rows
-            self._value_evaluators[part] = (
-                evaluator.only(rows) if isinstance(evaluator, Evaluator) else None
-            )
+            selected = evaluator.only(rows) if isinstance(evaluator, Evaluator) else None
+            self._value_evaluators[part] = selected
         return self._value_evaluators[part]
 
     def jets(
@@ -209,7 +208,7 @@ class NumericWave:
         Computed by Taylor arithmetic in double-double. The error is below 1e-13 of the largest
         value of the same order at these points, or below 1e-23 h a**order. Complex for NLS.
 
-        Raises ValueError for an order that is not one of 0 .. ``HIGHEST``.
+        Raises ValueError for an order that is not one of 0 .. ``HIGHEST_JET``.
         """
         points = self._points(X, T, Z)
         evaluator = self._taylor(highest)
@@ -229,10 +228,10 @@ class NumericWave:
         rows = evaluate_points(partial(evaluator, evaluator.phases(self._slow)), *points)
         rows = scale_rows(rows, [split(rate) for rate in rates])
         flat = np.abs(rows[:, 0]).reshape(len(rows), -1)
-        least = NOTHING * np.abs(np.array(rates, dtype=float))
+        least = JET_SCALE_FLOOR * np.abs(np.array(rates, dtype=float))
         with np.errstate(invalid="ignore"):
             largest = np.max(flat, axis=1, initial=0.0, where=np.isfinite(flat))
-            allowed = OF_LARGEST * np.maximum(largest, least)
+            allowed = ACCEPTED_JET_BOUND * np.maximum(largest, least)
             certain = rows[:, 2] <= allowed.reshape(-1, *[1] * points[0].ndim)
         highest = len(rates) // (1 + self.numbers.is_complex) - 1
         settle = partial(self._settle, "formula", self._slow, highest=highest)
@@ -246,15 +245,19 @@ class NumericWave:
             return False
         first, last, time = float(x.min()), float(x.max()), float(t[0])
         for phase in self._phases(part, variables):
-            zero, reach = phase.zero(time), FAR / abs(phase.rate or 1.0)
-            if zero is not None and first - reach <= zero <= last + reach:
+            zero, distance = phase.zero(time), FAR_PHASE / abs(phase.rate or 1.0)
+            if zero is not None and first - distance <= zero <= last + distance:
                 return False
         return True
 
     def _taylor(self, highest: int) -> "Evaluator":
-        if not isinstance(highest, int) or isinstance(highest, bool) or not 0 <= highest <= HIGHEST:
+        if (
+            not isinstance(highest, int)
+            or isinstance(highest, bool)
+            or not 0 <= highest <= HIGHEST_JET
+        ):
             raise ValueError(
-                f"highest must be a whole number from 0 to {HIGHEST}, got {highest!r:.40} "
+                f"highest must be a whole number from 0 to {HIGHEST_JET}, got {highest!r:.40} "
                 "(the order of the highest X derivative)"
             )
         if highest not in self._series:
@@ -283,7 +286,7 @@ class NumericWave:
 
             width = 1.0 / fastest if fastest else np.inf
             integral = IntegralFromZero(lambda x: self(x, T).Y, low, high, width)
-            recent = list(self._integrals.items())[1 - MOST_KEPT :]
+            recent = list(self._integrals.items())[1 - MAX_CACHED_INTEGRALS :]
             self._integrals = {**dict(recent), key: integral}
         return integral(points)
 
@@ -401,39 +404,37 @@ class NumericWave:
             f"(it solves the {self.numbers.equation} equation)"
         )
 
-    def _bounded(self, part: Part, variables: Variables, *points: Array) -> Array:
-        """Return value and derivatives: high parts, low parts and error bounds, (rows, 3, ...)."""
-        phases = self._phases(part, variables)
-        rows = evaluate_points(partial(self._evaluator(part), phases), *points)
-        rows = scale_rows(rows, self._scales)
-        if self.numbers.rates.drift:
-            self._drift(rows)
-        return settle_rows(rows, _are_certain(rows), points, partial(self._settle, part, variables))
-
-    def _bounded_values(
-        self, evaluator: "PointEvaluator", part: Part, variables: Variables, *points: Array
+    def _bounded(
+        self,
+        part: Part,
+        variables: Variables,
+        *points: Array,
+        evaluator: "PointEvaluator | None" = None,
     ) -> Array:
-        """Return the value alone, (rows, 3, ...), by an evaluator without the other rows."""
-        rows = evaluate_points(partial(evaluator, self._phases(part, variables)), *points)
-        rows = scale_rows(rows, [self._scales[row] for row in self._value_rows])
+        """Return value and derivatives: high parts, low parts and error bounds, (rows, 3, ...).
 
-        def value_exactly(*point: float) -> Array:
-            return self._settle(part, variables, *point)[self._value_rows]
+        With an ``evaluator`` of values alone, the rows are those of the value.
+        """
+        phases, count = self._phases(part, variables), 3 + self.numbers.is_planar
+        indices = [*range(len(self._scales))] if evaluator is None else self._value_rows
+        function = self._evaluator(part) if evaluator is None else evaluator
+        rows = evaluate_points(partial(function, phases), *points)
+        rows = scale_rows(rows, [self._scales[index] for index in indices])
+        if self.numbers.rates.drift and evaluator is None:
+            drift = split(-self.numbers.rates.drift)
+            for first in range(0, len(rows), count):  # Y_T, because xi = a (X - drift T)
+                add_row(rows[first + 2], rows[first + 1], drift)
 
-        return settle_rows(rows, _are_certain(rows), points, value_exactly)
+        def exact_rows(*point: float) -> Array:
+            return self._settle(part, variables, *point)[indices]
 
-    def _drift(self, rows: Array) -> None:
-        """Subtract drift Y_X from Y_T in place, because ``xi = a (X - drift T)``."""
-        drift = split(-self.numbers.rates.drift)
-        count = 3 + self.numbers.is_planar
-        for first in range(0, len(rows), count):
-            add_row(rows[first + 2], rows[first + 1], drift)
+        return settle_rows(rows, _are_certain(rows), points, exact_rows)
 
 
 def _are_certain(rows: Array) -> NDArray[np.bool_]:
     """Return whether each point's error bound in ``rows`` (rows, 3, ...) is small enough."""
     with np.errstate(invalid="ignore"):
-        return np.asarray(rows[:, 2] <= CERTAIN * np.maximum(1, np.abs(rows[:, 0])))
+        return np.asarray(rows[:, 2] <= ACCEPTED_BOUND * np.maximum(1, np.abs(rows[:, 0])))
 
 
 def settle_rows(

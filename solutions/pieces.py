@@ -15,7 +15,7 @@ SAMPLED_POINTS = np.unique(
 )
 """Irregularly spaced points of a piece where rows are compared for changes."""
 
-FLAT = 1e-20
+NEGLIGIBLE_CHANGE = 1e-20
 """Largest change that counts as none, in units of the rows' size elsewhere."""
 
 
@@ -28,7 +28,7 @@ def in_pieces(
     """Return ``rows(*points)``, (rows, *shape), of a value and its derivatives, computed in pieces.
 
     A whole piece is filled with constant rows if it ``is_far(*points)`` from everything that may
-    rise in it and sampled points have the same rows, to a tiny share of ``units``.
+    rise in it and sampled points have the same rows, to a tiny fraction of ``units``.
 
     >>> step = lambda x: np.stack([np.tanh(x), 1.0 / np.cosh(np.clip(x, -300.0, 300.0)) ** 2])
     >>> x = np.arange(4.0 * PIECE) - PIECE
@@ -56,4 +56,4 @@ def _constant_rows(rows: Callable[..., Array], piece: list[Array], units: Array)
         return None
     sampled = rows(*(axis[SAMPLED_POINTS] for axis in piece))
     changes = np.abs(sampled - sampled[:, :1]).max(axis=1)
-    return sampled[:, :1] if np.all(changes <= FLAT * units) else None
+    return sampled[:, :1] if np.all(changes <= NEGLIGIBLE_CHANGE * units) else None

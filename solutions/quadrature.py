@@ -10,17 +10,18 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 NODES = 16
-PRECISE = 1e-13
+"""Gauss-Legendre nodes of a panel."""
+
+PANEL_TOLERANCE = 1e-13
 """Largest error in a panel, in units of the integral of the absolute value over all panels."""
 
-HALVINGS = 12
-MOST_PANELS = 2_000_000
-MOST_WIDTHS = 20_000_000
+MAX_HALVINGS, MAX_PANELS, MAX_WIDTHS = 12, 2_000_000, 20_000_000
+"""Most halvings of a panel, panels, and widths between the ends."""
 
-FEW = 4096
+MERGE_ABOVE = 4096
 """Number of panels below which constant stretches are not merged into wider panels."""
 
-FLAT = 1e-20
+NEGLIGIBLE_CHANGE = 1e-20
 """Largest change across a panel that counts as none, in units of the function's largest value."""
 
 BLOCK = 65_536
@@ -55,13 +56,13 @@ class IntegralFromZero:
         low, high = min(low, 0.0), max(high, 0.0)
         width = min(width, max(high - low, 1.0))
         count = high / width - low / width + 2.0
-        self._check(count, MOST_WIDTHS, width, high - low)
+        self._check(count, MAX_WIDTHS, width, high - low)
         first = math.floor(low / width)
         steps = np.arange(first, max(math.ceil(high / width), first + 1), dtype=np.float64)
         left, widths = steps * width, np.full(steps.size, width)
-        if steps.size > FEW:
+        if steps.size > MERGE_ABOVE:
             left, widths = self._changing(left, widths)
-            self._check(left.size, MOST_PANELS, width, high - low)
+            self._check(left.size, MAX_PANELS, width, high - low)
         self._left, self._step, self._series = self._confirmed(left, widths)
         ends = np.concatenate([[0.0], np.cumsum(self._series.sum(axis=0))])
         origin = np.searchsorted(np.append(self._left, high), 0.0)
@@ -90,7 +91,7 @@ class IntegralFromZero:
     def _changing(self, left: Array, step: Array) -> tuple[Array, Array]:
         """Return the panels with constant stretches merged: left ends and widths."""
         values = self._function(np.append(left, left[-1] + step[-1]))
-        changes = np.abs(np.diff(values)) > FLAT * np.max(np.abs(values))
+        changes = np.abs(np.diff(values)) > NEGLIGIBLE_CHANGE * np.max(np.abs(values))
         needed = np.convolve(changes, np.ones(4), "full")[1:-2] > 0.0
         needed[0] = True
         needed |= left == 0.0
@@ -108,33 +109,27 @@ class IntegralFromZero:
         accepted: list[tuple[Array, Array, Array]] = []
         series, size = self._panels(left, step)
         in_whole, in_half = _values_at(CONFIRMED_AT), _values_at(2.0 * CONFIRMED_AT[:4] + 1.0)
-        for _ in range(HALVINGS):
+        for _ in range(MAX_HALVINGS):
             halves = np.concatenate([left, left + step / 2]), np.concatenate([step, step]) / 2
             parts, _ = self._panels(*halves)
             first, second = parts[:, : left.size], parts[:, left.size :]
             both = np.concatenate([in_half @ first, first.sum(axis=0) + in_half @ second])
             differences = np.max(np.abs(in_whole @ series - both), axis=0)
-            is_accepted = np.tile(differences <= PRECISE * size, 2)
+            is_accepted = np.tile(differences <= PANEL_TOLERANCE * size, 2)
             accepted.append((halves[0][is_accepted], halves[1][is_accepted], parts[:, is_accepted]))
             if is_accepted.all():
                 lefts, steps, series_parts = zip(*accepted, strict=True)
-                order = np.argsort(np.concatenate(lefts))
-                return (
-                    np.concatenate(lefts)[order],
-                    np.concatenate(steps)[order],
-                    np.concatenate(series_parts, axis=1)[:, order],
-                )
-            left, step, series = (
-                halves[0][~is_accepted],
-                halves[1][~is_accepted],
-                parts[:, ~is_accepted],
-            )
+                left, step = np.concatenate(lefts), np.concatenate(steps)
+                order = np.argsort(left)
+                return left[order], step[order], np.concatenate(series_parts, axis=1)[:, order]
+            left, step = halves[0][~is_accepted], halves[1][~is_accepted]
+            series = parts[:, ~is_accepted]
         raise ValueError(
-            f"panels must be confirmed after {HALVINGS} halvings, got {left.size} that are not, "
-            f"the first at {left[0]:g} (the function is not smooth there)"
+            f"panels must be confirmed after {MAX_HALVINGS} halvings, got {left.size} that are "
+            f"not, the first at {left[0]:g} (the function is not smooth there)"
         )
 
 
-def _values_at(places: Array) -> Array:
+def _values_at(points: Array) -> Array:
     """Return the matrix that evaluates Legendre series at points from -1 to 1."""
-    return np.asarray(legendre.legvander(places, NODES), dtype=np.float64)
+    return np.asarray(legendre.legvander(points, NODES), dtype=np.float64)

@@ -92,12 +92,8 @@ class Parameter:
     def _check_bound(
         self, bound: Bound, exact: sp.Expr, values: Mapping[str, object], side: int
     ) -> None:
-        end = bound.value.subs(
-            {
-                symbol: exact_number(symbol.name, values[symbol.name])
-                for symbol in sorted(bound.value.free_symbols, key=str)
-            }
-        )
+        symbols = sorted(bound.value.free_symbols, key=str)
+        end = bound.value.subs({s: exact_number(s.name, values[s.name]) for s in symbols})
         distance = sp.N(side * (exact - end), COMPARISON_DIGITS)
         if distance > 0 or (distance == 0 and not bound.is_open):
             return
@@ -111,6 +107,18 @@ class Parameter:
 
 def _sign(bound: Bound) -> str:
     return "<" if bound.is_open else "<="
+
+
+def positive(
+    symbol: sp.Symbol, limit: str, upper: Bound | None = None, default: sp.Expr | None = None
+) -> Parameter:
+    """Return the parameter ``symbol`` > 0; ``limit`` is the solution at 0, in words."""
+    return Parameter(symbol, Bound(sp.S.Zero, limit), upper, default)
+
+
+def real(symbol: sp.Symbol, default: sp.Expr = sp.S.Zero) -> Parameter:
+    """Return the parameter ``symbol`` without bounds."""
+    return Parameter(symbol, default=default)
 
 
 @dataclass(frozen=True)
@@ -190,25 +198,19 @@ class ClosedForm:
             instance(name, getattr(self, name), str, "such as 'kink'")
         instance("equation", self.equation, Equation, "FOCUSING_MKDV is one")
         for parameter in self.parameters:
-            instance(
-                "each of parameters",
-                parameter,
-                Parameter,
-                "Parameter(longwave.solutions.symbols.k)",
-            )
+            remedy = "Parameter(longwave.solutions.symbols.k)"
+            instance("each of parameters", parameter, Parameter, remedy)
 
-    def with_pickle_call(self, maker: "Callable[..., ClosedForm]", *of: object) -> "ClosedForm":
-        """Set the call ``maker(*of)`` that rebuilds this form on unpickling; return the form."""
-        object.__setattr__(self, "_pickle_call", (maker, of))
+    def with_pickle_call(self, maker: "Callable[..., ClosedForm]", *args: object) -> "ClosedForm":
+        """Set the call ``maker(*args)`` that rebuilds this form on unpickling; return the form."""
+        object.__setattr__(self, "_pickle_call", (maker, args))
         return self
 
     def __reduce__(self) -> tuple[Any, ...]:
         if self._pickle_call is not None:
             return self._pickle_call
-        field_values = {
-            entry.name: getattr(self, entry.name) for entry in fields(self) if entry.init
-        }
-        return partial(ClosedForm, **field_values), ()
+        names = (entry.name for entry in fields(self) if entry.init)
+        return partial(ClosedForm, **{name: getattr(self, name) for name in names}), ()
 
     def __repr__(self) -> str:
         domains = "".join(f", {parameter.domain}" for parameter in self.parameters)

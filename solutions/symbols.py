@@ -9,15 +9,8 @@
 
 import sympy as sp
 
-xi = sp.Symbol("xi", real=True)
-tau = sp.Symbol("tau", real=True)
-zeta = sp.Symbol("zeta", real=True)
-s = sp.Symbol("s", real=True)
-k = sp.Symbol("k", positive=True)
-alpha = sp.Symbol("alpha", positive=True)
-X_0 = sp.Symbol("X_0", real=True)
-A = sp.Symbol("A", positive=True)
-kappa = sp.Symbol("kappa", positive=True)
+xi, tau, zeta, s, X_0 = sp.symbols("xi tau zeta s X_0", real=True)
+k, alpha, A, kappa = sp.symbols("k alpha A kappa", positive=True)
 
 complementary_modulus: sp.Expr = sp.sqrt(1 - k**2)
 

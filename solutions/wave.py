@@ -20,6 +20,7 @@ from longwave.solutions.run.reference_evaluation import check_digits, evaluate_m
 from longwave.solutions.symbols import s
 
 SETTLED_DIGITS = 40
+"""Digits of values from mpmath at points where double-double is not enough."""
 
 SIDES: tuple[Side, Side] = ("left", "right")
 
@@ -44,12 +45,7 @@ class Wave(NumericWave):
     2.714142842854
     """
 
-    def __init__(
-        self,
-        form: ClosedForm,
-        normal_form: NormalForm,
-        **parameters: object,
-    ) -> None:
+    def __init__(self, form: ClosedForm, normal_form: NormalForm, **parameters: object) -> None:
         instance("form", form, ClosedForm, "closed_form('kink') is one")
         instance("normal_form", normal_form, NormalForm, "mkdv_normal_form(K2=1, K4=1) is one")
         _check_equation(form, normal_form)
@@ -61,9 +57,7 @@ class Wave(NumericWave):
         super().__init__(self._all_numbers(), self._make_evaluator, self._settled)
 
     def __reduce__(self) -> tuple[Callable[..., "Wave"], tuple[Any, ...]]:
-        arguments = {
-            parameter.name: self.parameters[parameter.symbol] for parameter in self.form.parameters
-        }
+        arguments = {p.name: self.parameters[p.symbol] for p in self.form.parameters}
         return _wave_of, (self.form, self.normal_form, arguments)
 
     def _all_numbers(self) -> WaveConstants:
@@ -109,33 +103,29 @@ class Wave(NumericWave):
         For KP at (X, T, Z), with Y_Z; mpc for NLS. Raises ValueError for points that are not
         finite real numbers and for bad ``digits``.
         """
-        point = _exact_place("XTZ", X, T, Z)
-        return self._exact("wave", None, point, check_digits(digits))
+        return self._exact("wave", None, _exact_coordinates("XTZ", X, T, Z), digits)
 
     def mp_at(
         self, n: object, t: object, eps: object, digits: int = 50, *, m: object = None
     ) -> tuple[Any, ...]:
         """Return ``mp`` at site n and lattice time t."""
-        point = _exact_place("ntm", n, t, m)
-        return self._exact("wave", self._lattice(eps).eps, point, check_digits(digits))
+        point = _exact_coordinates("ntm", n, t, m)
+        return self._exact("wave", self._lattice(eps).eps, point, digits)
 
     def mp_jets(
         self, X: object, T: object, highest: int, digits: int = 50, *, Z: object = None
     ) -> tuple[Any, ...]:
         """Return Y and its X derivatives to the order ``highest`` at one point as mpf."""
-        point = _exact_place("XTZ", X, T, Z)
-        return self._exact("wave", None, point, check_digits(digits), highest)
+        return self._exact("wave", None, _exact_coordinates("XTZ", X, T, Z), digits, highest)
 
     def _make_evaluator(self, part: Part) -> PointEvaluator:
         special_evaluator = self.form.evaluator if part == "wave" else None
         try:
             if special_evaluator is not None:
                 return special_evaluator(self.parameters)
-            source_part = "wave" if part == "formula" else part
-            make_expressions = partial(self._real_parts, source_part)
-            program = cached_program(
-                self.form, source_part, make_expressions, tuple(self.parameters)
-            )
+            source: Part = "wave" if part == "formula" else part
+            expressions = partial(self._real_parts, source)
+            program = cached_program(self.form, source, expressions, tuple(self.parameters))
             return Evaluator(program, tuple(self.parameters.values()))
         except OverflowError as error:
             raise ValueError(self._out_of_range(error)) from None
@@ -173,10 +163,9 @@ class Wave(NumericWave):
         With ``highest``, return the value and its X derivatives up to that order instead.
         """
         names = ("position", "time", "transverse coordinate")
-        exact_coordinates = [
-            exact_point(name, float(c)) for name, c in zip(names, point, strict=False)
-        ]
-        exact = self._exact(part, variables.eps, exact_coordinates, SETTLED_DIGITS, highest)
+        named = zip(names, point, strict=False)
+        coordinates = [exact_point(name, float(coordinate)) for name, coordinate in named]
+        exact = self._exact(part, variables.eps, coordinates, SETTLED_DIGITS, highest)
         if self.numbers.is_complex:
             exact = (*(value.real for value in exact), *(value.imag for value in exact))
         rows = np.array([(*split(value), 0.0) for value in exact])
@@ -208,8 +197,8 @@ class Wave(NumericWave):
         if highest is not None:
             rates = [form.a**order for order in range(highest + 1)]
         scales = [form.h * rate for rate in rates]
-        arguments = self._expression(part), self.parameters, variables, scales, point, digits
-        return evaluate_mp(*arguments, drift=form.drift, highest=highest)
+        arguments = self._expression(part), self.parameters, variables, scales, point
+        return evaluate_mp(*arguments, check_digits(digits), drift=form.drift, highest=highest)
 
 
 def _wave_of(form: ClosedForm, normal_form: NormalForm, parameters: Mapping[str, Any]) -> Wave:
@@ -242,7 +231,7 @@ def _check_equation(form: ClosedForm, normal_form: NormalForm) -> None:
             raise ValueError(f"{name} must be {needed} for {form.name}, got {got} ({solves})")
 
 
-def _exact_place(names: str, x: object, t: object, z: object) -> list[sp.Expr]:
+def _exact_coordinates(names: str, x: object, t: object, z: object) -> list[sp.Expr]:
     """Return position, time and any transverse coordinate as exact numbers, with their names."""
     coordinates = (x, t) if z is None else (x, t, z)
     return [exact_point(name, value) for name, value in zip(names, coordinates, strict=False)]

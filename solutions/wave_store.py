@@ -68,12 +68,11 @@ class _CachedWave(NumericWave):
         return repr(self.full_wave)
 
     def _part(self, part: Part) -> PointEvaluator:
-        cached = self._store.read(part)
+        cached: PointEvaluator | None = self._store.read(part)
         if cached is None:
             cached = self.full_wave._evaluator(part)
             self._store.write(part, cached)
-        evaluator: PointEvaluator = cached
-        return evaluator
+        return cached
 
     def _settled(
         self, part: Part, variables: Variables, *point: float, highest: int | None = None

@@ -7,6 +7,7 @@ import sys
 import time
 from collections.abc import Callable, Mapping
 from importlib import import_module
+from typing import Any
 
 BEGUN = time.time()
 """Time of the first import of a room; running code is older."""
@@ -32,3 +33,19 @@ def lazy_exports(
         return value
 
     return get, lambda: sorted({*vars(sys.modules[room]), *sys.modules[room].__all__})
+
+
+def declared_exports(
+    room: str,
+) -> tuple[Callable[[str], object], Callable[[], list[str]], list[str]]:
+    """Return ``__getattr__``, ``__dir__`` and ``__all__`` of a room from its own source.
+
+    Its names are those that it imports for type checkers: ``from MODULE import NAME as NAME``.
+    """
+    modules: dict[str, str] = {}
+    loader: Any = sys.modules[room].__loader__
+    for line in loader.get_source(room).splitlines():
+        match line.split():
+            case ["from", module, "import", name, "as", _]:
+                modules[module] = f"{modules.get(module, '')} {name}"
+    return *lazy_exports(room, modules), sorted(" ".join(modules.values()).split())

@@ -5,8 +5,6 @@ exponentials never finish.  Each function here checks its parts first and raises
 beyond what a printed formula contains.
 """
 
-from __future__ import annotations
-
 import cmath
 import math
 from collections.abc import Callable, Sequence
@@ -26,12 +24,12 @@ MOST_FACTORS, MOST_TERMS = 200, 6000
 MOST_EXPANDED = 2000
 """Most terms that abs, re and im may be expanded to."""
 
-FIRST_STEPS, MOST_NODES = 2, 20_000
-"""Number of first derivative steps with a larger limit, and their most nodes; the second derivative
-of the logarithm of a 4-soliton's tau function has 3191."""
+FIRST_STEPS, MOST_NODES_FIRST, MOST_NODES_LATER = 2, 20_000, 2000
+"""Number of first derivative steps with a larger limit; most nodes in these and in later steps. The
+second derivative of the logarithm of a 4-soliton's tau function has 3191."""
 
-NODES, ORDER = 2000, 16
-"""Most nodes in later derivative steps, and the highest order."""
+HIGHEST_DERIVATIVE = 16
+"""Highest order of a derivative."""
 
 LARGEST_GROWTH = 1e6
 """Largest constant inside an exponential or hyperbolic function."""
@@ -43,23 +41,18 @@ GROWING = (sp.exp, sp.sinh, sp.cosh, sp.tanh, sp.coth, sp.sech, sp.csch)
 OSCILLATING = (sp.sin, sp.cos, sp.tan, sp.cot, sp.sec, sp.csc)
 MULTIPLIED_OUT = (sp.Abs, sp.re, sp.im, sp.sign)
 
-Value = Callable[[complex], complex]
-_VALUES: dict[type, Value] = {
-    sp.exp: cmath.exp,
-    sp.log: cmath.log,
+_VALUES: dict[type, Callable[[complex], complex]] = {
+    **{getattr(sp, n): getattr(cmath, n) for n in ("exp", "log", "sin", "cos", "tan", "atan")},
     sp.sinh: cmath.sinh,
     sp.cosh: cmath.cosh,
-    sp.tan: cmath.tan,
-    sp.atan: cmath.atan,
     sp.Abs: abs,
-    sp.cot: lambda z: 1 / cmath.tan(z),
     sp.sec: lambda z: 1 / cmath.cos(z),
     sp.csc: lambda z: 1 / cmath.sin(z),
+    sp.cot: lambda z: 1 / cmath.tan(z),
     sp.coth: lambda z: 1 / cmath.tanh(z),
     sp.csch: lambda z: 1 / cmath.sinh(z),
-    sp.sin: cmath.sin,
-    sp.cos: cmath.cos,
 }
+"""Functions of complex numbers by SymPy's."""
 
 
 class TooLarge(ValueError):
@@ -67,7 +60,7 @@ class TooLarge(ValueError):
 
 
 def total(terms: Sequence[sp.Expr]) -> sp.Expr:
-    """Return the sum.
+    """Return the sum of the terms. Raises TooLarge if it would be too large.
 
     >>> x = sp.Symbol("x")
     >>> total([x, sp.Integer(2), x])
@@ -78,17 +71,17 @@ def total(terms: Sequence[sp.Expr]) -> sp.Expr:
     _check_bits(sum(_bits(term) for term in terms if term.is_Rational))
     result = sp.Add(*terms)
     if len(result.args) > MOST_TERMS:
-        raise TooLarge(f"sums must have at most {MOST_TERMS} terms")
+        raise TooLarge(f"sums must have at most {MOST_TERMS} terms, got {len(result.args)}")
     return _finite(result)
 
 
 def product(factors: Sequence[sp.Expr]) -> sp.Expr:
-    """Return the product."""
+    """Return the product of the factors. Raises TooLarge if it would be too large."""
     if len(factors) == 1:
         return factors[0]
     count = sum(len(sp.Mul.make_args(factor)) for factor in factors)
     if count > MOST_FACTORS:
-        raise TooLarge(f"products must have at most {MOST_FACTORS} factors")
+        raise TooLarge(f"products must have at most {MOST_FACTORS} factors, got {count}")
     _check_bits(sum(_bits(factor) for factor in factors))
     result = sp.Mul(*factors)
     for factor in sp.Mul.make_args(result):
@@ -122,7 +115,7 @@ def power(base: sp.Expr, exponent: sp.Expr) -> sp.Expr:
 
 
 def applied(function: Callable[..., sp.Expr], arguments: Sequence[sp.Expr]) -> sp.Expr:
-    """Return the value of a function."""
+    """Return ``function(*arguments)``. Raises TooLarge if SymPy might not finish."""
     if function is sp.exp:
         _check_logarithms(arguments[0])
     if function in MULTIPLIED_OUT and 2 * _expanded(arguments[0]) ** 2 > MOST_EXPANDED:
@@ -144,17 +137,18 @@ def _is_complex(z: sp.Expr) -> bool:
 
 
 def derivative(expression: sp.Expr, variables: Sequence[sp.Symbol]) -> sp.Expr:
-    """Return the derivative in the variables, one after the other.
+    """Differentiate the expression in the variables, one after the other.
 
     >>> x = sp.Symbol("x")
     >>> derivative(x**3, [x, x])
     6*x
     """
-    if len(variables) > ORDER:
-        raise TooLarge(f"derivatives must be of order {ORDER} at most")
+    if len(variables) > HIGHEST_DERIVATIVE:
+        order = len(variables)
+        raise TooLarge(f"derivatives must have order {HIGHEST_DERIVATIVE} at most, got {order}")
     result = without_sizes(expression)
     for step, variable in enumerate(variables):
-        limit = MOST_NODES if step < FIRST_STEPS else NODES
+        limit = MOST_NODES_FIRST if step < FIRST_STEPS else MOST_NODES_LATER
         nodes = islice(sp.preorder_traversal(result), limit + 1)
         if not result.is_Derivative and sum(1 for _ in nodes) > limit:
             raise TooLarge(f"derivatives must have at most {limit} parts on the way")
@@ -195,7 +189,7 @@ SIZES: dict[type, Callable[[sp.Expr], sp.Expr]] = {
 
 
 def _bits(expression: sp.Expr) -> int:
-    """Return the bits of the numerical factor."""
+    """Return the bits of an expression's rational factor; 0 if it has none."""
     number = expression.as_coeff_Mul(rational=True)[0]
     return int(number.p).bit_length() + int(number.q).bit_length() - 2 if number.is_Rational else 0
 

@@ -5,13 +5,8 @@ from __future__ import annotations
 import sympy as sp
 
 
-class contact(sp.Function):  # as texts write it
-    """The greater of x and 0; a derivation about a closed contact uses x.
-
-    >>> d = sp.Symbol("d", positive=True)
-    >>> contact(d), contact(-d)
-    (d, 0)
-    """
+class _OpeningFunction(sp.Function):
+    """Function of one argument that is 0 unless the argument is positive."""
 
     is_nonnegative = True
 
@@ -19,8 +14,17 @@ class contact(sp.Function):  # as texts write it
     def eval(cls, x: sp.Expr) -> sp.Expr | None:
         """Return the value if the sign of x is known, else None."""
         if x.is_positive:
-            return x
+            return x if cls is contact else sp.Integer(1)
         return sp.Integer(0) if x.is_nonpositive else None
+
+
+class contact(_OpeningFunction):  # as texts write it
+    """The greater of x and 0; a derivation about a closed contact uses x.
+
+    >>> d = sp.Symbol("d", positive=True)
+    >>> contact(d), contact(-d)
+    (d, 0)
+    """
 
     def fdiff(self, argindex: int = 1) -> sp.Expr:
         """Return the derivative."""
@@ -31,17 +35,8 @@ class contact(sp.Function):  # as texts write it
         return text if exp is None else f"{text}^{{{exp}}}"
 
 
-class touching(sp.Function):
+class touching(_OpeningFunction):
     """1 if x is positive, else 0."""
-
-    is_nonnegative = True
-
-    @classmethod
-    def eval(cls, x: sp.Expr) -> sp.Expr | None:
-        """Return the value if the sign of x is known, else None."""
-        if x.is_positive:
-            return sp.Integer(1)
-        return sp.Integer(0) if x.is_nonpositive else None
 
     def fdiff(self, argindex: int = 1) -> sp.Expr:
         """Return 0, the derivative on either side of the opening."""

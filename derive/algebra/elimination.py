@@ -4,8 +4,6 @@ A rational condition is solved for a constant in which it is linear.  An evoluti
 ``Y_T = F_0 + eps^2 F_2 + ...`` expresses every jet with a time derivative by jets without.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -37,8 +35,8 @@ class Elimination:
         if {exponents[index] % self.power for exponents, _ in odd.terms()} == {1}:
             root = field(self.constant) ** (self.power - 1)
             numer, odd = numer * root, odd * root
-        rest = RationalFunction(field, numer.numer, element.content, even)
-        return rest.mapped(self._replaced, self._known) / self._replaced(odd.terms())
+        even_part = RationalFunction(field, numer.numer, element.content, even)
+        return even_part.mapped(self._replaced, self._known) / self._replaced(odd.terms())
 
     @cached_property
     def _known(self) -> dict[Factor, RationalFunction]:
@@ -58,10 +56,8 @@ class Elimination:
             times, remainder = divmod(exponents[index], self.power)
             others = (*exponents[:index], remainder, *exponents[index + 1 :])
             by_power.setdefault(times, []).append((others, number))
-        return sum(
-            (field.from_terms(part) * self.value**times for times, part in by_power.items()),
-            field.zero,
-        )
+        parts = (field.from_terms(part) * self.value**times for times, part in by_power.items())
+        return sum(parts, field.zero)
 
 
 def solve_linear(

@@ -1,7 +1,5 @@
 """Checks of arguments: numbers made exact without evaluating text, errors naming the argument."""
 
-from __future__ import annotations
-
 import math
 import re
 from contextlib import suppress
@@ -20,7 +18,7 @@ Kind = TypeVar("Kind")
 
 Number: TypeAlias = int | float | str | Fraction | Decimal | Expr
 
-LONGEST = 1000
+LONGEST_NUMBER = 1000
 """Longest number in text, in characters."""
 
 _DECIMAL = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d{1,3})?", re.ASCII)
@@ -37,7 +35,7 @@ def parse_rational(name: str, text: str) -> Rational:
     """
     stripped = text.strip()
     spelt = _DECIMAL.fullmatch(stripped) or _RATIO.fullmatch(stripped)
-    if not spelt or len(stripped) > LONGEST:
+    if not spelt or len(stripped) > LONGEST_NUMBER:
         raise ValueError(
             f"{name} must be a rational number, got {shown(text)} (write 4, 0.25, 1e-3 or 1/3)"
         )
@@ -73,8 +71,6 @@ def exact(name: str, value: Number) -> Expr:
         return value
     if isinstance(value, bool):
         raise _not_real(name, value)
-    if isinstance(value, Integral):
-        return Rational(int(value))
     if isinstance(value, Decimal) and value.is_finite():
         return parse_rational(name, f"{value:e}")
     if isinstance(value, RationalNumber):
@@ -117,16 +113,15 @@ def exact_number(name: str, value: object) -> Expr:
     ValueError: k must be a real number, got '0.7' (write it without quotes)
     """
     if isinstance(value, Expr):
-        return _exact_number(name, value)
+        if value.free_symbols:
+            raise ValueError(f"{name} must be a number, got {value} (substitute its symbols first)")
+        if not (value.is_real and value.is_finite) and not N(value).is_Float:
+            raise ValueError(f"{name} must be real and finite, got {value} (take a real number)")
+        return nsimplify(value, rational=True) if value.has(Float) else value
     if isinstance(value, bool) or not isinstance(value, Real | Decimal):
-        remedy = (
-            "write it without quotes"
-            if isinstance(value, str)
-            else "such as 0.7 or Fraction(7, 10)"
-        )
+        is_text = isinstance(value, str)
+        remedy = "write it without quotes" if is_text else "such as 0.7 or Fraction(7, 10)"
         raise ValueError(f"{name} must be a real number, got {shown(value)} ({remedy})")
-    if isinstance(value, Integral):
-        return Rational(int(value))
     if isinstance(value, RationalNumber):
         return Rational(int(value.numerator), int(value.denominator))
     literal = str(value) if isinstance(value, Decimal) else repr(float(value))
@@ -134,15 +129,6 @@ def exact_number(name: str, value: object) -> Expr:
         raise ValueError(f"{name} must be finite, got {literal} (take a number)")
     fraction = Fraction(literal)
     return Rational(fraction.numerator, fraction.denominator)
-
-
-def _exact_number(name: str, value: Expr) -> Expr:
-    if value.free_symbols:
-        raise ValueError(f"{name} must be a number, got {value} (substitute its symbols first)")
-    if not (value.is_real and value.is_finite) and not N(value).is_Float:
-        raise ValueError(f"{name} must be real and finite, got {value} (take a real number)")
-    exact: Expr = nsimplify(value, rational=True) if value.has(Float) else value
-    return exact
 
 
 def integer(name: str, value: object, least: int, hint: str) -> int:

@@ -14,45 +14,28 @@ GREEK = (
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻⁽⁾ⁿˣᵗ", "0123456789+-()nxt")
 _SUBSCRIPTS = str.maketrans("₀₁₂₃₄₅₆₇₈₉₊₋ₓₜₙ", "0123456789+-xtn")
 
-_SIGNS = {
-    **dict.fromkeys("·⋅∙×∗⁎•✕", "*"),
-    **dict.fromkeys("÷∕⁄", "/"),
-    **dict.fromkeys("−–—‐‑﹣", "-"),
-    **dict.fromkeys("≤⩽≦", "<="),
-    **dict.fromkeys("≥⩾≧", ">="),
-    **dict.fromkeys("′’‘ʹ", "'"),
-    **dict.fromkeys("″", "''"),
-    **dict.fromkeys("“”„«»", '"'),
-    **dict.fromkeys("∣∥‖", "|"),
-    **dict.fromkeys("\u200b\u200c\u200d\ufeff\u00ad\u2061", ""),
-    **dict.fromkeys("\u2062\u00a0\u2009\u202f", " "),
-    "≠": "!=",
-    "√": " sqrt ",
-    "≡": "=",
-    "≔": "=",
-    "→": "=",
-    "∞": " oo ",
-    "∂": "\\partial ",
-    "½": "(1/2)",
-    "¼": "(1/4)",
-    "¾": "(3/4)",
-    "⅓": "(1/3)",
-    "⅔": "(2/3)",
-    "∈": " in ",
-    "ℝ": " real ",
-    "∧": " and ",
-    "ⅈ": " I ",
-    "ⅇ": " e ",
-    "ϵ": " epsilon ",
-    "ϕ": " phi ",
-    "ϑ": " theta ",
-    "ϱ": " rho ",
-    "ℏ": " hbar ",
-    "⟨": "(",
-    "⟩": ")",
+_SIGNS = (
+    {
+        **dict.fromkeys("·⋅∙×∗⁎•✕", "*"),
+        **dict.fromkeys("÷∕⁄", "/"),
+        **dict.fromkeys("−–—‐‑﹣", "-"),
+        **dict.fromkeys("≤⩽≦", "<="),
+        **dict.fromkeys("≥⩾≧", ">="),
+        **dict.fromkeys("′’‘ʹ", "'"),
+        **dict.fromkeys("″", "''"),
+        **dict.fromkeys("“”„«»", '"'),
+        **dict.fromkeys("∣∥‖", "|"),
+        **dict.fromkeys("\u200b\u200c\u200d\ufeff\u00ad\u2061", ""),
+        **dict.fromkeys("\u2062\u00a0\u2009\u202f", " "),
+        **dict.fromkeys("≡≔→", "="),
+    }
+    | {"≠": "!=", "√": " sqrt ", "∞": " oo ", "∂": "\\partial ", "⟨": "(", "⟩": ")"}
+    | {"½": "(1/2)", "¼": "(1/4)", "¾": "(3/4)", "⅓": "(1/3)", "⅔": "(2/3)"}
+    | {"∈": " in ", "ℝ": " real ", "∧": " and ", "ⅈ": " I ", "ⅇ": " e ", "ℏ": " hbar "}
+    | {"ϵ": " epsilon ", "ϕ": " phi ", "ϑ": " theta ", "ϱ": " rho "}
     # Cyrillic letters that look Latin
-    **dict(zip("асеорхуікАВСЕНКМОРТХ", "aceopxyikABCEHKMOPTX", strict=True)),
-}
+    | dict(zip("асеорхуікАВСЕНКМОРТХ", "aceopxyikABCEHKMOPTX", strict=True))
+)
 
 _MARKS = {"\u0304": "_bar ", "\u0305": "_bar ", "\u0307": "_t ", "\u0308": "_tt "}
 """Bars and dots over a letter."""

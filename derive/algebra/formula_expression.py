@@ -9,28 +9,11 @@ from collections.abc import Callable, Mapping
 
 import sympy as sp
 
-from longwave.derive.algebra.bounded_building import (
-    TooLarge,
-    applied,
-    derivative,
-    power,
-    product,
-    total,
-)
+from longwave.derive.algebra import bounded_building
+from longwave.derive.algebra import formula_tree as syntax
 from longwave.derive.algebra.exact_numbers import Number as AnyNumber
 from longwave.derive.algebra.exact_numbers import exact
 from longwave.derive.algebra.formula_text import Parser, Vocabulary, tokens
-from longwave.derive.algebra.formula_tree import (
-    Call,
-    Derivative,
-    FormulaTree,
-    Name,
-    Number,
-    Power,
-    Product,
-    Sum,
-    Unknown,
-)
 from longwave.support.user_files import shown
 
 INFINITE_AT_ZERO = ("log", "coth", "csch", "cot", "csc")
@@ -66,10 +49,6 @@ def exact_value(name: str, value: AnyNumber, names: Mapping[str, sp.Expr] | None
     return expression
 
 
-def _refused(_: int, words: str) -> ValueError:
-    return ValueError(words)
-
-
 class ExpressionBuilder:
     """Builder of expressions in the words of a vocabulary.
 
@@ -78,7 +57,9 @@ class ExpressionBuilder:
     """
 
     def __init__(
-        self, vocabulary: Vocabulary, refused: Callable[[int, str], ValueError] = _refused
+        self,
+        vocabulary: Vocabulary,
+        refused: Callable[[int, str], ValueError] = lambda _, words: ValueError(words),
     ) -> None:
         self._words, self._refused = vocabulary, refused
         self.divisors: list[sp.Expr] = []
@@ -88,40 +69,41 @@ class ExpressionBuilder:
         """Return a builder with a parser's vocabulary, whose errors show the parser's text."""
         return cls(parser.vocabulary, parser.error_at)
 
-    def expression(self, formula: FormulaTree) -> sp.Expr:
+    def expression(self, formula: syntax.FormulaTree) -> sp.Expr:
         """Return a formula's expression. Raises ValueError, with position, if it is too large."""
         parts = [self.expression(part) for part in formula.inner()]
         try:
             return self._build(formula, parts)
-        except TooLarge as error:
+        except bounded_building.TooLarge as error:
             raise self._refused(formula.at, str(error)) from None
 
-    def _build(self, formula: FormulaTree, parts: list[sp.Expr]) -> sp.Expr:
+    def _build(self, formula: syntax.FormulaTree, parts: list[sp.Expr]) -> sp.Expr:
         match formula:
-            case Number(value=value):
+            case syntax.Number(value=value):
                 return sp.Rational(value.numerator, value.denominator)
-            case Name(name=name):
+            case syntax.Name(name=name):
                 return self._words.meaning(name)
-            case Unknown():
+            case syntax.Unknown():
                 return self._field(formula)
-            case Sum():
-                return total(parts)
-            case Product():
-                return product(parts)
-            case Power():
+            case syntax.Sum():
+                return bounded_building.total(parts)
+            case syntax.Product():
+                return bounded_building.product(parts)
+            case syntax.Power():
                 if not parts[1].is_nonnegative:
                     self.divisors.append(parts[0])
-                return power(*parts)
-            case Call(name=name):
+                return bounded_building.power(*parts)
+            case syntax.Call(name=name):
                 if name in INFINITE_AT_ZERO:
                     self.divisors += parts
-                return applied(self._words.functions[name][0], parts)
-            case Derivative(steps=steps):
-                return derivative(parts[0], [self._words.variables[step] for step in steps])
+                return bounded_building.applied(self._words.functions[name][0], parts)
+            case syntax.Derivative(steps=steps):
+                variables = [self._words.variables[step] for step in steps]
+                return bounded_building.derivative(parts[0], variables)
         raise TypeError(f"formula must be a node of a tree, got {type(formula).__name__}")
 
-    def _field(self, formula: Unknown) -> sp.Expr:
+    def _field(self, formula: syntax.Unknown) -> sp.Expr:
         field, site = self._words.fields[formula.name], self._words.site
         arguments = (a + formula.shift if a == site else a for a in field.args)
         variables = [self._words.variables[step] for step in formula.steps]
-        return derivative(field.func(*arguments), variables)
+        return bounded_building.derivative(field.func(*arguments), variables)

@@ -1,7 +1,5 @@
 """Expressions as text in the grammar that `derive.algebra.formula_text` reads."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import sympy as sp
@@ -17,8 +15,8 @@ class FormulaPrinter(StrPrinter):
 
     def _print_AiryBase(self, node: sp.Expr) -> str:
         kind = type(node).__name__.removeprefix("airy")
-        tail = "_prime" if len(kind) > 2 else ""
-        return f"airy_{kind[:2]}{tail}({self._print(node.args[0])})"
+        suffix = "_prime" if len(kind) > 2 else ""
+        return f"airy_{kind[:2]}{suffix}({self._print(node.args[0])})"
 
     def _print_BesselBase(self, node: sp.Expr) -> str:
         kind = type(node).__name__
@@ -29,10 +27,11 @@ class FormulaPrinter(StrPrinter):
 
     def _print_Mul(self, node: sp.Expr) -> str:
         """Print x/(y + z)/2 for SymPy's x/(2*(y + z)), which would be read as x/(2*y + 2*z)."""
-        number, rest = node.as_coeff_Mul()
-        divisors = [f for f in sp.Mul.make_args(rest) if f.is_Pow and f.base.is_Add and f.exp == -1]
+        number, factor = node.as_coeff_Mul()
+        powers = [f for f in sp.Mul.make_args(factor) if f.is_Pow]
+        divisors = [power for power in powers if power.base.is_Add and power.exp == -1]
         if divisors and number.is_Rational and number.q != 1:
-            return f"{self._print(number.p * rest)}/{number.q}"
+            return f"{self._print(number.p * factor)}/{number.q}"
         return super()._print_Mul(node)
 
     def _print_Exp1(self, _: sp.Expr) -> str:

@@ -16,20 +16,8 @@ from fractions import Fraction
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
-from longwave.derive.algebra.bounded_building import ORDER
-from longwave.derive.algebra.formula_tree import (
-    MINUS_ONE,
-    Call,
-    Derivative,
-    FormulaTree,
-    Name,
-    Number,
-    Power,
-    Product,
-    Sum,
-    Unknown,
-    rational,
-)
+from longwave.derive.algebra import formula_tree as syntax
+from longwave.derive.algebra.bounded_building import HIGHEST_DERIVATIVE
 from longwave.support.known_names import did_you_mean
 
 LONGEST = 20_000
@@ -38,12 +26,13 @@ LONGEST = 20_000
 DEEPEST = 40
 """Deepest nesting of brackets and exponents."""
 
-DIGITS = 100
+MOST_DIGITS = 100
 """Most digits of a number, and largest exponent of ten of a decimal."""
 
 NAME_LENGTH = 40
+"""Longest name, in characters."""
 
-SHIFT = 1000
+MOST_SHIFT = 1000
 """Largest shift of a lattice site."""
 
 ROWS = " (one site is read; write a row of a second one m as an unknown: v[n] for u[n,m+1])"
@@ -73,26 +62,23 @@ _REMEDIES = {
 
 
 class FormulaError(ValueError):
-    """A text that cannot be read: one line, with a picture of the place as the error's note.
+    """A text that cannot be read: one line, with a picture of the position as the error's note.
 
-    ``text`` and ``position`` locate the error; `picture` is the text with a caret below the place.
+    ``text`` and ``position`` locate the error; `picture` shows it with a caret.
     """
 
     def __init__(self, name: str, words: str, text: str, position: int) -> None:
         super().__init__(f"{name}: {words} (column {position + 1})")
-        self.name = name
-        self.words = words
-        self.text = text
-        self.position = position
+        self.name, self.words, self.text, self.position = name, words, text, position
         self.add_note(self.picture)
 
-    def within(self, place: str) -> FormulaError:
-        """Return the same error, with ``place`` before the name of the text."""
-        return FormulaError(f"{place}: {self.name}", self.words, self.text, self.position)
+    def within(self, location: str) -> FormulaError:
+        """Return the same error, with ``location`` before the name of the text."""
+        return FormulaError(f"{location}: {self.name}", self.words, self.text, self.position)
 
     @property
     def picture(self) -> str:
-        """Two lines: the text around the place, and a caret."""
+        """Two lines: the text around the position, and a caret below it."""
         start = max(0, min(self.position - WINDOW // 2, len(self.text) - WINDOW))
         excerpt = self.text[start : start + WINDOW]
         plain = "".join(c if c.isascii() and c.isprintable() else "?" for c in excerpt)
@@ -132,7 +118,7 @@ class Vocabulary:
     site: sp.Symbol | None = None
 
     def meaning(self, name: str) -> sp.Expr | None:
-        """Return the meaning of a name that is no field or function; None if it has none.
+        """Return the meaning of a name that is not a field or function; None if it has none.
 
         Raises ValueError, as ``unknown_name`` does, for a name that may mean another.
         """
@@ -160,16 +146,14 @@ def tokens(text: str, name: str = "formula") -> list[Token]:
     while position < len(text):
         match = _TOKEN.match(text, position)
         if match is None:
-            raise FormulaError(name, _strange(text[position]), text, position)
+            sign = text[position]
+            remedy = _REMEDIES.get(sign, "letters of ASCII, digits and + - * / ** ( ) [ ] are read")
+            words = f"expected a formula, got {sign!a} ({remedy})"
+            raise FormulaError(name, words, text, position)
         if match.lastgroup != "space":
             result.append(Token(str(match.lastgroup), match[0], position))
         position = match.end()
     return [*result, Token("end", "", len(text))]
-
-
-def _strange(sign: str) -> str:
-    remedy = _REMEDIES.get(sign, "letters of ASCII, digits and + - * / ** ( ) [ ] are read")
-    return f"expected a formula, got {sign!a} ({remedy})"
 
 
 class Parser:
@@ -181,23 +165,19 @@ class Parser:
     def __init__(
         self, text: str, words: Sequence[Token], vocabulary: Vocabulary, name: str
     ) -> None:
-        self.text = text
-        self.words = words
-        self.vocabulary = vocabulary
-        self.name = name
-        self.place = 0
-        self._depth = 0
+        self.text, self.words, self.vocabulary, self.name = text, words, vocabulary, name
+        self.position = self._depth = 0
         self.used: set[str] = set()
 
     @property
     def next(self) -> Token:
         """The next token."""
-        return self.words[self.place]
+        return self.words[self.position]
 
     def take(self) -> Token:
         """Consume and return the next token."""
         token = self.next
-        self.place = min(self.place + 1, len(self.words) - 1)
+        self.position = min(self.position + 1, len(self.words) - 1)
         return token
 
     def take_sign(self, *signs: str) -> Token | None:
@@ -214,12 +194,9 @@ class Parser:
     def expect_end(self) -> None:
         """Raise FormulaError if tokens are left."""
         if self.next.kind != "end":
-            raise self.error(f"expected {self.after_operand()}, got {self.next}")
-
-    def after_operand(self) -> str:
-        """Return a description of the signs that may follow an operand, for an error."""
-        juxtaposed = self.next.kind in ("number", "name") or self.next.text == "("
-        return "an operator such as *" if juxtaposed else "an operator or the end"
+            juxtaposed = self.next.kind in ("number", "name") or self.next.text == "("
+            expected = "an operator such as *" if juxtaposed else "an operator or the end"
+            raise self.error(f"expected {expected}, got {self.next}")
 
     def error(self, words: str, token: Token | None = None) -> FormulaError:
         """Return the error at a token, by default the next one."""
@@ -229,23 +206,23 @@ class Parser:
         """Return the error at a position in the text."""
         return FormulaError(self.name, words, self.text, position)
 
-    def formula(self) -> FormulaTree:
+    def formula(self) -> syntax.FormulaTree:
         """Parse a sum."""
         start = self.next.start
         terms = [self._term()]
         while sign := self.take_sign("+", "-"):
             term = self._term()
             minus = sign.text == "-"
-            terms.append(Product((MINUS_ONE, term), at=sign.start) if minus else term)
-        return terms[0] if len(terms) == 1 else Sum(tuple(terms), at=start)
+            terms.append(syntax.Product((syntax.MINUS_ONE, term), at=sign.start) if minus else term)
+        return terms[0] if len(terms) == 1 else syntax.Sum(tuple(terms), at=start)
 
-    def whole(self) -> FormulaTree:
+    def whole(self) -> syntax.FormulaTree:
         """Parse a sum that must end the text."""
         tree = self.formula()
         self.expect_end()
         return tree
 
-    def _term(self) -> FormulaTree:
+    def _term(self) -> syntax.FormulaTree:
         """Parse a product; numbers and signs remain separate factors."""
         start = self.next.start
         factors = self._signed()
@@ -253,11 +230,11 @@ class Parser:
             further = self._signed()
             if sign.text == "/":
                 divisor = _product(further, sign.start)
-                further = [Power((divisor, MINUS_ONE), at=sign.start)]
+                further = [syntax.Power((divisor, syntax.MINUS_ONE), at=sign.start)]
             factors += further
         return _product(factors, start)
 
-    def _signed(self) -> list[FormulaTree]:
+    def _signed(self) -> list[syntax.FormulaTree]:
         """Parse an operand with its sign, as factors; ``**`` binds closer than signs."""
         start, negative = self.next, False
         while sign := self.take_sign("+", "-"):
@@ -267,16 +244,16 @@ class Parser:
             raise self.error(f"brackets and powers must be at most {DEEPEST} deep", start)
         operand = self._power()
         self._depth -= 1
-        return [MINUS_ONE, operand] if negative else [operand]
+        return [syntax.MINUS_ONE, operand] if negative else [operand]
 
-    def _power(self) -> FormulaTree:
+    def _power(self) -> syntax.FormulaTree:
         base = self._operand()
         sign = self.take_sign("**")
         if sign is None:
             return base
-        return Power((base, _product(self._signed(), sign.start)), at=sign.start)
+        return syntax.Power((base, _product(self._signed(), sign.start)), at=sign.start)
 
-    def _operand(self) -> FormulaTree:
+    def _operand(self) -> syntax.FormulaTree:
         token = self.next
         if token.kind == "number":
             return self._number(self.take())
@@ -288,16 +265,16 @@ class Parser:
             return tree
         raise self.error(f"expected a number, a name or '(', got {token}")
 
-    def _number(self, token: Token) -> Number:
+    def _number(self, token: Token) -> syntax.Number:
         digits, _, exponent = token.text.lower().partition("e")
-        if len(digits) > DIGITS or len(exponent) > 5 or abs(int(exponent or 0)) > DIGITS:
-            raise self.error(f"numbers must have at most {DIGITS} digits", token)
+        if max(len(digits), abs(int(exponent[:5] or 0))) > MOST_DIGITS or len(exponent) > 5:
+            raise self.error(f"numbers must have at most {MOST_DIGITS} digits", token)
         following = self.next
         if following.kind == "name" and following.start == token.start + len(token.text):
             raise self.error(f"expected an operator such as *, got {following}", following)
-        return Number(Fraction(token.text), at=token.start)
+        return syntax.Number(Fraction(token.text), at=token.start)
 
-    def _named(self, token: Token) -> FormulaTree:
+    def _named(self, token: Token) -> syntax.FormulaTree:
         name, words = token.text, self.vocabulary
         if len(name) > NAME_LENGTH:
             raise self.error(f"names must have at most {NAME_LENGTH} characters", token)
@@ -316,9 +293,9 @@ class Parser:
         if not is_known:
             expectation = "a name without _" if "_" in name else "a known name"
             raise self.error(f"expected {expectation}, got {token}{self._nearest(name)}", token)
-        return Name(name, at=token.start)
+        return syntax.Name(name, at=token.start)
 
-    def _field(self, token: Token, base: str, steps: str) -> Unknown:
+    def _field(self, token: Token, base: str, steps: str) -> syntax.Unknown:
         """Parse the unknown ``base``, with derivatives in its subscripts and its site if any."""
         site, arguments = self.vocabulary.site, self.vocabulary.fields[base].args
         self.used.add(base)
@@ -336,7 +313,7 @@ class Parser:
                 if steps.isalpha():
                     words += f" (or name all of them: --variables {','.join(letters)})"
                 raise self.error(words, token)
-        return Unknown(base, tuple(steps), index, shift, at=token.start)
+        return syntax.Unknown(base, tuple(steps), index, shift, at=token.start)
 
     def _shift(self, site: str) -> int:
         """Parse the integer in an index such as ``n+1``, with its closing bracket."""
@@ -345,15 +322,15 @@ class Parser:
         if self.next.text == ",":
             raise self.error(f"expected ']' after the site, got ','{ROWS}")
         self.expect("]", " after the site")
-        terms = index.inner() if isinstance(index, Sum) else (index,)
-        offsets = [rational(term) for term in terms if term != Name(site)]
+        terms = index.inner() if isinstance(index, syntax.Sum) else (index,)
+        offsets = [syntax.rational(term) for term in terms if term != syntax.Name(site)]
         shift = sum((value for value in offsets if value is not None), Fraction(0))
         whole = len(offsets) == len(terms) - 1 and None not in offsets and shift.denominator == 1
-        if not whole or abs(shift) > SHIFT:
+        if not whole or abs(shift) > MOST_SHIFT:
             raise self.error(f"expected a site such as {site}+1, got another index", start)
         return int(shift)
 
-    def _call(self, token: Token) -> FormulaTree:
+    def _call(self, token: Token) -> syntax.FormulaTree:
         name, functions = token.text, self.vocabulary.functions
         if name == "diff":
             return self._derivative(token)
@@ -371,9 +348,9 @@ class Parser:
             plural = "" if arity == 1 else "s"
             words = f"expected {arity} argument{plural} of {name}, got {len(arguments)}"
             raise self.error(words, token)
-        return Call(tuple(arguments), name, at=token.start)
+        return syntax.Call(tuple(arguments), name, at=token.start)
 
-    def _arguments(self, token: Token) -> Iterator[tuple[FormulaTree, str]]:
+    def _arguments(self, token: Token) -> Iterator[tuple[syntax.FormulaTree, str]]:
         """Parse the arguments of a call; yield each with its text."""
         sign: Token | None = self.expect("(")
         while sign:
@@ -383,23 +360,23 @@ class Parser:
             sign = self.take_sign(",")
         self.expect(")", f" for the '(' of {token.text}")
 
-    def _derivative(self, token: Token) -> Derivative:
+    def _derivative(self, token: Token) -> syntax.Derivative:
         """Parse ``diff(expression, x, x)``, or the same as ``diff(expression, x, 2)``."""
         (expression, _), *steps = self._arguments(token)
         variables: list[str] = []
         known = self.vocabulary.variables.keys() - {str(self.vocabulary.site)}
         for step, text in steps:
-            times = rational(step)
-            if isinstance(step, Name) and step.name in known:
+            times = syntax.rational(step)
+            if isinstance(step, syntax.Name) and step.name in known:
                 variables.append(step.name)
-            elif variables and times and times.denominator == 1 and 0 < times <= ORDER:
+            elif variables and times and times.denominator == 1 and 0 < times <= HIGHEST_DERIVATIVE:
                 variables += [variables[-1]] * (int(times) - 1)
             else:
                 words = f"expected variables behind the first argument of diff, got {text}"
                 raise self.error(words, token)
         if not variables:
             raise self.error("expected a variable in diff, as in diff(u, x)", token)
-        return Derivative((expression,), tuple(variables), at=token.start)
+        return syntax.Derivative((expression,), tuple(variables), at=token.start)
 
     def _nearest(self, name: str, among: Iterable[str] | None = None) -> str:
         words = self.vocabulary
@@ -408,5 +385,5 @@ class Parser:
         return f" ({close})" if close else ""
 
 
-def _product(factors: list[FormulaTree], at: int) -> FormulaTree:
-    return factors[0] if len(factors) == 1 else Product(tuple(factors), at=at)
+def _product(factors: list[syntax.FormulaTree], at: int) -> syntax.FormulaTree:
+    return factors[0] if len(factors) == 1 else syntax.Product(tuple(factors), at=at)

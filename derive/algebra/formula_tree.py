@@ -48,7 +48,7 @@ class Name(FormulaTree):
 
 @dataclass(frozen=True)
 class Unknown(FormulaTree):
-    """An unknown with the derivatives in its subscripts, ``shift`` places from its ``site``."""
+    """An unknown with the derivatives in its subscripts, ``shift`` sites from its ``site``."""
 
     name: str
     steps: tuple[str, ...] = ()
@@ -143,7 +143,7 @@ def formula_text(formula: FormulaTree) -> str:
 
 
 def plain_text(formula: FormulaTree) -> str:
-    """Return the formula as one types it: an equal one is read back, with fewer brackets.
+    """Return the formula as users type it: an equal one is read back, with fewer brackets.
 
     >>> plain_text(Product((MINUS_ONE, Name("x"), Power((Name("t"), MINUS_ONE)))))
     '-x/t'
@@ -169,9 +169,9 @@ def quotient(formula: FormulaTree) -> Quotient:
 
 
 def signed_sum(terms: Sequence[str]) -> str:
-    """Return a sum with the minus signs that its terms begin with."""
-    first, *rest = terms
-    return first + "".join(f" - {t[1:]}" if t[0] == "-" else f" + {t}" for t in rest)
+    """Join the terms of a sum; a minus sign at the start of a term becomes the operator."""
+    first, *others = terms
+    return first + "".join(f" - {t[1:]}" if t[0] == "-" else f" + {t}" for t in others)
 
 
 def _written(formula: FormulaTree, exact: bool) -> Part:
@@ -201,10 +201,10 @@ def _written(formula: FormulaTree, exact: bool) -> Part:
             return "*".join(enclosed(part, POWER) for part in parts), PRODUCT
         case Product() | Power():
             minus, above, below = quotient(formula)
-            head, *tail = above or (Number(Fraction(1)),)
+            head, *others = above or (Number(Fraction(1)),)
             is_first = isinstance(head, Number) and not minus
             texts = [enclosed(head, PRODUCT if is_first else POWER)]
-            texts += [enclosed(part, POWER) for part in tail]
+            texts += [enclosed(part, POWER) for part in others]
             text = "-" * minus + "*".join(texts)
             return text + "".join(f"/{enclosed(part, POWER)}" for part in below), PRODUCT
         case Call(parts=parts, name=name):

@@ -79,14 +79,12 @@ class DifferentialPolynomial:
         return self + (-other)
 
     def __mul__(self, other: DifferentialPolynomial) -> DifferentialPolynomial:
-        return self.collect(
-            self.field,
-            (
-                (tuple(sorted(left + right)), left_value * right_value)
-                for left, left_value in self.terms.items()
-                for right, right_value in other.terms.items()
-            ),
+        products = (
+            (tuple(sorted(left + right)), left_value * right_value)
+            for left, left_value in self.terms.items()
+            for right, right_value in other.terms.items()
         )
+        return self.collect(self.field, products)
 
     def __rmul__(self, scalar: RationalFunction) -> DifferentialPolynomial:
         return self.map_coefficients(lambda value: scalar * value)
@@ -103,14 +101,12 @@ class DifferentialPolynomial:
 
     def derivative(self, axis: int) -> DifferentialPolynomial:
         """Return the total derivative along ``axis`` (Leibniz rule on the jets)."""
-        return self.collect(
-            self.field,
-            (
-                (tuple(sorted((*m[:i], raised(jet, axis), *m[i + 1 :]))), value)
-                for m, value in self.terms.items()
-                for i, jet in enumerate(m)
-            ),
+        items = (
+            (tuple(sorted((*m[:i], raised(jet, axis), *m[i + 1 :]))), value)
+            for m, value in self.terms.items()
+            for i, jet in enumerate(m)
         )
+        return self.collect(self.field, items)
 
     def coefficient(self, *jets: Jet) -> RationalFunction:
         """Return the coefficient of the product of ``jets``, zero if absent."""
@@ -129,20 +125,20 @@ class DifferentialPolynomial:
         >>> (Y_X * Y_X).antiderivative() is None
         True
         """
-        rest, result = self, self.zero(self.field)
-        while rest:
-            leading = max(rest.terms, key=lambda m: sorted(m, reverse=True))
+        remaining, result = self, self.zero(self.field)
+        while remaining:
+            leading = max(remaining.terms, key=lambda m: sorted(m, reverse=True))
             lowered = _lowered(leading, axis)
             if lowered is None:
                 return None
-            multiplicity = self.field(lowered.count(lowered[-1]))
-            term = DifferentialPolynomial(self.field, {lowered: rest.terms[leading] / multiplicity})
-            result, rest = result + term, rest - term.derivative(axis)
+            value = remaining.terms[leading] / self.field(lowered.count(lowered[-1]))
+            term = DifferentialPolynomial(self.field, {lowered: value})
+            result, remaining = result + term, remaining - term.derivative(axis)
         return result
 
 
 def _lowered(monomial: Monomial, axis: int) -> Monomial | None:
-    """Return the monomial with its highest jet lowered, or None if that is not its preimage."""
+    """Return the monomial whose derivative begins with this one; None if there is none."""
     if not monomial or monomial[-1][axis] == 0:
         return None
     jet = raised(monomial[-1], axis, -1)
@@ -177,34 +173,27 @@ class EpsSeries:
         return self.collect(self.field, self.limit, [*self.parts.items(), *other.parts.items()])
 
     def __mul__(self, other: EpsSeries) -> EpsSeries:
-        return self.collect(
-            self.field,
-            self.limit,
-            (
-                (i + j, left * right)
-                for i, left in self.parts.items()
-                for j, right in other.parts.items()
-                if i + j <= self.limit
-            ),
+        items = (
+            (i + j, left * right)
+            for i, left in self.parts.items()
+            for j, right in other.parts.items()
+            if i + j <= self.limit
         )
+        return self.collect(self.field, self.limit, items)
 
     def __rmul__(self, scalar: RationalFunction) -> EpsSeries:
-        return self.collect(
-            self.field, self.limit, ((i, scalar * part) for i, part in self.parts.items())
-        )
+        items = ((i, scalar * part) for i, part in self.parts.items())
+        return self.collect(self.field, self.limit, items)
 
     def apply(self, operator: Operator) -> EpsSeries:
         """Return the first-order operator applied to every order."""
-        return self.collect(
-            self.field,
-            self.limit,
-            (
-                (order + exponent, factor * part.derivative(axis))
-                for order, part in self.parts.items()
-                for axis, exponent, factor in operator
-                if order + exponent <= self.limit
-            ),
+        items = (
+            (order + exponent, factor * part.derivative(axis))
+            for order, part in self.parts.items()
+            for axis, exponent, factor in operator
+            if order + exponent <= self.limit
         )
+        return self.collect(self.field, self.limit, items)
 
     def exponential(self, operator: Operator) -> EpsSeries:
         """Return ``exp(operator)`` applied: the sum of its powers over their factorials."""
@@ -234,8 +223,8 @@ class EpsSeries:
         for order, part in self.parts.items():
             for monomial, number in part.terms.items():
                 values = [(jet, value(jet)) for jet in monomial]
-                rest = tuple(jet for jet, replacement in values if replacement is None)
-                unchanged = DifferentialPolynomial(self.field, {rest: number})
+                kept = tuple(jet for jet, replacement in values if replacement is None)
+                unchanged = DifferentialPolynomial(self.field, {kept: number})
                 product = self.collect(self.field, self.limit, [(order, unchanged)])
                 for _, replacement in values:
                     product = product if replacement is None else product * replacement

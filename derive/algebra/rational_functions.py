@@ -16,7 +16,7 @@ from typing import Any
 
 from flint import fmpq_mpoly_ctx, fmpz_mpoly, fmpz_mpoly_ctx
 from flint.utils.flint_exceptions import DomainError
-from sympy import Expr, Integer, Rational, Symbol
+from sympy import Expr, Integer, Rational, S, Symbol
 
 Exponents = tuple[int, ...]
 Terms = list[tuple[Exponents, int]]
@@ -37,10 +37,10 @@ def _factored(polynomial: fmpz_mpoly) -> tuple[int, list[tuple[fmpz_mpoly, int]]
         rational = fmpq_mpoly_ctx.get(context.names(), context.ordering())
         _, over_q = rational.from_dict(polynomial.to_dict()).factor()
         factors = [(_primitive(part, context), int(times)) for part, times in over_q]
-        rest = int(polynomial.leading_coefficient())
-        for part, times in factors:
-            rest //= int(part.leading_coefficient()) ** times
-        return rest, factors
+        number = int(polynomial.leading_coefficient())
+        for factor, times in factors:
+            number //= int(factor.leading_coefficient()) ** times
+        return number, factors
 
 
 def _primitive(part: Any, context: fmpz_mpoly_ctx) -> fmpz_mpoly:
@@ -144,11 +144,11 @@ class Factor:
         return _factor, (self.polynomial.context().names(), dict(self.terms))
 
     def taken_from(self, numer: fmpz_mpoly, most: int) -> tuple[fmpz_mpoly, int]:
-        """Divide ``numer`` by this factor up to ``most`` times; return it and the rest."""
+        """Divide ``numer`` by this factor at most ``most`` times; also return the times left."""
         while most:
             try:
                 numer = numer / self.polynomial
-            except DomainError:  # it is none
+            except DomainError:  # not a factor
                 break
             most -= 1
         return numer, most
@@ -169,10 +169,7 @@ class RationalFunction:
     def __init__(
         self, field: RationalFunctions, numer: fmpz_mpoly, content: int, below: Factors
     ) -> None:
-        self.field = field
-        self.numer = numer
-        self.content = content
-        self.below = below
+        self.field, self.numer, self.content, self.below = field, numer, content, below
         self._parts: tuple[int, dict[Factor, int]] | None = None
 
     def __reduce__(self) -> tuple[Callable[..., RationalFunction], tuple[Any, ...]]:
@@ -238,7 +235,7 @@ class RationalFunction:
         return self._lowest(numer, content, below, shared)
 
     def _over(self, content: int, below: Factors) -> fmpz_mpoly:
-        """Return the numerator expanded to a common denominator."""
+        """Return the numerator over the denominator ``content`` times the factors ``below``."""
         numer = self.numer
         if content != self.content:
             numer = numer * (content // self.content)
@@ -263,8 +260,8 @@ class RationalFunction:
         for factor, times in self.below.items():
             right, below[factor] = factor.taken_from(right, times)
         for factor, times in factor_.below.items():
-            left, rest = factor.taken_from(left, times)
-            below[factor] = below.get(factor, 0) + rest
+            left, remaining = factor.taken_from(left, times)
+            below[factor] = below.get(factor, 0) + remaining
         return RationalFunction(self.field, left * right, over * content, _nonzero_powers(below))
 
     def __truediv__(self, other: int | RationalFunction) -> RationalFunction:
@@ -278,8 +275,8 @@ class RationalFunction:
         common = math.gcd(self.content, divisor.content)
         below = dict(self.below)
         for factor, times in parts.items():
-            numer, rest = factor.taken_from(numer, times)
-            below[factor] = below.get(factor, 0) + rest
+            numer, remaining = factor.taken_from(numer, times)
+            below[factor] = below.get(factor, 0) + remaining
         numer = numer * (divisor.content // common * (1 if leading_content > 0 else -1))
         for factor, times in divisor.below.items():
             cancelled = min(times, below.get(factor, 0))
@@ -309,7 +306,7 @@ class RationalFunction:
 
     @property
     def is_negative(self) -> bool:
-        """Whether it is printed with a minus sign, by its first coefficient."""
+        """Whether the first coefficient is negative, so that a minus sign is printed."""
         return bool(self.numer.leading_coefficient() < 0)
 
     @property
@@ -331,8 +328,8 @@ class RationalFunction:
         """Return the terms of each irreducible factor with its power, after the content."""
         content, parts = (self.content, self.below) if below else self._numerator_factors
         nothing = (0,) * len(self.field.symbols)
-        rest = [(factor.terms, times) for factor, times in _sorted(parts)]
-        return [([(nothing, content)], 1), *rest]
+        factors = [(factor.terms, times) for factor, times in _sorted(parts)]
+        return [([(nothing, content)], 1), *factors]
 
     def numerator(self) -> RationalFunction:
         """Return the numerator as an element."""
@@ -374,11 +371,10 @@ class RationalFunction:
 
     def as_expr(self) -> Expr:
         """Return the quotient as a SymPy expression."""
-        numerator, denominator = Integer(0), Integer(0)
-        for exponents, value in self.terms():
-            numerator += _product(self.field.symbols, exponents, value)
-        for exponents, value in self.terms(below=True):
-            denominator += _product(self.field.symbols, exponents, value)
+        numerator, denominator = (
+            sum((_product(self.field.symbols, *term) for term in self.terms(below=below)), S.Zero)
+            for below in (False, True)
+        )
         return numerator / denominator
 
     def factored(self) -> Expr:
@@ -413,10 +409,7 @@ class RationalFunction:
 
 
 def _quotient(
-    field: RationalFunctions,
-    above: Mapping[Exponents, int],
-    content: int,
-    below: Factors,
+    field: RationalFunctions, above: Mapping[Exponents, int], content: int, below: Factors
 ) -> RationalFunction:
     """Rebuild a pickled element."""
     return RationalFunction(field, field.context.from_dict(above), content, below)

@@ -1,7 +1,5 @@
 """Linear algebra for the few fields of a cell, over any field of exact elements."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 
@@ -26,13 +24,11 @@ def inverse(matrix: Matrix) -> list[Column]:
     full_determinant, count = determinant(matrix), len(matrix)
     if count == 1:
         return [[1 / full_determinant]]
-    return [
-        [
-            determinant(without(matrix, i, j)) * (-1) ** (i + j) / full_determinant
-            for i in range(count)
-        ]
-        for j in range(count)
-    ]
+
+    def cofactor(i: int, j: int) -> Any:
+        return determinant(without(matrix, i, j)) * (-1) ** (i + j)
+
+    return [[cofactor(i, j) / full_determinant for i in range(count)] for j in range(count)]
 
 
 def without(matrix: Matrix, row: int | None, column: int | None) -> list[Column]:

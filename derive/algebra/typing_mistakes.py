@@ -5,26 +5,13 @@ changes. Nothing here decides what a formula means: the caller parses the result
 only if it follows the grammar.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 
+from longwave.derive.algebra import typing_rules
 from longwave.derive.algebra.foreign_characters import GREEK, ascii_text
-from longwave.derive.algebra.typing_rules import (
-    ALIASES,
-    BRACES,
-    CALLS,
-    DERIVATIVES,
-    END,
-    LATEX,
-    SITE,
-    SPELLED_NUMBERS,
-    TIDY,
-    VARIABLES,
-    Rule,
-)
+from longwave.derive.algebra.typing_rules import SITE, VARIABLES
 from longwave.support.known_names import close_names
 
 LONGEST_CORRECTED = 400
@@ -142,7 +129,7 @@ def misread(name: str, spelling: Spelling, *, declared: bool = False) -> str | N
     for pattern, text in _READINGS if declared else _READINGS + _LOOSE_READINGS:
         match = re.fullmatch(_filled(pattern, spelling.patterns()), name)
         if match and (base := match["base"]) in {*spelling.variables, *spelling.unknowns}:
-            return match.expand(text) if text else _free_name(match["rest"], spelling, base)
+            return match.expand(text) if text else _free_name(match["suffix"], spelling, base)
     if called := _called(name, spelling, declared):
         return called
     match = re.fullmatch(rf"(\w+)([{VARIABLES}])", name)
@@ -164,20 +151,20 @@ def _called(name: str, spelling: Spelling, declared: bool) -> str | None:
 
 
 _READINGS: tuple[tuple[str, str], ...] = (
-    (rf"(?P<base><U>)_?(?P<rest>[{VARIABLES}]+)", r"\g<base>_\g<rest>"),
+    (rf"(?P<base><U>)_?(?P<suffix>[{VARIABLES}]+)", r"\g<base>_\g<suffix>"),
     (r"(?P<base><U>)_?(?:bar|star|conj|conjugate|dag|dagger)", r"conjugate(\g<base>)"),
     (r"(?:conj|conjugate|bar)_?(?P<base><U>)", r"conjugate(\g<base>)"),
     (r"d\d?(?P<base><U>)", r"diff(\g<base>, x)"),
-    (rf"(?P<base>[{VARIABLES}{SITE}])(?P<rest>[1-9]\d*)", ""),
+    (rf"(?P<base>[{VARIABLES}{SITE}])(?P<suffix>[1-9]\d*)", ""),
 )
 """Readings that apply even to declared names."""
 
 _LOOSE_READINGS = (
     (r"(?P<base><U>)c", r"conjugate(\g<base>)"),
     (rf"(?P<base><U>){SITE}", rf"\g<base>[{SITE}]"),
-    (rf"(?P<base><U>){SITE}p(?P<rest>\d)", rf"\g<base>[{SITE}+\g<rest>]"),
-    (rf"(?P<base><U>){SITE}m(?P<rest>\d)", rf"\g<base>[{SITE}-\g<rest>]"),
-    (r"(?P<base><U>)(?P<rest><U>(?:_[xyzt]+)?)", r"\g<base>*\g<rest>"),
+    (rf"(?P<base><U>){SITE}p(?P<suffix>\d)", rf"\g<base>[{SITE}+\g<suffix>]"),
+    (rf"(?P<base><U>){SITE}m(?P<suffix>\d)", rf"\g<base>[{SITE}-\g<suffix>]"),
+    (r"(?P<base><U>)(?P<suffix><U>(?:_[xyzt]+)?)", r"\g<base>*\g<suffix>"),
     (rf"d(?P<base>[{VARIABLES}])\d?", r"diff(u, \g<base>)"),
 )
 
@@ -189,13 +176,14 @@ def _free_name(digits: str, spelling: Spelling, base: str) -> str:
     return next(name for name in names if name not in spelling.declared)
 
 
-def _stages(spelling: Spelling) -> Iterator[tuple[Rule, ...]]:
-    yield LATEX
-    yield BRACES
-    yield SPELLED_NUMBERS
-    yield (*CALLS, *_calls(spelling), *DERIVATIVES, (_DIFF, _differentiated(spelling)))
-    yield (*_products(spelling), *TIDY)
-    yield (*TIDY, *END)
+def _stages(spelling: Spelling) -> Iterator[tuple[typing_rules.Rule, ...]]:
+    yield typing_rules.LATEX
+    yield typing_rules.BRACES
+    yield typing_rules.SPELLED_NUMBERS
+    calls = (*typing_rules.CALLS, *_calls(spelling), *typing_rules.DERIVATIVES)
+    yield (*calls, (_DIFF, _differentiated(spelling)))
+    yield (*_products(spelling), *typing_rules.TIDY)
+    yield (*typing_rules.TIDY, *typing_rules.END)
 
 
 def _differentiated(spelling: Spelling) -> Callable[[re.Match[str]], str]:
@@ -243,12 +231,12 @@ def _arguments(text: str) -> list[str]:
     return arguments
 
 
-def _calls(spelling: Spelling) -> tuple[Rule, ...]:
+def _calls(spelling: Spelling) -> tuple[typing_rules.Rule, ...]:
     """Return rules for functions with other names and other brackets."""
 
     def rename_function(match: re.Match[str]) -> str:
         name = match[0]
-        other = ALIASES.get(name, name.lower())
+        other = typing_rules.ALIASES.get(name, name.lower())
         taken = name in spelling.functions or name in spelling.declared
         return other if other in spelling.functions and not taken else name
 
@@ -259,10 +247,9 @@ def _calls(spelling: Spelling) -> tuple[Rule, ...]:
         letter = continuous[0] if continuous else "t" if site else ""
         if not letter or len(continuous) > 1:
             return match[0]
-        steps = [letter] * len(primes)
-        return (
-            f"diff({unknown}{site}, {', '.join(steps)})" if site else f"{unknown}_{''.join(steps)}"
-        )
+        if site:
+            return f"diff({unknown}{site}, {', '.join(letter * len(primes))})"
+        return f"{unknown}_{letter * len(primes)}"
 
     return (
         (r"(?<![\w.])(<U>)('+)(\[[^\[\]]*\])", r"\1\3\2"),
@@ -274,7 +261,7 @@ def _calls(spelling: Spelling) -> tuple[Rule, ...]:
     )
 
 
-def _products(spelling: Spelling) -> tuple[Rule, ...]:
+def _products(spelling: Spelling) -> tuple[typing_rules.Rule, ...]:
     """Return rules for functions without brackets, powers, implied products and names."""
 
     def split_name(match: re.Match[str]) -> str:

@@ -14,53 +14,24 @@ Rule = tuple[str, Replacement]
 and a site, ``<F>`` a function of the grammar, ``<A>`` an argument, ``<()>`` and ``<[]>``
 bracketed text, with its brackets, ``<e>`` and ``<i>`` constants unless declared as names."""
 
-ALIASES = {
-    "ln": "log",
-    "Ln": "log",
-    "root": "sqrt",
-    **{f"arc{name}": f"a{name}" for name in ("sin", "cos", "tan", "sinh", "cosh", "tanh")},
-    **{f"Arc{name}": f"a{name.lower()}" for name in ("Sin", "Cos", "Tan", "Sinh", "Cosh", "Tanh")},
-    **{f"ar{name}": f"a{name}" for name in ("sinh", "cosh", "tanh")},
-    **{f"arg{name}": f"a{name}" for name in ("sh", "ch", "th")},
-    "arctg": "atan",
-    "tg": "tan",
-    "ctg": "cot",
-    "cotg": "cot",
-    "cosec": "csc",
-    "sh": "sinh",
-    "ch": "cosh",
-    "th": "tanh",
-    "cth": "coth",
-    "arsh": "asinh",
-    "arch": "acosh",
-    "arth": "atanh",
-    "argsh": "asinh",
-    "argch": "acosh",
-    "argth": "atanh",
-    "fabs": "abs",
-    "norm": "abs",
-    "modulus": "abs",
-    "mod": "abs",
-    "sgn": "sign",
-    "signum": "sign",
-    "conj": "conjugate",
-    "Conj": "conjugate",
-    "cc": "conjugate",
-    "real": "re",
-    "imag": "im",
-    **{f"airy{name}": f"airy_{name}" for name in ("ai", "bi")},
-    **{f"Airy{name}": f"airy_{name.lower()}" for name in ("Ai", "Bi")},
-    **{f"Airy{name}Prime": f"airy_{name.lower()}_prime" for name in ("Ai", "Bi")},
-    **{f"airy{name}prime": f"airy_{name}_prime" for name in ("ai", "bi")},
-    **{f"bessel{name}": f"bessel_{name}" for name in "jyik"},
-    **{f"Bessel{name}": f"bessel_{name.lower()}" for name in "JYIK"},
-    **dict.fromkeys(("ProductLog", "LambertW", "lambertw", "W"), "lambert_w"),
-    "ellipk": "elliptic_k",
-    "ellipticK": "elliptic_k",
-    "ellipe": "elliptic_e",
-    "ellipticE": "elliptic_e",
-    **{f"jacobi{name}": f"jacobi_{name}" for name in ("sn", "cn", "dn")},
-}
+_ALIASES_BY_NAME = (
+    {f"a{name}": f"arc{name} Arc{name.title()}" for name in ("sin", "cos")}
+    | {
+        f"a{name}h": f"arc{name}h Arc{name.title()}h ar{name}h ar{name[0]}h arg{name[0]}h"
+        for name in ("sin", "cos", "tan")
+    }
+    | {f"airy_{name}": f"airy{name} Airy{name.title()}" for name in ("ai", "bi")}
+    | {f"airy_{name}_prime": f"airy{name}prime Airy{name.title()}Prime" for name in ("ai", "bi")}
+    | {f"bessel_{letter}": f"bessel{letter} Bessel{letter.upper()}" for letter in "jyik"}
+    | {f"jacobi_{name}": f"jacobi{name}" for name in ("sn", "cn", "dn")}
+    | {"log": "ln Ln", "sqrt": "root", "tan": "tg", "cot": "ctg cotg", "csc": "cosec"}
+    | {"atan": "arctan ArcTan arctg", "sinh": "sh", "cosh": "ch", "tanh": "th", "coth": "cth"}
+    | {"abs": "fabs norm modulus mod", "sign": "sgn signum", "re": "real", "im": "imag"}
+    | {"conjugate": "conj Conj cc", "lambert_w": "ProductLog LambertW lambertw W"}
+    | {"elliptic_k": "ellipk ellipticK", "elliptic_e": "ellipe ellipticE"}
+)
+
+ALIASES = {alias: name for name, words in _ALIASES_BY_NAME.items() for alias in words.split()}
 """Other names of functions; names that differ only in capital letters need no entry."""
 
 CALLS: tuple[Rule, ...] = (
@@ -79,10 +50,7 @@ CALLS: tuple[Rule, ...] = (
     (r"(?<![\w.])([scd]n)\s*\(\s*(<A>)[,;]\s*k\s*\)", r"jacobi_\1(\2, k**2)"),
     (r"(?<![\w.])jacobi_([scd]n)\s*\(\s*(<A>)[|;]\s*(<A>)\)", r"jacobi_\1(\2, \3)"),
     (r"(?<![\w.])Elliptic([KE])\s*\[\s*(<A>)\]", lambda m: f"elliptic_{m[1].lower()}({m[2]})"),
-    (
-        r"(?<![\w.])Elliptic([KE])\s*\(\s*(<A>)\)",
-        lambda m: f"elliptic_{m[1].lower()}(({m[2]})**2)",
-    ),
+    (r"(?<![\w.])Elliptic([KE])\s*\(\s*(<A>)\)", lambda m: f"elliptic_{m[1].lower()}(({m[2]})**2)"),
     (r"(?<![\w.])log_?(10|2)\s*(<()>)", r"(log\2/log(\1))"),
     (r"(?<![\w.])a(?:rc?)?sech\s*(<()>)", r"acosh(1/\1)"),
     (r"(?<![\w.])a(?:rc?)?csch\s*(<()>)", r"asinh(1/\1)"),
@@ -123,9 +91,8 @@ def _at_its_variables(match: re.Match[str]) -> str:
     letters_used = re.findall(r"[xyzt]", match["at"])
     lists = re.findall(rf"{re.escape(match['of'])}\s*[\[(]([xyzt_,\s]+)[\])]", match.string)
     distinct = {"".join(re.findall(r"[xyzt]", letters)) for letters in lists}
-    return (
-        match[0] if len(set(letters_used)) < len(letters_used) or len(distinct) > 1 else match["of"]
-    )
+    is_repeated = len(set(letters_used)) < len(letters_used)
+    return match[0] if is_repeated or len(distinct) > 1 else match["of"]
 
 
 def _joined(match: re.Match[str]) -> str:
@@ -181,10 +148,7 @@ LATEX: tuple[Rule, ...] = (
         r"conjugate(\1)",
     ),
     (r"(<D>)\s*†", r"conjugate(\1)"),
-    (
-        r"(?<![\w.])(<U>(?:_[xyzt]+)?)_\{\s*(n\s*(?:[+-]\s*\d+)?)\s*(?:,\s*t\s*)?\}",
-        r"\1[\2]",
-    ),
+    (r"(?<![\w.])(<U>(?:_[xyzt]+)?)_\{\s*(n\s*(?:[+-]\s*\d+)?)\s*(?:,\s*t\s*)?\}", r"\1[\2]"),
     (r"(?<![\w.])(<U>(?:_[xyzt]+)?)_(n(?:[+-]\d+)?)(?!\w)", r"\1[\2]"),
     (r"(?<![\w.])([A-Za-z]+)_\{?(\d+)\}?(?![A-Za-z])", r"\1\2"),
     (r"\\partial\s*_\s*(?:\{\s*([xyzt]+)\s*\}|([xyzt]+(?![A-Za-z])|[xyzt]))", r" D_(\1\2) "),
@@ -282,7 +246,4 @@ TIDY: tuple[Rule, ...] = (
     (r"^\s+|\s+$", ""),
 )
 
-END: tuple[Rule, ...] = (
-    (r"\s*[.,;]+$", ""),
-    (r"=\s*$", "= 0"),
-)
+END: tuple[Rule, ...] = ((r"\s*[.,;]+$", ""), (r"=\s*$", "= 0"))

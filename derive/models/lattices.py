@@ -28,9 +28,7 @@ def cubic(*constants: Expr) -> Expr:
 FORCE, SECOND = cubic(K2, K3, K4), cubic(H2, H3, H4)
 
 NEAREST = Bond(
-    stretch=(Stencil((0,)),),
-    force=FORCE,
-    action=(Stencil((1,)), Stencil((0,), -2), Stencil((-1,))),
+    stretch=(Stencil((0,)),), force=FORCE, action=(Stencil((1,)), Stencil((0,), -2), Stencil((-1,)))
 )
 """Springs between neighbours of a chain, in its strain."""
 
@@ -43,7 +41,7 @@ NEXT_NEAREST = Bond(
 
 
 def degenerate(*further: Expr) -> tuple[Bond, Bond]:
-    """Return both springs with cancelled third-order dispersion, which leaves fifth order.
+    """Return two springs whose third-order dispersion cancels, so that the fifth order leads.
 
     ``further`` are K3, K4, L3, L4.
     """
@@ -107,10 +105,7 @@ _ALL = (
         "chain of local resonators: a mass in each mass",
         ("u", "v"),
         (m1, m2),
-        (
-            spring(FORCE, ((0,), 0), ((1,), 0)),
-            spring(SECOND, ((0,), 0), ((0,), 1)),
-        ),
+        (spring(FORCE, ((0,), 0), ((1,), 0)), spring(SECOND, ((0,), 0), ((0,), 1))),
     ),
     chain("toda", "Toda lattice in the displacement", a * (exp(b * x) - 1)),
     chain(
@@ -128,10 +123,7 @@ _ALL = (
         "square lattice, one displacement a site: springs K along n, H along m",
         ("u",),
         (ONE,),
-        (
-            spring(FORCE, ((0, 0), 0), ((1, 0), 0)),
-            spring(SECOND, ((0, 0), 0), ((0, 1), 0)),
-        ),
+        (spring(FORCE, ((0, 0), 0), ((1, 0), 0)), spring(SECOND, ((0, 0), 0), ((0, 1), 0))),
     ),
 )
 

@@ -1,7 +1,5 @@
 """The paper's reduction: the strain FPUT lattice to mKdV."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 from sympy import Expr, Symbol
@@ -62,12 +60,11 @@ def initial_velocity() -> Expr:
     >>> initial_velocity()
     Y_T*eps**4 - Y_X*c*eps**2
     """
-    terms = (
+    return sum(
         eps**order * number.as_expr() * Symbol(f"Y_{Notation().subscript(jet)}")
         for order, part in _velocity().parts.items()
         for [jet], number in part.terms.items()
     )
-    return sum(terms, start=eps * 0)
 
 
 def initial_velocity_latex() -> str:
@@ -77,9 +74,8 @@ def initial_velocity_latex() -> str:
     s = \epsilon^{4} Y_{T} - \epsilon^{2} c Y_{X}
     """
     orders = sorted(_velocity().parts.items(), reverse=True)
-    formulas = ((order, Notation().latex(part)) for order, part in orders)
-    result = signed_sum(
+    formulas = {order: Notation().latex(part) for order, part in orders}
+    return "s = " + signed_sum(
         (formula.startswith("-"), rf"\epsilon^{{{order}}} {formula.removeprefix('-')}")
-        for order, formula in formulas
+        for order, formula in formulas.items()
     )
-    return f"s = {result}"

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from sympy import Expr, Rational, pi
 
 from longwave.derive.algebra.exact_numbers import Number
+from longwave.derive.carrier import NLS
 from longwave.derive.carrier_envelope import (
     COEFFICIENT_LATEX,
     NEXT_ORDER,
@@ -42,21 +43,14 @@ if TYPE_CHECKING:
     Values = Mapping[str, Number]
 
 MOST_POINTS = 200
-
-NLS_ORDER, HIGHEST_ORDER = 3, 4
-"""Powers of eps of the NLS equation and of its correction."""
+"""Most wavenumbers of --map."""
 
 
 def carrier_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[str]:
     """Yield the requested lines. Raises ValueError for wrong input."""
-    for option, given in (
-        ("--background", options.background),
-        ("--amplitude", options.amplitude),
-        ("--time", options.time),
-        ("--direction", options.direction),
-    ):
-        if given is not None:
-            raise ValueError(f"{option} must be left out with --envelope, got {given!r}")
+    for option in ("background", "amplitude", "time", "direction"):
+        if (given := getattr(options, option)) is not None:
+            raise ValueError(f"--{option} must be left out with --envelope, got {given!r}")
     if options.orders not in (None, "3", "4"):
         raise ValueError(
             f"--order must be 3 (the NLS equation) or 4 (its correction) with --envelope, got "
@@ -68,22 +62,16 @@ def carrier_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[str]:
     angle = _carrier(options.carrier or "")
     text = options.branch or "acoustic"
     branch = int(text) if text.isdecimal() and len(text) < 4 else text
-    _check_cost(lattice, options, angle, values)
+    at_pi = angle == pi and options.points is None and not options.check
+    constants_known = len(lattice.constants) if options.check else len(values)
+    seconds = envelope_seconds(lattice, at_pi, 0 if lattice.definitions else constants_known)
+    check_and_announce(f"envelope of {lattice.name}", seconds, cheaper=CHEAPER_CARRIER)
     if options.points is not None:
         yield from _map_lines(lattice, options, angle, branch, values)
     elif options.check:
         yield from _checked(lattice, branch, values)
     else:
         yield from _lines(lattice, options, angle, branch, values)
-
-
-def _check_cost(
-    lattice: Lattice, options: DeriveOptions, angle: Expr | None, values: Values
-) -> None:
-    at_pi = angle == pi and options.points is None and not options.check
-    constants_known = len(lattice.constants) if options.check else len(values)
-    seconds = envelope_seconds(lattice, at_pi, 0 if lattice.definitions else constants_known)
-    check_and_announce(f"envelope of {lattice.name}", seconds, cheaper=CHEAPER_CARRIER)
 
 
 def _checked(lattice: Lattice, branch: str | int, values: Values) -> Iterator[str]:
@@ -102,7 +90,7 @@ def _lines(
 ) -> Iterator[str]:
     substituted = {} if lattice.definitions else values
     result = envelope(lattice, k=angle, branch=branch, **substituted)
-    names = [n for n in result.parts if options.orders != str(NLS_ORDER) or n not in NEXT_ORDER]
+    names = [n for n in result.parts if options.orders != str(NLS) or n not in NEXT_ORDER]
     numbers = None
     if angle is not None and (values or not lattice.basic_constants):
         result = result.regular(angle, None, **values)
@@ -124,7 +112,7 @@ def _lines(
 def _intervals(
     lattice: Lattice, result: Envelope, values: Values, options: DeriveOptions
 ) -> tuple[dict[str, Interval], str]:
-    """Return intervals of what follows from the measured constants, and a note on them."""
+    """Return intervals of the coefficients for measured constants, and a note on them."""
     if lattice.measured is None:
         return {}, ""
     if len(lattice.fields) > 1:
@@ -152,14 +140,11 @@ def _data(
         "constants": {str(s): text_of(value) for s, value in result.constants.items()},
     }
     if numbers is None:
-        wave = {"wave": result.frequency_text()} if result.waves > 1 else {}
+        wave = {"wave": result.frequency_text()} if len(result.carrier.waves) > 1 else {}
         formulas = result.expressions_of(names).items()
         return {**data, **wave, **{name: text_of(value) for name, value in formulas}}
-    values = {
-        n: [v.real, v.imag] if isinstance(v, complex) else v
-        for n, v in asdict(numbers).items()
-        if n in ("omega", *names)
-    }
+    items = ((name, v) for name, v in asdict(numbers).items() if name in ("omega", *names))
+    values = {name: [v.real, v.imag] if isinstance(v, complex) else v for name, v in items}
     normal = {"normal_form": {**form_data(form), "digits": form.digits}} if form else {}
     return {**data, "numbers": values, **normal}
 
@@ -170,7 +155,7 @@ def _latex(result: Envelope, names: list[str], numbers: EnvelopeNumbers | None) 
     rows = [("", re.sub(r"(\w)~", r"\\tilde{\1}", equation))]
     if numbers is None:
         values = {name: latex_of(value) for name, value in result.expressions_of(names).items()}
-        if result.waves > 1:
+        if len(result.carrier.waves) > 1:
             rows.append(("", result.frequency_text(latex_of)))
     else:
         rounded = {name: _rounded(value) for name, value in asdict(numbers).items()}
@@ -197,16 +182,15 @@ def _texts(
         return marked(text, ("A", "i", "X", "T", "omega", *result.parts), names_taken)
 
     yield from head_lines(lattice)
-    yield renamed(
-        f"carrier: {result.leading_field}_n = eps A(X, T) exp(i (k n - omega t)) + c.c. + ..."
-    )
+    carried = "eps A(X, T) exp(i (k n - omega t)) + c.c. + ..."
+    yield renamed(f"carrier: {lattice.fields[result.carrier.leader]}_n = {carried}")
     yield renamed("  X = eps (n - v t), T = eps^2 t")
     if numbers is None:
         location = "" if angle is None else f" at k = {text_of(angle)}"
         yield renamed(f"{result.equation}{location}:")
         yield from (f"  {message}" for message in result.idle_losses)
-        if result.waves > 1:
-            yield f"  of the wave with {result.frequency_text()}, one of {result.waves}: on which"
+        if (count_of_waves := len(result.carrier.waves)) > 1:
+            yield f"  of the wave with {result.frequency_text()}, one of {count_of_waves}: on which"
             yield "  branch it is depends on the constants (--branch takes another)"
         yield f"  {renamed('omega')}^2 gives {result.carrier.fixed}, which is eliminated"
         formulas = result.expressions_of(names).items()
@@ -253,14 +237,13 @@ def _map_lines(
     wavenumbers = [pi * Rational(i, points) for i in range(1, points + 1)]
     rows = modulation_map(lattice, wavenumbers, branch, 1.0, **values)
     if options.form == "json":
-        yield json.dumps(
-            {"lattice": lattice.name, "map": [_row_data(*row) for row in rows]}, indent=2
-        )
+        data = {"lattice": lattice.name, "map": [_row_data(*row) for row in rows]}
+        yield json.dumps(data, indent=2)
         return
     table: list[tuple[str, ...]] = [("k", "omega", "p", "q", "growth rate at |A| = 1")]
     for k, numbers, rate in rows:
-        cells_ = (numbers.omega, numbers.p, numbers.q, rate) if numbers else ()
-        table.append((f"{k:.6g}", *(f"{value:.6g}" for value in cells_ or ())))
+        values_of_row = (numbers.omega, numbers.p, numbers.q, rate) if numbers else ()
+        table.append((f"{k:.6g}", *(f"{value:.6g}" for value in values_of_row)))
     if options.form == "latex":
         lines = [" & ".join(row if len(row) == 5 else (*row, *["-"] * 4)) for row in table]
         yield r"\begin{tabular}{rrrrr}"

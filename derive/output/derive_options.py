@@ -1,7 +1,5 @@
 """Options of ``longwave derive``, and the values of constants that they give."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
@@ -32,7 +30,7 @@ class DeriveOptions:
 
 
 def given_constants(lattice: Lattice, options: DeriveOptions) -> dict[str, Expr]:
-    """Return the values of constants: the lattice's measured ones, overridden by the options."""
+    """Return the values of constants: measured ones of the lattice, overridden by the options."""
     typed = {name: constant_value(name, text) for name, text in options.constants.items()}
     return {**(dict(lattice.measured.values) if lattice.measured else {}), **typed}
 
@@ -66,10 +64,8 @@ def measured_with_options(
     uncertain = {name for name, deviation in lattice.measured.deviations.items() if deviation}
     uncertain -= {*options.constants, *map(str, lattice.unfelt_constants)}
     if substituted := sorted(uncertain - names):
-        return (
-            None,
-            f"(no intervals: {', '.join(substituted)} had to be put in before the expansion)",
-        )
+        names_text = ", ".join(substituted)
+        return None, f"(no intervals: {names_text} had to be put in before the expansion)"
     if unknown := sorted(names - values.keys()):
         return None, f"(no intervals: {', '.join(unknown)} has no value)"
     exact = {name: value for name, value in values.items() if name not in uncertain}

@@ -1,7 +1,5 @@
 """Names in an output that avoid those of a lattice, and joined powers."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Collection, Iterable
 
@@ -18,7 +16,7 @@ def unused(name: str, taken: Collection[str]) -> str:
 
 
 def marked(text: str, names: Iterable[str], taken: Collection[str]) -> str:
-    """Return a text with its ``names`` made `unused`.
+    """Add a tilde to those ``names`` in a text that a constant or field of the lattice has.
 
     >>> marked("Y(X, T) = h U(a X, b T)", "abh", {"a", "K"})
     'Y(X, T) = h U(a~ X, b T)'

@@ -26,16 +26,11 @@ from longwave.derive.linear_waves import LinearWaves
 from longwave.derive.models.lattices import FPUT_STRAIN, LATTICES
 from longwave.derive.models.mkdv import initial_velocity, initial_velocity_latex
 from longwave.derive.multiscale import FURTHER_ORDERS, ReductionError, reduce
-from longwave.derive.output.derive_options import (
-    DeriveOptions,
-    count,
-    given_constants,
-    measured_with_options,
-)
+from longwave.derive.output import derive_options
 from longwave.derive.output.notation import aligned, latex_of, text_of
 from longwave.derive.output.own_names import unused
-from longwave.derive.output.report import head_lines, reduction_data
-from longwave.derive.reduction import Reduction
+from longwave.derive.output.report import head_lines
+from longwave.derive.reduction import Reduction, reduction_data
 from longwave.derive.scaling import Scaling, SlowVariable
 from longwave.derive.symbols import eps
 from longwave.support.command_line import check_and_announce, fail
@@ -43,16 +38,17 @@ from longwave.support.known_names import one_of
 from longwave.support.user_files import STANDARD_INPUT, shown
 
 MOST_ORDERS = 13
+"""Largest --order."""
 
-LONG_RATIO = 1000
+LARGEST_DENOMINATOR = 1000
 """Largest denominator of a measured value that is printed as a fraction."""
 
 
-def print_derivation(options: DeriveOptions) -> int:
+def print_derivation(options: derive_options.DeriveOptions) -> int:
     """Print a derivation; return the exit status (1 if a check differs, 2 for wrong input)."""
     try:
         if options.check and options.form != "text":
-            raise ValueError(f"--{options.form} must be left out with check, got it (it is text)")
+            raise ValueError(f"--{options.form} must be left out with check (it prints text only)")
         lattice = _with_losses(_lattice(options.model), options.losses)
         if options.carrier is not None:
             from longwave.derive.output.carrier_printout import carrier_lines
@@ -88,22 +84,22 @@ def _with_losses(lattice: Lattice, texts: Mapping[str, str]) -> Lattice:
     """Return the lattice with losses by name: site, bond, site.FIELD or bond.NUMBER."""
     losses: dict[str, Any] = {}
     for name, value in texts.items():
-        kind, dot, part_name = name.partition(".")
+        kind, dot, target = name.partition(".")
         if kind not in ("site", "bond") or (kind in losses and not (dot and kind not in texts)):
             raise ValueError(
                 f"--losses must name site and bond, or site.FIELD and bond.NUMBER, each once, got "
                 f"{shown(name)} (such as site=eps^3*gamma,bond=eps*eta)"
             )
-        losses[kind] = {**losses.get(kind, {}), part_name: value} if dot else value
+        losses[kind] = {**losses.get(kind, {}), target: value} if dot else value
     return lattice.with_losses(**losses) if losses else lattice
 
 
 # long waves
 
 
-def _linear_lattice_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[str]:
+def _linear_lattice_lines(lattice: Lattice, options: derive_options.DeriveOptions) -> Iterator[str]:
     """Yield the waves of a linear chain: branches as formulas, and numbers if all are given."""
-    waves, given = LinearWaves.of(lattice), given_constants(lattice, options)
+    waves, given = LinearWaves.of(lattice), derive_options.given_constants(lattice, options)
     known = {*map(str, lattice.basic_constants)} == {*given}
     if unknown := sorted({*given} - {*map(str, lattice.basic_constants)}):
         waves.table({unknown[0]: given[unknown[0]]})
@@ -112,15 +108,8 @@ def _linear_lattice_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[
         branches = [text_of(value) for value in waves.branches]
         data = {"lattice": lattice.name, "equations": list(lattice.equations())}
         data |= {"relation": waves.relation(), "omega_squared": branches}
-        yield json.dumps(
-            {
-                **data,
-                "waves": [
-                    [text_of(wavenumber), branch_values] for wavenumber, branch_values in rows
-                ],
-            },
-            indent=2,
-        )
+        waves_data = [[text_of(wavenumber), values] for wavenumber, values in rows]
+        yield json.dumps({**data, "waves": waves_data}, indent=2)
     elif options.form == "latex":
         yield aligned([("", line) for line in waves.lines(latex_of)])
     else:
@@ -131,19 +120,12 @@ def _linear_lattice_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[
             branch_numbers = range(len(rows[0][1]))
             heads = ["k", *(h for i in branch_numbers for h in (f"omega {i}", f"d omega {i}/dk"))]
             yield "  " + "  ".join(f"{head:>14}" for head in heads)
-        for wavenumber, branch_values in rows:
-            cells = [
-                text_of(wavenumber),
-                *(
-                    "meet" if entry is None else f"{entry:.10g}"
-                    for pair in branch_values
-                    for entry in pair
-                ),
-            ]
-            yield "  " + "  ".join(f"{cell:>14}" for cell in cells)
+        for wavenumber, pairs in rows:
+            cells = ("meet" if v is None else f"{v:.10g}" for pair in pairs for v in pair)
+            yield "  " + "  ".join(f"{cell:>14}" for cell in (text_of(wavenumber), *cells))
 
 
-def _reduction_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[str]:
+def _reduction_lines(lattice: Lattice, options: derive_options.DeriveOptions) -> Iterator[str]:
     is_plain = lattice.dimension == 1 and not (lattice.has_losses or options.check)
     if lattice.is_linear and is_plain:
         yield from _linear_lattice_lines(lattice, options)
@@ -171,9 +153,8 @@ def _reduction_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[str]:
         yield f"{lattice.name}: {reduction.pde.kind}: {reduction.pde.text()}"
         yield from map(Check.text, checks_of_reduction(reduction))
         return
-    measured, note = measured_with_options(
-        lattice, reduction.lattice.basic_constants, values, options
-    )
+    remaining = reduction.lattice.basic_constants
+    measured, note = derive_options.measured_with_options(lattice, remaining, values, options)
     intervals = {} if measured is None else intervals_of_reduction(reduction, measured)
     numbers = list(_number_lines(reduction, values, intervals, note))
     is_paper = reduction.lattice == FPUT_STRAIN and reduction.scaling == Scaling()
@@ -204,44 +185,39 @@ def _reduction_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[str]:
 
 
 def _long_wave(
-    lattice: Lattice, options: DeriveOptions
+    lattice: Lattice, options: derive_options.DeriveOptions
 ) -> tuple[Reduction, Mapping[str, Expr], str]:
     """Return the reduction, its remaining constants with values, and why the usual one failed.
 
     Under the usual ansatz constants are symbols, except small ones.  If the values contradict it,
     all are substituted first, as in a scene, and a balanced ansatz is searched.
     """
-    given = given_constants(lattice, options)
+    given = derive_options.given_constants(lattice, options)
     space, direction_values = _space(lattice, options, given)
     unfelt = {*map(str, lattice.unfelt_constants)}
     substituted = {n: value for n, value in given.items() if value.has(eps) or n in unfelt}
-    remaining = {
-        **{name: value for name, value in given.items() if name not in substituted},
-        **direction_values,
-    }
+    remaining = {n: value for n, value in given.items() if n not in substituted}
+    remaining |= direction_values
     symbolic = _Ansatz.of(lattice, options, space, substituted)
     usual, refusal = None, ""
     try:
         is_paper = options.model in (None, FPUT_STRAIN.name)
         usual = _admitted(symbolic.usual(is_paper=is_paper), remaining)
     except ValueError as error:
-        if symbolic.is_stated or not given:
+        if symbolic.is_given or not given:
             raise
         refusal = str(error)
-    if usual is None or not (usual.is_balanced or symbolic.is_stated or not given):
+    if usual is None or not (usual.is_balanced or symbolic.is_given or not given):
         with suppress(ValueError):
-            return (
-                _Ansatz.of(lattice, options, space, given).found(direction_values),
-                direction_values,
-                refusal,
-            )
+            numeric = _Ansatz.of(lattice, options, space, given)
+            return numeric.found(direction_values), direction_values, refusal
     if usual is None:
         raise ValueError(refusal)
     return usual, remaining, ""
 
 
 def _admitted(reduction: Reduction, values: Mapping[str, Expr]) -> Reduction:
-    """Return the reduction. Raises ValueError if it does not hold for the values."""
+    """Return the reduction. Raises ValueError if the values violate its conditions."""
     reduction.coefficients(**values)
     if reduction.has_normal_form:
         reduction.normal_form(**values)
@@ -250,7 +226,7 @@ def _admitted(reduction: Reduction, values: Mapping[str, Expr]) -> Reduction:
 
 @dataclass(frozen=True)
 class _Ansatz:
-    """A lattice about a mean, and what is given of its ansatz; None has to be found."""
+    """A lattice about a mean, and the given parts of its ansatz; None has to be found."""
 
     lattice: Lattice
     mean: Expr
@@ -263,7 +239,7 @@ class _Ansatz:
     def of(
         cls,
         lattice: Lattice,
-        options: DeriveOptions,
+        options: derive_options.DeriveOptions,
         space: tuple[SlowVariable, ...],
         constants: Mapping[str, Expr],
     ) -> _Ansatz:
@@ -271,14 +247,14 @@ class _Ansatz:
         return cls(
             *about_mean(lattice, options.background or 0, constants),
             space,
-            count("--amplitude", options.amplitude, 8),
-            count("--time", options.time, 9),
-            count("--order", options.orders, MOST_ORDERS),
+            derive_options.count("--amplitude", options.amplitude, 8),
+            derive_options.count("--time", options.time, 9),
+            derive_options.count("--order", options.orders, MOST_ORDERS),
         )
 
     @property
-    def is_stated(self) -> bool:
-        """Whether amplitude and time are given."""
+    def is_given(self) -> bool:
+        """Whether both amplitude and time are given."""
         return self.amplitude is not None and self.time is not None
 
     def usual(self, *, is_paper: bool) -> Reduction:
@@ -286,11 +262,11 @@ class _Ansatz:
 
         If only one of amplitude and time is given, the other has its usual value.
         """
-        nothing_stated = self.amplitude is None and self.time is None
-        if is_paper and nothing_stated and not self.mean:
+        nothing_given = self.amplitude is None and self.time is None
+        if is_paper and nothing_given and not self.mean:
             return reduce(self.lattice, orders=self.orders)
         _check_cost(self.lattice, FURTHER_ORDERS)
-        if nothing_stated:
+        if nothing_given:
             further = FURTHER_ORDERS if self.orders is None else 0
             balanced = best_balance(self.lattice, self.mean, further, self.space)
             return balanced if self.orders is None else self._reduced(balanced.scaling)
@@ -317,7 +293,7 @@ class _Ansatz:
 
 
 def _space(
-    lattice: Lattice, options: DeriveOptions, values: Mapping[str, Expr]
+    lattice: Lattice, options: derive_options.DeriveOptions, values: Mapping[str, Expr]
 ) -> tuple[tuple[SlowVariable, ...], Mapping[str, Expr]]:
     """Return the slow variables of the requested direction, and the values it determines."""
     if options.direction is None:
@@ -404,5 +380,5 @@ def _number_lines(
 
 def _decimal(value: Expr) -> str:
     """Format a value, with 6 digits if it is a ratio of long integers."""
-    is_long = value.is_Rational and value.q > LONG_RATIO
+    is_long = value.is_Rational and value.q > LARGEST_DENOMINATOR
     return f"{float(value):.6g}" if is_long else str(value)

@@ -12,7 +12,7 @@ from typing import Any
 
 from rich.table import Table
 
-from longwave.derive.intervals import WIDE, rounded
+from longwave.derive.intervals import HALF_WIDTH, rounded
 from longwave.scenes.description.scene_file import toml_text
 from longwave.scenes.fits.force_data import read_force
 from longwave.scenes.fits.force_fit import AS_GOOD, ForceFit, fit_points
@@ -129,7 +129,7 @@ def _print_constants(fit: LeastSquares, free: Sequence[object]) -> None:
     table = Table("constant", "value", "95 % interval", *correlation_headings)
     rows = zip(names, fit.values, fit.deviations, fit.correlations, strict=True)
     for name, value, deviation, correlations in rows:
-        low, high = (rounded(value + side * WIDE * deviation, deviation) for side in (-1, 1))
+        low, high = (rounded(value + side * HALF_WIDTH * deviation, deviation) for side in (-1, 1))
         correlation_cells = (
             [f"{entry:.2f}" for entry in correlations] if correlation_headings else []
         )

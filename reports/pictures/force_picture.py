@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from longwave.derive.intervals import WIDE
+from longwave.derive.intervals import HALF_WIDTH
 from longwave.reports.pictures.drawing import STABLE
 from longwave.reports.pictures.style import CURVES, WIDTHS
 from longwave.scenes.fits.force_fit import ForceFit
@@ -25,7 +25,7 @@ def force_figure(fit: ForceFit, label: str) -> Figure:
     above.plot(fine, fit.forces(fine), color="black", linewidth=0.8, label="fitted law")
     above.set_ylabel("force")
     above.legend()
-    below.axhspan(-WIDE, WIDE, color=STABLE, lw=0)
+    below.axhspan(-HALF_WIDTH, HALF_WIDTH, color=STABLE, lw=0)
     below.axhline(0.0, color="black", linewidth=0.8)
     below.plot(stretch, fit.residuals, **(CURVES[0] | {"linestyle": ""}))
     below.set_xlabel("stretch")

@@ -6,8 +6,6 @@ on disk (``solutions.data_store``) by the name of the closed form, so that its e
 be built; forms outside the catalogue are cached by their expression.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
@@ -51,9 +49,8 @@ def compile_program(
     The program has zeta derivatives only if the equation ``has_across``, a transverse variable.
     """
     lowering = Lowering()
-    tape, outputs = tape_of(
-        lowering, [lowering.lower(expression) for expression in expressions], has_across
-    )
+    lowered = [lowering.lower(expression) for expression in expressions]
+    tape, outputs = tape_of(lowering, lowered, has_across)
     phases, calls = tuple(lowering.phases.values()), tuple(lowering.calls.values())
     jacobi = [symbol for call in calls for symbol in call.symbols]
     assembler = Assembler([*(phase.symbol for phase in phases), *jacobi])

@@ -22,13 +22,7 @@ from longwave.solutions.functions import (
 )
 from longwave.solutions.symbols import tau, xi, zeta
 
-JACOBI_FUNCTIONS: tuple[type[sp.Function], ...] = (
-    jacobi_sn,
-    jacobi_cn,
-    jacobi_dn,
-    jacobi_zeta,
-    jacobi_theta,
-)
+JACOBI_FUNCTIONS = (jacobi_sn, jacobi_cn, jacobi_dn, jacobi_zeta, jacobi_theta)
 
 
 class Phase(NamedTuple):
@@ -57,11 +51,8 @@ class JacobiCall(NamedTuple):
         m = sp.Dummy("m", positive=True)
         functions = {f(z, m): self.symbol_of(f) for f in JACOBI_FUNCTIONS}
         functions |= {sp.elliptic_e(m) / sp.elliptic_k(m): mean}
-        rates = {}
-        for f in JACOBI_FUNCTIONS:
-            rate = sp.diff(f(z, m), z).subs(functions).subs(m, self.m)
-            rates[self.symbol_of(f)] = rate
-        return rates
+        rates = (sp.diff(f(z, m), z).subs(functions).subs(m, self.m) for f in JACOBI_FUNCTIONS)
+        return dict(zip(self.symbols, rates, strict=True))
 
     def symbol_of(self, function: type[sp.Function]) -> sp.Symbol:
         """Return the symbol of ``function`` of the phase."""
@@ -69,7 +60,6 @@ class JacobiCall(NamedTuple):
 
 
 _AT_PARAMETER_ZERO = {sp.sin: jacobi_sn, sp.cos: jacobi_cn}
-
 
 SPACE_TIME_VARIABLES = (xi, tau, zeta)
 
@@ -125,9 +115,7 @@ class Lowering:
             return call.symbol_of(_AT_PARAMETER_ZERO[expression.func])
         if expression.is_Mul:
             constant_factors, varying = self._split(expression)
-            return sp.Mul(
-                self.constant(constant_factors), *(self.lower(factor) for factor in varying)
-            )
+            return sp.Mul(self.constant(constant_factors), *map(self.lower, varying))
         if expression.is_Pow:
             return self.lower(expression.base) ** self.constant(expression.exp)
         return expression.func(*(self.lower(argument) for argument in expression.args))
@@ -185,9 +173,8 @@ class Lowering:
 
     def _is_varying(self, expression: sp.Expr) -> bool:
         if expression not in self._varies:
-            self._varies[expression] = expression in SPACE_TIME_VARIABLES or any(
-                self._is_varying(argument) for argument in expression.args
-            )
+            is_variable = expression in SPACE_TIME_VARIABLES
+            self._varies[expression] = is_variable or any(map(self._is_varying, expression.args))
         return self._varies[expression]
 
 
@@ -197,7 +184,6 @@ def complex_parts(expression: sp.Expr) -> Parts:
     It may have sums, products and powers of real expressions, I and exp(I ...). Nothing is expanded
     or simplified; symbols and functions without I are taken as real. Raises ValueError for I in
     another function or in a divisor.
-
 
     >>> x, y = sp.symbols("x y", real=True)
     >>> complex_parts((1 + 2 * sp.I * x) / (1 + x**2) * sp.exp(sp.I * y))[1]

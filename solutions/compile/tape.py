@@ -5,9 +5,8 @@ third derivative is then a few times the size of the expression, where the expan
 hundreds of times as large. The machine's programs and the residuals are both built from a tape.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
+from itertools import product
 
 import sympy as sp
 
@@ -74,11 +73,11 @@ class Tape:
         return self._line(expression.func(*map(self._term, expression.args)))
 
     def _term(self, argument: sp.Basic) -> sp.Expr:
-        """Record a term of a sum without its numerical factor; return both multiplied."""
+        """Record a term without its numerical factor; return its entry times the factor."""
         if not isinstance(argument, sp.Expr):
             return self.record(argument)
-        number, rest = argument.as_coeff_Mul()
-        return number * self.record(rest)
+        number, factor = argument.as_coeff_Mul()
+        return number * self.record(factor)
 
     def _product(self, factors: Sequence[sp.Expr]) -> sp.Expr:
         """Record a product two factors at a time, constants first: SymPy's product rule is slow."""
@@ -89,11 +88,8 @@ class Tape:
         return result
 
     def _is_varying(self, factor: sp.Expr) -> bool:
-        return any(
-            (symbol, direction) in self._derivative
-            for symbol in factor.free_symbols
-            for direction in self._directions
-        )
+        pairs = product(factor.free_symbols, self._directions)
+        return any(pair in self._derivative for pair in pairs)
 
     def _power(self, base: sp.Expr, exponent: int) -> sp.Expr:
         if exponent < 0:
@@ -182,9 +178,7 @@ def tape_of(
     outputs: list[sp.Expr] = []
     for result in results:
         output = tape.record(result.xreplace(recorded))
-        rate, carrier_rate = (
-            tape.derivative(output, direction) for direction in (xi, _CARRIER_DIRECTION)
-        )
+        rate, carrier_rate = (tape.derivative(output, d) for d in (xi, _CARRIER_DIRECTION))
         outputs += [output, rate, carrier_rate + drift * rate]
         outputs += [tape.derivative(output, direction) for direction in transverse]
     return tape, outputs
@@ -206,20 +200,16 @@ def _seed(tape: Tape, lowering: Lowering) -> sp.Expr:
             carrier_rate -= phase.p * carrier.q / carrier.p
             if (phase.p, phase.q) in ((carrier.p, carrier.q), (-carrier.p, -carrier.q)):
                 carrier_rate = sp.S.Zero
-        rates[phase.symbol] = {
-            xi: lowering.constant(phase.p),
-            _CARRIER_DIRECTION: lowering.constant(carrier_rate),
-        }
+        p, of_carrier = lowering.constant(phase.p), lowering.constant(carrier_rate)
+        rates[phase.symbol] = {xi: p, _CARRIER_DIRECTION: of_carrier}
         if phase.w != 0:
             rates[phase.symbol][zeta] = lowering.constant(phase.w)
     for call in calls:
         mean = lowering.constant(sp.elliptic_e(call.m) / sp.elliptic_k(call.m))
         to_constant = {call.m: lowering.constant(call.m)}
-        for symbol, rate in call.derivatives(mean).items():
-            rates[symbol] = {
-                direction: of_phase * rate.xreplace(to_constant)
-                for direction, of_phase in rates[call.phase].items()
-            }
+        for symbol, derivative in call.derivatives(mean).items():
+            slope, of_phase = derivative.xreplace(to_constant), rates[call.phase].items()
+            rates[symbol] = {direction: rate * slope for direction, rate in of_phase}
     for symbol, in_directions in rates.items():
         for direction, rate in in_directions.items():
             tape.seed(symbol, direction, rate)

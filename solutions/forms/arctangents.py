@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import sympy as sp
 
 from longwave.solutions.equation import FOCUSING_MKDV
-from longwave.solutions.record import Bound, ClosedForm, Parameter, Reference
+from longwave.solutions.record import Bound, ClosedForm, Reference, positive, real
 from longwave.solutions.symbols import X_0, A, tau, xi
 
 _A_1 = sp.Symbol("A_1", positive=True)
@@ -40,9 +40,9 @@ def breather() -> ClosedForm:
         expression=_slope(tangent),
         equation=FOCUSING_MKDV,
         parameters=(
-            Parameter(p, lower=Bound(sp.S.Zero, "the double-pole soliton")),
-            Parameter(q, lower=Bound(sp.S.Zero, "the zero solution")),
-            Parameter(X_0, default=sp.S.Zero),
+            positive(p, "the double-pole soliton"),
+            positive(q, "the zero solution"),
+            real(X_0),
         ),
         reference=Reference("clarke2000generation", "standard mKdV"),
         stabilise=lambda: _bounded_slope(tangent),
@@ -61,10 +61,7 @@ def double_pole() -> ClosedForm:
         title="double-pole soliton",
         expression=_slope(tangent),
         equation=FOCUSING_MKDV,
-        parameters=(
-            Parameter(A, lower=Bound(sp.S.Zero, "the zero solution")),
-            Parameter(X_0, default=sp.S.Zero),
-        ),
+        parameters=(positive(A, "the zero solution"), real(X_0)),
         reference=Reference("wadati1982multiple", "standard mKdV"),
         stabilise=lambda: _bounded_slope(tangent),
     )
@@ -82,13 +79,13 @@ def two_soliton() -> ClosedForm:
         expression=_slope(_tangent(sp.exp(_phases[0]), sp.exp(_phases[1]), _repulsion)),
         equation=FOCUSING_MKDV,
         parameters=(
-            Parameter(_A_1, lower=Bound(sp.S.Zero, "the zero solution")),
-            Parameter(
+            positive(_A_1, "the zero solution"),
+            positive(
                 _A_2,
-                lower=Bound(sp.S.Zero, "the sech soliton"),
-                upper=Bound(_A_1, "the sech soliton, the other infinitely far away"),
+                "the sech soliton",
+                Bound(_A_1, "the sech soliton, the other infinitely far away"),
             ),
-            Parameter(X_0, default=sp.S.Zero),
+            real(X_0),
         ),
         reference=Reference("hirota1972exact", "standard mKdV"),
         stabilise=_stable_solitons,

@@ -9,7 +9,7 @@ import sympy as sp
 
 from longwave.solutions.equation import DEFOCUSING_MKDV, FOCUSING_MKDV, Equation
 from longwave.solutions.functions import jacobi_cn, jacobi_dn, jacobi_sn, jacobi_zeta
-from longwave.solutions.record import Bound, ClosedForm, FarFields, Parameter, Reference
+from longwave.solutions.record import Bound, ClosedForm, FarFields, Parameter, Reference, positive
 from longwave.solutions.symbols import k, tau, xi
 
 QUARTER_PERIOD: sp.Expr = sp.elliptic_k(k**2)
@@ -34,7 +34,7 @@ def shifted_area(u: sp.Expr) -> sp.Expr:
 
 def modulus(at_zero: str, at_one: str) -> Parameter:
     """Return the parameter ``0 < k < 1``, with the limits at both ends in words."""
-    return Parameter(k, lower=Bound(sp.S.Zero, at_zero), upper=Bound(sp.S.One, at_one))
+    return positive(k, at_zero, Bound(sp.S.One, at_one))
 
 
 def _bare(

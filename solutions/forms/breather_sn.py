@@ -18,7 +18,7 @@ from longwave.solutions.functions import (
     jacobi_theta,
     jacobi_zeta,
 )
-from longwave.solutions.record import Bound, ClosedForm, FarFields, Parameter, Reference
+from longwave.solutions.record import Bound, ClosedForm, FarFields, Reference, positive, real
 from longwave.solutions.symbols import X_0, alpha, k, tau, xi
 
 _m = k**2
@@ -41,10 +41,11 @@ speed: sp.Expr = _background_speed + (2 * k * (1 + k) ** 2 * (1 - k * _sn**2) * 
 _eta = inverse_width * (xi + speed * tau + X_0)
 
 
-_AHEAD, _BEHIND, _HERE = SN_PHASE + 2 * alpha, SN_PHASE - 2 * alpha, SN_PHASE
+_ARGUMENTS = (SN_PHASE + 2 * alpha, SN_PHASE - 2 * alpha, SN_PHASE)
+_H = _H_ahead, _H_behind, _H_here = sp.symbols("H_ahead H_behind H_here", real=True)
+_T = _T_ahead, _T_behind, _T_here = sp.symbols("T_ahead T_behind T_here", positive=True)
+"""Arguments of H and Theta in the wave, and the symbols of H and Theta there."""
 
-_H_ahead, _H_behind, _H_here = sp.symbols("H_ahead H_behind H_here", real=True)
-_T_ahead, _T_behind, _T_here = sp.symbols("T_ahead T_behind T_here", positive=True)
 _grow, _g = sp.symbols("grow gamma", positive=True)
 
 
@@ -58,16 +59,9 @@ def _fraction() -> tuple[sp.Expr, sp.Expr]:
 
 def _printed() -> sp.Expr:
     numerator, denominator = _fraction()
-    values = {
-        _H_ahead: jacobi_eta(_AHEAD, _m),
-        _H_behind: jacobi_eta(_BEHIND, _m),
-        _H_here: jacobi_eta(_HERE, _m),
-        _T_ahead: jacobi_theta(_AHEAD, _m),
-        _T_behind: jacobi_theta(_BEHIND, _m),
-        _T_here: jacobi_theta(_HERE, _m),
-        _grow: sp.exp(2 * _eta),
-        _g: _gamma,
-    }
+    values = {_grow: sp.exp(2 * _eta), _g: _gamma}
+    values |= {H: jacobi_eta(u, _m) for H, u in zip(_H, _ARGUMENTS, strict=True)}
+    values |= {T: jacobi_theta(u, _m) for T, u in zip(_T, _ARGUMENTS, strict=True)}
     return (numerator / denominator).xreplace(values)
 
 
@@ -82,17 +76,12 @@ def _stable() -> sp.Expr:
     """Return the wave in sn, with the theta quotient in the phase and no growing exponentials."""
     numerator, denominator = _fraction()
     quotient, product = sp.symbols("quotient product", positive=True)
-    sn = {u: jacobi_sn(u, _m) for u in (_AHEAD, _BEHIND, _HERE)}
-    root = sp.sqrt(k)
+    sn = [jacobi_sn(u, _m) for u in _ARGUMENTS]
     thetas = {_T_ahead: quotient, _T_behind: 1 / quotient, _T_here: 1 / (_g * product)}
-    etas = {
-        _H_ahead: root * sn[_AHEAD] * _T_ahead,
-        _H_behind: root * sn[_BEHIND] * _T_behind,
-        _H_here: root * sn[_HERE] * _T_here,
-    }
-    logarithm = sp.log(jacobi_theta(_AHEAD, _m)) - sp.log(jacobi_theta(_BEHIND, _m))
-    shifted = 2 * _eta - logarithm / 2
-    square = jacobi_dn(_HERE, _m) ** 2 + (k * sn[_HERE] * jacobi_cn(2 * alpha, _m)) ** 2
+    etas = {H: sp.sqrt(k) * value * T for H, value, T in zip(_H, sn, _T, strict=True)}
+    ahead, behind = (sp.log(jacobi_theta(u, _m)) for u in _ARGUMENTS[:2])
+    shifted = 2 * _eta - (ahead - behind) / 2
+    square = jacobi_dn(SN_PHASE, _m) ** 2 + (k * sn[2] * jacobi_cn(2 * alpha, _m)) ** 2
     tanh, sech = sp.symbols("tanh sech", real=True)
     parts = [
         _bounded(part.xreplace(etas).xreplace(thetas).subs(_grow, _grow * quotient), tanh, sech)
@@ -112,12 +101,12 @@ def breather_sn() -> ClosedForm:
         equation=DEFOCUSING_MKDV,
         parameters=(
             modulus("the zero solution", "the kink"),
-            Parameter(
+            positive(
                 alpha,
-                lower=Bound(sp.S.Zero, "the bare snoidal wave"),
-                upper=Bound(QUARTER_PERIOD, "the bare snoidal wave reversed"),
+                "the bare snoidal wave",
+                Bound(QUARTER_PERIOD, "the bare snoidal wave reversed"),
             ),
-            Parameter(X_0, default=sp.S.Zero),
+            real(X_0),
         ),
         background=SN_WAVE,
         far_fields=FarFields(SN_WAVE.subs(xi, xi + 2 * alpha), SN_WAVE.subs(xi, xi - 2 * alpha)),

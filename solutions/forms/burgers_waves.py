@@ -3,7 +3,7 @@
 import sympy as sp
 
 from longwave.solutions.equation import KDV_BURGERS, MKDV_BURGERS
-from longwave.solutions.record import Bound, ClosedForm, FarFields, Parameter, Reference
+from longwave.solutions.record import ClosedForm, FarFields, Reference, positive, real
 from longwave.solutions.symbols import kappa, tau, xi
 
 _level = sp.Symbol("U_0", real=True)
@@ -18,7 +18,7 @@ def kdv_burgers_shock() -> ClosedForm:
         title="KdV-Burgers shock",
         expression=_level + (1 - front) * (3 + front) / 50,
         equation=KDV_BURGERS,
-        parameters=(Parameter(_level, default=sp.S.Zero),),
+        parameters=(real(_level),),
         far_fields=FarFields(_level + sp.Rational(2, 25), _level),
         reference=Reference("A. Jeffrey and S. Xu, Wave Motion 11 (1989) 559"),
     )
@@ -32,7 +32,7 @@ def mkdv_burgers_shock() -> ClosedForm:
         title="mKdV-Burgers shock",
         expression=_SIXTH + kappa * front,
         equation=MKDV_BURGERS,
-        parameters=(Parameter(kappa, lower=Bound(sp.S.Zero, "the constant 1/6"), default=_SIXTH),),
+        parameters=(positive(kappa, "the constant 1/6", default=_SIXTH),),
         far_fields=FarFields(_SIXTH - kappa, _SIXTH + kappa),
         reference=Reference("G. A. El, M. A. Hoefer and M. Shearer, SIAM Rev. 59 (2017) 3"),
     )

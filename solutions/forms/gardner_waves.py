@@ -6,14 +6,9 @@ A denominator ``a + b cosh(phase)`` divided by ``cosh(phase/2)**2`` neither over
 
 import sympy as sp
 
-from longwave.solutions.equation import (
-    DEFOCUSING_GARDNER,
-    FOCUSING_GARDNER,
-    KAWAHARA,
-    MODIFIED_KAWAHARA,
-)
+from longwave.solutions import equation
 from longwave.solutions.forms.solitons import by_sech, by_tanh
-from longwave.solutions.record import Bound, ClosedForm, FarFields, Parameter, Reference
+from longwave.solutions.record import Bound, ClosedForm, FarFields, Parameter, Reference, positive
 from longwave.solutions.symbols import A, kappa, tau, xi
 
 _PHASE: sp.Expr = kappa * (xi - kappa**2 * tau)
@@ -30,7 +25,7 @@ def _soliton(name: str, title: str, parameter: Parameter, sign: int) -> ClosedFo
         name=name,
         title=title,
         expression=sign * kappa**2 / divisor,
-        equation=DEFOCUSING_GARDNER if is_bounded else FOCUSING_GARDNER,
+        equation=equation.DEFOCUSING_GARDNER if is_bounded else equation.FOCUSING_GARDNER,
         parameters=(parameter,),
         reference=_SOURCE,
         stabilise=lambda: sign * kappa**2 * sp.sech(_PHASE / 2) ** 2 / bounded,
@@ -39,13 +34,13 @@ def _soliton(name: str, title: str, parameter: Parameter, sign: int) -> ClosedFo
 
 def gardner_soliton() -> ClosedForm:
     """Return the positive soliton (s = 1)."""
-    parameter = Parameter(kappa, lower=Bound(sp.S.Zero, "the zero solution"))
+    parameter = positive(kappa, "the zero solution")
     return _soliton("gardner_soliton", "Gardner soliton", parameter, 1)
 
 
 def gardner_negative_soliton() -> ClosedForm:
     """Return the negative soliton (s = 1), at least 2 deep; it tends to an algebraic soliton."""
-    parameter = Parameter(kappa, lower=Bound(sp.S.Zero, "the algebraic soliton"))
+    parameter = positive(kappa, "the algebraic soliton")
     return _soliton("gardner_negative_soliton", "negative Gardner soliton", parameter, -1)
 
 
@@ -64,8 +59,8 @@ def gardner_kink() -> ClosedForm:
         name="gardner_kink",
         title="Gardner front",
         expression=half - A * sp.tanh(A * (xi - speed * tau)),
-        equation=DEFOCUSING_GARDNER,
-        parameters=(Parameter(A, lower=Bound(sp.S.Zero, "the constant 1/2"), default=half),),
+        equation=equation.DEFOCUSING_GARDNER,
+        parameters=(positive(A, "the constant 1/2", default=half),),
         far_fields=FarFields(half + A, half - A),
         reference=_SOURCE,
     )
@@ -78,7 +73,7 @@ def kawahara_soliton() -> ClosedForm:
         name="kawahara_soliton",
         title="Kawahara soliton",
         expression=sp.Rational(35, 338) * sp.sech(phase) ** 4,
-        equation=KAWAHARA,
+        equation=equation.KAWAHARA,
         parameters=(),
         reference=Reference("Y. Yamamoto and E. I. Takizawa, J. Phys. Soc. Jpn. 50 (1981) 1421"),
     )
@@ -91,7 +86,7 @@ def modified_kawahara_soliton() -> ClosedForm:
         name="modified_kawahara_soliton",
         title="modified Kawahara soliton",
         expression=sp.sqrt(sp.Rational(3, 20)) * sp.sech(phase) ** 2,
-        equation=MODIFIED_KAWAHARA,
+        equation=equation.MODIFIED_KAWAHARA,
         parameters=(),
         reference=Reference("A. H. Khater et al., Appl. Math. Comput. 141 (2003) 421"),
     )

@@ -6,7 +6,7 @@ from longwave.solutions.equation import KDV
 from longwave.solutions.forms.arctangents import without_cancellation
 from longwave.solutions.forms.bare_waves import QUARTER_PERIOD, modulus
 from longwave.solutions.functions import jacobi_cn
-from longwave.solutions.record import Bound, ClosedForm, FarFields, Parameter, Reference
+from longwave.solutions.record import Bound, ClosedForm, FarFields, Reference, positive, real
 from longwave.solutions.symbols import X_0, k, kappa, tau, xi
 
 _level = sp.Symbol("U_0", real=True)
@@ -20,7 +20,7 @@ def kdv_soliton() -> ClosedForm:
         title="KdV soliton",
         expression=2 * kappa**2 * sp.sech(kappa * (xi - 4 * kappa**2 * tau)) ** 2,
         equation=KDV,
-        parameters=(Parameter(kappa, lower=Bound(sp.S.Zero, "the zero solution")),),
+        parameters=(positive(kappa, "the zero solution"),),
         reference=Reference("D. J. Korteweg and G. de Vries, Phil. Mag. 39 (1895) 422"),
     )
 
@@ -28,10 +28,7 @@ def kdv_soliton() -> ClosedForm:
 def kdv_two_soliton() -> ClosedForm:
     """Return two solitons, the faster overtaking the other."""
     first, second = _rates
-    phases = (
-        first * (xi - 4 * first**2 * tau),
-        second * (xi - 4 * second**2 * tau + X_0),
-    )
+    phases = (first * (xi - 4 * first**2 * tau), second * (xi - 4 * second**2 * tau + X_0))
     (c_1, c_2), (s_1, s_2) = ([f(phase) for phase in phases] for f in (sp.cosh, sp.sinh))
     height = 2 * (first**2 - second**2) * ((first * c_2) ** 2 + (second * s_1) ** 2)
     return ClosedForm(
@@ -40,13 +37,11 @@ def kdv_two_soliton() -> ClosedForm:
         expression=height / (first * c_1 * c_2 - second * s_1 * s_2) ** 2,
         equation=KDV,
         parameters=(
-            Parameter(first, lower=Bound(sp.S.Zero, "the zero solution")),
-            Parameter(
-                second,
-                lower=Bound(sp.S.Zero, "one soliton"),
-                upper=Bound(first, "one soliton, the other infinitely far away"),
+            positive(first, "the zero solution"),
+            positive(
+                second, "one soliton", Bound(first, "one soliton, the other infinitely far away")
             ),
-            Parameter(X_0, default=sp.S.Zero),
+            real(X_0),
         ),
         reference=Reference("P. D. Lax, Comm. Pure Appl. Math. 21 (1968) 467"),
         stabilise=lambda: _bounded(*phases),
@@ -74,8 +69,8 @@ def kdv_cnoidal() -> ClosedForm:
         equation=KDV,
         parameters=(
             modulus("the constant U_0", "the soliton"),
-            Parameter(kappa, lower=Bound(sp.S.Zero, "the constant U_0"), default=sp.S.One),
-            Parameter(_level, default=sp.S.Zero),
+            positive(kappa, "the constant U_0", default=sp.S.One),
+            real(_level),
         ),
         far_fields=FarFields(wave, wave),
         reference=Reference("D. J. Korteweg and G. de Vries, Phil. Mag. 39 (1895) 422"),

@@ -3,7 +3,7 @@
 import sympy as sp
 
 from longwave.solutions.equation import KP, KP_1
-from longwave.solutions.record import Bound, ClosedForm, Parameter, Reference
+from longwave.solutions.record import ClosedForm, Reference, positive, real
 from longwave.solutions.symbols import kappa, s, tau, xi, zeta
 
 _q = sp.Symbol("q", real=True)
@@ -18,10 +18,7 @@ def kp_line_soliton() -> ClosedForm:
         expression=2 * kappa**2 * sp.sech(phase) ** 2,
         potential=2 * kappa * sp.tanh(phase),
         equation=KP,
-        parameters=(
-            Parameter(kappa, lower=Bound(sp.S.Zero, "the zero solution")),
-            Parameter(_q, default=sp.S.Zero),
-        ),
+        parameters=(positive(kappa, "the zero solution"), real(_q)),
         reference=Reference(
             "B. B. Kadomtsev and V. I. Petviashvili, Sov. Phys. Dokl. 15 (1970) 539"
         ),
@@ -39,9 +36,6 @@ def kp_lump() -> ClosedForm:
         expression=4 * (size - along**2) / (size + along**2) ** 2,
         potential=4 * along / (size + along**2),
         equation=KP_1,
-        parameters=(
-            Parameter(kappa, lower=Bound(sp.S.Zero, "the zero solution")),
-            Parameter(_q, default=sp.S.Zero),
-        ),
+        parameters=(positive(kappa, "the zero solution"), real(_q)),
         reference=Reference("S. V. Manakov et al., Phys. Lett. A 63 (1977) 205"),
     )

@@ -59,16 +59,16 @@ def nls_peregrine() -> ClosedForm:
 def nls_rogue_2() -> ClosedForm:
     """Return the second-order rational wave, which is once five times as high as the plane wave."""
     t = 2 * _t
-    square, part = _x**2 + t**2, sp.Rational(3, 4)
-    real = (square + part) * (_x**2 + 5 * t**2 + part) - part
+    square, offset = _x**2 + t**2, sp.Rational(3, 4)
+    real = (square + offset) * (_x**2 + 5 * t**2 + offset) - offset
     imaginary = t * (t**2 - 3 * _x**2 + 2 * square**2 - sp.Rational(15, 8))
-    rest = sp.Rational(3, 64) * (12 * _x**2 + 44 * t**2 + 1)
+    positive_part = sp.Rational(3, 64) * (12 * _x**2 + 44 * t**2 + 1)
     return _on_plane_wave(
         "nls_rogue_2",
         "rogue wave of second order",
         (),
         Reference("N. Akhmediev et al., Phys. Rev. E 80 (2009) 026601"),
-        -(real + sp.I * imaginary) / (square**3 / 3 + (_x**2 - 3 * t**2) ** 2 / 4 + rest),
+        -(real + sp.I * imaginary) / (square**3 / 3 + (_x**2 - 3 * t**2) ** 2 / 4 + positive_part),
     )
 
 
@@ -80,16 +80,16 @@ def nls_akhmediev() -> ClosedForm:
     """
     root, wavenumber = sp.sqrt(2 * _a), 2 * sp.sqrt(1 - 2 * _a)
     growth = root * wavenumber
-    z, place = 2 * growth * _t, wavenumber * _x
+    z, angle = 2 * growth * _t, wavenumber * _x
     t, s = sp.tanh(z / 2), sp.sech(z / 2)
-    nearby_part = 1 - root + 2 * root * sp.sin(place / 2) ** 2
+    nearby_part = 1 - root + 2 * root * sp.sin(angle / 2) ** 2
     return _on_plane_wave(
         "nls_akhmediev",
         "Akhmediev breather",
         (Parameter(_a, Bound(sp.S.Zero, "the plane wave"), Bound(_HALF, "the Peregrine wave")),),
         _SOURCE,
         (2 * (1 - 2 * _a) * sp.cosh(z) + sp.I * growth * sp.sinh(z))
-        / (root * sp.cos(place) - sp.cosh(z)),
+        / (root * sp.cos(angle) - sp.cosh(z)),
         -2 * ((1 - 2 * _a) * (1 + t**2) + sp.I * growth * t) / (2 * t**2 + nearby_part * s**2),
         period=2 * sp.pi / (wavenumber * A),
     )

@@ -5,10 +5,10 @@ import sympy as sp
 from longwave.solutions.equation import DEFOCUSING_NLS, FOCUSING_NLS, NLS
 from longwave.solutions.forms.bare_waves import QUARTER_PERIOD, modulus
 from longwave.solutions.functions import jacobi_cn, jacobi_dn
-from longwave.solutions.record import Bound, ClosedForm, FarFields, Parameter, Reference
+from longwave.solutions.record import ClosedForm, FarFields, Reference, positive, real
 from longwave.solutions.symbols import A, k, kappa, s, tau, xi
 
-AMPLITUDE = Parameter(A, lower=Bound(sp.S.Zero, "the zero solution"), default=sp.S.One)
+AMPLITUDE = positive(A, "the zero solution", default=sp.S.One)
 
 _speed, _wavenumber = sp.symbols("v q", real=True)
 _SOURCE = Reference("V. E. Zakharov and A. B. Shabat, Sov. Phys. JETP 34 (1972) 62")
@@ -22,7 +22,7 @@ def plane_wave(frequency: sp.Expr, wavenumber: sp.Expr = sp.S.Zero) -> sp.Expr:
 def nls_plane() -> ClosedForm:
     """Return the plane wave of amplitude A and wavenumber q, for either sign."""
     wave = A * plane_wave(2 * s * A**2 - _wavenumber**2, _wavenumber)
-    parameters = (AMPLITUDE, Parameter(_wavenumber, default=sp.S.Zero))
+    parameters = (AMPLITUDE, real(_wavenumber))
     return ClosedForm(
         name="nls_plane",
         title="plane wave",
@@ -43,7 +43,7 @@ def nls_bright() -> ClosedForm:
         title="bright soliton",
         expression=wave,
         equation=FOCUSING_NLS,
-        parameters=(AMPLITUDE, Parameter(_speed, default=sp.S.Zero)),
+        parameters=(AMPLITUDE, real(_speed)),
         reference=_SOURCE,
     )
 
@@ -51,17 +51,14 @@ def nls_bright() -> ClosedForm:
 def nls_dark() -> ClosedForm:
     """Return the dark soliton of speed v, black if v = 0, on sqrt(kappa**2 + v**2/4) (s = -1)."""
     carrier = plane_wave(-2 * (kappa**2 + _speed**2 / 4))
-    rest = sp.I * _speed / 2
-    ends = (carrier * (side * kappa + rest) for side in (-1, 1))
+    imaginary = sp.I * _speed / 2
+    ends = (carrier * (side * kappa + imaginary) for side in (-1, 1))
     return ClosedForm(
         name="nls_dark",
         title="dark soliton",
         equation=DEFOCUSING_NLS,
-        parameters=(
-            Parameter(kappa, lower=Bound(sp.S.Zero, "the plane wave"), default=sp.S.One),
-            Parameter(_speed, default=sp.S.Zero),
-        ),
-        expression=carrier * (kappa * sp.tanh(kappa * (xi - _speed * tau)) + rest),
+        parameters=(positive(kappa, "the plane wave", default=sp.S.One), real(_speed)),
+        expression=carrier * (kappa * sp.tanh(kappa * (xi - _speed * tau)) + imaginary),
         far_fields=FarFields(*ends),
         reference=_SOURCE,
     )

@@ -22,9 +22,8 @@ CO_MOVING: sp.Expr = xi - 6 * tau
 def horner_form(order: int, free: tuple[int, ...] = ()) -> sp.Expr:
     """Return ``(-1)**j [1 - 2 (A B_x - A_x B)/(A**2 + B**2)]``, each polynomial in Horner form."""
     family = rational_tau(order, free)
-    parts = [
-        sp.horner(_to_sympy(part, *family.symbols), *family.symbols) for part in _parts(family)
-    ]
+    symbols = family.symbols
+    parts = [sp.horner(_to_sympy(part, *symbols), *symbols) for part in _parts(family)]
     wave = _wave(order, *parts)
     return wave.subs(dict(zip(SPACE_TIME, (CO_MOVING, tau), strict=True)), simultaneous=True)
 
@@ -89,35 +88,24 @@ def _to_sympy(polynomial: fmpq_mpoly, *generators: sp.Expr) -> sp.Expr:
 
 def _second(aT: sp.Expr, bX: sp.Expr) -> sp.Expr:
     G_2 = 3 - (6 * aT + bX) * ((6 * aT + bX) ** 3 + 6 * (22 * aT + bX))
-    D_2 = (
-        12
-        * aT
-        * (
-            243 * (2 * aT) ** 4 * (aT + bX)
-            + bX * (3 * bX**4 - 2 * bX**2 + 51)
-            + 72 * aT**2 * bX * (5 * bX**2 - 9)
-            + 108 * aT**3 * (15 * bX**2 - 13)
-            + 3 * aT * (15 * bX**4 - 30 * bX**2 + 139)
-        )
-        + bX**6
-        + 3 * bX**4
-        + 27 * bX**2
-        + 9
+    mixed = (
+        243 * (2 * aT) ** 4 * (aT + bX)
+        + bX * (3 * bX**4 - 2 * bX**2 + 51)
+        + 72 * aT**2 * bX * (5 * bX**2 - 9)
+        + 108 * aT**3 * (15 * bX**2 - 13)
+        + 3 * aT * (15 * bX**4 - 30 * bX**2 + 139)
     )
+    D_2 = 12 * aT * mixed + bX**6 + 3 * bX**4 + 27 * bX**2 + 9
     return 12 * G_2 / D_2 + 1
 
 
 def _third(bX: sp.Expr, cT: sp.Expr) -> sp.Expr:
     z = (2 * bX - cT) / 4
-    G_3 = (
-        4
-        * (
-            800 * cT**3 * z
-            + 150 * cT**2 * (16 * z**4 - 8 * z**2 + 5)
-            + 120 * cT * z * (-16 * z**4 + 40 * z**2 + 15)
-            + z**2 * (8 * z**2 * (32 * z**6 + 120 * z**4 + 420 * z**2 - 225) - 675)
-        )
-        + 675
+    G_3 = 675 + 4 * (
+        800 * cT**3 * z
+        + 150 * cT**2 * (16 * z**4 - 8 * z**2 + 5)
+        + 120 * cT * z * (-16 * z**4 + 40 * z**2 + 15)
+        + z**2 * (8 * z**2 * (32 * z**6 + 120 * z**4 + 420 * z**2 - 225) - 675)
     )
     D_3 = 2025 + 8 * (
         800 * cT**4

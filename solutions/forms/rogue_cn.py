@@ -29,7 +29,6 @@ _lambda = (k + sp.I * _kp) / 2
 _weight = _y**2 + sp.I * k * _kp
 _inverse_lambda = 2 * (k - sp.I * _kp)  # lambda has modulus 1/2
 
-
 Parts = tuple[sp.Expr, sp.Expr]
 """Real and imaginary part."""
 
@@ -136,8 +135,8 @@ def _stable() -> sp.Expr:
     sn, dn = (f(CN_PHASE, k**2) for f in (jacobi_sn, jacobi_dn))
     small_factor = dn * _y * n[2] - k * _kp * sn * n[0]
     large_factor = k * (dn + sn * _y * n[1])
-    rest = _kp * _y * n[0] - k * sn * dn * (_y**2 - _kp**2) * n[2]
-    G_1 = 4 * k * _kp * (large_factor * rest - (_y**4 + k**2 * _kp**2) * small_factor * n[1]) / dn
+    mixed = _kp * _y * n[0] - k * sn * dn * (_y**2 - _kp**2) * n[2]
+    G_1 = 4 * k * _kp * (large_factor * mixed - (_y**4 + k**2 * _kp**2) * small_factor * n[1]) / dn
     G_2 = 2 * _kp**2 * _squared(N) + 4 * (small_factor * large_factor) ** 2 / (
         _squared(M) + _squared(S) + _squared(N)
     )
@@ -145,9 +144,8 @@ def _stable() -> sp.Expr:
     difference = (_theta_re - _theta_im) * (_theta_re + _theta_im)
     divided = (sp.S.One, _theta_re, _theta_im, difference, 2 * _theta_re * _theta_im)
     sphere = (1 - size, 2 * _theta_re, 2 * _theta_im)
-    weights = {
-        symbol: value / (1 + size) for symbol, value in zip(w + n, divided + sphere, strict=True)
-    }
+    values = zip(w + n, divided + sphere, strict=True)
+    weights = {symbol: value / (1 + size) for symbol, value in values}
     return _in_xi_tau(G_1 / G_2, _stable_theta(), weights)
 
 

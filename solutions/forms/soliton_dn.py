@@ -10,13 +10,7 @@ from collections.abc import Callable
 import sympy as sp
 
 from longwave.solutions.equation import FOCUSING_MKDV
-from longwave.solutions.forms.bare_waves import (
-    DN_PHASE,
-    DN_WAVE,
-    QUARTER_PERIOD,
-    modulus,
-    shifted_area,
-)
+from longwave.solutions.forms import bare_waves
 from longwave.solutions.functions import jacobi_cn, jacobi_dn, jacobi_epsilon, jacobi_sn
 from longwave.solutions.record import ClosedForm, FarFields, Reference
 from longwave.solutions.symbols import complementary_modulus, k, tau, xi
@@ -47,18 +41,18 @@ def _stable_integral(u: sp.Expr) -> sp.Expr:
     functions = {f(z, k**2): v for f, v in zip(_FUNCTIONS, (s, c, d, E), strict=True)}
     symbolic = integral(z).xreplace(functions).subs(complementary_modulus, kp)
     slope = sp.diff(symbolic, E)
-    rest = sp.factor(sp.cancel((symbolic - symbolic.subs({s: 0, E: 0})).subs(E, k**2 * s * c / d)))
-    total = slope * E + symbolic.subs({s: 0, E: 0}) + rest
-    to_functions = {symbol: function for function, symbol in functions.items()} | {
-        E: shifted_area(z)
-    }
+    linear = symbolic.subs({s: 0, E: 0})
+    periodic = sp.factor(sp.cancel((symbolic - linear).subs(E, k**2 * s * c / d)))
+    total = slope * E + linear + periodic
+    to_functions = {symbol: function for function, symbol in functions.items()}
+    to_functions[E] = bare_waves.shifted_area(z)
     return total.subs(to_functions).subs(kp, complementary_modulus).subs(z, u)
 
 
 def theta(integral: Callable[[sp.Expr], sp.Expr] = integral) -> sp.Expr:
     """Return theta_dn in xi, tau and k: the paper's eq. (25)."""
-    weight = DN_WAVE**2 + complementary_modulus
-    return -4 * _lambda * weight * (integral(DN_PHASE) - tau)
+    weight = bare_waves.DN_WAVE**2 + complementary_modulus
+    return -4 * _lambda * weight * (integral(bare_waves.DN_PHASE) - tau)
 
 
 def _fraction() -> tuple[sp.Expr, sp.Expr]:
@@ -79,8 +73,8 @@ def _assemble(numerator: sp.Expr, denominator: sp.Expr, angle: sp.Expr) -> sp.Ex
         _cos: (1 - angle**2) / (1 + angle**2),
         _sin: 2 * angle / (1 + angle**2),
         _theta: angle,
-        _slope: sp.diff(DN_WAVE, xi),
-        _y: DN_WAVE,
+        _slope: sp.diff(bare_waves.DN_WAVE, xi),
+        _y: bare_waves.DN_WAVE,
     }
     return (_y + numerator / denominator).xreplace(values)
 
@@ -92,16 +86,18 @@ def _stable() -> sp.Expr:
 
 def soliton_dn() -> ClosedForm:
     """Return the algebraic soliton on the dnoidal wave (K4 > 0)."""
-    far_field = -jacobi_dn(DN_PHASE + QUARTER_PERIOD, k**2)
+    far_field = -jacobi_dn(bare_waves.DN_PHASE + bare_waves.QUARTER_PERIOD, k**2)
     return ClosedForm(
         name="soliton_dn",
         title="algebraic soliton on the dnoidal wave",
         expression=lambda: _assemble(*_fraction(), theta()),
         equation=FOCUSING_MKDV,
-        parameters=(modulus("the algebraic soliton rational_1", "the double-pole soliton"),),
-        background=DN_WAVE,
+        parameters=(
+            bare_waves.modulus("the algebraic soliton rational_1", "the double-pole soliton"),
+        ),
+        background=bare_waves.DN_WAVE,
         far_fields=FarFields(far_field, far_field),
         reference=Reference("chen2018rogue", "alg-decaying solitons on dn-wave background"),
-        period=2 * QUARTER_PERIOD,
+        period=2 * bare_waves.QUARTER_PERIOD,
         stabilise=_stable,
     )

@@ -7,7 +7,7 @@ A wave on a constant has a denominator ``a + b cosh(phase)``, which divided by
 import sympy as sp
 
 from longwave.solutions.equation import DEFOCUSING_MKDV, FOCUSING_MKDV
-from longwave.solutions.record import Bound, ClosedForm, FarFields, Parameter, Reference
+from longwave.solutions.record import Bound, ClosedForm, FarFields, Parameter, Reference, positive
 from longwave.solutions.symbols import A, kappa, tau, xi
 
 
@@ -45,7 +45,7 @@ def soliton_sech() -> ClosedForm:
         title="sech soliton",
         expression=A * sp.sech(A * xi - A**3 * tau),
         equation=FOCUSING_MKDV,
-        parameters=(Parameter(A, lower=Bound(sp.S.Zero, "the zero solution")),),
+        parameters=(positive(A, "the zero solution"),),
         reference=Reference("ablowitz1981solitons", "standard mKdV"),
     )
 
@@ -57,7 +57,7 @@ def kink() -> ClosedForm:
         title="kink",
         expression=A * sp.tanh(A * xi + 2 * A**3 * tau),
         equation=DEFOCUSING_MKDV,
-        parameters=(Parameter(A, lower=Bound(sp.S.Zero, "the zero solution")),),
+        parameters=(positive(A, "the zero solution"),),
         far_fields=FarFields(-A, A),
         reference=Reference("el2017dispersive", "standard mKdV"),
     )
@@ -74,10 +74,7 @@ def soliton_background() -> ClosedForm:
         title="soliton on a constant background",
         expression=level + kappa**2 / denominator,
         equation=FOCUSING_MKDV,
-        parameters=(
-            Parameter(level, default=sp.S.One),
-            Parameter(kappa, lower=Bound(sp.S.Zero, no_width)),
-        ),
+        parameters=(Parameter(level, default=sp.S.One), positive(kappa, no_width)),
         background=level,
         far_fields=FarFields(level, level),
         reference=Reference("el2017dispersive", "standard mKdV"),
@@ -95,11 +92,9 @@ def kink_antikink() -> ClosedForm:
         expression=A - kappa**2 / denominator,
         equation=DEFOCUSING_MKDV,
         parameters=(
-            Parameter(A, lower=Bound(sp.S.Zero, "the zero solution")),
-            Parameter(
-                kappa,
-                lower=Bound(sp.S.Zero, "the constant A"),
-                upper=Bound(2 * A, "a kink and an antikink infinitely far apart"),
+            positive(A, "the zero solution"),
+            positive(
+                kappa, "the constant A", Bound(2 * A, "a kink and an antikink infinitely far apart")
             ),
         ),
         background=A,

@@ -40,10 +40,7 @@ class GaussianPolynomial:
         return GaussianPolynomial(self.re * factor, self.im * factor)
 
 
-SPACE_TIME: tuple[sp.Symbol, sp.Symbol] = (
-    sp.Symbol("x", real=True),
-    sp.Symbol("t", real=True),
-)
+SPACE_TIME: tuple[sp.Symbol, sp.Symbol] = sp.symbols("x t", real=True)
 """First generators of the polynomials: ``xi - 6 tau`` and ``tau``."""
 
 

@@ -6,7 +6,7 @@ They are evaluated in `solutions.functions.multiprecision` (any precision), `sol
 
 from typing import TYPE_CHECKING
 
-from longwave.support.lazy_exports import lazy_exports
+from longwave.support.lazy_exports import declared_exports
 
 if TYPE_CHECKING:
     from longwave.solutions.functions.jacobi import jacobi_cn as jacobi_cn
@@ -17,8 +17,4 @@ if TYPE_CHECKING:
     from longwave.solutions.functions.jacobi import jacobi_theta as jacobi_theta
     from longwave.solutions.functions.jacobi import jacobi_zeta as jacobi_zeta
 
-__all__ = [f"jacobi_{name}" for name in ("cn", "dn", "epsilon", "eta", "sn", "theta", "zeta")]
-
-__getattr__, __dir__ = lazy_exports(
-    __name__, {"longwave.solutions.functions.jacobi": " ".join(__all__)}
-)
+__getattr__, __dir__, __all__ = declared_exports(__name__)

@@ -7,8 +7,7 @@ H(z) = theta_1(pi z / (2 K), q) and Theta(z) = theta_4(pi z / (2 K), q), not nor
 paper's eqs. (19) and (20), so H = sqrt(k) sn Theta.
 """
 
-from __future__ import annotations
-
+from collections.abc import Callable
 from typing import Any, ClassVar
 
 from mpmath import MPContext
@@ -23,9 +22,6 @@ _CONTEXT = MPContext()
 class ParameterDerivativeError(ArgumentIndexError):
     """A derivative of a Jacobi function in its parameter m, which is not defined here."""
 
-    def __init__(self, function: Function, argindex: int) -> None:
-        super().__init__(function, argindex)
-
     def __str__(self) -> str:
         function, argindex = self.args
         return (
@@ -37,9 +33,9 @@ class ParameterDerivativeError(ArgumentIndexError):
 class JacobiFunction(Function):
     """Base of sn, cn, dn, epsilon, zeta, eta and theta of (z, m), with m = k**2.
 
-    A subclass defines its parity, its LaTeX symbol, its derivative, and its values at m = 0, m = 1
-    and z = 0.  Derivatives are with respect to z; `fdiff(2)` raises `ParameterDerivativeError`,
-    which `diff` turns into an unevaluated `Derivative`.
+    A subclass defines its parity, its LaTeX symbol, and its values at m = 0, m = 1 and z = 0;
+    `_DERIVATIVES` has its derivative in z.  `fdiff(2)` raises `ParameterDerivativeError`, which
+    `diff` turns into an unevaluated `Derivative`.
     """
 
     nargs = 2
@@ -67,18 +63,11 @@ class JacobiFunction(Function):
     def _value(limit: Any, z: Expr) -> Expr | None:
         return limit(z) if callable(limit) else limit
 
-    def _z_derivative(self, z: Expr, m: Expr) -> Expr:
-        raise NotImplementedError
-
     def fdiff(self, argindex: int = 1) -> Expr:
-        """Return the derivative in z.
-
-        Raises:
-            ParameterDerivativeError: for `argindex` other than 1.
-        """
+        """Return the derivative in z. Raises ParameterDerivativeError for one in m."""
         if argindex != 1:
             raise ParameterDerivativeError(self, argindex)
-        return self._z_derivative(*self.args)
+        return _DERIVATIVES[self.func](*self.args)
 
     def _eval_evalf(self, prec: int) -> Expr | None:
         try:
@@ -92,11 +81,10 @@ class JacobiFunction(Function):
     def _mpmath_arguments(self, prec: int) -> list[Any]:
         """Return z and m with extra bits for a large z, a small m and a small 1 - m."""
         z, m = self.args
-        context = _CONTEXT
-        coarse = [context.convert(x._to_mpmath(prec + 10)) for x in (z, m, 1 - m)]
-        sizes = [context.mag(x) if x else 0 for x in coarse]
+        coarse = [_CONTEXT.convert(x._to_mpmath(prec + 10)) for x in (z, m, 1 - m)]
+        sizes = [_CONTEXT.mag(x) if x else 0 for x in coarse]
         extra = 20 + max(0, sizes[0]) + max(0, -sizes[1]) + max(0, -sizes[2])
-        return [context.convert(x._to_mpmath(prec + extra)) for x in (z, m)]
+        return [_CONTEXT.convert(x._to_mpmath(prec + extra)) for x in (z, m)]
 
     def _eval_conjugate(self) -> Expr:
         z, m = self.args
@@ -115,9 +103,8 @@ class JacobiFunction(Function):
         return rf"{self.latex_symbol}{power}\left({printer._print(z)}{second}\right)"
 
     def _numpycode(self, printer: Any) -> str:
-        name = printer._module_format(
-            f"longwave.solutions.functions.numpy_values.{self.func.__name__}"
-        )
+        module = "longwave.solutions.functions.numpy_values"
+        name = printer._module_format(f"{module}.{self.func.__name__}")
         return f"{name}({', '.join(printer._print(x) for x in self.args)})"
 
 
@@ -146,9 +133,6 @@ class jacobi_sn(_RealOnTheLine):
     latex_symbol = r"\operatorname{sn}"
     at_parameter_zero, at_parameter_one = sin, tanh
 
-    def _z_derivative(self, z: Expr, m: Expr) -> Expr:
-        return jacobi_cn(z, m) * jacobi_dn(z, m)
-
 
 class jacobi_cn(_RealOnTheLine):
     """Jacobi's cn(z | m), m = k**2."""
@@ -157,9 +141,6 @@ class jacobi_cn(_RealOnTheLine):
     latex_symbol = r"\operatorname{cn}"
     at_parameter_zero, at_parameter_one = cos, sech
     at_origin = S.One
-
-    def _z_derivative(self, z: Expr, m: Expr) -> Expr:
-        return -jacobi_sn(z, m) * jacobi_dn(z, m)
 
 
 class jacobi_dn(_RealOnTheLine):
@@ -176,9 +157,6 @@ class jacobi_dn(_RealOnTheLine):
     at_parameter_zero, at_parameter_one = S.One, sech
     at_origin = S.One
 
-    def _z_derivative(self, z: Expr, m: Expr) -> Expr:
-        return -m * jacobi_sn(z, m) * jacobi_cn(z, m)
-
 
 class jacobi_epsilon(_RealOnTheLine):
     """Jacobi's epsilon: the integral of dn(s | m)**2 over s from 0 to z (E of the amplitude)."""
@@ -186,9 +164,6 @@ class jacobi_epsilon(_RealOnTheLine):
     parity = -1
     latex_symbol = r"\mathcal{E}"
     at_parameter_zero, at_parameter_one = S.IdentityFunction, tanh
-
-    def _z_derivative(self, z: Expr, m: Expr) -> Expr:
-        return jacobi_dn(z, m) ** 2
 
 
 class _RealBelowOne(JacobiFunction):
@@ -214,9 +189,6 @@ class jacobi_zeta(_RealBelowOne):
     latex_symbol = r"\mathrm{Z}"
     at_parameter_zero, at_parameter_one = S.Zero, tanh
 
-    def _z_derivative(self, z: Expr, m: Expr) -> Expr:
-        return jacobi_dn(z, m) ** 2 - elliptic_e(m) / elliptic_k(m)
-
 
 class jacobi_eta(_RealBelowOne):
     """Jacobi's H(z | m) = theta_1(pi z / (2 K), q), the paper's eq. (20)."""
@@ -224,10 +196,6 @@ class jacobi_eta(_RealBelowOne):
     parity = -1
     latex_symbol = "H"
     at_parameter_zero, at_parameter_one = S.Zero, None
-
-    def _z_derivative(self, z: Expr, m: Expr) -> Expr:
-        factor = sqrt(sqrt(m)) * jacobi_cn(z, m) * jacobi_dn(z, m)
-        return self * jacobi_zeta(z, m) + factor * jacobi_theta(z, m)
 
 
 class jacobi_theta(_RealBelowOne):
@@ -246,5 +214,17 @@ class jacobi_theta(_RealBelowOne):
     at_parameter_zero, at_parameter_one = S.One, None
     at_origin = None
 
-    def _z_derivative(self, z: Expr, m: Expr) -> Expr:
-        return self * jacobi_zeta(z, m)
+
+_DERIVATIVES: dict[type[JacobiFunction], Callable[[Expr, Expr], Expr]] = {
+    jacobi_sn: lambda z, m: jacobi_cn(z, m) * jacobi_dn(z, m),
+    jacobi_cn: lambda z, m: -jacobi_sn(z, m) * jacobi_dn(z, m),
+    jacobi_dn: lambda z, m: -m * jacobi_sn(z, m) * jacobi_cn(z, m),
+    jacobi_epsilon: lambda z, m: jacobi_dn(z, m) ** 2,
+    jacobi_zeta: lambda z, m: jacobi_dn(z, m) ** 2 - elliptic_e(m) / elliptic_k(m),
+    jacobi_eta: lambda z, m: (
+        jacobi_eta(z, m) * jacobi_zeta(z, m)
+        + sqrt(sqrt(m)) * jacobi_cn(z, m) * jacobi_dn(z, m) * jacobi_theta(z, m)
+    ),
+    jacobi_theta: lambda z, m: jacobi_theta(z, m) * jacobi_zeta(z, m),
+}
+"""Derivative of each function in z."""

@@ -5,8 +5,6 @@ functions of (z, q), with the nome q, are those of Jacobi: ``jacobi_theta_3(z, q
 q**(n**2) cos(2 n z) over all integers n; they satisfy the heat equation -4 q f_q = f_zz.
 """
 
-from __future__ import annotations
-
 from functools import cache
 from typing import Any, ClassVar
 

@@ -16,10 +16,9 @@ near 0 and 1; the global mpmath context is not used.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache, partial
+from functools import lru_cache, partial, wraps
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -32,15 +31,23 @@ _GUARD_BITS = 20
 _CACHE_SIZE = 512
 
 
-@contextmanager
-def _guarded(ctx: Any, z: Number, m: Number) -> Iterator[tuple[Number, Number]]:
-    """Raise the precision by the bits that a large `z`, a small `m` or a small `1 - m` costs."""
-    z, m = ctx.convert(z), ctx.convert(m)
-    m1 = ctx.one - m
-    extra = _GUARD_BITS + (max(0, ctx.mag(z)) if z else 0)
-    extra += sum(max(0, -ctx.mag(x)) for x in (m, m1) if x)
-    with ctx.workprec(ctx.prec + extra):
-        yield z, m
+Implementation = Callable[[Any, Number, Number], Number]
+"""Function of a context, z and m."""
+
+
+def _guarded(function: Implementation) -> Implementation:
+    """Add to the precision the bits that a large `z`, a small `m` or a small `1 - m` costs."""
+
+    @wraps(function)
+    def guarded(ctx: Any, z: Number, m: Number) -> Number:
+        z, m = ctx.convert(z), ctx.convert(m)
+        extra = _GUARD_BITS + (max(0, ctx.mag(z)) if z else 0)
+        extra += sum(max(0, -ctx.mag(x)) for x in (m, ctx.one - m) if x)
+        with ctx.workprec(ctx.prec + extra):
+            value = function(ctx, z, m)
+        return +value
+
+    return guarded
 
 
 def _theta_argument(ctx: Any, z: Number, m: Number) -> tuple[Number, Number]:
@@ -71,27 +78,27 @@ def _theta(ctx: Any, precision: int, n: int, v: Number, q: Number, derivative: i
 
 def _ellipfun(ctx: Any, kind: str, z: Number, m: Number) -> Number:
     """Return theta_a(0)/theta_b(0) theta_c(v)/theta_4(v), DLMF 22.2."""
+    if m in (0, 1):
+        return ctx.ellipfun(kind, z, m=m)
     a, b, c = {"sn": (3, 2, 1), "cn": (4, 2, 2), "dn": (4, 3, 3)}[kind]
-    with _guarded(ctx, z, m) as (z, m):
-        if m in (0, 1):
-            value = ctx.ellipfun(kind, z, m=m)
-        else:
-            v, q = _theta_argument(ctx, z, m)
-            at = partial(_theta, ctx, ctx.prec)
-            value = at(a, ctx.zero, q) / at(b, ctx.zero, q) * at(c, v, q) / at(4, v, q)
-    return +value
+    v, q = _theta_argument(ctx, z, m)
+    at = partial(_theta, ctx, ctx.prec)
+    return at(a, ctx.zero, q) / at(b, ctx.zero, q) * at(c, v, q) / at(4, v, q)
 
 
+@_guarded
 def sn(ctx: Any, z: Number, m: Number) -> Number:
     """Return Jacobi's sn(z | m)."""
     return _ellipfun(ctx, "sn", z, m) if z else ctx.zero
 
 
+@_guarded
 def cn(ctx: Any, z: Number, m: Number) -> Number:
     """Return Jacobi's cn(z | m)."""
     return _ellipfun(ctx, "cn", z, m)
 
 
+@_guarded
 def dn(ctx: Any, z: Number, m: Number) -> Number:
     """Return Jacobi's dn(z | m)."""
     return _ellipfun(ctx, "dn", z, m)
@@ -105,52 +112,32 @@ def _zeta(ctx: Any, z: Number, m: Number) -> Number:
     return slope * _theta(ctx, ctx.prec, 4, v, q, 1) / _theta(ctx, ctx.prec, 4, v, q)
 
 
+@_guarded
 def zeta(ctx: Any, z: Number, m: Number) -> Number:
     """Return Jacobi's zeta function Z(z | m) = Theta'(z) / Theta(z), of period 2 K."""
-    with _guarded(ctx, z, m) as (z, m):
-        value = _zeta(ctx, z, m)
-    return +value
+    return _zeta(ctx, z, m)
 
 
+@_guarded
 def epsilon(ctx: Any, z: Number, m: Number) -> Number:
     """Return Jacobi's epsilon function, the integral of dn^2 from 0 to z, as Z(z) + z E / K."""
-    with _guarded(ctx, z, m) as (z, m):
-        slope = 0 if m == 1 else ctx.ellipe(m) / _integral_and_nome(ctx, ctx.prec, m)[0]
-        value = _zeta(ctx, z, m) + slope * z
-    return +value
+    slope = 0 if m == 1 else ctx.ellipe(m) / _integral_and_nome(ctx, ctx.prec, m)[0]
+    return _zeta(ctx, z, m) + slope * z
 
 
+@_guarded
 def eta(ctx: Any, z: Number, m: Number) -> Number:
-    """Return Jacobi's H(z | m) = theta_1(pi z / (2 K), q).
-
-    Raises:
-        ValueError: at m = 1, where the nome is 1.
-    """
-    with _guarded(ctx, z, m) as (z, m):
-        value = _theta(ctx, ctx.prec, 1, *_theta_argument(ctx, z, m)) if z else ctx.zero
-    return +value
+    """Return Jacobi's H(z | m) = theta_1(pi z / (2 K), q). Raises ValueError at m = 1 (q = 1)."""
+    return _theta(ctx, ctx.prec, 1, *_theta_argument(ctx, z, m)) if z else ctx.zero
 
 
+@_guarded
 def theta(ctx: Any, z: Number, m: Number) -> Number:
-    """Return Jacobi's Theta(z | m) = theta_4(pi z / (2 K), q).
-
-    Raises:
-        ValueError: at m = 1, where the nome is 1.
-    """
-    with _guarded(ctx, z, m) as (z, m):
-        value = _theta(ctx, ctx.prec, 4, *_theta_argument(ctx, z, m))
-    return +value
+    """Return Jacobi's Theta(z | m) = theta_4(pi z / (2 K), q). Raises ValueError at m = 1."""
+    return _theta(ctx, ctx.prec, 4, *_theta_argument(ctx, z, m))
 
 
-IMPLEMENTATIONS: dict[str, Callable[[Any, Number, Number], Number]] = {
-    "jacobi_sn": sn,
-    "jacobi_cn": cn,
-    "jacobi_dn": dn,
-    "jacobi_epsilon": epsilon,
-    "jacobi_zeta": zeta,
-    "jacobi_eta": eta,
-    "jacobi_theta": theta,
-}
+IMPLEMENTATIONS = {f"jacobi_{f.__name__}": f for f in (sn, cn, dn, epsilon, zeta, eta, theta)}
 """Name of the SymPy function class -> implementation(ctx, z, m)."""
 
 
@@ -214,7 +201,7 @@ class MpmathFormula:
         functions, known = _functions(ctx), list(values)
         for operation, *operands in self.code:
             known.append(_value(ctx, functions, operation, operands, known))
-        return [known[place] for place in self.results]
+        return [known[index] for index in self.results]
 
 
 def _instruction(node: Expr, index_of: Callable[[Expr], int]) -> Sequence[Any]:

@@ -6,8 +6,6 @@ Arguments are doubles; a `Wave` handles phases that are large or near k = 1.
 [0.0, 0.8226355781298...]
 """
 
-from __future__ import annotations
-
 from functools import partial
 
 import mpmath
@@ -36,9 +34,7 @@ def _jacobi(index: int, z: ArrayLike, m: float) -> Array:
     return program(phase)[index, 0].reshape(arguments.shape)
 
 
-jacobi_sn, jacobi_cn, jacobi_dn, jacobi_zeta, jacobi_theta = (
-    partial(_jacobi, index) for index in range(5)
-)
+jacobi_sn, jacobi_cn, jacobi_dn, jacobi_zeta, jacobi_theta = (partial(_jacobi, i) for i in range(5))
 
 
 def jacobi_epsilon(z: ArrayLike, m: float) -> Array:

@@ -3,8 +3,6 @@
 Invariants may be any, also those of a degenerate lattice.  Derivatives are with respect to z.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from sympy import Expr, Function

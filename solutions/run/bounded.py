@@ -5,8 +5,6 @@ computes its bound from the operands' bounds and its own rounding. An infinite o
 that the error is unknown.
 """
 
-from __future__ import annotations
-
 import math
 
 from longwave.solutions.run import doubledouble

@@ -34,13 +34,8 @@ class Operation(IntEnum):
     COSINE = 16  # of |a| <= 0.79
 
 
-WITH_CONSTANT = (
-    Operation.ADD_CONSTANT,
-    Operation.FROM_CONSTANT,
-    Operation.MULTIPLY_CONSTANT,
-    Operation.SCALE,
-    Operation.CONSTANT,
-)
+WITH_CONSTANT = tuple(Operation)[Operation.ADD_CONSTANT : Operation.CONSTANT + 1]
+"""Operations that read a constant."""
 
 
 @dataclass(frozen=True)
@@ -100,6 +95,11 @@ class Code:
         """Append an operation with a constant and return the number of its result."""
         return self.emit(operation, a, None, self._pool.setdefault(constant, len(self._pool)))
 
+    def number(self, value: Any) -> int:
+        """Return the number of a `Value`, or of a constant, which is appended if it is new."""
+        is_value = isinstance(value, Value)
+        return value.number if is_value else self.with_constant(Operation.CONSTANT, value)
+
     def assemble(self, outputs: Sequence[int]) -> Bytecode:
         """Return the code for these values, without instructions that none of them needs."""
         operands = [_operands(*instruction) for instruction in self._instructions]
@@ -107,12 +107,9 @@ class Code:
         rows = []
         for index in live:
             operation, a, b, c = self._instructions[index]
-            if operation is Operation.CONSTANT:
-                first, second = 0, 0
-            else:
-                first, second = registers_of[a], registers_of[b]
+            read = (0, 0) if operation is Operation.CONSTANT else (registers_of[a], registers_of[b])
             third = registers_of[c] if operation is Operation.CHOOSE else c
-            rows.append((operation, registers_of[self._inputs + index], first, second, third))
+            rows.append((operation, registers_of[self._inputs + index], *read, third))
         code = np.array(rows, dtype=np.int64).reshape(-1, 5)
         output_registers = tuple(registers_of[value] for value in outputs)
         return Bytecode(code, registers, self._inputs, output_registers, tuple(self._pool))
@@ -187,7 +184,11 @@ def allocate(
     >>> allocate(1, [(0,), (0,), (1,), (3,)], [4])
     ([0, 2, 3], {0: 0, 1: 1, 3: 0, 4: 1}, 2)
     """
-    last = _last_uses(inputs, operands, outputs)
+    last = {value: len(operands) for value in outputs}  # last instruction that reads a live value
+    for index in range(len(operands) - 1, -1, -1):
+        if inputs + index in last:
+            for value in operands[index]:
+                last.setdefault(value, index)
     register_of = {value: value for value in range(inputs)}
     free = [value for value in range(inputs) if value not in last]
     count, live = inputs, []
@@ -195,22 +196,7 @@ def allocate(
         if inputs + index not in last:
             continue
         live.append(index)
-        if free:
-            register_of[inputs + index] = free.pop()
-        else:
-            register_of[inputs + index] = count
-            count += 1
+        count += not free
+        register_of[inputs + index] = free.pop() if free else count - 1
         free += [register_of[value] for value in used if last[value] == index]
     return live, register_of, count
-
-
-def _last_uses(
-    inputs: int, operands: Sequence[tuple[int, ...]], outputs: Sequence[int]
-) -> dict[int, int]:
-    """Return the last instruction that needs each live value; outputs live to the end."""
-    last = {value: len(operands) for value in outputs}
-    for index in range(len(operands) - 1, -1, -1):
-        if inputs + index in last:
-            for value in operands[index]:
-                last.setdefault(value, index)
-    return last

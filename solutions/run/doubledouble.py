@@ -8,8 +8,6 @@ from compiled loops, but also work from Python on single numbers.
 True
 """
 
-from __future__ import annotations
-
 from fractions import Fraction
 from typing import Any
 
@@ -28,10 +26,7 @@ _BITS = 240
 
 
 def split(number: Any) -> Pair:
-    """Return the pair nearest to an exact number.
-
-    Args:
-        number: int, Fraction, float, decimal or fraction literal, mpf, or a SymPy number.
+    """Return the pair nearest to an exact number: int, float, Fraction, mpf, SymPy's, or literal.
 
     >>> split(0.1)
     (0.1, 0.0)
@@ -64,11 +59,7 @@ def split_three(number: Any) -> Three:
 
 
 def check_range(number: Any) -> Any:
-    """Return `number` if pairs and triples of floats can represent it.
-
-    Raises:
-        OverflowError: unless it is 0 or within 1e-250 .. 1e250.
-    """
+    """Return `number`. Raises OverflowError unless it is 0 or within 1e-250 .. 1e250."""
     if number and not 1e-250 < abs(number) < 1e250:
         raise OverflowError(_CONTEXT.nstr(_CONTEXT.convert(number), 3))
     return number
@@ -128,6 +119,16 @@ def two_sum(a: float, b: float) -> Pair:
 
 
 @njit()
+def normalized(high: float, middle: float, low: float) -> Three:
+    """Return three floats of the same sum, each below the rounding of the one before."""
+    high, middle = two_sum(high, middle)
+    middle, low = two_sum(middle, low)
+    high, middle = two_sum(high, middle)
+    middle, low = two_sum(middle, low)
+    return high, middle, low
+
+
+@njit()
 def two_prod(a: float, b: float) -> Pair:
     """Return a b exactly (barring underflow)."""
     p = a * b
@@ -174,8 +175,8 @@ def scale(a: Pair, b: float) -> Pair:
 def reciprocal(x: Pair) -> Pair:
     """Return 1 / x with relative error below 2^-101."""
     q = 1.0 / x[0]
-    rest = _fma(-q, x[0], 1.0)
-    return quick_two_sum(q, q * _fma(-q, x[1], rest))
+    residual = _fma(-q, x[0], 1.0)
+    return quick_two_sum(q, q * _fma(-q, x[1], residual))
 
 
 @njit()
@@ -184,5 +185,5 @@ def square_root(a: Pair) -> Pair:
     root = np.sqrt(a[0])
     if root == 0.0:
         return root, 0.0
-    rest = subtract(a, two_prod(root, root))
-    return quick_two_sum(root, rest[0] / (2.0 * root))
+    residual = subtract(a, two_prod(root, root))
+    return quick_two_sum(root, residual[0] / (2.0 * root))

@@ -51,9 +51,8 @@ class Evaluator:
     def __init__(self, program: Program, parameters: Sequence[Expr]) -> None:
         self._bytecode, self._calls = program.bytecode, tuple(program.calls)
         numbers = program.numbers(parameters)
-        self._constants = np.array([split(check_range(c)) for c in numbers.constants]).reshape(
-            -1, 2
-        )
+        pairs = [split(check_range(constant)) for constant in numbers.constants]
+        self._constants = np.array(pairs).reshape(-1, 2)
         self._coefficients = numbers.coefficients
         self._moduli = [check_range(m) for m in numbers.moduli]
         self._requested = [tuple(requested) for requested in program.requested]
@@ -69,11 +68,9 @@ class Evaluator:
     def __call__(self, phases: list[LinearPhase], *points: Array) -> Array:
         """Return values and derivatives at points (x, t) or (x, t, z), shape (rows, 3, points)."""
         phase_values = [phase(*points) for phase in phases]
+        calls = zip(self._calls, self._functions, strict=True)
         rows = [as_pairs(phase)[None] for phase in phase_values]
-        rows += [
-            functions(phase_values[index])
-            for index, functions in zip(self._calls, self._functions, strict=True)
-        ]
+        rows += [functions(phase_values[index]) for index, functions in calls]
         out = np.empty((len(self._bytecode.outputs), PARTS, points[0].size))
         inputs = np.concatenate(rows) if rows else np.empty((0, PARTS, points[0].size))
         run_pairs(self._bytecode, self._constants, inputs, out)
@@ -82,25 +79,22 @@ class Evaluator:
     def only(self, rows: Sequence[int]) -> Evaluator:
         """Return an evaluator of some of the rows only, with the same bits."""
         evaluator = copy(self)
-        evaluator._bytecode, read_inputs = self._bytecode.only(
-            [self._bytecode.outputs[row] for row in rows]
-        )
+        outputs = [self._bytecode.outputs[row] for row in rows]
+        evaluator._bytecode, read_inputs = self._bytecode.only(outputs)
         evaluator._functions, first = [], len(self._coefficients)
         for functions in self._functions:
-            count = len(functions.bytecode.outputs)
-            evaluator._functions.append(
-                functions.only([first + i in read_inputs for i in range(count)])
-            )
-            first += count
+            last = first + len(functions.bytecode.outputs)
+            requested = [i in read_inputs for i in range(first, last)]
+            evaluator._functions.append(functions.only(requested))
+            first = last
         return evaluator
 
     def taylor(self, rows: Sequence[int], highest: int) -> Evaluator:
         """Return an evaluator of some rows' Taylor coefficients in xi, 0 to ``highest``."""
         constants = [LONG.mpf(high) + LONG.mpf(low) for high, low in self._constants.tolist()]
         evaluator = copy(self)
-        evaluator._bytecode, evaluator._constants = taylor_bytecode(
-            self._bytecode, constants, self._series, rows, highest
-        )
+        expanded = taylor_bytecode(self._bytecode, constants, self._series, rows, highest)
+        evaluator._bytecode, evaluator._constants = expanded
         evaluator._functions = [
             jacobi_program(m, 1 - m, (True, True, True, zeta or theta, theta))
             for m, (*_, zeta, theta) in zip(self._moduli, self._requested, strict=True)

@@ -16,7 +16,8 @@ import mpmath
 import numpy as np
 from numpy.typing import NDArray
 
-from longwave.solutions.run.doubledouble import Three, check_range, split_three, two_prod, two_sum
+from longwave.solutions.run import doubledouble as dd
+from longwave.solutions.run.doubledouble import Three, check_range, normalized, split_three
 from longwave.support.compiled.jit import THREE, doubles, njit
 
 if TYPE_CHECKING:
@@ -24,24 +25,24 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-OF_TERMS = 2.0**-150
+PHASE_ERROR = 2.0**-150
 """Bound of the error relative to the largest term."""
 
 
 @njit()
 def _three(c: Three, x: float) -> Three:
     """Return ``c x`` as three floats."""
-    high, e = two_prod(c[0], x)
-    middle, f = two_prod(c[1], x)
-    middle, e = two_sum(middle, e)
+    high, e = dd.two_prod(c[0], x)
+    middle, f = dd.two_prod(c[1], x)
+    middle, e = dd.two_sum(middle, e)
     return high, middle, c[2] * x + (e + f)
 
 
 @njit()
 def _plus(a: Three, b: Three) -> Three:
-    high, e = two_sum(a[0], b[0])
-    middle, f = two_sum(a[1], b[1])
-    middle, g = two_sum(middle, e)
+    high, e = dd.two_sum(a[0], b[0])
+    middle, f = dd.two_sum(a[1], b[1])
+    middle, g = dd.two_sum(middle, e)
     return high, middle, a[2] + b[2] + (f + g)
 
 
@@ -51,11 +52,8 @@ def _add_across(w: Three, z: Array, out: Array) -> None:
     for i in range(z.size):
         transverse_term = _three(w, z[i])
         high, middle, low = _plus((out[0, i], out[1, i], out[2, i]), transverse_term)
-        high, middle = two_sum(high, middle)
-        middle, low = two_sum(middle, low)
-        out[0, i], middle = two_sum(high, middle)
-        out[1, i], out[2, i] = two_sum(middle, low)
-        out[3, i] += OF_TERMS * abs(transverse_term[0])
+        out[0, i], out[1, i], out[2, i] = normalized(high, middle, low)
+        out[3, i] += PHASE_ERROR * abs(transverse_term[0])
 
 
 @njit(cache=True, examples=[(THREE, THREE, THREE, doubles(1), doubles(1), doubles(2))])
@@ -63,11 +61,8 @@ def _fill(p: Three, q: Three, r: Three, x: Array, t: Array, out: Array) -> None:
     for i in range(x.size):
         moving, drifting = _three(p, x[i]), _three(q, t[i])
         high, middle, low = _plus(_plus(moving, drifting), r)
-        high, middle = two_sum(high, middle)
-        middle, low = two_sum(middle, low)
-        out[0, i], middle = two_sum(high, middle)
-        out[1, i], out[2, i] = two_sum(middle, low)
-        out[3, i] = OF_TERMS * (abs(moving[0]) + abs(drifting[0]) + abs(r[0]))
+        out[0, i], out[1, i], out[2, i] = normalized(high, middle, low)
+        out[3, i] = PHASE_ERROR * (abs(moving[0]) + abs(drifting[0]) + abs(r[0]))
 
 
 def as_pairs(phase: Array) -> Array:

@@ -3,13 +3,12 @@
 A register is a block of ``solutions.run.bounded``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from longwave.solutions.run import elementary
 from longwave.solutions.run.bounded import (
     BLOCK,
     PARTS,
@@ -26,16 +25,6 @@ from longwave.solutions.run.bounded import (
 )
 from longwave.solutions.run.bytecode import Bytecode, Operation
 from longwave.solutions.run.doubledouble import Array, Pair
-from longwave.solutions.run.elementary import (
-    SCRATCH,
-    decay_of,
-    exponential,
-    logarithm,
-    sech,
-    sine_or_cosine,
-    start_logarithm,
-    tanh,
-)
 from longwave.support.compiled.jit import doubles, integers, njit
 
 
@@ -88,7 +77,7 @@ def _unary(operation: int, x: Array, z: Array, scratch: Array) -> None:
         for i in range(BLOCK):
             store(z, i, square_root(load(x, i)))
     elif operation in (Operation.SINE, Operation.COSINE):
-        sine_or_cosine(x, operation == Operation.SINE, z, scratch)
+        elementary.sine_or_cosine(x, operation == Operation.SINE, z, scratch)
     else:
         _exponential(operation, x, z, scratch)
 
@@ -99,16 +88,16 @@ def _exponential(operation: int, x: Array, z: Array, scratch: Array) -> None:
     source, power = x, z
     if operation == Operation.LOGARITHM:
         source, power = scratch[5], scratch[6]
-        start_logarithm(x, source)
-    decay_of(source, 2.0 if operation == Operation.TANH else 1.0, scratch)
+        elementary.start_logarithm(x, source)
+    elementary.decay_of(source, 2.0 if operation == Operation.TANH else 1.0, scratch)
     if operation == Operation.TANH:
-        tanh(x, z, scratch)
+        elementary.tanh(x, z, scratch)
     elif operation == Operation.SECH:
-        sech(x, z, scratch)
+        elementary.sech(x, z, scratch)
     else:
-        exponential(source, power, scratch)
+        elementary.exponential(source, power, scratch)
     if operation == Operation.LOGARITHM:
-        logarithm(x, source, power, z)
+        elementary.logarithm(x, source, power, z)
 
 
 _EXAMPLE = (
@@ -189,5 +178,5 @@ def run_pairs(bytecode: Bytecode, constants: Array, inputs: Array, out: Array) -
     registers = np.zeros((bytecode.registers, PARTS * BLOCK))
     outputs = np.array(bytecode.outputs, dtype=np.int64)
     bounds = 2.0**-105 * np.abs(constants[:, :1])
-    scratch = np.zeros((SCRATCH, PARTS * BLOCK))
+    scratch = np.zeros((elementary.SCRATCH, PARTS * BLOCK))
     _run(bytecode.code, np.hstack([constants, bounds]), registers, outputs, inputs, scratch, out)

@@ -22,16 +22,8 @@ import mpmath
 import numpy as np
 
 from longwave.solutions.functions.multiprecision import MpmathFormula
+from longwave.solutions.run import doubledouble as dd
 from longwave.solutions.run.bytecode import Bytecode, Code, Operation, Value
-from longwave.solutions.run.doubledouble import (
-    Array,
-    Three,
-    quick_two_sum,
-    split,
-    split_three,
-    two_prod,
-    two_sum,
-)
 from longwave.solutions.run.linear_phase import CONSTANT_DIGITS, LONG, long_number
 from longwave.solutions.run.machine import run_pairs
 from longwave.support.compiled.jit import THREE, doubles, njit
@@ -42,10 +34,10 @@ if TYPE_CHECKING:
 _PRECISE: Any = mpmath.MPContext()
 _PRECISE.prec = 240
 
-_PERIOD, _REST = 2.0**-150, 2.0**-104
-"""Error bounds of the reduced argument, relative to the argument and to itself."""
+_PERIOD_ERROR, _REDUCTION_ERROR = 2.0**-150, 2.0**-104
+"""Error bounds of the reduced argument, relative to the full and to the reduced argument."""
 
-_FARTHEST = 2.0**100
+_MAX_QUARTERS = 2.0**100
 """Number of quarter periods at which the quotient has more bits than two doubles."""
 
 
@@ -55,11 +47,11 @@ class JacobiProgram(NamedTuple):
     ``quarter`` is K as three floats, 0 if K is infinite.
     """
 
-    quarter: Three
+    quarter: dd.Three
     bytecode: Bytecode
-    constants: Array
+    constants: dd.Array
 
-    def __call__(self, phase: Array) -> Array:
+    def __call__(self, phase: dd.Array) -> dd.Array:
         """Return values (functions, 3, points) at a phase (4, points): three floats and a bound."""
         out = np.empty((len(self.bytecode.outputs), 3, phase.shape[1]))
         run_pairs(self.bytecode, self.constants, reduced(phase, self.quarter), out)
@@ -67,15 +59,10 @@ class JacobiProgram(NamedTuple):
 
     def only(self, requested: Sequence[bool]) -> JacobiProgram:
         """Return a program of the requested functions only; the values of others are undefined."""
-        outputs = self.bytecode.outputs
-        substitute = next(
-            (o for o, is_requested in zip(outputs, requested, strict=True) if is_requested), 0
-        )
-        requested_outputs = [
-            o if is_requested else substitute
-            for o, is_requested in zip(outputs, requested, strict=True)
-        ]
-        return self._replace(bytecode=self.bytecode.only(requested_outputs)[0])
+        pairs = list(zip(self.bytecode.outputs, requested, strict=True))
+        substitute = next((output for output, is_requested in pairs if is_requested), 0)
+        outputs = [output if is_requested else substitute for output, is_requested in pairs]
+        return self._replace(bytecode=self.bytecode.only(outputs)[0])
 
 
 @lru_cache(maxsize=256)
@@ -100,12 +87,10 @@ def jacobi_program(m: Any, m1: Any, requested: tuple[bool, ...] = (True,) * 5) -
     nome = ctx.exp(-ctx.pi * ratio)
     code = Code(inputs=5)
     values = (_circular if m <= 0.5 else _hyperbolic)(code, m, m1, K, K1, nome)
-    needed = (
-        value if is_requested else 0 for value, is_requested in zip(values, requested, strict=True)
-    )
-    bytecode = code.assemble([_number(code, value) for value in needed])
-    quarter = split_three(K) if ctx.isfinite(K) else (0.0, 0.0, 0.0)
-    constants = np.array([split(number) for number in bytecode.pool]).reshape(-1, 2)
+    needed = (v if is_requested else 0 for v, is_requested in zip(values, requested, strict=True))
+    bytecode = code.assemble([code.number(value) for value in needed])
+    quarter = dd.split_three(K) if ctx.isfinite(K) else (0.0, 0.0, 0.0)
+    constants = np.array([dd.split(number) for number in bytecode.pool]).reshape(-1, 2)
     return JacobiProgram(quarter, replace(bytecode, pool=()), constants)
 
 
@@ -113,12 +98,6 @@ def _quarter_period(m1: Any) -> Any:
     """Return K for the parameter with the complement m1."""
     ctx = _PRECISE
     return ctx.inf if m1 == 0 else ctx.pi / (2 * ctx.agm(1, ctx.sqrt(m1)))
-
-
-def _number(code: Code, value: Any) -> int:
-    if isinstance(value, Value):
-        return value.number
-    return code.with_constant(Operation.CONSTANT, value)
 
 
 class _Series(NamedTuple):
@@ -174,7 +153,7 @@ def _choose(odd: Value, one: Any, other: Any) -> Any:
     """Return ``one`` for an odd number of quarter periods, else ``other``; both may be numbers."""
     if not isinstance(one, Value) and one == other:
         return one
-    first, second = (Value(odd.code, _number(odd.code, value)) for value in (one, other))
+    first, second = (Value(odd.code, odd.code.number(value)) for value in (one, other))
     return first.apply(Operation.CHOOSE, second, odd)
 
 
@@ -228,47 +207,43 @@ def _hyperbolic(code: Code, m: Any, m1: Any, K: Any, K1: Any, q: Any) -> list[An
 
 
 @njit()
-def _without(u: Three, j: float, quarter: Three) -> Three:
+def _without(u: dd.Three, j: float, quarter: dd.Three) -> dd.Three:
     """Return u - j K as three floats, with an error of 2^-155 |u|."""
-    high, e = two_prod(quarter[0], j)
-    middle, f = two_prod(quarter[1], j)
-    high, g = two_sum(u[0], -high)
-    middle, a = two_sum(u[1], -middle)
-    middle, b = two_sum(middle, -e)
-    middle, c = two_sum(middle, g)
+    high, e = dd.two_prod(quarter[0], j)
+    middle, f = dd.two_prod(quarter[1], j)
+    high, g = dd.two_sum(u[0], -high)
+    middle, a = dd.two_sum(u[1], -middle)
+    middle, b = dd.two_sum(middle, -e)
+    middle, c = dd.two_sum(middle, g)
     low = (u[2] - quarter[2] * j) + ((a - f) + (b + c))
-    high, middle = two_sum(high, middle)
-    middle, low = two_sum(middle, low)
-    high, middle = two_sum(high, middle)
-    middle, low = two_sum(middle, low)
-    return high, middle, low
+    return dd.normalized(high, middle, low)
 
 
 @njit(cache=True, examples=[(doubles(2), THREE, doubles(3))])
-def _reduce(phase: Array, K: Three, out: Array) -> None:
+def _reduce(phase: dd.Array, K: dd.Three, out: dd.Array) -> None:
     """Reduce phases by quarter periods; a second step handles quotients of more than 53 bits."""
     quarter = K[0] if K[0] != 0.0 else np.inf
     for i in range(phase.shape[1]):
-        u, middle = two_sum(phase[0, i], phase[1, i])
+        u, middle = dd.two_sum(phase[0, i], phase[1, i])
         first = np.floor(u / quarter + 0.5)
-        rest = _without((u, middle, phase[2, i]), first, K)
-        second = np.floor(rest[0] / quarter + 0.5)
-        high, middle, low = _without(rest, second, K)
-        high, low = quick_two_sum(high, middle + low)
+        remainder = _without((u, middle, phase[2, i]), first, K)
+        second = np.floor(remainder[0] / quarter + 0.5)
+        high, middle, low = _without(remainder, second, K)
+        high, low = dd.quick_two_sum(high, middle + low)
         j = first - 4.0 * np.floor(0.25 * first) + (second - 4.0 * np.floor(0.25 * second))
         j -= 4.0 * np.floor(0.25 * j)
         odd = j == 1.0 or j == 3.0
         half_turn_sign, sign = 1.0 if j < 2.0 else -1.0, 1.0 if high >= 0.0 else -1.0
-        e = (phase[3, i] + _PERIOD * abs(u) + _REST * abs(high)) * (1.0 + 2.0**-50)
+        e = (phase[3, i] + _PERIOD_ERROR * abs(u) + _REDUCTION_ERROR * abs(high)) * (1.0 + 2.0**-50)
         out[0, 0, i], out[0, 1, i] = sign * high, sign * low
-        out[0, 2, i] = math.inf if abs(first) + abs(second) > _FARTHEST else e
+        out[0, 2, i] = math.inf if abs(first) + abs(second) > _MAX_QUARTERS else e
         out[1, 0, i] = 1.0 if odd else 0.0
         out[2, 0, i] = half_turn_sign if odd else half_turn_sign * sign
         out[3, 0, i] = -half_turn_sign * sign if odd else half_turn_sign
         out[4, 0, i] = sign
 
 
-def reduced(phase: Array, quarter: Three) -> Array:
+def reduced(phase: dd.Array, quarter: dd.Three) -> dd.Array:
     """Reduce a phase (4, points) by quarter periods: the inputs (5, 3, points) of the program.
 
     They are |r| with the bound of its error, the parity of the number of quarter periods (1 if
@@ -279,12 +254,12 @@ def reduced(phase: Array, quarter: Three) -> Array:
     return out
 
 
-AGREEMENT = 1e-50
+CONVERGED_CHANGE = 1e-50
 """Largest relative change of a constant at twice the digits; three floats hold 48 digits."""
 
 
 class Numbers(NamedTuple):
-    """Numbers of a program at the parameters' values, as mpf."""
+    """Constants, phase coefficients and moduli of a program at given parameters, as mpf."""
 
     constants: list[Any]
     coefficients: list[tuple[Any, Any, Any, Any]]
@@ -318,9 +293,8 @@ class Program:
                 0 * new if max(abs(old), abs(new)) < zero and not _agree(old, new) else new
                 for old, new in zip(previous, numbers, strict=True)
             ]
-            if all(
-                new == 0 or _agree(old, new) for old, new in zip(previous, numbers, strict=True)
-            ):
+            pairs = zip(previous, numbers, strict=True)
+            if all(new == 0 or _agree(old, new) for old, new in pairs):
                 break
         first_modulus = len(numbers) - len(self.calls)
         first_coefficient = first_modulus - 4 * self.phases
@@ -334,4 +308,4 @@ class Program:
 
 
 def _agree(old: Any, new: Any) -> bool:
-    return bool(abs(new - old) <= AGREEMENT * abs(new))
+    return bool(abs(new - old) <= CONVERGED_CHANGE * abs(new))

@@ -190,12 +190,12 @@ _SPACE_EXAMPLE = (
     *(doubles(1), doubles(1), doubles(1), doubles(2), doubles(2)),
     *(doubles(2), doubles(3), doubles(2), doubles(1)),
 )
-_PLACES_EXAMPLE = doubles(2), doubles(2), doubles(1)
+_POINTS_EXAMPLE = doubles(2), doubles(2), doubles(1)
 
 
 @njit(
     cache=True,
-    examples=[(doubles(4), integers(1), 0.0, *_PLACES_EXAMPLE, _SPACE_EXAMPLE, doubles(3))],
+    examples=[(doubles(4), integers(1), 0.0, *_POINTS_EXAMPLE, _SPACE_EXAMPLE, doubles(3))],
 )
 def rational_loop(
     tables: Array,

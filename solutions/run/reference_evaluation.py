@@ -1,7 +1,7 @@
 """Evaluation of an expression in mpmath, at any precision."""
 
 from collections.abc import Mapping, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 import mpmath
@@ -14,8 +14,12 @@ from longwave.solutions.symbols import tau, xi, zeta
 from longwave.support.user_files import shown
 
 GUARD_DIGITS = 30
+"""Extra working digits of the first attempt."""
+
 MOST_DIGITS = 100_000
-LARGEST = sp.Integer(10) ** 1000
+"""Most digits that can be requested."""
+
+LARGEST_COORDINATE = sp.Integer(10) ** 1000
 """Largest position or time; the working precision grows with its logarithm."""
 
 
@@ -61,13 +65,14 @@ def evaluate_mp(
             if highest is None:
                 values = _with_differences(context, formula, coordinates, len(point), numbers)
             else:
-                values = _along(context, formula, coordinates, numbers, highest)
+                start, *others = (*coordinates, *numbers)
+                along = partial(_value_at, context, formula, others)
+                values = list(context.diffs(along, start, highest))
             scales = [_convert(context, rate) for rate in rates]
             results = [rate * value for rate, value in zip(scales, values, strict=True)]
             if highest is None:
                 results[2] -= _convert(context, drift) * results[1]
-        agree = previous is not None and _agree(context, results, previous, digits)
-        if agree:
+        if previous is not None and _agree(context, results, previous, digits):
             with context.workdps(digits):
                 return tuple(+value for value in results)
         guard, previous = 2 * guard, results
@@ -93,36 +98,25 @@ def _with_differences(
     return slopes
 
 
-def _along(
-    context: Any,
-    formula: MpmathFormula,
-    coordinates: list[Any],
-    parameters: list[Any],
-    highest: int,
-) -> list[Any]:
-    """Return the value and its xi derivatives."""
-
-    def value(x: Any) -> Any:
-        return formula(context, x, *coordinates[1:], *parameters)[0]
-
-    return list(context.diffs(value, coordinates[0], highest))
+def _value_at(context: Any, formula: MpmathFormula, others: list[Any], x: Any) -> Any:
+    return formula(context, x, *others)[0]
 
 
-def _agree(context: Any, one: Sequence[Any], other: Sequence[Any], digits: int) -> bool:
+def _agree(context: Any, first: Sequence[Any], second: Sequence[Any], digits: int) -> bool:
     bound = context.mpf(10) ** -(digits + 1)
-    return all(abs(a - b) <= bound * max(1, abs(a)) for a, b in zip(one, other, strict=True))
+    return all(abs(a - b) <= bound * max(1, abs(a)) for a, b in zip(first, second, strict=True))
 
 
 def exact_point(name: str, value: object) -> sp.Expr:
     """Return the exact number of a position or time; a float keeps its exact binary value.
 
-    Raises ValueError for a value that is not a real number, and beyond ``LARGEST``.
+    Raises ValueError for a value that is not a real number, and beyond ``LARGEST_COORDINATE``.
     """
     if isinstance(value, float | np.floating) and np.isfinite(value):
         exact: sp.Expr = sp.Rational(*map(int, value.as_integer_ratio()))
     else:
         exact = exact_number(name, value)
-    if abs(exact) > LARGEST:
+    if abs(exact) > LARGEST_COORDINATE:
         raise ValueError(
             f"{name} must satisfy |{name}| <= 10**1000, got {shown(value)} (take less)"
         )

@@ -4,8 +4,6 @@ Every instruction is replaced by those of its series' coefficients; the Jacobi f
 follow from their differential equations. All arithmetic is double-double with error bounds.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
@@ -18,8 +16,6 @@ from longwave.solutions.run.linear_phase import LONG
 
 Series = list[Any]
 """Coefficients of a series, each a `Value` or a long number."""
-
-_BINARY = (Operation.ADD, Operation.SUBTRACT, Operation.MULTIPLY)
 
 
 def taylor_bytecode(
@@ -38,30 +34,15 @@ def taylor_bytecode(
     registers: list[Series] = inputs(code, highest + 1)
     registers += [[]] * (bytecode.registers - len(registers))
     expansion = _Expansion(code, highest + 1)
-    for operation, target, a, b, c in _needed(bytecode, outputs):
+    needed, _ = bytecode.only([bytecode.outputs[row] for row in outputs])
+    for operation, target, a, b, c in needed.code.tolist():
         registers[target] = expansion.series(
             Operation(operation), registers[a], registers[b], constants[c] if constants else None
         )
-    coefficients = [
-        registers[bytecode.outputs[row]][n] for row in outputs for n in range(highest + 1)
-    ]
-    program = code.assemble([expansion.value(coefficient).number for coefficient in coefficients])
+    results = [registers[bytecode.outputs[row]] for row in outputs]
+    program = code.assemble([code.number(c) for series in results for c in series[: highest + 1]])
     pairs = np.array([split(number) for number in program.pool]).reshape(-1, 2)
     return replace(program, pool=()), pairs
-
-
-def _needed(bytecode: Bytecode, outputs: Sequence[int]) -> list[list[int]]:
-    """Return the instructions that some output depends on."""
-    live = {bytecode.outputs[row] for row in outputs}
-    needed = []
-    for row in reversed(bytecode.code.tolist()):
-        operation, target, a, b, _ = row
-        if target in live:
-            live.remove(target)
-            if operation != Operation.CONSTANT:
-                live |= {a, b} if operation in _BINARY else {a}
-            needed.append(row)
-    return needed[::-1]
 
 
 def jacobi_series(
@@ -74,13 +55,13 @@ def jacobi_series(
     rate = phase[1] if count > 1 else 0
     sn, cn, dn, zeta, theta = all_series = [[Value(code, first + n)] for n in range(5)]
     for n in range(1, count):
-        part = rate / n
-        sn.append(_of_product(cn, dn, n - 1) * part)
-        cn.append(_of_product(sn, dn, n - 1) * -part)
-        dn.append(_of_product(sn, cn, n - 1) * (-m * part))
+        factor = rate / n
+        sn.append(_of_product(cn, dn, n - 1) * factor)
+        cn.append(_of_product(sn, dn, n - 1) * -factor)
+        dn.append(_of_product(sn, cn, n - 1) * (-m * factor))
         square = _of_product(dn, dn, n - 1)
-        zeta.append((square - mean if n == 1 else square) * part)
-        theta.append(_of_product(zeta, theta, n - 1) * part)
+        zeta.append((square - mean if n == 1 else square) * factor)
+        theta.append(_of_product(zeta, theta, n - 1) * factor)
     return all_series
 
 
@@ -100,9 +81,7 @@ class _Expansion:
 
     def value(self, coefficient: Any) -> Value:
         """Return a coefficient as a value of the program."""
-        if isinstance(coefficient, Value):
-            return coefficient
-        return Value(self._code, self._code.with_constant(Operation.CONSTANT, coefficient))
+        return Value(self._code, self._code.number(coefficient))
 
     def series(self, operation: Operation, x: Series, y: Series, c: Any) -> Series:
         """Return the series of an instruction's result."""
@@ -121,48 +100,30 @@ class _Expansion:
                 return [a - b for a, b in zip(x, y, strict=True)]
             case Operation.MULTIPLY:
                 return [_of_product(x, y, n) for n in range(self._count)]
-            case Operation.TANH:
-                return self._hyperbolic(x)[0]
-            case Operation.SECH:
-                return self._hyperbolic(x)[1]
-            case Operation.EXPONENTIAL:
-                return self._exponential(x)
-            case Operation.RECIPROCAL:
-                return self._reciprocal(x)
-            case Operation.SQUARE_ROOT:
-                return self._square_root(x)
-            case Operation.LOGARITHM:
-                return self._logarithm(x)
-        raise ValueError(f"operation must have a series, got {operation.name} (add one)")
-
-    def _reciprocal(self, x: Series) -> Series:
-        found: Series = [self.value(x[0]).apply(Operation.RECIPROCAL)]
-        for n in range(1, self._count):
-            total = sum((x[j] * found[n - j] for j in range(1, n + 1)), LONG.zero)
-            found.append(total * found[0] * -1)
-        return found
-
-    def _exponential(self, x: Series) -> Series:
-        found: Series = [self.value(x[0]).apply(Operation.EXPONENTIAL)]
-        for n in range(1, self._count):
-            found.append(_chain(x, found, n))
-        return found
-
-    def _square_root(self, x: Series) -> Series:
-        root = self.value(x[0]).apply(Operation.SQUARE_ROOT)
-        found, half = [root], root.apply(Operation.RECIPROCAL) * LONG.mpf(0.5)
-        for n in range(1, self._count):
-            known = sum((found[j] * found[n - j] for j in range(1, n)), LONG.zero)
-            found.append((x[n] - known) * half)
-        return found
-
-    def _logarithm(self, x: Series) -> Series:
+            case Operation.TANH | Operation.SECH:
+                return self._hyperbolic(x)[operation == Operation.SECH]
         start = self.value(x[0])
-        found, inverse = [start.apply(Operation.LOGARITHM)], start.apply(Operation.RECIPROCAL)
+        series: Series = [start.apply(operation)]
+        if operation == Operation.SQUARE_ROOT:
+            factor = series[0].apply(Operation.RECIPROCAL) * LONG.mpf(0.5)
+        elif operation == Operation.LOGARITHM:
+            factor = start.apply(Operation.RECIPROCAL)
         for n in range(1, self._count):
-            known = (found[j] * (LONG.mpf(j) / n) * x[n - j] for j in range(1, n))
-            found.append((x[n] - sum(known, LONG.zero)) * inverse)
-        return found
+            match operation:
+                case Operation.RECIPROCAL:
+                    series.append(_dot(x[1 : n + 1], series[::-1]) * series[0] * -1)
+                case Operation.EXPONENTIAL:
+                    series.append(_chain(x, series, n))
+                case Operation.SQUARE_ROOT:
+                    series.append((x[n] - _dot(series[1:], series[:0:-1])) * factor)
+                case Operation.LOGARITHM:
+                    known = (series[j] * (LONG.mpf(j) / n) * x[n - j] for j in range(1, n))
+                    series.append((x[n] - sum(known, LONG.zero)) * factor)
+                case _:
+                    raise ValueError(
+                        f"operation must have a series, got {operation.name} (add one)"
+                    )
+        return series
 
     def _hyperbolic(self, x: Series) -> tuple[Series, Series]:
         """Return the series of tanh and sech, whose derivatives are sech**2 and -tanh sech."""
@@ -175,6 +136,10 @@ class _Expansion:
             tanh.append(_chain(x, rises, n))
             sech.append(_chain(x, falls, n) * -1)
         return tanh, sech
+
+
+def _dot(x: Series, y: Series) -> Any:
+    return sum((a * b for a, b in zip(x, y, strict=True)), LONG.zero)
 
 
 def _chain(x: Series, outer: Series, n: int) -> Any:

@@ -61,7 +61,7 @@ def test_jets_reach_as_far_as_rates_need() -> None:
 
 def test_a_resonance_is_refused() -> None:
     given = {"K2": 1, "K3": 1, "K4": 0, "L2": -Rational(1, 4), "L3": 0, "L4": 0}
-    with pytest.raises(EnvelopeError, match="k must be no resonance"):
+    with pytest.raises(EnvelopeError, match="k must not be a resonance"):
         carrier_fields(envelope(LATTICES["next_nearest"], **given), pi / 2, **given)
 
 

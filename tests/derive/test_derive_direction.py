@@ -75,7 +75,10 @@ def test_along_an_axis_nothing_drifts() -> None:
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        ("fput --direction pi/4", "direction must be of a lattice with two axes, got fput"),
+        (
+            "fput --direction pi/4",
+            "direction must be given for a lattice with two axes only",
+        ),
         ("square --direction 1,2,3", "direction must be an angle or two numbers"),
         ("square --direction 0,0", "direction must be an angle or two numbers"),
         ("square --direction I", "direction must be a finite real number"),

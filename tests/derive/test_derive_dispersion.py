@@ -80,7 +80,7 @@ def test_a_lattice_without_comparison_of_linear_waves_is_refused() -> None:
     gardner = reduce(FPUT, Scaling(background=((1, ybar),)), orders=5)
     with pytest.raises(ValueError, match=r"background must be of order one"):
         agrees_with_reduction(FPUT, gardner)
-    with pytest.raises(ValueError, match=r"no linear term but Y_XXX"):
+    with pytest.raises(ValueError, match=r"no linear term except Y_XXX"):
         long_wave_of_reduction(gardner)
 
 

@@ -117,7 +117,7 @@ HOSTILE: dict[str, tuple[str, str]] = {
     "no toml": ("fields = [", "lattice must be a TOML file, got"),
     "no utf-8": ("fields = ['\udcff']", "lattice must be a text in UTF-8, got"),
     "deep toml": ("x = " + "[" * 5000, "lattice must be nested at most 100 deep, got"),
-    "no bonds": (HEAD, "bonds must be there"),
+    "no bonds": (HEAD, "bonds must be given"),
     "key": (HEAD + "mass = [1]\n" + SPRING, "got 'mass' .did you mean masses"),
     "key of a spring": (HEAD + SPRING + "law = 1\n", r"\[\[spring\]\] 1: keys|keys must be known"),
     "field text": ("fields = 'u'\n" + SPRING, "fields must be a list of names"),

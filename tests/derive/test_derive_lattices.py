@@ -287,7 +287,7 @@ ANSATZ = {
         lambda: reduce(chain({1: K2 * x + Symbol("c") * x**3})),
         "must have different names, got c twice",
     ),
-    "same c": (lambda: reduce(chain({1: K2 * x + c * x**3})), "speed must be no constant of"),
+    "same c": (lambda: reduce(chain({1: K2 * x + c * x**3})), "speed must not be a constant of"),
     "other x": (lambda: chain({1: K2 * x + Symbol("x") ** 3}), "must have names other than"),
     "force float": (lambda: chain({1: K2 * x + 0.1 * x**3}), r"force must be exact, got .*0\.1"),
     "force root": (lambda: chain({1: K2 * x + sqrt(2) * x**3}), "force must be a rational"),

@@ -10,7 +10,7 @@ from sympy import Abs, Symbol, sqrt
 
 from longwave.derive import LATTICES, lattice_of, read_lattice
 from longwave.derive.__main__ import main
-from longwave.derive.intervals import SAMPLES, WIDE, Intervals
+from longwave.derive.intervals import HALF_WIDTH, SAMPLE_COUNT, Intervals
 from longwave.derive.measured import Measured
 from longwave.derive.symbols import K2, K4
 
@@ -66,7 +66,7 @@ def test_values_and_covariance_come_with_the_lattice_and_leave_it_in_symbols(
         ({"covariance": {"K2": {"K3": 1}}}, "must name constants that have a value, got 'K3'"),
         ({"covariance": {"K2": 0.1}}, r"K2 in \[covariance\] must be a table"),
         ({"covariance": {"K2": {"K2": 1, "K4": 0.1}, "K4": {"K4": 1}}}, "must be symmetric, got 0"),
-        ({"covariance": {"K4": {"K4": -1e-3}}}, "no variance below 0, got -0.001"),
+        ({"covariance": {"K4": {"K4": -1e-3}}}, "a variance at least 0, got -0.001"),
         ({"covariance": {"K4": {"K4": math.nan}}}, "must be a finite number"),
         ({"covariance": {"K4": {"K4": "0.1"}}}, "must be a finite number"),
         ({"covariance": {"K4": {"K4": 10**400}}}, "got an integer of 1329 bits"),
@@ -106,16 +106,20 @@ def test_derivatives_give_the_deviation_where_they_are_good() -> None:
     deviation = math.sqrt(0.01 + 0.04 - 2 * 0.005)
     assert (found.value, found.sampled, found.lost) == (-0.5, False, 0.0)
     assert found.deviation == pytest.approx(deviation, rel=1e-12)
-    assert found.ends == pytest.approx((-0.5 - WIDE * deviation, -0.5 + WIDE * deviation))
+    assert found.ends == pytest.approx(
+        (-0.5 - HALF_WIDTH * deviation, -0.5 + HALF_WIDTH * deviation)
+    )
 
 
 def test_samples_are_taken_where_derivatives_are_not_good() -> None:
     """|K4|^(1/2) with K4 = 0.5 +- 0.2: its quantiles are the roots of K4's own."""
     found = Intervals(MEASURED, [K2, K4]).of(sqrt(Abs(K4)))
     assert found.sampled
-    expected = [math.sqrt(0.5 + sign * WIDE * 0.2) for sign in (-1, 1)]
+    expected = [math.sqrt(0.5 + sign * HALF_WIDTH * 0.2) for sign in (-1, 1)]
     assert found.ends == pytest.approx(expected, abs=0.015)
-    assert found.by_derivatives[0] == pytest.approx(math.sqrt(0.5) - WIDE * 0.1 / math.sqrt(0.5))
+    assert found.by_derivatives[0] == pytest.approx(
+        math.sqrt(0.5) - HALF_WIDTH * 0.1 / math.sqrt(0.5)
+    )
 
 
 def test_samples_without_the_number_are_reported() -> None:
@@ -124,7 +128,7 @@ def test_samples_without_the_number_are_reported() -> None:
     found = Intervals(loose, [real]).of(sqrt(real))
     assert found.lost == pytest.approx(0.159, abs=0.01)
     assert "(none at 0.16 of the samples)" in found.text()
-    assert SAMPLES >= 10_000
+    assert SAMPLE_COUNT >= 10_000
 
 
 def derived(folder: Path, capsys: Output, text: str, *options: str) -> str:

@@ -11,10 +11,10 @@ from longwave.derive import lattice_of
 from longwave.derive.lattice_file import (
     FUNCTIONS,
     KEYS,
-    LARGEST,
+    LARGEST_FILE,
     LONGEST_NAME,
     LONGEST_TITLE,
-    MOST,
+    MAX_ENTRIES,
 )
 from longwave.derive.symbols import RESERVED
 from snippets import snippets
@@ -92,8 +92,8 @@ def test_functions_names_and_limits_are_those_of_the_reader() -> None:
     top = section(TOP)
     assert f"at most {LONGEST_NAME} characters each" in top
     assert top.count(f"at most {LONGEST_TITLE} characters") == 2
-    assert re.search(rf"at most {MOST} of each, at most\s{MOST} fields", top)
-    assert f"{LARGEST // 1000} kB" in top
+    assert re.search(rf"at most {MAX_ENTRIES} of each, at most\s{MAX_ENTRIES} fields", top)
+    assert f"{LARGEST_FILE // 1000} kB" in top
 
 
 def test_springs_and_sites_are_the_bonds_that_the_page_says() -> None:

@@ -113,4 +113,4 @@ def test_a_derivation_of_hours_is_refused_before_it_starts(
     assert main(["derive", "dimer", "--envelope", "k", "--max-time", "30s"]) == 2
     error = capsys.readouterr().err
     assert error.splitlines()[-1].startswith("error: formulas must have at most 2500 terms, got ")
-    assert "(give numbers for some of H2, H3, H4, K2, K3, K4, m1, m2, as H2=1)" in error
+    assert "(give numbers for some of H2, H3, H4, K2, K3, K4, m1, m2, such as H2=1)" in error

@@ -163,7 +163,7 @@ def test_a_wrong_input_is_a_one_line_error(
 
 CONTENTS = [
     ("lattice.toml", "u1", "u_1", "between must be a sum of sites such as F[n+1] - 2*F[n], got"),
-    ("lattice.toml", "u2", "u1", "fields must have names of letters and digits, each its own"),
+    ("lattice.toml", "u2", "u1", "fields must have different names of letters and digits"),
     ("one.toml", "K*x", "-1*x", "stiffness must be positive: the square of the sound speed"),
     ("lattice.toml", "K*x + g*x**2", "K*x +", "force: expected"),
     ("lattice.toml", '"u2[n]", "u1[n+1]"', '"u2[n]"', "between must be two sites"),

@@ -215,7 +215,7 @@ GRANULAR = {"lattice": "granular", "constants": {"A": 1, "d": "1/100"}, "carrier
         (DARK | {"branch": 1}, "branch must be acoustic, optical or a number below 1, got 1"),
         (
             DARK | {"lattice": "mass_dimer", "constants": DIMER | {"m2": 3}, "carrier": "pi"},
-            "k must be no resonance",
+            "k must not be a resonance",
         ),
         (DARK | GRANULAR | {"eps": 1.0, "slow_times": [0, 9]}, "where its force is defined"),
         (UNSTABLE, "constants must make waves of chain stable"),

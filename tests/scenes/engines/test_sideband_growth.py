@@ -238,7 +238,7 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
     "small": ({"eps": 1e-12}, "eps must leave a perturbation of fewer than"),
     "resonant": (
         {"lattice": "mass_dimer", "constants": DIMER | {"m2": 3}, "carrier": "pi"},
-        "k must be no resonance",
+        "k must not be a resonance",
     ),
     "compressed": (
         {
