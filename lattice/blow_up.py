@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.numeric_lattice import ROUNDED, NumericLattice, zone_wavenumbers
 from longwave.lattice.state import GROWTH, BlowUp, State
-
-Array = NDArray[np.float64]
+from longwave.support.array_types import Array, Mask
 
 WAVES = {1: 33, 2: 9, 3: 5}
 """Wavenumbers per axis, by dimension, of the grid over the Brillouin zone on which the stability of
@@ -54,7 +52,7 @@ def find_blow_up(
     return None
 
 
-def _unstable_cells(lattice: NumericLattice, slopes: list[Array]) -> NDArray[np.bool_]:
+def _unstable_cells(lattice: NumericLattice, slopes: list[Array]) -> Mask:
     """Return a mask of the cells whose slopes, repeated in every cell, give an unstable lattice."""
     units = np.eye(len(slopes))
     waves = zone_wavenumbers(lattice.dimension, WAVES[lattice.dimension])
@@ -68,7 +66,7 @@ def _unstable_cells(lattice: NumericLattice, slopes: list[Array]) -> NDArray[np.
     return np.concatenate(masks).reshape(slopes[0].shape)
 
 
-def _blow_up_at(criterion: str, state: State, mask: NDArray[np.bool_]) -> BlowUp:
+def _blow_up_at(criterion: str, state: State, mask: Mask) -> BlowUp:
     """Return a `BlowUp` at the first cell, in site order, where the mask is set."""
     first = np.argmax(np.roll(mask, -state.left, axis=0) if state.left else mask)
     return BlowUp(criterion, state.t, state.left + int(first))

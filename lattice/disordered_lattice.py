@@ -11,14 +11,13 @@ from dataclasses import dataclass, fields
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from longwave.lattice.force_program import ForceProgram
-from longwave.lattice.numeric_lattice import Complex, Entry, NumericLattice
+from longwave.lattice.numeric_lattice import Entry, NumericLattice
 from longwave.lattice.variation import MassKind, Variation
+from longwave.support.array_types import Array, Complex
 from longwave.support.real_arrays import real_array
-
-Array = NDArray[np.float64]
 
 
 def mass_kind(lattice: NumericLattice) -> MassKind:

@@ -12,15 +12,13 @@ from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.force_program import ForceProgram
 from longwave.lattice.numeric_lattice import DriveSteps
 from longwave.lattice.outer_forces import TimeFunction, shortest_time_scale
 from longwave.lattice.schemes import DriftKick, Scheme
 from longwave.lattice.time_integral import LEAST_PANEL, Integral
-
-Array = NDArray[np.float64]
+from longwave.support.array_types import Array
 
 FOLLOWED = 1e-5
 """Share of the tolerance allowed for the error of a drive's integral on one panel."""

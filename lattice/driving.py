@@ -16,7 +16,6 @@ from types import MappingProxyType
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.disordered_lattice import DisorderedLattice, energy_and_force_at
 from longwave.lattice.drive_steps import drive_steps
@@ -33,8 +32,8 @@ from longwave.lattice.schemes import DriftKick, Scheme
 from longwave.lattice.state import State
 from longwave.lattice.trial import DRIVEN_SHARE
 from longwave.lattice.variation import Pulse, Variation
+from longwave.support.array_types import Array, Mask
 
-Array = NDArray[np.float64]
 Factors = Mapping[int, float | Sequence[float]]
 """Factors by the index of a cell or bond: one for all of its fields (or bonds), or one for each."""
 
@@ -160,7 +159,7 @@ class DrivenChain(DisorderedLattice):
         )
 
     @cached_property
-    def _cuts(self) -> list[NDArray[np.bool_] | None]:
+    def _cuts(self) -> list[Mask | None]:
         """Mask of the cells in which each bond is cut; None for a bond that is cut nowhere."""
         cuts = self.bond_shares == 0.0
         return [cut if cut.any() else None for cut in cuts]
@@ -519,7 +518,7 @@ class _Ends(NamedTuple):
 
     walls: tuple[_Wall, ...]
     free: tuple[tuple[int, int], ...]
-    cut: NDArray[np.bool_]
+    cut: Mask
 
 
 def _ends(lattice: NumericLattice, cells: int, left: End | None, right: End | None) -> _Ends:

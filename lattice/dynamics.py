@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.blow_up import find_blow_up
 from longwave.lattice.driving import DrivenChain
@@ -15,9 +14,8 @@ from longwave.lattice.model import chain_constants
 from longwave.lattice.numeric_lattice import NumericLattice, value_range
 from longwave.lattice.schemes import DriftKick, Scheme
 from longwave.lattice.state import GROWTH, BlowUp, State
+from longwave.support.array_types import Array
 from longwave.support.real_arrays import real_array
-
-Array = NDArray[np.float64]
 
 SLOPES = 65
 """Stretches, from the least to the most encountered, at which slopes are evaluated."""

@@ -12,13 +12,11 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import legendre
-from numpy.typing import NDArray
 
 from longwave.lattice.driving import DrivenChain
 from longwave.lattice.state import State
+from longwave.support.array_types import Array
 from longwave.support.checkpoint import Memory
-
-Array = NDArray[np.float64]
 
 NODES, WEIGHTS = ((legendre.leggauss(4)[0] + 1.0) / 2.0, legendre.leggauss(4)[1] / 2.0)
 """Nodes and weights of Gauss's rule on 0 .. 1."""

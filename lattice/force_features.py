@@ -12,12 +12,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.force_program import PLACES, ForceProgram
 from longwave.lattice.time_integral import Integral
-
-Array = NDArray[np.float64]
+from longwave.support.array_types import Array
 
 PANELS = 64
 """Initial number of panels on a range of stretches."""

@@ -44,10 +44,10 @@ from longwave.lattice.trial import (
     rounding_error,
     step_between,
 )
+from longwave.support.array_types import Array
 from longwave.support.checkpoint import Memory, begin_loop
 from longwave.support.request_limits import OverBudgetError
 
-Array = NDArray[np.float64]
 Judged = Callable[[Array, Array, float], ArrayLike]
 """Function of positions, velocities and time whose values the error estimate is for."""
 

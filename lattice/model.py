@@ -5,13 +5,11 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.force_program import ForceProgram
 from longwave.lattice.numeric_lattice import Entry, NumericBond, NumericLattice
 from longwave.lattice.state import State
-
-Array = NDArray[np.float64]
+from longwave.support.array_types import Array
 
 NEGLIGIBLE = 1e-200
 """K3 and K4 below this, in units of the largest constant, have no effect for strains up to 1e90;

@@ -14,9 +14,10 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from longwave.lattice.force_program import ForceProgram, force_program
+from longwave.support.array_types import Array, Complex
 from longwave.support.known_names import one_of
 
 if TYPE_CHECKING:
@@ -26,8 +27,6 @@ if TYPE_CHECKING:
     from longwave.lattice.state import State
     from longwave.lattice.variation import Variation
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 Range = tuple[float, float]
 
 

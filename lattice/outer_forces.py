@@ -11,11 +11,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.force_program import ForceProgram
+from longwave.support.array_types import Array, Mask
 
-Array = NDArray[np.float64]
 TimeFunction = Callable[[Array], Array]
 """Function of an array of times."""
 
@@ -122,7 +121,7 @@ def shortest_time_scale(
     return least, turns
 
 
-def _is_outside(times: Array, spans: Array | None) -> NDArray[np.bool_]:
+def _is_outside(times: Array, spans: Array | None) -> Mask:
     """Return a mask of the intervals between times that meet none of the spans."""
     if spans is None or not spans.size:
         return np.ones(times.size - 1, dtype=np.bool_)

@@ -8,9 +8,9 @@ the logarithm in normal numbers, is applied to them.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from longwave.support.array_types import Array
 
 DISTRIBUTIONS = ("uniform", "binary")
 """Distributions of deviations: uniform on -1 .. 1, or -1 and 1 with equal probability."""

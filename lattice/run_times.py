@@ -4,11 +4,10 @@ import math
 from numbers import Real
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from longwave.support.array_types import Array
 from longwave.support.real_arrays import real_array
-
-Array = NDArray[np.float64]
 
 
 def check_positive(name: str, value: float, remedy: str) -> None:

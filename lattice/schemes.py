@@ -20,13 +20,12 @@ from itertools import accumulate, pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.scheme_order import NystroemTable, nystroem_defect, phase_lag_defect
+from longwave.support.array_types import Array, Mask
 from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
 
-Array = NDArray[np.float64]
 Exact = tuple[Fraction, ...]
 
 
@@ -255,12 +254,12 @@ JURY_SLACK = 1e-12
 """Tolerance for rounding of an eigenvalue on the unit circle."""
 
 
-def _stable(scheme: Scheme, z: Array) -> NDArray[np.bool_]:
+def _stable(scheme: Scheme, z: Array) -> Mask:
     """Return whether both eigenvalues of steps of y'' = -y lie in the unit disc (Jury's test)."""
     step = scheme.oscillator(z)
     trace = step[:, 0, 0] + step[:, 1, 1]
     determinant = step[:, 0, 0] * step[:, 1, 1] - step[:, 0, 1] * step[:, 1, 0]
-    inside: NDArray[np.bool_] = (np.abs(trace) <= 1.0 + determinant + JURY_SLACK) & (
+    inside: Mask = (np.abs(trace) <= 1.0 + determinant + JURY_SLACK) & (
         determinant <= 1.0 + JURY_SLACK
     )
     return inside

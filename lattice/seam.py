@@ -23,11 +23,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.state import State
+from longwave.support.array_types import Array
 
-Array = NDArray[np.float64]
 Profile = Callable[[Array], Array]
 
 SAMPLES = 64

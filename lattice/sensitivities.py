@@ -13,7 +13,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy import sparse
 
 from longwave.lattice.driving import DrivenChain
@@ -22,8 +22,7 @@ from longwave.lattice.numeric_lattice import Entry
 from longwave.lattice.outer_forces import TimeFunction
 from longwave.lattice.schemes import REDUCED_PHASE_6, DriftKick
 from longwave.lattice.state import State
-
-Array = NDArray[np.float64]
+from longwave.support.array_types import Array
 
 NEGLIGIBLE = 1e-17
 """Largest neglected term of a drift's series, in units of its velocities."""

@@ -5,15 +5,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.dynamics import Dynamics
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.schemes import Scheme
 from longwave.lattice.state import BlowUp, Domain, State
+from longwave.support.array_types import Array
 from longwave.support.checkpoint import Memory, fitting
-
-Array = NDArray[np.float64]
 
 
 def advance(

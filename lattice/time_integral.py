@@ -11,8 +11,7 @@ from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
 from longwave.lattice.force_program import ForceProgram
-
-Array = NDArray[np.float64]
+from longwave.support.array_types import Array, Mask
 
 PANELS, MOST_PANELS, NODES = 2**13, 2**18, 12
 """Initial and largest number of panels, and points of Gauss's rule on each."""
@@ -195,9 +194,7 @@ class _Hull:
         least, most = _slopes_met(value, low, high)
         return _Hull(np.fmin(self.least, least), np.fmax(self.most, most))
 
-    def is_left_by(
-        self, value: ForceProgram, low: Array, high: Array, room: Array
-    ) -> NDArray[np.bool_]:
+    def is_left_by(self, value: ForceProgram, low: Array, high: Array, room: Array) -> Mask:
         """Return a mask of the panels on which the slope may leave the hull.
 
         It counts as left if exceeded by more than its width, plus ``room``, plus the share `LOOSE`
@@ -208,7 +205,7 @@ class _Hull:
         room = room + (self.most - self.least) + LOOSE * largest
         return ~((bounds[0] >= self.least - room) & (bounds[1] <= self.most + room))
 
-    def halved(self, rough: NDArray[np.bool_]) -> _Hull:
+    def halved(self, rough: Mask) -> _Hull:
         """Return the hull of the panels after those that are ``rough`` were halved.
 
         Others are dropped.

@@ -9,9 +9,8 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from longwave.support.array_types import Array
 
 NUDGE = 2.0**-51
 """Relative change of the data's last digits."""
@@ -123,7 +122,7 @@ def rounding_error(largest: float, evaluations: int) -> float:
     return largest * (ROUNDING * math.sqrt(1.0 + evaluations) + STEADY * evaluations)
 
 
-def clock_error(values: NDArray[np.float64], c: float, times: tuple[float, float]) -> float:
+def clock_error(values: Array, c: float, times: tuple[float, float]) -> float:
     """Return the effect of two roundings of the time on ``values`` of neighbouring sites.
 
     The wave moves at ``c``. Far from t = 0 a time is known to its unit in the last place only.

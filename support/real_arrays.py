@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Array = NDArray[np.float64]
+from longwave.support.array_types import Array
 
 REMEDIES = {"c": "take its real part", "b": "0 and 1 are numbers"}
 """Remedies for arrays of other values, by the kind of their dtype."""

@@ -8,9 +8,8 @@ they count as moving.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from longwave.support.array_types import Array, Mask
 
 MARGIN = 256
 """Number of cells at rest that are advanced at either end of the moving ones. With 128 to 512 the
@@ -33,12 +32,12 @@ def seems_still(f: Array, v: Array) -> bool:
     return bool(2 * np.count_nonzero(moving) <= moving.size)
 
 
-def moving_cells(f: Array, v: Array) -> NDArray[np.bool_]:
+def moving_cells(f: Array, v: Array) -> Mask:
     """Return a mask of the cells with a nonzero field or velocity; shape (cells,)."""
     return np.logical_or(f.any(axis=0), v.any(axis=0))
 
 
-def shortest_arc(cells: NDArray[np.bool_]) -> tuple[int, int]:
+def shortest_arc(cells: Mask) -> tuple[int, int]:
     """Return the first cell of the shortest arc with all True cells, and the one past its last.
 
     The second exceeds the ring's size if the arc crosses its end. Both are 0 if no cell is True.

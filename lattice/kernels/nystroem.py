@@ -12,11 +12,9 @@ combination of constants is compiled separately, without code for the absent ter
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
+from longwave.support.array_types import Array
 from longwave.support.compiled.jit import doubles, njit
-
-Array = NDArray[np.float64]
 
 _jit = njit(fastmath={"contract"})
 

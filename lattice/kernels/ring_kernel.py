@@ -48,7 +48,6 @@ from itertools import chain, product
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.kernels.active_cells import (
     MARGIN,
@@ -58,14 +57,12 @@ from longwave.lattice.kernels.active_cells import (
     shortest_arc,
 )
 from longwave.lattice.kernels.streams import FUNCTIONS, StagePlan, rows_of, varied_stage_plan
+from longwave.support.array_types import Array, Indices, Mask
 from longwave.support.compiled.cores import other_core, usable_cores
 from longwave.support.compiled.native_code import native_functions
 
 if TYPE_CHECKING:
     from longwave.lattice.numeric_lattice import NumericLattice
-
-Array = NDArray[np.float64]
-Places = NDArray[np.int64]
 
 LANES = 8
 """Cells per row: one vector of 512 bits, which is also a cache line."""
@@ -185,7 +182,7 @@ class _Layout(NamedTuple):
     """
 
     lanes: int
-    starts: Places
+    starts: Indices
     vectors: int
     width: int
     edge: int
@@ -283,7 +280,7 @@ class _Arc:
         """Return a script of these calls."""
         return _Script(self._code, chain.from_iterable(calls))
 
-    def _repeats(self) -> list[Places]:
+    def _repeats(self) -> list[Indices]:
         """Return the indices of the ghost rows below and above the arc, and of their sources.
 
         Indices count cells of a chain, vectors of a plane.
@@ -309,7 +306,7 @@ class _Arc:
     ) -> Iterator[Call]:
         """Yield calls that copy the ``ranges`` of the arc from rings to planes, or back."""
         layout, starts = self._layout, self._layout.starts[:-1]
-        at: tuple[Places, ...]
+        at: tuple[Indices, ...]
         for (begin, end), (plane, rings) in product(ranges, planes):
             if self._columns:
                 at = starts, np.zeros_like(starts), np.full_like(starts, layout.vectors)
@@ -414,7 +411,7 @@ class RingKernel:
         self._between = 0
         self._scripts: dict[Hashable, tuple[Array, Array, list[list[_Script]]]] = {}
         self._cached_arc: tuple[int, int, _Arc] | None = None
-        self._moved_from_rest: NDArray[np.bool_] | None = None
+        self._moved_from_rest: Mask | None = None
 
     def advance(self, f: Array, v: Array, drifts: Array, kicks: Array, steps: int) -> None:
         """Advance in place by a drift-kick splitting.
@@ -527,7 +524,7 @@ class RingKernel:
             self._cached_arc = begin, end, arc
         return _MovingArc(arc, min(below, above) // max(1, *self._reach))
 
-    def _sources(self, kicks: Array) -> NDArray[np.bool_]:
+    def _sources(self, kicks: Array) -> Mask:
         """Return the cells of a chain that begin to move from rest, found by one stage of it."""
         if self._moved_from_rest is None:
             f, v = np.zeros((2, self._fields, *self._shape))

@@ -19,12 +19,9 @@ import math
 
 import ducc0  # type: ignore[import-not-found]
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.spectral.field_ring import FieldRing, modes_of, values_of
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+from longwave.support.array_types import Array, Complex
 
 WIDTH = 1.0 / 12.0
 """Width of the absorber, in circumferences; its profile is exp(-(distance to the seam/width)^2).

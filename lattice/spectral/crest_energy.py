@@ -14,13 +14,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.spectral.field_ring import TAIL, FieldRing, modes_of, values_of
 from longwave.lattice.spectral.lattice_ring import ring_stretches, wavenumbers
-
-Array = NDArray[np.float64]
+from longwave.support.array_types import Array
 
 DENSITY = 4.5
 """Points per site that resolve the energy's modes of wavenumbers near 2 pi: 2 for the strain, as

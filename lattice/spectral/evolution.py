@@ -25,19 +25,16 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.spectral.absorber import ABSORBER_STRENGTH, LeftAbsorber, ShortAbsorber
 from longwave.lattice.spectral.exponential import ExponentialAdams
 from longwave.lattice.spectral.field_ring import FieldRing, modes_of, spectrum_tails, values_of
+from longwave.support.array_types import Array, Complex
 from longwave.support.compiled.jit import complexes, doubles, njit
 
 if TYPE_CHECKING:
     from longwave.lattice.model import Model
     from longwave.support.checkpoint import Memory
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 WATCH = 16
 """Steps between two checks of the spectrum's tail."""

@@ -22,14 +22,12 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from longwave.support.array_types import Array, Complex
 from longwave.support.compiled.jit import complexes, njit
 
 if TYPE_CHECKING:
     from longwave.support.checkpoint import Memory
-
-Complex = NDArray[np.complex128]
 
 RADIUS = 2.0
 """Size of z from which on the recurrence is used."""
@@ -72,7 +70,7 @@ def _downwards(z: Complex, highest: int) -> list[Complex]:
     return values[::-1]
 
 
-def moment_weights(z: Complex, nodes: NDArray[np.float64]) -> Complex:
+def moment_weights(z: Complex, nodes: Array) -> Complex:
     """Return weights w_j(z) with int_0^1 exp((1 - u) z) f(u) du = sum_j w_j f(nodes_j).
 
     Exact for polynomials f of degree < len(nodes). Shape (len(nodes), *z.shape).

@@ -12,10 +12,9 @@ from dataclasses import dataclass, replace
 
 import ducc0  # type: ignore[import-not-found]
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+from longwave.support.array_types import Array, Complex
 
 TAIL = 8
 """Inverse share of the spectrum that counts as its tail: the last 1/TAIL."""

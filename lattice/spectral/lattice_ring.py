@@ -21,7 +21,6 @@ from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.force_program import ForceProgram
 from longwave.lattice.numeric_lattice import NumericBond, NumericLattice
@@ -29,13 +28,11 @@ from longwave.lattice.spectral.evolution import WATCH, RunawayError, SamplingErr
 from longwave.lattice.spectral.exponential import ExponentialAdams
 from longwave.lattice.spectral.field_ring import FieldRing, modes_of, spectrum_tails, values_of
 from longwave.lattice.spectral.normal_modes import multipliers, normal_modes
+from longwave.support.array_types import Array, Complex, Mask
 from longwave.support.compiled.jit import complexes, doubles, njit
 
 if TYPE_CHECKING:
     from longwave.support.checkpoint import Memory
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 STILL = 0.03
 """Frequencies below this many radians over the whole run are raised to it."""
@@ -294,7 +291,7 @@ def whole(state: FieldRing) -> bool:
     )
 
 
-def _symmetric_modes(state: FieldRing) -> NDArray[np.bool_]:
+def _symmetric_modes(state: FieldRing) -> Mask:
     """Return a mask of the modes that shifts map to modes of real functions.
 
     These are all, or all but the highest.

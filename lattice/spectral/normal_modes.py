@@ -14,12 +14,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.numeric_lattice import Entry, NumericLattice
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+from longwave.support.array_types import Array, Complex
 
 HERMITIAN = 1e-12
 """Largest deviation of a weighted matrix from its adjoint, in units of its largest entry, at which

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from time import perf_counter
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from longwave.lattice.integration import RING_SAFETY, Cost
 from longwave.lattice.numeric_lattice import NumericLattice
@@ -40,10 +40,10 @@ from longwave.lattice.trial import (
     nudged,
     rounding_error,
 )
+from longwave.support.array_types import Array
 from longwave.support.checkpoint import Memory, begin_loop
 from longwave.support.real_arrays import real_array
 
-Array = NDArray[np.float64]
 Judged = Callable[[FieldRing], Array]
 
 ROUNDED_TAIL = 2.0**-46
