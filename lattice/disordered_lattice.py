@@ -21,10 +21,7 @@ from longwave.support.real_arrays import real_array
 
 
 def mass_kind(lattice: NumericLattice) -> MassKind:
-    """Return "displacements" or "strains": the kind of field that the lattice's masses carry.
-
-    Raises ValueError for a lattice of neither kind, whose masses cannot be assigned to cells.
-    """
+    """Return the kind of the fields; raise ValueError if masses cannot be assigned to cells."""
     kind = _kind_of_fields(lattice)
     if kind is None:
         raise ValueError(
@@ -145,19 +142,13 @@ class DisorderedLattice(NumericLattice):
         return [slope + self.variation.bound * abs(part) for slope, part in pairs]
 
     def largest_slope(self, bond_index: int, stretches: Array) -> float:
-        """Return an upper bound of abs(slope) of a bond's force at these stretches.
-
-        It holds in every cell.
-        """
+        """Return a bound, in all cells, of abs(slope) of a bond's force at these stretches."""
         return super().largest_slope(bond_index, stretches) + self._added_slope(
             bond_index, stretches
         )
 
     def steepest(self, bond_index: int, stretches: Array) -> float:
-        """Return an upper bound of the slope of a bond's force at these stretches.
-
-        It holds in every cell.
-        """
+        """Return a bound, in all cells, of the slope of a bond's force at these stretches."""
         return super().steepest(bond_index, stretches) + self._added_slope(bond_index, stretches)
 
     def _added_slope(self, bond_index: int, stretches: Array) -> float:

@@ -83,10 +83,7 @@ def _step_and_panels(
     scheme: DriftKick,
     tolerance: float,
 ) -> tuple[float, Array, float]:
-    """Return the step for most times, and the panels, (2, panels), that need shorter steps.
-
-    The third value is the sum of the integration errors of the scheme's stages on these panels.
-    """
+    """Return the usual step, the (2, panels) that need shorter ones, and their total error."""
     exact, no_panels = _exact_integral(formula, begin, end), np.zeros((2, 0))
     if exact is None or not np.isfinite(exact.sums).all():
         return step, no_panels, 0.0

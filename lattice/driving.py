@@ -65,10 +65,7 @@ class _Wall:
 
 @dataclass(frozen=True, eq=False)
 class DrivenChain(DisorderedLattice):
-    """A chain of ``cells`` cells with walls, losses and forces; built by `driven_chain`.
-
-    Its ring holds the moving cells, then those of the walls.
-    """
+    """A chain built by `driven_chain`: ``cells`` moving cells, then the cells of its walls."""
 
     cells: int
     outer_forces: tuple[SiteForce, ...]
@@ -113,10 +110,7 @@ class DrivenChain(DisorderedLattice):
         return self.moved if any(self.dashpots) else []
 
     def _drag(self, wall: _Wall) -> Array:
-        """Return the acceleration of each field by a wall moving at unit velocity.
-
-        Cells have their nominal masses.
-        """
+        """Return the acceleration of each field, at nominal masses, by a wall of unit velocity."""
         unit = np.zeros((len(self.fields), self.deviations.shape[1]))
         unit[:, list(wall.places)] = 1.0
         return self.acceleration_by(self.dashpot_forces(unit))
@@ -206,11 +200,7 @@ class DrivenChain(DisorderedLattice):
         return (*(f"{side} wall" for side in sides), *forces)
 
     def drive_within(self, begin: float, end: float) -> tuple[float, bool]:
-        """Return the shortest time scale of drives and losses, and whether a drive has corners.
-
-        A drive's time scale is the range of its values over its steepest slope. At a corner its
-        slope jumps between two sampled times.
-        """
+        """Return the shortest time scale of drives and losses, and whether a drive has corners."""
         shortest, turns = shortest_time_scale(self._drives, begin, end)
         return min(shortest, self._loss_time), turns
 
@@ -314,10 +304,7 @@ class DrivenChain(DisorderedLattice):
 
 
 def _stages(scheme: DriftKick, h: float, steps: int) -> tuple[Array, Array]:
-    """Return drifts and kicks of all stages of some steps; adjacent drifts are merged.
-
-    The last stage is a drift with the kick 0.
-    """
+    """Return the drifts and kicks of some steps, adjacent drifts merged; the last kick is 0."""
     drifts = np.tile(scheme.drifts[:-1] * h, steps)
     drifts[scheme.kicks.size :: scheme.kicks.size] += scheme.drifts[-1] * h
     kicks = np.tile(scheme.kicks * h, steps)
@@ -340,10 +327,7 @@ def _series(drifts: Array) -> Array:
 
 
 def _speeds(path: Array, lengths: Array) -> Array:
-    """Return the velocities that cover the path's steps in these drifts.
-
-    0 in drifts of length 0.
-    """
+    """Return the velocities that cover a path's increments in these drifts; 0 in drifts of 0."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(lengths == 0.0, 0.0, np.diff(path) / lengths)
 
@@ -418,10 +402,7 @@ def _mass_factors(given: Factors, factors: Array, cells: int) -> Array:
 
 
 def _bond_factors(lattice: NumericLattice, given: Factors, factors: Array, cells: int) -> Array:
-    """Multiply the bond factors, (bonds, ring), by the given ones, and return them.
-
-    Cut bonds stay 0.
-    """
+    """Multiply the bond factors, (bonds, ring), by the given ones; cut bonds stay 0."""
     for number, factor in given.items():
         present = [
             any(0 <= number + entry.shift[0] < cells for entry in bond.stretch)
@@ -435,10 +416,7 @@ def _bond_factors(lattice: NumericLattice, given: Factors, factors: Array, cells
 def _checked_factors(
     name: str, number: int, given: float | Sequence[float], count: int, is_there: bool
 ) -> Array:
-    """Return the factors of one defect for each field or bond.
-
-    Raises ValueError for factors or indices that are invalid.
-    """
+    """Return one defect's factor for each field or bond; raise ValueError if it is invalid."""
     factors = np.array(given, dtype=np.float64)
     if not is_there:
         raise ValueError(f"{name} factors must be of cells and bonds in the chain, got {number}")
@@ -452,10 +430,7 @@ def _checked_factors(
 
 
 def _pulses(ends: _Ends, forces: Sequence[SiteForce], count: int, pulls: bool) -> tuple[Pulse, ...]:
-    """Return the pulses of external forces, of moving walls, and of walls that drag dashpots.
-
-    Each wall has one for each field.
-    """
+    """Return a pulse for each force, moving wall and field, and each wall that drags dashpots."""
     moved = sum(wall.displacement is not None for wall in ends.walls)
     walls = [(index, None) for index in range(count)] * (2 * moved if pulls else moved)
     return (*((force.field, force.law) for force in forces), *walls)
@@ -464,10 +439,7 @@ def _pulses(ends: _Ends, forces: Sequence[SiteForce], count: int, pulls: bool) -
 def _rates(
     name: str, each: str, names: Sequence[str], given: Sequence[float] | float
 ) -> tuple[float, ...]:
-    """Return one rate for each field or bond.
-
-    Raises ValueError for a negative rate or a wrong count.
-    """
+    """Return one rate for each field or bond; raise ValueError for a wrong sign or count."""
     rates = (given,) * len(names) if isinstance(given, int | float) else tuple(given)
     if len(rates) != len(names) or not all(0.0 <= rate < math.inf for rate in rates):
         raise ValueError(
@@ -522,10 +494,7 @@ class _Ends(NamedTuple):
 
 
 def _ends(lattice: NumericLattice, cells: int, left: End | None, right: End | None) -> _Ends:
-    """Build the ends of the chain.
-
-    Two fixed ends share their wall cells; other ends have cells of their own.
-    """
+    """Build the ends; two fixed ends share their wall cells, others have cells of their own."""
     bonds, reach = len(lattice.bonds), lattice.reach
     if left is None:
         return _Ends((), (), np.zeros((bonds, cells), dtype=np.bool_))

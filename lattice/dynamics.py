@@ -40,10 +40,7 @@ class Dynamics:
         self._safe_ranges: list[tuple[float, float]] = []
 
     def checked(self, state: State) -> State:
-        """Return the state with contiguous double arrays.
-
-        Raises ValueError if its shape does not fit the lattice or a value is not finite.
-        """
+        """Return the state with contiguous double arrays; raise ValueError if it does not fit."""
         fields, axes = len(self.lattice.fields), self.lattice.dimension
         f, v = (
             np.ascontiguousarray(
@@ -71,10 +68,7 @@ class Dynamics:
     def advance(
         self, scheme: Scheme, f: Array, v: Array, h: float, steps: int, t: float = 0.0
     ) -> None:
-        """Advance fields and velocities in place by ``steps`` steps of length ``h`` from ``t``.
-
-        Splittings on chains and planes run as compiled kernels written for the lattice.
-        """
+        """Advance fields and velocities in place by ``steps`` steps of length ``h`` from ``t``."""
         if self.lattice.is_driven:
             self._advance_driven(scheme, f, v, h, steps, t)
             return
@@ -90,10 +84,7 @@ class Dynamics:
     def _advance_driven(
         self, scheme: Scheme, f: Array, v: Array, h: float, steps: int, t: float
     ) -> None:
-        """Advance a chain with losses, walls and forces.
-
-        Forces and walls are evaluated at the time of each stage.
-        """
+        """Advance a driven chain; forces and walls are evaluated at the time of each stage."""
         chain = self.lattice
         assert isinstance(chain, DrivenChain)
         if not isinstance(scheme, DriftKick):
@@ -123,10 +114,7 @@ class Dynamics:
         return self._kernels[shape]
 
     def threads(self, scheme: Scheme) -> int:
-        """Return how many states can be advanced concurrently.
-
-        Compiled code releases the interpreter lock; NumPy's many small calls do not.
-        """
+        """Return how many states can be advanced concurrently: NumPy keeps the interpreter lock."""
         return 2 if isinstance(scheme, DriftKick) and self.lattice.dimension <= 2 else 1
 
     def ranges(self, state: State) -> Array:
@@ -137,10 +125,7 @@ class Dynamics:
         return np.array([*bonds, *fields])
 
     def highest_frequency(self, ranges: Array) -> float:
-        """Return a bound of the frequency of waves about states in these ranges, inf if unbounded.
-
-        It uses each bond's largest abs(slope) over its range and at rest.
-        """
+        """Return a bound of the frequency of waves about states in these ranges, maybe infinite."""
         slopes = []
         for index, bond in enumerate(self.lattice.bonds):
             least, most = map(float, ranges[index])
@@ -182,10 +167,7 @@ class Dynamics:
         return np.array(self.lattice.stretches(f))
 
     def find_blow_up(self, state: State, ranges: Array, amplitude: float | None) -> BlowUp | None:
-        """Return the blow-up criterion that a state with those ranges meets, or None.
-
-        See `blow_up.find_blow_up`; states whose ranges are clearly safe skip its work.
-        """
+        """Return `blow_up.find_blow_up` of a state, None at once if its ranges are clearly safe."""
         sound = amplitude is not None and self._is_clearly_sound(ranges, GROWTH * amplitude)
         if sound and math.isfinite(float(state.v.sum())):
             return None

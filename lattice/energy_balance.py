@@ -32,10 +32,7 @@ def _powers(points: Sequence[float] | Array, derivative: int) -> Array:
 
 
 def _at_nodes(*known: Array) -> Array:
-    """Return matrices from a polynomial's data to its values and slopes at `NODES`.
-
-    The shape is (2, node, datum). Each argument is a block of `_powers`, one row for each datum.
-    """
+    """Return matrices (2, node, datum) from a polynomial's data to values and slopes at `NODES`."""
     conditions = np.concatenate(known)
     inverse = np.linalg.inv(conditions[:, : len(conditions)])
     return np.array([_powers(NODES, each)[:, : len(inverse)] @ inverse for each in (0, 1)])
@@ -92,10 +89,7 @@ def power(
 
 
 def _flux(chain: DrivenChain, forces: Sequence[Array], v: Array, cut: int) -> Array:
-    """Return the energy flow through the bonds over a cut.
-
-    It is half the power of these bonds on the cells right of the cut less that on its left.
-    """
+    """Return the energy flow over a cut: half of the bonds' power right of it less left of it."""
     flux, ring = np.zeros(v.shape[1]), v.shape[2]
     for bond, force in zip(chain.bonds, forces, strict=True):
         shifts = [entry.shift[0] for entry in bond.stretch]

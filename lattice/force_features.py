@@ -47,10 +47,7 @@ ROUNDING = 1e-13
 
 @dataclass(frozen=True)
 class Feature:
-    """``width`` that a step must resolve, infinite for a smooth law.
-
-    ``turns`` if there are corners, at which the order of convergence is low.
-    """
+    """``width`` to resolve, infinite for a smooth law; ``turns`` if there are corners."""
 
     width: float
     turns: bool = False
@@ -87,10 +84,7 @@ def _feature(force: ForceProgram, low: float, high: float, impulse: float, gaps:
 
 
 def _narrowest(force: ForceProgram, low: float, high: float, allowed: float, gaps: int) -> float:
-    """Return the shortest panel of a feature other than a contact's opening.
-
-    Inf if there is none.
-    """
+    """Return the shortest panel of a feature other than a contact's opening; inf without any."""
     with np.errstate(all="ignore"):
         largest = float(np.max(np.abs(force(np.linspace(low, high, PLACES)))))
     allowed += ROUNDING * largest * (high - low) / PANELS
@@ -152,10 +146,7 @@ def _sampling_error(force: ForceProgram, low: float, high: float, gaps: int) -> 
 
 
 def _interpolation_error(samples: Array, t: Array, values: Array, points: int) -> Array:
-    """Return the distance of ``values`` at ``t``, in gaps, from polynomials through samples.
-
-    Each polynomial goes through the nearest ``points`` samples.
-    """
+    """Return the distance of ``values`` at ``t``, in gaps, from polynomials through samples."""
     first = np.clip(t.astype(np.int64) - (points // 2 - 1), 0, samples.size - points)
     t = t - first
     expected = np.zeros_like(t)

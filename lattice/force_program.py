@@ -209,10 +209,7 @@ class ForceProgram:
         return np.asarray(stretch * sum(parts))
 
     def _from_opening(self, stretch: Array) -> Array:
-        """Return the force's integral from the contact's opening.
-
-        The variable is the root of the distance, in which the integrand is smooth.
-        """
+        """Return the integral from the contact's opening; it is smooth in the root of distance."""
         assert self.opening is not None
         nodes, weights = _quadrature()
         distance, roots = stretch - self.opening, (1 + nodes) / 2
@@ -221,10 +218,7 @@ class ForceProgram:
 
 
 def _horner(coefficients: Sequence[float], x: Array) -> Array:
-    """Return a polynomial's values, equal to NumPy's to the bit.
-
-    NumPy's `Polynomial` takes longer for few values.
-    """
+    """Return a polynomial's values, equal to those of NumPy's slower `Polynomial` to the bit."""
     total = coefficients[-1] + 0.0 * x
     for coefficient in coefficients[-2::-1]:
         total = coefficient + total * x
@@ -384,9 +378,7 @@ def _log(base: Any) -> Any:
 
 
 def _run(
-    instructions: tuple[Instruction, ...],
-    x: Array,
-    add: Callable[[Any, Any], Any] = operator.add,
+    instructions: tuple[Instruction, ...], x: Array, add: Callable[[Any, Any], Any] = operator.add
 ) -> Array:
     """Run a program on the stretches ``x``; ``add`` computes its sums."""
     stack: list[Any] = [] if instructions else [x]

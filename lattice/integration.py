@@ -57,10 +57,7 @@ Observe = Callable[[State, EnergyBalance | None], NDArray[Any]]
 
 @dataclass(frozen=True)
 class StateComparison:
-    """Quantity compared between runs: ``observe`` at each time, all times joined by ``combine``.
-
-    ``unit`` is its unit, in that of the fields.
-    """
+    """Compared quantity, in ``unit`` of fields: ``observe`` at each time, then ``combine``."""
 
     observe: Observe
     combine: Callable[[NDArray[Any]], Array] = lambda observed: observed
@@ -271,12 +268,7 @@ def _trajectory(
             f"are compared did, with steps down to {trial.choices.step:.2g}; end earlier or take "
             "smaller strains)"
         )
-    cost = Cost(
-        steps,
-        steps * engine.scheme.stages,
-        trial.seconds,
-        perf_counter() - started,
-    )
+    cost = Cost(steps, steps * engine.scheme.stages, trial.seconds, perf_counter() - started)
     return Trajectory(times, f, v, error, engine.scheme.name, trial.choices.step, cost)
 
 
@@ -421,10 +413,7 @@ class CellEngine(StepSearch):
     def _values(
         self, stepper: Stepper, choices: Choices, observed: list[Array], rates: Array
     ) -> Array | None:
-        """Return the compared values, or None after a blow-up or with too long a step.
-
-        With a step that is too long, strains and fields are not those of the true motion.
-        """
+        """Return the compared values; None after a blow-up or if the step was too long."""
         longest, longest_taken = (
             self._longest_step(stepper.ranges),
             self._longest_taken(choices.step),
@@ -446,11 +435,7 @@ class CellEngine(StepSearch):
         return rounding_error(largest, stepper.steps * self.scheme.stages)
 
     def _note_limit(self, step: float, stable: float, resolving: float) -> None:
-        """Record the longest step that the strains and features of a run allow.
-
-        Only the run with the shortest step so far counts: one with a longer step may not show the
-        motion.
-        """
+        """Record the longest step allowed by the run with the shortest step so far."""
         if step < self._limit_step:
             self._step_limit, self._limit_step = math.inf, step
         if step == self._limit_step and min(stable, resolving) < self._step_limit:
@@ -481,10 +466,7 @@ class CellEngine(StepSearch):
         return np.array([float(np.max(np.abs(rate))) for rate in rates])
 
     def _finds_new_features(self, ranges: Array, rates: Array) -> bool:
-        """Return whether forces have features near the stretches visited.
-
-        False if features were found before.
-        """
+        """Return whether forces have features near the stretches visited, unless known before."""
         if self._has_features or not self._featured_bonds or not np.isfinite(ranges).all():
             return False
         for index, rate in zip(self._featured_bonds, rates.tolist(), strict=True):
@@ -498,10 +480,7 @@ class CellEngine(StepSearch):
         return self._has_features
 
     def _resolving_step(self, ranges: Array, rates: Array, choices: Choices) -> float:
-        """Return the longest step that resolves all features of forces.
-
-        Raises ValueError if it is far too short for the run.
-        """
+        """Return the longest step that resolves all features; raise ValueError if too short."""
         longest = math.inf
         if not self._has_features or not np.isfinite(ranges).all():
             return longest
@@ -577,10 +556,7 @@ class CellEngine(StepSearch):
         )
 
     def _longest_step(self, ranges: Array) -> float:
-        """Return the longest step that is stable for stretches in these ranges; 0 if none is.
-
-        A run with a longer step does not show the motion; two such runs may agree.
-        """
+        """Return the longest step that is stable for stretches in these ranges; 0 if none is."""
         highest = self.dynamics.highest_frequency(ranges)
         limit = stability_limit(self.scheme)
         return limit / highest if limit < SLOW * highest * self._duration else self._duration

@@ -65,10 +65,7 @@ def stretch_text(entries: tuple[Entry, ...], fields: tuple[str, ...]) -> str:
 
 @dataclass(frozen=True)
 class NumericBond:
-    """A bond of cell n: its stretch is ``sum weight f_{n+shift} + offset``.
-
-    Its force acts on the fields as `Bond` says.
-    """
+    """A bond of cell n with the stretch ``sum weight f_{n+shift} + offset``; see `Bond`."""
 
     stretch: tuple[Entry, ...]
     action: tuple[Entry, ...]
@@ -88,10 +85,7 @@ class NumericBond:
     def with_mean_strain(
         self, mean_strain: Sequence[float], shares: Sequence[float]
     ) -> NumericBond:
-        """Return the bond with displacements that grow by ``mean_strain`` per cell.
-
-        See `NumericLattice.with_mean_strain`.
-        """
+        """Return the bond of displacements that grow by ``mean_strain`` per cell."""
         growth = [e.weight * (shares[e.field] if shares else 1.0) for e in self.stretch]
         if abs(math.fsum(growth)) > ROUNDED * max(map(abs, growth)):
             raise ValueError(
@@ -151,10 +145,7 @@ class NumericLattice:
     def with_mean_strain(
         self, mean_strain: Sequence[float], shares: Sequence[float] = ()
     ) -> NumericLattice:
-        """Return the lattice whose displacements grow by ``mean_strain`` per cell, at rest.
-
-        Arguments and errors are those of `numeric_lattice`.
-        """
+        """Return the lattice of displacements that grow by ``mean_strain`` per cell."""
         if not any(mean_strain):
             return self
         return replace(
@@ -184,17 +175,11 @@ class NumericLattice:
 
     @property
     def is_driven(self) -> bool:
-        """Whether stages need weights for their own times (`DrivenChain.stage_weights`).
-
-        False here.
-        """
+        """Whether stages have weights for their own times (`DrivenChain.stage_weights`)."""
         return False
 
     def drive_within(self, begin: float, end: float) -> tuple[float, bool]:
-        """Return the shortest time scale of drives, and whether they have corners.
-
-        Without drives the time is inf.
-        """
+        """Return the shortest time scale of drives (inf here), and whether they have corners."""
         return math.inf, False
 
     def driven_within(self, begin: float, end: float) -> float:
@@ -208,10 +193,7 @@ class NumericLattice:
         return DriveSteps(step, np.zeros(0), False)
 
     def spread_within(self, duration: float) -> int:
-        """Return the number of cells by which losses smear fronts in this time.
-
-        0 without losses.
-        """
+        """Return the number of cells by which losses smear fronts in this time: here 0."""
         return 0
 
     def with_walls(self, state: State) -> State:
@@ -234,10 +216,7 @@ class NumericLattice:
 
     @cached_property
     def gets_stiffer_by_bonds(self) -> bool:
-        """Whether each bond with a positive slope only increases the squared frequencies.
-
-        Then no wave grows where all slopes are positive.
-        """
+        """Whether positive slopes of bonds only raise squared frequencies: no wave grows."""
         if self.cellwise[1] is not None:
             return False
         waves = zone_wavenumbers(self.dimension, WAVENUMBERS[self.dimension])
@@ -327,10 +306,7 @@ class NumericLattice:
         return self.squared_frequencies(waves, slopes)
 
     def energy(self, f: Array, v: Array) -> float:
-        """Return the kinetic and potential energy of a ring of displacements.
-
-        The value has no meaning for a lattice of strains, whose fields have no masses of their own.
-        """
+        """Return the kinetic and potential energy of a ring of displacements (not of strains)."""
         masses = np.array(self.masses).reshape(-1, *(1,) * (f.ndim - 1))
         total = 0.5 * float(np.sum(masses * v * v))
         for bond, stretch in zip(self.bonds, self.stretches(f), strict=True):
@@ -347,10 +323,7 @@ ROUNDED = 1e-12
 
 
 def zone_wavenumbers(dimension: int, count: int) -> Array:
-    """Return a grid (waves, axes) on half the Brillouin zone: each wave or its conjugate.
-
-    There are ``count`` wavenumbers from 0 to pi along the first axis.
-    """
+    """Return wavenumbers (waves, axes) of half the Brillouin zone, ``count`` on the first axis."""
     axis = np.linspace(0.0, math.pi, count)
     axes = [axis, *[np.linspace(-math.pi, math.pi, 2 * count - 1)] * (dimension - 1)]
     return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, dimension)

@@ -60,10 +60,7 @@ class SiteForce:
                 raise ValueError(f"{name} of a force must be 0 to {size - 1}, got {value}")
 
     def at(self, f: Array, times: Array, masses: Array) -> Array:
-        """Return the forces on the cells, (times, cells), for the fields ``f``.
-
-        The fields are those at these times; ``masses`` are those of the force's field in all cells.
-        """
+        """Return the forces on the cells, (times, cells), for fields ``f`` at these times."""
         shares = self.shares(masses)
         forces = values_at(self.value, times)[:, np.newaxis] * shares
         if self.law is not None:

@@ -192,10 +192,7 @@ def _search_choices(search: "_Search", engine: Engine, tolerance: float) -> Refi
 
 
 def _refusal_message(best: float, tolerance: float, left: str) -> str:
-    """Return why a tolerance is refused.
-
-    ``left`` says what keeps the error at ``best``, which is inf if unknown.
-    """
+    """Return why a tolerance is refused: ``left`` keeps the error at ``best``, inf if unknown."""
     least = f"satisfy tolerance >= {1.05 * best:.2g} here" if best < math.inf else "be larger here"
     return f"tolerance must {least}, got {tolerance:g} ({left}; raise it or shorten the run)"
 
@@ -206,10 +203,7 @@ def _may_widen(engine: Engine, choices: Choices) -> bool:
 
 
 def _with_lawful_step(search: "_Search", scouting: "_Search", choices: Choices) -> Choices:
-    """Return the choices with the longest step that meets its share and obeys its law.
-
-    The step is searched from theirs on, by the scout.
-    """
+    """Return choices whose step, found by the scout, meets its tolerance and obeys its law."""
     if scouting is search:
         return search.with_step(choices)
     started = replace(scouting.engine.first(), step=choices.step)
@@ -236,10 +230,7 @@ class _Search:
         self.judged: tuple[Trial, float] | None = None
 
     def scouting(self, scout: Engine) -> "_Search":
-        """Return a search by the engine ``scout`` for the same tolerance.
-
-        Itself if it is its own.
-        """
+        """Return the search by the engine ``scout``: this one, if that is its own engine."""
         if scout is self.engine:
             return self
         search = _Search(scout, self._tolerance, self._progress, self._announce)
@@ -349,10 +340,7 @@ class _Search:
         self._changes[step] = change
 
     def _most_lawful(self, choices: Choices) -> float:
-        """Return the largest change that confirms the step's law.
-
-        -1 if no longer step was tried.
-        """
+        """Return the largest change that confirms the step's law; -1 without a longer step."""
         step = self.engine.taken(choices)
         longer = min((one for one in self._changes if one > step), default=math.inf)
         if longer == math.inf:
@@ -361,10 +349,7 @@ class _Search:
         return max(slack * self.lawful_change(choices), self._negligible)
 
     def digit_effect(self, choices: Choices) -> float:
-        """Return the effect of rounding on these choices.
-
-        It is ``SAFETY`` times the change of the values by new last digits of the data.
-        """
+        """Return the effect of rounding: ``SAFETY`` times the change by new last digits."""
         nudged = replace(choices, nudged=True)
         self._run({choices: False, nudged: False})
         return SAFETY * difference_around(self._done[choices], self._done[nudged])
@@ -437,10 +422,7 @@ class _Search:
         return better
 
     def _excess(self, choices: Choices, kind: Kind, change: float | None = None) -> float:
-        """Return the ratio of the error to its share when that kind alone is varied.
-
-        ``change`` is measured if it is not given.
-        """
+        """Return the ratio of the error to its part of the tolerance if one kind is varied."""
         if change is None:
             change = self._change(choices, kind)
         share = SHARES[kind] if len(self.engine.kinds) > 1 else 1.0
@@ -509,10 +491,7 @@ class _Search:
         self._progress(self._last_share)
 
     def _announce_runs(self, missing: Collection[Choices]) -> None:
-        """Announce the expected seconds of the next runs, from the pace of those before.
-
-        Raises OverBudgetError if they exceed the engine's budget.
-        """
+        """Announce the seconds of the next runs; raise OverBudgetError if they are too many."""
         self._pending_work = pending = sum(map(self.engine.work, missing))
         if pending > self.engine.most_work:
             raise OverBudgetError(f"runs that take {pending:.2g}", pending)

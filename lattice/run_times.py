@@ -17,10 +17,7 @@ def check_positive(name: str, value: float, remedy: str) -> None:
 
 
 def checked_times(times: ArrayLike, begin: float) -> Array:
-    """Return the times as an array.
-
-    Raises ValueError unless they are finite and increase from ``begin`` on.
-    """
+    """Return the times as an array; raise ValueError unless they increase from ``begin`` on."""
     moments = np.atleast_1d(real_array("every time", times))
     if moments.ndim != 1 or moments.size == 0:
         text = " ".join(repr(times).split())[:60]

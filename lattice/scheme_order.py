@@ -59,10 +59,7 @@ def nystroem_trees(order: int) -> tuple[NystroemTree, ...]:
 
 @cache
 def _forests(weight: int, largest: int) -> tuple[tuple[NystroemTree, ...], ...]:
-    """Return all multisets of branches of this weight; a branch weighs its size plus one.
-
-    No branch weighs more than ``largest``.
-    """
+    """Return all multisets of branches (weight: size + 1, at most ``largest``) of this weight."""
     if weight == 0:
         return ((),)
     forests: set[tuple[NystroemTree, ...]] = set()

@@ -139,10 +139,7 @@ class Composition(DriftKick):
 
     @cached_property
     def exact(self) -> tuple[Exact, Exact]:
-        """Drifts and kicks, as fractions.
-
-        Half of each kick's weight drifts on either side of it.
-        """
+        """Drifts and kicks as fractions; half of each kick's weight drifts on either side of it."""
         kicks = tuple(map(Fraction, self.gammas))
         ends = [Fraction(0), *kicks, Fraction(0)]
         return tuple((a + b) / 2 for a, b in pairwise(ends)), kicks
@@ -292,10 +289,7 @@ def stability_limit(scheme: Scheme) -> float:
 
 
 def check_step(step: float, scheme: Scheme, highest_frequency: float) -> float:
-    """Return the largest stable step (time units) for waves up to that frequency.
-
-    Raises ValueError if ``step`` exceeds it.
-    """
+    """Return the largest stable step for a frequency; raise ValueError if ``step`` exceeds it."""
     limit = stability_limit(scheme) / highest_frequency
     if step > limit:
         raise ValueError(

@@ -121,10 +121,7 @@ class VariedChain:
         sensors: Sequence[Sensor],
         scheme: DriftKick = REDUCED_PHASE_6,
     ) -> Array:
-        """Return the readings of all sensors at all times, (times, sensors, 1 + parameters).
-
-        Steps are at most ``step`` long, and equal between two times, as in `lattice.integrate`.
-        """
+        """Return readings (times, sensors, 1 + parameters), in equal steps of at most ``step``."""
         start = self._chain.with_walls(state)
         u, v = np.zeros((2, start.f.size, 1 + len(self._parameters)))
         u[:, 0], v[:, 0] = start.f.ravel(), start.v.ravel()

@@ -17,10 +17,7 @@ from longwave.support.checkpoint import Memory, fitting
 def advance(
     scheme: Scheme, f: Array, v: Array, h: float, steps: int, lattice: NumericLattice
 ) -> None:
-    """Advance fields and velocities, (fields, *cells), in place by ``steps`` steps of length ``h``.
-
-    Uses the fastest kernel that scheme and size allow.
-    """
+    """Advance (fields, *cells) in place by ``steps`` steps ``h``, with the fastest kernel."""
     Dynamics(lattice).advance(scheme, f, v, h, steps)
 
 
@@ -93,19 +90,13 @@ class Stepper:
                 return
 
     def memory(self, arrays: bool = True) -> Memory:
-        """Return the data from which `recall` resumes.
-
-        Without ``arrays`` at the end of the march.
-        """
+        """Return the data from which `recall` resumes; at the end of the march, no ``arrays``."""
         state = {"t": self.state.t} if not arrays else vars(self.state)
         progress = {name: getattr(self, name) for name in ("steps", "ranges", "_between")}
         return progress | {"state": state, "domain": self.domain.memory()}
 
     def recall(self, memory: Memory) -> None:
-        """Restore the stop at which a stepper with the same arguments gave that `memory`.
-
-        The remaining times are those after it.
-        """
+        """Restore the stop at which a stepper with the same arguments gave that `memory`."""
         for name in ("steps", "ranges", "_between"):
             setattr(self, name, memory[name])
         for name, value in memory["state"].items():
@@ -151,10 +142,7 @@ class Stepper:
                     self._advance(h, 1, t if step == steps else begin + step * h)
 
     def _find_blow_up(self) -> BlowUp | None:
-        """Return a blow-up anywhere on the ring, even far from the compared sites.
-
-        Where waves no longer exist, or strains are huge, no speed bounds the signals from there.
-        """
+        """Return a blow-up anywhere on the ring: no speed bounds signals from where waves end."""
         current = self.dynamics.ranges(self.state)
         self.ranges[:, 0] = np.fmin(self.ranges[:, 0], current[:, 0])
         self.ranges[:, 1] = np.fmax(self.ranges[:, 1], current[:, 1])

@@ -67,12 +67,7 @@ class Integral:
 
     @classmethod
     def of(
-        cls,
-        slope: Smooth,
-        begin: float,
-        end: float,
-        panels: int = PANELS,
-        allowed: float = 0.0,
+        cls, slope: Smooth, begin: float, end: float, panels: int = PANELS, allowed: float = 0.0
     ) -> Integral:
         """Integrate ``slope`` from ``begin`` to ``end``.
 
@@ -194,22 +189,15 @@ class _Hull:
         least, most = _slopes_met(value, low, high)
         return _Hull(np.fmin(self.least, least), np.fmax(self.most, most))
 
-    def is_left_by(self, value: ForceProgram, low: Array, high: Array, room: Array) -> Mask:
-        """Return a mask of the panels on which the slope may leave the hull.
-
-        It counts as left if exceeded by more than its width, plus ``room``, plus the share `LOOSE`
-        of its largest slope.
-        """
+    def is_left_by(self, value: ForceProgram, low: Array, high: Array, margin: Array) -> Mask:
+        """Return a mask of panels on which the slope may leave the hull, widened by ``margin``."""
         bounds = value.slope_enclosed(low, high)
         largest = np.maximum(np.abs(self.least), np.abs(self.most))
-        room = room + (self.most - self.least) + LOOSE * largest
-        return ~((bounds[0] >= self.least - room) & (bounds[1] <= self.most + room))
+        margin = margin + (self.most - self.least) + LOOSE * largest
+        return ~((bounds[0] >= self.least - margin) & (bounds[1] <= self.most + margin))
 
     def halved(self, rough: Mask) -> _Hull:
-        """Return the hull of the panels after those that are ``rough`` were halved.
-
-        Others are dropped.
-        """
+        """Return the hull of the halves of the ``rough`` panels; others are dropped."""
         return _Hull(np.repeat(self.least[rough], 2), np.repeat(self.most[rough], 2))
 
 

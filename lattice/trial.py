@@ -17,10 +17,7 @@ NUDGE = 2.0**-51
 
 
 def nudged(*arrays: Array, times: float = 1.0) -> tuple[Array, ...]:
-    """Return the arrays with the last digits of all numbers changed, the same way each time.
-
-    The relative change is ``times`` `NUDGE`, of random sign.
-    """
+    """Return the arrays with all last digits changed at random, but alike, by ``times`` `NUDGE`."""
     random, size = np.random.default_rng(0), times * NUDGE
     return tuple(values * (1.0 + random.choice([-size, size], values.shape)) for values in arrays)
 
@@ -169,7 +166,7 @@ class Engine(Protocol):
         """Return an engine that finds the step on fewer sites, or the engine itself."""
 
     def run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
-        """Make a run; ``has_observables`` if its observables are needed afterwards.
+        """Make a run, whose observables are needed afterwards if ``shown``.
 
         Raises StoppedTrial on Ctrl-C.
         """

@@ -123,10 +123,7 @@ def _is_dead(draft: Path) -> bool:
 
 @lru_cache
 def _host() -> str:
-    """Return an identifier of this host and its process namespace.
-
-    Processes in a container are numbered separately.
-    """
+    """Return an identifier of this host and its process namespace, such as a container's."""
     import platform
 
     numbers = ""

@@ -268,9 +268,9 @@ def stored_seconds() -> float:
 
 @dataclass
 class Loop:
-    """One loop; ``memory`` is its state in an earlier process, None if it begins now.
+    """A loop, with its state ``memory`` of an earlier process, if any, and when it began.
 
-    ``begun`` is when it would have begun if it had not been interrupted, as a `perf_counter` time.
+    ``begun`` is a `perf_counter` time, moved back by the seconds of the earlier process.
     """
 
     keeper: CheckpointFolder | None = None

@@ -79,10 +79,7 @@ class CommandGroup(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Return the command of the first argument.
-
-        Raises UsageError, which lists the commands, for an unknown one.
-        """
+        """Return the first argument's command; raise UsageError with a list for an unknown one."""
         if self.get_command(ctx, args[0]) is None and not args[0].startswith("-"):
             known = one_of(args[0], self.commands) + self._otherwise
             raise click.UsageError(f"COMMAND must be a known one, got {args[0]} ({known})")
@@ -402,9 +399,6 @@ def one_line(message: object) -> str:
 def check_and_announce(
     work: str, seconds: float, memory: float = 0.0, cheaper: str = "take less at once"
 ) -> None:
-    """Announce the work.
-
-    Raises OverBudgetError if it exceeds the limits.
-    """
+    """Announce the work; raise OverBudgetError if it exceeds the limits."""
     check_request(work, ExpectedCost(seconds, memory), cheaper)
     announce(work, seconds)

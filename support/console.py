@@ -63,10 +63,7 @@ def print_results(
     program: str,
     asked: str,
 ) -> int:
-    """Print the results of `finished` with ``show``, or as JSON; return the exit status.
-
-    It is 0, or 130 if ``program`` was interrupted before all that was ``asked`` for.
-    """
+    """Print results with ``show`` or as JSON; return 0, or 130 after an interruption."""
     if json_wanted:
         print_json([entry.json() for entry in results])
     else:
@@ -185,10 +182,7 @@ SUFFIXES = (".png", ".pdf", ".svg")
 
 
 def picture_path(output: str | Path) -> Path:
-    """Return the path of a picture.
-
-    Raises ValueError for a suffix that cannot be drawn.
-    """
+    """Return the path of a picture; raise ValueError for a suffix that cannot be drawn."""
     path = Path(output) if isinstance(output, str | Path) else None
     if path is None or path.suffix.lower() not in SUFFIXES:
         got = shown(output if path is None else path.name)
@@ -209,10 +203,7 @@ def default_output(source: str, suffix: str = ".png") -> str:
 
 @contextmanager
 def progress_bar(
-    name: str,
-    work: str,
-    console: Console | None = None,
-    clock: Clock = monotonic,
+    name: str, work: str, console: Console | None = None, clock: Clock = monotonic
 ) -> Iterator[tuple[Tell, Tell]]:
     """Show progress with the time left on stderr: a bar, a line, or occasional lines.
 

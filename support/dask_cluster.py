@@ -167,10 +167,7 @@ def _connected(address: str, needed: str) -> "Client":
 
 
 def _outcome(job: Job) -> Outcome:
-    """Do a job in a worker; a job with limits runs in its own interpreter, which enforces them.
-
-    A worker has threads, and `multiprocessing` may not allow it to have children.
-    """
+    """Do a job in a worker; one with limits in an interpreter of its own, which enforces them."""
     if job.memory is None and job.seconds == math.inf:
         return None, job.run(lambda _: None), None
     root = str(Path(__file__).absolute().parents[2])

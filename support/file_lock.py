@@ -90,10 +90,7 @@ def _opened(path: Path) -> int:
 
 
 def _try_lock(path: Path, number: int, wait: Callable[[], None]) -> bool:
-    """Lock the open file; return whether the path still leads to it, not removed by its holder.
-
-    Raises OSError where locking is not possible.
-    """
+    """Lock the file; return whether ``path`` still leads to it. Raises OSError if not possible."""
     if fcntl is None:
         raise OSError(errno.ENOSYS, os.strerror(errno.ENOSYS))
     try:

@@ -195,10 +195,7 @@ def owns_process() -> bool:
 
 @contextmanager
 def ended_after(seconds: float, limit: str) -> Iterator[None]:
-    """End the command as Ctrl-C does if the body takes longer; its line gives the ``limit``.
-
-    Works only where the command `owns_process`.
-    """
+    """End a command that `owns_process` after so long, as Ctrl-C does, and print the ``limit``."""
     if _watch is None or not owns_process() or seconds > LONGEST_TIMER:
         yield
         return
@@ -215,10 +212,7 @@ def ended_after(seconds: float, limit: str) -> Iterator[None]:
 
 @contextmanager
 def ended_beyond(size: float, limit: str) -> Iterator[None]:
-    """End the command if all its processes together have more than ``size`` bytes.
-
-    Works only where the command `owns_process` and is watched by another process.
-    """
+    """End a watched command that `owns_process` if its processes take more than ``size`` bytes."""
     if _watch is None or not owns_process() or math.isinf(size):
         yield
         return
@@ -237,10 +231,7 @@ def stated_memory() -> str:
 
 
 def _ignore_from_here() -> None:
-    """Ignore the signals at the end of a process, so that it exits with its own status.
-
-    Python removes handlers as it exits, and a signal would then kill it.
-    """
+    """Ignore signals while Python exits, so that the process ends with its own status."""
     for number in ENDING:
         signal.signal(number, signal.SIG_IGN)
 

@@ -15,10 +15,7 @@ BEGUN = time.time()
 def lazy_exports(
     room: str, modules: Mapping[str, str]
 ) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
-    """Return a room's ``__getattr__`` and ``__dir__``, given the names (in one text) by module.
-
-    Asking for another name raises AttributeError, which lists the known ones.
-    """
+    """Return a room's ``__getattr__`` and ``__dir__``, given its names (in one text) by module."""
     module_by_name = {name: module for module, names in modules.items() for name in names.split()}
 
     def get(name: str) -> object:

@@ -81,10 +81,7 @@ class Job:
 
 @dataclass(eq=False)
 class Call:
-    """A submitted job: its last message, and at the end its value or its error.
-
-    The error is OutOfTime after the job's seconds, LostProcess if the process ended.
-    """
+    """A submitted job: its last message, then its value or error (OutOfTime, LostProcess, ...)."""
 
     job: Job
     message: Any = None
@@ -338,10 +335,7 @@ class LocalWorkers:
 
 @contextmanager
 def _safe_path() -> Iterator[None]:
-    """Start processes that do not import from the current folder before their path is set.
-
-    A fresh interpreter looks there first, even for the standard library, unless told otherwise.
-    """
+    """Start processes that import nothing, not even standard modules, from the current folder."""
     before = os.environ.get(SAFE_PATH)
     os.environ[SAFE_PATH] = "1"
     try:
@@ -355,10 +349,7 @@ def _safe_path() -> Iterator[None]:
 
 @contextmanager
 def _without_script() -> Iterator[None]:
-    """Start a process that does not run the user's script again, as a new interpreter would.
-
-    No job is a function of a script. A module started with ``python -m`` is kept.
-    """
+    """Start a process that does not run the user's script again, as a new interpreter would."""
     main = sys.modules["__main__"]
     if main.__spec__ is None:
         sys.modules["__main__"] = ModuleType("__main__")
@@ -370,10 +361,7 @@ def _without_script() -> Iterator[None]:
 
 @contextmanager
 def _interrupts_blocked() -> Iterator[None]:
-    """Block Ctrl-C while a process is started, which inherits the mask.
-
-    Otherwise a process that is still importing would print a traceback.
-    """
+    """Block Ctrl-C for processes that are starting, which would print a traceback."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
@@ -395,15 +383,9 @@ def _kill_group(leader: int) -> None:
 
 
 def _serve(
-    pipe: Connection,
-    other: Connection | None,
-    begin: Callable[[], None] | None,
-    job: Job | None,
+    pipe: Connection, other: Connection | None, begin: Callable[[], None] | None, job: Job | None
 ) -> None:
-    """Do this ``job``, or those from the pipe.
-
-    A fork also has its ``other`` end, which is closed.
-    """
+    """Do this ``job``, or those from the pipe; a fork closes its ``other`` end."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if other is not None:
         other.close()

@@ -35,10 +35,7 @@ def provenance() -> dict[str, str]:
     """
     versions = [f"{package} {installed_version(package) or 'missing'}" for package in PACKAGES]
     name, _, features = processor().partition(" ")
-    machine = [
-        *(platform.platform(), f"{name} {_digest(features.encode())}"),
-        *compiler_settings(),
-    ]
+    machine = [*(platform.platform(), f"{name} {_digest(features.encode())}"), *compiler_settings()]
     return {
         "versions": ", ".join([*versions, f"Python {platform.python_version()}"]),
         "platform": ", ".join(machine),

@@ -114,10 +114,7 @@ def request_limits(
 
 @contextmanager
 def enforced_memory(size: float) -> Iterator[None]:
-    """Make allocations in the body fail with MemoryError beyond ``size`` bytes of the process.
-
-    The limit is RLIMIT_DATA: on Linux it covers all private data, on macOS only the heap.
-    """
+    """Make allocations beyond ``size`` bytes of data (RLIMIT_DATA) fail with MemoryError."""
     before = resource.getrlimit(resource.RLIMIT_DATA)
     if math.isinf(size):
         yield

@@ -43,17 +43,9 @@ LINKED = "%s is a link, or no file: it counts as missing, and is made anew"
 
 
 def write_sealed(
-    path: Path,
-    content: bytes,
-    force: bool = True,
-    durable: bool = True,
-    mode: int | None = None,
+    path: Path, content: bytes, force: bool = True, durable: bool = True, mode: int | None = None
 ) -> None:
-    """Write the content and its seal atomically; a link of that name is replaced.
-
-    No user typed the name. Raises as `write_atomically`. If the draft is removed meanwhile, it is
-    written again.
-    """
+    """Write content and seal atomically, in place of a link; raises as `write_atomically`."""
 
     def write(draft: Path) -> None:
         with draft.open("wb") as stream:
@@ -152,10 +144,7 @@ def sealed_content(data: bytes) -> bytes | None:
 
 
 def is_whole(path: Path) -> bool:
-    """Return whether a run's file exists undamaged; log a message if it is damaged or a link.
-
-    The file's folder must not be a link either.
-    """
+    """Return whether a run's file is undamaged, and its folder not a link; log a message if not."""
 
     def whole() -> bool:
         with open(open_plain(path, untyped=2), "rb") as stream:

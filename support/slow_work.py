@@ -92,10 +92,7 @@ class TimeLeft:
 
 @contextmanager
 def report_time_left(work: str, clock: Clock = time.monotonic) -> Iterator[TimeLeft]:
-    """Report the time left of the ``work`` in the body after each `EVERY` seconds of silence.
-
-    A thread checks the ``clock``, because slow work may not report its progress.
-    """
+    """Report the time left, from a thread, after each `EVERY` seconds of silence in the body."""
     left, over = TimeLeft(clock), Event()
 
     def watch() -> None:

@@ -41,10 +41,7 @@ _pipe: int | None = None
 
 
 def supervised(argv: Sequence[str], work: Callable[[], int]) -> int:
-    """Return the result of ``work``, done in a watched child process if the words state limits.
-
-    The caller continues in the child only. The child reports its limits with `tell`.
-    """
+    """Return ``work()``; if limits are given, a watched child does it, and it alone returns."""
     stated = any(word.partition("=")[0] in OPTIONS for word in argv)
     if not stated or not hasattr(os, "fork") or threading.active_count() > 1:
         return work()
@@ -69,10 +66,7 @@ def supervised(argv: Sequence[str], work: Callable[[], int]) -> int:
 
 
 def tell(**facts: Any) -> None:
-    """Send facts to the watching process, if there is one.
-
-    They become attributes of `_Supervisor`.
-    """
+    """Send facts, attributes of `_Supervisor`, to the watching process, if there is one."""
     if _pipe is not None:
         with suppress(OSError):
             os.write(_pipe, json.dumps(facts).encode() + b"\n")

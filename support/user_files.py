@@ -153,10 +153,7 @@ def read_text(
 
 
 def read_toml(path: str | Path, what: str, most: int) -> dict[str, Any]:
-    """Return the tables of such a file.
-
-    Raises ValueError also if it is not TOML, or nested too deep.
-    """
+    """Return the tables of such a file; raise ValueError if it is not TOML or nested too deep."""
     return parse_toml(read_bytes(path, what, most), path, what)
 
 

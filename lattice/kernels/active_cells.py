@@ -23,10 +23,7 @@ SHARE = 0.5
 
 
 def seems_still(f: Array, v: Array) -> bool:
-    """Return whether at least half of `SAMPLES` cells, evenly spaced, are at rest.
-
-    ``f`` and ``v`` have the shape (fields, cells).
-    """
+    """Return whether at least half of some evenly spaced cells of (fields, cells) are at rest."""
     sample = slice(None, None, max(1, f.shape[1] // SAMPLES))
     moving = f[:, sample].any(axis=0) | v[:, sample].any(axis=0)
     return bool(2 * np.count_nonzero(moving) <= moving.size)

@@ -14,10 +14,7 @@ DOUBLE, INDEX = ir.DoubleType(), ir.IntType(64)
 
 
 class LaneCode:
-    """LLVM builder for vectors of ``lanes`` doubles, used by all generated kernel code.
-
-    ``fused`` says whether the processor has fused multiply-adds; it is detected by default.
-    """
+    """LLVM builder for vectors of ``lanes`` doubles; ``fused`` if there are fused multiply-adds."""
 
     def __init__(self, module: Any, builder: Any, lanes: int, fused: bool | None = None) -> None:
         self.module, self.builder, self.lanes = module, builder, lanes
@@ -68,10 +65,7 @@ class LaneCode:
         return self._vector_function("fma", factor, other, term)
 
     def weighted_sum(self, terms: Iterable[tuple[Any, float, Any]]) -> Any:
-        """Return the sum over (factor, sign, value) of factor times value, or None without terms.
-
-        If the factor is None, the term is the value with that sign.
-        """
+        """Return the sum of factor times value, with the given signs where the factor is None."""
         total = None
         for factor, sign, value in terms:
             if factor is not None:

@@ -281,10 +281,7 @@ class _Arc:
         return _Script(self._code, chain.from_iterable(calls))
 
     def _repeats(self) -> list[Indices]:
-        """Return the indices of the ghost rows below and above the arc, and of their sources.
-
-        Indices count cells of a chain, vectors of a plane.
-        """
+        """Return the indices of ghost rows, and of their sources, in cells or a plane's vectors."""
         layout = self._layout
         rows = np.r_[0 : self._below, self._below + layout.height : self._rows]
         if self._columns:
@@ -352,10 +349,7 @@ class _Arc:
         return self._move("to_rows", self._both(f, v), (0, self._count))
 
     def rest(self, resting: Array, fields: int) -> Iterator[Call]:
-        """Yield calls that load the deviations of cells.
-
-        They are stored as fields after the ``fields`` that move.
-        """
+        """Yield calls that load the cells' deviations as fields after the ``fields`` that move."""
         plane = self._planes[0] + 8 * fields * self._plane
         return self._move("to_rows", [(plane, resting)], (0, self._count))
 
@@ -395,10 +389,7 @@ class _MovingArc(NamedTuple):
 
 
 class RingKernel:
-    """Advances rings of ``shape`` (cells, or rows and columns), reusing its working memory.
-
-    Rings (f, v) have the shape (fields, *shape) and contiguous rows.
-    """
+    """Advances rings (fields, *shape) of contiguous rows, reusing its working memory."""
 
     def __init__(self, lattice: NumericLattice, *shape: int) -> None:
         ordered, variation, shares = lattice.cellwise
@@ -551,10 +542,7 @@ class RingKernel:
             yield [arc.script(*(do(arc) for do in together)) for arc in self._arcs]
 
     def _stages_between(self, period: int) -> int:
-        """Return the number of stages between two synchronisations of two cores; 0 for one core.
-
-        A worker process uses one core, because the other one has work of its own.
-        """
+        """Return the number of stages between two synchronisations of two cores; 0 for one core."""
         cells = math.prod(self._shape) * self._fields
         if cells < LEAST_SHARED or usable_cores() < 2:
             return 0

@@ -128,10 +128,7 @@ CarriedValue = Callable[[int, int, int], Any]
 
 
 class _Stage:
-    """One of several fused stages: its weights, and the slots of its streams.
-
-    A stream's slots hold its values of earlier rows, the latest first.
-    """
+    """One of several fused stages: its weights, and slots of earlier values, the latest first."""
 
     def __init__(
         self,
@@ -174,10 +171,7 @@ class _Stage:
         velocities: Sequence[Any],
         carried: CarriedValue | None = None,
     ) -> None:
-        """Generate code for one row.
-
-        For a plane, one column, whose earlier rows ``carried`` reads.
-        """
+        """Generate code for one row of a chain, or for a column that reads ``carried`` rows."""
         code, flow, self._carried = self._code, self._flow, carried
         drifting = 0 if flow.spread else flow.moving
         self._latest = [
@@ -257,10 +251,7 @@ class _Writer:
         return self._text(groups, {size: self._flow.carried_values(size) for size in groups})
 
     def plane(self, columns: int) -> str:
-        """Return the module's text for a plane.
-
-        Only ``columns`` modulo ``lanes`` matters.
-        """
+        """Return the module's text for a plane; only ``columns`` modulo ``lanes`` matters."""
         rows = rows_of(self._flow)
         self._flow, self._skew, self._below = rows.flow, rows.skew, rows.below
         self._copied = self._lanes
@@ -383,10 +374,7 @@ class _Writer:
         return function
 
     def _close(self, code: LaneCode, data: Any, width: Any, columns: int, rows: Rows) -> None:
-        """Generate code that copies a row's ends into the ghost columns at its other end.
-
-        Lanes move by one. A lane that is shorter than others shares its last cell with the next.
-        """
+        """Generate code that copies a row's ends, lanes moved by one, into ghost columns."""
         builder, lanes = code.builder, self._lanes
         last = builder.sub(width, INDEX(1))
         starts = [lane * columns // lanes for lane in range(lanes + 1)]

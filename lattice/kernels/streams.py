@@ -82,10 +82,7 @@ class ForceFormula(NamedTuple):
 
 
 class StreamRead(NamedTuple):
-    """Reads ``weight`` times a stream's value in the cell at offset ``shift``.
-
-    If ``number`` is given, the factor is the stage's number with that index.
-    """
+    """``weight``, or the stage's ``number``, times a stream's value in the cell at ``shift``."""
 
     stream: int
     shift: int = 0
@@ -162,7 +159,7 @@ class StagePlan(NamedTuple):
     def depths(self, followed: bool) -> list[int]:
         """Return how many earlier values of each stream are needed.
 
-        ``followed`` if a fused stage comes after.
+        They include those for a fused stage that comes after, if ``followed``.
         """
         depths = [0] * len(self.streams)
         for stream in self.streams:
@@ -179,10 +176,7 @@ class StagePlan(NamedTuple):
 
     @property
     def operations(self) -> int:
-        """Arithmetic instructions per cell and stage.
-
-        A fused multiply-add counts once, and so does a function of a force.
-        """
+        """Instructions per cell and stage; a fused multiply-add or a function counts once."""
         total = self.fields + self.damped
         for stream in self.streams:
             if stream.kind == "sum":
@@ -276,10 +270,7 @@ def rows_of(flow: StagePlan) -> Rows:
 
 
 def _late(flow: StagePlan, rise: int) -> StagePlan:
-    """Return the plan with its streams as late as possible.
-
-    The kick is ``rise`` rows behind the front.
-    """
+    """Return the plan with streams as late as possible and the kick ``rise`` rows behind."""
     lags: dict[int, int] = {}
     streams = list(flow.streams)
     for index in range(len(streams) - 1, 2 * flow.fields - 1, -1):
@@ -446,10 +437,7 @@ def _work(parts: Sequence[_Part]) -> int:
 def force_formula(
     force: ForceProgram, number: Callable[[float], int]
 ) -> tuple[ForceFormula | None, float]:
-    """Return a force's arithmetic and its unit; None if the force is 0.
-
-    ``number`` returns the index of a constant.
-    """
+    """Return a force's arithmetic, None if 0, and its unit; ``number`` gives a constant's index."""
     if force.instructions:
         program = tuple(
             (word, float(number(value)) if word == "number" else value)
@@ -565,10 +553,7 @@ class _Builder:
         return self.add("kicked", taps, 0, field=place, number=number)
 
     def spread(self, lattice: NumericLattice, variation: Variation) -> tuple[int, ...]:
-        """Add the spreading of velocities by dashpots in a drift, as an exponential series.
-
-        Returns the indices of the streams of the new positions.
-        """
+        """Add the spreading by dashpots in a drift; return the streams of the new positions."""
         fields, rates = len(lattice.fields), variation.damped
         shares = [StreamRead(fields + index) for index in range(variation.mass_rows(fields))]
         cut = iter(range(fields + len(shares), self.fields))

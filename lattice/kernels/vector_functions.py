@@ -2,9 +2,9 @@
 
 Each is branch-free and consists of sums, products and at most one quotient, so that all cells of a
 row are computed together without calls to the C library; only sine, cosine and tangent call it, for
-arguments beyond `TURNED`. Errors are below 2 units in the last place (ulp) for every double; each
-docstring gives a bound that the tests confirm. NaN, infinities and zeros of either
-sign give the C library's results. LLVM contracts or reassociates nothing here, because the
+arguments beyond `LARGEST_ANGLE`. Errors are below 2 units in the last place (ulp) for every double;
+each docstring gives a bound that the tests confirm. NaN, infinities and zeros of either sign give
+the C library's results. LLVM contracts or reassociates nothing here, because the
 instructions carry no such flags. `LaneCode.fma` alone may round once or twice; no error bound
 depends on which. A product's rounding error comes from a fused multiply-add if the processor has
 one, else from halves of the factors (Dekker, Numer. Math. 18, 1971): both are exact.
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 __all__ = ["FUNCTIONS_OF_LANES", "LARGEST_EXPONENT", "Lanes", "power"]
 
-TURNED = 8192.0
+LARGEST_ANGLE = 8192.0
 """Largest argument of sine, cosine and tangent that is reduced here."""
 
 LARGEST_EXPONENT = 2.0**20
@@ -85,10 +85,7 @@ class Lanes:
         return self.with_value(self.code.fma(self.value, self.of(factor), self.of(term)))
 
     def where(self, sign: str, bound: Lanes | float, value: Lanes | float) -> Lanes:
-        """Return the value where the comparison of self with the bound holds, else self.
-
-        NaN stays.
-        """
+        """Return the value where the comparison of self holds, else self; NaN stays."""
         return self.replaced(self.compared(sign, bound), value)
 
     def replaced(self, mask: Any, value: Lanes | float) -> Lanes:
@@ -209,10 +206,7 @@ def quotient(over: Pair, under: Pair) -> Pair:
 
 
 def polynomial(z: Lanes, factors: Sequence[float]) -> Lanes:
-    """Return the polynomial whose ``factors`` begin with that of the power 0.
-
-    Even and odd powers are summed separately, so that two independent sums run in parallel.
-    """
+    """Return the polynomial with these coefficients, lowest first; sum odd powers separately."""
     if len(factors) < 4:
         return _horner(z, factors)
     square = z * z
@@ -320,10 +314,7 @@ def _bounded(x: Lanes, least: float, most: float) -> Lanes:
 
 
 def exponential(x: Lanes, low: Lanes | None = None) -> Lanes:
-    """Return exp(x), or exp(x + low), to 1.2 ulp.
-
-    The result is multiplied by 2^n in two factors, so that only the last product is rounded.
-    """
+    """Return exp(x), or exp(x + low), to 1.2 ulp; 2^n is two factors, so only one rounds."""
     n, shifted, (r, _) = _doublings(_bounded(x, LEAST_EXPONENT, MOST_EXPONENT), low)
     more = (r * r).times_plus(polynomial(r, fitted("exp")), r)
     half = n.times_plus(0.5, SHIFT).bits() << 52
@@ -332,10 +323,7 @@ def exponential(x: Lanes, low: Lanes | None = None) -> Lanes:
 
 
 class _Hyperbolic(NamedTuple):
-    """Hyperbolic functions of x before scaling by 2^up; ``n`` is the nearest integer to x/ln(2).
-
-    ``fall`` is exp(-x), scaled alike.
-    """
+    """Functions of x, and ``fall`` = exp(-x), before scaling by 2^up; ``n`` rounds x/ln(2)."""
 
     sinh: Pair
     cosh: Pair
@@ -471,10 +459,7 @@ def _logarithm_pair(x: Lanes) -> Pair:
 
 
 def power(x: Lanes, exponent: float) -> Lanes:
-    """Return x to a constant exponent, to 1.6 ulp.
-
-    The exponent must not be 0; its size is at most `LARGEST_EXPONENT`.
-    """
+    """Return x^exponent to 1.6 ulp, with exponent != 0 and at most `LARGEST_EXPONENT` in size."""
     size = x.size()
     log = _logarithm_pair(size)
     factor = x.with_value(x.code.constant(exponent))
@@ -495,10 +480,7 @@ def power(x: Lanes, exponent: float) -> Lanes:
 
 
 class _Turn(NamedTuple):
-    """Sine and cosine of an angle reduced by multiples of pi/2.
-
-    The last bits of ``quarters`` hold the multiple.
-    """
+    """Sine and cosine of an angle less n pi/2; the last bits of ``quarters`` hold n."""
 
     quarters: Bits
     sine: Pair
@@ -506,11 +488,7 @@ class _Turn(NamedTuple):
 
 
 def _turn(x: Lanes) -> _Turn:
-    """Reduce an angle of at most `TURNED` by n pi/2.
-
-    pi/2 is split in three parts; products with the first two are exact. The remainder's error is
-    2^-120.
-    """
+    """Reduce an angle of at most `LARGEST_ANGLE` by n pi/2, in three parts, to 2^-120."""
     first, second, third = parts_of("half_pi", 40, 40)
     shifted = x.times_plus(1.0 / (first + second), SHIFT)
     n = shifted - SHIFT
@@ -564,9 +542,9 @@ def tangent(x: Lanes) -> Lanes:
 
 
 def _within(x: Lanes, name: str, result: Lanes) -> Lanes:
-    """Return the result, replaced by the C library's where the argument is beyond `TURNED`."""
+    """Return the result, or the C library's for arguments beyond `LARGEST_ANGLE`."""
     code, builder = x.code, x.code.builder
-    is_beyond = builder.fcmp_unordered(">", x.size().value, x.of(TURNED))
+    is_beyond = builder.fcmp_unordered(">", x.size().value, x.of(LARGEST_ANGLE))
     flags = ir.IntType(code.lanes)
     somewhere = builder.icmp_unsigned("!=", builder.bitcast(is_beyond, flags), flags(0))
     before = builder.block
@@ -580,10 +558,7 @@ def _within(x: Lanes, name: str, result: Lanes) -> Lanes:
 
 
 def arctangent(x: Lanes) -> Lanes:
-    """Return the arctangent, to 0.9 ulp.
-
-    Large arguments use pi/2 and -1/x, middle ones pi/4 and (x - 1)/(x + 1).
-    """
+    """Return the arctangent to 0.9 ulp, by pi/2 and -1/x or by pi/4 and (x - 1)/(x + 1)."""
     size = x.size().where(">", 2.0**60, 2.0**60)
     middle, steep = size.compared(">", 2.0**0.5 - 1.0), size.compared(">", 1.0 + 2.0**0.5)
     none, one = (x.with_value(x.code.constant(value)) for value in (0.0, 1.0))

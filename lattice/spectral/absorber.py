@@ -81,10 +81,7 @@ class LeftAbsorber:
         self.level = -float(np.average(self._strain(p), weights=profile))
 
     def absorb(self, p: Complex) -> float:
-        """Damp, in place, the waves that passed the absorber since the last call.
-
-        Returns the change of the mean of y, which is not part of p.
-        """
+        """Damp in place what passed since the last call; return the change of the mean of y."""
         change = modes_of(self._strain(p) * self._loss)[: self._mode_count] * self._share
         p[1, : self._mode_count] += self._lift * change
         mean = float(change[0].real)

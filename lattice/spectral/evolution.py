@@ -65,11 +65,7 @@ class NotHyperbolicError(RunawayError):
         super().__init__(t, message)
 
 
-@njit(
-    cache=True,
-    examples=[(complexes(2), doubles(1), complexes(1))],
-    fastmath={"contract"},
-)
+@njit(cache=True, examples=[(complexes(2), doubles(1), complexes(1))], fastmath={"contract"})
 def _strain_modes(p: Complex, inverse: Array, out: Complex) -> None:
     """Compute y = (p_+ - p_-)/(2 i w), mode by mode, into ``out``."""
     for k in range(1, p.shape[1]):
@@ -210,10 +206,7 @@ class SpectralRing:
             raise SamplingError(f"the spectrum's tail is {tail:.2g} at t = {t:g}")
 
     def _checked_stiffness(self, y: Array, t: float) -> Array:
-        """Return the stiffness about the strains ``y``, and record their range.
-
-        Raises NotHyperbolicError if waves do not exist about one of them.
-        """
+        """Return the stiffness about strains; raise NotHyperbolicError where no waves exist."""
         with np.errstate(over="ignore", invalid="ignore"):
             stiffness = self._model.stiffness(y)
         least, most = self.strain

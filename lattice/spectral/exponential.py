@@ -86,10 +86,7 @@ Nonlinearity = Callable[[Complex], Complex]
 
 
 class ExponentialRungeKutta:
-    """ETDRK4 with step ``h`` for p' = L p + N(p), L diagonal; four evaluations of N per step.
-
-    ``linear`` and p have the shape (branches, modes), N(p) the shape (modes,).
-    """
+    """ETDRK4 with step ``h`` for p' = L p + N(p), L diagonal; four evaluations of N per step."""
 
     def __init__(self, linear: Complex, nonlinearity: Nonlinearity, h: float) -> None:
         self._nonlinearity = nonlinearity

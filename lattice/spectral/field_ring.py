@@ -24,10 +24,7 @@ INTERPOLATION = 1e-13
 
 
 def modes_of(values: Array) -> Complex:
-    """Return Fourier coefficients over all axes but that of fields; k >= 0 on the last axis.
-
-    The first of several axes is that of fields.
-    """
+    """Return Fourier coefficients over all axes after that of fields; k >= 0 on the last."""
     axes = tuple(range(min(1, values.ndim - 1), values.ndim))
     modes: Complex = ducc0.fft.r2c(values, axes=axes, inorm=2, nthreads=1)
     return modes

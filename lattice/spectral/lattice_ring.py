@@ -58,10 +58,7 @@ def _bend(p: Complex, lift: Complex, coarse: Complex, fine: Complex, out: Comple
 
 @_jit(examples=[(complexes(2), complexes(3), *_PHASES_EXAMPLE, complexes(1))])
 def _drive(force: Complex, drive: Complex, coarse: Complex, fine: Complex, out: Complex) -> None:
-    """Compute the drive of the normal coordinates by the bonds' forces, into ``out``.
-
-    The coordinates are those of the moving frame.
-    """
+    """Compute the drive of normal coordinates, in the moving frame, by forces of bonds."""
     branches, bonds, modes = drive.shape
     for k in range(modes):
         phase = (coarse[k // fine.size] * fine[k % fine.size]).conjugate()
@@ -318,10 +315,7 @@ def ring_stretches(lattice: NumericLattice, state: FieldRing) -> list[Array]:
 
 
 def ring_slopes(lattice: NumericLattice, state: FieldRing) -> list[Array]:
-    """Return the slope of each bond's force, point by point.
-
-    Raises ValueError where a slope is not finite.
-    """
+    """Return the slope of each bond's force at each point; raise ValueError if not finite."""
     result = []
     for bond, stretch in zip(lattice.bonds, ring_stretches(lattice, state), strict=True):
         with np.errstate(all="ignore"):

@@ -37,10 +37,7 @@ runs lose the fields if the step is not the cause."""
 
 
 def resolving_step(speed: float) -> float:
-    """Return the longest step that resolves the difference between a ring's lattices.
-
-    ``speed`` is that of the ring.
-    """
+    """Return the longest step, at the ring's ``speed``, that resolves its lattices' difference."""
     return TURNED / (2.0 * math.pi * speed)
 
 
@@ -121,10 +118,7 @@ class SpectralSearch:
         return replace(choices, step=factor * choices.step, start=start)
 
     def _lost_again(self, error: RunawayError, step: float) -> bool:
-        """Return whether the fields run away whatever the step.
-
-        They do if it happens at the start, or at the same time as in two runs before.
-        """
+        """Return whether fields run away whatever the step: at the start, or when two runs did."""
         elapsed = error.t - self._begin
         resolution = RUN_AWAY * elapsed + WATCH * step
         agree = [abs(t - elapsed) <= resolution for t in self._loss_times]

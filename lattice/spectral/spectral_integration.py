@@ -25,21 +25,9 @@ from longwave.lattice.spectral.crest_energy import crest_energy_spread
 from longwave.lattice.spectral.evolution import RunawayError
 from longwave.lattice.spectral.exponential import ORDER
 from longwave.lattice.spectral.field_ring import FieldRing, fast_count
-from longwave.lattice.spectral.lattice_ring import (
-    LatticeRing,
-    ring_slopes,
-    ring_stretches,
-    whole,
-)
+from longwave.lattice.spectral.lattice_ring import LatticeRing, ring_slopes, ring_stretches, whole
 from longwave.lattice.spectral.ring_search import TAIL_SHARE, SpectralSearch
-from longwave.lattice.trial import (
-    Choices,
-    Kind,
-    Progress,
-    Trial,
-    nudged,
-    rounding_error,
-)
+from longwave.lattice.trial import Choices, Kind, Progress, Trial, nudged, rounding_error
 from longwave.support.array_types import Array
 from longwave.support.checkpoint import Memory, begin_loop
 from longwave.support.real_arrays import real_array
@@ -62,10 +50,7 @@ MOST_POINTS = 2**22
 
 @dataclass(frozen=True)
 class SpectralTrajectory:
-    """Rings at all ``times``.
-
-    ``error_estimate`` is that of the judged quantity, sup over all times.
-    """
+    """Rings at all ``times``; ``error_estimate`` is that of the judged quantity."""
 
     times: Array
     states: tuple[FieldRing, ...]
@@ -117,19 +102,13 @@ def spectral_integrate(
     ring, rows = trial.payload
     states = tuple(FieldRing(**row) for row in rows)
     cost = Cost(
-        ring.integrator.steps,
-        ring.integrator.evaluations,
-        trial.seconds,
-        perf_counter() - started,
+        ring.integrator.steps, ring.integrator.evaluations, trial.seconds, perf_counter() - started
     )
     return SpectralTrajectory(moments, states, refined.error, trial.choices.step, cost)
 
 
 def _checked_ring(lattice: NumericLattice, state: FieldRing) -> FieldRing:
-    """Return the ring with arrays of doubles.
-
-    Raises ValueError if it does not fit the lattice.
-    """
+    """Return the ring with arrays of doubles; raise ValueError if it does not fit the lattice."""
     if lattice.cellwise[1] is not None:
         raise ValueError(
             f"lattice must be the same in all cells, got disorder in {lattice.name} (a wave's "
@@ -258,10 +237,7 @@ class FieldRingEngine(SpectralSearch):
         return density
 
     def _first_choices(self, longer: float) -> Choices:
-        """Return the first step, from the rates that are not integrated exactly.
-
-        It is shorter if waves are so short that the ring's lattices differ.
-        """
+        """Return the first step, from the rates that are not integrated exactly."""
         T = self._duration
         ring = self._ring(Choices(T, 1.0), math.inf)
         moving, still = ring.typical_rates()

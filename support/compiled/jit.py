@@ -284,10 +284,7 @@ def _plain(value: Any) -> Any:
 
 
 class Intrinsic:
-    """Lazy ``numba.extending.intrinsic``, registered when numba is imported.
-
-    ``function`` is as numba takes it: it returns the signature and the code generator for types.
-    """
+    """Lazy ``numba.extending.intrinsic`` of ``function``, registered when numba is imported."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
         self.__wrapped__ = self._function = function

@@ -154,10 +154,7 @@ def _check_private(path: Path, state: os.stat_result) -> None:
 
 
 def _fault(state: os.stat_result, others: int) -> str:
-    """Return why others may have written there, or an empty text.
-
-    ``others`` are the permissions that others must not have.
-    """
+    """Return why ``others`` (permission bits) may have written there, or an empty text."""
     if not hasattr(os, "geteuid"):
         return ""
     if state.st_uid != os.geteuid():
