@@ -15,6 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+import longwave.lattice.schemes as schemes
+import longwave.lattice.trial as trials
 from longwave.lattice.driving import DrivenChain
 from longwave.lattice.dynamics import WIDER, Dynamics
 from longwave.lattice.energy_balance import EnergyBalance
@@ -22,28 +24,8 @@ from longwave.lattice.force_features import GAPS, TRAVEL, find_feature, finite_r
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.refine import refine
 from longwave.lattice.run_times import check_positive, checked_times
-from longwave.lattice.schemes import (
-    REDUCED_PHASE_6,
-    SCHEMES,
-    Scheme,
-    check_order,
-    check_step,
-    stability_limit,
-)
 from longwave.lattice.state import State
 from longwave.lattice.stepper import CHUNK, FixedDomain, Stepper
-from longwave.lattice.trial import (
-    LEAST_FACTOR,
-    Choices,
-    Kind,
-    Progress,
-    StepSearch,
-    Trial,
-    difference,
-    nudged,
-    rounding_error,
-    step_between,
-)
 from longwave.support.array_types import Array
 from longwave.support.checkpoint import Memory, begin_loop
 from longwave.support.request_limits import OverBudgetError
@@ -156,7 +138,7 @@ def integrate(
     tolerance: float | None = None,
     *,
     judged: Judged | None = None,
-    scheme: Scheme = REDUCED_PHASE_6,
+    scheme: schemes.Scheme = schemes.REDUCED_PHASE_6,
     step: float | None = None,
     measure_error: bool = True,
 ) -> Trajectory:
@@ -182,15 +164,20 @@ def integrate(
     """
     start = _checked(lattice, state)
     moments = checked_times(times, start.t)
-    if scheme not in SCHEMES:
-        check_order(scheme)
+    if scheme not in schemes.SCHEMES:
+        schemes.check_order(scheme)
     if (tolerance is None) == (step is None):
         raise ValueError(
             f"either tolerance or step must be given, got tolerance {tolerance} and step {step} "
             "(with a tolerance the step is chosen for you)"
         )
     started = perf_counter()
-    comparison = None if judged is None else _comparison_of_cells(judged, lattice.cell_count)
+    comparison = None
+    if judged is not None:
+        cells = slice(lattice.cell_count)  # without those of walls
+        comparison = StateComparison(
+            lambda state, _: np.asarray(judged(state.f[:, cells], state.v[:, cells], state.t))
+        )
     search = CellEngine(lattice, start, moments, scheme, comparison, tolerance=tolerance or FINE)
     if tolerance is not None:
         trial, error = _run_to_tolerance(search, tolerance, moments)
@@ -198,15 +185,6 @@ def integrate(
         assert step is not None
         trial, error = _run_with_step(search, step, measure_error)
     return _trajectory(trial, error, moments, started, search)
-
-
-def _comparison_of_cells(judged: Judged, cells: int | None) -> StateComparison:
-    """Return the comparison by ``judged`` on the lattice's own cells, without those of walls."""
-
-    def observe(state: State, _: EnergyBalance | None) -> Array:
-        return np.asarray(judged(state.f[:, :cells], state.v[:, :cells], state.t))
-
-    return StateComparison(observe)
 
 
 def _checked(lattice: NumericLattice, state: State) -> State:
@@ -222,7 +200,9 @@ def _checked(lattice: NumericLattice, state: State) -> State:
     return lattice.with_walls(Dynamics(lattice).checked(state))
 
 
-def _run_to_tolerance(engine: CellEngine, tolerance: float, times: Array) -> tuple[Trial, float]:
+def _run_to_tolerance(
+    engine: CellEngine, tolerance: float, times: Array
+) -> tuple[trials.Trial, float]:
     """Return a run to the tolerance, and its error estimate."""
     remedy = "it is the largest accepted error, in the unit of the judged quantity"
     check_positive("tolerance", tolerance, remedy)
@@ -233,20 +213,24 @@ def _run_to_tolerance(engine: CellEngine, tolerance: float, times: Array) -> tup
     return refined.trial, refined.error
 
 
-def _run_with_step(engine: CellEngine, step: float, measure_error: bool) -> tuple[Trial, float]:
+def _run_with_step(
+    engine: CellEngine, step: float, measure_error: bool
+) -> tuple[trials.Trial, float]:
     """Return a run with the given step, and its error measured with a shorter one."""
     check_positive("step", step, "it goes forward in time")
-    check_step(step, engine.scheme, engine.first_frequency)
+    schemes.check_step(step, engine.scheme, engine.first_frequency)
     choices = replace(engine.first(), step=step)
     trial, error = engine.run(choices, True), math.nan
     if measure_error:
         control = engine.run(engine.control(choices, engine.kinds), True)
-        error = RING_SAFETY * difference(trial, control) + max(trial.rounding, control.rounding)
+        error = RING_SAFETY * trials.difference(trial, control) + max(
+            trial.rounding, control.rounding
+        )
     return trial, error
 
 
 def _trajectory(
-    trial: Trial, error: float, times: Array, started: float, engine: CellEngine
+    trial: trials.Trial, error: float, times: Array, started: float, engine: CellEngine
 ) -> Trajectory:
     """Return a finished run as a `Trajectory`. Raises ValueError if it blew up or broke down."""
     blow_up, steps, *stored = trial.payload
@@ -272,7 +256,7 @@ def _trajectory(
     return Trajectory(times, f, v, error, engine.scheme.name, trial.choices.step, cost)
 
 
-class CellEngine(StepSearch):
+class CellEngine(trials.StepSearch):
     """Runs of a ring of cells from a state, for `refine`; only the step varies.
 
     ``first_frequency`` is the highest of any wave about the start. Positions and velocities are
@@ -289,7 +273,7 @@ class CellEngine(StepSearch):
         lattice: NumericLattice,
         state: State,
         times: Array,
-        scheme: Scheme,
+        scheme: schemes.Scheme,
         compared: StateComparison | None = None,
         stored_times: Array | None = None,
         cuts: Sequence[int] | None = None,
@@ -304,9 +288,8 @@ class CellEngine(StepSearch):
         self.amplifies_rounding = not lattice.is_linear
         self.threads = self.dynamics.threads(scheme) if state.size < LARGE else 1
         self._times, self._stored_times = times, times if stored_times is None else stored_times
-        self._featured_bonds = [
-            at for at, one in enumerate(lattice.bonds) if not one.force.is_smooth
-        ]
+        smooth = [bond.force.is_smooth for bond in lattice.bonds]
+        self._featured_bonds = [index for index, is_smooth in enumerate(smooth) if not is_smooth]
         self._has_features, self._refusals = False, 0
         self._limit_step, self._is_limited_by_feature = math.inf, False
         ranges = self.dynamics.ranges(state)
@@ -351,7 +334,9 @@ class CellEngine(StepSearch):
         stretches = self.dynamics.stretches
         return np.array([stretches(state.f), stretches(state.v) / self._highest_at_rest])
 
-    def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
+    def run(
+        self, choices: trials.Choices, shown: bool, progress: trials.Progress = lambda _: None
+    ) -> trials.Trial:
         """Make or resume a run; its payload is (blow-up, steps, positions, velocities)."""
         start = self._start(choices.nudged)
         balance = self.balance(start)
@@ -373,9 +358,8 @@ class CellEngine(StepSearch):
 
         def remember(arrays: bool = True) -> Memory:
             flow = {} if balance is None else {"balance": balance.memory()}
-            return (
-                stepper.memory(arrays) | {"f": f, "v": v, "judged": observed, "met": rates} | flow
-            )
+            data = {"f": f, "v": v, "judged": observed, "met": rates}
+            return stepper.memory(arrays) | data | flow
 
         before = stepper.state.t
         for state in stepper.stops(times) if times else ():
@@ -399,25 +383,26 @@ class CellEngine(StepSearch):
             loop.end(lambda: remember(arrays=False))
         if self._finds_new_features(stepper.ranges, rates):
             return self.run(choices, shown, progress)
-        return Trial(
+        return trials.Trial(
             choices,
             self._values(stepper, choices, observed, rates),
             float(stepper.steps),
             perf_counter() - loop.begun,
-            self._rounding(stepper),
+            trials.rounding_error(
+                self.dynamics.largest(stepper.ranges) / self._comparison.unit,
+                stepper.steps * self.scheme.stages,
+            ),
             (stepper.blow_up, stepper.steps, f, v),
             common_error=self._drive_error,
             has_observables=self._stored_times.size == 0,  # nothing is stored but what is compared
         )
 
     def _values(
-        self, stepper: Stepper, choices: Choices, observed: list[Array], rates: Array
+        self, stepper: Stepper, choices: trials.Choices, observed: list[Array], rates: Array
     ) -> Array | None:
         """Return the compared values; None after a blow-up or if the step was too long."""
-        longest, longest_taken = (
-            self._longest_step(stepper.ranges),
-            self._longest_taken(choices.step),
-        )
+        longest = self._longest_step(stepper.ranges)
+        longest_taken = self._longest_taken(choices.step)
         feature_limit = math.inf
         if stepper.blow_up is None and longest_taken <= longest:
             feature_limit = self._resolving_step(stepper.ranges, rates, choices)
@@ -429,22 +414,15 @@ class CellEngine(StepSearch):
         stacked = np.array(observed) if len(observed) > 1 else observed[0][np.newaxis]
         return self._comparison.combine(stacked)
 
-    def _rounding(self, stepper: Stepper) -> float:
-        """Return the estimated rounding error of the compared values."""
-        largest = self.dynamics.largest(stepper.ranges) / self._comparison.unit
-        return rounding_error(largest, stepper.steps * self.scheme.stages)
-
     def _note_limit(self, step: float, stable: float, resolving: float) -> None:
         """Record the longest step allowed by the run with the shortest step so far."""
         if step < self._limit_step:
             self._step_limit, self._limit_step = math.inf, step
-        if step == self._limit_step and min(stable, resolving) < self._step_limit:
-            self._step_limit, self._is_limited_by_feature = (
-                min(stable, resolving),
-                resolving < stable,
-            )
+        limit = min(stable, resolving)
+        if step == self._limit_step and limit < self._step_limit:
+            self._step_limit, self._is_limited_by_feature = limit, resolving < stable
 
-    def _chunk(self, choices: Choices) -> int | None:
+    def _chunk(self, choices: trials.Choices) -> int | None:
         """Return the most steps between two stops, None for the default."""
         if self._cuts is not None:
             return 1
@@ -453,7 +431,7 @@ class CellEngine(StepSearch):
             steps = min(steps, self._quiet_time(choices) / choices.step)
         return max(1, math.ceil(steps)) if steps < CHUNK else None
 
-    def _quiet_time(self, choices: Choices) -> float:
+    def _quiet_time(self, choices: trials.Choices) -> float:
         """Return the time in which stretches and their rates change little."""
         return max(choices.step, STILL / self._highest_at_rest)
 
@@ -479,7 +457,7 @@ class CellEngine(StepSearch):
                 self.most_work = max(self.most_work, 4.0 * MOST_FOLLOWED)
         return self._has_features
 
-    def _resolving_step(self, ranges: Array, rates: Array, choices: Choices) -> float:
+    def _resolving_step(self, ranges: Array, rates: Array, choices: trials.Choices) -> float:
         """Return the longest step that resolves all features; raise ValueError if too short."""
         longest = math.inf
         if not self._has_features or not np.isfinite(ranges).all():
@@ -517,16 +495,16 @@ class CellEngine(StepSearch):
         gaps = np.diff(self._stops)
         return float(np.max(gaps / np.maximum(np.ceil(gaps / step), 1.0)))
 
-    def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
+    def improved(self, choices: trials.Choices, kind: trials.Kind, excess: float) -> trials.Choices:
         """Return a shorter step: the limit of the strains visited, or by the law of the order."""
-        step = step_between(self._stops, choices.step)
+        step = trials.step_between(self._stops, choices.step)
         if math.isinf(excess) and 0.0 < self._step_limit < self._longest_taken(choices.step):
-            least = LEAST_FACTOR**3 if self._has_features else LEAST_FACTOR
+            least = trials.LEAST_FACTOR**3 if self._has_features else trials.LEAST_FACTOR
             return replace(choices, step=max(LIMIT_SHARE * self._step_limit, least * step))
         choices_by_law = super().improved(choices, kind, excess)
         return replace(choices_by_law, step=min(choices_by_law.step, self._largest_ratio * step))
 
-    def check_followed(self, trial: Trial) -> None:
+    def check_followed(self, trial: trials.Trial) -> None:
         """Raise ValueError if the run broke down because a force changes too fast."""
         if trial.values is None and trial.payload[0] is None and self._is_limited_by_feature:
             raise ValueError(
@@ -558,7 +536,7 @@ class CellEngine(StepSearch):
     def _longest_step(self, ranges: Array) -> float:
         """Return the longest step that is stable for stretches in these ranges; 0 if none is."""
         highest = self.dynamics.highest_frequency(ranges)
-        limit = stability_limit(self.scheme)
+        limit = schemes.stability_limit(self.scheme)
         return limit / highest if limit < SLOW * highest * self._duration else self._duration
 
     def _start(self, changed: bool) -> State:
@@ -569,10 +547,7 @@ class CellEngine(StepSearch):
         start = self.state.copy()
         if changed:
             resting = (start.f == 0.0) & (start.v == 0.0)
-            for values, others in zip(
-                start.arrays, nudged(*start.arrays, times=self._amplified), strict=True
-            ):
-                values[:] = others
+            start.f[:], start.v[:] = trials.nudged(*start.arrays, times=self._amplified)
             start.f += np.where(resting, self._digit_changes(start.f), 0.0)
         return start
 
@@ -587,7 +562,7 @@ class CellEngine(StepSearch):
         """Return changes of the last digits, in units of the fields' sizes, 0 in walls."""
         ones = np.zeros_like(f)
         ones[:, : self.lattice.cell_count] = 1.0
-        [factors] = nudged(ones, times=self._amplified)
+        [factors] = trials.nudged(ones, times=self._amplified)
         return (factors - ones) * self._largest.reshape(-1, *(1,) * (f.ndim - 1))
 
     def _field_sizes(self, ranges: Array) -> Array:

@@ -17,22 +17,8 @@ from typing import Any
 
 from llvmlite import ir  # type: ignore[import-untyped]
 
+from longwave.lattice.kernels import streams, vector_functions
 from longwave.lattice.kernels.lane_code import DOUBLE, INDEX, LaneCode
-from longwave.lattice.kernels.streams import (
-    FUNCTIONS,
-    ForceFormula,
-    Rows,
-    StagePlan,
-    StreamRead,
-    rows_and_columns,
-    rows_of,
-)
-from longwave.lattice.kernels.vector_functions import (
-    FUNCTIONS_OF_LANES,
-    LARGEST_EXPONENT,
-    Lanes,
-    power,
-)
 from longwave.support.compiled.subnormals import flushed_subnormals
 
 __all__ = ["lane_force", "passage_text"]
@@ -69,10 +55,10 @@ def _whole_power(code: LaneCode, value: Any, exponent: int) -> Any:
 def _power(code: LaneCode, value: Any, exponent: float) -> Any:
     """Return a power, by products and square roots if the exponent is whole or half."""
     size = abs(exponent)
-    if exponent == 0.0 or not size <= LARGEST_EXPONENT:
+    if exponent == 0.0 or not size <= vector_functions.LARGEST_EXPONENT:
         return code.function("pow", value, code.constant(exponent))
     if 2.0 * size != round(2.0 * size) or size > WHOLE:
-        return power(Lanes(code, value), exponent).value
+        return vector_functions.power(vector_functions.Lanes(code, value), exponent).value
     whole = int(size)
     result = _whole_power(code, value, whole) if whole else None
     if size != whole:
@@ -81,7 +67,7 @@ def _power(code: LaneCode, value: Any, exponent: float) -> Any:
     return result if exponent > 0.0 else code.builder.fdiv(code.constant(1.0), result)
 
 
-def lane_force(code: LaneCode, x: Any, law: ForceFormula, numbers: Sequence[Any]) -> Any:
+def lane_force(code: LaneCode, x: Any, law: streams.ForceFormula, numbers: Sequence[Any]) -> Any:
     """Return the force at the stretch x."""
     if law.program:
         return _run_program(code, x, law.program, numbers)
@@ -116,8 +102,12 @@ def _run_program(
             stack.append(_power(code, stack.pop(), value))
         elif word == "contact":
             stack.append(code.positive_part(stack.pop()))
-        elif word in FUNCTIONS_OF_LANES:
-            stack.append(FUNCTIONS_OF_LANES[word](Lanes(code, stack.pop())).value)
+        elif word in vector_functions.FUNCTIONS_OF_LANES:
+            stack.append(
+                vector_functions.FUNCTIONS_OF_LANES[word](
+                    vector_functions.Lanes(code, stack.pop())
+                ).value
+            )
         else:
             stack.append(code.function(word, stack.pop()))
     return stack.pop()
@@ -133,7 +123,7 @@ class _Stage:
     def __init__(
         self,
         code: LaneCode,
-        flow: StagePlan,
+        flow: streams.StagePlan,
         numbers: Sequence[Any],
         drift: Any,
         weights: Sequence[Any],
@@ -155,9 +145,9 @@ class _Stage:
         self._latest: list[Any] = []
         self._carried: CarriedValue | None = None
 
-    def value(self, tap: StreamRead, lag: int) -> Any:
+    def value(self, tap: streams.StreamRead, lag: int) -> Any:
         """Return the value of a stream that is needed by another one with this ``lag``."""
-        rows, age = rows_and_columns(lag - tap.shift - self._flow.streams[tap.stream].lag)
+        rows, age = streams.rows_and_columns(lag - tap.shift - self._flow.streams[tap.stream].lag)
         if rows:
             assert self._carried is not None
             return self._carried(tap.stream, rows, age)
@@ -206,13 +196,13 @@ class _Stage:
                     value = code.builder.fadd(value, self._numbers[stream.number])
             self._latest.append(value)
 
-    def _sum(self, taps: Sequence[StreamRead], values: Sequence[Any]) -> Any:
+    def _sum(self, taps: Sequence[streams.StreamRead], values: Sequence[Any]) -> Any:
         """Return the weighted sum of the taps' values."""
         pairs = zip(taps, values, strict=True)
         total = self._code.weighted_sum((self._factor(tap), tap.weight, v) for tap, v in pairs)
         return self._code.constant(0.0) if total is None else total
 
-    def _factor(self, tap: StreamRead) -> Any:
+    def _factor(self, tap: streams.StreamRead) -> Any:
         """Return the factor of the tap's value; None for 1 and -1."""
         if tap.number is not None:
             return self._numbers[tap.number]
@@ -221,8 +211,8 @@ class _Stage:
     def outcome(self, lag: int) -> tuple[list[Any], list[Any]]:
         """Return positions and new velocities of the row ``lag`` behind the front."""
         flow = self._flow
-        positions = [self.value(StreamRead(stream), lag) for stream in flow.drifted]
-        return positions, [self.value(StreamRead(stream), lag) for stream in flow.kicked]
+        positions = [self.value(streams.StreamRead(stream), lag) for stream in flow.drifted]
+        return positions, [self.value(streams.StreamRead(stream), lag) for stream in flow.kicked]
 
     def latest(self, stream: int) -> Any:
         """Return the latest value of a stream."""
@@ -240,7 +230,9 @@ class _Stage:
 class _Writer:
     """Generates all functions of a lattice's LLVM module."""
 
-    def __init__(self, flow: StagePlan, lanes: int, together: int, block: int, count: int) -> None:
+    def __init__(
+        self, flow: streams.StagePlan, lanes: int, together: int, block: int, count: int
+    ) -> None:
         self._flow, self._lanes, self._together, self._count = flow, lanes, together, count
         self._block, self._skew, self._below, self._copied = block, flow.skew, flow.below, 1
         self._module = ir.Module("lattice")
@@ -252,7 +244,7 @@ class _Writer:
 
     def plane(self, columns: int) -> str:
         """Return the module's text for a plane; only ``columns`` modulo ``lanes`` matters."""
-        rows = rows_of(self._flow)
+        rows = streams.rows_of(self._flow)
         self._flow, self._skew, self._below = rows.flow, rows.skew, rows.below
         self._copied = self._lanes
         return self._text({1: self._along(rows, columns)}, {1: sum(rows.depths)})
@@ -322,7 +314,7 @@ class _Writer:
         indices = [code.builder.add(first, INDEX(more)) for more in range(count)]
         return [code.number(kicks, index) for index in indices]
 
-    def _along(self, rows: Rows, columns: int) -> Any:
+    def _along(self, rows: streams.Rows, columns: int) -> Any:
         """Return the function of a stage on a plane's rows from ``first`` to below ``past``."""
         function, code = self._function("stages_1", _STAGES)
         f, v, carried, drifts, kicks, data, plane, pitch, width, level, first, past = function.args
@@ -373,7 +365,9 @@ class _Writer:
         builder.ret_void()
         return function
 
-    def _close(self, code: LaneCode, data: Any, width: Any, columns: int, rows: Rows) -> None:
+    def _close(
+        self, code: LaneCode, data: Any, width: Any, columns: int, rows: streams.Rows
+    ) -> None:
         """Generate code that copies a row's ends, lanes moved by one, into ghost columns."""
         builder, lanes = code.builder, self._lanes
         last = builder.sub(width, INDEX(1))
@@ -484,11 +478,11 @@ class _Writer:
         """Return the exported function: it makes ``count`` calls, each given as words."""
         function, code = self._function("script", [_INDICES, INDEX], internal=False)
         words, count = function.args
-        builder, size = code.builder, 1 + max(FUNCTIONS.values())
+        builder, size = code.builder, 1 + max(streams.FUNCTIONS.values())
         with flushed_subnormals(self._module, builder), code.loop(INDEX(0), count) as row:
             at = builder.gep(words, [builder.mul(row, INDEX(size))])
             requested = builder.load(at)
-            for index, name in enumerate(FUNCTIONS):
+            for index, name in enumerate(streams.FUNCTIONS):
                 called = functions[name]
                 with builder.if_then(builder.icmp_signed("==", requested, INDEX(index))):
                     arguments = []
@@ -562,7 +556,7 @@ class _Writer:
 
 
 def passage_text(
-    flow: StagePlan, lanes: int, together: int, block: int, count: int, columns: int = 0
+    flow: streams.StagePlan, lanes: int, together: int, block: int, count: int, columns: int = 0
 ) -> str:
     """Return the LLVM text of the stages of a lattice, which take ``count`` numbers.
 

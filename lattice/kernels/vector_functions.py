@@ -19,7 +19,7 @@ Polynomials are near-minimax (Chebyshev), fitted with mpmath when code is genera
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import cache
+from functools import cache, partialmethod
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from llvmlite import ir  # type: ignore[import-untyped]
@@ -62,17 +62,15 @@ class Lanes:
         """Return a vector of the same code with another value."""
         return Lanes(self.code, value)
 
-    def __add__(self, other: Lanes | float) -> Lanes:
-        return self.with_value(self.code.builder.fadd(self.value, self.of(other)))
+    def _combined(self, word: str, other: Lanes | float) -> Lanes:
+        return self.with_value(getattr(self.code.builder, word)(self.value, self.of(other)))
 
-    def __sub__(self, other: Lanes | float) -> Lanes:
-        return self.with_value(self.code.builder.fsub(self.value, self.of(other)))
+    __add__ = partialmethod(_combined, "fadd")
+    __sub__ = partialmethod(_combined, "fsub")
+    __mul__ = partialmethod(_combined, "fmul")
 
     def __rsub__(self, other: float) -> Lanes:
         return self.with_value(self.code.builder.fsub(self.of(other), self.value))
-
-    def __mul__(self, other: Lanes | float) -> Lanes:
-        return self.with_value(self.code.builder.fmul(self.value, self.of(other)))
 
     def __rtruediv__(self, other: float) -> Lanes:
         return self.with_value(self.code.builder.fdiv(self.of(other), self.value))
@@ -98,8 +96,7 @@ class Lanes:
 
     def bits(self) -> Bits:
         """Return the bit patterns of the doubles."""
-        words = words_of(self.code)
-        return Bits(self.code, self.code.builder.bitcast(self.value, words))
+        return Bits(self.code, self.code.builder.bitcast(self.value, words_of(self.code)))
 
     def size(self) -> Lanes:
         """Return the absolute value."""
@@ -129,26 +126,13 @@ class Bits:
             given = other.value
         return Bits(self.code, getattr(self.code.builder, word)(self.value, given))
 
-    def __add__(self, other: Bits | int) -> Bits:
-        return self._combined("add", other)
-
-    def __sub__(self, other: Bits | int) -> Bits:
-        return self._combined("sub", other)
-
-    def __and__(self, other: Bits | int) -> Bits:
-        return self._combined("and_", other)
-
-    def __or__(self, other: Bits | int) -> Bits:
-        return self._combined("or_", other)
-
-    def __xor__(self, other: Bits | int) -> Bits:
-        return self._combined("xor", other)
-
-    def __lshift__(self, places: int) -> Bits:
-        return self._combined("shl", places)
-
-    def __rshift__(self, places: int) -> Bits:
-        return self._combined("lshr", places)
+    __add__ = partialmethod(_combined, "add")
+    __sub__ = partialmethod(_combined, "sub")
+    __and__ = partialmethod(_combined, "and_")
+    __or__ = partialmethod(_combined, "or_")
+    __xor__ = partialmethod(_combined, "xor")
+    __lshift__ = partialmethod(_combined, "shl")
+    __rshift__ = partialmethod(_combined, "lshr")
 
     def doubles(self) -> Lanes:
         """Return the doubles that have these bit patterns."""
@@ -236,15 +220,13 @@ def parts_of(name: str, *bits: int) -> tuple[float, ...]:
     import mpmath
 
     with mpmath.workdps(DIGITS):
-        rest, result = (
-            {"ln2": +mpmath.ln2, "half_pi": mpmath.pi / 2, "third": mpmath.mpf(1) / 3}[name],
-            [],
-        )
+        left = {"ln2": +mpmath.ln2, "half_pi": mpmath.pi / 2, "third": mpmath.mpf(1) / 3}[name]
+        doubles = []
         for count in bits:
-            unit = mpmath.ldexp(1, mpmath.frexp(rest)[1] - count)
-            result.append(float(mpmath.floor(rest / unit) * unit))
-            rest -= result[-1]
-        return (*result, float(rest))
+            unit = mpmath.ldexp(1, mpmath.frexp(left)[1] - count)
+            doubles.append(float(mpmath.floor(left / unit) * unit))
+            left -= doubles[-1]
+        return (*doubles, float(left))
 
 
 @cache
@@ -284,23 +266,15 @@ LEAST_EXPONENT, MOST_EXPONENT = -760.0, 720.0
 """Arguments beyond which the exponential is 0, or infinite: n ln(2) with n of 12 bits."""
 
 
-class _Doublings(NamedTuple):
-    """The integer n and the remainder r of n ln(2) + r, with abs(r) <= ln(2)/2."""
-
-    n: Lanes
-    shifted: Lanes
-    rest: Pair
-
-
-def _doublings(x: Lanes, low: Lanes | None = None) -> _Doublings:
-    """Return n and r for x, or for x + low."""
+def _doublings(x: Lanes, low: Lanes | None = None) -> tuple[Lanes, Lanes, Pair]:
+    """Return n, n + `SHIFT` and r with x, or x + low, = n ln(2) + r and abs(r) <= ln(2)/2."""
     high, rest = parts_of("ln2", 42)
     shifted = x.times_plus(1.0 / high, SHIFT)
     n = shifted - SHIFT
     left, off = n.times_plus(-high, x), n * rest
     off = off if low is None else off - low
     r = left - off
-    return _Doublings(n, shifted, Pair(r, (left - r) - off))
+    return n, shifted, Pair(r, (left - r) - off)
 
 
 def _power_of_two(shifted: Lanes) -> Lanes:
@@ -308,14 +282,11 @@ def _power_of_two(shifted: Lanes) -> Lanes:
     return ((shifted.bits() << 52) + ONE_BITS).doubles()
 
 
-def _bounded(x: Lanes, least: float, most: float) -> Lanes:
-    """Return x clipped to least .. most; NaN stays."""
-    return x.where("<", least, least).where(">", most, most)
-
-
 def exponential(x: Lanes, low: Lanes | None = None) -> Lanes:
     """Return exp(x), or exp(x + low), to 1.2 ulp; 2^n is two factors, so only one rounds."""
-    n, shifted, (r, _) = _doublings(_bounded(x, LEAST_EXPONENT, MOST_EXPONENT), low)
+    n, shifted, (r, _) = _doublings(
+        x.where("<", LEAST_EXPONENT, LEAST_EXPONENT).where(">", MOST_EXPONENT, MOST_EXPONENT), low
+    )
     more = (r * r).times_plus(polynomial(r, fitted("exp")), r)
     half = n.times_plus(0.5, SHIFT).bits() << 52
     other = (shifted.bits() << 52) - half
@@ -479,16 +450,8 @@ def power(x: Lanes, exponent: float) -> Lanes:
 # Trigonometric functions.
 
 
-class _Turn(NamedTuple):
-    """Sine and cosine of an angle less n pi/2; the last bits of ``quarters`` hold n."""
-
-    quarters: Bits
-    sine: Pair
-    cosine: Pair
-
-
-def _turn(x: Lanes) -> _Turn:
-    """Reduce an angle of at most `LARGEST_ANGLE` by n pi/2, in three parts, to 2^-120."""
+def _reduced(x: Lanes) -> tuple[Bits, Pair, Pair]:
+    """Return n (in the last bits), and sine and cosine of x - n pi/2; x <= `LARGEST_ANGLE`."""
     first, second, third = parts_of("half_pi", 40, 40)
     shifted = x.times_plus(1.0 / (first + second), SHIFT)
     n = shifted - SHIFT
@@ -502,7 +465,7 @@ def _turn(x: Lanes) -> _Turn:
     sine = exact_sum(high, (high * z).times_plus(polynomial(z, fitted("sin")), low - half * low))
     cosine = exact_sum(x.with_value(x.code.constant(1.0)), -half)
     rest = (z * z).times_plus(polynomial(z, fitted("cos")), cosine.low - high * low)
-    return _Turn(shifted.bits(), sine, exact_sum(cosine.high, rest))
+    return shifted.bits(), sine, exact_sum(cosine.high, rest)
 
 
 def _even(quarters: Bits) -> Any:
@@ -513,9 +476,9 @@ def _even(quarters: Bits) -> Any:
 
 def _circle(x: Lanes, more_quarters: int) -> Bits:
     """Return the sine of an angle >= 0 plus ``more_quarters`` quarter turns."""
-    turn = _turn(x)
-    quarters = turn.quarters + more_quarters
-    result = turn.cosine.high.replaced(_even(quarters), turn.sine.high)
+    quarters, sine, cosine = _reduced(x)
+    quarters += more_quarters
+    result = cosine.high.replaced(_even(quarters), sine.high)
     return result.bits() ^ ((quarters & 2) << 62)
 
 
@@ -531,13 +494,13 @@ def cosine(x: Lanes) -> Lanes:
 
 def tangent(x: Lanes) -> Lanes:
     """Return the tangent, to 1.0 ulp."""
-    turn = _turn(x.size())
-    even = _even(turn.quarters)
+    quarters, sine, cosine = _reduced(x.size())
+    even = _even(quarters)
     over, under = (
         Pair(*(b.replaced(even, a) for a, b in zip(*pair, strict=True)))
-        for pair in ((turn.sine, turn.cosine), (turn.cosine, turn.sine))
+        for pair in ((sine, cosine), (cosine, sine))
     )
-    result = whole(quotient(over, under)).bits() ^ ((turn.quarters & 1) << 63)
+    result = whole(quotient(over, under)).bits() ^ ((quarters & 1) << 63)
     return _within(x, "tan", (result ^ x.sign()).doubles())
 
 
