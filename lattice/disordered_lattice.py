@@ -6,7 +6,7 @@ the cell's deviation; its size is at most ``bound``, which must be less than 1.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from functools import lru_cache
 
@@ -116,30 +116,13 @@ class DisorderedLattice(NumericLattice):
         shares[:masses] = -shares[:masses] / (1.0 + shares[:masses])
         return shares
 
-    @property
-    def stays_at_rest(self) -> bool:
-        """Whether every varied force vanishes at zero stretch."""
-        parts = (part for part in self.variation.forces if part is not None)
-        return all(float(part(np.array(0.0))) == 0.0 for part in parts)
-
-    @property
-    def softest(self) -> list[float]:
-        """Lower bound of the slope of each bond's force at the mean stretch."""
-        pairs = zip(super().rest_slopes(), self._part_slopes(), strict=True)
-        return [slope - self.variation.bound * abs(part) for slope, part in pairs]
-
-    def _part_slopes(self) -> list[float]:
-        """Return the slope of each bond's varied force at the mean stretch, 0 if it has none."""
-        parts = self.variation.forces or (None,) * len(self.bonds)
-        return [
-            0.0 if part is None else float(part.slope(np.array(bond.offset)))
-            for bond, part in zip(self.bonds, parts, strict=True)
-        ]
-
-    def rest_slopes(self) -> list[float]:
-        """Return an upper bound of the slope of each bond's force at the mean stretch."""
-        pairs = zip(super().rest_slopes(), self._part_slopes(), strict=True)
-        return [slope + self.variation.bound * abs(part) for slope, part in pairs]
+    def rest_slopes(self, bound_sign: float = 1.0) -> list[float]:
+        """Return a bound, upper or lower, of the slope of each bond's force at the mean stretch."""
+        slopes, change = super().rest_slopes(), bound_sign * self.variation.bound
+        for index, part in enumerate(self.variation.forces):
+            if part is not None:
+                slopes[index] += change * abs(float(part.slope(np.array(self.bonds[index].offset))))
+        return slopes
 
     def largest_slope(self, bond_index: int, stretches: Array) -> float:
         """Return a bound, in all cells, of abs(slope) of a bond's force at these stretches."""
@@ -167,25 +150,27 @@ class DisorderedLattice(NumericLattice):
 
     def slopes(self, stretches: Sequence[Array]) -> list[Array]:
         """Return the slope of each bond's force at its stretches, cell by cell."""
-        slopes = super().slopes(stretches)
         with np.errstate(all="ignore"):
-            for bond_index, varied in enumerate(self._varied_parts()):
-                if varied is not None:
-                    part, row = varied
-                    slopes[bond_index] = slopes[bond_index] + row * part.slope(
-                        stretches[bond_index]
-                    )
-        return slopes
+            return self._varied(super().slopes(stretches), stretches, ForceProgram.slope)
 
     def forces(self, f: Array) -> list[Array]:
         """Return the force of each bond in each cell."""
         stretches = self.stretches(f)
         forces = [bond.force(x) for bond, x in zip(self.bonds, stretches, strict=True)]
-        for bond_index, varied in enumerate(self._varied_parts()):
+        return self._varied(forces, stretches, ForceProgram.__call__)
+
+    def _varied(
+        self,
+        values: list[Array],
+        stretches: Sequence[Array],
+        evaluate: Callable[[ForceProgram, Array], Array],
+    ) -> list[Array]:
+        """Return values of each bond plus the deviations times those of its varied force."""
+        for index, varied in enumerate(self._varied_parts()):
             if varied is not None:
                 part, row = varied
-                forces[bond_index] = forces[bond_index] + row * part(stretches[bond_index])
-        return forces
+                values[index] = values[index] + row * evaluate(part, stretches[index])
+        return values
 
     def acceleration(self, f: Array) -> Array:
         """Compute f'' of every field and cell with NumPy; compiled kernels must agree with it."""
@@ -281,12 +266,12 @@ def disordered(
     ordered_fields = {item.name: getattr(lattice, item.name) for item in fields(NumericLattice)}
     rows = real_array("every deviation", deviations)
     chain = DisorderedLattice(**ordered_fields, variation=variation, deviations=rows)
-    if not chain.stays_at_rest:
+    if any(part is not None and float(part(np.array(0.0))) != 0.0 for part in variation.forces):
         raise ValueError(
             f"disordered springs must exert no force at zero stretch, got {lattice.name}, whose "
             "force there would differ from bond to bond (let the masses differ)"
         )
-    if not chain.is_stable(chain.softest):
+    if not chain.is_stable(chain.rest_slopes(-1.0)):
         raise ValueError(
             f"spread must leave {lattice.name} linearly stable, got {variation.bound:g}, with "
             "which some waves grow at rest (take a smaller one)"

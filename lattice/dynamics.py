@@ -12,10 +12,10 @@ from longwave.lattice.kernels import nystroem, reference
 from longwave.lattice.kernels.ring_kernel import RingKernel
 from longwave.lattice.model import chain_constants
 from longwave.lattice.numeric_lattice import NumericLattice, value_range
+from longwave.lattice.run_times import checked_fields
 from longwave.lattice.schemes import DriftKick, Scheme
 from longwave.lattice.state import GROWTH, BlowUp, State
 from longwave.support.array_types import Array
-from longwave.support.real_arrays import real_array
 
 SLOPES = 65
 """Stretches, from the least to the most encountered, at which slopes are evaluated."""
@@ -41,22 +41,7 @@ class Dynamics:
 
     def checked(self, state: State) -> State:
         """Return the state with contiguous double arrays; raise ValueError if it does not fit."""
-        fields, axes = len(self.lattice.fields), self.lattice.dimension
-        f, v = (
-            np.ascontiguousarray(
-                real_array(f"every value of state.{name}", values, allows_nan=True)
-            )
-            for name, values in (("f", state.f), ("v", state.v))
-        )
-        result = State(state.t, f, v, state.left)
-        for name, values in (("f", result.f), ("v", result.v)):
-            fits = values.ndim == 1 + axes and values.shape == result.f.shape
-            if not fits or values.shape[0] != fields or not values.size:
-                raise ValueError(
-                    f"state.{name} must have the shape (fields, *cells) of {fields} fields and "
-                    f"{axes} axes, got {values.shape} (a chain of one field has (1, cells))"
-                )
-            _check_finite(name, values)
+        result = State(state.t, *checked_fields(self.lattice, state.f, state.v), state.left)
         cells = self.lattice.cell_count
         if cells not in (None, result.f.shape[1]):
             raise ValueError(
@@ -207,15 +192,3 @@ class Dynamics:
             if not slopes.min() > np.abs(np.diff(slopes)).max():
                 return False
         return True
-
-
-def _check_finite(name: str, values: Array) -> None:
-    """Raise ValueError with the first value that is not finite."""
-    broken = ~np.isfinite(values)
-    if np.any(broken):
-        index = tuple(int(axis) for axis in np.argwhere(broken)[0])
-        shown_index = index[0] if len(index) == 1 else index
-        raise ValueError(
-            f"state.{name} must be finite, got {values[index]} at index {shown_index} "
-            "(check how the state was computed)"
-        )

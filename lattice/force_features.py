@@ -64,20 +64,14 @@ def find_feature(
     if force.is_smooth or not low < high:
         return Feature(math.inf)
     with np.errstate(all="ignore"):
-        if not np.isfinite(
-            force(np.linspace(low, high, PLACES))
-        ).all():  # the range contains a pole
+        stretches = np.linspace(low, high, PLACES)
+        if not np.isfinite(force(stretches)).all():  # the range contains a pole
             return Feature(math.inf)
-        return _feature(force, low, high, impulse, gaps)
-
-
-def _feature(force: ForceProgram, low: float, high: float, impulse: float, gaps: int) -> Feature:
-    """Return the narrowest feature of a law that is finite between two stretches."""
-    width = _narrowest(force, low, high, FOLLOWED * impulse, gaps)
-    if width == math.inf:
-        return Feature(math.inf)
-    turns = _narrowest(force, low, high, FINER * FOLLOWED * impulse, gaps) < width / CORNER
-    sampled = float(np.max(np.abs(force.slope(np.linspace(low, high, PLACES)))))
+        width = _narrowest(force, low, high, FOLLOWED * impulse, gaps)
+        if width == math.inf:
+            return Feature(math.inf)
+        turns = _narrowest(force, low, high, FINER * FOLLOWED * impulse, gaps) < width / CORNER
+        sampled = float(np.max(np.abs(force.slope(stretches))))
     if turns and force.steepest_between(low, high, sampled) == sampled:
         return Feature(math.inf, True)
     return Feature(width, turns)

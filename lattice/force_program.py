@@ -74,16 +74,12 @@ class ForceProgram:
         return not self.instructions and not any(self.coefficients[1:])
 
     @cached_property
-    def _polynomial(self) -> Polynomial:
-        return Polynomial([0.0, *self.coefficients])
-
-    @cached_property
     def _slope(self) -> tuple[float, ...]:
-        return tuple(self._polynomial.deriv().coef.tolist())
+        return tuple(Polynomial([0.0, *self.coefficients]).deriv().coef.tolist())
 
     @cached_property
     def _integral(self) -> tuple[float, ...]:
-        return tuple(self._polynomial.integ().coef.tolist())
+        return tuple(Polynomial([0.0, *self.coefficients]).integ().coef.tolist())
 
     @cached_property
     def _stored_unstretched(self) -> Array:
@@ -344,7 +340,7 @@ def program_of(expression: Expr) -> ForceProgram:
 
 def _instructions(expression: Any) -> list[Instruction]:
     """Return the expression's instructions in postfix order."""
-    from sympy import Add, Mul, Pow, exp
+    from sympy import Add, Mul, Pow, exp, log
 
     if expression.is_Symbol:
         return [("x", 0.0)]
@@ -362,19 +358,13 @@ def _instructions(expression: Any) -> list[Instruction]:
     if isinstance(expression, Pow) and expression.exp.is_number:
         return [*_instructions(expression.base), ("power", float(expression.exp))]
     if isinstance(expression, Pow):
-        return _instructions(exp(expression.exp * _log(expression.base)))
+        return _instructions(exp(expression.exp * log(expression.base)))
     name = type(expression).__name__
     if name not in UNARY or len(expression.args) != 1:
         raise ValueError(
             f"force must be built from {', '.join(UNARY)} and powers, got {name} (rewrite it)"
         )
     return [*_instructions(expression.args[0]), (name, 0.0)]
-
-
-def _log(base: Any) -> Any:
-    from sympy import log
-
-    return log(base)
 
 
 def _run(

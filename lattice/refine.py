@@ -178,9 +178,9 @@ def _search_choices(search: "_Search", engine: Engine, tolerance: float) -> Refi
             search.check_rounding(choices)
         without_progress = 0 if has_fallen else without_progress + 1
         best = min(best, error)
-        is_stuck = without_progress == PATIENCE or (
-            scouting.stalled == PATIENCE and not _may_widen(engine, choices)
-        )
+        # a wider domain may still help: waves round a ring obey no law of the step
+        may_widen = "domain" in engine.kinds and not choices.causal
+        is_stuck = without_progress == PATIENCE or (scouting.stalled == PATIENCE and not may_widen)
         if is_stuck and math.isfinite(best):
             raise ValueError(
                 _refusal_message(best, tolerance, search.leftover_message(choices, rounding, error))
@@ -195,11 +195,6 @@ def _refusal_message(best: float, tolerance: float, left: str) -> str:
     """Return why a tolerance is refused: ``left`` keeps the error at ``best``, inf if unknown."""
     least = f"satisfy tolerance >= {1.05 * best:.2g} here" if best < math.inf else "be larger here"
     return f"tolerance must {least}, got {tolerance:g} ({left}; raise it or shorten the run)"
-
-
-def _may_widen(engine: Engine, choices: Choices) -> bool:
-    """Return whether a wider domain may still help: waves round a ring obey no law of the step."""
-    return "domain" in engine.kinds and not choices.causal
 
 
 def _with_lawful_step(search: "_Search", scouting: "_Search", choices: Choices) -> Choices:
@@ -283,7 +278,7 @@ class _Search:
                 change = self._lawful_in_wider(choices)
             else:
                 choices = self.engine.improved(choices, "step", excess)
-            self._drop_longer(choices.step)
+            self._done = {one: run for one, run in self._done.items() if one.step <= choices.step}
         return choices
 
     def _lawful_in_wider(self, choices: Choices) -> float | None:
@@ -302,11 +297,6 @@ class _Search:
             return None
         self._note_change(choices, change)
         return change
-
-    def _drop_longer(self, step: float) -> None:
-        """Discard runs with longer steps, which are not compared any more."""
-        for choices in [one for one in self._done if one.step > step]:
-            del self._done[choices]
 
     def is_lawful(self, choices: Choices) -> bool:
         """Return whether the law is confirmed for this step, or its change is negligible."""

@@ -256,10 +256,9 @@ def _stable(scheme: Scheme, z: Array) -> Mask:
     step = scheme.oscillator(z)
     trace = step[:, 0, 0] + step[:, 1, 1]
     determinant = step[:, 0, 0] * step[:, 1, 1] - step[:, 0, 1] * step[:, 1, 0]
-    inside: Mask = (np.abs(trace) <= 1.0 + determinant + JURY_SLACK) & (
-        determinant <= 1.0 + JURY_SLACK
+    return np.asarray(
+        (np.abs(trace) <= 1.0 + determinant + JURY_SLACK) & (determinant <= 1.0 + JURY_SLACK)
     )
-    return inside
 
 
 @cache

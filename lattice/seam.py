@@ -118,8 +118,7 @@ def rest_at_seam(s: Array, circumference: float, width: float, x: Array) -> Arra
     """
     distance = 0.5 * circumference - np.abs(x)
     bump = np.exp(-((distance / width) ** 2)) * (distance < BLEND_REACH * width)
-    rest: Array = s - float(np.mean(s)) / float(np.mean(bump)) * bump
-    return rest
+    return np.asarray(s - float(np.mean(s)) / float(np.mean(bump)) * bump)
 
 
 FADING_DEPTH = 128
@@ -156,9 +155,7 @@ class Fading:
         inside = np.arange(faded, 0, -1.0) / self.depth
         rate = FADING_STRENGTH * self.speed / self.depth * np.minimum(inside, 1.0) ** 2
         factors = np.exp(-rate * elapsed)
-        for sites, factor in (
-            (state.sites[:faded], factors),
-            (state.sites[-faded:], factors[::-1]),
-        ):
+        ends = (state.sites[:faded], factors), (state.sites[-faded:], factors[::-1])
+        for sites, factor in ends:
             y, s = state.at(sites)
             state.store(sites, self.level + factor * (y - self.level), factor * s)

@@ -153,16 +153,10 @@ def leads_to(path: Path, file: os.stat_result) -> bool:
 
 def _check_target(target: Path, force: bool) -> None:
     """Raise FileExistsError if the target must not be replaced, before anything is written."""
-    mode = _mode(target)
-    if mode is not None and not (force and stat.S_ISREG(mode)):
-        kind = "exists already" if stat.S_ISREG(mode) else "is there, and is no file"
-        raise FileExistsError(errno.EEXIST, kind)
-
-
-def _mode(target: Path) -> int | None:
-    """Return the mode of the file; None if there is none, or a broken link."""
     state = _state(target)
-    return None if state is None else state.st_mode
+    if state is not None and not (force and stat.S_ISREG(state.st_mode)):
+        is_file = stat.S_ISREG(state.st_mode)
+        raise FileExistsError(errno.EEXIST, "exists already" if is_file else "is not a file")
 
 
 def _own_mode(target: Path) -> int | None:

@@ -74,7 +74,9 @@ class CheckpointFolder:
         self.least, self.share = least, share
         self._folder, self._stamp = folder, stamp
         self._usual, self._lock = least, Lock()
-        self._restored, self._stored = 0.0, 0.0
+        self.restored_seconds = 0.0
+        """Seconds of work restored from checkpoints so far."""
+        self._stored = 0.0
         self.is_recalled = False
 
     def read(self, name: str, task: str) -> Memory | None:
@@ -130,17 +132,12 @@ class CheckpointFolder:
     def add_restored(self, seconds: float) -> None:
         """Add to the seconds of work restored from checkpoints."""
         with self._lock:
-            self._restored += seconds
-
-    @property
-    def restored_seconds(self) -> float:
-        """Seconds of work restored from checkpoints so far."""
-        return self._restored
+            self.restored_seconds += seconds
 
     @property
     def stored_seconds(self) -> float:
         """Seconds of stored work that the run has not restored yet."""
-        return max(0.0, self._stored - self._restored)
+        return max(0.0, self._stored - self.restored_seconds)
 
     def clear(self) -> None:
         """Remove the checkpoints of a finished run, and the folder if it has no other files."""

@@ -41,11 +41,7 @@ Kinds = Callable[[str], PlainKind | None]
 """Function from a name in the data to its type, None if unknown."""
 
 
-def no_kinds(_: str) -> None:
-    """Return None: no additional types."""
-
-
-def plain_bytes(value: object, kinds: Kinds = no_kinds) -> bytes:
+def plain_bytes(value: object, kinds: Kinds = lambda _: None) -> bytes:
     """Return the value as bytes. Raises TypeError for unsupported types.
 
     >>> plain_value(plain_bytes({"a": (1, 2.5), 3: [None, 1j]}))
@@ -56,7 +52,7 @@ def plain_bytes(value: object, kinds: Kinds = no_kinds) -> bytes:
     return b"".join([len(text).to_bytes(HEAD, "little"), text, *writer.arrays])
 
 
-def plain_value(content: bytes, kinds: Kinds = no_kinds) -> Any:
+def plain_value(content: bytes, kinds: Kinds = lambda _: None) -> Any:
     """Return the value from the bytes of `plain_bytes`. Raises ValueError for other bytes."""
     end = HEAD + int.from_bytes(content[:HEAD], "little")
     try:

@@ -131,14 +131,22 @@ def read_bytes(
         handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
         try:
             state = os.fstat(handle)
-            _check(state, path, what, most)
+            kind = KINDS.get(stat.S_IFMT(state.st_mode))
+            if kind is not None:
+                raise ValueError(
+                    f"{what} must be a regular file, got {shown_path(path)}, {kind} "
+                    "(- reads from the standard input)"
+                )
             check(state)
             with open(handle, "rb", closefd=False) as file:
                 content = file.read(most + 1)
         finally:
             os.close(handle)
     if len(content) > most:
-        raise ValueError(_too_long(path, what, most))
+        raise ValueError(
+            f"{what} must have at most {most:.0f} bytes, got {shown_path(path)} with more "
+            "(name a shorter file)"
+        )
     return content
 
 
@@ -229,20 +237,3 @@ def _text(content: bytes, path: str | Path, what: str) -> str:
             f"{what} must be a text in UTF-8, got {shown_path(path)} with the byte "
             f"0x{content[error.start]:02x} at {error.start} (save it as UTF-8)"
         ) from None
-
-
-def _check(state: os.stat_result, path: str | Path, what: str, most: float) -> None:
-    """Raise ValueError for anything but a regular file, and for a file that is too long."""
-    kind = KINDS.get(stat.S_IFMT(state.st_mode))
-    if kind is not None:
-        raise ValueError(
-            f"{what} must be a regular file, got {shown_path(path)}, {kind} "
-            "(- reads from the standard input)"
-        )
-    if state.st_size > most:
-        raise ValueError(_too_long(path, what, most))
-
-
-def _too_long(path: str | Path, what: str, most: float) -> str:
-    """Return the error message for a file with too many bytes."""
-    return f"{what} must have at most {most:.0f} bytes, got {shown_path(path)} with more"

@@ -381,13 +381,6 @@ class _Arc:
                 yield "passages", *self._work, *weights, *self._repeated, *counts
 
 
-class _MovingArc(NamedTuple):
-    """Arc with all moving cells of a chain, and the stages after which waves may reach its ends."""
-
-    arc: _Arc
-    stages: int
-
-
 class RingKernel:
     """Advances rings (fields, *shape) of contiguous rows, reusing its working memory."""
 
@@ -471,18 +464,18 @@ class RingKernel:
         kicks: Array,
         stages: int,
         ahead: float,
-        moving: _MovingArc | None,
+        moving: tuple[_Arc, int] | None,
     ) -> None:
         """Advance the moving cells, searched anew before the waves can leave their arc."""
         self._divide(len(kicks))
         self._drift(f, v, -ahead)
         done, arc = 0, None
         while moving is not None and done < stages:
-            if moving.arc is not arc:
-                arc = moving.arc
+            if moving[0] is not arc:
+                arc = moving[0]
                 store = arc.script(arc.store(f, v))
                 arc.script(arc.load(f, v))()
-            count = min(moving.stages, stages - done)
+            count = min(moving[1], stages - done)
             arc.script(arc.run(drifts, kicks, done, count))()
             store()
             done += count
@@ -497,8 +490,8 @@ class RingKernel:
         for arc in self._arcs if length else ():
             arc.script(arc.drift(f, v, length))()
 
-    def _moving_arc(self, f: Array, v: Array, kicks: Array) -> _MovingArc | None:
-        """Return an arc with all moving cells; None if it is larger than `SHARE` of the ring."""
+    def _moving_arc(self, f: Array, v: Array, kicks: Array) -> tuple[_Arc, int] | None:
+        """Return an arc of all moving cells, and the stages for which it is one; None if large."""
         size = self._shape[0]
         first, past = shortest_arc(moving_cells(f, v) | self._sources(kicks))
         begin, end, arc = self._cached_arc or (0, 0, None)
@@ -513,7 +506,7 @@ class RingKernel:
                 return None
             arc = self._arc((begin, end), (0, 0))
             self._cached_arc = begin, end, arc
-        return _MovingArc(arc, min(below, above) // max(1, *self._reach))
+        return arc, min(below, above) // max(1, *self._reach)
 
     def _sources(self, kicks: Array) -> Mask:
         """Return the cells of a chain that begin to move from rest, found by one stage of it."""

@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -119,11 +120,10 @@ SLACK = 1e-9
 """A time within this many steps of a whole step counts as that step."""
 
 
-@njit(
-    cache=True,
-    examples=[(complexes(2), complexes(2), complexes(3), complexes(2), complexes(2))],
-    fastmath={"contract"},
-)
+_jit = partial(njit, cache=True, fastmath={"contract"})
+
+
+@_jit(examples=[(complexes(2), complexes(2), complexes(3), complexes(2), complexes(2))])
 def _predict(factor: Complex, p: Complex, weights: Complex, past: Complex, out: Complex) -> None:
     """Compute the predicted solution after a step into ``out``."""
     for branch in range(p.shape[0]):
@@ -134,11 +134,7 @@ def _predict(factor: Complex, p: Complex, weights: Complex, past: Complex, out: 
             out[branch, k] = value
 
 
-@njit(
-    cache=True,
-    examples=[(complexes(3), complexes(1), complexes(2), complexes(2))],
-    fastmath={"contract"},
-)
+@_jit(examples=[(complexes(3), complexes(1), complexes(2), complexes(2))])
 def _correct(weights: Complex, newest: Complex, past: Complex, p: Complex) -> None:
     """Add the corrector's change to p, in place."""
     for branch in range(p.shape[0]):

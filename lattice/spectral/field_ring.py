@@ -26,15 +26,13 @@ INTERPOLATION = 1e-13
 def modes_of(values: Array) -> Complex:
     """Return Fourier coefficients over all axes after that of fields; k >= 0 on the last."""
     axes = tuple(range(min(1, values.ndim - 1), values.ndim))
-    modes: Complex = ducc0.fft.r2c(values, axes=axes, inorm=2, nthreads=1)
-    return modes
+    return ducc0.fft.r2c(values, axes=axes, inorm=2, nthreads=1)
 
 
 def values_of(modes: Complex, last: int, out: Array | None = None) -> Array:
     """Return the real functions with these coefficients, ``last`` points along the last axis."""
     axes = tuple(range(min(1, modes.ndim - 1), modes.ndim))
-    values: Array = ducc0.fft.c2r(modes, axes=axes, lastsize=last, forward=False, out=out)
-    return values
+    return ducc0.fft.c2r(modes, axes=axes, lastsize=last, forward=False, out=out)
 
 
 def fast_count(least: float) -> int:
@@ -70,8 +68,7 @@ class FieldRing:
     def points(self, axis: int = 0) -> Array:
         """Return the sample points along an axis."""
         steps = np.arange(self.counts[axis], dtype=np.float64)
-        points: Array = self.left[axis] + self.circumferences[axis] / steps.size * steps
-        return points
+        return np.asarray(self.left[axis] + self.circumferences[axis] / steps.size * steps)
 
     def at(self, *x: ArrayLike) -> Array:
         """Return the fields at any real positions, an array for each axis: (fields, positions)."""
@@ -116,8 +113,7 @@ class FieldRing:
             epsilon=INTERPOLATION,
             periodicity=2.0 * math.pi,
         )
-        real: Array = np.ascontiguousarray(values_at_turns.real)
-        return real
+        return np.ascontiguousarray(values_at_turns.real)
 
 
 def _with_both_ends(modes: Complex, padding: list[tuple[int, int]]) -> Complex:

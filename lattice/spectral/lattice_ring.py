@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from longwave.lattice.force_program import ForceProgram
-from longwave.lattice.numeric_lattice import NumericBond, NumericLattice
+from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.spectral.evolution import WATCH, RunawayError, SamplingError
 from longwave.lattice.spectral.exponential import ExponentialAdams
 from longwave.lattice.spectral.field_ring import FieldRing, modes_of, spectrum_tails, values_of
@@ -140,7 +140,9 @@ class LatticeRing:
         """Set up the nonlinear bonds' maps from modes and to them, and the raised frequencies."""
         fields, modes = len(lattice.fields), self.modes
         pairs = zip(lattice.bonds, slopes, strict=True)
-        nonlinear = [(bond, slope) for bond, slope in pairs if not _is_exact(bond)]
+        nonlinear = [  # nothing remains of a bond that is linear without a mean stretch
+            (bond, slope) for bond, slope in pairs if bond.offset or not bond.force.is_linear
+        ]
         self._bonds = [(bond.offset, bond.force, slope) for bond, slope in nonlinear]
         masses = np.array(lattice.masses)[:, None]
         stretch_maps = [multipliers(bond.stretch, grid, fields) for bond, _ in nonlinear]
@@ -166,10 +168,15 @@ class LatticeRing:
 
         ``pause`` is called after each check of the fields.
         """
+        start, integrator = self.start, self.integrator
         with np.errstate(over="ignore", invalid="ignore"):
-            p = self._advanced_to(t - self.start.t, pause)
+            for _ in range(integrator.whole_steps(t - start.t)):
+                integrator.step()
+                if integrator.steps % WATCH == 0:
+                    self._check(integrator.p, start.t + integrator.steps * integrator.h)
+                    pause()
+            p = integrator.solution_at(t - start.t)
         f = self._check(p, t)
-        start = self.start
         velocities = self._fields(0.5 * (p[0, :-1] + p[1, :-1]), p[0, -1].real)
         v = values_of(velocities, start.counts[-1])
         return FieldRing(t, start.left, start.circumferences, f, v)
@@ -182,15 +189,6 @@ class LatticeRing:
         """Restore the ring from the `memory` of one with the same arguments."""
         self.largest = memory["largest"]
         self.integrator.recall(memory["integrator"])
-
-    def _advanced_to(self, duration: float, pause: Callable[[], None]) -> Complex:
-        integrator = self.integrator
-        for _ in range(integrator.whole_steps(duration)):
-            integrator.step()
-            if integrator.steps % WATCH == 0:
-                self._check(integrator.p, self.start.t + integrator.steps * integrator.h)
-                pause()
-        return integrator.solution_at(duration)
 
     def typical_rates(self) -> tuple[float, float]:
         """Return the mean frequency of the moving modes, in the moving frame and in that at rest.
@@ -256,11 +254,6 @@ class LatticeRing:
         out[raised] += excess * (p[1, raised] - p[0, raised])
         out[-1] = 1.0
         return out
-
-
-def _is_exact(bond: NumericBond) -> bool:
-    """Return whether the bond is linear without a mean stretch, so that nothing remains of it."""
-    return bond.force.is_linear and bond.offset == 0.0
 
 
 def _with_time(values: Complex) -> Complex:

@@ -98,5 +98,4 @@ def multipliers(entries: tuple[Entry, ...], wavenumbers: Array, fields: int) -> 
 
 def _times(matrices: Complex, vectors: Complex) -> Complex:
     """Return the product of a matrix and a vector for each mode."""
-    product: Complex = np.einsum("ijk,jk->ik", matrices, vectors)
-    return product
+    return np.einsum("ijk,jk->ik", matrices, vectors)

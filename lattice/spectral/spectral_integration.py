@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from longwave.lattice.integration import RING_SAFETY, Cost
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.refine import refine
-from longwave.lattice.run_times import check_positive, checked_times
+from longwave.lattice.run_times import check_positive, checked_fields, checked_times
 from longwave.lattice.spectral.crest_energy import crest_energy_spread
 from longwave.lattice.spectral.evolution import RunawayError
 from longwave.lattice.spectral.exponential import ORDER
@@ -114,25 +114,8 @@ def _checked_ring(lattice: NumericLattice, state: FieldRing) -> FieldRing:
             f"lattice must be the same in all cells, got disorder in {lattice.name} (a wave's "
             "points lie between cells; lattice.integrate runs it)"
         )
-    f, v = (
-        real_array(f"every value of state.{name}", values, allows_nan=True)
-        for name, values in (("f", state.f), ("v", state.v))
-    )
+    f, v = checked_fields(lattice, state.f, state.v)
     ring = replace(state, f=f, v=v)
-    for name, values in (("f", ring.f), ("v", ring.v)):
-        shape = values.shape
-        fitting = len(shape) == 1 + lattice.dimension and shape[:1] == (len(lattice.fields),)
-        if not fitting or shape != ring.f.shape or min(shape) < 1:
-            raise ValueError(
-                f"state.{name} must have the shape (fields, points along each axis), got {shape} "
-                f"for {len(lattice.fields)} fields on {lattice.dimension} axes of {lattice.name} "
-                "(as many for f and v)"
-            )
-        if not np.all(np.isfinite(values)):
-            raise ValueError(
-                f"state.{name} must be finite, got {values[~np.isfinite(values)][0]} in it "
-                "(check how the state was computed)"
-            )
     for length in ring.circumferences:
         check_positive("circumference", length, "sites around the ring, any real number")
     if not len(ring.left) == len(ring.circumferences) == lattice.dimension:
