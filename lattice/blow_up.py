@@ -19,12 +19,10 @@ TINY = 1e-300
 """Floor of the largest squared frequency, so that the stability threshold is never 0."""
 
 
-def find_blow_up(
-    lattice: NumericLattice, state: State, initial_amplitude: float | None
-) -> BlowUp | None:
+def find_blow_up(lattice: NumericLattice, state: State, amplitude: float | None) -> BlowUp | None:
     """Return the first blow-up criterion that the state meets, or None if the state is sound.
 
-    First criterion: a value is not finite. The others apply if ``initial_amplitude`` is given, the
+    First criterion: a value is not finite. The others apply if ``amplitude`` is given, the
     largest stretch at the start less the bond's offset: a bond's force is not finite; waves grow in
     the uniform lattice whose bonds all have one cell's slopes; or the largest stretch has grown by
     more than ``GROWTH``.
@@ -32,7 +30,7 @@ def find_blow_up(
     broken = ~np.all(np.isfinite(state.f) & np.isfinite(state.v), axis=0)
     if broken.any():
         return _blow_up_at("the fields are not finite", state, broken)
-    if initial_amplitude is None:
+    if amplitude is None:
         return None
     with np.errstate(all="ignore"):
         stretches = lattice.stretches(state.f)
@@ -46,7 +44,7 @@ def find_blow_up(
             return _blow_up_at("a bond is stretched to where waves grow", state, unstable)
     bond_stretches = zip(lattice.bonds, stretches, strict=True)
     amplitudes = np.max([np.abs(stretch - bond.offset) for bond, stretch in bond_stretches], axis=0)
-    large = amplitudes > GROWTH * initial_amplitude
+    large = amplitudes > GROWTH * amplitude
     if large.any():
         return _blow_up_at(f"the largest stretch has grown {GROWTH:g}-fold", state, large)
     return None

@@ -84,11 +84,10 @@ class DisorderedLattice(NumericLattice):
 
     def __eq__(self, other: object) -> bool:
         """Return whether both have the same type and equal fields."""
+        pairs = ((getattr(self, item.name), getattr(other, item.name)) for item in fields(self))
         return type(other) is type(self) and all(
             np.array_equal(one, two) if isinstance(one, np.ndarray) else one == two
-            for one, two in (
-                (getattr(self, item.name), getattr(other, item.name)) for item in fields(self)
-            )
+            for one, two in pairs
         )
 
     __hash__ = NumericLattice.__hash__
@@ -124,19 +123,17 @@ class DisorderedLattice(NumericLattice):
                 slopes[index] += change * abs(float(part.slope(np.array(self.bonds[index].offset))))
         return slopes
 
-    def largest_slope(self, bond_index: int, stretches: Array) -> float:
+    def largest_slope(self, index: int, stretches: Array) -> float:
         """Return a bound, in all cells, of abs(slope) of a bond's force at these stretches."""
-        return super().largest_slope(bond_index, stretches) + self._added_slope(
-            bond_index, stretches
-        )
+        return super().largest_slope(index, stretches) + self._added_slope(index, stretches)
 
-    def steepest(self, bond_index: int, stretches: Array) -> float:
+    def steepest(self, index: int, stretches: Array) -> float:
         """Return a bound, in all cells, of the slope of a bond's force at these stretches."""
-        return super().steepest(bond_index, stretches) + self._added_slope(bond_index, stretches)
+        return super().steepest(index, stretches) + self._added_slope(index, stretches)
 
-    def _added_slope(self, bond_index: int, stretches: Array) -> float:
+    def _added_slope(self, index: int, stretches: Array) -> float:
         """Return by how much the variation may increase abs(slope) of one bond's force."""
-        part = self.variation.forces[bond_index] if self.variation.forces else None
+        part = self.variation.forces[index] if self.variation.forces else None
         if part is None:
             return 0.0
         with np.errstate(all="ignore"):

@@ -92,13 +92,13 @@ def _step_and_panels(
         return step, no_panels, 0.0
     inner = begin + (end - begin) * (np.arange(1, count - 1) + ASIDE) / count
     edges = np.concatenate([[begin], inner, [end]])
-    panels = _refined_panels(exact, np.array([edges[:-1], edges[1:]]), 0.0, None)
+    panels = _refined(exact, np.array([edges[:-1], edges[1:]]), 0.0, None)
     allowed = FOLLOWED * tolerance
     lengths, bound = panels[1] - panels[0], step
     for _ in range(60):
         short = lengths < 0.6 * bound
         if lengths[short].sum() <= SHORT * (end - begin):
-            short_panels = _refined_panels(exact, panels[:, short], allowed, scheme)
+            short_panels = _refined(exact, panels[:, short], allowed, scheme)
             if short_panels.shape[1] <= MOST_STOPS:
                 return (
                     bound,
@@ -127,9 +127,7 @@ def _panel_errors(exact: Integral, low: Array, high: Array, scheme: DriftKick | 
     return np.asarray(np.maximum(np.abs(velocity_error), np.abs(position_error)))
 
 
-def _refined_panels(
-    exact: Integral, panels: Array, allowed: float, scheme: DriftKick | None
-) -> Array:
+def _refined(exact: Integral, panels: Array, allowed: float, scheme: DriftKick | None) -> Array:
     """Halve the panels until Gauss's rule, or the scheme's stages, integrate the drive on each."""
     done, count = [panels[:, :0]], panels.shape[1]
     rounding = ROUNDING * float(np.abs(exact.sums).max())

@@ -148,9 +148,7 @@ class DrivenChain(DisorderedLattice):
     def bond_shares(self) -> Array:
         """Relative stiffness of each bond in each cell, (bonds, ring): 1 as usual, 0 where cut."""
         ones = np.ones(self.deviations.shape[1])
-        return np.array(
-            [ones if varied is None else ones + varied[1] for varied in self._varied_parts()]
-        )
+        return np.array([ones if part is None else ones + part[1] for part in self._varied_parts()])
 
     @cached_property
     def _cuts(self) -> list[Mask | None]:
@@ -232,12 +230,10 @@ class DrivenChain(DisorderedLattice):
     def _spreading(self) -> float:
         """Upper bound of the rates at which dashpots change velocities; 0 without any."""
         total = np.array(self.losses) if self.variation.dashpots else np.zeros(len(self.fields))
-        for bond, dashpot in zip(self.bonds, self.dashpots, strict=True):
+        for bond, drag in zip(self.bonds, self.dashpots, strict=True):
             stretch = sum(abs(entry.weight) for entry in bond.stretch)
             for entry in bond.action:
-                total[entry.field] += (
-                    dashpot * stretch * abs(entry.weight) / self.masses[entry.field]
-                )
+                total[entry.field] += drag * stretch * abs(entry.weight) / self.masses[entry.field]
         return float(total.max()) * (1.0 + self.variation.bound) / self.lightest
 
     def with_walls(self, state: State) -> State:

@@ -55,7 +55,7 @@ class Dynamics:
     ) -> None:
         """Advance fields and velocities in place by ``steps`` steps of length ``h`` from ``t``."""
         if self.lattice.is_driven:
-            self._advance_driven(scheme, f, v, h, steps, t)
+            self._drive(scheme, f, v, h, steps, t)
             return
         if not isinstance(scheme, DriftKick):
             self._advance_by_stages(scheme, f, v, h, steps)
@@ -66,9 +66,7 @@ class Dynamics:
         else:
             reference.advance_splitting(self.lattice.acceleration, f, v, *weights, steps)
 
-    def _advance_driven(
-        self, scheme: Scheme, f: Array, v: Array, h: float, steps: int, t: float
-    ) -> None:
+    def _drive(self, scheme: Scheme, f: Array, v: Array, h: float, steps: int, t: float) -> None:
         """Advance a driven chain; forces and walls are evaluated at the time of each stage."""
         chain = self.lattice
         assert isinstance(chain, DrivenChain)
@@ -119,11 +117,9 @@ class Dynamics:
             stretches = np.append(np.linspace(least, most, SLOPES), bond.offset)
             sampled = self.lattice.largest_slope(index, stretches)
             with np.errstate(all="ignore"):
-                sampled_ordered = float(np.max(np.abs(bond.force.slope(stretches))))
-            bound = bond.force.steepest_between(least, most, sampled_ordered)
-            slopes.append(
-                sampled if bound == sampled_ordered else sampled / sampled_ordered * bound
-            )
+                ordered = float(np.max(np.abs(bond.force.slope(stretches))))
+            bound = bond.force.steepest_between(least, most, ordered)
+            slopes.append(sampled if bound == ordered else sampled / ordered * bound)
         if not all(slope < LARGEST_SLOPE for slope in slopes):
             return math.inf
         return self.lattice.highest_frequency(slopes)

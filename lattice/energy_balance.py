@@ -157,9 +157,7 @@ class EnergyBalance:
             [scale * values[:, :-1], scale * values[:, 1:]]
             for scale, values in ((1.0, f), (length, v), (length**2, acceleration))
         )
-        _, node_accelerations = between(FIRST, [*indices, *slopes, *accelerations])
-        inner = [
-            length**2 * node_accelerations[:, node :: NODES.size] for node in range(NODES.size)
-        ]
+        _, at_nodes = between(FIRST, [*indices, *slopes, *accelerations])
+        inner = [length**2 * at_nodes[:, node :: NODES.size] for node in range(NODES.size)]
         rates, _ = between(SECOND, [*indices, *accelerations, *inner])
         return np.asarray(rates.reshape(-1, *times.shape) @ WEIGHTS @ h)

@@ -221,12 +221,10 @@ def _horner(coefficients: Sequence[float], x: Array) -> Array:
     return np.asarray(total)
 
 
-def _enclosed(
-    instructions: tuple[Instruction, ...], low: Array, high: Array
-) -> tuple[Array, Array]:
+def _enclosed(program: tuple[Instruction, ...], low: Array, high: Array) -> tuple[Array, Array]:
     """Return bounds of a program's values by interval arithmetic."""
     stack: list[tuple[Array, Array]] = []
-    for word, number in instructions:
+    for word, number in program:
         if word in ("x", "number"):
             stack.append((low, high) if word == "x" else (np.full_like(low, number),) * 2)
             continue
@@ -303,7 +301,7 @@ def force_program(force: Expr) -> ForceProgram:
         coefficients = [float(value) for value in reversed(Poly(force, x).all_coeffs())]
         if coefficients[0] != 0.0:
             raise ValueError(
-                f"force must vanish without stretch, got {coefficients[0]:g} (move the zero of x)"
+                f"force must vanish without stretch, got {coefficients[0]:g} (shift x)"
             )
         return ForceProgram(tuple(coefficients[1:]))
     slope = tuple(_instructions(force.diff(x)))

@@ -180,10 +180,10 @@ def integrate(
         )
     search = CellEngine(lattice, start, moments, scheme, comparison, tolerance=tolerance or FINE)
     if tolerance is not None:
-        trial, error = _run_to_tolerance(search, tolerance, moments)
+        trial, error = _to_tolerance(search, tolerance, moments)
     else:
         assert step is not None
-        trial, error = _run_with_step(search, step, measure_error)
+        trial, error = _with_step(search, step, measure_error)
     return _trajectory(trial, error, moments, started, search)
 
 
@@ -200,9 +200,7 @@ def _checked(lattice: NumericLattice, state: State) -> State:
     return lattice.with_walls(Dynamics(lattice).checked(state))
 
 
-def _run_to_tolerance(
-    engine: CellEngine, tolerance: float, times: Array
-) -> tuple[trials.Trial, float]:
+def _to_tolerance(engine: CellEngine, tolerance: float, times: Array) -> tuple[trials.Trial, float]:
     """Return a run to the tolerance, and its error estimate."""
     remedy = "it is the largest accepted error, in the unit of the judged quantity"
     check_positive("tolerance", tolerance, remedy)
@@ -213,9 +211,7 @@ def _run_to_tolerance(
     return refined.trial, refined.error
 
 
-def _run_with_step(
-    engine: CellEngine, step: float, measure_error: bool
-) -> tuple[trials.Trial, float]:
+def _with_step(engine: CellEngine, step: float, measure_error: bool) -> tuple[trials.Trial, float]:
     """Return a run with the given step, and its error measured with a shorter one."""
     check_positive("step", step, "it goes forward in time")
     schemes.check_step(step, engine.scheme, engine.first_frequency)
@@ -223,9 +219,8 @@ def _run_with_step(
     trial, error = engine.run(choices, True), math.nan
     if measure_error:
         control = engine.run(engine.control(choices, engine.kinds), True)
-        error = RING_SAFETY * trials.difference(trial, control) + max(
-            trial.rounding, control.rounding
-        )
+        rounding = max(trial.rounding, control.rounding)
+        error = RING_SAFETY * trials.difference(trial, control) + rounding
     return trial, error
 
 

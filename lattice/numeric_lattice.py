@@ -82,19 +82,17 @@ class NumericBond:
             total += part
         return total
 
-    def with_mean_strain(
-        self, mean_strain: Sequence[float], shares: Sequence[float]
-    ) -> NumericBond:
-        """Return the bond of displacements that grow by ``mean_strain`` per cell."""
+    def with_mean_strain(self, strain: Sequence[float], shares: Sequence[float]) -> NumericBond:
+        """Return the bond of displacements that grow by ``strain`` per cell."""
         growth = [e.weight * (shares[e.field] if shares else 1.0) for e in self.stretch]
         if abs(math.fsum(growth)) > ROUNDED * max(map(abs, growth)):
             raise ValueError(
                 "mean_strain must be 0 where a bond feels a field itself, got "
-                f"{tuple(mean_strain)} (such a lattice has no uniform strain, or it is the "
+                f"{tuple(strain)} (such a lattice has no uniform strain, or it is the "
                 "field's own mean)"
             )
         offsets = [
-            sum(a * b for a, b in zip(mean_strain, e.shift, strict=True)) * share
+            sum(a * b for a, b in zip(strain, e.shift, strict=True)) * share
             for e, share in zip(self.stretch, growth, strict=True)
         ]
         return replace(self, offset=math.fsum(offsets))
@@ -148,9 +146,8 @@ class NumericLattice:
         """Return the lattice of displacements that grow by ``mean_strain`` per cell."""
         if not any(mean_strain):
             return self
-        return replace(
-            self, bonds=tuple(bond.with_mean_strain(mean_strain, shares) for bond in self.bonds)
-        )
+        bonds = tuple(bond.with_mean_strain(mean_strain, shares) for bond in self.bonds)
+        return replace(self, bonds=bonds)
 
     @property
     def reach(self) -> int:
@@ -278,15 +275,15 @@ class NumericLattice:
         with np.errstate(all="ignore"):
             return [np.asarray(bond.force.slope(stretch)) for bond, stretch in pairs]
 
-    def largest_slope(self, bond_index: int, stretches: Array) -> float:
+    def largest_slope(self, index: int, stretches: Array) -> float:
         """Return the largest abs(slope) of one bond's force at these stretches; may be nan."""
         with np.errstate(all="ignore"):
-            return float(np.max(np.abs(self.bonds[bond_index].force.slope(stretches))))
+            return float(np.max(np.abs(self.bonds[index].force.slope(stretches))))
 
-    def steepest(self, bond_index: int, stretches: Array) -> float:
+    def steepest(self, index: int, stretches: Array) -> float:
         """Return the largest slope of one bond's force at these stretches; may be nan."""
         with np.errstate(all="ignore"):
-            return float(np.max(self.bonds[bond_index].force.slope(stretches)))
+            return float(np.max(self.bonds[index].force.slope(stretches)))
 
     def rest_slopes(self) -> list[float]:
         """Return the slope of each bond's force at the mean stretch."""

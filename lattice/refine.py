@@ -458,9 +458,7 @@ class _Search:
             except CancelledError:
                 continue
         if self._stopped:
-            raise max(
-                stops, key=lambda stop: stop.trial.has_observables, default=KeyboardInterrupt()
-            )
+            raise max(stops, key=lambda one: one.trial.has_observables, default=KeyboardInterrupt())
 
     def _record(self, choices: Choices, trial: Trial) -> None:
         """Record a finished run, its work and its seconds."""

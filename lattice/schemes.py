@@ -105,9 +105,8 @@ class DriftKick(Scheme):
             [b * (c - d) for b, d in zip(kicks[:i], nodes, strict=False)]
             for i, c in enumerate(nodes)
         ]
-        return NystroemTable(
-            nodes, inner, [b * (1 - c) for b, c in zip(kicks, nodes, strict=True)], kicks
-        )
+        outer = [b * (1 - c) for b, c in zip(kicks, nodes, strict=True)]
+        return NystroemTable(nodes, inner, outer, kicks)
 
     def oscillator(self, z: Array) -> Array:
         """Return one step of y'' = -y with each of the steps ``z``, as matrices (len(z), 2, 2)."""

@@ -72,9 +72,7 @@ class VariedChain:
         self._action = sparse.diags(self._inverse) @ action @ sparse.diags(self._bond_shares)
         mass_changes = [np.divide(one.masses, chain.masses) for one in parameters]
         self._mass_changes = self._columns(mass_changes, fields)
-        self._dashpots = self._columns(
-            [chain.dashpots, *(one.dashpots for one in parameters)], bonds
-        )
+        self._dashpots = self._columns([chain.dashpots, *(p.dashpots for p in parameters)], bonds)
         rates = self._columns([one.losses for one in parameters], fields)
         losses = self._columns([np.multiply(chain.losses, chain.masses)], fields)[:, 0]
         self._drag = sparse.diags(losses * self._inverse) - self._damped(self._dashpots[:, 0])

@@ -102,9 +102,8 @@ class Integral:
                     f"velocity of a wall must change slowly enough to be integrated, got one that "
                     f"{panels} panels from {begin:g} to {end:g} do not resolve (end earlier)"
                 )
-            low, high = (
-                np.column_stack(pair)[rough].ravel() for pair in ((low, middle), (middle, high))
-            )
+            halved = (low, middle), (middle, high)
+            low, high = (np.column_stack(pair)[rough].ravel() for pair in halved)
             hull = None if hull is None else hull.halved(rough)
         order = np.argsort(np.concatenate(starts))
         edges = np.append(np.concatenate(starts)[order], end)

@@ -160,10 +160,8 @@ def limits_of_each(memory: str = "", time: str = "") -> Callable[[Wrapped], Wrap
         ):
             text = f"Refuse what takes {text} (default {own or usual})."
             words: dict[str, Any] = {"default": own or None, "expose_value": False}
-            option = click.option(
-                f"--max-{name}", metavar=metavar, help=text, callback=hold, **words
-            )
-            command = option(command)
+            add = click.option(f"--max-{name}", metavar=metavar, help=text, callback=hold, **words)
+            command = add(command)
         return command
 
     return limited
@@ -232,9 +230,7 @@ def _split_at_commas(text: str) -> list[str]:
     return parts
 
 
-def _changed_fields(
-    _: click.Context, __: click.Parameter, texts: tuple[str, ...]
-) -> dict[str, Any]:
+def _set_fields(_: click.Context, __: click.Parameter, texts: tuple[str, ...]) -> dict[str, Any]:
     """Return the values of `--set` by field, each parsed as in a scene's file."""
     given = named_values("--set", texts, "eps=0.05,parameters.k=0.7")
     return {field: toml_value(text) for field, text in given.items()}
@@ -245,7 +241,7 @@ set_option = click.option(
     "changes",
     multiple=True,
     metavar="FIELD=VALUE,...",
-    callback=_changed_fields,
+    callback=_set_fields,
     help="Other values for fields of the scene, as eps=0.05,parameters.k=0.7.",
 )
 
@@ -379,10 +375,8 @@ def _argument_of(path: str) -> str:
     """Return the name of the argument that gives the file or its folder, or "path"."""
     command, words = _call.get((None, ()))
     parameters = command.params if command is not None else []
-    options = {
-        name for one in parameters if not getattr(one, "is_flag", False) for name in one.opts
-    }
-    metavars = [one.human_readable_name for one in parameters if isinstance(one, click.Argument)]
+    options = {name for p in parameters if not getattr(p, "is_flag", False) for name in p.opts}
+    metavars = [p.human_readable_name for p in parameters if isinstance(p, click.Argument)]
     for before, word in pairwise(["", *words]):
         option, _, value = word.partition("=") if word.startswith("--") else (before, "", word)
         if value and (path == value or path.startswith(f"{value.rstrip('/')}/")):

@@ -141,9 +141,7 @@ def check_output(
         return
     path = Path(text)
     if text.endswith("/") or path.is_dir():
-        raise ValueError(
-            f"{option} must name a file, got the folder {text} (such as {example} in it)"
-        )
+        raise ValueError(f"{option} must name a file, got the folder {text} (name {example} in it)")
     if suffixes and path.suffix.lower() not in suffixes:
         raise ValueError(
             f"{option} must end in {' or '.join(suffixes)}, got {shown(path.name)} (such as "

@@ -69,11 +69,9 @@ def one_of(name: object, known: Iterable[str]) -> str:
     'did you mean kink? one of 38 names'
     """
     names = [*known]
-    suggestion = did_you_mean(name, names)
-    listed = (
-        f"{len(names)} names" if suggestion and len(names) > FEW else ", ".join(names) or "none"
-    )
-    return f"{suggestion} one of {listed}".lstrip()
+    question = did_you_mean(name, names)
+    listed = f"{len(names)} names" if question and len(names) > FEW else ", ".join(names) or "none"
+    return f"{question} one of {listed}".lstrip()
 
 
 class UnknownNameError(ValueError, KeyError):

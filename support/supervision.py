@@ -197,9 +197,7 @@ def memory_in_use(leader: int, enough: float = 0.0) -> int:
     Shared pages count once, unless the total with repetitions is at most ``enough``.
     """
     processes = processes_of(leader)
-    used = sum(
-        _kilobytes(f"/proc/{process}/status", ("RssAnon:", "VmSwap:")) for process in processes
-    )
+    used = sum(_kilobytes(f"/proc/{p}/status", ("RssAnon:", "VmSwap:")) for p in processes)
     if used * 1024 <= enough or len(processes) == 1:
         return used * 1024
     shared = ("Pss_Anon:", "SwapPss:")

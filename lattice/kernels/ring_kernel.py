@@ -310,9 +310,7 @@ class _Arc:
                 runs, size = self._runs(begin, end), self._columns
             else:
                 lengths = layout.vectors if way == "to_rows" else np.diff(layout.starts)
-                ends = (
-                    np.minimum(np.maximum(index - starts, 0), lengths) for index in (begin, end)
-                )
+                ends = (np.minimum(np.maximum(cell - starts, 0), lengths) for cell in (begin, end))
                 at = (self._first + starts) % self._size, *ends
                 runs, size = [(0, 0, 1)], self._size
             for row, own, count in runs:

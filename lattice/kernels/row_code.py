@@ -249,12 +249,10 @@ class _Writer:
         self._copied = self._lanes
         return self._text({1: self._along(rows, columns)}, {1: sum(rows.depths)})
 
-    def _text(self, groups: dict[int, Any], carried_counts: dict[int, int]) -> str:
+    def _text(self, groups: dict[int, Any], carried: dict[int, int]) -> str:
         """Return the module's text with its functions of stages, copies and scripts."""
         moves = {name: self._move(name) for name in ("to_rows", "from_rows")}
-        self._script(
-            {"passages": self._passages(groups, carried_counts), **moves, "drift": self._drift()}
-        )
+        self._script({"passages": self._passages(groups, carried), **moves, "drift": self._drift()})
         return str(self._module)
 
     def _function(self, name: str, kinds: Sequence[Any], internal: bool = True) -> Any:
@@ -265,9 +263,8 @@ class _Writer:
         for argument in function.args:
             if argument.type == _DOUBLES:
                 argument.add_attribute("noalias")
-        return function, LaneCode(
-            self._module, ir.IRBuilder(function.append_basic_block()), self._lanes
-        )
+        builder = ir.IRBuilder(function.append_basic_block())
+        return function, LaneCode(self._module, builder, self._lanes)
 
     def _group(self, together: int) -> Any:
         """Return the function of fused stages, on front rows from ``first`` to below ``past``."""
@@ -493,7 +490,7 @@ class _Writer:
                     builder.call(called, arguments)
         builder.ret_void()
 
-    def _passages(self, groups: dict[int, Any], carried_counts: dict[int, int]) -> Any:
+    def _passages(self, groups: dict[int, Any], depths: dict[int, int]) -> Any:
         """Return the function of ``passages`` passes of ``stages`` stages over all rows."""
         kinds = [*[_DOUBLES] * 6, *[_INDICES] * 2, *[INDEX] * 8]
         function, code = self._function("passages", kinds)
@@ -512,9 +509,7 @@ class _Writer:
             at_kicks = builder.mul(started, INDEX(self._flow.weights))
             weights = [builder.gep(drifts, [started]), builder.gep(kicks, [at_kicks])]
             data = f, v, carried, *weights, numbers, plane, pitch, width
-            sizes = {
-                size: builder.mul(pitch, INDEX(number)) for size, number in carried_counts.items()
-            }
+            sizes = {size: builder.mul(pitch, INDEX(number)) for size, number in depths.items()}
             self._passage(code, groups, data, sizes, rows, stages)
         builder.ret_void()
         return function

@@ -239,9 +239,7 @@ def rows_of(flow: StagePlan) -> Rows:
     ):
         rise += 1
         late = _late(flow, rise)
-    reads = [
-        (tap.stream, *rows_and_columns(late.delay(s, tap))) for s in late.streams for tap in s.taps
-    ]
+    reads = [(t.stream, *rows_and_columns(late.delay(s, t))) for s in late.streams for t in s.taps]
     formed = [
         (low + rows_and_columns(stream.lag)[1], high + rows_and_columns(stream.lag)[1])
         for stream, (low, high) in zip(
@@ -395,9 +393,7 @@ def _merged(entries: Iterable[Entry]) -> dict[int, float]:
     for entry in entries:
         shift_number = flat_shift(entry.shift)
         weights[shift_number] = weights.get(shift_number, 0.0) + entry.weight
-    return {
-        shift: weights[shift] for shift in sorted(weights, reverse=True) if weights[shift] != 0.0
-    }
+    return {n: weights[n] for n in sorted(weights, reverse=True) if weights[n] != 0.0}
 
 
 def _part(unit: float, stream: int, stencil: dict[int, float]) -> _Part:
@@ -476,12 +472,10 @@ class _Builder:
             self.numbers.append(value)
         return self.numbers.index(value)
 
-    def add(
-        self, kind: Kind, taps: Sequence[StreamRead], least: int = -MOST, **more: object
-    ) -> int:
+    def add(self, kind: Kind, taps: Sequence[StreamRead], low: int = -MOST, **more: object) -> int:
         """Return the index of a stream with these taps, adding it if it is new."""
         lags = [tap.shift + self.streams[tap.stream].lag for tap in taps]
-        lag = max(max(lags, default=0), least)
+        lag = max(max(lags, default=0), low)
         lowest = min((tap.shift + self.streams[tap.stream].lowest for tap in taps), default=0)
         stream = Stream(kind, tuple(taps), lag, lowest, **more)  # type: ignore[arg-type]
         if stream not in self.streams:
@@ -565,27 +559,25 @@ class _Builder:
         walls = [StreamRead(rows - 1)] * fields if variation.walled else shares
         terms = [self.velocities[:fields]]
         for _ in range(TERMS):
-            before = terms[-1] if len(terms) > 1 else self._of_cells(terms[0], walls)
+            before = terms[-1] if len(terms) > 1 else self._cells(terms[0], walls)
             parts: list[list[_Part]] = [
                 [_Part(-rate, read.stream, {0: 1.0})] if rate else []
                 for rate, read in zip(rates, before, strict=True)
             ]
-            for bond, dashpot, cut_share in zip(
-                lattice.bonds, variation.dashpots, cuts, strict=True
-            ):
+            for bond, dashpot, cut_row in zip(lattice.bonds, variation.dashpots, cuts, strict=True):
                 if not dashpot:
                     continue
                 pull = self.stretch(bond.stretch, 0.0, before)
-                if cut_share is not None or pull.shift or pull.weight != 1.0:
+                if cut_row is not None or pull.shift or pull.weight != 1.0:
                     pull = StreamRead(self.add("sum", [pull]))
-                if cut_share is not None:
-                    pull = StreamRead(self.varied(pull, cut_share, pull))
+                if cut_row is not None:
+                    pull = StreamRead(self.varied(pull, cut_row, pull))
                 for of, mass in enumerate(lattice.masses):
                     stencil = _merged(entry for entry in bond.action if entry.field == of)
                     if stencil:
                         parts[of].append(_Part(dashpot / mass, pull.stream, stencil))
             sums = [StreamRead(self.add("sum", [self.total(part)])) for part in parts]
-            terms.append(self._of_cells(sums, shares))
+            terms.append(self._cells(sums, shares))
         for index in range(fields):
             position, velocity = self.positions[index], self.velocities[index]
             for power, term in enumerate(terms):
@@ -598,9 +590,7 @@ class _Builder:
         """Return the sum with one more term of a series."""
         return StreamRead(self.add("spread", [total, term], 0, number=weight))
 
-    def _of_cells(
-        self, reads: Sequence[StreamRead], shares: Sequence[StreamRead]
-    ) -> list[StreamRead]:
+    def _cells(self, reads: Sequence[StreamRead], shares: Sequence[StreamRead]) -> list[StreamRead]:
         """Return the values in cells that have a mass, 0 in walls."""
         if not shares:
             return list(reads)

@@ -91,9 +91,7 @@ class LeftAbsorber:
     def _strain(self, p: Complex) -> Array:
         """Return the left-going strain on the absorber's points."""
         modes = np.zeros(self._count // 2 + 1, dtype=np.complex128)
-        modes[1 : self._mode_count] = (p[1, 1 : self._mode_count] / self._lift[1:]) * self._share[
-            1:
-        ]
+        modes[1 : self._mode_count] = p[1, 1 : self._mode_count] / self._lift[1:] * self._share[1:]
         modes[0] = self.level
         return values_of(modes, self._count)
 

@@ -59,10 +59,8 @@ class NotHyperbolicError(RunawayError):
     """Waves do not exist about some strain: K2 + 2 K3 y + 3 K4 y^2 <= 0, at time ``t``."""
 
     def __init__(self, t: float, site: float) -> None:
-        message = (
-            f"blow-up: a bond is stretched to where waves grow at t = {t:g}, site {round(site)}"
-        )
-        super().__init__(t, message)
+        text = f"blow-up: a bond is stretched to where waves grow at t = {t:g}, site {round(site)}"
+        super().__init__(t, text)
 
 
 @njit(cache=True, examples=[(complexes(2), doubles(1), complexes(1))], fastmath={"contract"})

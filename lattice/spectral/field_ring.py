@@ -92,10 +92,8 @@ class FieldRing:
     def _interpolated(self, values: Array, x: tuple[ArrayLike, ...]) -> Array:
         positions = [np.atleast_1d(np.asarray(part, dtype=np.float64)) for part in x]
         turns = [
-            np.mod((position - left) / length, 1.0) * (2.0 * math.pi)
-            for position, left, length in zip(
-                positions, self.left, self.circumferences, strict=True
-            )
+            np.mod((position - left) / size, 1.0) * (2.0 * math.pi)
+            for position, left, size in zip(positions, self.left, self.circumferences, strict=True)
         ]
         coordinates = np.stack(np.broadcast_arrays(*turns), axis=-1)
         result = [self._along(part, coordinates.reshape(-1, len(turns))) for part in values]

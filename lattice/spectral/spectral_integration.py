@@ -202,7 +202,7 @@ class FieldRingEngine(SpectralSearch):
             )
         self._tail = max(TAIL_SHARE * tolerance * unit, ROUNDED_TAIL * largest)
         self._is_lattice = sight is None and whole(state)
-        self._density, self._needs_too_many_points = self._first_density(), False
+        self._density, self._needs_too_many = self._first_density(), False
         self._dense_state: dict[tuple[float, tuple[int, ...]], FieldRing] = {}
         self._first = self._first_choices(longer)
 
@@ -248,13 +248,11 @@ class FieldRingEngine(SpectralSearch):
 
     def _add_points(self, choices: Choices) -> bool:
         self._density *= DENSER
-        self._needs_too_many_points = (
-            not self._sight.at_sites and self.points(choices) > MOST_POINTS
-        )
-        return not self._needs_too_many_points
+        self._needs_too_many = not self._sight.at_sites and self.points(choices) > MOST_POINTS
+        return not self._needs_too_many
 
     def _handle_loss(self, error: RunawayError, step: float) -> None:
-        self._needs_too_many_points = False
+        self._needs_too_many = False
         if self._lost_again(error, step):
             raise ValueError(self.refusal(float(self._times[-1])))
 
@@ -280,7 +278,7 @@ class FieldRingEngine(SpectralSearch):
 
     def refusal(self, end: float) -> str:
         """Return why no run reached its end."""
-        if self._needs_too_many_points:
+        if self._needs_too_many:
             return (
                 f"tolerance must be larger than {self._tolerance:g}: it needs a ring of more than "
                 f"{MOST_POINTS} points (raise it, end earlier or take smoother data)"

@@ -43,7 +43,7 @@ C_ORDER, OF_C, OF_OTHERS = 0x1, 0x501, 0x502
 """NumPy's array flags: C order; C order, aligned and writeable; the last two with Fortran order."""
 
 DATA, SHAPE, STRIDES = (object.__basicsize__ // 8 + place for place in (0, 2, 3))
-"""Word offsets, in an array object, of the addresses of data, shape and strides: NumPy's binary
+"""Word offsets, in an array object, of the tables of data, shape and strides: NumPy's binary
 interface."""
 
 ENTRY = "kernel"
@@ -228,10 +228,8 @@ def _entry_text(context: Any, compiled: Any, subnormals: bool) -> str:
             words.append(word_value)
             continue
         array = builder.inttoptr(word_value, word.as_pointer())
-        addresses = [
-            builder.inttoptr(loaded(array, n), word.as_pointer()) for n in (SHAPE, STRIDES)
-        ]
-        axes = [loaded(begin, n) for begin in addresses for n in range(kind.ndim)]
+        tables = [builder.inttoptr(loaded(array, n), word.as_pointer()) for n in (SHAPE, STRIDES)]
+        axes = [loaded(begin, n) for begin in tables for n in range(kind.ndim)]
         size = functools.reduce(builder.mul, axes[: kind.ndim], word(1))
         item = context.get_abi_sizeof(context.get_data_type(kind.dtype))
         words += [word(0), word(0), size, word(item), loaded(array, DATA), *axes]

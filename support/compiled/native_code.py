@@ -66,9 +66,7 @@ def native_functions(
         engine.add_object_file(binding.ObjectFileRef.from_data(code))
         engine.finalize_object()
         _engines.append(engine)
-        return [
-            prototype(engine.get_function_address(name)) for name, prototype in functions.items()
-        ]
+        return [kind(engine.get_function_address(name)) for name, kind in functions.items()]
 
 
 def _compiled(text: str) -> bytes:
