@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from longwave.lattice.numeric_lattice import ROUNDED, NumericLattice, zone_wavenumbers
+from longwave.lattice.numeric_lattice import ROUNDED_SQUARE, NumericLattice, zone_wavenumbers
 from longwave.lattice.state import GROWTH, BlowUp, State
 from longwave.support.array_types import Array, Mask
 
-WAVES = {1: 33, 2: 9, 3: 5}
+GRID_WAVENUMBERS = {1: 33, 2: 9, 3: 5}
 """Wavenumbers per axis, by dimension, of the grid over the Brillouin zone on which the stability of
 a single cell's bonds is checked."""
 
-CELLS = 4096
+BATCH_CELLS = 4096
 """Cells checked in one batch: about 10 MB for two fields."""
 
-TINY = 1e-300
+MIN_SQUARE = 1e-300
 """Floor of the largest squared frequency, so that the stability threshold is never 0."""
 
 
@@ -53,14 +53,16 @@ def find_blow_up(lattice: NumericLattice, state: State, amplitude: float | None)
 def _unstable_cells(lattice: NumericLattice, slopes: list[Array]) -> Mask:
     """Return a mask of the cells whose slopes, repeated in every cell, give an unstable lattice."""
     units = np.eye(len(slopes))
-    waves = zone_wavenumbers(lattice.dimension, WAVES[lattice.dimension])
+    waves = zone_wavenumbers(lattice.dimension, GRID_WAVENUMBERS[lattice.dimension])
     matrices = np.array([lattice.dynamical_matrix(waves, list(unit)) for unit in units])
     flat = np.stack([slope.ravel() for slope in slopes])
     masks = []
-    for batch in np.array_split(flat, -(-flat.shape[1] // CELLS), axis=1):
+    for batch in np.array_split(flat, -(-flat.shape[1] // BATCH_CELLS), axis=1):
         squares = np.linalg.eigvals(np.einsum("bc,bwij->cwij", batch, matrices)).real
         squares = squares.reshape(batch.shape[1], -1)
-        masks.append(squares.min(axis=1) < -ROUNDED * np.maximum(squares.max(axis=1), TINY))
+        masks.append(
+            squares.min(axis=1) < -ROUNDED_SQUARE * np.maximum(squares.max(axis=1), MIN_SQUARE)
+        )
     return np.concatenate(masks).reshape(slopes[0].shape)
 
 

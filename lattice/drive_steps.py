@@ -20,20 +20,20 @@ from longwave.lattice.schemes import DriftKick, Scheme
 from longwave.lattice.time_integral import LEAST_PANEL, Integral
 from longwave.support.array_types import Array
 
-FOLLOWED = 1e-5
+PANEL_ERROR_FRACTION = 1e-5
 """Share of the tolerance allowed for the error of a drive's integral on one panel."""
 
-SHORT = 0.1
+MAX_STOPS_FRACTION = 0.1
 """Largest share of a run's time that may be covered by additional stops."""
 
-ASIDE = 0.618034
+PANEL_SHIFT = 0.618034
 """Shift of the panels, as a share of their length, so that a corner at a round time lies on no
 panel's edge."""
 
-MOST_STOPS, MOST_HALVED = 2**14, 2**17
+MAX_STOPS, MAX_PANELS = 2**14, 2**17
 """Most additional stops, and most panels examined."""
 
-ROUNDING = 2.0**-48
+INTEGRAL_ROUNDING = 2.0**-48
 """Rounding error of an integral, as a share of the largest one."""
 
 
@@ -88,18 +88,18 @@ def _step_and_panels(
     if exact is None or not np.isfinite(exact.sums).all():
         return step, no_panels, 0.0
     count = max(2, math.ceil((end - begin) / step))
-    if count > MOST_HALVED:
+    if count > MAX_PANELS:
         return step, no_panels, 0.0
-    inner = begin + (end - begin) * (np.arange(1, count - 1) + ASIDE) / count
+    inner = begin + (end - begin) * (np.arange(1, count - 1) + PANEL_SHIFT) / count
     edges = np.concatenate([[begin], inner, [end]])
     panels = _refined(exact, np.array([edges[:-1], edges[1:]]), 0.0, None)
-    allowed = FOLLOWED * tolerance
+    allowed = PANEL_ERROR_FRACTION * tolerance
     lengths, bound = panels[1] - panels[0], step
     for _ in range(60):
         short = lengths < 0.6 * bound
-        if lengths[short].sum() <= SHORT * (end - begin):
+        if lengths[short].sum() <= MAX_STOPS_FRACTION * (end - begin):
             short_panels = _refined(exact, panels[:, short], allowed, scheme)
-            if short_panels.shape[1] <= MOST_STOPS:
+            if short_panels.shape[1] <= MAX_STOPS:
                 return (
                     bound,
                     short_panels,
@@ -130,8 +130,8 @@ def _panel_errors(exact: Integral, low: Array, high: Array, scheme: DriftKick | 
 def _refined(exact: Integral, panels: Array, allowed: float, scheme: DriftKick | None) -> Array:
     """Halve the panels until Gauss's rule, or the scheme's stages, integrate the drive on each."""
     done, count = [panels[:, :0]], panels.shape[1]
-    rounding = ROUNDING * float(np.abs(exact.sums).max())
-    while panels.size and count <= MOST_HALVED:
+    rounding = INTEGRAL_ROUNDING * float(np.abs(exact.sums).max())
+    while panels.size and count <= MAX_PANELS:
         low, high = panels
         errors = _panel_errors(exact, low, high, scheme)
         rough = ~(errors <= exact.rounding(low, high) + rounding + allowed)

@@ -19,7 +19,7 @@ import numpy as np
 
 from longwave.lattice.disordered_lattice import DisorderedLattice, energy_and_force_at
 from longwave.lattice.drive_steps import drive_steps
-from longwave.lattice.kernels.streams import TERMS
+from longwave.lattice.kernels.streams import DASHPOT_TERMS
 from longwave.lattice.numeric_lattice import DriveSteps, NumericLattice, Range, value_range
 from longwave.lattice.outer_forces import (
     SiteForce,
@@ -41,11 +41,11 @@ End = Literal["fixed", "free"] | TimeFunction
 """Boundary condition: a fixed wall, a free end, or a wall with a displacement in time."""
 
 
-SPREAD_TIME = 0.8
+DASHPOT_TIME = 0.8
 """Twice the longest step, in units of the inverse rate of dashpots: the longest drift, a quarter of
-a step, then changes velocities by 0.1 (`kernels.streams.TERMS`)."""
+a step, then changes velocities by 0.1 (`kernels.streams.DASHPOT_TERMS`)."""
 
-SMEARED = 3.5
+SMEARING_DEVIATIONS = 3.5
 """Half the number of standard deviations kept of the Gaussian to which dashpots smear a front;
 1e-12 of it lies beyond. Its variance for nearest neighbours grows at the rate of their dashpots, a
 quarter of `DrivenChain._spreading`."""
@@ -206,7 +206,7 @@ class DrivenChain(DisorderedLattice):
     def _loss_time(self) -> float:
         """Time scale of losses and dashpots: twice the longest step that they allow."""
         time = LOSS_TIME / max(self.losses) if any(self.losses) else math.inf
-        return min(time, SPREAD_TIME / self._spreading) if self._spreading else time
+        return min(time, DASHPOT_TIME / self._spreading) if self._spreading else time
 
     def drive_steps(
         self, begin: float, end: float, step: float, scheme: Scheme, tolerance: float
@@ -224,7 +224,7 @@ class DrivenChain(DisorderedLattice):
 
     def spread_within(self, duration: float) -> int:
         """Return the number of cells by which dashpots smear a front in this time."""
-        return math.ceil(SMEARED * self.reach * math.sqrt(self._spreading * duration))
+        return math.ceil(SMEARING_DEVIATIONS * self.reach * math.sqrt(self._spreading * duration))
 
     @property
     def _spreading(self) -> float:
@@ -317,7 +317,7 @@ def _series(drifts: Array) -> Array:
 
     First those that advance positions, then those that advance velocities, from the second term on.
     """
-    powers = np.arange(1, TERMS + 2)
+    powers = np.arange(1, DASHPOT_TERMS + 2)
     series = drifts[:, np.newaxis] ** powers / np.array([math.factorial(p) for p in powers])
     return np.concatenate([series, series[:, :-1]], axis=1)
 

@@ -17,13 +17,13 @@ from longwave.lattice.schemes import DriftKick, Scheme
 from longwave.lattice.state import GROWTH, BlowUp, State
 from longwave.support.array_types import Array
 
-SLOPES = 65
+SLOPE_SAMPLES = 65
 """Stretches, from the least to the most encountered, at which slopes are evaluated."""
 
 LARGEST_SLOPE = 1e290
 """Largest slope, in units of masses, of which sums cannot overflow."""
 
-WIDER = 0.125
+RANGE_MARGIN = 0.125
 """Share of itself by which a range of stretches is widened at either end before it is checked, so
 that a wave that rises slowly from stop to stop does not need a new check each time."""
 
@@ -114,7 +114,7 @@ class Dynamics:
             least, most = map(float, ranges[index])
             if not math.isfinite(most - least):
                 return math.inf
-            stretches = np.append(np.linspace(least, most, SLOPES), bond.offset)
+            stretches = np.append(np.linspace(least, most, SLOPE_SAMPLES), bond.offset)
             sampled = self.lattice.largest_slope(index, stretches)
             with np.errstate(all="ignore"):
                 ordered = float(np.max(np.abs(bond.force.slope(stretches))))
@@ -136,7 +136,7 @@ class Dynamics:
         weights = [sum(abs(part.weight) for part in bond.stretch) for bond in bonds]
         size = float(np.max(np.abs(ranges[len(bonds) :]))) * max(weights)
         for bond, (least, most) in zip(bonds, ranges, strict=False):
-            samples = np.linspace(least, most, SLOPES)
+            samples = np.linspace(least, most, SLOPE_SAMPLES)
             with np.errstate(all="ignore"):
                 slope = float(np.max(np.abs(bond.force.slope(samples))))
                 summand = bond.force.largest_summand(samples)
@@ -166,7 +166,7 @@ class Dynamics:
             for (low, high), (least, most) in zip(self._safe_ranges, bond_ranges, strict=True)
         ):
             return True
-        margins = [WIDER * (most - least) for least, most in bond_ranges]
+        margins = [RANGE_MARGIN * (most - least) for least, most in bond_ranges]
         wider = [
             (least - margin, most + margin)
             for (least, most), margin in zip(bond_ranges, margins, strict=True)
@@ -184,7 +184,7 @@ class Dynamics:
             return False
         for bond, ends in zip(self.lattice.bonds, ranges, strict=True):
             with np.errstate(all="ignore"):
-                slopes = bond.force.slope(np.linspace(*ends, SLOPES))
+                slopes = bond.force.slope(np.linspace(*ends, SLOPE_SAMPLES))
             if not slopes.min() > np.abs(np.diff(slopes)).max():
                 return False
         return True

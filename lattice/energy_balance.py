@@ -21,7 +21,7 @@ from longwave.support.checkpoint import Memory
 NODES, WEIGHTS = ((legendre.leggauss(4)[0] + 1.0) / 2.0, legendre.leggauss(4)[1] / 2.0)
 """Nodes and weights of Gauss's rule on 0 .. 1."""
 
-TOGETHER = 64
+BATCH_STEPS = 64
 """Most steps integrated in one batch."""
 
 
@@ -39,9 +39,9 @@ def _at_nodes(*known: Array) -> Array:
 
 
 _ENDS = [_powers([0.0, 1.0], each) for each in range(3)]
-FIRST = _at_nodes(*_ENDS)
+FROM_ENDS = _at_nodes(*_ENDS)
 """Map from values, slopes and second derivatives at both ends."""
-SECOND = _at_nodes(_ENDS[0], _ENDS[2], _powers(NODES, 2))
+FROM_ENDS_AND_NODES = _at_nodes(_ENDS[0], _ENDS[2], _powers(NODES, 2))
 """Map from values at both ends, and second derivatives there and at the nodes."""
 
 
@@ -119,7 +119,7 @@ class EnergyBalance:
         """Record the state at the end of a step."""
         if state.t > self._ends[-1][0]:
             self._ends.append((state.t, state.f.copy(), state.v.copy()))
-        if len(self._ends) > TOGETHER:
+        if len(self._ends) > BATCH_STEPS:
             self.settle()
 
     def settle(self) -> None:
@@ -157,7 +157,7 @@ class EnergyBalance:
             [scale * values[:, :-1], scale * values[:, 1:]]
             for scale, values in ((1.0, f), (length, v), (length**2, acceleration))
         )
-        _, at_nodes = between(FIRST, [*indices, *slopes, *accelerations])
+        _, at_nodes = between(FROM_ENDS, [*indices, *slopes, *accelerations])
         inner = [length**2 * at_nodes[:, node :: NODES.size] for node in range(NODES.size)]
-        rates, _ = between(SECOND, [*indices, *accelerations, *inner])
+        rates, _ = between(FROM_ENDS_AND_NODES, [*indices, *accelerations, *inner])
         return np.asarray(rates.reshape(-1, *times.shape) @ WEIGHTS @ h)

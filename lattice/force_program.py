@@ -31,17 +31,17 @@ UNARY: dict[str, Callable[[Array], Array]] = {
 }  # fmt: skip
 """Functions of one argument that a force may contain."""
 
-QUADRATURE = 24
+QUADRATURE_POINTS = 24
 """Points of the quadrature rule that integrates a force to its potential."""
 
-FEW_TURNS = 8
+SMOOTH_DEGREE = 8
 """Highest degree of polynomials whose largest slope at 65 samples is low by a few percent at most
 (Markov's inequality)."""
 
-MOVED = 2.0**-20
+SUMMAND_CHANGE = 2.0**-20
 """Relative change of a summand that measures how strongly the force depends on it."""
 
-PLACES, MOST_PLACES, DEEPEST, UNSEEN = 65, 2**12, 9, 0.1
+SLOPE_SAMPLES, MAX_OPEN_PANELS, MAX_DIVISIONS, MIN_EXCESS = 65, 2**12, 9, 0.1
 """For enclosing slopes: initial edges, most panels that are divided by 16 at once, most divisions,
 and the share by which a slope must exceed the sampled ones to count."""
 
@@ -131,22 +131,22 @@ class ForceProgram:
     @property
     def is_smooth(self) -> bool:
         """Whether a few samples show all of its slope: a polynomial of low degree."""
-        return not self.instructions and len(self.coefficients) <= FEW_TURNS
+        return not self.instructions and len(self.coefficients) <= SMOOTH_DEGREE
 
     def steepest_between(self, low: float, high: float, sampled: float) -> float:
         """Return the largest abs(slope) between two stretches, given the largest one sampled.
 
         The sampled value ``sampled`` is returned unless it is exceeded by more than its share
-        `UNSEEN`. Infinite if the slope is unbounded.
+        `MIN_EXCESS`. Infinite if the slope is unbounded.
         """
         if self.is_smooth or not low < high:
             return sampled
-        edges, largest = np.linspace(low, high, PLACES), sampled
+        edges, largest = np.linspace(low, high, SLOPE_SAMPLES), sampled
         lows, highs = edges[:-1], edges[1:]
-        for _ in range(DEEPEST):
+        for _ in range(MAX_DIVISIONS):
             bounds = np.maximum(*map(np.abs, self.slope_enclosed(lows, highs)))
-            [open_panels] = np.nonzero(~(bounds <= (1.0 + UNSEEN) * largest))
-            if open_panels.size == 0 or open_panels.size > MOST_PLACES:
+            [open_panels] = np.nonzero(~(bounds <= (1.0 + MIN_EXCESS) * largest))
+            if open_panels.size == 0 or open_panels.size > MAX_OPEN_PANELS:
                 break
             parts = np.linspace(lows[open_panels], highs[open_panels], 17)
             lows, highs = parts[:-1].ravel(), parts[1:].ravel()
@@ -158,7 +158,7 @@ class ForceProgram:
             )
             bounds = np.maximum(*map(np.abs, self.slope_enclosed(lows, highs)))
             largest = float(bounds.max()) if is_bounded else largest
-        return float(largest) if largest > (1.0 + UNSEEN) * sampled else sampled
+        return float(largest) if largest > (1.0 + MIN_EXCESS) * sampled else sampled
 
     def largest_summand(self, stretch: Array) -> float:
         """Return the largest summand whose rounding affects the force.
@@ -179,9 +179,11 @@ class ForceProgram:
         force, largest = _run(self.instructions, stretch, recording_add), 0.0
         for index, size in enumerate(sizes):
             if not float(np.max(size)) <= largest:
-                change = MOVED * size
+                change = SUMMAND_CHANGE * size
                 response = np.abs(self._with_sum_changed(index, change, stretch) - force)
-                effective = np.where(response < (1.0 - 1e-3) * change, response / MOVED, size)
+                effective = np.where(
+                    response < (1.0 - 1e-3) * change, response / SUMMAND_CHANGE, size
+                )
                 largest = max(largest, float(np.max(effective)))
         return largest
 
@@ -279,7 +281,7 @@ def _unary(word: str, a: Array, b: Array) -> tuple[Array, Array]:
 @cache
 def _quadrature() -> tuple[Array, Array]:
     """Return nodes and weights of Gauss's rule on -1 .. 1."""
-    return legendre.leggauss(QUADRATURE)
+    return legendre.leggauss(QUADRATURE_POINTS)
 
 
 def force_program(force: Expr) -> ForceProgram:
@@ -301,7 +303,7 @@ def force_program(force: Expr) -> ForceProgram:
         coefficients = [float(value) for value in reversed(Poly(force, x).all_coeffs())]
         if coefficients[0] != 0.0:
             raise ValueError(
-                f"force must vanish without stretch, got {coefficients[0]:g} (shift x)"
+                f"force must vanish without stretch, got {coefficients[0]:g} (move the zero of x)"
             )
         return ForceProgram(tuple(coefficients[1:]))
     slope = tuple(_instructions(force.diff(x)))

@@ -18,9 +18,9 @@ from numpy.typing import ArrayLike, NDArray
 import longwave.lattice.schemes as schemes
 import longwave.lattice.trial as trials
 from longwave.lattice.driving import DrivenChain
-from longwave.lattice.dynamics import WIDER, Dynamics
+from longwave.lattice.dynamics import RANGE_MARGIN, Dynamics
 from longwave.lattice.energy_balance import EnergyBalance
-from longwave.lattice.force_features import GAPS, TRAVEL, find_feature, finite_range
+from longwave.lattice.force_features import INITIAL_GAPS, STEP_FRACTION, find_feature, finite_range
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.refine import refine
 from longwave.lattice.run_times import check_positive, checked_times
@@ -49,49 +49,49 @@ class StateComparison:
 LIMIT_SHARE = 0.9
 """Longest step tried, in units of the stability limit at the largest strain."""
 
-SLOW = 1e6
+SLOW_PERIODS = 1e6
 """Waves whose period is this many times the run's duration do not limit the step."""
 
-LARGE = 2**20
+LARGE_STATE = 2**20
 """Size of a state, in numbers, from which runs are made one at a time on both cores: two at once
 would take twice the memory."""
 
-RUNAWAY, LEAST_RUNAWAY = 4e4, 1e5
+RUNAWAY_STEP_RATIO, MIN_RUNAWAY_STEPS = 4e4, 1e5
 """Number of steps beyond which strains must be running away: in units of the number with the
 longest step, and at least. With an order of 2, a tolerance of 1e-9 takes 3e4 times that number."""
 
-RAN_AWAY = 100.0
+RUNAWAY_LIMIT_RATIO = 100.0
 """Strains count as running away if they require steps this many times shorter than at the start."""
 
 ORDER_AT_OPENINGS = 2
 """Least order at which errors fall where contacts open and close, or where a drive has a corner."""
 
-KEPT_AT_OPENINGS = 0.5
+RATIO_AT_OPENINGS = 0.5
 """Largest ratio of the next step to one that was too long where contacts open. Errors fall in jumps
 there, and with a ratio close to 1 they seemed not to fall."""
 
-FINE = 1e-9
+DEFAULT_TOLERANCE = 1e-9
 """Tolerance used for resolving drives and forces if none is given."""
 
-NEAR = 2.0
+FEATURE_MARGIN = 2.0
 """Margin searched for features on either side of the stretches visited, in units of their range."""
 
-NEAR_GAPS = round(GAPS * (1.0 + 2.0 * NEAR))
+FEATURE_GAPS = round(INITIAL_GAPS * (1.0 + 2.0 * FEATURE_MARGIN))
 """Gaps between samples of slopes on the range with its margins: as long as those on the range
 alone."""
 
-UNFOLLOWED = 3
+MAX_UNRESOLVED_RUNS = 3
 """Runs, with shorter and shorter steps, that must meet a feature that is too narrow before it is
 refused."""
 
-STILL = 0.1
+QUIET_TIME = 0.1
 """Time between two stops, in units of the inverse highest frequency at rest, in which stretches
 change little enough that stops show their range."""
 
-PATIENT, MOST_FOLLOWED = 12, 2e6
+MAX_RESOLVING_RUNS, MAX_RESOLVING_STEPS = 12, 2e6
 """Steps tried until one resolves the features of forces, and most steps of such a run."""
 
-NUDGED = 4
+NUDGES = 4
 """Number of times, the start included, at which a run's last digits are changed."""
 
 RING_SAFETY = 6.0
@@ -178,7 +178,9 @@ def integrate(
         comparison = StateComparison(
             lambda state, _: np.asarray(judged(state.f[:, cells], state.v[:, cells], state.t))
         )
-    search = CellEngine(lattice, start, moments, scheme, comparison, tolerance=tolerance or FINE)
+    search = CellEngine(
+        lattice, start, moments, scheme, comparison, tolerance=tolerance or DEFAULT_TOLERANCE
+    )
     if tolerance is not None:
         trial, error = _to_tolerance(search, tolerance, moments)
     else:
@@ -272,7 +274,7 @@ class CellEngine(trials.StepSearch):
         compared: StateComparison | None = None,
         stored_times: Array | None = None,
         cuts: Sequence[int] | None = None,
-        tolerance: float = FINE,
+        tolerance: float = DEFAULT_TOLERANCE,
         longest: float = math.inf,
         amplified: float = 1.0,
     ) -> None:
@@ -281,7 +283,7 @@ class CellEngine(trials.StepSearch):
         self._cuts = cuts
         self.dynamics = Dynamics(lattice)
         self.amplifies_rounding = not lattice.is_linear
-        self.threads = self.dynamics.threads(scheme) if state.size < LARGE else 1
+        self.threads = self.dynamics.threads(scheme) if state.size < LARGE_STATE else 1
         self._times, self._stored_times = times, times if stored_times is None else stored_times
         smooth = [bond.force.is_smooth for bond in lattice.bonds]
         self._featured_bonds = [index for index, is_smooth in enumerate(smooth) if not is_smooth]
@@ -307,12 +309,12 @@ class CellEngine(trials.StepSearch):
         driven = lattice.drive_steps(begin, end, admitted, scheme, self._allowed_push)
         opens = opens or driven.turns
         order = min(scheme.order, ORDER_AT_OPENINGS) if opens else scheme.order
-        self._largest_ratio = KEPT_AT_OPENINGS if opens else 1.0
+        self._largest_ratio = RATIO_AT_OPENINGS if opens else 1.0
         self._drive_error = driven.missed * tolerance / self._allowed_push
         if driven.stops.size:
             stops = np.append(stops[0], np.union1d(stops[1:], driven.stops))
         super().__init__(order, min(driven.step, longest), stops, state.size)
-        self.most_work = max(RUNAWAY * self.work(self.first()), LEAST_RUNAWAY)
+        self.most_work = max(RUNAWAY_STEP_RATIO * self.work(self.first()), MIN_RUNAWAY_STEPS)
 
     @property
     def stops(self) -> Array:
@@ -421,14 +423,14 @@ class CellEngine(trials.StepSearch):
         """Return the most steps between two stops, None for the default."""
         if self._cuts is not None:
             return 1
-        steps = self.work(choices) / (2 * NUDGED) if choices.nudged else math.inf
+        steps = self.work(choices) / (2 * NUDGES) if choices.nudged else math.inf
         if self._has_features:
             steps = min(steps, self._quiet_time(choices) / choices.step)
         return max(1, math.ceil(steps)) if steps < CHUNK else None
 
     def _quiet_time(self, choices: trials.Choices) -> float:
         """Return the time in which stretches and their rates change little."""
-        return max(choices.step, STILL / self._highest_at_rest)
+        return max(choices.step, QUIET_TIME / self._highest_at_rest)
 
     def _stretch_rates(self, state: State) -> Array:
         """Return the largest rate of each stretch whose force may have narrow features."""
@@ -444,12 +446,12 @@ class CellEngine(trials.StepSearch):
             return False
         for index, rate in zip(self._featured_bonds, rates.tolist(), strict=True):
             force, (least, most) = self.lattice.bonds[index].force, ranges[index].tolist()
-            room = NEAR * (most - least + rate / self._highest_at_rest)
+            room = FEATURE_MARGIN * (most - least + rate / self._highest_at_rest)
             ends = finite_range(force, least, most, room)
-            feature = find_feature(force, *ends, self._allowed_push * max(rate, room), NEAR_GAPS)
+            feature = find_feature(force, *ends, self._allowed_push * max(rate, room), FEATURE_GAPS)
             if feature.width < math.inf or feature.turns:
-                self._has_features, self.unstable = True, PATIENT
-                self.most_work = max(self.most_work, 4.0 * MOST_FOLLOWED)
+                self._has_features, self.unstable = True, MAX_RESOLVING_RUNS
+                self.most_work = max(self.most_work, 4.0 * MAX_RESOLVING_STEPS)
         return self._has_features
 
     def _resolving_step(self, ranges: Array, rates: Array, choices: trials.Choices) -> float:
@@ -459,17 +461,19 @@ class CellEngine(trials.StepSearch):
             return longest
         for index, rate in zip(self._featured_bonds, rates.tolist(), strict=True):
             force, (least, most) = self.lattice.bonds[index].force, ranges[index].tolist()
-            room = WIDER * (most - least) + rate * self._quiet_time(choices)
+            room = RANGE_MARGIN * (most - least) + rate * self._quiet_time(choices)
             ends = finite_range(force, least, most, room)
             feature = find_feature(force, *ends, self._allowed_push * rate)
             if feature.turns:
-                self.order, self._largest_ratio = ORDER_AT_OPENINGS, KEPT_AT_OPENINGS
+                self.order, self._largest_ratio = ORDER_AT_OPENINGS, RATIO_AT_OPENINGS
             if rate > 0.0:
-                longest = min(longest, TRAVEL * feature.width / rate)
-            if self._duration > MOST_FOLLOWED * longest:
+                longest = min(longest, STEP_FRACTION * feature.width / rate)
+            if self._duration > MAX_RESOLVING_STEPS * longest:
                 self._refusals += 1
-                if self._refusals < UNFOLLOWED:  # with shorter steps the range may be another
-                    return self._duration / MOST_FOLLOWED
+                if (
+                    self._refusals < MAX_UNRESOLVED_RUNS
+                ):  # with shorter steps the range may be another
+                    return self._duration / MAX_RESOLVING_STEPS
                 raise ValueError(
                     f"force of bond {index + 1} of {self.lattice.name} must change slowly enough "
                     f"to be resolved, got one that changes within {feature.width:.2g} where "
@@ -511,13 +515,13 @@ class CellEngine(trials.StepSearch):
     def budget_message(self, work: float, tolerance: float | None) -> str:
         """Return why so many steps are refused: fast strains, fast forces, or the tolerance."""
         times = self._first_limit / self._step_limit if self._step_limit else math.inf
-        if times > RAN_AWAY and self._is_limited_by_feature:
+        if times > RUNAWAY_LIMIT_RATIO and self._is_limited_by_feature:
             return (
                 f"forces of {self.lattice.name} must change slowly enough to be resolved, got one "
                 f"that needs steps {times:.1g} times shorter than strains do ({work:.1g} in "
                 "all; widen it or end earlier)"
             )
-        if times > RAN_AWAY:
+        if times > RUNAWAY_LIMIT_RATIO:
             return (
                 f"times must end before strains run away, got {self._times[-1]:g} (they need "
                 f"steps {times:.1g} times shorter than at first, {work:.1g} in all; end "
@@ -532,7 +536,9 @@ class CellEngine(trials.StepSearch):
         """Return the longest step that is stable for stretches in these ranges; 0 if none is."""
         highest = self.dynamics.highest_frequency(ranges)
         limit = schemes.stability_limit(self.scheme)
-        return limit / highest if limit < SLOW * highest * self._duration else self._duration
+        return (
+            limit / highest if limit < SLOW_PERIODS * highest * self._duration else self._duration
+        )
 
     def _start(self, changed: bool) -> State:
         """Return a copy of the state, if ``changed`` with the last digits of both arrays changed.
@@ -549,7 +555,7 @@ class CellEngine(trials.StepSearch):
     def _nudge_again(self, state: State, before: float) -> None:
         """Change the last digits of the fields in place if the run has just passed a mark."""
         begin, end = float(self._stops[0]), float(self._stops[-1])
-        marks = begin + np.arange(1, NUDGED) * (end - begin) / NUDGED
+        marks = begin + np.arange(1, NUDGES) * (end - begin) / NUDGES
         if state.t < end and np.any((before < marks) & (marks <= state.t)):
             state.f += self._digit_changes(state.f)
 

@@ -11,7 +11,7 @@ from longwave.lattice.numeric_lattice import Entry, NumericBond, NumericLattice
 from longwave.lattice.state import State
 from longwave.support.array_types import Array
 
-NEGLIGIBLE = 1e-200
+NEGLIGIBLE_RATIO = 1e-200
 """K3 and K4 below this, in units of the largest constant, have no effect for strains up to 1e90;
 quotients of the others neither overflow nor underflow."""
 
@@ -47,7 +47,7 @@ class Model:
         (4.0, 0.0, 1.0)
         """
         K2, *others = (float(value) for value in (self.K2, self.K3, self.K4))
-        least = NEGLIGIBLE * max(K2, *map(abs, others))
+        least = NEGLIGIBLE_RATIO * max(K2, *map(abs, others))
         K3, K4 = (0.0 if abs(value) < least else value for value in others)
         force = ForceProgram((K2, K3, K4)[: 3 if K4 else 2 if K3 else 1])
         return NumericLattice("fput_strain", ("y",), (1.0,), (replace(STRAIN, force=force),))

@@ -85,7 +85,7 @@ class NumericBond:
     def with_mean_strain(self, strain: Sequence[float], shares: Sequence[float]) -> NumericBond:
         """Return the bond of displacements that grow by ``strain`` per cell."""
         growth = [e.weight * (shares[e.field] if shares else 1.0) for e in self.stretch]
-        if abs(math.fsum(growth)) > ROUNDED * max(map(abs, growth)):
+        if abs(math.fsum(growth)) > ROUNDED_SQUARE * max(map(abs, growth)):
             raise ValueError(
                 "mean_strain must be 0 where a bond feels a field itself, got "
                 f"{tuple(strain)} (such a lattice has no uniform strain, or it is the "
@@ -220,7 +220,7 @@ class NumericLattice:
         root = np.sqrt(self.masses)
         for unit in np.eye(len(self.bonds)):
             matrices = self.dynamical_matrix(waves, list(unit)) * (root[:, None] / root)
-            tolerance = ROUNDED * np.abs(matrices).max()
+            tolerance = ROUNDED_SQUARE * np.abs(matrices).max()
             if np.abs(matrices - matrices.conj().swapaxes(-1, -2)).max() > tolerance:
                 return False
             if np.linalg.eigvalsh(matrices).min() < -tolerance:
@@ -296,7 +296,7 @@ class NumericLattice:
     def is_stable(self, slopes: Sequence[float]) -> bool:
         """Return whether no wave grows, forces linearised with these slopes."""
         squares = self._all_squares(slopes)
-        return bool(np.min(squares) >= -ROUNDED * max(float(np.max(squares)), 1e-300))
+        return bool(np.min(squares) >= -ROUNDED_SQUARE * max(float(np.max(squares)), 1e-300))
 
     def _all_squares(self, slopes: Sequence[float]) -> Array:
         waves = zone_wavenumbers(self.dimension, WAVENUMBERS[self.dimension])
@@ -315,7 +315,7 @@ WAVENUMBERS = {1: 257, 2: 33, 3: 9}
 """Wavenumbers per axis, by dimension, of the grid for highest frequencies; a chain's is found with
 a relative error of 1e-4."""
 
-ROUNDED = 1e-12
+ROUNDED_SQUARE = 1e-12
 """Negative squared frequencies up to this size, in units of the largest, count as rounding."""
 
 

@@ -47,52 +47,52 @@ from longwave.support.request_limits import OverBudgetError
 Announce = Callable[[float], None]
 """Callback with the expected seconds of the next runs."""
 
-SHARES: dict[Kind, float] = {"step": 0.5, "sampling": 0.2, "domain": 0.3}
+TOLERANCE_FRACTIONS: dict[Kind, float] = {"step": 0.5, "sampling": 0.2, "domain": 0.3}
 """Shares of the tolerance of each choice when it is varied alone."""
 
-TIGHTER = 1.5
+TIGHTENING = 1.5
 """Factor by which to reduce each error when all meet their shares but the sum does not."""
 
 STEP: tuple[Kind, ...] = ("step",)
 STEP_AND_DOMAIN: tuple[Kind, ...] = ("step", "domain")
 
-ATTEMPTS = 12
+MAX_CONTROL_RUNS = 12
 """Most control runs."""
 
-BLOWN = 3
+MAX_BLOW_UPS = 3
 """Control runs after which a lattice that still blows up does so for physical reasons."""
 
-CURE = 32.0
+BLOW_UP_REDUCTION = 32.0
 """Factor by which to reduce all errors after a blow-up."""
 
-PATIENCE = 3
+MAX_STALLED_RUNS = 3
 """Control runs without progress after which the remaining error is attributed to rounding."""
 
-PROGRESS = 0.7
+STALLED_RATIO = 0.7
 """Ratio to the previous error above which an error has stopped falling."""
 
-WARY = 100.0
+FIRST_DIGIT_FACTOR = 100.0
 """Factor on the effect of changed last digits with the longest step: a hundred times as much was
 seen with shorter steps, which round more often (scenes of `searches/estimates.py`)."""
 
-DRAWN = 1.5
+DIGIT_FACTOR = 1.5
 """Factor on the effect of changed last digits on the returned run: it is one sample of the rounding
 error (with 1, a test found an error of 1.08 times its estimate)."""
 
-LAWFUL = 3.0
+MAX_LAWFUL_RATIO = 3.0
 """Largest ratio of a step's change to its law's prediction at which the law counts as confirmed, if
 the change has also fallen as half of the order predicts."""
 
-NEGLIGIBLE = 0.01
+NEGLIGIBLE_FRACTION = 0.01
 """Share of the tolerance below which the change by a step needs to obey no law: it may be rounding,
 or come round a ring."""
 
-LEAST_ON_RING = 0.05
+MIN_RING_ERROR = 0.05
 """Least error reported on a ring, as a share of the tolerance. Negligible changes there hid errors
 of 0.021 of it: the steps of a kink that turned short waves by many radians agreed
 (`tests/scenes/engines/test_comparison_honesty.py`)."""
 
-LEAST = 1e-5
+MIN_ERROR = 1e-5
 """Least error reported elsewhere, as a share of the tolerance: no run was examined more closely."""
 
 
@@ -151,15 +151,15 @@ def _search_choices(search: "_Search", engine: Engine, tolerance: float) -> Refi
     choices = _with_lawful_step(search, scouting, engine.first())
     search.seconds = scouting.seconds
     best, without_progress, blow_ups = math.inf, 0, 0
-    for _ in range(ATTEMPTS):
+    for _ in range(MAX_CONTROL_RUNS):
         trial, control = search.pair(choices)
         rounding = max(trial.rounding, control.rounding)
         step_change = max(difference(trial, control), search.known_change(choices))
         change = max(engine.safety * step_change, SAFETY * scouting.lawful_change(choices))
-        least = LEAST_ON_RING if "sampling" in engine.kinds else LEAST
+        least = MIN_RING_ERROR if "sampling" in engine.kinds else MIN_ERROR
         error = max(change + rounding + control.common_error, least * tolerance)
         if error <= tolerance and search.wary:
-            digit_effect = DRAWN * search.digit_effect(choices)
+            digit_effect = DIGIT_FACTOR * search.digit_effect(choices)
             rounding, error = rounding + digit_effect, error + digit_effect
         if error <= tolerance and not scouting.is_lawful(choices):
             shorter = _with_lawful_step(search, scouting, choices)
@@ -167,27 +167,29 @@ def _search_choices(search: "_Search", engine: Engine, tolerance: float) -> Refi
                 choices = shorter
                 continue
         blow_ups = blow_ups + 1 if math.isinf(error) else 0
-        if error <= tolerance or blow_ups == BLOWN:
+        if error <= tolerance or blow_ups == MAX_BLOW_UPS:
             decade = 10.0 ** (1.0 / engine.order)
             if not control.choices.causal:
                 decade *= 10.0 ** (1.0 / engine.decay)
             return Refined(control, error, rounding, decade)
         search.judged = control, error
-        has_fallen = error < PROGRESS * best or math.isinf(error)
+        has_fallen = error < STALLED_RATIO * best or math.isinf(error)
         if not has_fallen or search.wary:
             search.check_rounding(choices)
         without_progress = 0 if has_fallen else without_progress + 1
         best = min(best, error)
         # a wider domain may still help: waves round a ring obey no law of the step
         may_widen = "domain" in engine.kinds and not choices.causal
-        is_stuck = without_progress == PATIENCE or (scouting.stalled == PATIENCE and not may_widen)
+        is_stuck = without_progress == MAX_STALLED_RUNS or (
+            scouting.stalled == MAX_STALLED_RUNS and not may_widen
+        )
         if is_stuck and math.isfinite(best):
             raise ValueError(
                 _refusal_message(best, tolerance, search.leftover_message(choices, rounding, error))
             )
         step_change = scouting.known_change(choices) if has_fallen else 0.0
         choices = search.improved(choices, trial, error, step_change)
-    remedy = f"after {ATTEMPTS} control runs, each with better choices"
+    remedy = f"after {MAX_CONTROL_RUNS} control runs, each with better choices"
     raise ValueError(_refusal_message(best, tolerance, remedy))
 
 
@@ -216,7 +218,7 @@ class _Search:
         self._done: dict[Choices, Trial] = {}
         self._changes: dict[float, float] = {}  # change of the values by shortening each step
         self._longest_lawful = 0.0  # longest step for which the law is confirmed
-        self._negligible = NEGLIGIBLE * tolerance / SAFETY
+        self._negligible = NEGLIGIBLE_FRACTION * tolerance / SAFETY
         self._last_share, self._first_work, self._done_work, self._pending_work = 0.0, 0.0, 0.0, 0.0
         self._stopped, self._is_scout = False, False
         self.seconds = 0.0
@@ -257,20 +259,20 @@ class _Search:
         """Return choices whose step meets its share and obeys its law, if the search finds any."""
         unstable, last, self.stalled = 0, math.inf, 0
         change: float | None = None
-        for _ in range(ATTEMPTS):
+        for _ in range(MAX_CONTROL_RUNS):
             excess = self._excess(choices, "step", change)
             if self.wary is None and math.isfinite(excess):
                 self.wary = (
                     self.engine.amplifies_rounding
-                    and WARY * self.digit_effect(choices) > self._tolerance
+                    and FIRST_DIGIT_FACTOR * self.digit_effect(choices) > self._tolerance
                 )
             unstable += math.isinf(excess)
-            is_stuck = 1.0 < excess < math.inf and excess > PROGRESS * last
+            is_stuck = 1.0 < excess < math.inf and excess > STALLED_RATIO * last
             self.stalled = self.stalled + 1 if is_stuck else 0
             if is_stuck:
                 self.check_rounding(choices)
             is_good = excess <= 1.0 and self.is_lawful(choices)
-            if is_good or unstable == self.engine.unstable or self.stalled == PATIENCE:
+            if is_good or unstable == self.engine.unstable or self.stalled == MAX_STALLED_RUNS:
                 break
             last, change = excess, None
             if excess <= 1.0:
@@ -335,7 +337,7 @@ class _Search:
         longer = min((one for one in self._changes if one > step), default=math.inf)
         if longer == math.inf:
             return -1.0
-        slack = min(LAWFUL, (longer / step) ** (self.engine.order / 2.0))
+        slack = min(MAX_LAWFUL_RATIO, (longer / step) ** (self.engine.order / 2.0))
         return max(slack * self.lawful_change(choices), self._negligible)
 
     def digit_effect(self, choices: Choices) -> float:
@@ -346,7 +348,7 @@ class _Search:
 
     def leftover_message(self, choices: Choices, rounding: float, error: float) -> str:
         """Return what is left of an error that has stopped falling, as far as it was measured."""
-        rounding += DRAWN * self.digit_effect(choices)
+        rounding += DIGIT_FACTOR * self.digit_effect(choices)
         kinds = {"step": "finer steps", "sampling": "denser points", "domain": "wider domains"}
         text = f"{' and '.join(kinds[kind] for kind in self.engine.kinds)} no longer help"
         if rounding > 0.5 * error:
@@ -392,30 +394,33 @@ class _Search:
         engine, better = self.engine, choices
         if trial.values is None:
             for kind in engine.kinds:
-                better = engine.improved(better, kind, CURE)
+                better = engine.improved(better, kind, BLOW_UP_REDUCTION)
             return better
         domain_share = self._tolerance - engine.safety * step_change
         if step_change and math.isfinite(error) and engine.kinds == STEP_AND_DOMAIN:
-            if domain_share >= (1.0 - SHARES["step"]) * self._tolerance:
-                better = engine.improved(choices, "domain", max(TIGHTER, error / domain_share))
+            if domain_share >= (1.0 - TOLERANCE_FRACTIONS["step"]) * self._tolerance:
+                better = engine.improved(choices, "domain", max(TIGHTENING, error / domain_share))
             if better != choices:
                 return better
         for kind in engine.kinds:
             excess = self._excess(choices, kind)
             if excess > 1.0:
                 better = engine.improved(better, kind, excess)
-            if kind == "step" and excess * SHARES["step"] > 0.5 * error / self._tolerance:
+            if (
+                kind == "step"
+                and excess * TOLERANCE_FRACTIONS["step"] > 0.5 * error / self._tolerance
+            ):
                 break
         if better == choices:
             for kind in engine.kinds:
-                better = engine.improved(better, kind, max(TIGHTER, error / self._tolerance))
+                better = engine.improved(better, kind, max(TIGHTENING, error / self._tolerance))
         return better
 
     def _excess(self, choices: Choices, kind: Kind, change: float | None = None) -> float:
         """Return the ratio of the error to its part of the tolerance if one kind is varied."""
         if change is None:
             change = self._change(choices, kind)
-        share = SHARES[kind] if len(self.engine.kinds) > 1 else 1.0
+        share = TOLERANCE_FRACTIONS[kind] if len(self.engine.kinds) > 1 else 1.0
         return SAFETY * change / (share * self._tolerance)
 
     def _change(self, choices: Choices, kind: Kind) -> float:

@@ -240,11 +240,12 @@ def _floats(values: Iterable[object]) -> Array:
     return np.asarray(values, dtype=object).astype(np.float64)
 
 
-SCAN = np.linspace(0.0, 8.0, 80_001)[1:]
+SCANNED_STEPS = np.linspace(0.0, 8.0, 80_001)[1:]
 """Steps, in units of 1/omega, at which stability is checked first."""
 
-SCANS = 80
-"""Pieces of `SCAN`, checked in turn until one has an unstable step; each fits the cache."""
+SCAN_PIECES = 80
+"""Pieces of `SCANNED_STEPS`, checked in turn until one has an unstable step; each fits the
+cache."""
 
 JURY_SLACK = 1e-12
 """Tolerance for rounding of an eigenvalue on the unit circle."""
@@ -272,11 +273,13 @@ def stability_limit(scheme: Scheme) -> float:
     >>> round(stability_limit(scheme_named("rk4")) ** 2, 6)
     8.0
     """
-    unstable_steps = (piece[~_stable(scheme, piece)] for piece in np.split(SCAN, SCANS))
+    unstable_steps = (
+        piece[~_stable(scheme, piece)] for piece in np.split(SCANNED_STEPS, SCAN_PIECES)
+    )
     high = next((float(unstable[0]) for unstable in unstable_steps if unstable.size), None)
     if high is None:
-        return float(SCAN[-1])
-    low = high - float(SCAN[0])
+        return float(SCANNED_STEPS[-1])
+    low = high - float(SCANNED_STEPS[0])
     for _ in range(40):
         middle = 0.5 * (low + high)
         if _stable(scheme, np.array([middle]))[0]:
@@ -468,10 +471,12 @@ def scheme_named(name: str) -> Scheme:
     if ":" in name:
         return _user_defined(name)
     known = one_of(name, [scheme.name for scheme in SCHEMES])
-    raise ValueError(f"scheme must be a known one, got {shown(name)} ({known}; or such as {OWN})")
+    raise ValueError(
+        f"scheme must be a known one, got {shown(name)} ({known}; or such as {USER_EXAMPLE})"
+    )
 
 
-OWN = "'mine, order 2: drifts 1/6 2/3, kicks 1/2'"
+USER_EXAMPLE = "'mine, order 2: drifts 1/6 2/3, kicks 1/2'"
 """Example of the text that defines a scheme."""
 
 USER_DEFINED = re.compile(r"([A-Za-z]\w{,39}), order (\d{1,2}): drifts ([^,]+), kicks ([^,]+)")
@@ -487,7 +492,7 @@ def _user_defined(text: str) -> Scheme:
     """Parse a user-defined scheme. Raises ValueError if its text or order is wrong."""
     parts = USER_DEFINED.fullmatch(text)
     if parts is None:
-        raise ValueError(f"scheme must be defined as {OWN}, got {shown(text)}")
+        raise ValueError(f"scheme must be defined as {USER_EXAMPLE}, got {shown(text)}")
     order, drifts, kicks = int(parts[2]), *(tuple(parts[group].split()) for group in (3, 4))
     for weight in (*drifts, *kicks):
         if not WEIGHT.fullmatch(weight):

@@ -32,7 +32,7 @@ Profile = Callable[[Array], Array]
 SAMPLES = 64
 """Points on the wavelength about the seam, and circumferences tried within one wavelength."""
 
-GAUSS_NEWTON_STEPS, APART = 12, 1e-5
+GAUSS_NEWTON_STEPS, DIFFERENCE_STEP = 12, 1e-5
 """Most Gauss-Newton steps from the best circumference tried, and the difference step of the slope
 in wavelengths."""
 
@@ -60,8 +60,8 @@ def close_circumference(profile: Profile, wavelength: float, count: int) -> floa
     shifts = np.arange(-SAMPLES // 2, SAMPLES // 2) / SAMPLES
     first = best = float(shifts[np.argmin(np.sum(misses(shifts) ** 2, axis=1))])
     for _ in range(GAUSS_NEWTON_STEPS):
-        below, miss, above = misses(best + APART * np.array([-1.0, 0.0, 1.0]))
-        slope = (above - below) / (2.0 * APART)
+        below, miss, above = misses(best + DIFFERENCE_STEP * np.array([-1.0, 0.0, 1.0]))
+        slope = (above - below) / (2.0 * DIFFERENCE_STEP)
         steep = float(slope @ slope)
         step = float(miss @ slope) / steep if steep > 0.0 else 0.0
         best = min(max(best - step, first - 1.0 / SAMPLES), first + 1.0 / SAMPLES)

@@ -24,7 +24,7 @@ from longwave.lattice.schemes import REDUCED_PHASE_6, DriftKick
 from longwave.lattice.state import State
 from longwave.support.array_types import Array
 
-NEGLIGIBLE = 1e-17
+NEGLIGIBLE_TERM = 1e-17
 """Largest neglected term of a drift's series, in units of its velocities."""
 
 SMALL = 256
@@ -181,7 +181,7 @@ class VariedChain:
         """Return how many terms of a drift's series are not negligible."""
         count, bound = int(self._is_damped), self._fastest * abs(length)
         size = bound
-        while size > NEGLIGIBLE:
+        while size > NEGLIGIBLE_TERM:
             count += 1
             size *= bound / count
         return count

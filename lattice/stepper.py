@@ -28,7 +28,7 @@ LEAST_CHUNK = 8
 """Default fewest steps between two stops: checking and copying a large ring costs as much as a
 step."""
 
-UPDATES = 3e8
+MAX_EVALUATIONS = 3e8
 """Most force evaluations between two stops, a fraction of a second, so that Ctrl-C acts soon."""
 
 
@@ -49,9 +49,9 @@ class Stepper:
     Between two requested times, or moves of the domain, the steps are equal and not longer than
     ``step``, so that those times are hit exactly. ``amplitude`` is the largest stretch of the wave
     at the start; None, without a wave, allows strains of any size. At most ``chunk`` steps lie
-    between two stops; the default depends on `UPDATES` and `LEAST_CHUNK`. ``ranges`` are those met
-    at the stops, on any site (`Dynamics.ranges`). ``blow_up`` is set when the march had to stop;
-    ``steps`` counts the steps.
+    between two stops; the default depends on `MAX_EVALUATIONS` and `LEAST_CHUNK`. ``ranges`` are
+    those met at the stops, on any site (`Dynamics.ranges`). ``blow_up`` is set when the march had
+    to stop; ``steps`` counts the steps.
     """
 
     def __init__(
@@ -72,7 +72,7 @@ class Stepper:
         self.steps = 0
         self._amplitude = amplitude
         self._between: tuple[float, int] | None = None
-        usual = min(CHUNK, int(UPDATES / (scheme.stages * state.size)))
+        usual = min(CHUNK, int(MAX_EVALUATIONS / (scheme.stages * state.size)))
         self._chunk = chunk or max(LEAST_CHUNK, usual)
         self.ranges = self.dynamics.ranges(state)
         self.blow_up: BlowUp | None = self._find_blow_up()

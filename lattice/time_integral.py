@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from longwave.lattice.force_program import ForceProgram
 from longwave.support.array_types import Array, Mask
 
-PANELS, MOST_PANELS, NODES = 2**13, 2**18, 12
+INITIAL_PANELS, MAX_PANELS, GAUSS_POINTS = 2**13, 2**18, 12
 """Initial and largest number of panels, and points of Gauss's rule on each."""
 
 ROUNDING = 2.0**-50
@@ -22,15 +22,17 @@ ROUNDING = 2.0**-50
 LEAST_PANEL = 2.0**-48
 """Length of the shortest panel, in units of the largest abs(number) in it."""
 
-LOOSE = 0.02
+ENCLOSURE_SLACK = 0.02
 """Share of the largest slope near a panel by which enclosures may be too wide, as for a product of
 terms that depend on each other; otherwise a straight line on either side of a corner would be
 halved for ever."""
 
-_POINTS, _WEIGHTS = legendre.leggauss(NODES)
+_POINTS, _WEIGHTS = legendre.leggauss(GAUSS_POINTS)
 
 _LEGENDRE = (
-    (np.arange(NODES)[:, np.newaxis] + 0.5) * legendre.legvander(_POINTS, NODES - 1).T * _WEIGHTS
+    (np.arange(GAUSS_POINTS)[:, np.newaxis] + 0.5)
+    * legendre.legvander(_POINTS, GAUSS_POINTS - 1).T
+    * _WEIGHTS
 )
 """Matrix from values at the points to Legendre coefficients of their polynomial."""
 
@@ -67,7 +69,12 @@ class Integral:
 
     @classmethod
     def of(
-        cls, slope: Smooth, begin: float, end: float, panels: int = PANELS, allowed: float = 0.0
+        cls,
+        slope: Smooth,
+        begin: float,
+        end: float,
+        panels: int = INITIAL_PANELS,
+        allowed: float = 0.0,
     ) -> Integral:
         """Integrate ``slope`` from ``begin`` to ``end``.
 
@@ -97,7 +104,7 @@ class Integral:
             starts.append(low[~rough])
             sums.append(halves[~rough])
             count += int(np.count_nonzero(rough))
-            if count > MOST_PANELS:
+            if count > MAX_PANELS:
                 raise ValueError(
                     f"velocity of a wall must change slowly enough to be integrated, got one that "
                     f"{panels} panels from {begin:g} to {end:g} do not resolve (end earlier)"
@@ -192,7 +199,7 @@ class _Hull:
         """Return a mask of panels on which the slope may leave the hull, widened by ``margin``."""
         bounds = value.slope_enclosed(low, high)
         largest = np.maximum(np.abs(self.least), np.abs(self.most))
-        margin = margin + (self.most - self.least) + LOOSE * largest
+        margin = margin + (self.most - self.least) + ENCLOSURE_SLACK * largest
         return ~((bounds[0] >= self.least - margin) & (bounds[1] <= self.most + margin))
 
     def halved(self, rough: Mask) -> _Hull:

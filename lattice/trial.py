@@ -99,10 +99,10 @@ def _largest_difference(one: Array | None, other: Array | None) -> float:
     return largest if math.isfinite(largest) else math.inf
 
 
-ROUNDING = 4.0 * 2.0**-53
+FORCE_ROUNDING = 4.0 * 2.0**-53
 """Rounding error of one force evaluation at unit strain: a few roundings of varying sign."""
 
-STEADY = 2.0**-53
+STEADY_ROUNDING = 2.0**-53
 """Part of that error whose sign does not vary (measured: 0.4 of it, on a kink's far field at t =
 2e8)."""
 
@@ -116,7 +116,7 @@ def rounding_error(largest: float, evaluations: int) -> float:
     >>> rounding_error(5.0, 10_000) < 1e-11
     True
     """
-    return largest * (ROUNDING * math.sqrt(1.0 + evaluations) + STEADY * evaluations)
+    return largest * (FORCE_ROUNDING * math.sqrt(1.0 + evaluations) + STEADY_ROUNDING * evaluations)
 
 
 def clock_error(values: Array, c: float, times: tuple[float, float]) -> float:

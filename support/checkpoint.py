@@ -41,7 +41,7 @@ LOOP = ".loop"
 FIRST_COST = 0.01
 """Assumed seconds of the first checkpoint: two flushes to a disk."""
 
-ANEW = "%s: begins anew: %s has no checkpoint of this scene, code and machine"
+NO_CHECKPOINT = "%s: begins anew: %s has no checkpoint of this scene, code and machine"
 
 LEAST = 5.0
 """Least seconds between two checkpoints of a loop: the most that a kill loses."""
@@ -49,7 +49,7 @@ LEAST = 5.0
 SHARE = 0.01
 """Largest share of a run's time that its checkpoints take."""
 
-PATIENCE = 60.0
+RETRY_SECONDS = 60.0
 """Seconds before the next attempt after a checkpoint could not be written."""
 
 
@@ -102,9 +102,9 @@ class CheckpointFolder:
             self._folder.mkdir(parents=True, exist_ok=True)
             write_sealed(self._path(name), data)
         except OSError as error:
-            if self.least != PATIENCE:
+            if self.least != RETRY_SECONDS:
                 LOG.warning("%s: the run goes on without a checkpoint", error)
-            self.least = PATIENCE
+            self.least = RETRY_SECONDS
         else:
             self.least = self._usual
 
@@ -127,7 +127,7 @@ class CheckpointFolder:
         if seconds:
             LOG.info("%s: goes on where it was broken off", name)
         elif self._loops():
-            LOG.info(ANEW, name, self._folder)
+            LOG.info(NO_CHECKPOINT, name, self._folder)
 
     def add_restored(self, seconds: float) -> None:
         """Add to the seconds of work restored from checkpoints."""

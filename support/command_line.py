@@ -41,7 +41,7 @@ FILE_REMEDIES = {
 NO_READER = 141
 """Exit status when the reader of the output is gone: 128 + the signal's number."""
 
-QUOTED, LONGEST = 200, 4000
+MAX_QUOTED, MAX_ERROR = 200, 4000
 """Most characters of the input that an error quotes, and of an error in total."""
 
 _call: ContextVar[tuple[click.Command | None, Sequence[str]]] = ContextVar("_call")
@@ -347,8 +347,8 @@ def fail(message: object) -> int:
     """Print ``error: message`` in one line on stderr; return the exit status, 2 or 1.
 
     It is 1 if the disk is full. The message of a file error names the argument, the file and a
-    remedy. Parts of the command line are quoted with at most ``QUOTED`` characters. After Ctrl-C
-    the interruption is reported instead, because the code it stops may raise anything. A
+    remedy. Parts of the command line are quoted with at most ``MAX_QUOTED`` characters. After
+    Ctrl-C the interruption is reported instead, because the code it stops may raise anything. A
     BrokenPipeError, from a reader that is gone, is raised again.
     """
     if interruption.was_interrupted():
@@ -387,14 +387,14 @@ def _argument_of(path: str) -> str:
 
 def _with_short_quotes(message: str) -> str:
     """Return the message with long arguments of the command, and other long words, cut."""
-    if len(message) <= QUOTED:
+    if len(message) <= MAX_QUOTED:
         return message
     _, argv = _call.get((None, ()))
     for part in {part for argument in argv for part in (argument, argument.partition("=")[2])}:
         for text in (part, repr(part)[1:-1]):
-            if len(text) > QUOTED // 2:
-                message = message.replace(text, cut(text, QUOTED // 2))
-    return re.sub(rf"\S{{{QUOTED},}}", lambda result: cut(result[0], QUOTED // 2), message)
+            if len(text) > MAX_QUOTED // 2:
+                message = message.replace(text, cut(text, MAX_QUOTED // 2))
+    return re.sub(rf"\S{{{MAX_QUOTED},}}", lambda result: cut(result[0], MAX_QUOTED // 2), message)
 
 
 def fail_for_memory(error: MemoryError, what: str = "sites") -> int:
@@ -405,12 +405,12 @@ def fail_for_memory(error: MemoryError, what: str = "sites") -> int:
 
 
 def one_line(message: object) -> str:
-    r"""Return the message in one line of at most ``LONGEST``, with control characters escaped.
+    r"""Return the message in one line of at most ``MAX_ERROR``, with control characters escaped.
 
     >>> print(one_line("two\nlines, \x1b[31mred"))
     two lines, \x1b[31mred
     """
-    return printable(cut(" ".join(str(message).split()), LONGEST))
+    return printable(cut(" ".join(str(message).split()), MAX_ERROR))
 
 
 def check_and_announce(

@@ -26,13 +26,13 @@ from longwave.support.sealed_file import LOG
 if TYPE_CHECKING:
     from distributed import Client
 
-CONNECTING = 15.0
+CONNECT_SECONDS = 15.0
 """Seconds in which a scheduler must answer."""
 
-LOOKING = 2.0
+COUNT_INTERVAL = 2.0
 """Seconds between two counts of a cluster's workers."""
 
-BEGINNING = 60.0
+START_SECONDS = 60.0
 """Seconds for an interpreter to start and to end, in addition to its job's."""
 
 Outcome = tuple[Any, Any, BaseException | None]
@@ -96,7 +96,7 @@ class DaskWorkers:
 
     def _look(self) -> None:
         """Count the workers, and log a message if there are none; others may come."""
-        if time.monotonic() < self._looked + LOOKING:
+        if time.monotonic() < self._looked + COUNT_INTERVAL:
             return
         try:
             threads: dict[str, int] = self._client.nthreads()
@@ -143,12 +143,12 @@ def _connected(address: str, needed: str) -> "Client":
         ) from None
     try:
         get_address_host_port(address)  # a client of a wrong address fails late, with a traceback
-        client = Client(address, timeout=CONNECTING, set_as_default=False)
+        client = Client(address, timeout=CONNECT_SECONDS, set_as_default=False)
     except (OSError, ValueError, TypeError, RuntimeError) as error:
         why = one_line(error)[:100]
         raise ValueError(
             f"--scheduler must be the address of a Dask scheduler that answers within "
-            f"{CONNECTING:g} s, got {address[:100]}: {why} (such as tcp://127.0.0.1:8786, "
+            f"{CONNECT_SECONDS:g} s, got {address[:100]}: {why} (such as tcp://127.0.0.1:8786, "
             "or tls://... with the certificates of Dask's configuration)"
         ) from None
     for name in (
@@ -179,7 +179,7 @@ def _outcome(job: Job) -> Outcome:
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
             env={**os.environ, "PYTHONPATH": os.pathsep.join(paths)},
-            timeout=job.seconds + BEGINNING,
+            timeout=job.seconds + START_SECONDS,
             check=True,
         )
         outcome: Outcome = pickle.loads(done.stdout)

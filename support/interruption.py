@@ -41,14 +41,14 @@ LONGEST_TIMER = 1e7
 PATIENCE = 1.5
 """Seconds in which a command may end by itself."""
 
-KEEPING = 15.0
+SAVING_SECONDS = 15.0
 """Seconds by which `keeping` extends the time for writing finished results."""
 
 SAME_PRESS = 0.3
 """Seconds in which a second signal counts as the first: some programs forward a signal that the
 terminal has sent already."""
 
-LOOK = 0.05
+CHECK_INTERVAL = 0.05
 """Seconds between two checks of the time."""
 
 SHOW_CURSOR = "\x1b[?25h"
@@ -84,7 +84,7 @@ class _Watch:
         while byte and not self.left:
             if time.monotonic() > started + self.patience:
                 self.end()
-            time.sleep(LOOK)
+            time.sleep(CHECK_INTERVAL)
         os.close(reading)
 
     def tell(self, saved: str) -> None:
@@ -107,7 +107,7 @@ class _Watch:
             for child in processes.active_children() if processes else ():
                 child.kill()
         if self.is_reported:
-            time.sleep(LOOK)  # the line may be on its way
+            time.sleep(CHECK_INTERVAL)  # the line may be on its way
         else:
             cursor = SHOW_CURSOR if os.isatty(2) else ""
             saved = f" ({self.saved})" if self.saved else ""
@@ -283,11 +283,11 @@ def keeping() -> Iterator[None]:
     if _watch is None:
         yield
         return
-    _watch.patience += KEEPING
+    _watch.patience += SAVING_SECONDS
     tell(saving=_watch.patience - PATIENCE)
     try:
         yield
     finally:
         if _watch is not None:
-            _watch.patience -= KEEPING
+            _watch.patience -= SAVING_SECONDS
             tell(saving=_watch.patience - PATIENCE)

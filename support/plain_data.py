@@ -16,13 +16,13 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 if TYPE_CHECKING:
     import numpy as np
 
-BARE = (type(None), bool, int, float, str)
+JSON_TYPES = (type(None), bool, int, float, str)
 """JSON's own types; other types become a dictionary with one entry, a tag and its content."""
 
-NUMBERS = re.compile(r"[<>|=][biufcSU][1-9]\d{0,8}")
+NUMBER_DTYPE = re.compile(r"[<>|=][biufcSU][1-9]\d{0,8}")
 """Pattern of NumPy's types of numbers and texts, none of which is an address."""
 
-FAULTS = (ValueError, TypeError, LookupError, AttributeError, OverflowError, RecursionError)
+READING_ERRORS = (ValueError, TypeError, LookupError, AttributeError, OverflowError, RecursionError)
 """Errors that reading may meet in bytes written elsewhere."""
 
 HEAD = 8
@@ -57,7 +57,7 @@ def plain_value(content: bytes, kinds: Kinds = lambda _: None) -> Any:
     end = HEAD + int.from_bytes(content[:HEAD], "little")
     try:
         return _Reader(memoryview(content)[end:], kinds).value(json.loads(content[HEAD:end]))
-    except FAULTS as error:
+    except READING_ERRORS as error:
         raise ValueError(f"data must be those of plain_bytes, got others: {error}") from None
 
 
@@ -74,7 +74,7 @@ class _Writer:
         import numpy as np
 
         kind = type(value)
-        if kind in BARE:
+        if kind in JSON_TYPES:
             return value
         if kind is list:
             return [self.tree(item) for item in value]
@@ -95,7 +95,7 @@ class _Writer:
 
     def _array(self, values: np.ndarray[Any, Any]) -> list[Any]:
         """Return type, shape, memory order and byte offset of an array, and store its data."""
-        if not NUMBERS.fullmatch(values.dtype.str):
+        if not NUMBER_DTYPE.fullmatch(values.dtype.str):
             raise TypeError(f"arrays must be of numbers or texts, got {values.dtype}")
         flags = values.flags
         order: Literal["F", "C"] = "F" if flags.f_contiguous and not flags.c_contiguous else "C"
@@ -136,7 +136,7 @@ class _Reader:
         import numpy as np
 
         kind, shape, order, offset = parts
-        if not NUMBERS.fullmatch(kind) or order not in ("C", "F"):
+        if not NUMBER_DTYPE.fullmatch(kind) or order not in ("C", "F"):
             raise ValueError(f"an array of {kind}")
         if any(type(size) is not int or size < 0 for size in (offset, *shape)):
             raise ValueError(f"an array of the shape {shape} at {offset}")

@@ -31,10 +31,10 @@ Key = tuple[str, object]
 Subject = TypeVar("Subject", bound=Hashable)
 Progress = Callable[[float], None]
 
-POLL = 0.2
+POLL_SECONDS = 0.2
 """Seconds between two checks of the progress."""
 
-TELLING = 0.1
+MESSAGE_INTERVAL = 0.1
 """Least seconds between two shares that a job reports."""
 
 SAFE_PATH = "PYTHONSAFEPATH"
@@ -141,7 +141,7 @@ def in_turn(
             running[workers.submit(job)] = key
         if not running:
             return
-        for call in workers.ended(POLL):
+        for call in workers.ended(POLL_SECONDS):
             yield running.pop(call), call
         look(running)
 
@@ -424,7 +424,7 @@ def _do(job: Job, pipe: Connection, inbox: SimpleQueue[bytes]) -> bool:
     def tell(what: Any) -> None:
         nonlocal last
         give_way()
-        if not isinstance(what, float) or time.monotonic() > last + TELLING:
+        if not isinstance(what, float) or time.monotonic() > last + MESSAGE_INTERVAL:
             last = time.monotonic()
             pipe.send(("message", what))
 
@@ -498,7 +498,7 @@ def time_limit(seconds: float, passing: bool = False) -> Iterator[None]:
     if passing:
         timer, number = signal.ITIMER_REAL, signal.SIGALRM
     before = signal.signal(number, stop)
-    signal.setitimer(timer, seconds, POLL)
+    signal.setitimer(timer, seconds, POLL_SECONDS)
     try:
         yield
     finally:

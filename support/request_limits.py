@@ -22,7 +22,7 @@ from pathlib import Path
 
 from longwave.support.user_files import cut
 
-SHARE = 0.5
+MEMORY_FRACTION = 0.5
 """Default share of the available memory that a request may take."""
 
 USUAL_SECONDS = 3600.0
@@ -34,7 +34,7 @@ LONG = 5.0
 UNKNOWN_MACHINE = 4e9
 """Assumed bytes of memory if the machine does not report them."""
 
-PROGRAM, BESIDE = 4.8e8, 2.2e8
+PROGRAM_BYTES, UNUSED_BYTES = 4.8e8, 2.2e8
 """Bytes of data that a command may have in any case, for its libraries and threads (0.39 GB with
 `longwave plot` of a scene, of which 0.28 were in use), and bytes allocated but unused (0.19 GB with
 `longwave fit`). Memory in use is limited by `supervision`."""
@@ -85,7 +85,7 @@ _limits: ContextVar[RequestLimits | None] = ContextVar("limits", default=None)
 
 def current_limits() -> RequestLimits:
     """Return the limits of the innermost `request_limits`, or the defaults."""
-    return _limits.get() or RequestLimits(SHARE * machine_memory(), math.inf)
+    return _limits.get() or RequestLimits(MEMORY_FRACTION * machine_memory(), math.inf)
 
 
 @contextmanager
@@ -119,7 +119,7 @@ def enforced_memory(size: float) -> Iterator[None]:
     if math.isinf(size):
         yield
         return
-    most = int(max(size + BESIDE, PROGRAM))
+    most = int(max(size + UNUSED_BYTES, PROGRAM_BYTES))
     if before[0] != resource.RLIM_INFINITY:
         most = min(most, before[0])
     resource.setrlimit(resource.RLIMIT_DATA, (most, before[1]))

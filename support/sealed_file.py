@@ -31,7 +31,7 @@ SEAL_LENGTH = len(SEAL) + 64 + 1
 
 WRITE_TRIES = 3
 
-PART = 2**20
+CHUNK_BYTES = 2**20
 """Bytes read at a time."""
 
 NO_FILE = errno.ELOOP, errno.EINVAL, errno.EMLINK
@@ -168,7 +168,7 @@ def is_sealed(stream: BinaryIO) -> bool:
     """Return whether the content of an open file matches its seal."""
     total = hashlib.sha256()
     bytes_left = os.fstat(stream.fileno()).st_size - SEAL_LENGTH
-    while bytes_left > 0 and (part := stream.read(min(bytes_left, PART))):
+    while bytes_left > 0 and (part := stream.read(min(bytes_left, CHUNK_BYTES))):
         total.update(part)
         bytes_left -= len(part)
     return bytes_left == 0 and stream.read() == _seal(total)

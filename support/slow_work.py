@@ -12,10 +12,10 @@ from longwave.support.request_limits import LONG, duration
 EVERY = 30.0
 """Seconds of silence after which a command reports its progress."""
 
-LOOK = 0.1
+CHECK_INTERVAL = 0.1
 """Seconds between two checks for silence."""
 
-LITTLE = 1e-3
+MIN_PACE_FRACTION = 1e-3
 """Least share of the work from which its pace is estimated."""
 
 Clock = Callable[[], float]
@@ -72,7 +72,7 @@ class TimeLeft:
         now = self.clock()
         self._first = self._first or (now, done)
         self._done = done
-        if done > self._first[1] + LITTLE:
+        if done > self._first[1] + MIN_PACE_FRACTION:
             self._pace = (now - self._first[0]) / (done - self._first[1])
 
     def words(self) -> str:
@@ -97,7 +97,7 @@ def report_time_left(work: str, clock: Clock = time.monotonic) -> Iterator[TimeL
 
     def watch() -> None:
         counted, last = _notices, left.begun
-        while not over.wait(LOOK):
+        while not over.wait(CHECK_INTERVAL):
             if _notices == counted and clock() >= last + EVERY:
                 give_notice(work, left.words())
             if _notices != counted:

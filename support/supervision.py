@@ -27,13 +27,13 @@ OVERDUE = 2
 TOO_LARGE = signal.SIGUSR1
 """Signal that ends a command with too much memory."""
 
-LOOK, SHARE = 0.02, 0.1
+CHECK_INTERVAL, MAX_CHECK_FRACTION = 0.02, 0.1
 """Seconds between two checks of a command, and the largest share of time spent on checks."""
 
 PATIENCE = 1.75
 """Seconds after a limit at which the command is killed; it has 1.5 s to end itself."""
 
-BESIDE, FLOOR, LATE = 5e7, 3.2e8, 5e7
+EXTRA_BYTES, MIN_BYTES, ENDING_BYTES = 5e7, 3.2e8, 5e7
 """Bytes allowed beyond a command's limit, bytes allowed in any case, and bytes that it may still
 take while it ends."""
 
@@ -113,9 +113,9 @@ class _Supervisor:
                 self._leave(status)
             started = time.monotonic()
             self._look(started)
-            wait = max(LOOK, (time.monotonic() - started) / SHARE)
+            wait = max(CHECK_INTERVAL, (time.monotonic() - started) / MAX_CHECK_FRACTION)
             if select.select([self._pipe], [], [], wait)[0] and not self._read():
-                time.sleep(LOOK / 10)  # it is ending
+                time.sleep(CHECK_INTERVAL / 10)  # it is ending
 
     def _read(self) -> bool:
         """Read facts from the command; return whether there may be more."""
@@ -131,13 +131,13 @@ class _Supervisor:
             self._kill(self.time_limit)
         if self.memory == float("inf"):
             return
-        allowed = max(self.memory + BESIDE, FLOOR)
+        allowed = max(self.memory + EXTRA_BYTES, MIN_BYTES)
         used = memory_in_use(self._command, allowed)
         if used > allowed and self._since is None:
             self._since = now
             _send(self._command, TOO_LARGE)
         late = self._since is not None and now > self._since + self.saving + PATIENCE
-        if late or used > allowed + LATE:
+        if late or used > allowed + ENDING_BYTES:
             self._kill(self.memory_limit)
 
     def _kill(self, limit: str) -> NoReturn:

@@ -18,7 +18,7 @@ from typing import Any
 
 STANDARD_INPUT = "-"
 
-DEEPEST = 100
+MAX_DEPTH = 100
 """Most levels of nested tables and lists."""
 
 QUOTED = 200
@@ -31,7 +31,7 @@ DEEP_KEY = re.compile(
 """Pattern of a key with many dots, for which tomllib's time and memory grow with the square of
 their number: 1.2 GB for 50 000."""
 
-KINDS = {
+FILE_KINDS = {
     stat.S_IFDIR: "a folder",
     stat.S_IFIFO: "a pipe",
     stat.S_IFSOCK: "a socket",
@@ -129,7 +129,7 @@ def read_bytes(
         handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
         try:
             state = os.fstat(handle)
-            kind = KINDS.get(stat.S_IFMT(state.st_mode))
+            kind = FILE_KINDS.get(stat.S_IFMT(state.st_mode))
             if kind is not None:
                 raise ValueError(
                     f"{what} must be a regular file, got {shown_path(path)}, {kind} "
@@ -186,7 +186,7 @@ def parse_toml(content: bytes, path: str | Path, what: str) -> dict[str, Any]:
         ) from None
     if deep:
         raise ValueError(
-            f"{what} must be nested at most {DEEPEST} deep, got {shown_path(path)} with more"
+            f"{what} must be nested at most {MAX_DEPTH} deep, got {shown_path(path)} with more"
         )
     return document
 
@@ -209,13 +209,13 @@ def toml_value(text: str) -> Any:
 
 
 def is_deep(data: object) -> bool:
-    """Return whether mappings and lists are nested more than ``DEEPEST`` levels deep.
+    """Return whether mappings and lists are nested more than ``MAX_DEPTH`` levels deep.
 
     >>> is_deep({"a": [1, {"b": []}]})
     False
     """
     level = [data]
-    for _ in range(DEEPEST):
+    for _ in range(MAX_DEPTH):
         inner: list[object] = []
         for entry in level:
             if isinstance(entry, dict):

@@ -11,20 +11,20 @@ import numpy as np
 
 from longwave.support.array_types import Array, Mask
 
-MARGIN = 256
+RESTING_MARGIN = 256
 """Number of cells at rest that are advanced at either end of the moving ones. With 128 to 512 the
 time for a struck chain of 4096 grains is the same to 20 %."""
 
-SAMPLES = 16
+SAMPLED_CELLS = 16
 """Number of cells that `seems_still` checks before all cells are checked."""
 
-SHARE = 0.5
+MAX_MOVING_FRACTION = 0.5
 """Largest fraction of a ring that is advanced alone; beyond it the whole ring is advanced."""
 
 
 def seems_still(f: Array, v: Array) -> bool:
     """Return whether at least half of some evenly spaced cells of (fields, cells) are at rest."""
-    sample = slice(None, None, max(1, f.shape[1] // SAMPLES))
+    sample = slice(None, None, max(1, f.shape[1] // SAMPLED_CELLS))
     moving = f[:, sample].any(axis=0) | v[:, sample].any(axis=0)
     return bool(2 * np.count_nonzero(moving) <= moving.size)
 

@@ -23,13 +23,13 @@ from longwave.support.compiled.subnormals import flushed_subnormals
 
 __all__ = ["lane_force", "passage_text"]
 
-WHOLE = 64
+MAX_PRODUCT_EXPONENT = 64
 """Largest whole exponent for which a power is computed by products."""
 
-CUT = {"kept": -1.0, "felt": 0.0}
+ZERO_AT = {"kept": -1.0, "felt": 0.0}
 """Share, by kind of stream, at which the stream is 0 whatever the value there."""
 
-MOVED = 256
+COPY_BLOCK = 256
 """Vectors per block when cells are copied."""
 
 _DOUBLES, _INDICES = DOUBLE.as_pointer(), INDEX.as_pointer()
@@ -57,7 +57,7 @@ def _power(code: LaneCode, value: Any, exponent: float) -> Any:
     size = abs(exponent)
     if exponent == 0.0 or not size <= vector_functions.LARGEST_EXPONENT:
         return code.function("pow", value, code.constant(exponent))
-    if 2.0 * size != round(2.0 * size) or size > WHOLE:
+    if 2.0 * size != round(2.0 * size) or size > MAX_PRODUCT_EXPONENT:
         return vector_functions.power(vector_functions.Lanes(code, value), exponent).value
     whole = int(size)
     result = _whole_power(code, value, whole) if whole else None
@@ -178,10 +178,10 @@ class _Stage:
             values = [self.value(tap, stream.lag) for tap in stream.taps]
             if stream.kind == "force":
                 value = lane_force(code, values[0], stream.law, self._numbers)
-            elif stream.kind in ("varied", *CUT):
+            elif stream.kind in ("varied", *ZERO_AT):
                 value = code.fma(values[1], values[2], values[0])
-                if stream.kind in CUT:
-                    value = code.where_not(values[1], CUT[stream.kind], value)
+                if stream.kind in ZERO_AT:
+                    value = code.where_not(values[1], ZERO_AT[stream.kind], value)
             elif stream.kind == "kicked":
                 value = code.fma(self._kicks[stream.field], values[1], values[0])
             elif stream.kind == "spread":
@@ -399,12 +399,12 @@ class _Writer:
             [builder.load(builder.gep(data, [INDEX(lane)])) for data in (starts, firsts, pasts)]
             for lane in range(self._lanes)
         ]
-        with code.loop(INDEX(0), rings) as one, code.loop(INDEX(0), height, MOVED) as low:
+        with code.loop(INDEX(0), rings) as one, code.loop(INDEX(0), height, COPY_BLOCK) as low:
             ring, rows = (
                 builder.gep(data, [builder.mul(one, pitch)])
                 for data, pitch in ((begin, ring_pitch), (to, row_pitch))
             )
-            high = code.least(builder.add(low, INDEX(MOVED)), height)
+            high = code.least(builder.add(low, INDEX(COPY_BLOCK)), height)
             shared, unshared = low, high
             for start, first, past in ends:
                 shared = code.most(shared, first)

@@ -6,9 +6,9 @@ force, and a sum of forces as soon as its last force is known. Each of these is 
 value for each cell; its *lag* is the number of cells by which it stays behind the front. A stream's
 values are carried along as long as a stream further behind needs them.
 
-In a plane the front goes along one row after the other; a shift is the number of rows times `SPAN`
-plus the number of columns. There each stream stays behind as far as it can (`rows_of`), because a
-value computed in the row in which it is needed is not carried from row to row.
+In a plane the front goes along one row after the other; a shift is the number of rows times
+`ROW_SHIFT` plus the number of columns. There each stream stays behind as far as it can (`rows_of`),
+because a value computed in the row in which it is needed is not carried from row to row.
 
 All dependence on the lattice's constants is in ``numbers``, an argument of the machine code, so
 that lattices with different constants share the code. Terms that are absent, factors of 1 and
@@ -34,17 +34,17 @@ Kind = Literal[
 Polynomial = Mapping[int, float]
 """A stencil: weights by shift."""
 
-MONIC = 1e100
+MAX_CONSTANT_RATIO = 1e100
 """Largest ratio of the other constants to the highest one at which a force is divided by the
 latter: quotients then do not overflow for any stretch that occurs."""
 
-MOST = 10**15
+BEYOND_SHIFTS = 10**15
 """Number larger than any shift."""
 
-SPAN = 2**24
+ROW_SHIFT = 2**24
 """Shift that stands for one row."""
 
-TERMS = 8
+DASHPOT_TERMS = 8
 """Terms of the exponential series of dashpots in a drift. The remainder is below rounding if a
 drift changes velocities by at most 0.1, which `lattice.integration` ensures."""
 
@@ -59,13 +59,13 @@ def flat_shift(shift: Sequence[int]) -> int:
     (2, -3)
     """
     *rows, column = shift
-    return sum(rows) * SPAN + column
+    return sum(rows) * ROW_SHIFT + column
 
 
 def rows_and_columns(shift: int) -> tuple[int, int]:
     """Return the rows and columns of a flat shift."""
-    rows = (shift + SPAN // 2) // SPAN
-    return rows, shift - rows * SPAN
+    rows = (shift + ROW_SHIFT // 2) // ROW_SHIFT
+    return rows, shift - rows * ROW_SHIFT
 
 
 class ForceFormula(NamedTuple):
@@ -232,7 +232,7 @@ def rows_of(flow: StagePlan) -> Rows:
     columns = _columns(flow)
     late = _late(flow, rise)
     if any(
-        late.delay(stream, tap) < SPAN // 2 and (tap.shift != stream.lag or any(felt))
+        late.delay(stream, tap) < ROW_SHIFT // 2 and (tap.shift != stream.lag or any(felt))
         for stream, felt in zip(late.streams, columns, strict=True)
         for tap in stream.taps
         if late.streams[tap.stream].kind == "position"
@@ -273,10 +273,10 @@ def _late(flow: StagePlan, rise: int) -> StagePlan:
     streams = list(flow.streams)
     for index in range(len(streams) - 1, 2 * flow.fields - 1, -1):
         stream = streams[index]
-        lag = rise * SPAN if stream.kind == "kicked" else lags.get(index, stream.lag)
+        lag = rise * ROW_SHIFT if stream.kind == "kicked" else lags.get(index, stream.lag)
         streams[index] = stream._replace(lag=lag)
         for tap in stream.taps:
-            lags[tap.stream] = min(lag - tap.shift, lags.get(tap.stream, MOST))
+            lags[tap.stream] = min(lag - tap.shift, lags.get(tap.stream, BEYOND_SHIFTS))
     return flow._replace(streams=tuple(streams))
 
 
@@ -371,7 +371,7 @@ def varied_stage_plan(lattice: NumericLattice, variation: Variation | None) -> V
         tuple(builder.streams),
         tuple(kicked),
         damped,
-        2 * TERMS + 1 if spread else 0,
+        2 * DASHPOT_TERMS + 1 if spread else 0,
         len(pulsed),
         spread,
         builder.fields - fields,
@@ -445,7 +445,7 @@ def force_formula(
         return None, 1.0
     unit = force.coefficients[highest]
     lower = force.coefficients[:highest][::-1]
-    monic = max(map(abs, lower), default=0.0) <= MONIC * abs(unit)
+    monic = max(map(abs, lower), default=0.0) <= MAX_CONSTANT_RATIO * abs(unit)
     leading, unit = (None, unit) if monic else (number(unit), 1.0)
     factors = tuple(number(value / unit) if value else None for value in lower)
     return ForceFormula(factors, leading), unit
@@ -472,7 +472,9 @@ class _Builder:
             self.numbers.append(value)
         return self.numbers.index(value)
 
-    def add(self, kind: Kind, taps: Sequence[StreamRead], low: int = -MOST, **more: object) -> int:
+    def add(
+        self, kind: Kind, taps: Sequence[StreamRead], low: int = -BEYOND_SHIFTS, **more: object
+    ) -> int:
         """Return the index of a stream with these taps, adding it if it is new."""
         lags = [tap.shift + self.streams[tap.stream].lag for tap in taps]
         lag = max(max(lags, default=0), low)
@@ -534,7 +536,7 @@ class _Builder:
         if share is None:
             total = self.total(scaled)
         elif masses == "strains":
-            pulls = self._divided(scaled, 1, -1, MOST)
+            pulls = self._divided(scaled, 1, -1, BEYOND_SHIFTS)
             assert pulls is not None
             pull = self.total(pulls)
             moved = self.varied(pull, StreamRead(share), pull)
@@ -558,7 +560,7 @@ class _Builder:
         rows = fields + variation.rows(fields)
         walls = [StreamRead(rows - 1)] * fields if variation.walled else shares
         terms = [self.velocities[:fields]]
-        for _ in range(TERMS):
+        for _ in range(DASHPOT_TERMS):
             before = terms[-1] if len(terms) > 1 else self._cells(terms[0], walls)
             parts: list[list[_Part]] = [
                 [_Part(-rate, read.stream, {0: 1.0})] if rate else []
@@ -582,7 +584,11 @@ class _Builder:
             position, velocity = self.positions[index], self.velocities[index]
             for power, term in enumerate(terms):
                 position = self._spread(position, term[index], power)
-                velocity = self._spread(velocity, term[index], TERMS + power) if power else velocity
+                velocity = (
+                    self._spread(velocity, term[index], DASHPOT_TERMS + power)
+                    if power
+                    else velocity
+                )
             self.positions[index], self.velocities[index] = position, velocity
         return tuple(read.stream for read in self.positions[:fields])
 

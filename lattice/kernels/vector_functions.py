@@ -35,7 +35,7 @@ LARGEST_ANGLE = 8192.0
 LARGEST_EXPONENT = 2.0**20
 """Largest abs(exponent) for `power`."""
 
-DIGITS = 60
+CONSTANT_DIGITS = 60
 """Decimal digits with which constants are computed."""
 
 SHIFT = 1.5 * 2.0**52
@@ -219,7 +219,7 @@ def parts_of(name: str, *bits: int) -> tuple[float, ...]:
     """
     import mpmath
 
-    with mpmath.workdps(DIGITS):
+    with mpmath.workdps(CONSTANT_DIGITS):
         left = {"ln2": +mpmath.ln2, "half_pi": mpmath.pi / 2, "third": mpmath.mpf(1) / 3}[name]
         doubles = []
         for count in bits:
@@ -235,7 +235,7 @@ def fitted(name: str) -> tuple[float, ...]:
     import mpmath
 
     low, high, count, make_function = SERIES[name]
-    with mpmath.workdps(DIGITS):
+    with mpmath.workdps(CONSTANT_DIGITS):
         function = make_function(mpmath)
         return tuple(map(float, reversed(mpmath.chebyfit(function, [low, high], count))))
 
@@ -347,7 +347,7 @@ def tanh(x: Lanes) -> Lanes:
 
 # Logarithms and powers.
 
-BELOW_ONE = 0x3FE6A09E667F3BCD
+ROOT_HALF_BITS = 0x3FE6A09E667F3BCD
 """Bit pattern of the square root of 1/2."""
 
 
@@ -355,7 +355,7 @@ def _mantissa(x: Lanes) -> tuple[Lanes, Lanes]:
     """Return k and m with x = 2^k m and m between sqrt(1/2) and sqrt(2); x must be positive."""
     small = x.compared("<", 2.0**-1022)
     bits = x.replaced(small, x * 2.0**54).bits()
-    up = bits + (ONE_BITS + (1 << 52) - BELOW_ONE)
+    up = bits + (ONE_BITS + (1 << 52) - ROOT_HALF_BITS)
     raised = ((up >> 52) | SHIFT_BITS).doubles() - (2.0**52 + 1024.0)
     k = raised.replaced(small, raised - 54.0)
     return k, (bits - (up & (0xFFF << 52)) + (ONE_BITS + (1 << 52))).doubles()

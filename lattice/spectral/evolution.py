@@ -36,11 +36,12 @@ if TYPE_CHECKING:
     from longwave.lattice.model import Model
     from longwave.support.checkpoint import Memory
 
-WATCH = 16
+STEPS_PER_CHECK = 16
 """Steps between two checks of the spectrum's tail."""
 
-STILL = 1e-7
-"""Frequencies below this count as 0: in a time t they change a phase by STILL t, squared."""
+STILL_FREQUENCY = 1e-7
+"""Frequencies below this count as 0: in a time t they change a phase by STILL_FREQUENCY t,
+squared."""
 
 
 class SamplingError(ArithmeticError):
@@ -88,13 +89,13 @@ def _bend(force: Complex, symbol: Array) -> None:
 class SpectralRing:
     """A ring that is advanced in steps of ``step``; `at` returns it at a time.
 
-    At the start and every ``WATCH`` steps the strain is checked. NotHyperbolicError is raised when
-    waves do not exist about some strain, SamplingError when the spectrum's tail exceeds ``tail``,
-    and RunawayError when it exceeds the largest initial strain. ``dealias`` drops the upper half of
-    the force's modes (exact for a cubic force); without it the tail bounds the aliasing. Left-going
-    waves of wavenumbers below ``absorbed`` are absorbed at the seam, and right-going ones of
-    wavenumbers above ``short`` (`ShortAbsorber`), with ``strength``; 0 absorbs none. ``strain``
-    holds the smallest and the largest strain met.
+    At the start and every ``STEPS_PER_CHECK`` steps the strain is checked. NotHyperbolicError is
+    raised when waves do not exist about some strain, SamplingError when the spectrum's tail exceeds
+    ``tail``, and RunawayError when it exceeds the largest initial strain. ``dealias`` drops the
+    upper half of the force's modes (exact for a cubic force); without it the tail bounds the
+    aliasing. Left-going waves of wavenumbers below ``absorbed`` are absorbed at the seam, and
+    right-going ones of wavenumbers above ``short`` (`ShortAbsorber`), with ``strength``; 0 absorbs
+    none. ``strain`` holds the smallest and the largest strain met.
     """
 
     def __init__(
@@ -119,7 +120,7 @@ class SpectralRing:
         self._symbol = -4.0 * np.sin(k / 2.0) ** 2
         if dealias:
             self._symbol[k.size // 2 :] = 0.0
-        still = self._w <= STILL
+        still = self._w <= STILL_FREQUENCY
         self._still_modes = np.flatnonzero(still)[1:]
         self._symbol[still] = 0.0
         self._inverse = np.zeros_like(k)
@@ -154,7 +155,7 @@ class SpectralRing:
         for _ in range(integrator.whole_steps(duration)):
             integrator.step()
             self._absorb()
-            if integrator.steps % WATCH == 0:
+            if integrator.steps % STEPS_PER_CHECK == 0:
                 self._check(integrator.p, self._start.t + integrator.steps * integrator.h)
                 pause()
         p = integrator.solution_at(duration)

@@ -2,11 +2,11 @@
 
     phi_0(z) = exp(z),    phi_{m+1}(z) = (phi_m(z) - 1/m!)/z,    phi_m(0) = 1/m!
 
-The recurrence loses digits near 0. Where |z| < RADIUS the highest function is summed as its power
-series, and the others follow by the recurrence in reverse, which loses none.
+The recurrence loses digits near 0. Where |z| < SERIES_RADIUS the highest function is summed as its
+power series, and the others follow by the recurrence in reverse, which loses none.
 
 Over a step the linear part is exact. The Adams method, of order 4, replaces N by the polynomial
-through its last values: the predictor uses ``VALUES`` of them, the corrector one more, at the
+through its last values: the predictor uses ``PAST_VALUES`` of them, the corrector one more, at the
 predicted point (Hochbruck and Ostermann, BIT 51 (2011) 889). It evaluates N once a step. The
 Runge-Kutta method ETDRK4 (Cox and Matthews, J. Comput. Phys. 176 (2002) 430), which computes the
 first values, evaluates it four times.
@@ -30,11 +30,11 @@ from longwave.support.compiled.jit import complexes, njit
 if TYPE_CHECKING:
     from longwave.support.checkpoint import Memory
 
-RADIUS = 2.0
+SERIES_RADIUS = 2.0
 """Size of z from which on the recurrence is used."""
 
-TERMS = 26
-"""Terms of the series: RADIUS^TERMS/TERMS! is below the rounding error."""
+SERIES_TERMS = 26
+"""Terms of the series: SERIES_RADIUS^SERIES_TERMS/SERIES_TERMS! is below the rounding error."""
 
 
 def phi_functions(z: Complex, highest: int) -> list[Complex]:
@@ -44,8 +44,8 @@ def phi_functions(z: Complex, highest: int) -> list[Complex]:
     [1.0, 1.0, 0.5]
     """
     z = np.asarray(z, dtype=np.complex128)
-    near = np.abs(z) < RADIUS
-    values = _upwards(np.where(near, RADIUS, z), highest)
+    near = np.abs(z) < SERIES_RADIUS
+    values = _upwards(np.where(near, SERIES_RADIUS, z), highest)
     for value, close in zip(values, _downwards(z[near], highest), strict=True):
         value[near] = close
     values[0] = np.exp(z)
@@ -63,7 +63,7 @@ def _upwards(z: Complex, highest: int) -> list[Complex]:
 def _downwards(z: Complex, highest: int) -> list[Complex]:
     """Return phi_0 .. phi_highest by the series of the highest and the recurrence in reverse."""
     top = np.zeros_like(z)
-    for j in reversed(range(TERMS)):
+    for j in reversed(range(SERIES_TERMS)):
         top = top * z + 1.0 / math.factorial(highest + j)
     values = [top]
     for m in reversed(range(highest)):
@@ -110,13 +110,13 @@ class ExponentialRungeKutta:
 
 Table = tuple[Complex, Complex, Complex]
 
-VALUES = 3
+PAST_VALUES = 3
 """Past values of N in the predictor. With 5 and more, waves at the zone boundary grow."""
 
-ORDER = VALUES + 1
+ORDER = PAST_VALUES + 1
 """Order of the method."""
 
-SLACK = 1e-9
+STEP_SLACK = 1e-9
 """A time within this many steps of a whole step counts as that step."""
 
 
@@ -160,7 +160,7 @@ class ExponentialAdams:
         self.p, self.h = p, h
         self.steps = self.evaluations = 0
         self._linear, self._nonlinearity = linear, nonlinearity
-        self._past = np.empty((VALUES, linear.shape[1]), dtype=np.complex128)
+        self._past = np.empty((PAST_VALUES, linear.shape[1]), dtype=np.complex128)
         self._start()
         self._whole = self._table(1.0)
 
@@ -184,12 +184,12 @@ class ExponentialAdams:
 
     def whole_steps(self, t: float) -> int:
         """Return how many more whole steps fit before the time ``t``."""
-        return int(np.floor(t / self.h + SLACK)) - self.steps
+        return int(np.floor(t / self.h + STEP_SLACK)) - self.steps
 
     def solution_at(self, t: float) -> Complex:
         """Return the solution at a time less than one step after ``p``, which does not change."""
         share = t / self.h - self.steps
-        return self.p if abs(share) <= SLACK else self._part(self._table(share))[0]
+        return self.p if abs(share) <= STEP_SLACK else self._part(self._table(share))[0]
 
     def _part(self, table: Table) -> tuple[Complex, Complex]:
         """Return the solution after a step with these coefficients, and N at the predicted one."""
@@ -205,17 +205,17 @@ class ExponentialAdams:
         """Compute the past values of N by ETDRK4, backwards in time."""
         method = ExponentialRungeKutta(self._linear, self._nonlinearity, -self.h)
         p = self.p
-        for j in range(VALUES):
+        for j in range(PAST_VALUES):
             self._past[j] = self._nonlinearity(p)
-            if j + 1 < VALUES:
+            if j + 1 < PAST_VALUES:
                 p = method.step(p)
-        self.evaluations += VALUES + 4 * (VALUES - 1)
+        self.evaluations += PAST_VALUES + 4 * (PAST_VALUES - 1)
 
     def _table(self, share: float) -> Table:
         """Return the coefficients of ``share`` of a step."""
         h = share * self.h
         z = self._linear * h
-        nodes = -np.arange(VALUES) / share
+        nodes = -np.arange(PAST_VALUES) / share
         predictor = h * moment_weights(z, nodes)
         corrector = h * moment_weights(z, np.concatenate([[1.0], nodes]))
         corrector[1:] -= predictor

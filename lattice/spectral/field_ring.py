@@ -16,10 +16,10 @@ from numpy.typing import ArrayLike
 
 from longwave.support.array_types import Array, Complex
 
-TAIL = 8
-"""Inverse share of the spectrum that counts as its tail: the last 1/TAIL."""
+TAIL_DIVISOR = 8
+"""Inverse share of the spectrum that counts as its tail: the last 1/TAIL_DIVISOR."""
 
-INTERPOLATION = 1e-13
+INTERPOLATION_ERROR = 1e-13
 """Accuracy of the interpolation, relative to the root mean square sum of the coefficients."""
 
 
@@ -86,7 +86,7 @@ class FieldRing:
         return replace(self, f=f, v=v)
 
     def tail(self) -> float:
-        """Return a bound of the field contributed by the last 1/TAIL of the spectrum."""
+        """Return a bound of the field contributed by the last 1/TAIL_DIVISOR of the spectrum."""
         return spectrum_tails(modes_of(self.f), self.counts)
 
     def _interpolated(self, values: Array, x: tuple[ArrayLike, ...]) -> Array:
@@ -108,7 +108,7 @@ class FieldRing:
             grid=np.pad(modes, padded),
             coord=turns,
             forward=False,
-            epsilon=INTERPOLATION,
+            epsilon=INTERPOLATION_ERROR,
             periodicity=2.0 * math.pi,
         )
         return np.ascontiguousarray(values_at_turns.real)
@@ -145,7 +145,8 @@ def _sampled(values: Array, counts: tuple[int, ...]) -> Array:
 
 
 def spectrum_tails(modes: Complex, counts: tuple[int, ...]) -> float:
-    """Return a bound, over all fields, of the sum of the last 1/TAIL of modes along any axis."""
+    """Return a bound, over all fields, of the sum of the last 1/TAIL_DIVISOR of modes along any
+    axis."""
     size = np.abs(modes)
     size[..., 1 : (counts[-1] + 1) // 2] *= 2.0
     inner = size
@@ -153,7 +154,9 @@ def spectrum_tails(modes: Complex, counts: tuple[int, ...]) -> float:
         last = axis == len(counts)
         most = count // 2
         numbers = np.abs(np.fft.fftfreq(count, 1.0 / count)) if not last else np.arange(most + 1)
-        inner = np.compress(numbers < most + 1 - max((most + 1) // TAIL, 1), inner, axis=axis)
+        inner = np.compress(
+            numbers < most + 1 - max((most + 1) // TAIL_DIVISOR, 1), inner, axis=axis
+        )
     axes = tuple(range(1, modes.ndim))
     outer = np.sum(size, axis=axes) - np.sum(inner, axis=axes)
     return float(np.max(np.maximum(outer, 0.0)))

@@ -24,7 +24,7 @@ import numpy as np
 
 from longwave.lattice.force_program import ForceProgram
 from longwave.lattice.numeric_lattice import NumericLattice
-from longwave.lattice.spectral.evolution import WATCH, RunawayError, SamplingError
+from longwave.lattice.spectral.evolution import STEPS_PER_CHECK, RunawayError, SamplingError
 from longwave.lattice.spectral.exponential import ExponentialAdams
 from longwave.lattice.spectral.field_ring import FieldRing, modes_of, spectrum_tails, values_of
 from longwave.lattice.spectral.normal_modes import multipliers, normal_modes
@@ -34,10 +34,10 @@ from longwave.support.compiled.jit import complexes, doubles, njit
 if TYPE_CHECKING:
     from longwave.support.checkpoint import Memory
 
-STILL = 0.03
+MIN_RUN_ANGLE = 0.03
 """Frequencies below this many radians over the whole run are raised to it."""
 
-BLOCK = 64
+PHASE_BLOCK = 64
 """Modes of a chain per block whose phases are products of a coarse and a fine factor."""
 
 _jit = partial(njit, cache=True, fastmath={"contract"})
@@ -94,10 +94,10 @@ class LatticeRing:
     """A ring of fields that is advanced in steps of ``step``; `at` returns it at a time.
 
     ``duration`` is that of the run, ``speed`` that of the frame along each axis. At the start and
-    every ``WATCH`` steps the fields are checked. SamplingError is raised when their spectrum's tail
-    exceeds ``tail``, RunawayError when they are not finite or the tail exceeds their initial size.
-    The tail also bounds the aliasing of products. ``start`` is the initial ring, ``largest`` the
-    largest field met.
+    every ``STEPS_PER_CHECK`` steps the fields are checked. SamplingError is raised when their
+    spectrum's tail exceeds ``tail``, RunawayError when they are not finite or the tail exceeds
+    their initial size. The tail also bounds the aliasing of products. ``start`` is the initial
+    ring, ``largest`` the largest field met.
     """
 
     def __init__(
@@ -115,7 +115,7 @@ class LatticeRing:
         self._shape = tuple(len(part) for part in k)
         grid = np.stack(np.meshgrid(*k, indexing="ij"), axis=-1).reshape(-1, len(k))
         slopes = [float(np.mean(part)) for part in ring_slopes(lattice, state)]
-        least = STILL / duration if duration > 0.0 else 1.0
+        least = MIN_RUN_ANGLE / duration if duration > 0.0 else 1.0
         self.modes = normal_modes(lattice, grid, slopes, least)
         self._mode_mask = _symmetric_modes(state)
         self._prepare(lattice, grid, slopes)
@@ -172,7 +172,7 @@ class LatticeRing:
         with np.errstate(over="ignore", invalid="ignore"):
             for _ in range(integrator.whole_steps(t - start.t)):
                 integrator.step()
-                if integrator.steps % WATCH == 0:
+                if integrator.steps % STEPS_PER_CHECK == 0:
                     self._check(integrator.p, start.t + integrator.steps * integrator.h)
                     pause()
             p = integrator.solution_at(t - start.t)
@@ -215,8 +215,10 @@ class LatticeRing:
             return coarse, fine
         (rates,) = self._turning
         step = rates[1] if rates.size > 1 else 0.0
-        blocks = -(-rates.size // BLOCK)
-        return np.exp(step * t * BLOCK * np.arange(blocks)), np.exp(step * t * np.arange(BLOCK))
+        blocks = -(-rates.size // PHASE_BLOCK)
+        return np.exp(step * t * PHASE_BLOCK * np.arange(blocks)), np.exp(
+            step * t * np.arange(PHASE_BLOCK)
+        )
 
     def _fields(self, coordinates: Complex, t: float) -> Complex:
         """Return the fields' modes in the frame at rest, in the shape of the transform."""

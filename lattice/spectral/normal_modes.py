@@ -18,11 +18,11 @@ import numpy as np
 from longwave.lattice.numeric_lattice import Entry, NumericLattice
 from longwave.support.array_types import Array, Complex
 
-HERMITIAN = 1e-12
+HERMITIAN_ERROR = 1e-12
 """Largest deviation of a weighted matrix from its adjoint, in units of its largest entry, at which
 it counts as Hermitian."""
 
-SKEW = 1e6
+MAX_CONDITION = 1e6
 """Largest condition number of eigenvectors; beyond it they are nearly parallel."""
 
 
@@ -71,13 +71,13 @@ def _diagonal(lattice: NumericLattice, matrices: Complex) -> tuple[Complex, Comp
     root = np.sqrt(np.array(lattice.masses))
     weighted = root[:, None] * matrices / root
     skew = weighted - np.conj(np.swapaxes(weighted, -1, -2))
-    if np.max(np.abs(skew)) <= HERMITIAN * np.max(np.abs(weighted)):
+    if np.max(np.abs(skew)) <= HERMITIAN_ERROR * np.max(np.abs(weighted)):
         values, eigenvectors = np.linalg.eigh(weighted)
         squares = values.astype(np.complex128)
         inverse_eigenvectors = np.conj(np.swapaxes(eigenvectors, -1, -2))
     else:
         squares, eigenvectors = np.linalg.eig(weighted)
-        if np.max(np.linalg.cond(eigenvectors)) > SKEW:
+        if np.max(np.linalg.cond(eigenvectors)) > MAX_CONDITION:
             raise ValueError(
                 f"lattice must have normal modes that decouple, got {lattice.name}, some of whose "
                 "waves grow like t (declare it in displacements, or integrate it site by site)"

@@ -7,14 +7,14 @@ from collections.abc import Collection
 from dataclasses import replace
 from typing import Any, Self
 
-from longwave.lattice.spectral.evolution import WATCH, RunawayError, SamplingError
+from longwave.lattice.spectral.evolution import STEPS_PER_CHECK, RunawayError, SamplingError
 from longwave.lattice.spectral.exponential import ORDER
 from longwave.lattice.trial import LEAST_FACTOR, STEP_RATIO, Choices, Kind, Progress, Trial
 
 SCHEME = "exponential_adams"
 """Name of the scheme of all rings."""
 
-TURNED = 1.0
+RESOLVED_ANGLE = 1.0
 """Longest step that resolves the difference between a ring's lattices, in units of the time in
 which a wave of wavenumber 2 pi turns by one radian."""
 
@@ -31,14 +31,14 @@ DENSITY_RATIO = 1.25
 """Points of a control run, in units of those of the run before it. With 1.15, two samplings of
 about two points a site agreed on an error above their estimate."""
 
-RUN_AWAY = 0.01
+LOSS_TIME_SPREAD = 0.01
 """Largest relative difference, apart from the interval between checks, of the times at which three
 runs lose the fields if the step is not the cause."""
 
 
 def resolving_step(speed: float) -> float:
     """Return the longest step, at the ring's ``speed``, that resolves its lattices' difference."""
-    return TURNED / (2.0 * math.pi * speed)
+    return RESOLVED_ANGLE / (2.0 * math.pi * speed)
 
 
 class SpectralSearch:
@@ -120,10 +120,10 @@ class SpectralSearch:
     def _lost_again(self, error: RunawayError, step: float) -> bool:
         """Return whether fields run away whatever the step: at the start, or when two runs did."""
         elapsed = error.t - self._begin
-        resolution = RUN_AWAY * elapsed + WATCH * step
+        resolution = LOSS_TIME_SPREAD * elapsed + STEPS_PER_CHECK * step
         agree = [abs(t - elapsed) <= resolution for t in self._loss_times]
         self._loss_times = [*self._loss_times[-1:], elapsed]
-        return elapsed == 0.0 or (elapsed > 2 * WATCH * step and agree == [True, True])
+        return elapsed == 0.0 or (elapsed > 2 * STEPS_PER_CHECK * step and agree == [True, True])
 
     def _run(self, choices: Choices, progress: Progress) -> Trial:
         """Make a run with the current points."""

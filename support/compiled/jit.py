@@ -32,7 +32,7 @@ OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": False}
 """Default options. A function without ``fastmath`` would take it from the first kernel that calls
 it, and last digits would depend on what a process compiled before."""
 
-BARE = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+NO_WRAPPERS = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 """Options that omit numba's own wrappers, which halves the compile time."""
 
 LARGEST = 2**63
@@ -193,7 +193,7 @@ class Kernel:
     @cached_property
     def dispatcher(self) -> Any:
         """Numba's dispatcher, for calls from other kernels."""
-        return _numba().njit(**self._options, **BARE)(self.py_func)
+        return _numba().njit(**self._options, **NO_WRAPPERS)(self.py_func)
 
     @cached_property
     def _by_numba(self) -> Any:
@@ -327,5 +327,5 @@ def compile_complex_product() -> None:
 
     cpu_target.target_context.cached_internal_func.clear()
     kind = _numba().complex128
-    product = _numba().njit(error_model="numpy", **BARE)(lambda a, b: a * b)
+    product = _numba().njit(error_model="numpy", **NO_WRAPPERS)(lambda a, b: a * b)
     product.compile((kind, kind))
