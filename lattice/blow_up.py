@@ -60,9 +60,8 @@ def _unstable_cells(lattice: NumericLattice, slopes: list[Array]) -> Mask:
     for batch in np.array_split(flat, -(-flat.shape[1] // BATCH_CELLS), axis=1):
         squares = np.linalg.eigvals(np.einsum("bc,bwij->cwij", batch, matrices)).real
         squares = squares.reshape(batch.shape[1], -1)
-        masks.append(
-            squares.min(axis=1) < -ROUNDED_SQUARE * np.maximum(squares.max(axis=1), MIN_SQUARE)
-        )
+        lowest = -ROUNDED_SQUARE * np.maximum(squares.max(axis=1), MIN_SQUARE)
+        masks.append(squares.min(axis=1) < lowest)
     return np.concatenate(masks).reshape(slopes[0].shape)
 
 

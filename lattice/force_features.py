@@ -71,10 +71,8 @@ def find_feature(
         width = _narrowest(force, low, high, MISSED_FRACTION * impulse, gaps)
         if width == math.inf:
             return Feature(math.inf)
-        turns = (
-            _narrowest(force, low, high, CORNER_ERROR_RATIO * MISSED_FRACTION * impulse, gaps)
-            < width / CORNER_RATIO
-        )
+        lower = CORNER_ERROR_RATIO * MISSED_FRACTION * impulse
+        turns = _narrowest(force, low, high, lower, gaps) < width / CORNER_RATIO
         sampled = float(np.max(np.abs(force.slope(stretches))))
     if turns and force.steepest_between(low, high, sampled) == sampled:
         return Feature(math.inf, True)
@@ -139,9 +137,8 @@ def _sampling_error(force: ForceProgram, low: float, high: float, gaps: int) -> 
     error = _interpolation_error(slopes, (x - low) / gap, values, FITTED_POINTS)
     if force.opening is not None:
         distance = np.abs(x - force.opening) / gap
-        error -= np.where(
-            distance < FITTED_POINTS, np.inf, np.abs(values) / np.fmax(distance, 1.0) ** 6
-        )
+        expected = np.abs(values) / np.fmax(distance, 1.0) ** 6
+        error -= np.where(distance < FITTED_POINTS, np.inf, expected)
     return float(gap**2 * np.maximum(error, 0.0).max(initial=0.0))
 
 

@@ -181,9 +181,8 @@ class ForceProgram:
             if not float(np.max(size)) <= largest:
                 change = SUMMAND_CHANGE * size
                 response = np.abs(self._with_sum_changed(index, change, stretch) - force)
-                effective = np.where(
-                    response < (1.0 - 1e-3) * change, response / SUMMAND_CHANGE, size
-                )
+                is_damped = response < (1.0 - 1e-3) * change
+                effective = np.where(is_damped, response / SUMMAND_CHANGE, size)
                 largest = max(largest, float(np.max(effective)))
         return largest
 

@@ -49,7 +49,7 @@ class StateComparison:
 LIMIT_SHARE = 0.9
 """Longest step tried, in units of the stability limit at the largest strain."""
 
-SLOW_PERIODS = 1e6
+SLOW_RATIO = 1e6
 """Waves whose period is this many times the run's duration do not limit the step."""
 
 LARGE_STATE = 2**20
@@ -178,9 +178,8 @@ def integrate(
         comparison = StateComparison(
             lambda state, _: np.asarray(judged(state.f[:, cells], state.v[:, cells], state.t))
         )
-    search = CellEngine(
-        lattice, start, moments, scheme, comparison, tolerance=tolerance or DEFAULT_TOLERANCE
-    )
+    allowed = tolerance or DEFAULT_TOLERANCE
+    search = CellEngine(lattice, start, moments, scheme, comparison, tolerance=allowed)
     if tolerance is not None:
         trial, error = _to_tolerance(search, tolerance, moments)
     else:
@@ -470,9 +469,7 @@ class CellEngine(trials.StepSearch):
                 longest = min(longest, STEP_FRACTION * feature.width / rate)
             if self._duration > MAX_RESOLVING_STEPS * longest:
                 self._refusals += 1
-                if (
-                    self._refusals < MAX_UNRESOLVED_RUNS
-                ):  # with shorter steps the range may be another
+                if self._refusals < MAX_UNRESOLVED_RUNS:  # shorter steps may change the range
                     return self._duration / MAX_RESOLVING_STEPS
                 raise ValueError(
                     f"force of bond {index + 1} of {self.lattice.name} must change slowly enough "
@@ -536,9 +533,7 @@ class CellEngine(trials.StepSearch):
         """Return the longest step that is stable for stretches in these ranges; 0 if none is."""
         highest = self.dynamics.highest_frequency(ranges)
         limit = schemes.stability_limit(self.scheme)
-        return (
-            limit / highest if limit < SLOW_PERIODS * highest * self._duration else self._duration
-        )
+        return limit / highest if limit < SLOW_RATIO * highest * self._duration else self._duration
 
     def _start(self, changed: bool) -> State:
         """Return a copy of the state, if ``changed`` with the last digits of both arrays changed.

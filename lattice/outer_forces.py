@@ -113,10 +113,8 @@ def shortest_time_scale(
         least = min(least, float(np.ptp(values)) / steepest if steepest else math.inf)
         bends = np.abs(np.diff(slopes))[is_open[:-1] & is_open[1:]]
         jumps = np.count_nonzero(bends > CORNER_JUMP * slope_range)
-        is_curved = slope_range > (
-            0.0 if is_open.all() else MIN_SLOPE_RANGE * float(np.ptp(slopes))
-        )
-        turns = turns or bool(is_curved and 0 < jumps <= MAX_CORNERS)
+        least_range = 0.0 if is_open.all() else MIN_SLOPE_RANGE * float(np.ptp(slopes))
+        turns = turns or bool(slope_range > least_range and 0 < jumps <= MAX_CORNERS)
     return least, turns
 
 
@@ -137,9 +135,8 @@ def _refined_times(value: TimeFunction, times: Array) -> Array:
         with np.errstate(all="ignore"):
             low, high = value.enclosed(times[:-1], times[1:])
             widths = np.nan_to_num(high - low, nan=math.inf, posinf=math.inf)
-        allowed = HIDDEN_FRACTION * max(
-            np.ptp(values), widths.max(initial=0.0, where=widths < math.inf)
-        )
+        largest = max(np.ptp(values), widths.max(initial=0.0, where=widths < math.inf))
+        allowed = HIDDEN_FRACTION * largest
         [gaps] = np.nonzero(widths > allowed)
         if not 0 < gaps.size <= MAX_REFINED_GAPS:
             return times

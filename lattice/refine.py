@@ -47,7 +47,7 @@ from longwave.support.request_limits import OverBudgetError
 Announce = Callable[[float], None]
 """Callback with the expected seconds of the next runs."""
 
-TOLERANCE_FRACTIONS: dict[Kind, float] = {"step": 0.5, "sampling": 0.2, "domain": 0.3}
+FRACTIONS: dict[Kind, float] = {"step": 0.5, "sampling": 0.2, "domain": 0.3}
 """Shares of the tolerance of each choice when it is varied alone."""
 
 TIGHTENING = 1.5
@@ -180,9 +180,8 @@ def _search_choices(search: "_Search", engine: Engine, tolerance: float) -> Refi
         best = min(best, error)
         # a wider domain may still help: waves round a ring obey no law of the step
         may_widen = "domain" in engine.kinds and not choices.causal
-        is_stuck = without_progress == MAX_STALLED_RUNS or (
-            scouting.stalled == MAX_STALLED_RUNS and not may_widen
-        )
+        stalled = 0 if may_widen else scouting.stalled
+        is_stuck = MAX_STALLED_RUNS in (without_progress, stalled)
         if is_stuck and math.isfinite(best):
             raise ValueError(
                 _refusal_message(best, tolerance, search.leftover_message(choices, rounding, error))
@@ -398,7 +397,7 @@ class _Search:
             return better
         domain_share = self._tolerance - engine.safety * step_change
         if step_change and math.isfinite(error) and engine.kinds == STEP_AND_DOMAIN:
-            if domain_share >= (1.0 - TOLERANCE_FRACTIONS["step"]) * self._tolerance:
+            if domain_share >= (1.0 - FRACTIONS["step"]) * self._tolerance:
                 better = engine.improved(choices, "domain", max(TIGHTENING, error / domain_share))
             if better != choices:
                 return better
@@ -406,10 +405,7 @@ class _Search:
             excess = self._excess(choices, kind)
             if excess > 1.0:
                 better = engine.improved(better, kind, excess)
-            if (
-                kind == "step"
-                and excess * TOLERANCE_FRACTIONS["step"] > 0.5 * error / self._tolerance
-            ):
+            if kind == "step" and excess * FRACTIONS["step"] > 0.5 * error / self._tolerance:
                 break
         if better == choices:
             for kind in engine.kinds:
@@ -420,7 +416,7 @@ class _Search:
         """Return the ratio of the error to its part of the tolerance if one kind is varied."""
         if change is None:
             change = self._change(choices, kind)
-        share = TOLERANCE_FRACTIONS[kind] if len(self.engine.kinds) > 1 else 1.0
+        share = FRACTIONS[kind] if len(self.engine.kinds) > 1 else 1.0
         return SAFETY * change / (share * self._tolerance)
 
     def _change(self, choices: Choices, kind: Kind) -> float:

@@ -244,8 +244,7 @@ SCANNED_STEPS = np.linspace(0.0, 8.0, 80_001)[1:]
 """Steps, in units of 1/omega, at which stability is checked first."""
 
 SCAN_PIECES = 80
-"""Pieces of `SCANNED_STEPS`, checked in turn until one has an unstable step; each fits the
-cache."""
+"""Pieces of `SCANNED_STEPS`, checked until one has an unstable step; each fits the cache."""
 
 JURY_SLACK = 1e-12
 """Tolerance for rounding of an eigenvalue on the unit circle."""
@@ -273,9 +272,8 @@ def stability_limit(scheme: Scheme) -> float:
     >>> round(stability_limit(scheme_named("rk4")) ** 2, 6)
     8.0
     """
-    unstable_steps = (
-        piece[~_stable(scheme, piece)] for piece in np.split(SCANNED_STEPS, SCAN_PIECES)
-    )
+    pieces = np.split(SCANNED_STEPS, SCAN_PIECES)
+    unstable_steps = (piece[~_stable(scheme, piece)] for piece in pieces)
     high = next((float(unstable[0]) for unstable in unstable_steps if unstable.size), None)
     if high is None:
         return float(SCANNED_STEPS[-1])
@@ -471,12 +469,10 @@ def scheme_named(name: str) -> Scheme:
     if ":" in name:
         return _user_defined(name)
     known = one_of(name, [scheme.name for scheme in SCHEMES])
-    raise ValueError(
-        f"scheme must be a known one, got {shown(name)} ({known}; or such as {USER_EXAMPLE})"
-    )
+    raise ValueError(f"scheme must be a known one, got {shown(name)} ({known}; or {EXAMPLE})")
 
 
-USER_EXAMPLE = "'mine, order 2: drifts 1/6 2/3, kicks 1/2'"
+EXAMPLE = "'mine, order 2: drifts 1/6 2/3, kicks 1/2'"
 """Example of the text that defines a scheme."""
 
 USER_DEFINED = re.compile(r"([A-Za-z]\w{,39}), order (\d{1,2}): drifts ([^,]+), kicks ([^,]+)")
@@ -492,7 +488,7 @@ def _user_defined(text: str) -> Scheme:
     """Parse a user-defined scheme. Raises ValueError if its text or order is wrong."""
     parts = USER_DEFINED.fullmatch(text)
     if parts is None:
-        raise ValueError(f"scheme must be defined as {USER_EXAMPLE}, got {shown(text)}")
+        raise ValueError(f"scheme must be defined as {EXAMPLE}, got {shown(text)}")
     order, drifts, kicks = int(parts[2]), *(tuple(parts[group].split()) for group in (3, 4))
     for weight in (*drifts, *kicks):
         if not WEIGHT.fullmatch(weight):

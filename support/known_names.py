@@ -70,11 +70,9 @@ def one_of(name: object, known: Iterable[str]) -> str:
     """
     names = [*known]
     question = did_you_mean(name, names)
-    listed = (
-        f"{len(names)} names"
-        if question and len(names) > MAX_LISTED
-        else ", ".join(names) or "none"
-    )
+    listed = ", ".join(names) or "none"
+    if question and len(names) > MAX_LISTED:
+        listed = f"{len(names)} names"
     return f"{question} one of {listed}".lstrip()
 
 

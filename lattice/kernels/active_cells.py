@@ -18,7 +18,7 @@ time for a struck chain of 4096 grains is the same to 20 %."""
 SAMPLED_CELLS = 16
 """Number of cells that `seems_still` checks before all cells are checked."""
 
-MAX_MOVING_FRACTION = 0.5
+ALONE_FRACTION = 0.5
 """Largest fraction of a ring that is advanced alone; beyond it the whole ring is advanced."""
 
 

@@ -50,7 +50,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 
 from longwave.lattice.kernels.active_cells import (
-    MAX_MOVING_FRACTION,
+    ALONE_FRACTION,
     RESTING_MARGIN,
     moving_cells,
     seems_still,
@@ -451,12 +451,9 @@ class RingKernel:
     def _may_be_still(self, f: Array, v: Array, stages: int) -> bool:
         """Return whether it is worth searching a chain for the cells that move."""
         size = self._shape[0]
-        is_large = (
-            len(self._shape) == 1
-            and size >= 4 * RESTING_MARGIN
-            and stages * size >= MIN_SEARCHED_WORK
-        )
-        return is_large and 2 * max(self._reach) <= RESTING_MARGIN and seems_still(f, v)
+        if len(self._shape) > 1 or size < 4 * RESTING_MARGIN or stages * size < MIN_SEARCHED_WORK:
+            return False
+        return 2 * max(self._reach) <= RESTING_MARGIN and seems_still(f, v)
 
     def _advance_moving(
         self,
@@ -503,15 +500,9 @@ class RingKernel:
             or below + past - first + above != end - begin
             or min(below, above) < RESTING_MARGIN // 2
         ):
-            begin, end, below, above = (
-                first - RESTING_MARGIN,
-                past + RESTING_MARGIN,
-                RESTING_MARGIN,
-                RESTING_MARGIN,
-            )
-            if end - begin > MAX_MOVING_FRACTION * size / (
-                2 if self._stages_between(len(kicks)) else 1
-            ):
+            below = above = RESTING_MARGIN
+            begin, end = first - below, past + above
+            if end - begin > ALONE_FRACTION * size / (2 if self._stages_between(len(kicks)) else 1):
                 return None
             arc = self._arc((begin, end), (0, 0))
             self._cached_arc = begin, end, arc

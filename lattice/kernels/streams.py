@@ -584,11 +584,8 @@ class _Builder:
             position, velocity = self.positions[index], self.velocities[index]
             for power, term in enumerate(terms):
                 position = self._spread(position, term[index], power)
-                velocity = (
-                    self._spread(velocity, term[index], DASHPOT_TERMS + power)
-                    if power
-                    else velocity
-                )
+                if power:
+                    velocity = self._spread(velocity, term[index], DASHPOT_TERMS + power)
             self.positions[index], self.velocities[index] = position, velocity
         return tuple(read.stream for read in self.positions[:fields])
 

@@ -68,11 +68,8 @@ class LeftAbsorber:
         strength: float = ABSORBER_STRENGTH,
     ) -> None:
         (length,), travel = state.circumferences, 2.0 * speed * step
-        self.every = (
-            0
-            if travel > MAX_STEP_DISTANCE * length
-            else max(1, int(ABSORPTION_DISTANCE * length / travel))
-        )
+        every = max(1, int(ABSORPTION_DISTANCE * length / travel))
+        self.every = 0 if travel > MAX_STEP_DISTANCE * length else every
         numbers = 2.0 * math.pi / length * np.arange(w.size)
         self._mode_count = int(np.count_nonzero(numbers < MAX_ABSORBED_RATIO * cutoff))
         self._count = 2 * int(ducc0.fft.good_size(2 * self._mode_count, True))

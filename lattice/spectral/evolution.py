@@ -40,8 +40,7 @@ STEPS_PER_CHECK = 16
 """Steps between two checks of the spectrum's tail."""
 
 STILL_FREQUENCY = 1e-7
-"""Frequencies below this count as 0: in a time t they change a phase by STILL_FREQUENCY t,
-squared."""
+"""Frequencies below this count as 0: in a time t they change a phase by less than (1e-7 t)^2."""
 
 
 class SamplingError(ArithmeticError):

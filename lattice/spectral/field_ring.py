@@ -145,8 +145,7 @@ def _sampled(values: Array, counts: tuple[int, ...]) -> Array:
 
 
 def spectrum_tails(modes: Complex, counts: tuple[int, ...]) -> float:
-    """Return a bound, over all fields, of the sum of the last 1/TAIL_DIVISOR of modes along any
-    axis."""
+    """Return a bound, for all fields, of the sum of the last 1/TAIL_DIVISOR of any axis' modes."""
     size = np.abs(modes)
     size[..., 1 : (counts[-1] + 1) // 2] *= 2.0
     inner = size
@@ -154,9 +153,8 @@ def spectrum_tails(modes: Complex, counts: tuple[int, ...]) -> float:
         last = axis == len(counts)
         most = count // 2
         numbers = np.abs(np.fft.fftfreq(count, 1.0 / count)) if not last else np.arange(most + 1)
-        inner = np.compress(
-            numbers < most + 1 - max((most + 1) // TAIL_DIVISOR, 1), inner, axis=axis
-        )
+        is_inner = numbers < most + 1 - max((most + 1) // TAIL_DIVISOR, 1)
+        inner = np.compress(is_inner, inner, axis=axis)
     axes = tuple(range(1, modes.ndim))
     outer = np.sum(size, axis=axes) - np.sum(inner, axis=axes)
     return float(np.max(np.maximum(outer, 0.0)))

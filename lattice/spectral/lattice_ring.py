@@ -216,9 +216,8 @@ class LatticeRing:
         (rates,) = self._turning
         step = rates[1] if rates.size > 1 else 0.0
         blocks = -(-rates.size // PHASE_BLOCK)
-        return np.exp(step * t * PHASE_BLOCK * np.arange(blocks)), np.exp(
-            step * t * np.arange(PHASE_BLOCK)
-        )
+        fine = np.exp(step * t * np.arange(PHASE_BLOCK))
+        return np.exp(step * t * PHASE_BLOCK * np.arange(blocks)), fine
 
     def _fields(self, coordinates: Complex, t: float) -> Complex:
         """Return the fields' modes in the frame at rest, in the shape of the transform."""

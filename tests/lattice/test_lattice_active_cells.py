@@ -44,7 +44,7 @@ def advanced(
 ) -> np.ndarray:
     """Return fields and velocities after steps of 0.05; arcs are at most ``share`` of the ring."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(ring_kernel, "MAX_MOVING_FRACTION", share)
+        patch.setattr(ring_kernel, "ALONE_FRACTION", share)
         dynamics, ring = Dynamics(lattice), lattice.with_walls(State(0.0, *start.copy()))
         for turn in range(3):  # the arc of one call serves the next
             dynamics.advance(scheme, ring.f, ring.v, 0.05, steps, 0.05 * steps * turn)
