@@ -45,10 +45,9 @@ def drive_steps(
     scheme: Scheme,
     tolerance: float,
 ) -> tuple[DriveSteps, float]:
-    """Return the steps, none longer than ``step``, and the shortest time scale of the drives.
+    """Return the steps, at most ``step``, and the time scale of the drives between added stops.
 
-    Times that have additional stops do not count towards that time scale. ``tolerance`` is that of
-    the velocities that the drives cause.
+    ``tolerance`` is that of the velocities that the drives cause.
     """
     stops, spans, missed = [np.zeros(0)], [np.zeros((2, 0))], 0.0
     for value in drives:

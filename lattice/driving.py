@@ -313,10 +313,7 @@ def _damped_length(rate: float, drifts: Array) -> Array:
 
 
 def _series(drifts: Array) -> Array:
-    """Return the factors of the terms of the dashpots' exponential series, (drifts, terms).
-
-    First those that advance positions, then those that advance velocities, from the second term on.
-    """
+    """Return factors (drifts, terms) of the dashpots' series for positions, then velocities."""
     powers = np.arange(1, DASHPOT_TERMS + 2)
     series = drifts[:, np.newaxis] ** powers / np.array([math.factorial(p) for p in powers])
     return np.concatenate([series, series[:, :-1]], axis=1)

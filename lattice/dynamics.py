@@ -29,10 +29,7 @@ that a wave that rises slowly from stop to stop does not need a new check each t
 
 
 class Dynamics:
-    """Advances states of a lattice and computes the frequencies and ranges that steps depend on.
-
-    *Ranges* are (least, largest) pairs: of each bond's stretch, then of each field.
-    """
+    """Advances states; finds frequencies and *ranges*: (least, largest) of each bond and field."""
 
     def __init__(self, lattice: NumericLattice) -> None:
         self.lattice = lattice
@@ -143,10 +140,6 @@ class Dynamics:
             size = max(size, summand / slope if slope > 0.0 else 0.0)
         return size
 
-    def stretches(self, f: Array) -> Array:
-        """Return the stretch of each bond in each cell, (bonds, *cells)."""
-        return np.array(self.lattice.stretches(f))
-
     def find_blow_up(self, state: State, ranges: Array, amplitude: float | None) -> BlowUp | None:
         """Return `blow_up.find_blow_up` of a state, None at once if its ranges are clearly safe."""
         sound = amplitude is not None and self._is_clearly_sound(ranges, GROWTH * amplitude)
@@ -175,11 +168,7 @@ class Dynamics:
         return bool(self._safe_ranges)
 
     def _is_stable_within(self, ranges: list[tuple[float, float]]) -> bool:
-        """Return whether no wave grows for any stretches in these ranges.
-
-        A slope's minimum may lie between two samples, lower than both by less than neighbouring
-        samples differ.
-        """
+        """Return whether no wave grows at these stretches, nor where slopes dip between samples."""
         if not self.lattice.gets_stiffer_by_bonds:
             return False
         for bond, ends in zip(self.lattice.bonds, ranges, strict=True):

@@ -103,11 +103,7 @@ def _flux(chain: DrivenChain, forces: Sequence[Array], v: Array, cut: int) -> Ar
 
 
 class EnergyBalance:
-    """Running integral of the energy flows of a chain and through ``cuts``, updated step by step.
-
-    ``total`` is the energy since the start and ``rate`` the current power, both at the last
-    `settle`.
-    """
+    """Energy flows, integrated step by step: ``total`` energy and ``rate`` at the last `settle`."""
 
     def __init__(self, chain: DrivenChain, cuts: Sequence[int], start: State) -> None:
         self._chain, self._cuts = chain, cuts

@@ -102,10 +102,7 @@ with 4 one in 2500, by 1.2, where strains begin to run away (the random cases of
 
 @dataclass(frozen=True)
 class Cost:
-    """Steps, force evaluations per site and seconds of the run that is returned.
-
-    ``all_seconds`` also counts the runs that only estimate the error.
-    """
+    """Steps, force evaluations per site and seconds of a run; ``all_seconds`` with control runs."""
 
     steps: int
     force_evaluations: int
@@ -327,8 +324,8 @@ class CellEngine(trials.StepSearch):
 
     def _stretches_and_rates(self, state: State, _: EnergyBalance | None) -> Array:
         """Return stretches, and their rates in units of the highest frequency at rest."""
-        stretches = self.dynamics.stretches
-        return np.array([stretches(state.f), stretches(state.v) / self._highest_at_rest])
+        stretches, rates = (np.array(self.lattice.stretches(values)) for values in state.arrays)
+        return np.array([stretches, rates / self._highest_at_rest])
 
     def run(
         self, choices: trials.Choices, shown: bool, progress: trials.Progress = lambda _: None
@@ -536,7 +533,7 @@ class CellEngine(trials.StepSearch):
         return limit / highest if limit < SLOW_RATIO * highest * self._duration else self._duration
 
     def _start(self, changed: bool) -> State:
-        """Return a copy of the state, if ``changed`` with the last digits of both arrays changed.
+        """Return a copy of the state; if ``changed``, with other last digits.
 
         Cells at rest have no last digits; they are moved relative to the fields' sizes in the run.
         """

@@ -101,10 +101,7 @@ USUAL_WORK = 4.5
 
 
 class StoppedSearch(KeyboardInterrupt):
-    """Raised on Ctrl-C during the search: its best run, if any, and the seconds of all others.
-
-    ``error`` is its estimated error, above the tolerance; None if it was not measured.
-    """
+    """Raised on Ctrl-C: the best run, its error if measured, and the seconds of all others."""
 
     def __init__(self, trial: Trial | None, error: float | None, before: float) -> None:
         super().__init__("interrupted")
@@ -234,11 +231,7 @@ class _Search:
         return search
 
     def stopped(self, stop: KeyboardInterrupt) -> StoppedSearch:
-        """Return the run to show after Ctrl-C, as `StoppedSearch`.
-
-        It is the last run whose error was measured, else the last that can be shown, else the one
-        under way.
-        """
+        """Return the last run that was judged, else one that can be shown, else the current one."""
         if self.judged is not None and math.isfinite(self.judged[1]):
             trial, error = self.judged
             return StoppedSearch(trial, error, self.seconds - trial.seconds)
@@ -304,10 +297,7 @@ class _Search:
         return self.engine.taken(choices) <= self._longest_lawful
 
     def lawful_change(self, choices: Choices) -> float:
-        """Return the least change expected of the step, from the nearest longer one tried.
-
-        A negligible change may be rounding, or come round a ring, and obeys no law.
-        """
+        """Return the change that the law expects of the step, from the nearest longer one."""
         step = self.engine.taken(choices)
         longer = [one for one in self._changes.items() if one[0] > step]
         if not longer:
@@ -355,10 +345,9 @@ class _Search:
         return f"{text}, and rounding is only {rounding:.1g} of the error of {error:.1g}"
 
     def check_rounding(self, choices: Choices) -> None:
-        """Raise ValueError if rounding alone exceeds the tolerance.
+        """Raise ValueError if rounding alone exceeds the tolerance, with a shorter step, too.
 
-        It must do so with a shorter step, too: near the longest stable step a scheme may amplify
-        what the lattice does not.
+        Near the longest stable step a scheme may amplify what the lattice does not.
         """
         effect = self.digit_effect(choices)
         if self._tolerance < effect < math.inf:

@@ -78,11 +78,7 @@ class Stepper:
         self.blow_up: BlowUp | None = self._find_blow_up()
 
     def stops(self, times: Sequence[float]) -> Iterator[State]:
-        """Yield the state at every stop on the way through the increasing ``times``.
-
-        All ``times`` and moves of the domain are stops, hit exactly; between them the march stops
-        every few steps. It ends early at a blow-up.
-        """
+        """Yield the state at all ``times``, at moves and every few steps, until a blow-up."""
         moves = {t for t in self.domain.moves if self.state.t < t < times[-1]}
         for t in sorted(moves.union(times)):
             yield from self._stops_until(t)

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from longwave.lattice.force_program import ForceProgram
 from longwave.support.array_types import Array, Mask
 
-INITIAL_PANELS, MAX_PANELS, GAUSS_POINTS = 2**13, 2**18, 12
-"""Initial and largest number of panels, and points of Gauss's rule on each."""
+MIN_PANELS, MAX_PANELS, GAUSS_POINTS = 2**13, 2**18, 12
+"""Initial and largest number of panels, and points of Gauss's rule on each panel."""
 
 ROUNDING = 2.0**-50
 """Relative rounding error of a panel's integral."""
@@ -29,11 +29,8 @@ halved for ever."""
 
 _POINTS, _WEIGHTS = legendre.leggauss(GAUSS_POINTS)
 
-_LEGENDRE = (
-    (np.arange(GAUSS_POINTS)[:, np.newaxis] + 0.5)
-    * legendre.legvander(_POINTS, GAUSS_POINTS - 1).T
-    * _WEIGHTS
-)
+_DEGREES = np.arange(GAUSS_POINTS)[:, np.newaxis]
+_LEGENDRE = (_DEGREES + 0.5) * legendre.legvander(_POINTS, GAUSS_POINTS - 1).T * _WEIGHTS
 """Matrix from values at the points to Legendre coefficients of their polynomial."""
 
 
@@ -69,12 +66,7 @@ class Integral:
 
     @classmethod
     def of(
-        cls,
-        slope: Smooth,
-        begin: float,
-        end: float,
-        panels: int = INITIAL_PANELS,
-        allowed: float = 0.0,
+        cls, slope: Smooth, begin: float, end: float, panels: int = MIN_PANELS, allowed: float = 0.0
     ) -> Integral:
         """Integrate ``slope`` from ``begin`` to ``end``.
 
@@ -134,11 +126,7 @@ class Integral:
         return np.asarray(panels_error + self._rounding_between(low, high))
 
     def missed_within(self, low: Array, high: Array) -> Array:
-        """Return the error of Gauss's rule on panels: the largest for any end within each.
-
-        The ends tried are the edges of the integral's own panels and the panel's end. Shape
-        (panels,).
-        """
+        """Return the largest error of Gauss's rule, (panels,), for any end within each panel."""
         edges, sums = np.append(self.edges, high), np.append(self.sums, self(high))
         order = np.argsort(low)
         panel = order[np.searchsorted(low[order], edges, "left") - 1]

@@ -82,12 +82,8 @@ def difference(one: Trial, other: Trial) -> float:
 
 def difference_around(one: Trial, other: Trial) -> float:
     """Return the `difference`, or that on more sites if it is larger."""
-    largest = difference(one, other)
-    return (
-        largest
-        if one.around is None
-        else max(largest, _largest_difference(one.around, other.around))
-    )
+    around = 0.0 if one.around is None else _largest_difference(one.around, other.around)
+    return max(difference(one, other), around)
 
 
 def _largest_difference(one: Array | None, other: Array | None) -> float:
@@ -163,7 +159,8 @@ class Engine(Protocol):
         """Return the choices with which the search begins."""
 
     def coarse_engine(self) -> "Engine":
-        """Return an engine that finds the step on fewer sites, or the engine itself."""
+        """Return an engine that finds the step on fewer sites, by default the engine itself."""
+        return self
 
     def run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
         """Make a run, whose observables are needed afterwards if ``shown``.
@@ -250,7 +247,7 @@ def step_taken(stops: Array, step: float, order: int, most: float) -> float:
     return step
 
 
-class StepSearch:
+class StepSearch(Engine):
     """Base of engines for which only the time step is chosen; subclasses define `run`.
 
     ``first_step`` is the longest one tried; ``stops`` are times that are hit exactly, from the
@@ -272,14 +269,6 @@ class StepSearch:
     def first(self) -> Choices:
         """Return the choices with the longest step."""
         return self._first
-
-    def coarse_engine(self) -> Engine:
-        """Return the engine itself."""
-        return self
-
-    def run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
-        """Make a run with the chosen step."""
-        raise NotImplementedError
 
     def control(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
         """Return choices with a shorter step."""

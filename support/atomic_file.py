@@ -96,11 +96,7 @@ def draft_path(path: Path) -> Path:
 
 
 def remove_dead_drafts(folder: Path, stem: str = "*") -> None:
-    """Remove the drafts of files with that stem that killed processes left in a folder.
-
-    A draft of this host is removed if its process no longer runs, any other a day after it was
-    written: where locks do nothing, another process may be about to rename it.
-    """
+    """Remove old drafts of files with that stem, and those of this host's dead processes."""
     for draft in folder.glob(f".{stem[:LONGEST_STEM]}.*.draft*"):
         with suppress(OSError):
             if _is_dead(draft):

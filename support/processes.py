@@ -130,11 +130,7 @@ def in_turn(
     look: Callable[[Mapping[Call, Subject]], object] = lambda _: None,
     ahead: int = 1,
 ) -> Iterator[tuple[Subject, Call]]:
-    """Do all jobs and yield keys and calls as they end.
-
-    A job is taken from the iterable when there are fewer than ``ahead`` per worker. ``look`` is
-    called from time to time with the calls under way.
-    """
+    """Do all jobs, ``ahead`` of them per worker at once, and yield keys and calls as they end."""
     waiting, running = iter(jobs), dict[Call, Subject]()
     while True:
         for key, job in islice(waiting, max(0, ahead * workers.count - len(running))):

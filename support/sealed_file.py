@@ -83,11 +83,7 @@ def open_plain(path: str | Path, folder: int | None = None, untyped: int = 1) ->
 
 @contextmanager
 def _opened_folder(folder: Path, untyped: int) -> Iterator[int | None]:
-    """Open a folder without following links in its last ``untyped`` names; yield its descriptor.
-
-    Yields None, after checking for links by name, where files cannot be opened relative to a
-    folder. Raises OSError, ELOOP for a link.
-    """
+    """Open a folder without following links in its last ``untyped`` names; yield its descriptor."""
     names = folder.parts[-untyped:]
     if os.open not in os.supports_dir_fd:
         for part in (folder, *folder.parents)[:untyped]:
@@ -120,11 +116,7 @@ def check_no_link(folder: Path) -> None:
 
 
 def read_sealed(path: Path, most: float = math.inf, untyped: int = 1) -> bytes | None:
-    """Return the content of a sealed file; None if it is missing, a link, too long, or damaged.
-
-    ``most`` is the largest size. The last ``untyped`` names of the path are treated as in
-    `open_plain`.
-    """
+    """Return a sealed file's content (`open_plain`); None if missing, linked, damaged or too long."""
 
     def content() -> bytes | None:
         with open(open_plain(path, untyped=untyped), "rb") as stream:

@@ -59,7 +59,7 @@ def supervised(argv: Sequence[str], work: Callable[[], int]) -> int:
         _Supervisor(command, reading).watch()
     os.close(reading)
     os.close(living)
-    _begin_telling(telling)
+    _tell_through(telling)
     threading.Thread(target=_end_with, args=(ending,), daemon=True).start()
     signal.pthread_sigmask(signal.SIG_SETMASK, before)
     return work()
@@ -72,21 +72,16 @@ def tell(**facts: Any) -> None:
             os.write(_pipe, json.dumps(facts).encode() + b"\n")
 
 
-def _begin_telling(pipe: int) -> None:
-    """Use this pipe for facts to the watching process."""
+def _tell_through(pipe: int | None = None) -> None:
+    """Send facts through this pipe, or no longer, as in a fork of the command."""
     global _pipe
-    os.set_blocking(pipe, False)
+    if pipe is not None:
+        os.set_blocking(pipe, False)
     _pipe = pipe
 
 
-def _leave_to_command() -> None:
-    """Stop reporting in a fork of the command."""
-    global _pipe
-    _pipe = None
-
-
 if hasattr(os, "register_at_fork"):
-    os.register_at_fork(after_in_child=_leave_to_command)
+    os.register_at_fork(after_in_child=_tell_through)
 
 
 def _end_with(pipe: int) -> None:

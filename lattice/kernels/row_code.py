@@ -94,10 +94,9 @@ def _run_program(
             stack.append(x)
         elif word == "number":
             stack.append(numbers[int(value)])
-        elif word == "add":
-            stack.append(code.builder.fadd(stack.pop(), stack.pop()))
-        elif word == "multiply":
-            stack.append(code.builder.fmul(stack.pop(), stack.pop()))
+        elif word in ("add", "multiply"):
+            combine = code.builder.fadd if word == "add" else code.builder.fmul
+            stack.append(combine(stack.pop(), stack.pop()))
         elif word == "power":
             stack.append(_power(code, stack.pop(), value))
         elif word == "contact":
@@ -142,7 +141,8 @@ class _Stage:
             if stream.kind == "kicked" and stream.number is not None
         }
         self.slots = [[code.builder.alloca(code.kind) for _ in range(depth)] for depth in depths]
-        self._latest: list[Any] = []
+        self.latest: list[Any] = []
+        """Latest value of each stream."""
         self._carried: CarriedValue | None = None
 
     def value(self, tap: streams.StreamRead, lag: int) -> Any:
@@ -152,7 +152,7 @@ class _Stage:
             assert self._carried is not None
             return self._carried(tap.stream, rows, age)
         if age == 0:
-            return self._latest[tap.stream]
+            return self.latest[tap.stream]
         return self._code.builder.load(self.slots[tap.stream][age - 1])
 
     def row(
@@ -164,16 +164,16 @@ class _Stage:
         """Generate code for one row of a chain, or for a column that reads ``carried`` rows."""
         code, flow, self._carried = self._code, self._flow, carried
         drifting = 0 if flow.spread else flow.moving
-        self._latest = [
+        self.latest = [
             code.fma(drift, v, f)
             for drift, f, v in zip(self._drifts[:drifting], positions, velocities, strict=False)
         ]
-        self._latest += positions[drifting:]
-        self._latest += [
+        self.latest += positions[drifting:]
+        self.latest += [
             code.builder.fmul(factor, v)
             for factor, v in zip(self._shrunk, velocities, strict=False)
         ]
-        self._latest += velocities[flow.damped :]
+        self.latest += velocities[flow.damped :]
         for stream in flow.streams[2 * flow.fields :]:
             values = [self.value(tap, stream.lag) for tap in stream.taps]
             if stream.kind == "force":
@@ -184,17 +184,15 @@ class _Stage:
                     value = code.where_not(values[1], ZERO_AT[stream.kind], value)
             elif stream.kind == "kicked":
                 value = code.fma(self._kicks[stream.field], values[1], values[0])
-            elif stream.kind == "spread":
+            elif stream.kind in ("spread", "pulsed"):
                 assert stream.number is not None
-                value = code.fma(self._series[stream.number], values[1], values[0])
-            elif stream.kind == "pulsed":
-                assert stream.number is not None
-                value = code.fma(self._pulses[stream.number], values[1], values[0])
+                weights = self._series if stream.kind == "spread" else self._pulses
+                value = code.fma(weights[stream.number], values[1], values[0])
             else:
                 value = self._sum(stream.taps, values)
                 if stream.number is not None:
                     value = code.builder.fadd(value, self._numbers[stream.number])
-            self._latest.append(value)
+            self.latest.append(value)
 
     def _sum(self, taps: Sequence[streams.StreamRead], values: Sequence[Any]) -> Any:
         """Return the weighted sum of the taps' values."""
@@ -214,14 +212,10 @@ class _Stage:
         positions = [self.value(streams.StreamRead(stream), lag) for stream in flow.drifted]
         return positions, [self.value(streams.StreamRead(stream), lag) for stream in flow.kicked]
 
-    def latest(self, stream: int) -> Any:
-        """Return the latest value of a stream."""
-        return self._latest[stream]
-
     def keep(self) -> None:
         """Shift the slots: the latest values become those of the row before."""
         builder = self._code.builder
-        for slots, latest in zip(self.slots, self._latest, strict=True):
+        for slots, latest in zip(self.slots, self.latest, strict=True):
             values = [latest, *(builder.load(slot) for slot in slots)]
             for slot, value in zip(slots, values, strict=False):
                 builder.store(value, slot)
@@ -297,7 +291,7 @@ class _Writer:
             outputs = zip(fields[: flow.moving], flow.drifted, strict=False)
             for data, index in (*outputs, *zip(speeds[: flow.moving], flow.kicked, strict=False)):
                 target_row = builder.sub(last, INDEX(flow.streams[index].lag))
-                code.store(data, target_row, stages[-1].latest(index))
+                code.store(data, target_row, stages[-1].latest[index])
             stages[-1].keep()
         for row, slot in enumerate(slots):
             code.store(carried, INDEX(row), builder.load(slot))
@@ -342,12 +336,12 @@ class _Writer:
             stage.row(fronts[: flow.fields], fronts[flow.fields :], earlier)
             for stream, depth in enumerate(rows.depths):
                 if depth:
-                    code.store(begin(stream, row, 0), column, stage.latest(stream))
+                    code.store(begin(stream, row, 0), column, stage.latest[stream])
             for stream in range(flow.moving) if own else ():
-                code.store(begin(stream, row, 0), column, stage.latest(stream))
+                code.store(begin(stream, row, 0), column, stage.latest[stream])
             for stream, kicked in enumerate(flow.kicked, flow.fields) if own else ():
                 if kicked >= 2 * flow.fields:
-                    code.store(begin(stream, row, rows.rise), column, stage.latest(kicked))
+                    code.store(begin(stream, row, rows.rise), column, stage.latest[kicked])
             stage.keep()
 
         with code.loop(first, past) as row:

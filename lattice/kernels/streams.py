@@ -340,13 +340,14 @@ def varied_stage_plan(lattice: NumericLattice, variation: Variation | None) -> V
         if law is None:
             continue
         stretch = builder.stretch(bond.stretch, bond.offset)
-        force = builder.force(stretch, law)
+        force = builder.add("force", [stretch], law=law)
         part = None if variation is None or not variation.forces else variation.forces[index]
         if part is not None:
             share, own = force_formula(part, builder.number)
             assert share is not None
             weight, units = StreamRead(fields + len(units)), [*units, own / unit]
-            taps = [StreamRead(force), weight, StreamRead(builder.force(stretch, share))]
+            varied = builder.add("force", [stretch], law=share)
+            taps = [StreamRead(force), weight, StreamRead(varied)]
             force = builder.add("kept" if part == bond.force else "varied", taps)
         for of, parts in enumerate(acting):
             stencil = _merged(entry for entry in bond.action if entry.field == of)
@@ -498,10 +499,6 @@ class _Builder:
         number = self.number(offset) if offset else None
         return StreamRead(self.add("sum", taps, number=number))
 
-    def force(self, stretch: StreamRead, law: ForceFormula) -> int:
-        """Add the stream of a bond's force and return its index."""
-        return self.add("force", [stretch], law=law)
-
     def varied(self, whole: StreamRead, share: StreamRead, part: StreamRead) -> int:
         """Add the stream ``whole + share * part``, cell by cell, and return its index."""
         return self.add("varied", [whole, share, part])
@@ -514,7 +511,7 @@ class _Builder:
             return share, 1.0
         law, unit = force_formula(factor, self.number)
         assert law is not None
-        own, none = self.force(self.positions[place], law), self.add("sum", [])
+        own, none = self.add("force", [self.positions[place]], law=law), self.add("sum", [])
         return StreamRead(self.add("felt", [StreamRead(none), share, StreamRead(own)])), unit
 
     def kicked(
@@ -525,10 +522,7 @@ class _Builder:
         share: int | None = None,
         masses: MassKind | None = None,
     ) -> int:
-        """Return the index of the stream of a field's velocity after the kick.
-
-        ``share`` is the field with the deviations of inverse masses, those of ``masses``.
-        """
+        """Return the stream of a field's kicked velocity; ``share`` deviates inverse ``masses``."""
         if not parts:
             return self.velocities[place].stream
         unit = parts[0].factor

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Collection
 from dataclasses import replace
-from typing import Any, Self
+from typing import Any
 
 from longwave.lattice.spectral.evolution import STEPS_PER_CHECK, RunawayError, SamplingError
 from longwave.lattice.spectral.exponential import ORDER
-from longwave.lattice.trial import LEAST_FACTOR, STEP_RATIO, Choices, Kind, Progress, Trial
+from longwave.lattice.trial import LEAST_FACTOR, STEP_RATIO, Choices, Engine, Kind, Progress, Trial
 
 SCHEME = "exponential_adams"
 """Name of the scheme of all rings."""
@@ -41,7 +41,7 @@ def resolving_step(speed: float) -> float:
     return RESOLVED_ANGLE / (2.0 * math.pi * speed)
 
 
-class SpectralSearch:
+class SpectralSearch(Engine):
     """Base of engines that run a ring from ``begin``, in a frame of ``speed``, for `refine`.
 
     A run whose spectrum's tail rises is restarted with more points. A step that is too long lets
@@ -62,10 +62,6 @@ class SpectralSearch:
         self._resolving = resolving_step(speed) if speed else math.inf
         self._density, self._lattice_spread = 1.0, 0.0
         self._loss_times: list[float] = []
-
-    def coarse_engine(self) -> Self:
-        """Return the engine itself: a ring has no coarse version."""
-        return self
 
     def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
         """Make a run, with more points if the spectrum's tail needs them."""

@@ -130,10 +130,7 @@ class NotPrivateError(OSError):
 
 @contextmanager
 def _opened(path: Path) -> Iterator[int | None]:
-    """Open the folder and yield its descriptor; None where files cannot be opened relative to one.
-
-    Raises NotPrivateError if it is a link, another user's, or open to others.
-    """
+    """Open a folder and yield its descriptor, None if unsupported; raise NotPrivateError."""
     _check_private(path, path.lstat())
     if os.open not in os.supports_dir_fd:
         yield None
