@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from longwave.lattice.force_program import ForceProgram
+from longwave.lattice.kernels.streams import merged_weights
 from longwave.lattice.numeric_lattice import Entry, NumericLattice
 from longwave.lattice.variation import MassKind, Variation
 from longwave.support.array_types import Array, Complex
@@ -37,19 +38,11 @@ def _kind_of_fields(lattice: NumericLattice) -> MassKind | None:
     if lattice.conserves_energy:
         return "displacements"
     if len(lattice.fields) == lattice.dimension == 1 and all(
-        _weights_by_shift(bond.action) == _weights_by_shift(_action_on_strains(bond.stretch))
+        merged_weights(bond.action) == merged_weights(_action_on_strains(bond.stretch))
         for bond in lattice.bonds
     ):
         return "strains"
     return None
-
-
-def _weights_by_shift(entries: Sequence[Entry]) -> dict[int, float]:
-    """Return the total weight of the entries at each shift, zero weights left out."""
-    weights: dict[int, float] = {}
-    for entry in entries:
-        weights[entry.shift[0]] = weights.get(entry.shift[0], 0.0) + entry.weight
-    return {shift: weight for shift, weight in weights.items() if weight}
 
 
 def _action_on_masses(stretch: Sequence[Entry]) -> list[Entry]:

@@ -276,12 +276,13 @@ class DrivenChain(DisorderedLattice):
         spreads = bool(self.variation.dashpots)  # which walls do not feel
         rates = (0.0,) * len(self.fields) if spreads else self.losses
         factors = np.exp(-np.outer(drifts, rates))
-        lengths = np.stack([_damped_length(rate, drifts) for rate in rates], axis=1)
+        # distances that unit velocities, decaying at these rates, cover in each drift
+        lengths = [-np.expm1(-rate * drifts) / rate if rate else drifts for rate in rates]
         columns = [kicks[:, np.newaxis]]
         if spreads:
             columns.append(_series(drifts))
         elif self.variation.damped:
-            columns += [lengths, factors]
+            columns += [np.stack(lengths, axis=1), factors]
         for force in self.outer_forces:
             share = kicks / self.masses[force.field]
             columns.append((share * values_at(force.value, times[1:]))[:, np.newaxis])
@@ -289,7 +290,7 @@ class DrivenChain(DisorderedLattice):
             assert wall.displacement is not None
             path = values_at(wall.displacement, times)
             for index in range(len(self.fields)):
-                speeds = _speeds(path, lengths[:, index])
+                speeds = _speeds(path, lengths[index])
                 v[index, list(wall.places)] = speeds[0]
                 changes = np.append(speeds[1:], 0.0) - factors[:, index] * speeds
                 columns.append(changes[:, np.newaxis])
@@ -305,11 +306,6 @@ def _stages(scheme: DriftKick, h: float, steps: int) -> tuple[Array, Array]:
     drifts[scheme.kicks.size :: scheme.kicks.size] += scheme.drifts[-1] * h
     kicks = np.tile(scheme.kicks * h, steps)
     return np.append(drifts, scheme.drifts[-1] * h), np.append(kicks, 0.0)
-
-
-def _damped_length(rate: float, drifts: Array) -> Array:
-    """Return the distance that a unit velocity, decaying at this rate, covers in each drift."""
-    return drifts if rate == 0.0 else -np.expm1(-rate * drifts) / rate
 
 
 def _series(drifts: Array) -> Array:
@@ -453,9 +449,7 @@ def _check_chain(
             "(strains have no masses of their own; take the chain in displacements)"
         )
     if lattice.cellwise[1] is not None:
-        raise ValueError(
-            f"lattice must be ordered, got {lattice.name} with disorder (leave the disorder out)"
-        )
+        raise ValueError(f"lattice must be ordered, got disorder in {lattice.name} (leave it out)")
     if not isinstance(cells, int) or cells < max(2, lattice.reach):
         raise ValueError(
             f"cells must be at least {max(2, lattice.reach)}, got {cells} (the reach of the "

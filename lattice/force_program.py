@@ -295,9 +295,7 @@ def force_program(force: Expr) -> ForceProgram:
 
     unknown = sorted(map(str, force.free_symbols - {x}))
     if unknown:
-        raise ValueError(
-            f"force must have numbers for its constants, got {unknown[0]} without one (give all)"
-        )
+        raise ValueError(f"force must have numbers as constants, got {unknown[0]} (give its value)")
     if force.is_polynomial(x):
         coefficients = [float(value) for value in reversed(Poly(force, x).all_coeffs())]
         if coefficients[0] != 0.0:

@@ -35,9 +35,7 @@ class Model:
             if not math.isfinite(value):
                 raise ValueError(f"{name} must be finite, got {value} (1 is usual)")
         if self.K2 <= 0:
-            raise ValueError(
-                f"K2 must satisfy K2 > 0, got {self.K2:g} (the sound speed is sqrt(K2))"
-            )
+            raise ValueError(f"K2 must satisfy K2 > 0, got {self.K2:g} (sound travels at sqrt(K2))")
 
     @cached_property
     def lattice(self) -> NumericLattice:

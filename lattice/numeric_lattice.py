@@ -22,7 +22,7 @@ from longwave.support.known_names import one_of
 
 if TYPE_CHECKING:
     from longwave.derive.algebra.exact_numbers import Number
-    from longwave.derive.lattice import Bond, Lattice, Stencil
+    from longwave.derive.lattice import Bond, Lattice
     from longwave.lattice.schemes import Scheme
     from longwave.lattice.state import State
     from longwave.lattice.variation import Variation
@@ -386,9 +386,8 @@ def numeric_lattice(
 
 
 def _numeric_bond(bond: Bond, values: Mapping[Any, Any]) -> NumericBond:
-    stretch, action = (tuple(map(_entry, part)) for part in (bond.stretch, bond.action))
+    stretch, action = (
+        tuple(Entry(one.shift, float(one.weight), one.field) for one in entries)
+        for entries in (bond.stretch, bond.action)
+    )
     return NumericBond(stretch, action, force_program(bond.force.xreplace(values)))
-
-
-def _entry(entry: Stencil) -> Entry:
-    return Entry(entry.shift, float(entry.weight), entry.field)

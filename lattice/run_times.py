@@ -27,9 +27,7 @@ def checked_times(times: ArrayLike, begin: float) -> Array:
     moments = np.atleast_1d(real_array("every time", times))
     if moments.ndim != 1 or moments.size == 0:
         text = " ".join(repr(times).split())[:60]
-        raise ValueError(
-            f"times must be one or more finite numbers, got {text} (give a list of them)"
-        )
+        raise ValueError(f"times must be one or more finite numbers, got {text} (give a list)")
     steps = np.diff(np.concatenate([[begin], moments]))
     if steps[0] < 0.0 or not np.all(steps[1:] > 0.0):
         index = int(np.argmax([steps[0] < 0.0, *(steps[1:] <= 0.0)]))

@@ -127,14 +127,12 @@ class VariedChain:
         for row, t in enumerate(times.tolist()):
             steps = math.ceil((t - begin) / step * (1.0 - 1e-12))
             if steps:
-                self._advance(u, v, scheme, begin, (t - begin) / steps, steps)
+                self._march(u, v, scheme, begin, (t - begin) / steps, steps)
             readings[row] = list(self._read(u, v, t, sensors))
             begin = t
         return readings
 
-    def _advance(
-        self, u: Array, v: Array, scheme: DriftKick, t: float, h: float, steps: int
-    ) -> None:
+    def _march(self, u: Array, v: Array, scheme: DriftKick, t: float, h: float, steps: int) -> None:
         """Advance displacements and velocities, with their derivatives, in place."""
         drifts, kicks = scheme.drifts * h, scheme.kicks * h
         starts = t + h * np.arange(steps)[:, np.newaxis]

@@ -50,9 +50,7 @@ _call: ContextVar[tuple[click.Command | None, Sequence[str]]] = ContextVar("_cal
 Wrapped = TypeVar("Wrapped", bound=Callable[..., Any])
 Number = TypeVar("Number", int, float)
 
-force_option = click.option(
-    "--force", is_flag=True, help="Overwrite what is written, if it is there."
-)
+force_option = click.option("--force", is_flag=True, help="Overwrite existing files.")
 json_option = click.option("--json", "json_wanted", is_flag=True, help="Print JSON.")
 
 
@@ -105,23 +103,17 @@ def _limit_callback(limits: Limit) -> Callable[[click.Context, click.Parameter, 
     return hold
 
 
-def _estimated_memory(given: str | None) -> AbstractContextManager[request_limits.RequestLimits]:
-    """Refuse requests whose estimated memory exceeds the limit."""
-    return request_limits.request_limits(memory=given)
-
-
 def _estimated_time(given: str | None) -> AbstractContextManager[request_limits.RequestLimits]:
     """Refuse requests whose estimated time exceeds the limit."""
-    return request_limits.request_limits(
-        seconds=request_limits.USUAL_SECONDS if given is None else given
-    )
+    seconds = request_limits.USUAL_SECONDS if given is None else given
+    return request_limits.request_limits(seconds=seconds)
 
 
 @contextmanager
 def _enforced_memory(given: str | None) -> Iterator[None]:
     """Refuse requests by their estimate; a given limit is also enforced on the process."""
     with ExitStack() as stack:
-        limits = stack.enter_context(_estimated_memory(given))
+        limits = stack.enter_context(request_limits.request_limits(given))
         if given and interruption.owns_process():
             allowed = limits.memory_bytes
             size = request_limits.memory_text(allowed)
@@ -150,7 +142,7 @@ def limits_of_each(memory: str = "", time: str = "") -> Callable[[Wrapped], Wrap
     limits are also enforced on the whole command.
     """
     each = bool(memory or time)
-    hold_memory = _limit_callback(_estimated_memory if each else _enforced_memory)
+    hold_memory = _limit_callback(request_limits.request_limits if each else _enforced_memory)
     hold_time = _limit_callback(_estimated_time if each else _enforced_time)
 
     def limited(command: Wrapped) -> Wrapped:

@@ -151,10 +151,7 @@ def _connected(address: str, needed: str) -> "Client":
             f"{CONNECT_SECONDS:g} s, got {address[:100]}: {why} (such as tcp://127.0.0.1:8786, "
             "or tls://... with the certificates of Dask's configuration)"
         ) from None
-    for name in (
-        "client",
-        "utils",
-    ):  # these log a traceback of a lost scheduler, which callers report
+    for name in ("client", "utils"):  # their traceback of a lost scheduler is reported by callers
         logging.getLogger(f"distributed.{name}").setLevel(logging.CRITICAL)
     for worker, result in client.run(resolve_name, needed, on_error="return").items():
         if isinstance(result, Exception):

@@ -116,7 +116,7 @@ def check_no_link(folder: Path) -> None:
 
 
 def read_sealed(path: Path, most: float = math.inf, untyped: int = 1) -> bytes | None:
-    """Return a sealed file's content (`open_plain`); None if missing, linked, damaged or too long."""
+    """Return a sealed file's content (`open_plain`); None if missing, linked, damaged, or longer."""
 
     def content() -> bytes | None:
         with open(open_plain(path, untyped=untyped), "rb") as stream:

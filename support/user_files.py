@@ -16,6 +16,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+StatusCheck = Callable[[os.stat_result], object]
+"""Function that raises an error for the status of a file that must not be read."""
+
 STANDARD_INPUT = "-"
 
 MAX_DEPTH = 100
@@ -109,10 +112,7 @@ def file_stem(path: str | Path) -> str:
 
 
 def read_bytes(
-    path: str | Path,
-    what: str,
-    most: int,
-    check: Callable[[os.stat_result], object] = lambda _: None,
+    path: str | Path, what: str, most: int, check: StatusCheck = lambda _: None
 ) -> bytes:
     """Return the content of a regular file, or of the standard input for ``-``.
 
@@ -148,12 +148,7 @@ def read_bytes(
     return content
 
 
-def read_text(
-    path: str | Path,
-    what: str,
-    most: int,
-    check: Callable[[os.stat_result], object] = lambda _: None,
-) -> str:
+def read_text(path: str | Path, what: str, most: int, check: StatusCheck = lambda _: None) -> str:
     """Return the text of such a file. Raises ValueError also if it is not UTF-8."""
     return _text(read_bytes(path, what, most, check), path, what)
 

@@ -21,8 +21,6 @@ from longwave.lattice.kernels import streams, vector_functions
 from longwave.lattice.kernels.lane_code import DOUBLE, INDEX, LaneCode
 from longwave.support.compiled.subnormals import flushed_subnormals
 
-__all__ = ["lane_force", "passage_text"]
-
 MAX_PRODUCT_EXPONENT = 64
 """Largest whole exponent for which a power is computed by products."""
 

@@ -329,7 +329,8 @@ def varied_stage_plan(lattice: NumericLattice, variation: Variation | None) -> V
             "dimensions (rows of cells go up one axis)"
         )
     fields = len(lattice.fields)
-    builder = _Builder(fields + (0 if variation is None else variation.added_fields(fields)))
+    added = 0 if variation is None else variation.rows(fields) + len(variation.pulsed)
+    builder = _Builder(fields + added)
     acting: list[list[_Part]] = [[] for _ in lattice.fields]
     units = [] if variation is None else [1.0] * variation.mass_rows(fields)
     spread: tuple[int, ...] = ()
@@ -350,7 +351,7 @@ def varied_stage_plan(lattice: NumericLattice, variation: Variation | None) -> V
             taps = [StreamRead(force), weight, StreamRead(varied)]
             force = builder.add("kept" if part == bond.force else "varied", taps)
         for of, parts in enumerate(acting):
-            stencil = _merged(entry for entry in bond.action if entry.field == of)
+            stencil = merged_weights(entry for entry in bond.action if entry.field == of)
             if stencil:
                 parts.append(_part(unit, force, stencil))
     units += [1.0] if variation is not None and variation.walled else []
@@ -388,7 +389,7 @@ class _Part(NamedTuple):
     stencil: Polynomial
 
 
-def _merged(entries: Iterable[Entry]) -> dict[int, float]:
+def merged_weights(entries: Iterable[Entry]) -> dict[int, float]:
     """Return the total weight at each shift, zero weights left out."""
     weights: dict[int, float] = {}
     for entry in entries:
@@ -491,7 +492,7 @@ class _Builder:
         """Return the stretch of a bond, of the values ``values``, by default the positions."""
         taps = []
         for index, read in enumerate(values or self.positions):
-            stencil = _merged(entry for entry in entries if entry.field == index)
+            stencil = merged_weights(entry for entry in entries if entry.field == index)
             taps += [read._replace(shift=shift, weight=weight) for shift, weight in stencil.items()]
         taps.sort(key=lambda tap: tap.weight != 1.0)
         if len(taps) == 1 and taps[0].weight == 1.0 and offset == 0.0:
@@ -569,7 +570,7 @@ class _Builder:
                 if cut_row is not None:
                     pull = StreamRead(self.varied(pull, cut_row, pull))
                 for of, mass in enumerate(lattice.masses):
-                    stencil = _merged(entry for entry in bond.action if entry.field == of)
+                    stencil = merged_weights(entry for entry in bond.action if entry.field == of)
                     if stencil:
                         parts[of].append(_Part(dashpot / mass, pull.stream, stencil))
             sums = [StreamRead(self.add("sum", [self.total(part)])) for part in parts]

@@ -158,10 +158,16 @@ class ExponentialAdams:
         if not h > 0:
             raise ValueError(f"h must satisfy h > 0, got {h:g} (the step goes forward)")
         self.p, self.h = p, h
-        self.steps = self.evaluations = 0
+        self.steps = 0
         self._linear, self._nonlinearity = linear, nonlinearity
         self._past = np.empty((PAST_VALUES, linear.shape[1]), dtype=np.complex128)
-        self._start()
+        # past values of N by ETDRK4, backwards in time
+        method = ExponentialRungeKutta(linear, nonlinearity, -h)
+        for j in range(PAST_VALUES):
+            self._past[j] = nonlinearity(p)
+            if j + 1 < PAST_VALUES:
+                p = method.step(p)
+        self.evaluations = PAST_VALUES + 4 * (PAST_VALUES - 1)
         self._whole = self._table(1.0)
 
     def step(self) -> None:
@@ -200,16 +206,6 @@ class ExponentialAdams:
         self.evaluations += 1
         _correct(corrector, newest, self._past, p)
         return p, newest
-
-    def _start(self) -> None:
-        """Compute the past values of N by ETDRK4, backwards in time."""
-        method = ExponentialRungeKutta(self._linear, self._nonlinearity, -self.h)
-        p = self.p
-        for j in range(PAST_VALUES):
-            self._past[j] = self._nonlinearity(p)
-            if j + 1 < PAST_VALUES:
-                p = method.step(p)
-        self.evaluations += PAST_VALUES + 4 * (PAST_VALUES - 1)
 
     def _table(self, share: float) -> Table:
         """Return the coefficients of ``share`` of a step."""

@@ -128,7 +128,8 @@ class LatticeRing:
         p = np.stack([b - 1j * w * a, b + 1j * w * a]).reshape(2, -1)
         self._divisor = (2j * w).reshape(-1)
         self._amplitude = _amplitude(state, float(np.max(np.abs(w))))
-        self._first, self._linear, self._step = _with_time(p), _with_time(linear), step
+        self._first, self._linear = (np.pad(part, ((0, 0), (0, 1))) for part in (p, linear))
+        self._step = step
         self._check(self._first, state.t)
 
     @cached_property
@@ -255,10 +256,6 @@ class LatticeRing:
         out[raised] += excess * (p[1, raised] - p[0, raised])
         out[-1] = 1.0
         return out
-
-
-def _with_time(values: Complex) -> Complex:
-    return np.concatenate([values, np.zeros((2, 1), dtype=np.complex128)], axis=1)
 
 
 def _numbers(counts: tuple[int, ...]) -> list[Array]:

@@ -101,9 +101,8 @@ def spectral_integrate(
         raise ValueError(engine.refusal(float(moments[-1])))
     ring, rows = trial.payload
     states = tuple(FieldRing(**row) for row in rows)
-    cost = Cost(
-        ring.integrator.steps, ring.integrator.evaluations, trial.seconds, perf_counter() - started
-    )
+    steps, evaluations = ring.integrator.steps, ring.integrator.evaluations
+    cost = Cost(steps, evaluations, trial.seconds, perf_counter() - started)
     return SpectralTrajectory(moments, states, refined.error, trial.choices.step, cost)
 
 
@@ -302,9 +301,8 @@ class FieldRingEngine(SpectralSearch):
 
     def _is_unaliased(self, choices: Choices) -> bool:
         """Return whether the ring is a lattice, so that no modes alias onto its points."""
-        at_sites = (
-            self._sight.at_sites and self._counts(choices) == self._initial_data(choices)[1].counts
-        )
+        _, state = self._initial_data(choices)
+        at_sites = self._sight.at_sites and self._counts(choices) == state.counts
         return self._is_lattice or at_sites
 
     def _ring(self, choices: Choices, tail: float) -> LatticeRing:
