@@ -21,20 +21,20 @@ from longwave.lattice.time_integral import LEAST_PANEL, Integral
 from longwave.support.array_types import Array
 
 PANEL_ERROR_FRACTION = 1e-5
-"""Share of the tolerance allowed for the error of a drive's integral on one panel."""
+"""Fraction of the tolerance allowed for the error of a drive's integral on one panel."""
 
 MAX_STOPS_FRACTION = 0.1
-"""Largest share of a run's time that may be covered by additional stops."""
+"""Largest fraction of a run's time that may be covered by additional stops."""
 
 PANEL_SHIFT = 0.618034
-"""Shift of the panels, as a share of their length, so that a corner at a round time lies on no
+"""Shift of the panels, as a fraction of their length, so that a corner at a round time lies on no
 panel's edge."""
 
 MAX_STOPS, MAX_PANELS = 2**14, 2**17
 """Most additional stops, and most panels examined."""
 
 INTEGRAL_ROUNDING = 2.0**-48
-"""Rounding error of an integral, as a share of the largest one."""
+"""Rounding error of an integral, as a fraction of the largest one."""
 
 
 def drive_steps(

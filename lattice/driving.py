@@ -403,7 +403,7 @@ def _checked_factors(
     """Return one defect's factor for each field or bond; raise ValueError if it is invalid."""
     factors = np.array(given, dtype=np.float64)
     if not is_there:
-        raise ValueError(f"{name} factors must be of cells and bonds in the chain, got {number}")
+        raise ValueError(f"{name} factors must be within the chain, got {number} (0 is its first)")
     is_positive = (factors >= 0.0) & (factors < math.inf) & ((factors > 0.0) | (name == "spring"))
     if factors.shape not in ((), (count,)) or not is_positive.all():
         raise ValueError(

@@ -24,8 +24,8 @@ LARGEST_SLOPE = 1e290
 """Largest slope, in units of masses, of which sums cannot overflow."""
 
 RANGE_MARGIN = 0.125
-"""Share of itself by which a range of stretches is widened at either end before it is checked, so
-that a wave that rises slowly from stop to stop does not need a new check each time."""
+"""Fraction of itself by which a range of stretches is widened at either end before it is checked,
+so that a wave that rises slowly from stop to stop does not need a new check each time."""
 
 
 class Dynamics:

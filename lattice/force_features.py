@@ -3,7 +3,7 @@
 A narrow bump in a force that stretches cross within one step leaves no trace in either of two runs
 that are compared. Therefore the range of stretches visited by a run is covered by panels on which
 the force's integral, the bond's stored energy, is accurate. Where panels are short, a step may
-change the stretch by a share of a panel only.
+change the stretch by a fraction of a panel only.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ INITIAL_PANELS = 64
 """Initial number of panels on a range of stretches."""
 
 MISSED_FRACTION = 1e-2
-"""Share of the allowed velocity error that an unresolved feature may cause."""
+"""Fraction of the allowed velocity error that an unresolved feature may cause."""
 
 STEP_FRACTION = 0.5
-"""Share of a panel by which a stretch may change in a step."""
+"""Fraction of a panel by which a stretch may change in a step."""
 
 CORNER_RATIO, CORNER_ERROR_RATIO = 4.0, 1e-4
 """Factor by which panels at a corner get shorter when the allowed error is CORNER_ERROR_RATIO of
@@ -40,7 +40,7 @@ narrower features show on the panels of the integral."""
 
 SMOOTH_ERROR_RATIO, END_FRACTION = 64.0, 0.1
 """Factor by which halving the gaps reduces the polynomials' error for a smooth law (256
-asymptotically), and the share of a range at either end that is not checked."""
+asymptotically), and the fraction of a range at either end that is not checked."""
 
 PANEL_ROUNDING = 1e-13
 """Rounding error of a panel's integral, in units of the largest force times the length."""

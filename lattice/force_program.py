@@ -43,7 +43,7 @@ SUMMAND_CHANGE = 2.0**-20
 
 SLOPE_SAMPLES, MAX_OPEN_PANELS, MAX_DIVISIONS, MIN_EXCESS = 65, 2**12, 9, 0.1
 """For enclosing slopes: initial edges, most panels that are divided by 16 at once, most divisions,
-and the share by which a slope must exceed the sampled ones to count."""
+and the fraction by which a slope must exceed the sampled ones to count."""
 
 
 @dataclass(frozen=True)
@@ -136,7 +136,7 @@ class ForceProgram:
     def steepest_between(self, low: float, high: float, sampled: float) -> float:
         """Return the largest abs(slope) between two stretches, given the largest one sampled.
 
-        The sampled value ``sampled`` is returned unless it is exceeded by more than its share
+        The sampled value ``sampled`` is returned unless it is exceeded by more than the fraction
         `MIN_EXCESS`. Infinite if the slope is unbounded.
         """
         if self.is_smooth or not low < high:

@@ -22,15 +22,16 @@ SAMPLED_TIMES = 2**17 + 1
 """Times at which drives are sampled before a run, to find the steps that resolve them."""
 
 CORNER_JUMP, MAX_CORNERS = 0.25, 100
-"""Share of the range of slopes by which a slope jumps at a corner, and number of corners beyond
+"""Fraction of the range of slopes by which a slope jumps at a corner, and number of corners beyond
 which a drive counts as fast instead."""
 
 MIN_SLOPE_RANGE = 1e-6
-"""Share of the range of all slopes below which the drive outside covered spans has no corners."""
+"""Fraction of the range of all slopes below which the drive outside covered spans has no
+corners."""
 
 MAX_REFINEMENTS, MAX_REFINED_GAPS, HIDDEN_FRACTION = 6, 2**12, 0.1
-"""Refinements of the sampling by 64, most gaps refined, and the share of the total change that may
-hide in a gap: a pulse of width 1e-4 in a run of 2000 was missed without them. If a gap may hide
+"""Refinements of the sampling by 64, most gaps refined, and the fraction of the total change that
+may hide in a gap: a pulse of width 1e-4 in a run of 2000 was missed without them. If a gap may hide
 more even where times are hardly distinct, the drive jumps or is unbounded."""
 
 
@@ -57,7 +58,9 @@ class SiteForce:
         """Raise ValueError if the chain does not have the force's cell or field."""
         for name, value, size in (("site", self.site, cells), ("field", self.field, fields)):
             if value not in range(size):
-                raise ValueError(f"{name} of a force must be 0 to {size - 1}, got {value}")
+                raise ValueError(
+                    f"{name} of a force must be 0 to {size - 1}, got {value} (mend it)"
+                )
 
     def at(self, f: Array, times: Array, masses: Array) -> Array:
         """Return the forces on the cells, (times, cells), for fields ``f`` at these times."""

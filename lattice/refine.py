@@ -84,16 +84,17 @@ MAX_LAWFUL_RATIO = 3.0
 the change has also fallen as half of the order predicts."""
 
 NEGLIGIBLE_FRACTION = 0.01
-"""Share of the tolerance below which the change by a step needs to obey no law: it may be rounding,
-or come round a ring."""
+"""Fraction of the tolerance below which the change by a step needs to obey no law: it may be
+rounding, or come round a ring."""
 
 MIN_RING_ERROR = 0.05
-"""Least error reported on a ring, as a share of the tolerance. Negligible changes there hid errors
-of 0.021 of it: the steps of a kink that turned short waves by many radians agreed
+"""Least error reported on a ring, as a fraction of the tolerance. Negligible changes there hid
+errors of 0.021 of it: the steps of a kink that turned short waves by many radians agreed
 (`tests/scenes/engines/test_comparison_honesty.py`)."""
 
 MIN_ERROR = 1e-5
-"""Least error reported elsewhere, as a share of the tolerance: no run was examined more closely."""
+"""Least error reported elsewhere, as a fraction of the tolerance: no run was examined more
+closely."""
 
 
 USUAL_WORK = 4.5
@@ -131,7 +132,7 @@ def refine(
 ) -> Refined:
     """Repeat runs with better choices until the estimated error is at most ``tolerance``.
 
-    ``progress`` is called with the share of the work done, 0 .. 1, of ``USUAL_WORK`` or more if
+    ``progress`` is called with the fraction of the work done, 0 .. 1, of ``USUAL_WORK`` or more if
     more is known to be needed. Raises ValueError if the error stops falling above the tolerance,
     StoppedSearch on Ctrl-C.
     """
@@ -459,7 +460,7 @@ class _Search:
         self.seconds += trial.seconds
 
     def _report_progress(self, share: float) -> None:
-        """Report the progress of the whole search, given the share done of the pending runs."""
+        """Report the progress of the whole search, given the fraction done of the pending runs."""
         if self._stopped:
             raise KeyboardInterrupt
         usual = USUAL_WORK * (self._first_work or self._pending_work)

@@ -501,7 +501,7 @@ def _user_defined(text: str) -> Scheme:
         ("weights", len(drifts), MOST_WEIGHTS),
     ):
         if not 1 <= size <= most:
-            raise ValueError(f"{name} of a scheme must be 1 to {most}, got {size}")
+            raise ValueError(f"{name} of a scheme must be 1 to {most}, got {size} (change it)")
     scheme = Splitting(text, order, drifts, kicks, "stated")
     check_order(scheme)
     return scheme

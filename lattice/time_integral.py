@@ -23,8 +23,8 @@ LEAST_PANEL = 2.0**-48
 """Length of the shortest panel, in units of the largest abs(number) in it."""
 
 ENCLOSURE_SLACK = 0.02
-"""Share of the largest slope near a panel by which enclosures may be too wide, as for a product of
-terms that depend on each other; otherwise a straight line on either side of a corner would be
+"""Fraction of the largest slope near a panel by which enclosures may be too wide, as for a product
+of terms that depend on each other; otherwise a straight line on either side of a corner would be
 halved for ever."""
 
 _POINTS, _WEIGHTS = legendre.leggauss(GAUSS_POINTS)

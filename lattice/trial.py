@@ -129,7 +129,7 @@ def clock_error(values: Array, c: float, times: tuple[float, float]) -> float:
 
 Kind = Literal["step", "sampling", "domain"]
 Progress = Callable[[float], None]
-"""Callback with the share of the work that is done, 0 .. 1."""
+"""Callback with the fraction of the work that is done, 0 .. 1."""
 
 SAFETY = 2.0
 """Factor on the difference of the last two runs: their error may fall as slowly as 1/size."""

@@ -47,7 +47,7 @@ LEAST = 5.0
 """Least seconds between two checkpoints of a loop: the most that a kill loses."""
 
 SHARE = 0.01
-"""Largest share of a run's time that its checkpoints take."""
+"""Largest fraction of a run's time that its checkpoints take."""
 
 RETRY_SECONDS = 60.0
 """Seconds before the next attempt after a checkpoint could not be written."""
@@ -98,7 +98,7 @@ class CheckpointFolder:
         data = plain_bytes((self._stamp, task, memory))
         try:
             if os.path.islink(self._folder):
-                raise OSError(errno.EINVAL, "a link is there", str(self._folder))
+                raise OSError(errno.EINVAL, "is a link (remove it)", str(self._folder))
             self._folder.mkdir(parents=True, exist_ok=True)
             write_sealed(self._path(name), data)
         except OSError as error:

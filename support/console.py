@@ -206,8 +206,8 @@ def progress_bar(
     """Show progress with the time left on stderr: a bar, a line, or occasional lines.
 
     A terminal has a bar, a notebook a line that is rewritten. Yields two callbacks: one for the
-    share done, one for the expected seconds of ``work``. Long times are announced, again when they
-    have doubled, without the part that checkpoints restore.
+    fraction done, one for the expected seconds of ``work``. Long times are announced, again when
+    they have doubled, without the part that checkpoints restore.
     """
     if in_notebook():
         with ProgressLine(name) as line:
@@ -255,12 +255,12 @@ def _without_restored(tell: Tell) -> Tell:
 
 
 class _TimeColumn(ProgressColumn):
-    """Progress column with the share done and the time left."""
+    """Progress column with the fraction done and the time left."""
 
     def __init__(self, left: TimeLeft) -> None:
         super().__init__()
         self._left = left
 
     def render(self, _: Task) -> Text:
-        """Return the share done and the time left."""
+        """Return the fraction done and the time left."""
         return Text(self._left.words())

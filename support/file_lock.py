@@ -86,7 +86,7 @@ def _opened(path: Path) -> int:
                 raise
             LOG.warning("%s is a link: it is removed", path)
             path.unlink(missing_ok=True)
-    raise OSError(errno.ELOOP, "is made a link each time that it is removed", str(path))
+    raise OSError(errno.ELOOP, "becomes a link each time it is removed", str(path))
 
 
 def _try_lock(path: Path, number: int, wait: Callable[[], None]) -> bool:

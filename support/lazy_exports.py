@@ -23,7 +23,7 @@ def lazy_exports(
             from longwave.support.known_names import one_of
 
             known = "" if name.startswith("_") else f" ({one_of(name, sorted(module_by_name))})"
-            raise AttributeError(f"{room} has no noun {name!r}{known}")
+            raise AttributeError(f"{room} has no public name {name!r}{known}")
         value = getattr(import_module(module_by_name[name]), name)
         setattr(sys.modules[room], name, value)
         return value

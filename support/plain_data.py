@@ -58,7 +58,7 @@ def plain_value(content: bytes, kinds: Kinds = lambda _: None) -> Any:
     try:
         return _Reader(memoryview(content)[end:], kinds).value(json.loads(content[HEAD:end]))
     except READING_ERRORS as error:
-        raise ValueError(f"data must be those of plain_bytes, got others: {error}") from None
+        raise ValueError(f"data must be those of plain_bytes, got other bytes: {error}") from None
 
 
 class _Writer:
@@ -96,7 +96,7 @@ class _Writer:
     def _array(self, values: np.ndarray[Any, Any]) -> list[Any]:
         """Return type, shape, memory order and byte offset of an array, and store its data."""
         if not NUMBER_DTYPE.fullmatch(values.dtype.str):
-            raise TypeError(f"arrays must be of numbers or texts, got {values.dtype}")
+            raise TypeError(f"arrays must hold numbers or texts, got {values.dtype}")
         flags = values.flags
         order: Literal["F", "C"] = "F" if flags.f_contiguous and not flags.c_contiguous else "C"
         offset = self._length

@@ -35,7 +35,7 @@ POLL_SECONDS = 0.2
 """Seconds between two checks of the progress."""
 
 MESSAGE_INTERVAL = 0.1
-"""Least seconds between two shares that a job reports."""
+"""Least seconds between two fractions that a job reports."""
 
 SAFE_PATH = "PYTHONSAFEPATH"
 """Environment variable that keeps the current folder out of Python's path."""
@@ -59,7 +59,7 @@ class LostProcess(Exception):
 class Job:
     """A function call for a process; ``weight`` is its approximate duration in seconds.
 
-    If ``tells``, the function gets an additional argument, a callback for the share of the work
+    If ``tells``, the function gets an additional argument, a callback for the fraction of the work
     done, 0 .. 1, or other messages. After ``seconds`` of wall time the process is killed; it may
     take ``memory`` bytes in addition to what it has. A job that ``gives_way`` is ended, by
     Cancelled from its callback, when its process gets another. All parts must be picklable, unless
@@ -156,8 +156,8 @@ def in_order(jobs: Iterable[Job], workers: Workers) -> Iterator[Any]:
 def run_jobs(jobs: Mapping[Subject, Job], workers: int, progress: Progress) -> dict[Subject, Any]:
     """Do all jobs in `workers` processes, the longest first; return the results by key.
 
-    `progress` is called from time to time with the share of the work done, 0 .. 1. The exception of
-    the first failing job is raised, and the other jobs are dropped.
+    `progress` is called from time to time with the fraction of the work done, 0 .. 1. The exception
+    of the first failing job is raised, and the other jobs are dropped.
 
     Raises ValueError unless workers >= 1.
     """

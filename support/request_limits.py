@@ -23,7 +23,7 @@ from pathlib import Path
 from longwave.support.user_files import cut
 
 MEMORY_FRACTION = 0.5
-"""Default share of the available memory that a request may take."""
+"""Default fraction of the available memory that a request may take."""
 
 USUAL_SECONDS = 3600.0
 """Default seconds that a request of the command line may take."""

@@ -77,7 +77,7 @@ def open_plain(path: str | Path, folder: int | None = None, untyped: int = 1) ->
     number = not_stale(lambda: os.open(path, flags, dir_fd=folder))
     if not stat.S_ISREG(os.fstat(number).st_mode):
         os.close(number)
-        raise OSError(errno.EINVAL, "is no file", str(path))
+        raise OSError(errno.EINVAL, "is not a file", str(path))
     return number
 
 
@@ -106,17 +106,19 @@ def _inner_folder(outer: int, name: str, folder: Path) -> int:
     try:
         return not_stale(lambda: os.open(name, flags, dir_fd=outer))
     except NotADirectoryError:
-        raise OSError(errno.ELOOP, "a folder must be no link", str(folder)) from None
+        raise OSError(errno.ELOOP, "a folder must not be a link", str(folder)) from None
 
 
 def check_no_link(folder: Path) -> None:
     """Raise OSError if a folder of a store is a link."""
     if not_stale(folder.is_symlink):
-        raise OSError(errno.ELOOP, "a folder in a store must be no link (remove it)", str(folder))
+        raise OSError(
+            errno.ELOOP, "a folder in a store must not be a link (remove it)", str(folder)
+        )
 
 
 def read_sealed(path: Path, most: float = math.inf, untyped: int = 1) -> bytes | None:
-    """Return a sealed file's content (`open_plain`); None if missing, linked, damaged, or longer."""
+    """Return a sealed file's content (`open_plain`); None if missing, linked, damaged or long."""
 
     def content() -> bytes | None:
         with open(open_plain(path, untyped=untyped), "rb") as stream:

@@ -16,7 +16,7 @@ CHECK_INTERVAL = 0.1
 """Seconds between two checks for silence."""
 
 MIN_PACE_FRACTION = 1e-3
-"""Least share of the work from which its pace is estimated."""
+"""Least fraction of the work from which its pace is estimated."""
 
 Clock = Callable[[], float]
 
@@ -68,7 +68,7 @@ class TimeLeft:
         self._end = self.clock() + seconds
 
     def share(self, done: float) -> None:
-        """Set the share done; the share of an earlier process does not count for the pace."""
+        """Set the fraction done; the share of an earlier process does not count for the pace."""
         now = self.clock()
         self._first = self._first or (now, done)
         self._done = done

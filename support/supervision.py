@@ -28,7 +28,7 @@ TOO_LARGE = signal.SIGUSR1
 """Signal that ends a command with too much memory."""
 
 CHECK_INTERVAL, MAX_CHECK_FRACTION = 0.02, 0.1
-"""Seconds between two checks of a command, and the largest share of time spent on checks."""
+"""Seconds between two checks of a command, and the largest fraction of time spent on checks."""
 
 PATIENCE = 1.75
 """Seconds after a limit at which the command is killed; it has 1.5 s to end itself."""

@@ -111,7 +111,7 @@ MAX_STEPS_APART = 64
 """Most steps between two synchronisations of the cores."""
 
 MAX_REPEATED_FRACTION = 0.2
-"""Largest share of cells that both cores compute."""
+"""Largest fraction of cells that both cores compute."""
 
 MIN_SEARCHED_WORK = 200_000
 """Cells times stages from which on those that move are looked for."""

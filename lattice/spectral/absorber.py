@@ -46,7 +46,7 @@ MAX_STEP_DISTANCE = 1.0 / 8.0
 nothing is absorbed."""
 
 MAX_ABSORBED_RATIO = 1.5
-"""Wavenumber, in units of the cutoff, up to which waves are absorbed, by the share
+"""Wavenumber, in units of the cutoff, up to which waves are absorbed, by the factor
 exp(-(k/cutoff)^8)."""
 
 

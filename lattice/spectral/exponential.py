@@ -208,7 +208,7 @@ class ExponentialAdams:
         return p, newest
 
     def _table(self, share: float) -> Table:
-        """Return the coefficients of ``share`` of a step."""
+        """Return the coefficients of a ``share`` of a step."""
         h = share * self.h
         z = self._linear * h
         nodes = -np.arange(PAST_VALUES) / share

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from longwave.support.array_types import Array, Complex
 
 TAIL_DIVISOR = 8
-"""Inverse share of the spectrum that counts as its tail: the last 1/TAIL_DIVISOR."""
+"""Inverse of the fraction of the spectrum that counts as its tail: the last 1/TAIL_DIVISOR."""
 
 INTERPOLATION_ERROR = 1e-13
 """Accuracy of the interpolation, relative to the root mean square sum of the coefficients."""

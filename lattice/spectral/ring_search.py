@@ -19,10 +19,10 @@ RESOLVED_ANGLE = 1.0
 which a wave of wavenumber 2 pi turns by one radian."""
 
 ALIKE = 0.2
-"""Largest unresolved difference between a ring's lattices, as a share of the tolerance. While the
-nonlinear part turns the phase of a typical wave by one radian, their strains separate by 0.02 to
-0.4 times the spread of their energies, in units of the largest strain: measured on 30 scenes of all
-waves, a |y| from 0.3 to 0.63, as `searches/estimates.py` draws them."""
+"""Largest unresolved difference between a ring's lattices, as a fraction of the tolerance. While
+the nonlinear part turns the phase of a typical wave by one radian, their strains separate by 0.02
+to 0.4 times the spread of their energies, in units of the largest strain: measured on 30 scenes of
+all waves, a |y| from 0.3 to 0.63, as `searches/estimates.py` draws them."""
 
 TAIL_SHARE = 0.1
 """Bound of the spectrum's tail, in units of the tolerance."""

@@ -113,9 +113,9 @@ class Kernel:
         options: dict[str, Any],
     ) -> None:
         if not (cached or subnormals):
-            raise ValueError("cache must be True where subnormals is False, got False")
+            raise ValueError("cache must be True if subnormals is False, got False (set it)")
         if examples and not cached:
-            raise ValueError("cache must be True where there are examples, got False")
+            raise ValueError("cache must be True if there are examples, got False (set it)")
         functools.update_wrapper(self, function)
         self.py_func, self.examples = function, examples
         self._cached, self._subnormals, self._options = cached, subnormals, OPTIONS | options
@@ -134,7 +134,7 @@ class Kernel:
             compiled = self._entries[key] = self._entry(key, words, arguments)
         entry, packed = compiled
         if entry(packed(*words)):
-            raise RuntimeError(f"{self.py_func.__name__} must raise nothing, got an exception")
+            raise RuntimeError(f"{self.py_func.__name__} must raise nothing, got an error")
         return None
 
     def __get__(self, instance: object, owner: type | None = None) -> Any:
@@ -270,7 +270,7 @@ def _unpack(values: Iterable[Any], kinds: list[Any], words: list[Any]) -> None:
         else:
             raise TypeError(
                 "arguments of a kernel must be doubles, integers of 64 bits, arrays, tuples or "
-                f"None, got {value!r}"
+                f"None, got {value!r} (convert it)"
             )
 
 

@@ -147,7 +147,7 @@ def _check_private(path: Path, state: os.stat_result) -> None:
     """Raise NotPrivateError if the folder is not the user's alone."""
     fault = "a link" if stat.S_ISLNK(state.st_mode) else _fault(state, FOLDER_MODE ^ 0o777)
     if fault:
-        raise NotPrivateError(f"a cache folder must be private to the user, got {path}, {fault}")
+        raise NotPrivateError(f"a cache folder must be private to the user, got {path} {fault}")
 
 
 def _fault(state: os.stat_result, others: int) -> str:
