@@ -9,8 +9,7 @@ from longwave.lattice.state import GROWTH, BlowUp, State
 from longwave.support.array_types import Array, Mask
 
 GRID_WAVENUMBERS = {1: 33, 2: 9, 3: 5}
-"""Wavenumbers per axis, by dimension, of the grid over the Brillouin zone on which the stability of
-a single cell's bonds is checked."""
+"""Wavenumbers per axis, by dimension, of the grid on which one cell's bonds are checked."""
 
 BATCH_CELLS = 4096
 """Cells checked in one batch: about 10 MB for two fields."""

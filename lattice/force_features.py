@@ -27,16 +27,16 @@ STEP_FRACTION = 0.5
 """Fraction of a panel by which a stretch may change in a step."""
 
 CORNER_RATIO, CORNER_ERROR_RATIO = 4.0, 1e-4
-"""Factor by which panels at a corner get shorter when the allowed error is CORNER_ERROR_RATIO of
-itself."""
+"""Panels at a corner get shorter by `CORNER_RATIO` if the allowed error does by
+`CORNER_ERROR_RATIO`."""
 
 MAX_SLOPE_ERROR = 1e-3
 """Largest deviation of slopes between samples from a cubic through these, in units of the largest
 slope, at which a law counts as smooth: comparing two runs then shows the error of the step."""
 
 INITIAL_GAPS, FITTED_POINTS, MAX_GAPS = 8, 8, 640
-"""Gaps between samples of a slope at first, points of the polynomials through them, and most gaps;
-narrower features show on the panels of the integral."""
+"""First and largest number of gaps between sampled slopes, and the points of polynomials through
+them. Narrower features show on the panels of the integral."""
 
 SMOOTH_ERROR_RATIO, END_FRACTION = 64.0, 0.1
 """Factor by which halving the gaps reduces the polynomials' error for a smooth law (256

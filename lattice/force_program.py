@@ -35,8 +35,7 @@ QUADRATURE_POINTS = 24
 """Points of the quadrature rule that integrates a force to its potential."""
 
 SMOOTH_DEGREE = 8
-"""Highest degree of polynomials whose largest slope at 65 samples is low by a few percent at most
-(Markov's inequality)."""
+"""Highest degree of polynomials whose largest slope is found at 65 samples to a few percent."""
 
 SUMMAND_CHANGE = 2.0**-20
 """Relative change of a summand that measures how strongly the force depends on it."""

@@ -53,8 +53,7 @@ SLOW_RATIO = 1e6
 """Waves whose period is this many times the run's duration do not limit the step."""
 
 LARGE_STATE = 2**20
-"""Size of a state, in numbers, from which runs are made one at a time on both cores: two at once
-would take twice the memory."""
+"""Numbers in a state from which runs are made one at a time: two would take twice the memory."""
 
 RUNAWAY_STEP_RATIO, MIN_RUNAWAY_STEPS = 4e4, 1e5
 """Number of steps beyond which strains must be running away: in units of the number with the
@@ -77,12 +76,10 @@ FEATURE_MARGIN = 2.0
 """Margin searched for features on either side of the stretches visited, in units of their range."""
 
 FEATURE_GAPS = round(INITIAL_GAPS * (1.0 + 2.0 * FEATURE_MARGIN))
-"""Gaps between samples of slopes on the range with its margins: as long as those on the range
-alone."""
+"""Gaps between sampled slopes on that wider range, as long as those on the range alone."""
 
 MAX_UNRESOLVED_RUNS = 3
-"""Runs, with shorter and shorter steps, that must meet a feature that is too narrow before it is
-refused."""
+"""Runs with shorter and shorter steps that must meet too narrow a feature before it is refused."""
 
 QUIET_TIME = 0.1
 """Time between two stops, in units of the inverse highest frequency at rest, in which stretches

@@ -312,8 +312,7 @@ class NumericLattice:
 
 
 WAVENUMBERS = {1: 257, 2: 33, 3: 9}
-"""Wavenumbers per axis, by dimension, of the grid for highest frequencies; a chain's is found with
-a relative error of 1e-4."""
+"""Wavenumbers per axis, by dimension, for highest frequencies (to 1e-4 in a chain)."""
 
 ROUNDED_SQUARE = 1e-12
 """Negative squared frequencies up to this size, in units of the largest, count as rounding."""

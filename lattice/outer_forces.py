@@ -22,12 +22,11 @@ SAMPLED_TIMES = 2**17 + 1
 """Times at which drives are sampled before a run, to find the steps that resolve them."""
 
 CORNER_JUMP, MAX_CORNERS = 0.25, 100
-"""Fraction of the range of slopes by which a slope jumps at a corner, and number of corners beyond
-which a drive counts as fast instead."""
+"""A corner is a slope's jump by this fraction of the slopes' range; with more corners a drive is
+fast."""
 
 MIN_SLOPE_RANGE = 1e-6
-"""Fraction of the range of all slopes below which the drive outside covered spans has no
-corners."""
+"""Range of slopes, in units of that of all slopes, below which open spans have no corners."""
 
 MAX_REFINEMENTS, MAX_REFINED_GAPS, HIDDEN_FRACTION = 6, 2**12, 0.1
 """Refinements of the sampling by 64, most gaps refined, and the fraction of the total change that

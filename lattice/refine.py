@@ -84,8 +84,7 @@ MAX_LAWFUL_RATIO = 3.0
 the change has also fallen as half of the order predicts."""
 
 NEGLIGIBLE_FRACTION = 0.01
-"""Fraction of the tolerance below which the change by a step needs to obey no law: it may be
-rounding, or come round a ring."""
+"""Change by a step, in units of the tolerance, that needs to obey no law: it may be rounding."""
 
 MIN_RING_ERROR = 0.05
 """Least error reported on a ring, as a fraction of the tolerance. Negligible changes there hid
@@ -93,8 +92,7 @@ errors of 0.021 of it: the steps of a kink that turned short waves by many radia
 (`tests/scenes/engines/test_comparison_honesty.py`)."""
 
 MIN_ERROR = 1e-5
-"""Least error reported elsewhere, as a fraction of the tolerance: no run was examined more
-closely."""
+"""Least error reported elsewhere, in units of the tolerance: no run was examined more closely."""
 
 
 USUAL_WORK = 4.5

@@ -33,8 +33,7 @@ SAMPLES = 64
 """Points on the wavelength about the seam, and circumferences tried within one wavelength."""
 
 GAUSS_NEWTON_STEPS, DIFFERENCE_STEP = 12, 1e-5
-"""Most Gauss-Newton steps from the best circumference tried, and the difference step of the slope
-in wavelengths."""
+"""Most Gauss-Newton steps, and the difference step (in wavelengths) for their slopes."""
 
 BLEND_REACH = 6.0
 """Distance, in blend widths, within which the blend runs from 0 to 1 to double precision."""

@@ -25,8 +25,7 @@ CHUNK = 64
 """Most steps between two stops; a chunk that blew up is repeated step by step."""
 
 LEAST_CHUNK = 8
-"""Default fewest steps between two stops: checking and copying a large ring costs as much as a
-step."""
+"""Default fewest steps between two stops: checking a large ring costs as much as a step."""
 
 MAX_EVALUATIONS = 3e8
 """Most force evaluations between two stops, a fraction of a second, so that Ctrl-C acts soon."""

@@ -99,8 +99,7 @@ FORCE_ROUNDING = 4.0 * 2.0**-53
 """Rounding error of one force evaluation at unit strain: a few roundings of varying sign."""
 
 STEADY_ROUNDING = 2.0**-53
-"""Part of that error whose sign does not vary (measured: 0.4 of it, on a kink's far field at t =
-2e8)."""
+"""Part of that error whose sign does not vary (0.4 of it on a kink's far field at t = 2e8)."""
 
 
 def rounding_error(largest: float, evaluations: int) -> float:

@@ -26,8 +26,7 @@ from typing import TypeVar
 T = TypeVar("T")
 
 LONGEST_STEM, LONGEST_SUFFIX = 40, 12
-"""Most characters of a file's stem and suffix used in its draft's name: a name has at most 255
-bytes."""
+"""Most characters of a file's stem and suffix in its draft's name, which has at most 255 bytes."""
 
 DRAFT = re.compile(r"\.([0-9a-f]{8})-([0-9]{1,9})-[0-9a-f]{16}\.draft")
 """Pattern of the end of a draft's name: host, process and a random number."""

@@ -45,8 +45,7 @@ SAVING_SECONDS = 15.0
 """Seconds by which `keeping` extends the time for writing finished results."""
 
 SAME_PRESS = 0.3
-"""Seconds in which a second signal counts as the first: some programs forward a signal that the
-terminal has sent already."""
+"""Seconds in which a second signal counts as the first, which some programs forward."""
 
 CHECK_INTERVAL = 0.05
 """Seconds between two checks of the time."""

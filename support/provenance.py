@@ -19,8 +19,7 @@ PACKAGES = (
 )
 
 CODE = ("support", "derive", "solutions", "lattice", "scenes")
-"""Folders, with subfolders, of all code that computes runs. Formulas are imported by name, so
-following imports would miss some."""
+"""Folders of all code that computes runs; some of it is imported by name only."""
 
 PROVENANCE = ("versions", "platform", "code")
 """Attributes of a run that `provenance` returns."""

@@ -74,8 +74,7 @@ PAGE_DOUBLES = 512
 """Doubles in a page of memory."""
 
 BLOCK_ROWS = 256
-"""Rows in a block. 64 to 512 cost the same to 5 %; `benchmarks/lattice_constants.py` measures this
-and the other constants."""
+"""Rows in a block: 64 to 512 cost the same to 5 % (`benchmarks/lattice_constants.py`)."""
 
 MIN_LANED_CELLS = 32
 """Fewest cells that are laid out in rows of ``LANES``."""
@@ -87,8 +86,7 @@ PLANE_BLOCK_ROWS = 4
 """Rows in a block of a plane: 1 to 16 cost the same to 5 %."""
 
 CACHED_DOUBLES = 65_536
-"""Most doubles of a plane's rows between the first stage of a pass and the last: half of the
-second-level cache."""
+"""Most doubles of a plane's rows that a pass works on: half of the second-level cache."""
 
 MIN_HALO_RATIO = 24
 """Least ratio of the ring's own rows to those that a pass repeats at its ends, if that leaves room
@@ -101,8 +99,8 @@ in the strain one stage alone is a fifth faster, with the 10 of three fields a s
 registers of eight doubles (`benchmarks/same_lattice.py`)."""
 
 MIN_SHARED_VALUES = 16_384
-"""Least cells times fields for which a second core pays: 1.5 to 1.8 times as fast up to 65 536, on
-idle cores (`benchmarks/lattice_constants.py`)."""
+"""Least cells times fields for which a second core pays: up to 65 536 it is 1.5 to 1.8 times as
+fast."""
 
 MIN_SHARED_WORK = 1_000_000
 """Least cells times fields times stages between two synchronisations for a second core to pay."""

@@ -38,16 +38,13 @@ ABSORBER_STRENGTH = 14.0
 """Default logarithm of the factor by which one passage reduces a wave: 8e-7 of it are left."""
 
 ABSORPTION_DISTANCE = 1.0 / 64.0
-"""Distance, in circumferences, that a left-going wave travels between two absorptions, unless one
-step takes it further."""
+"""Distance, in circumferences, that left-going waves travel between two absorptions."""
 
 MAX_STEP_DISTANCE = 1.0 / 8.0
-"""Largest distance, in circumferences, that a left-going wave may travel in a step; otherwise
-nothing is absorbed."""
+"""Distance, in circumferences, per step of left-going waves beyond which nothing is absorbed."""
 
 MAX_ABSORBED_RATIO = 1.5
-"""Wavenumber, in units of the cutoff, up to which waves are absorbed, by the factor
-exp(-(k/cutoff)^8)."""
+"""Largest wavenumber absorbed, in units of the cutoff, by the factor exp(-(k/cutoff)^8)."""
 
 
 class LeftAbsorber:

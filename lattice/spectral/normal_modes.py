@@ -19,8 +19,7 @@ from longwave.lattice.numeric_lattice import Entry, NumericLattice
 from longwave.support.array_types import Array, Complex
 
 HERMITIAN_ERROR = 1e-12
-"""Largest deviation of a weighted matrix from its adjoint, in units of its largest entry, at which
-it counts as Hermitian."""
+"""Largest relative deviation of a weighted matrix from its adjoint to count as Hermitian."""
 
 MAX_CONDITION = 1e6
 """Largest condition number of eigenvectors; beyond it they are nearly parallel."""

@@ -38,8 +38,7 @@ ROUNDED_TAIL = 2.0**-46
 """Tail, in units of the fields, below which it is rounding that more points do not reduce."""
 
 DENSER = 1.4
-"""Factor on the points when a run is restarted because its spectrum's tail rose, or its control run
-needs it."""
+"""Factor on the points of a run whose spectrum's tail rose, or whose control run needs more."""
 
 LEAST_POINTS = 8
 """Fewest points along an axis; a control run has ``DENSITY_RATIO`` times as many."""

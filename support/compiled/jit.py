@@ -43,8 +43,7 @@ C_ORDER, OF_C, OF_OTHERS = 0x1, 0x501, 0x502
 """NumPy's array flags: C order; C order, aligned and writeable; the last two with Fortran order."""
 
 DATA, SHAPE, STRIDES = (object.__basicsize__ // 8 + place for place in (0, 2, 3))
-"""Word offsets, in an array object, of the tables of data, shape and strides: NumPy's binary
-interface."""
+"""Word offsets of the addresses of data, shape and strides in an array object (NumPy's ABI)."""
 
 ENTRY = "kernel"
 """Name of the exported function, which takes the address of the words."""

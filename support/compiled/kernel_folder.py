@@ -36,8 +36,7 @@ FOLDER_MODE, FILE_MODE, OTHERS_WRITE = 0o700, 0o600, 0o022
 """Modes of a cache's folder and files, and permissions that others must not have on them."""
 
 BASE_MODE = 0o755
-"""Most permissive mode of the folder that contains cache folders: with mask 0 everybody could move
-them."""
+"""Mode of the folder of cache folders: with mask 0 everybody could move them otherwise."""
 
 MAX_VERSIONS = 8
 """Versions of a module's folder that are kept; the least recently used ones are removed first."""
