@@ -421,13 +421,13 @@ def _pulses(ends: _Ends, forces: Sequence[SiteForce], count: int, pulls: bool) -
 
 
 def _rates(
-    name: str, each: str, names: Sequence[str], given: Sequence[float] | float
+    name: str, item: str, names: Sequence[str], given: Sequence[float] | float
 ) -> tuple[float, ...]:
     """Return one rate for each field or bond; raise ValueError for a wrong sign or count."""
     rates = (given,) * len(names) if isinstance(given, int | float) else tuple(given)
     if len(rates) != len(names) or not all(0.0 <= rate < math.inf for rate in rates):
         raise ValueError(
-            f"{name} must be a rate of 0 or more for each {each}, got {given} (there are "
+            f"{name} must be a rate of 0 or more for each {item}, got {given} (there are "
             f"{', '.join(names)})"
         )
     return tuple(float(rate) for rate in rates)

@@ -154,11 +154,11 @@ def _interpolation_error(samples: Array, t: Array, values: Array, points: int) -
     return np.asarray(np.abs(values - expected))
 
 
-def finite_range(force: ForceProgram, low: float, high: float, room: float) -> tuple[float, float]:
-    """Return the range widened by ``room`` on either side, as far as slopes are bounded."""
+def finite_range(force: ForceProgram, low: float, high: float, pad: float) -> tuple[float, float]:
+    """Return the range widened by ``pad`` on either side, as far as slopes are bounded."""
     ends = []
     for end, side in ((low, -1.0), (high, 1.0)):
-        samples = end + side * room * np.linspace(0.0, 1.0, SLOPE_SAMPLES)
+        samples = end + side * pad * np.linspace(0.0, 1.0, SLOPE_SAMPLES)
         pairs = np.sort([samples[:-1], samples[1:]], axis=0)
         with np.errstate(all="ignore"):
             broken = ~np.isfinite([force(samples[1:]), *force.slope_enclosed(*pairs)]).all(axis=0)

@@ -439,9 +439,9 @@ class CellEngine(trials.StepSearch):
             return False
         for index, rate in zip(self._featured_bonds, rates.tolist(), strict=True):
             force, (least, most) = self.lattice.bonds[index].force, ranges[index].tolist()
-            room = FEATURE_MARGIN * (most - least + rate / self._highest_at_rest)
-            ends = finite_range(force, least, most, room)
-            feature = find_feature(force, *ends, self._allowed_push * max(rate, room), FEATURE_GAPS)
+            pad = FEATURE_MARGIN * (most - least + rate / self._highest_at_rest)
+            ends = finite_range(force, least, most, pad)
+            feature = find_feature(force, *ends, self._allowed_push * max(rate, pad), FEATURE_GAPS)
             if feature.width < math.inf or feature.turns:
                 self._has_features, self.unstable = True, MAX_RESOLVING_RUNS
                 self.most_work = max(self.most_work, 4.0 * MAX_RESOLVING_STEPS)
@@ -454,8 +454,8 @@ class CellEngine(trials.StepSearch):
             return longest
         for index, rate in zip(self._featured_bonds, rates.tolist(), strict=True):
             force, (least, most) = self.lattice.bonds[index].force, ranges[index].tolist()
-            room = RANGE_MARGIN * (most - least) + rate * self._quiet_time(choices)
-            ends = finite_range(force, least, most, room)
+            pad = RANGE_MARGIN * (most - least) + rate * self._quiet_time(choices)
+            ends = finite_range(force, least, most, pad)
             feature = find_feature(force, *ends, self._allowed_push * rate)
             if feature.turns:
                 self.order, self._largest_ratio = ORDER_AT_OPENINGS, RATIO_AT_OPENINGS

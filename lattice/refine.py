@@ -457,13 +457,13 @@ class _Search:
         self._pending_work = max(0.0, self._pending_work - trial.work)
         self.seconds += trial.seconds
 
-    def _report_progress(self, share: float) -> None:
+    def _report_progress(self, fraction: float) -> None:
         """Report the progress of the whole search, given the fraction done of the pending runs."""
         if self._stopped:
             raise KeyboardInterrupt
         usual = USUAL_WORK * (self._first_work or self._pending_work)
         whole = max(usual, self._done_work + self._pending_work)
-        done = (self._done_work + share * self._pending_work) / whole if whole else share
+        done = (self._done_work + fraction * self._pending_work) / whole if whole else fraction
         self._last_share = max(self._last_share, min(done, 1.0))
         self._progress(self._last_share)
 

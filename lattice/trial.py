@@ -75,23 +75,23 @@ class StoppedTrial(KeyboardInterrupt):
         self.trial = trial
 
 
-def difference(one: Trial, other: Trial) -> float:
+def difference(first: Trial, second: Trial) -> float:
     """Return the largest difference of y/eps between two runs; infinite if either blew up."""
-    return _largest_difference(one.values, other.values)
+    return _largest_difference(first.values, second.values)
 
 
-def difference_around(one: Trial, other: Trial) -> float:
+def difference_around(first: Trial, second: Trial) -> float:
     """Return the `difference`, or that on more sites if it is larger."""
-    around = 0.0 if one.around is None else _largest_difference(one.around, other.around)
-    return max(difference(one, other), around)
+    around = 0.0 if first.around is None else _largest_difference(first.around, second.around)
+    return max(difference(first, second), around)
 
 
-def _largest_difference(one: Array | None, other: Array | None) -> float:
+def _largest_difference(first: Array | None, second: Array | None) -> float:
     """Return the largest difference of two arrays; inf if one is None or not finite."""
-    if one is None or other is None:
+    if first is None or second is None:
         return math.inf
     with np.errstate(invalid="ignore", over="ignore"):
-        largest = float(np.max(np.abs(one - other)))
+        largest = float(np.max(np.abs(first - second)))
     return largest if math.isfinite(largest) else math.inf
 
 
@@ -233,15 +233,15 @@ def shorter_step(stops: Array, step: float, order: int, ratio: float) -> float:
     return step_taken(stops, ratio * step, order, ratio * mean_step(stops, step, order))
 
 
-def step_taken(stops: Array, step: float, order: int, most: float) -> float:
-    """Return the step, shortened until its error is at most that of ``most``.
+def step_taken(stops: Array, step: float, order: int, target: float) -> float:
+    """Return the step, shortened until its error is at most that of ``target``.
 
     Errors are those of the actual steps, which the stops shorten.
 
     >>> round(step_taken(np.array([0.0, 1.0]), 0.9, 6, 0.4), 2)
     0.49
     """
-    while mean_step(stops, step, order) > most:
+    while mean_step(stops, step, order) > target:
         step *= 0.97
     return step
 

@@ -163,21 +163,21 @@ limit_options = limits_of_each()
 
 
 def listed(
-    name: str, text: str, part: Callable[[str], Number], what: str, usual: str
+    name: str, text: str, convert: Callable[[str], Number], noun: str, hint: str
 ) -> tuple[Number, ...]:
     """Return the numbers in an option's text, separated by commas.
 
-    Raises ValueError, which says that they must be ``what`` and shows the ``usual``, for other
+    Raises ValueError, which says that they must be ``noun`` and shows the ``hint``, for other
     texts.
 
     >>> listed("--eps", "0.1, 0.05", float, "numbers", "such as 0.1,0.05")
     (0.1, 0.05)
     """
     try:
-        return tuple(map(part, text.split(",")))
+        return tuple(map(convert, text.split(",")))
     except ValueError:
         raise ValueError(
-            f"{name} must be {what} with commas between, got {text[:60]!r} ({usual})"
+            f"{name} must be {noun} with commas between, got {text[:60]!r} ({hint})"
         ) from None
 
 

@@ -61,14 +61,14 @@ def print_results(
     show: Callable[[Sequence[Any]], object],
     json_wanted: bool,
     program: str,
-    asked: str,
+    requested: str,
 ) -> int:
     """Print results with ``show`` or as JSON; return 0, or 130 after an interruption."""
     if json_wanted:
         print_json([entry.json() for entry in results])
     else:
         show(results)
-    return 0 if complete else interrupted(program, f"after {len(results)} of {asked}")
+    return 0 if complete else interrupted(program, f"after {len(results)} of {requested}")
 
 
 def print_json(data: object) -> None:

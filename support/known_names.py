@@ -23,7 +23,7 @@ MAX_LISTED = 30
 T = TypeVar("T")
 
 
-def close_names(name: object, known: Iterable[str], most: int = MAX_SUGGESTIONS) -> list[str]:
+def close_names(name: object, known: Iterable[str], limit: int = MAX_SUGGESTIONS) -> list[str]:
     """Return the known names similar to an unknown one, the most similar first.
 
     Similar names have the same letters in another order, a few wrong letters, or a missing end.
@@ -38,7 +38,7 @@ def close_names(name: object, known: Iterable[str], most: int = MAX_SUGGESTIONS)
         plain.setdefault(text.lower(), text)
     typed = str(name)[:COMPARED_CHARACTERS].lower()
     close = [other for other in plain if sorted(other) == sorted(typed)]
-    if not close and (close := get_close_matches(typed, plain, most)):
+    if not close and (close := get_close_matches(typed, plain, limit)):
         similarities = [SequenceMatcher(None, other, typed).ratio() for other in close]
         close = [
             o
@@ -47,16 +47,16 @@ def close_names(name: object, known: Iterable[str], most: int = MAX_SUGGESTIONS)
         ]
     if not close and len(typed) >= MIN_PREFIX:
         close = [other for other in plain if other.startswith(typed)]
-    return [plain[other] for other in close[:most]]
+    return [plain[other] for other in close[:limit]]
 
 
-def did_you_mean(name: object, known: Iterable[str], most: int = MAX_SUGGESTIONS) -> str:
+def did_you_mean(name: object, known: Iterable[str], limit: int = MAX_SUGGESTIONS) -> str:
     """Return the known names similar to an unknown one as a question; empty if there are none.
 
     >>> did_you_mean("Kinck", ["wave_cn", "kink"]), did_you_mean("peakon", ["wave_cn", "kink"])
     ('did you mean kink?', '')
     """
-    close = close_names(name, known, most)
+    close = close_names(name, known, limit)
     return f"did you mean {', '.join(close)}?" if close else ""
 
 

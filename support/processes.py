@@ -379,12 +379,15 @@ def _kill_group(leader: int) -> None:
 
 
 def _serve(
-    pipe: Connection, other: Connection | None, begin: Callable[[], None] | None, job: Job | None
+    pipe: Connection,
+    peer: Connection | None,
+    begin: Callable[[], None] | None,
+    job: Job | None,
 ) -> None:
-    """Do this ``job``, or those from the pipe; a fork closes its ``other`` end."""
+    """Do this ``job``, or those from the pipe; a fork closes its ``peer``, the parent's end."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    if other is not None:
-        other.close()
+    if peer is not None:
+        peer.close()
         gc.freeze()  # finalizers of the parent's objects may wait for threads that a fork lacks
     inbox: SimpleQueue[bytes] = SimpleQueue()
     threading.Thread(target=_receive, args=(pipe, inbox), daemon=True).start()
@@ -417,12 +420,12 @@ def _do(job: Job, pipe: Connection, inbox: SimpleQueue[bytes]) -> bool:
         if job.gives_way and not inbox.empty():
             raise Cancelled
 
-    def tell(what: Any) -> None:
+    def tell(message: Any) -> None:
         nonlocal last
         give_way()
-        if not isinstance(what, float) or time.monotonic() > last + MESSAGE_INTERVAL:
+        if not isinstance(message, float) or time.monotonic() > last + MESSAGE_INTERVAL:
             last = time.monotonic()
-            pipe.send(("message", what))
+            pipe.send(("message", message))
 
     kind, usable = "value", True
     try:

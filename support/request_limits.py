@@ -129,7 +129,7 @@ def enforced_memory(size: float) -> Iterator[None]:
         resource.setrlimit(resource.RLIMIT_DATA, before)
 
 
-def check_request(what: str, cost: ExpectedCost, cheaper: str) -> None:
+def check_request(work: str, cost: ExpectedCost, cheaper: str) -> None:
     """Raise OverBudgetError if the cost exceeds the limits; the message says what is ``cheaper``.
 
     >>> check_request("the run", ExpectedCost(seconds=3.0, memory_bytes=1e6), "take fewer sites")
@@ -138,12 +138,12 @@ def check_request(what: str, cost: ExpectedCost, cheaper: str) -> None:
     steps = f" for {cost.steps:.2g} steps" if cost.steps else ""
     if cost.memory_bytes > limits.memory_bytes:
         raise OverBudgetError(
-            f"{what} must fit {memory_text(limits.memory_bytes)}, got about "
+            f"{work} must fit {memory_text(limits.memory_bytes)}, got about "
             f"{memory_text(cost.memory_bytes)} ({cheaper}, or raise --max-memory)"
         )
     if cost.seconds > limits.seconds:
         raise OverBudgetError(
-            f"{what} must take at most {duration(limits.seconds)}, got about "
+            f"{work} must take at most {duration(limits.seconds)}, got about "
             f"{duration(cost.seconds)}{steps} ({cheaper}, or raise --max-time)"
         )
 
@@ -187,23 +187,23 @@ def machine_memory() -> float:
     return size
 
 
-def read_memory(name: str, given: float | str) -> float:
+def read_memory(name: str, amount: float | str) -> float:
     """Parse bytes from a number or a text such as "500M". Raises ValueError for other texts.
 
     >>> read_memory("--max-memory", "4GB"), read_memory("--max-memory", "none")
     (4000000000.0, inf)
     """
-    unit = str(given).strip().upper().removesuffix("B").removesuffix("I")
+    unit = str(amount).strip().upper().removesuffix("B").removesuffix("I")
     return _quantity(name, unit, MEMORY_UNITS, "500M, 4G or none")
 
 
-def read_time(name: str, given: float | str) -> float:
+def read_time(name: str, amount: float | str) -> float:
     """Parse seconds from a number or a text such as "30min". Raises ValueError for other texts.
 
     >>> read_time("--max-time", "30min"), read_time("--max-time", 90)
     (1800.0, 90.0)
     """
-    return _quantity(name, str(given).strip().lower(), TIME_UNITS, "90s, 30min, 2h, 1d or none")
+    return _quantity(name, str(amount).strip().lower(), TIME_UNITS, "90s, 30min, 2h, 1d or none")
 
 
 def _quantity(name: str, text: str, units: dict[str, float], usual: str) -> float:

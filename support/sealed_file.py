@@ -117,12 +117,12 @@ def check_no_link(folder: Path) -> None:
         )
 
 
-def read_sealed(path: Path, most: float = math.inf, untyped: int = 1) -> bytes | None:
+def read_sealed(path: Path, max_bytes: float = math.inf, untyped: int = 1) -> bytes | None:
     """Return a sealed file's content (`open_plain`); None if missing, linked, damaged or long."""
 
     def content() -> bytes | None:
         with open(open_plain(path, untyped=untyped), "rb") as stream:
-            longer = os.fstat(stream.fileno()).st_size > most
+            longer = os.fstat(stream.fileno()).st_size > max_bytes
             return None if longer else sealed_content(stream.read())
 
     try:

@@ -323,8 +323,8 @@ class _Writer:
                 data, above = carried, builder.mul(pitch, INDEX(sum(rows.depths[:stream])))
             return builder.gep(data, [builder.add(above, builder.mul(pitch, row))])
 
-        def cell(row: Any, column: Any, own: bool) -> None:
-            """Generate one column; a ghost column (not ``own``) is not written."""
+        def cell(row: Any, column: Any, is_written: bool) -> None:
+            """Generate one column; ghost columns are not ``is_written``."""
 
             def earlier(stream: int, age: int, columns: int) -> Any:
                 there = builder.sub(column, INDEX(columns))
@@ -335,20 +335,20 @@ class _Writer:
             for stream, depth in enumerate(rows.depths):
                 if depth:
                     code.store(begin(stream, row, 0), column, stage.latest[stream])
-            for stream in range(flow.moving) if own else ():
+            for stream in range(flow.moving) if is_written else ():
                 code.store(begin(stream, row, 0), column, stage.latest[stream])
-            for stream, kicked in enumerate(flow.kicked, flow.fields) if own else ():
+            for stream, kicked in enumerate(flow.kicked, flow.fields) if is_written else ():
                 if kicked >= 2 * flow.fields:
                     code.store(begin(stream, row, rows.rise), column, stage.latest[kicked])
             stage.keep()
 
         with code.loop(first, past) as row:
             for column in range(-rows.before, 0):
-                cell(row, INDEX(column), own=False)
+                cell(row, INDEX(column), is_written=False)
             with code.loop(INDEX(0), width) as column:
-                cell(row, column, own=True)
+                cell(row, column, is_written=True)
             for more in range(rows.after):
-                cell(row, builder.add(width, INDEX(more)), own=False)
+                cell(row, builder.add(width, INDEX(more)), is_written=False)
             for stream in range(flow.fields):
                 self._close(code, begin(stream, row, 0), width, columns, rows)
         builder.ret_void()
@@ -363,9 +363,9 @@ class _Writer:
         starts = [lane * columns // lanes for lane in range(lanes + 1)]
         short = [after - before < -(-columns // lanes) for before, after in pairwise(starts)]
 
-        def repeat(to: Any, at: Any, way: int, moved: Sequence[int]) -> None:
+        def repeat(to: Any, at: Any, step: int, moved: Sequence[int]) -> None:
             """Copy a vector; where a lane is ``short``, take the next vector instead."""
-            one, other = (code.load(data, builder.add(at, INDEX(more))) for more in (0, way))
+            one, other = (code.load(data, builder.add(at, INDEX(more))) for more in (0, step))
             code.store(data, to, one if lanes == 1 else code.picked(one, other, moved))
 
         up = [(lane + 1) % lanes + lanes * short[lane] for lane in range(lanes)]

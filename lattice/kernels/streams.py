@@ -500,48 +500,48 @@ class _Builder:
         number = self.number(offset) if offset else None
         return StreamRead(self.add("sum", taps, number=number))
 
-    def varied(self, whole: StreamRead, share: StreamRead, part: StreamRead) -> int:
+    def varied(self, base: StreamRead, factor: StreamRead, change: StreamRead) -> int:
         """Add the stream ``whole + share * part``, cell by cell, and return its index."""
-        return self.add("varied", [whole, share, part])
+        return self.add("varied", [base, factor, change])
 
     def felt(
-        self, share: StreamRead, place: int, factor: ForceProgram | None
+        self, weight: StreamRead, index: int, factor: ForceProgram | None
     ) -> tuple[StreamRead, float]:
         """Return the share, times its factor at a field's position if any, and the share's unit."""
         if factor is None:
-            return share, 1.0
+            return weight, 1.0
         law, unit = force_formula(factor, self.number)
         assert law is not None
-        own, none = self.add("force", [self.positions[place]], law=law), self.add("sum", [])
-        return StreamRead(self.add("felt", [StreamRead(none), share, StreamRead(own)])), unit
+        own, none = self.add("force", [self.positions[index]], law=law), self.add("sum", [])
+        return StreamRead(self.add("felt", [StreamRead(none), weight, StreamRead(own)])), unit
 
     def kicked(
         self,
-        place: int,
+        index: int,
         parts: Sequence[_Part],
         mass: float,
-        share: int | None = None,
+        deviation: int | None = None,
         masses: MassKind | None = None,
     ) -> int:
-        """Return the stream of a field's kicked velocity; ``share`` deviates inverse ``masses``."""
+        """Return a field's stream of kicked velocities, given its masses' field of deviations."""
         if not parts:
-            return self.velocities[place].stream
+            return self.velocities[index].stream
         unit = parts[0].factor
         scaled = [part._replace(factor=part.factor / unit) for part in parts]
-        if share is None:
+        if deviation is None:
             total = self.total(scaled)
         elif masses == "strains":
             pulls = self._divided(scaled, 1, -1, BEYOND_SHIFTS)
             assert pulls is not None
             pull = self.total(pulls)
-            moved = self.varied(pull, StreamRead(share), pull)
+            moved = self.varied(pull, StreamRead(deviation), pull)
             total = StreamRead(self.add("sum", [StreamRead(moved, 1), StreamRead(moved, 0, -1.0)]))
         else:
             pull = self.total(scaled)
-            total = StreamRead(self.varied(pull, StreamRead(share), pull))
+            total = StreamRead(self.varied(pull, StreamRead(deviation), pull))
         number = self.number(unit / mass)
-        taps = [self.velocities[place], total]
-        return self.add("kicked", taps, 0, field=place, number=number)
+        taps = [self.velocities[index], total]
+        return self.add("kicked", taps, 0, field=index, number=number)
 
     def spread(self, lattice: NumericLattice, variation: Variation) -> tuple[int, ...]:
         """Add the spreading by dashpots in a drift; return the streams of the new positions."""

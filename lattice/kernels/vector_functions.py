@@ -163,13 +163,13 @@ def whole(pair: Pair) -> Lanes:
     return pair.high + pair.low
 
 
-def exact_product(one: Lanes, other: Lanes) -> Pair:
+def exact_product(first: Lanes, second: Lanes) -> Pair:
     """Return a product with its rounding error; sizes must be below 1e290."""
-    total = one * other
-    if one.code.fused:
-        rest = one.code.fused_multiply_add(one.value, other.value, (-total).value)
-        return Pair(total, one.with_value(rest))
-    (a, b), (c, d) = _halves(one), _halves(other)
+    total = first * second
+    if first.code.fused:
+        rest = first.code.fused_multiply_add(first.value, second.value, (-total).value)
+        return Pair(total, first.with_value(rest))
+    (a, b), (c, d) = _halves(first), _halves(second)
     return Pair(total, ((a * c - total) + a * d + b * c) + b * d)
 
 

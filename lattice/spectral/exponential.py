@@ -194,8 +194,8 @@ class ExponentialAdams:
 
     def solution_at(self, t: float) -> Complex:
         """Return the solution at a time less than one step after ``p``, which does not change."""
-        share = t / self.h - self.steps
-        return self.p if abs(share) <= STEP_SLACK else self._part(self._table(share))[0]
+        fraction = t / self.h - self.steps
+        return self.p if abs(fraction) <= STEP_SLACK else self._part(self._table(fraction))[0]
 
     def _part(self, table: Table) -> tuple[Complex, Complex]:
         """Return the solution after a step with these coefficients, and N at the predicted one."""
@@ -207,11 +207,11 @@ class ExponentialAdams:
         _correct(corrector, newest, self._past, p)
         return p, newest
 
-    def _table(self, share: float) -> Table:
-        """Return the coefficients of a ``share`` of a step."""
-        h = share * self.h
+    def _table(self, fraction: float) -> Table:
+        """Return the coefficients of a ``fraction`` of a step."""
+        h = fraction * self.h
         z = self._linear * h
-        nodes = -np.arange(PAST_VALUES) / share
+        nodes = -np.arange(PAST_VALUES) / fraction
         predictor = h * moment_weights(z, nodes)
         corrector = h * moment_weights(z, np.concatenate([[1.0], nodes]))
         corrector[1:] -= predictor

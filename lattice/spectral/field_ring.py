@@ -35,9 +35,9 @@ def values_of(modes: Complex, last: int, out: Array | None = None) -> Array:
     return ducc0.fft.c2r(modes, axes=axes, lastsize=last, forward=False, out=out)
 
 
-def fast_count(least: float) -> int:
-    """Return the smallest even number >= ``least`` with a fast Fourier transform."""
-    return 2 * int(ducc0.fft.good_size(math.ceil(least / 2.0), True))
+def fast_count(minimum: float) -> int:
+    """Return the smallest even number >= ``minimum`` with a fast Fourier transform."""
+    return 2 * int(ducc0.fft.good_size(math.ceil(minimum / 2.0), True))
 
 
 @dataclass(frozen=True)

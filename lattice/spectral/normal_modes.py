@@ -47,12 +47,12 @@ class NormalModes:
 
 
 def normal_modes(
-    lattice: NumericLattice, wavenumbers: Array, slopes: list[float], least: float
+    lattice: NumericLattice, wavenumbers: Array, slopes: list[float], lowest: float
 ) -> NormalModes:
     """Return the modes of these wavenumbers, (modes, axes), for bonds of these ``slopes``.
 
-    Frequencies below ``least`` are raised to it. Raises ValueError for a lattice of strains some of
-    whose modes cannot be decoupled.
+    Frequencies below ``lowest`` are raised to it. Raises ValueError for a lattice of strains with
+    modes that cannot be decoupled.
     """
     matrices = lattice.dynamical_matrix(wavenumbers, slopes)
     count = len(lattice.fields)
@@ -61,7 +61,7 @@ def normal_modes(
         vectors = inverse = np.ones((1, 1, len(wavenumbers)), dtype=np.complex128)
     else:
         squares, vectors, inverse = _diagonal(lattice, matrices)
-    raised = np.where(np.abs(squares) < least**2, least**2, squares)
+    raised = np.where(np.abs(squares) < lowest**2, lowest**2, squares)
     return NormalModes(np.sqrt(raised), vectors, inverse, raised - squares)
 
 
