@@ -201,7 +201,9 @@ class SpectralRing:
         if not tail <= self._amplitude:
             raise RunawayError(t)
         if tail > self._bound:
-            raise SamplingError(f"spectrum's tail {tail:.2g} at t = {t:g} (take more points)")
+            raise SamplingError(
+                f"the spectrum's tail is {tail:.2g} at t = {t:g} (take more points)"
+            )
 
     def _checked_stiffness(self, y: Array, t: float) -> Array:
         """Return the stiffness about strains; raise NotHyperbolicError where no waves exist."""

@@ -237,7 +237,9 @@ class LatticeRing:
         if not (tail <= self._amplitude or math.isinf(self._bound)) or not np.all(np.isfinite(f)):
             raise RunawayError(t)
         if tail > self._bound:
-            raise SamplingError(f"spectrum's tail {tail:.2g} at t = {t:g} (take more points)")
+            raise SamplingError(
+                f"the spectrum's tail is {tail:.2g} at t = {t:g} (take more points)"
+            )
         return f
 
     def _nonlinearity(self, p: Complex) -> Complex:
