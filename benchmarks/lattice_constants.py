@@ -59,10 +59,10 @@ def seconds(advance: Callable[[], None], clock: Callable[[], float]) -> float:
 def print_blocks() -> None:
     """Print the time of kernels with other blocks."""
     for name, shape, values in (
-        ("ROWS", (4096,), (64, 128, 512)),
-        ("STAGES", (4096,), (13, 52)),
-        ("ALONG", (64, 64), (1, 2, 16)),
-        ("CACHED", (512, 2048), (16_384, 32_768, 131_072)),
+        ("BLOCK_ROWS", (4096,), (64, 128, 512)),
+        ("MAX_STAGES", (4096,), (13, 52)),
+        ("PLANE_BLOCK_ROWS", (64, 64), (1, 2, 16)),
+        ("CACHED_DOUBLES", (512, 2048), (16_384, 32_768, 131_072)),
     ):
         steps = max(4, 1_600_000 // math.prod(shape))
         whole, *shares = (
@@ -76,7 +76,7 @@ def print_blocks() -> None:
 
 def print_cores() -> None:
     """Print the time on one core against that on two."""
-    for size in (8192, ring_kernel.LEAST_SHARED, 65_536, 10**6, 10**7):
+    for size in (8192, ring_kernel.MIN_SHARED_VALUES, 65_536, 10**6, 10**7):
         steps = max(2, 2_000_000 // size)
         one, two = (
             seconds(advanced((size,), steps, LEAST_SHARED=least), time.perf_counter)

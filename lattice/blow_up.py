@@ -3,30 +3,25 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from longwave.lattice.numeric_lattice import ROUNDED, NumericLattice, zone_wavenumbers
+from longwave.lattice.numeric_lattice import ROUNDED_SQUARE, NumericLattice, zone_wavenumbers
 from longwave.lattice.state import GROWTH, BlowUp, State
+from longwave.support.array_types import Array, Mask
 
-Array = NDArray[np.float64]
+GRID_WAVENUMBERS = {1: 33, 2: 9, 3: 5}
+"""Wavenumbers per axis, by dimension, of the grid on which one cell's bonds are checked."""
 
-WAVES = {1: 33, 2: 9, 3: 5}
-"""Wavenumbers per axis, by dimension, of the grid over the Brillouin zone on which the stability of
-a single cell's bonds is checked."""
-
-CELLS = 4096
+BATCH_CELLS = 4096
 """Cells checked in one batch: about 10 MB for two fields."""
 
-TINY = 1e-300
+MIN_SQUARE = 1e-300
 """Floor of the largest squared frequency, so that the stability threshold is never 0."""
 
 
-def find_blow_up(
-    lattice: NumericLattice, state: State, initial_amplitude: float | None
-) -> BlowUp | None:
+def find_blow_up(lattice: NumericLattice, state: State, amplitude: float | None) -> BlowUp | None:
     """Return the first blow-up criterion that the state meets, or None if the state is sound.
 
-    First criterion: a value is not finite. The others apply if ``initial_amplitude`` is given, the
+    First criterion: a value is not finite. The others apply if ``amplitude`` is given, the
     largest stretch at the start less the bond's offset: a bond's force is not finite; waves grow in
     the uniform lattice whose bonds all have one cell's slopes; or the largest stretch has grown by
     more than ``GROWTH``.
@@ -34,7 +29,7 @@ def find_blow_up(
     broken = ~np.all(np.isfinite(state.f) & np.isfinite(state.v), axis=0)
     if broken.any():
         return _blow_up_at("the fields are not finite", state, broken)
-    if initial_amplitude is None:
+    if amplitude is None:
         return None
     with np.errstate(all="ignore"):
         stretches = lattice.stretches(state.f)
@@ -48,27 +43,28 @@ def find_blow_up(
             return _blow_up_at("a bond is stretched to where waves grow", state, unstable)
     bond_stretches = zip(lattice.bonds, stretches, strict=True)
     amplitudes = np.max([np.abs(stretch - bond.offset) for bond, stretch in bond_stretches], axis=0)
-    large = amplitudes > GROWTH * initial_amplitude
+    large = amplitudes > GROWTH * amplitude
     if large.any():
         return _blow_up_at(f"the largest stretch has grown {GROWTH:g}-fold", state, large)
     return None
 
 
-def _unstable_cells(lattice: NumericLattice, slopes: list[Array]) -> NDArray[np.bool_]:
+def _unstable_cells(lattice: NumericLattice, slopes: list[Array]) -> Mask:
     """Return a mask of the cells whose slopes, repeated in every cell, give an unstable lattice."""
     units = np.eye(len(slopes))
-    waves = zone_wavenumbers(lattice.dimension, WAVES[lattice.dimension])
+    waves = zone_wavenumbers(lattice.dimension, GRID_WAVENUMBERS[lattice.dimension])
     matrices = np.array([lattice.dynamical_matrix(waves, list(unit)) for unit in units])
     flat = np.stack([slope.ravel() for slope in slopes])
     masks = []
-    for batch in np.array_split(flat, -(-flat.shape[1] // CELLS), axis=1):
+    for batch in np.array_split(flat, -(-flat.shape[1] // BATCH_CELLS), axis=1):
         squares = np.linalg.eigvals(np.einsum("bc,bwij->cwij", batch, matrices)).real
         squares = squares.reshape(batch.shape[1], -1)
-        masks.append(squares.min(axis=1) < -ROUNDED * np.maximum(squares.max(axis=1), TINY))
+        lowest = -ROUNDED_SQUARE * np.maximum(squares.max(axis=1), MIN_SQUARE)
+        masks.append(squares.min(axis=1) < lowest)
     return np.concatenate(masks).reshape(slopes[0].shape)
 
 
-def _blow_up_at(criterion: str, state: State, mask: NDArray[np.bool_]) -> BlowUp:
+def _blow_up_at(criterion: str, state: State, mask: Mask) -> BlowUp:
     """Return a `BlowUp` at the first cell, in site order, where the mask is set."""
     first = np.argmax(np.roll(mask, -state.left, axis=0) if state.left else mask)
     return BlowUp(criterion, state.t, state.left + int(first))

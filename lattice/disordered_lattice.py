@@ -6,26 +6,23 @@ the cell's deviation; its size is at most ``bound``, which must be less than 1.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from longwave.lattice.force_program import ForceProgram
-from longwave.lattice.numeric_lattice import Complex, Entry, NumericLattice
+from longwave.lattice.kernels.streams import merged_weights
+from longwave.lattice.numeric_lattice import Entry, NumericLattice
 from longwave.lattice.variation import MassKind, Variation
+from longwave.support.array_types import Array, Complex
 from longwave.support.real_arrays import real_array
-
-Array = NDArray[np.float64]
 
 
 def mass_kind(lattice: NumericLattice) -> MassKind:
-    """Return "displacements" or "strains": the kind of field that the lattice's masses carry.
-
-    Raises ValueError for a lattice of neither kind, whose masses cannot be assigned to cells.
-    """
+    """Return the kind of the fields; raise ValueError if masses cannot be assigned to cells."""
     kind = _kind_of_fields(lattice)
     if kind is None:
         raise ValueError(
@@ -41,19 +38,11 @@ def _kind_of_fields(lattice: NumericLattice) -> MassKind | None:
     if lattice.conserves_energy:
         return "displacements"
     if len(lattice.fields) == lattice.dimension == 1 and all(
-        _weights_by_shift(bond.action) == _weights_by_shift(_action_on_strains(bond.stretch))
+        merged_weights(bond.action) == merged_weights(_action_on_strains(bond.stretch))
         for bond in lattice.bonds
     ):
         return "strains"
     return None
-
-
-def _weights_by_shift(entries: Sequence[Entry]) -> dict[int, float]:
-    """Return the total weight of the entries at each shift, zero weights left out."""
-    weights: dict[int, float] = {}
-    for entry in entries:
-        weights[entry.shift[0]] = weights.get(entry.shift[0], 0.0) + entry.weight
-    return {shift: weight for shift, weight in weights.items() if weight}
 
 
 def _action_on_masses(stretch: Sequence[Entry]) -> list[Entry]:
@@ -88,11 +77,10 @@ class DisorderedLattice(NumericLattice):
 
     def __eq__(self, other: object) -> bool:
         """Return whether both have the same type and equal fields."""
+        pairs = ((getattr(self, item.name), getattr(other, item.name)) for item in fields(self))
         return type(other) is type(self) and all(
             np.array_equal(one, two) if isinstance(one, np.ndarray) else one == two
-            for one, two in (
-                (getattr(self, item.name), getattr(other, item.name)) for item in fields(self)
-            )
+            for one, two in pairs
         )
 
     __hash__ = NumericLattice.__hash__
@@ -120,50 +108,25 @@ class DisorderedLattice(NumericLattice):
         shares[:masses] = -shares[:masses] / (1.0 + shares[:masses])
         return shares
 
-    @property
-    def stays_at_rest(self) -> bool:
-        """Whether every varied force vanishes at zero stretch."""
-        parts = (part for part in self.variation.forces if part is not None)
-        return all(float(part(np.array(0.0))) == 0.0 for part in parts)
+    def rest_slopes(self, bound_sign: float = 1.0) -> list[float]:
+        """Return a bound, upper or lower, of the slope of each bond's force at the mean stretch."""
+        slopes, change = super().rest_slopes(), bound_sign * self.variation.bound
+        for index, part in enumerate(self.variation.forces):
+            if part is not None:
+                slopes[index] += change * abs(float(part.slope(np.array(self.bonds[index].offset))))
+        return slopes
 
-    @property
-    def softest(self) -> list[float]:
-        """Lower bound of the slope of each bond's force at the mean stretch."""
-        pairs = zip(super().rest_slopes(), self._part_slopes(), strict=True)
-        return [slope - self.variation.bound * abs(part) for slope, part in pairs]
+    def largest_slope(self, index: int, stretches: Array) -> float:
+        """Return a bound, in all cells, of abs(slope) of a bond's force at these stretches."""
+        return super().largest_slope(index, stretches) + self._added_slope(index, stretches)
 
-    def _part_slopes(self) -> list[float]:
-        """Return the slope of each bond's varied force at the mean stretch, 0 if it has none."""
-        parts = self.variation.forces or (None,) * len(self.bonds)
-        return [
-            0.0 if part is None else float(part.slope(np.array(bond.offset)))
-            for bond, part in zip(self.bonds, parts, strict=True)
-        ]
+    def steepest(self, index: int, stretches: Array) -> float:
+        """Return a bound, in all cells, of the slope of a bond's force at these stretches."""
+        return super().steepest(index, stretches) + self._added_slope(index, stretches)
 
-    def rest_slopes(self) -> list[float]:
-        """Return an upper bound of the slope of each bond's force at the mean stretch."""
-        pairs = zip(super().rest_slopes(), self._part_slopes(), strict=True)
-        return [slope + self.variation.bound * abs(part) for slope, part in pairs]
-
-    def largest_slope(self, bond_index: int, stretches: Array) -> float:
-        """Return an upper bound of abs(slope) of a bond's force at these stretches.
-
-        It holds in every cell.
-        """
-        return super().largest_slope(bond_index, stretches) + self._added_slope(
-            bond_index, stretches
-        )
-
-    def steepest(self, bond_index: int, stretches: Array) -> float:
-        """Return an upper bound of the slope of a bond's force at these stretches.
-
-        It holds in every cell.
-        """
-        return super().steepest(bond_index, stretches) + self._added_slope(bond_index, stretches)
-
-    def _added_slope(self, bond_index: int, stretches: Array) -> float:
+    def _added_slope(self, index: int, stretches: Array) -> float:
         """Return by how much the variation may increase abs(slope) of one bond's force."""
-        part = self.variation.forces[bond_index] if self.variation.forces else None
+        part = self.variation.forces[index] if self.variation.forces else None
         if part is None:
             return 0.0
         with np.errstate(all="ignore"):
@@ -177,25 +140,27 @@ class DisorderedLattice(NumericLattice):
 
     def slopes(self, stretches: Sequence[Array]) -> list[Array]:
         """Return the slope of each bond's force at its stretches, cell by cell."""
-        slopes = super().slopes(stretches)
         with np.errstate(all="ignore"):
-            for bond_index, varied in enumerate(self._varied_parts()):
-                if varied is not None:
-                    part, row = varied
-                    slopes[bond_index] = slopes[bond_index] + row * part.slope(
-                        stretches[bond_index]
-                    )
-        return slopes
+            return self._varied(super().slopes(stretches), stretches, ForceProgram.slope)
 
     def forces(self, f: Array) -> list[Array]:
         """Return the force of each bond in each cell."""
         stretches = self.stretches(f)
         forces = [bond.force(x) for bond, x in zip(self.bonds, stretches, strict=True)]
-        for bond_index, varied in enumerate(self._varied_parts()):
+        return self._varied(forces, stretches, ForceProgram.__call__)
+
+    def _varied(
+        self,
+        values: list[Array],
+        stretches: Sequence[Array],
+        evaluate: Callable[[ForceProgram, Array], Array],
+    ) -> list[Array]:
+        """Return values of each bond plus the deviations times those of its varied force."""
+        for index, varied in enumerate(self._varied_parts()):
             if varied is not None:
                 part, row = varied
-                forces[bond_index] = forces[bond_index] + row * part(stretches[bond_index])
-        return forces
+                values[index] = values[index] + row * evaluate(part, stretches[index])
+        return values
 
     def acceleration(self, f: Array) -> Array:
         """Compute f'' of every field and cell with NumPy; compiled kernels must agree with it."""
@@ -291,12 +256,12 @@ def disordered(
     ordered_fields = {item.name: getattr(lattice, item.name) for item in fields(NumericLattice)}
     rows = real_array("every deviation", deviations)
     chain = DisorderedLattice(**ordered_fields, variation=variation, deviations=rows)
-    if not chain.stays_at_rest:
+    if any(part is not None and float(part(np.array(0.0))) != 0.0 for part in variation.forces):
         raise ValueError(
             f"disordered springs must exert no force at zero stretch, got {lattice.name}, whose "
             "force there would differ from bond to bond (let the masses differ)"
         )
-    if not chain.is_stable(chain.softest):
+    if not chain.is_stable(chain.rest_slopes(-1.0)):
         raise ValueError(
             f"spread must leave {lattice.name} linearly stable, got {variation.bound:g}, with "
             "which some waves grow at rest (take a smaller one)"

@@ -12,31 +12,28 @@ from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.force_program import ForceProgram
 from longwave.lattice.numeric_lattice import DriveSteps
 from longwave.lattice.outer_forces import TimeFunction, shortest_time_scale
 from longwave.lattice.schemes import DriftKick, Scheme
 from longwave.lattice.time_integral import LEAST_PANEL, Integral
+from longwave.support.array_types import Array
 
-Array = NDArray[np.float64]
+PANEL_ERROR_FRACTION = 1e-5
+"""Fraction of the tolerance allowed for the error of a drive's integral on one panel."""
 
-FOLLOWED = 1e-5
-"""Share of the tolerance allowed for the error of a drive's integral on one panel."""
+MAX_STOPS_FRACTION = 0.1
+"""Largest fraction of a run's time that may be covered by additional stops."""
 
-SHORT = 0.1
-"""Largest share of a run's time that may be covered by additional stops."""
+PANEL_SHIFT = 0.618034
+"""Shift of the panels, in units of their length: corners at round times lie on no panel's edge."""
 
-ASIDE = 0.618034
-"""Shift of the panels, as a share of their length, so that a corner at a round time lies on no
-panel's edge."""
-
-MOST_STOPS, MOST_HALVED = 2**14, 2**17
+MAX_STOPS, MAX_PANELS = 2**14, 2**17
 """Most additional stops, and most panels examined."""
 
-ROUNDING = 2.0**-48
-"""Rounding error of an integral, as a share of the largest one."""
+INTEGRAL_ROUNDING = 2.0**-48
+"""Rounding error of an integral, as a fraction of the largest one."""
 
 
 def drive_steps(
@@ -47,10 +44,9 @@ def drive_steps(
     scheme: Scheme,
     tolerance: float,
 ) -> tuple[DriveSteps, float]:
-    """Return the steps, none longer than ``step``, and the shortest time scale of the drives.
+    """Return the steps, at most ``step``, and the time scale of the drives between added stops.
 
-    Times that have additional stops do not count towards that time scale. ``tolerance`` is that of
-    the velocities that the drives cause.
+    ``tolerance`` is that of the velocities that the drives cause.
     """
     stops, spans, missed = [np.zeros(0)], [np.zeros((2, 0))], 0.0
     for value in drives:
@@ -85,26 +81,23 @@ def _step_and_panels(
     scheme: DriftKick,
     tolerance: float,
 ) -> tuple[float, Array, float]:
-    """Return the step for most times, and the panels, (2, panels), that need shorter steps.
-
-    The third value is the sum of the integration errors of the scheme's stages on these panels.
-    """
+    """Return the usual step, the (2, panels) that need shorter ones, and their total error."""
     exact, no_panels = _exact_integral(formula, begin, end), np.zeros((2, 0))
     if exact is None or not np.isfinite(exact.sums).all():
         return step, no_panels, 0.0
     count = max(2, math.ceil((end - begin) / step))
-    if count > MOST_HALVED:
+    if count > MAX_PANELS:
         return step, no_panels, 0.0
-    inner = begin + (end - begin) * (np.arange(1, count - 1) + ASIDE) / count
+    inner = begin + (end - begin) * (np.arange(1, count - 1) + PANEL_SHIFT) / count
     edges = np.concatenate([[begin], inner, [end]])
-    panels = _refined_panels(exact, np.array([edges[:-1], edges[1:]]), 0.0, None)
-    allowed = FOLLOWED * tolerance
+    panels = _refined(exact, np.array([edges[:-1], edges[1:]]), 0.0, None)
+    allowed = PANEL_ERROR_FRACTION * tolerance
     lengths, bound = panels[1] - panels[0], step
     for _ in range(60):
         short = lengths < 0.6 * bound
-        if lengths[short].sum() <= SHORT * (end - begin):
-            short_panels = _refined_panels(exact, panels[:, short], allowed, scheme)
-            if short_panels.shape[1] <= MOST_STOPS:
+        if lengths[short].sum() <= MAX_STOPS_FRACTION * (end - begin):
+            short_panels = _refined(exact, panels[:, short], allowed, scheme)
+            if short_panels.shape[1] <= MAX_STOPS:
                 return (
                     bound,
                     short_panels,
@@ -132,13 +125,11 @@ def _panel_errors(exact: Integral, low: Array, high: Array, scheme: DriftKick | 
     return np.asarray(np.maximum(np.abs(velocity_error), np.abs(position_error)))
 
 
-def _refined_panels(
-    exact: Integral, panels: Array, allowed: float, scheme: DriftKick | None
-) -> Array:
+def _refined(exact: Integral, panels: Array, allowed: float, scheme: DriftKick | None) -> Array:
     """Halve the panels until Gauss's rule, or the scheme's stages, integrate the drive on each."""
     done, count = [panels[:, :0]], panels.shape[1]
-    rounding = ROUNDING * float(np.abs(exact.sums).max())
-    while panels.size and count <= MOST_HALVED:
+    rounding = INTEGRAL_ROUNDING * float(np.abs(exact.sums).max())
+    while panels.size and count <= MAX_PANELS:
         low, high = panels
         errors = _panel_errors(exact, low, high, scheme)
         rough = ~(errors <= exact.rounding(low, high) + rounding + allowed)

@@ -16,11 +16,10 @@ from types import MappingProxyType
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.disordered_lattice import DisorderedLattice, energy_and_force_at
 from longwave.lattice.drive_steps import drive_steps
-from longwave.lattice.kernels.streams import TERMS
+from longwave.lattice.kernels.streams import DASHPOT_TERMS
 from longwave.lattice.numeric_lattice import DriveSteps, NumericLattice, Range, value_range
 from longwave.lattice.outer_forces import (
     SiteForce,
@@ -33,8 +32,8 @@ from longwave.lattice.schemes import DriftKick, Scheme
 from longwave.lattice.state import State
 from longwave.lattice.trial import DRIVEN_SHARE
 from longwave.lattice.variation import Pulse, Variation
+from longwave.support.array_types import Array, Mask
 
-Array = NDArray[np.float64]
 Factors = Mapping[int, float | Sequence[float]]
 """Factors by the index of a cell or bond: one for all of its fields (or bonds), or one for each."""
 
@@ -42,11 +41,11 @@ End = Literal["fixed", "free"] | TimeFunction
 """Boundary condition: a fixed wall, a free end, or a wall with a displacement in time."""
 
 
-SPREAD_TIME = 0.8
+DASHPOT_TIME = 0.8
 """Twice the longest step, in units of the inverse rate of dashpots: the longest drift, a quarter of
-a step, then changes velocities by 0.1 (`kernels.streams.TERMS`)."""
+a step, then changes velocities by 0.1 (`kernels.streams.DASHPOT_TERMS`)."""
 
-SMEARED = 3.5
+SMEARING_DEVIATIONS = 3.5
 """Half the number of standard deviations kept of the Gaussian to which dashpots smear a front;
 1e-12 of it lies beyond. Its variance for nearest neighbours grows at the rate of their dashpots, a
 quarter of `DrivenChain._spreading`."""
@@ -66,10 +65,7 @@ class _Wall:
 
 @dataclass(frozen=True, eq=False)
 class DrivenChain(DisorderedLattice):
-    """A chain of ``cells`` cells with walls, losses and forces; built by `driven_chain`.
-
-    Its ring holds the moving cells, then those of the walls.
-    """
+    """A chain built by `driven_chain`: ``cells`` moving cells, then the cells of its walls."""
 
     cells: int
     outer_forces: tuple[SiteForce, ...]
@@ -114,10 +110,7 @@ class DrivenChain(DisorderedLattice):
         return self.moved if any(self.dashpots) else []
 
     def _drag(self, wall: _Wall) -> Array:
-        """Return the acceleration of each field by a wall moving at unit velocity.
-
-        Cells have their nominal masses.
-        """
+        """Return the acceleration of each field, at nominal masses, by a wall of unit velocity."""
         unit = np.zeros((len(self.fields), self.deviations.shape[1]))
         unit[:, list(wall.places)] = 1.0
         return self.acceleration_by(self.dashpot_forces(unit))
@@ -155,12 +148,10 @@ class DrivenChain(DisorderedLattice):
     def bond_shares(self) -> Array:
         """Relative stiffness of each bond in each cell, (bonds, ring): 1 as usual, 0 where cut."""
         ones = np.ones(self.deviations.shape[1])
-        return np.array(
-            [ones if varied is None else ones + varied[1] for varied in self._varied_parts()]
-        )
+        return np.array([ones if part is None else ones + part[1] for part in self._varied_parts()])
 
     @cached_property
-    def _cuts(self) -> list[NDArray[np.bool_] | None]:
+    def _cuts(self) -> list[Mask | None]:
         """Mask of the cells in which each bond is cut; None for a bond that is cut nowhere."""
         cuts = self.bond_shares == 0.0
         return [cut if cut.any() else None for cut in cuts]
@@ -207,11 +198,7 @@ class DrivenChain(DisorderedLattice):
         return (*(f"{side} wall" for side in sides), *forces)
 
     def drive_within(self, begin: float, end: float) -> tuple[float, bool]:
-        """Return the shortest time scale of drives and losses, and whether a drive has corners.
-
-        A drive's time scale is the range of its values over its steepest slope. At a corner its
-        slope jumps between two sampled times.
-        """
+        """Return the shortest time scale of drives and losses, and whether a drive has corners."""
         shortest, turns = shortest_time_scale(self._drives, begin, end)
         return min(shortest, self._loss_time), turns
 
@@ -219,7 +206,7 @@ class DrivenChain(DisorderedLattice):
     def _loss_time(self) -> float:
         """Time scale of losses and dashpots: twice the longest step that they allow."""
         time = LOSS_TIME / max(self.losses) if any(self.losses) else math.inf
-        return min(time, SPREAD_TIME / self._spreading) if self._spreading else time
+        return min(time, DASHPOT_TIME / self._spreading) if self._spreading else time
 
     def drive_steps(
         self, begin: float, end: float, step: float, scheme: Scheme, tolerance: float
@@ -237,18 +224,16 @@ class DrivenChain(DisorderedLattice):
 
     def spread_within(self, duration: float) -> int:
         """Return the number of cells by which dashpots smear a front in this time."""
-        return math.ceil(SMEARED * self.reach * math.sqrt(self._spreading * duration))
+        return math.ceil(SMEARING_DEVIATIONS * self.reach * math.sqrt(self._spreading * duration))
 
     @property
     def _spreading(self) -> float:
         """Upper bound of the rates at which dashpots change velocities; 0 without any."""
         total = np.array(self.losses) if self.variation.dashpots else np.zeros(len(self.fields))
-        for bond, dashpot in zip(self.bonds, self.dashpots, strict=True):
+        for bond, drag in zip(self.bonds, self.dashpots, strict=True):
             stretch = sum(abs(entry.weight) for entry in bond.stretch)
             for entry in bond.action:
-                total[entry.field] += (
-                    dashpot * stretch * abs(entry.weight) / self.masses[entry.field]
-                )
+                total[entry.field] += drag * stretch * abs(entry.weight) / self.masses[entry.field]
         return float(total.max()) * (1.0 + self.variation.bound) / self.lightest
 
     def with_walls(self, state: State) -> State:
@@ -291,12 +276,13 @@ class DrivenChain(DisorderedLattice):
         spreads = bool(self.variation.dashpots)  # which walls do not feel
         rates = (0.0,) * len(self.fields) if spreads else self.losses
         factors = np.exp(-np.outer(drifts, rates))
-        lengths = np.stack([_damped_length(rate, drifts) for rate in rates], axis=1)
+        # distances that unit velocities, decaying at these rates, cover in each drift
+        lengths = [-np.expm1(-rate * drifts) / rate if rate else drifts for rate in rates]
         columns = [kicks[:, np.newaxis]]
         if spreads:
             columns.append(_series(drifts))
         elif self.variation.damped:
-            columns += [lengths, factors]
+            columns += [np.stack(lengths, axis=1), factors]
         for force in self.outer_forces:
             share = kicks / self.masses[force.field]
             columns.append((share * values_at(force.value, times[1:]))[:, np.newaxis])
@@ -304,7 +290,7 @@ class DrivenChain(DisorderedLattice):
             assert wall.displacement is not None
             path = values_at(wall.displacement, times)
             for index in range(len(self.fields)):
-                speeds = _speeds(path, lengths[:, index])
+                speeds = _speeds(path, lengths[index])
                 v[index, list(wall.places)] = speeds[0]
                 changes = np.append(speeds[1:], 0.0) - factors[:, index] * speeds
                 columns.append(changes[:, np.newaxis])
@@ -315,36 +301,22 @@ class DrivenChain(DisorderedLattice):
 
 
 def _stages(scheme: DriftKick, h: float, steps: int) -> tuple[Array, Array]:
-    """Return drifts and kicks of all stages of some steps; adjacent drifts are merged.
-
-    The last stage is a drift with the kick 0.
-    """
+    """Return the drifts and kicks of some steps, adjacent drifts merged; the last kick is 0."""
     drifts = np.tile(scheme.drifts[:-1] * h, steps)
     drifts[scheme.kicks.size :: scheme.kicks.size] += scheme.drifts[-1] * h
     kicks = np.tile(scheme.kicks * h, steps)
     return np.append(drifts, scheme.drifts[-1] * h), np.append(kicks, 0.0)
 
 
-def _damped_length(rate: float, drifts: Array) -> Array:
-    """Return the distance that a unit velocity, decaying at this rate, covers in each drift."""
-    return drifts if rate == 0.0 else -np.expm1(-rate * drifts) / rate
-
-
 def _series(drifts: Array) -> Array:
-    """Return the factors of the terms of the dashpots' exponential series, (drifts, terms).
-
-    First those that advance positions, then those that advance velocities, from the second term on.
-    """
-    powers = np.arange(1, TERMS + 2)
+    """Return factors (drifts, terms) of the dashpots' series for positions, then velocities."""
+    powers = np.arange(1, DASHPOT_TERMS + 2)
     series = drifts[:, np.newaxis] ** powers / np.array([math.factorial(p) for p in powers])
     return np.concatenate([series, series[:, :-1]], axis=1)
 
 
 def _speeds(path: Array, lengths: Array) -> Array:
-    """Return the velocities that cover the path's steps in these drifts.
-
-    0 in drifts of length 0.
-    """
+    """Return the velocities that cover a path's increments in these drifts; 0 in drifts of 0."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(lengths == 0.0, 0.0, np.diff(path) / lengths)
 
@@ -382,7 +354,9 @@ def driven_chain(
     _check_chain(lattice, cells, left, right, forces, bool(mass_factors or spring_factors))
     ends = _ends(lattice, cells, left, right)
     count, ring = len(lattice.fields), ends.cut.shape[1]
-    masses = _mass_factors(mass_factors, np.ones((count, ring)), cells)
+    masses = np.ones((count, ring))
+    for cell, factor in mass_factors.items():
+        masses[:, cell] = _checked_factors("mass", cell, factor, count, 0 <= cell < cells)
     springs = _bond_factors(lattice, spring_factors, np.where(ends.cut, 0.0, 1.0), cells)
     is_varied = [bool((row != 1.0).any()) for row in springs]
     has_drag = any(dashpot_rates) or (bool(mass_factors) and any(rates))
@@ -411,18 +385,8 @@ def driven_chain(
     )
 
 
-def _mass_factors(given: Factors, factors: Array, cells: int) -> Array:
-    """Set the given mass factors in the array of all, (fields, ring), and return it."""
-    for cell, factor in given.items():
-        factors[:, cell] = _checked_factors("mass", cell, factor, len(factors), 0 <= cell < cells)
-    return factors
-
-
 def _bond_factors(lattice: NumericLattice, given: Factors, factors: Array, cells: int) -> Array:
-    """Multiply the bond factors, (bonds, ring), by the given ones, and return them.
-
-    Cut bonds stay 0.
-    """
+    """Multiply the bond factors, (bonds, ring), by the given ones; cut bonds stay 0."""
     for number, factor in given.items():
         present = [
             any(0 <= number + entry.shift[0] < cells for entry in bond.stretch)
@@ -436,13 +400,10 @@ def _bond_factors(lattice: NumericLattice, given: Factors, factors: Array, cells
 def _checked_factors(
     name: str, number: int, given: float | Sequence[float], count: int, is_there: bool
 ) -> Array:
-    """Return the factors of one defect for each field or bond.
-
-    Raises ValueError for factors or indices that are invalid.
-    """
+    """Return one defect's factor for each field or bond; raise ValueError if it is invalid."""
     factors = np.array(given, dtype=np.float64)
     if not is_there:
-        raise ValueError(f"{name} factors must be of cells and bonds in the chain, got {number}")
+        raise ValueError(f"{name} factors must be within the chain, got {number} (0 is its first)")
     is_positive = (factors >= 0.0) & (factors < math.inf) & ((factors > 0.0) | (name == "spring"))
     if factors.shape not in ((), (count,)) or not is_positive.all():
         raise ValueError(
@@ -453,26 +414,20 @@ def _checked_factors(
 
 
 def _pulses(ends: _Ends, forces: Sequence[SiteForce], count: int, pulls: bool) -> tuple[Pulse, ...]:
-    """Return the pulses of external forces, of moving walls, and of walls that drag dashpots.
-
-    Each wall has one for each field.
-    """
+    """Return a pulse for each force, moving wall and field, and each wall that drags dashpots."""
     moved = sum(wall.displacement is not None for wall in ends.walls)
     walls = [(index, None) for index in range(count)] * (2 * moved if pulls else moved)
     return (*((force.field, force.law) for force in forces), *walls)
 
 
 def _rates(
-    name: str, each: str, names: Sequence[str], given: Sequence[float] | float
+    name: str, item: str, names: Sequence[str], given: Sequence[float] | float
 ) -> tuple[float, ...]:
-    """Return one rate for each field or bond.
-
-    Raises ValueError for a negative rate or a wrong count.
-    """
+    """Return one rate for each field or bond; raise ValueError for a wrong sign or count."""
     rates = (given,) * len(names) if isinstance(given, int | float) else tuple(given)
     if len(rates) != len(names) or not all(0.0 <= rate < math.inf for rate in rates):
         raise ValueError(
-            f"{name} must be a rate of 0 or more for each {each}, got {given} (there are "
+            f"{name} must be a rate of 0 or more for each {item}, got {given} (there are "
             f"{', '.join(names)})"
         )
     return tuple(float(rate) for rate in rates)
@@ -494,9 +449,7 @@ def _check_chain(
             "(strains have no masses of their own; take the chain in displacements)"
         )
     if lattice.cellwise[1] is not None:
-        raise ValueError(
-            f"lattice must be ordered, got {lattice.name} with disorder (leave the disorder out)"
-        )
+        raise ValueError(f"lattice must be ordered, got disorder in {lattice.name} (leave it out)")
     if not isinstance(cells, int) or cells < max(2, lattice.reach):
         raise ValueError(
             f"cells must be at least {max(2, lattice.reach)}, got {cells} (the reach of the "
@@ -519,14 +472,11 @@ class _Ends(NamedTuple):
 
     walls: tuple[_Wall, ...]
     free: tuple[tuple[int, int], ...]
-    cut: NDArray[np.bool_]
+    cut: Mask
 
 
 def _ends(lattice: NumericLattice, cells: int, left: End | None, right: End | None) -> _Ends:
-    """Build the ends of the chain.
-
-    Two fixed ends share their wall cells; other ends have cells of their own.
-    """
+    """Build the ends; two fixed ends share their wall cells, others have cells of their own."""
     bonds, reach = len(lattice.bonds), lattice.reach
     if left is None:
         return _Ends((), (), np.zeros((bonds, cells), dtype=np.bool_))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.blow_up import find_blow_up
 from longwave.lattice.driving import DrivenChain
@@ -13,28 +12,24 @@ from longwave.lattice.kernels import nystroem, reference
 from longwave.lattice.kernels.ring_kernel import RingKernel
 from longwave.lattice.model import chain_constants
 from longwave.lattice.numeric_lattice import NumericLattice, value_range
+from longwave.lattice.run_times import checked_fields
 from longwave.lattice.schemes import DriftKick, Scheme
 from longwave.lattice.state import GROWTH, BlowUp, State
-from longwave.support.real_arrays import real_array
+from longwave.support.array_types import Array
 
-Array = NDArray[np.float64]
-
-SLOPES = 65
+SLOPE_SAMPLES = 65
 """Stretches, from the least to the most encountered, at which slopes are evaluated."""
 
 LARGEST_SLOPE = 1e290
 """Largest slope, in units of masses, of which sums cannot overflow."""
 
-WIDER = 0.125
-"""Share of itself by which a range of stretches is widened at either end before it is checked, so
-that a wave that rises slowly from stop to stop does not need a new check each time."""
+RANGE_MARGIN = 0.125
+"""Fraction of itself by which a range of stretches is widened at either end before it is checked,
+so that a wave that rises slowly from stop to stop does not need a new check each time."""
 
 
 class Dynamics:
-    """Advances states of a lattice and computes the frequencies and ranges that steps depend on.
-
-    *Ranges* are (least, largest) pairs: of each bond's stretch, then of each field.
-    """
+    """Advances states; finds frequencies and *ranges*: (least, largest) of each bond and field."""
 
     def __init__(self, lattice: NumericLattice) -> None:
         self.lattice = lattice
@@ -42,26 +37,8 @@ class Dynamics:
         self._safe_ranges: list[tuple[float, float]] = []
 
     def checked(self, state: State) -> State:
-        """Return the state with contiguous double arrays.
-
-        Raises ValueError if its shape does not fit the lattice or a value is not finite.
-        """
-        fields, axes = len(self.lattice.fields), self.lattice.dimension
-        f, v = (
-            np.ascontiguousarray(
-                real_array(f"every value of state.{name}", values, allows_nan=True)
-            )
-            for name, values in (("f", state.f), ("v", state.v))
-        )
-        result = State(state.t, f, v, state.left)
-        for name, values in (("f", result.f), ("v", result.v)):
-            fits = values.ndim == 1 + axes and values.shape == result.f.shape
-            if not fits or values.shape[0] != fields or not values.size:
-                raise ValueError(
-                    f"state.{name} must have the shape (fields, *cells) of {fields} fields and "
-                    f"{axes} axes, got {values.shape} (a chain of one field has (1, cells))"
-                )
-            _check_finite(name, values)
+        """Return the state with contiguous double arrays; raise ValueError if it does not fit."""
+        result = State(state.t, *checked_fields(self.lattice, state.f, state.v), state.left)
         cells = self.lattice.cell_count
         if cells not in (None, result.f.shape[1]):
             raise ValueError(
@@ -73,12 +50,9 @@ class Dynamics:
     def advance(
         self, scheme: Scheme, f: Array, v: Array, h: float, steps: int, t: float = 0.0
     ) -> None:
-        """Advance fields and velocities in place by ``steps`` steps of length ``h`` from ``t``.
-
-        Splittings on chains and planes run as compiled kernels written for the lattice.
-        """
+        """Advance fields and velocities in place by ``steps`` steps of length ``h`` from ``t``."""
         if self.lattice.is_driven:
-            self._advance_driven(scheme, f, v, h, steps, t)
+            self._drive(scheme, f, v, h, steps, t)
             return
         if not isinstance(scheme, DriftKick):
             self._advance_by_stages(scheme, f, v, h, steps)
@@ -89,13 +63,8 @@ class Dynamics:
         else:
             reference.advance_splitting(self.lattice.acceleration, f, v, *weights, steps)
 
-    def _advance_driven(
-        self, scheme: Scheme, f: Array, v: Array, h: float, steps: int, t: float
-    ) -> None:
-        """Advance a chain with losses, walls and forces.
-
-        Forces and walls are evaluated at the time of each stage.
-        """
+    def _drive(self, scheme: Scheme, f: Array, v: Array, h: float, steps: int, t: float) -> None:
+        """Advance a driven chain; forces and walls are evaluated at the time of each stage."""
         chain = self.lattice
         assert isinstance(chain, DrivenChain)
         if not isinstance(scheme, DriftKick):
@@ -125,10 +94,7 @@ class Dynamics:
         return self._kernels[shape]
 
     def threads(self, scheme: Scheme) -> int:
-        """Return how many states can be advanced concurrently.
-
-        Compiled code releases the interpreter lock; NumPy's many small calls do not.
-        """
+        """Return how many states can be advanced concurrently: NumPy keeps the interpreter lock."""
         return 2 if isinstance(scheme, DriftKick) and self.lattice.dimension <= 2 else 1
 
     def ranges(self, state: State) -> Array:
@@ -139,23 +105,18 @@ class Dynamics:
         return np.array([*bonds, *fields])
 
     def highest_frequency(self, ranges: Array) -> float:
-        """Return a bound of the frequency of waves about states in these ranges, inf if unbounded.
-
-        It uses each bond's largest abs(slope) over its range and at rest.
-        """
+        """Return a bound of the frequency of waves about states in these ranges, maybe infinite."""
         slopes = []
         for index, bond in enumerate(self.lattice.bonds):
             least, most = map(float, ranges[index])
             if not math.isfinite(most - least):
                 return math.inf
-            stretches = np.append(np.linspace(least, most, SLOPES), bond.offset)
+            stretches = np.append(np.linspace(least, most, SLOPE_SAMPLES), bond.offset)
             sampled = self.lattice.largest_slope(index, stretches)
             with np.errstate(all="ignore"):
-                sampled_ordered = float(np.max(np.abs(bond.force.slope(stretches))))
-            bound = bond.force.steepest_between(least, most, sampled_ordered)
-            slopes.append(
-                sampled if bound == sampled_ordered else sampled / sampled_ordered * bound
-            )
+                ordered = float(np.max(np.abs(bond.force.slope(stretches))))
+            bound = bond.force.steepest_between(least, most, ordered)
+            slopes.append(sampled if bound == ordered else sampled / ordered * bound)
         if not all(slope < LARGEST_SLOPE for slope in slopes):
             return math.inf
         return self.lattice.highest_frequency(slopes)
@@ -172,22 +133,15 @@ class Dynamics:
         weights = [sum(abs(part.weight) for part in bond.stretch) for bond in bonds]
         size = float(np.max(np.abs(ranges[len(bonds) :]))) * max(weights)
         for bond, (least, most) in zip(bonds, ranges, strict=False):
-            samples = np.linspace(least, most, SLOPES)
+            samples = np.linspace(least, most, SLOPE_SAMPLES)
             with np.errstate(all="ignore"):
                 slope = float(np.max(np.abs(bond.force.slope(samples))))
                 summand = bond.force.largest_summand(samples)
             size = max(size, summand / slope if slope > 0.0 else 0.0)
         return size
 
-    def stretches(self, f: Array) -> Array:
-        """Return the stretch of each bond in each cell, (bonds, *cells)."""
-        return np.array(self.lattice.stretches(f))
-
     def find_blow_up(self, state: State, ranges: Array, amplitude: float | None) -> BlowUp | None:
-        """Return the blow-up criterion that a state with those ranges meets, or None.
-
-        See `blow_up.find_blow_up`; states whose ranges are clearly safe skip its work.
-        """
+        """Return `blow_up.find_blow_up` of a state, None at once if its ranges are clearly safe."""
         sound = amplitude is not None and self._is_clearly_sound(ranges, GROWTH * amplitude)
         if sound and math.isfinite(float(state.v.sum())):
             return None
@@ -205,7 +159,7 @@ class Dynamics:
             for (low, high), (least, most) in zip(self._safe_ranges, bond_ranges, strict=True)
         ):
             return True
-        margins = [WIDER * (most - least) for least, most in bond_ranges]
+        margins = [RANGE_MARGIN * (most - least) for least, most in bond_ranges]
         wider = [
             (least - margin, most + margin)
             for (least, most), margin in zip(bond_ranges, margins, strict=True)
@@ -214,28 +168,12 @@ class Dynamics:
         return bool(self._safe_ranges)
 
     def _is_stable_within(self, ranges: list[tuple[float, float]]) -> bool:
-        """Return whether no wave grows for any stretches in these ranges.
-
-        A slope's minimum may lie between two samples, lower than both by less than neighbouring
-        samples differ.
-        """
+        """Return whether no wave grows at these stretches, nor where slopes dip between samples."""
         if not self.lattice.gets_stiffer_by_bonds:
             return False
         for bond, ends in zip(self.lattice.bonds, ranges, strict=True):
             with np.errstate(all="ignore"):
-                slopes = bond.force.slope(np.linspace(*ends, SLOPES))
+                slopes = bond.force.slope(np.linspace(*ends, SLOPE_SAMPLES))
             if not slopes.min() > np.abs(np.diff(slopes)).max():
                 return False
         return True
-
-
-def _check_finite(name: str, values: Array) -> None:
-    """Raise ValueError with the first value that is not finite."""
-    broken = ~np.isfinite(values)
-    if np.any(broken):
-        index = tuple(int(axis) for axis in np.argwhere(broken)[0])
-        shown_index = index[0] if len(index) == 1 else index
-        raise ValueError(
-            f"state.{name} must be finite, got {values[index]} at index {shown_index} "
-            "(check how the state was computed)"
-        )

@@ -12,18 +12,16 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import legendre
-from numpy.typing import NDArray
 
 from longwave.lattice.driving import DrivenChain
 from longwave.lattice.state import State
+from longwave.support.array_types import Array
 from longwave.support.checkpoint import Memory
-
-Array = NDArray[np.float64]
 
 NODES, WEIGHTS = ((legendre.leggauss(4)[0] + 1.0) / 2.0, legendre.leggauss(4)[1] / 2.0)
 """Nodes and weights of Gauss's rule on 0 .. 1."""
 
-TOGETHER = 64
+BATCH_STEPS = 64
 """Most steps integrated in one batch."""
 
 
@@ -34,19 +32,16 @@ def _powers(points: Sequence[float] | Array, derivative: int) -> Array:
 
 
 def _at_nodes(*known: Array) -> Array:
-    """Return matrices from a polynomial's data to its values and slopes at `NODES`.
-
-    The shape is (2, node, datum). Each argument is a block of `_powers`, one row for each datum.
-    """
+    """Return matrices (2, node, datum) from a polynomial's data to values and slopes at `NODES`."""
     conditions = np.concatenate(known)
     inverse = np.linalg.inv(conditions[:, : len(conditions)])
     return np.array([_powers(NODES, each)[:, : len(inverse)] @ inverse for each in (0, 1)])
 
 
 _ENDS = [_powers([0.0, 1.0], each) for each in range(3)]
-FIRST = _at_nodes(*_ENDS)
+FROM_ENDS = _at_nodes(*_ENDS)
 """Map from values, slopes and second derivatives at both ends."""
-SECOND = _at_nodes(_ENDS[0], _ENDS[2], _powers(NODES, 2))
+FROM_ENDS_AND_NODES = _at_nodes(_ENDS[0], _ENDS[2], _powers(NODES, 2))
 """Map from values at both ends, and second derivatives there and at the nodes."""
 
 
@@ -94,10 +89,7 @@ def power(
 
 
 def _flux(chain: DrivenChain, forces: Sequence[Array], v: Array, cut: int) -> Array:
-    """Return the energy flow through the bonds over a cut.
-
-    It is half the power of these bonds on the cells right of the cut less that on its left.
-    """
+    """Return the energy flow over a cut: half of the bonds' power right of it less left of it."""
     flux, ring = np.zeros(v.shape[1]), v.shape[2]
     for bond, force in zip(chain.bonds, forces, strict=True):
         shifts = [entry.shift[0] for entry in bond.stretch]
@@ -111,11 +103,7 @@ def _flux(chain: DrivenChain, forces: Sequence[Array], v: Array, cut: int) -> Ar
 
 
 class EnergyBalance:
-    """Running integral of the energy flows of a chain and through ``cuts``, updated step by step.
-
-    ``total`` is the energy since the start and ``rate`` the current power, both at the last
-    `settle`.
-    """
+    """Energy flows, integrated step by step: ``total`` energy and ``rate`` at the last `settle`."""
 
     def __init__(self, chain: DrivenChain, cuts: Sequence[int], start: State) -> None:
         self._chain, self._cuts = chain, cuts
@@ -127,7 +115,7 @@ class EnergyBalance:
         """Record the state at the end of a step."""
         if state.t > self._ends[-1][0]:
             self._ends.append((state.t, state.f.copy(), state.v.copy()))
-        if len(self._ends) > TOGETHER:
+        if len(self._ends) > BATCH_STEPS:
             self.settle()
 
     def settle(self) -> None:
@@ -165,9 +153,7 @@ class EnergyBalance:
             [scale * values[:, :-1], scale * values[:, 1:]]
             for scale, values in ((1.0, f), (length, v), (length**2, acceleration))
         )
-        _, node_accelerations = between(FIRST, [*indices, *slopes, *accelerations])
-        inner = [
-            length**2 * node_accelerations[:, node :: NODES.size] for node in range(NODES.size)
-        ]
-        rates, _ = between(SECOND, [*indices, *accelerations, *inner])
+        _, at_nodes = between(FROM_ENDS, [*indices, *slopes, *accelerations])
+        inner = [length**2 * at_nodes[:, node :: NODES.size] for node in range(NODES.size)]
+        rates, _ = between(FROM_ENDS_AND_NODES, [*indices, *accelerations, *inner])
         return np.asarray(rates.reshape(-1, *times.shape) @ WEIGHTS @ h)

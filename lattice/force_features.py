@@ -3,7 +3,7 @@
 A narrow bump in a force that stretches cross within one step leaves no trace in either of two runs
 that are compared. Therefore the range of stretches visited by a run is covered by panels on which
 the force's integral, the bond's stored energy, is accurate. Where panels are short, a step may
-change the stretch by a share of a panel only.
+change the stretch by a fraction of a panel only.
 """
 
 from __future__ import annotations
@@ -12,54 +12,50 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from longwave.lattice.force_program import PLACES, ForceProgram
+from longwave.lattice.force_program import SLOPE_SAMPLES, ForceProgram
 from longwave.lattice.time_integral import Integral
+from longwave.support.array_types import Array
 
-Array = NDArray[np.float64]
-
-PANELS = 64
+INITIAL_PANELS = 64
 """Initial number of panels on a range of stretches."""
 
-FOLLOWED = 1e-2
-"""Share of the allowed velocity error that an unresolved feature may cause."""
+MISSED_FRACTION = 1e-2
+"""Fraction of the allowed velocity error that an unresolved feature may cause."""
 
-TRAVEL = 0.5
-"""Share of a panel by which a stretch may change in a step."""
+STEP_FRACTION = 0.5
+"""Fraction of a panel by which a stretch may change in a step."""
 
-CORNER, FINER = 4.0, 1e-4
-"""Factor by which panels at a corner get shorter when the allowed error is FINER of itself."""
+CORNER_RATIO, CORNER_ERROR_RATIO = 4.0, 1e-4
+"""Panels at a corner get shorter by `CORNER_RATIO` if the allowed error does by
+`CORNER_ERROR_RATIO`."""
 
-SEEN = 1e-3
+MAX_SLOPE_ERROR = 1e-3
 """Largest deviation of slopes between samples from a cubic through these, in units of the largest
 slope, at which a law counts as smooth: comparing two runs then shows the error of the step."""
 
-GAPS, FITTED, MOST_GAPS = 8, 8, 640
-"""Gaps between samples of a slope at first, points of the polynomials through them, and most gaps;
-narrower features show on the panels of the integral."""
+INITIAL_GAPS, FITTED_POINTS, MAX_GAPS = 8, 8, 640
+"""First and largest number of gaps between sampled slopes, and the points of polynomials through
+them. Narrower features show on the panels of the integral."""
 
-SMOOTH, MARGIN = 64.0, 0.1
+SMOOTH_ERROR_RATIO, END_FRACTION = 64.0, 0.1
 """Factor by which halving the gaps reduces the polynomials' error for a smooth law (256
-asymptotically), and the share of a range at either end that is not checked."""
+asymptotically), and the fraction of a range at either end that is not checked."""
 
-ROUNDING = 1e-13
+PANEL_ROUNDING = 1e-13
 """Rounding error of a panel's integral, in units of the largest force times the length."""
 
 
 @dataclass(frozen=True)
 class Feature:
-    """``width`` that a step must resolve, infinite for a smooth law.
-
-    ``turns`` if there are corners, at which the order of convergence is low.
-    """
+    """``width`` to resolve, infinite for a smooth law; ``turns`` if there are corners."""
 
     width: float
     turns: bool = False
 
 
 def find_feature(
-    force: ForceProgram, low: float, high: float, impulse: float, gaps: int = GAPS
+    force: ForceProgram, low: float, high: float, impulse: float, gaps: int = INITIAL_GAPS
 ) -> Feature:
     """Return the narrowest feature of a force law between two stretches.
 
@@ -69,41 +65,33 @@ def find_feature(
     if force.is_smooth or not low < high:
         return Feature(math.inf)
     with np.errstate(all="ignore"):
-        if not np.isfinite(
-            force(np.linspace(low, high, PLACES))
-        ).all():  # the range contains a pole
+        stretches = np.linspace(low, high, SLOPE_SAMPLES)
+        if not np.isfinite(force(stretches)).all():  # the range contains a pole
             return Feature(math.inf)
-        return _feature(force, low, high, impulse, gaps)
-
-
-def _feature(force: ForceProgram, low: float, high: float, impulse: float, gaps: int) -> Feature:
-    """Return the narrowest feature of a law that is finite between two stretches."""
-    width = _narrowest(force, low, high, FOLLOWED * impulse, gaps)
-    if width == math.inf:
-        return Feature(math.inf)
-    turns = _narrowest(force, low, high, FINER * FOLLOWED * impulse, gaps) < width / CORNER
-    sampled = float(np.max(np.abs(force.slope(np.linspace(low, high, PLACES)))))
+        width = _narrowest(force, low, high, MISSED_FRACTION * impulse, gaps)
+        if width == math.inf:
+            return Feature(math.inf)
+        lower = CORNER_ERROR_RATIO * MISSED_FRACTION * impulse
+        turns = _narrowest(force, low, high, lower, gaps) < width / CORNER_RATIO
+        sampled = float(np.max(np.abs(force.slope(stretches))))
     if turns and force.steepest_between(low, high, sampled) == sampled:
         return Feature(math.inf, True)
     return Feature(width, turns)
 
 
 def _narrowest(force: ForceProgram, low: float, high: float, allowed: float, gaps: int) -> float:
-    """Return the shortest panel of a feature other than a contact's opening.
-
-    Inf if there is none.
-    """
+    """Return the shortest panel of a feature other than a contact's opening; inf without any."""
     with np.errstate(all="ignore"):
-        largest = float(np.max(np.abs(force(np.linspace(low, high, PLACES)))))
-    allowed += ROUNDING * largest * (high - low) / PANELS
+        largest = float(np.max(np.abs(force(np.linspace(low, high, SLOPE_SAMPLES)))))
+    allowed += PANEL_ROUNDING * largest * (high - low) / INITIAL_PANELS
     try:
-        edges = Integral.of(force, low, high, PANELS, allowed).edges
+        edges = Integral.of(force, low, high, INITIAL_PANELS, allowed).edges
     except ValueError:
         return 0.0
     sample_width, lengths = _sample_width(force, low, high, allowed, gaps), np.diff(edges)
     if _is_resolved(force, low, high, edges):
         return sample_width
-    halved = lengths < 0.6 * (high - low) / PANELS
+    halved = lengths < 0.6 * (high - low) / INITIAL_PANELS
     if force.opening is not None:
         distance = np.fmax(edges[:-1] - force.opening, force.opening - edges[1:])
         halved &= lengths < 0.5 * distance
@@ -112,13 +100,13 @@ def _narrowest(force: ForceProgram, low: float, high: float, allowed: float, gap
 
 def _is_resolved(force: ForceProgram, low: float, high: float, edges: Array) -> bool:
     """Return whether samples of the slope predict it at and between the panels' edges."""
-    gap = (high - low) / (PLACES - 1)
+    gap = (high - low) / (SLOPE_SAMPLES - 1)
     x = np.concatenate([edges, 0.5 * (edges[1:] + edges[:-1])])
     if force.opening is not None:
         x = x[np.abs(x - force.opening) > 3.0 * gap]
-    slopes = force.slope(np.linspace(low, high, PLACES))
+    slopes = force.slope(np.linspace(low, high, SLOPE_SAMPLES))
     error = _interpolation_error(slopes, (x - low) / gap, force.slope(x), 4)
-    return bool(error.max(initial=0.0) <= SEEN * np.abs(slopes).max())
+    return bool(error.max(initial=0.0) <= MAX_SLOPE_ERROR * np.abs(slopes).max())
 
 
 def _sample_width(force: ForceProgram, low: float, high: float, allowed: float, gaps: int) -> float:
@@ -128,9 +116,9 @@ def _sample_width(force: ForceProgram, low: float, high: float, allowed: float, 
     the step. Infinite where ``gaps`` gaps are enough.
     """
     width, before = math.inf, 0.0
-    while gaps <= MOST_GAPS:
+    while gaps <= MAX_GAPS:
         error = _sampling_error(force, low, high, gaps)
-        if before > allowed and error > before / SMOOTH:
+        if before > allowed and error > before / SMOOTH_ERROR_RATIO:
             width = 2.0 * (high - low) / gaps
         gaps, before = 2 * gaps, error
     return width
@@ -144,20 +132,18 @@ def _sampling_error(force: ForceProgram, low: float, high: float, gaps: int) -> 
     gap = (high - low) / gaps
     samples: Array = np.linspace(low, high, gaps + 1)
     x = samples[:-1] + 0.5 * gap
-    x = x[(x - low > MARGIN * (high - low)) & (high - x > MARGIN * (high - low))]
+    x = x[(x - low > END_FRACTION * (high - low)) & (high - x > END_FRACTION * (high - low))]
     slopes, values = force.slope(samples), force.slope(x)
-    error = _interpolation_error(slopes, (x - low) / gap, values, FITTED)
+    error = _interpolation_error(slopes, (x - low) / gap, values, FITTED_POINTS)
     if force.opening is not None:
         distance = np.abs(x - force.opening) / gap
-        error -= np.where(distance < FITTED, np.inf, np.abs(values) / np.fmax(distance, 1.0) ** 6)
+        expected = np.abs(values) / np.fmax(distance, 1.0) ** 6
+        error -= np.where(distance < FITTED_POINTS, np.inf, expected)
     return float(gap**2 * np.maximum(error, 0.0).max(initial=0.0))
 
 
 def _interpolation_error(samples: Array, t: Array, values: Array, points: int) -> Array:
-    """Return the distance of ``values`` at ``t``, in gaps, from polynomials through samples.
-
-    Each polynomial goes through the nearest ``points`` samples.
-    """
+    """Return the distance of ``values`` at ``t``, in gaps, from polynomials through samples."""
     first = np.clip(t.astype(np.int64) - (points // 2 - 1), 0, samples.size - points)
     t = t - first
     expected = np.zeros_like(t)
@@ -168,11 +154,11 @@ def _interpolation_error(samples: Array, t: Array, values: Array, points: int) -
     return np.asarray(np.abs(values - expected))
 
 
-def finite_range(force: ForceProgram, low: float, high: float, room: float) -> tuple[float, float]:
-    """Return the range widened by ``room`` on either side, as far as slopes are bounded."""
+def finite_range(force: ForceProgram, low: float, high: float, pad: float) -> tuple[float, float]:
+    """Return the range widened by ``pad`` on either side, as far as slopes are bounded."""
     ends = []
     for end, side in ((low, -1.0), (high, 1.0)):
-        samples = end + side * room * np.linspace(0.0, 1.0, PLACES)
+        samples = end + side * pad * np.linspace(0.0, 1.0, SLOPE_SAMPLES)
         pairs = np.sort([samples[:-1], samples[1:]], axis=0)
         with np.errstate(all="ignore"):
             broken = ~np.isfinite([force(samples[1:]), *force.slope_enclosed(*pairs)]).all(axis=0)

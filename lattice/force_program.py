@@ -15,12 +15,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.polynomial import Polynomial, legendre
-from numpy.typing import NDArray
+
+from longwave.support.array_types import Array
 
 if TYPE_CHECKING:
     from sympy import Expr
-
-Array = NDArray[np.float64]
 
 Instruction = tuple[str, float]
 """An operation, and the operand of "number" and "power" (0 for the others)."""
@@ -32,19 +31,18 @@ UNARY: dict[str, Callable[[Array], Array]] = {
 }  # fmt: skip
 """Functions of one argument that a force may contain."""
 
-QUADRATURE = 24
+QUADRATURE_POINTS = 24
 """Points of the quadrature rule that integrates a force to its potential."""
 
-FEW_TURNS = 8
-"""Highest degree of polynomials whose largest slope at 65 samples is low by a few percent at most
-(Markov's inequality)."""
+SMOOTH_DEGREE = 8
+"""Highest degree of polynomials whose largest slope is found at 65 samples to a few percent."""
 
-MOVED = 2.0**-20
+SUMMAND_CHANGE = 2.0**-20
 """Relative change of a summand that measures how strongly the force depends on it."""
 
-PLACES, MOST_PLACES, DEEPEST, UNSEEN = 65, 2**12, 9, 0.1
+SLOPE_SAMPLES, MAX_OPEN_PANELS, MAX_DIVISIONS, MIN_EXCESS = 65, 2**12, 9, 0.1
 """For enclosing slopes: initial edges, most panels that are divided by 16 at once, most divisions,
-and the share by which a slope must exceed the sampled ones to count."""
+and the fraction by which a slope must exceed the sampled ones to count."""
 
 
 @dataclass(frozen=True)
@@ -75,16 +73,12 @@ class ForceProgram:
         return not self.instructions and not any(self.coefficients[1:])
 
     @cached_property
-    def _polynomial(self) -> Polynomial:
-        return Polynomial([0.0, *self.coefficients])
-
-    @cached_property
     def _slope(self) -> tuple[float, ...]:
-        return tuple(self._polynomial.deriv().coef.tolist())
+        return tuple(Polynomial([0.0, *self.coefficients]).deriv().coef.tolist())
 
     @cached_property
     def _integral(self) -> tuple[float, ...]:
-        return tuple(self._polynomial.integ().coef.tolist())
+        return tuple(Polynomial([0.0, *self.coefficients]).integ().coef.tolist())
 
     @cached_property
     def _stored_unstretched(self) -> Array:
@@ -136,22 +130,22 @@ class ForceProgram:
     @property
     def is_smooth(self) -> bool:
         """Whether a few samples show all of its slope: a polynomial of low degree."""
-        return not self.instructions and len(self.coefficients) <= FEW_TURNS
+        return not self.instructions and len(self.coefficients) <= SMOOTH_DEGREE
 
     def steepest_between(self, low: float, high: float, sampled: float) -> float:
         """Return the largest abs(slope) between two stretches, given the largest one sampled.
 
-        The sampled value ``sampled`` is returned unless it is exceeded by more than its share
-        `UNSEEN`. Infinite if the slope is unbounded.
+        The sampled value ``sampled`` is returned unless it is exceeded by more than the fraction
+        `MIN_EXCESS`. Infinite if the slope is unbounded.
         """
         if self.is_smooth or not low < high:
             return sampled
-        edges, largest = np.linspace(low, high, PLACES), sampled
+        edges, largest = np.linspace(low, high, SLOPE_SAMPLES), sampled
         lows, highs = edges[:-1], edges[1:]
-        for _ in range(DEEPEST):
+        for _ in range(MAX_DIVISIONS):
             bounds = np.maximum(*map(np.abs, self.slope_enclosed(lows, highs)))
-            [open_panels] = np.nonzero(~(bounds <= (1.0 + UNSEEN) * largest))
-            if open_panels.size == 0 or open_panels.size > MOST_PLACES:
+            [open_panels] = np.nonzero(~(bounds <= (1.0 + MIN_EXCESS) * largest))
+            if open_panels.size == 0 or open_panels.size > MAX_OPEN_PANELS:
                 break
             parts = np.linspace(lows[open_panels], highs[open_panels], 17)
             lows, highs = parts[:-1].ravel(), parts[1:].ravel()
@@ -163,7 +157,7 @@ class ForceProgram:
             )
             bounds = np.maximum(*map(np.abs, self.slope_enclosed(lows, highs)))
             largest = float(bounds.max()) if is_bounded else largest
-        return float(largest) if largest > (1.0 + UNSEEN) * sampled else sampled
+        return float(largest) if largest > (1.0 + MIN_EXCESS) * sampled else sampled
 
     def largest_summand(self, stretch: Array) -> float:
         """Return the largest summand whose rounding affects the force.
@@ -184,9 +178,10 @@ class ForceProgram:
         force, largest = _run(self.instructions, stretch, recording_add), 0.0
         for index, size in enumerate(sizes):
             if not float(np.max(size)) <= largest:
-                change = MOVED * size
+                change = SUMMAND_CHANGE * size
                 response = np.abs(self._with_sum_changed(index, change, stretch) - force)
-                effective = np.where(response < (1.0 - 1e-3) * change, response / MOVED, size)
+                is_damped = response < (1.0 - 1e-3) * change
+                effective = np.where(is_damped, response / SUMMAND_CHANGE, size)
                 largest = max(largest, float(np.max(effective)))
         return largest
 
@@ -210,10 +205,7 @@ class ForceProgram:
         return np.asarray(stretch * sum(parts))
 
     def _from_opening(self, stretch: Array) -> Array:
-        """Return the force's integral from the contact's opening.
-
-        The variable is the root of the distance, in which the integrand is smooth.
-        """
+        """Return the integral from the contact's opening; it is smooth in the root of distance."""
         assert self.opening is not None
         nodes, weights = _quadrature()
         distance, roots = stretch - self.opening, (1 + nodes) / 2
@@ -222,22 +214,17 @@ class ForceProgram:
 
 
 def _horner(coefficients: Sequence[float], x: Array) -> Array:
-    """Return a polynomial's values, equal to NumPy's to the bit.
-
-    NumPy's `Polynomial` takes longer for few values.
-    """
+    """Return a polynomial's values, equal to those of NumPy's slower `Polynomial` to the bit."""
     total = coefficients[-1] + 0.0 * x
     for coefficient in coefficients[-2::-1]:
         total = coefficient + total * x
     return np.asarray(total)
 
 
-def _enclosed(
-    instructions: tuple[Instruction, ...], low: Array, high: Array
-) -> tuple[Array, Array]:
+def _enclosed(program: tuple[Instruction, ...], low: Array, high: Array) -> tuple[Array, Array]:
     """Return bounds of a program's values by interval arithmetic."""
     stack: list[tuple[Array, Array]] = []
-    for word, number in instructions:
+    for word, number in program:
         if word in ("x", "number"):
             stack.append((low, high) if word == "x" else (np.full_like(low, number),) * 2)
             continue
@@ -292,7 +279,7 @@ def _unary(word: str, a: Array, b: Array) -> tuple[Array, Array]:
 @cache
 def _quadrature() -> tuple[Array, Array]:
     """Return nodes and weights of Gauss's rule on -1 .. 1."""
-    return legendre.leggauss(QUADRATURE)
+    return legendre.leggauss(QUADRATURE_POINTS)
 
 
 def force_program(force: Expr) -> ForceProgram:
@@ -307,9 +294,7 @@ def force_program(force: Expr) -> ForceProgram:
 
     unknown = sorted(map(str, force.free_symbols - {x}))
     if unknown:
-        raise ValueError(
-            f"force must have numbers for its constants, got {unknown[0]} without one (give all)"
-        )
+        raise ValueError(f"force must have numbers as constants, got {unknown[0]} (give its value)")
     if force.is_polynomial(x):
         coefficients = [float(value) for value in reversed(Poly(force, x).all_coeffs())]
         if coefficients[0] != 0.0:
@@ -351,7 +336,7 @@ def program_of(expression: Expr) -> ForceProgram:
 
 def _instructions(expression: Any) -> list[Instruction]:
     """Return the expression's instructions in postfix order."""
-    from sympy import Add, Mul, Pow, exp
+    from sympy import Add, Mul, Pow, exp, log
 
     if expression.is_Symbol:
         return [("x", 0.0)]
@@ -369,7 +354,7 @@ def _instructions(expression: Any) -> list[Instruction]:
     if isinstance(expression, Pow) and expression.exp.is_number:
         return [*_instructions(expression.base), ("power", float(expression.exp))]
     if isinstance(expression, Pow):
-        return _instructions(exp(expression.exp * _log(expression.base)))
+        return _instructions(exp(expression.exp * log(expression.base)))
     name = type(expression).__name__
     if name not in UNARY or len(expression.args) != 1:
         raise ValueError(
@@ -378,16 +363,8 @@ def _instructions(expression: Any) -> list[Instruction]:
     return [*_instructions(expression.args[0]), (name, 0.0)]
 
 
-def _log(base: Any) -> Any:
-    from sympy import log
-
-    return log(base)
-
-
 def _run(
-    instructions: tuple[Instruction, ...],
-    x: Array,
-    add: Callable[[Any, Any], Any] = operator.add,
+    instructions: tuple[Instruction, ...], x: Array, add: Callable[[Any, Any], Any] = operator.add
 ) -> Array:
     """Run a program on the stretches ``x``; ``add`` computes its sums."""
     stack: list[Any] = [] if instructions else [x]

@@ -15,39 +15,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+import longwave.lattice.schemes as schemes
+import longwave.lattice.trial as trials
 from longwave.lattice.driving import DrivenChain
-from longwave.lattice.dynamics import WIDER, Dynamics
+from longwave.lattice.dynamics import RANGE_MARGIN, Dynamics
 from longwave.lattice.energy_balance import EnergyBalance
-from longwave.lattice.force_features import GAPS, TRAVEL, find_feature, finite_range
+from longwave.lattice.force_features import INITIAL_GAPS, STEP_FRACTION, find_feature, finite_range
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.refine import refine
 from longwave.lattice.run_times import check_positive, checked_times
-from longwave.lattice.schemes import (
-    REDUCED_PHASE_6,
-    SCHEMES,
-    Scheme,
-    check_order,
-    check_step,
-    stability_limit,
-)
 from longwave.lattice.state import State
 from longwave.lattice.stepper import CHUNK, FixedDomain, Stepper
-from longwave.lattice.trial import (
-    LEAST_FACTOR,
-    Choices,
-    Kind,
-    Progress,
-    StepSearch,
-    Trial,
-    difference,
-    nudged,
-    rounding_error,
-    step_between,
-)
+from longwave.support.array_types import Array
 from longwave.support.checkpoint import Memory, begin_loop
 from longwave.support.request_limits import OverBudgetError
 
-Array = NDArray[np.float64]
 Judged = Callable[[Array, Array, float], ArrayLike]
 """Function of positions, velocities and time whose values the error estimate is for."""
 
@@ -57,10 +39,7 @@ Observe = Callable[[State, EnergyBalance | None], NDArray[Any]]
 
 @dataclass(frozen=True)
 class StateComparison:
-    """Quantity compared between runs: ``observe`` at each time, all times joined by ``combine``.
-
-    ``unit`` is its unit, in that of the fields.
-    """
+    """Compared quantity, in ``unit`` of fields: ``observe`` at each time, then ``combine``."""
 
     observe: Observe
     combine: Callable[[NDArray[Any]], Array] = lambda observed: observed
@@ -70,49 +49,46 @@ class StateComparison:
 LIMIT_SHARE = 0.9
 """Longest step tried, in units of the stability limit at the largest strain."""
 
-SLOW = 1e6
+SLOW_RATIO = 1e6
 """Waves whose period is this many times the run's duration do not limit the step."""
 
-LARGE = 2**20
-"""Size of a state, in numbers, from which runs are made one at a time on both cores: two at once
-would take twice the memory."""
+LARGE_STATE = 2**20
+"""Numbers in a state from which runs are made one at a time: two would take twice the memory."""
 
-RUNAWAY, LEAST_RUNAWAY = 4e4, 1e5
+RUNAWAY_STEP_RATIO, MIN_RUNAWAY_STEPS = 4e4, 1e5
 """Number of steps beyond which strains must be running away: in units of the number with the
 longest step, and at least. With an order of 2, a tolerance of 1e-9 takes 3e4 times that number."""
 
-RAN_AWAY = 100.0
+RUNAWAY_LIMIT_RATIO = 100.0
 """Strains count as running away if they require steps this many times shorter than at the start."""
 
 ORDER_AT_OPENINGS = 2
 """Least order at which errors fall where contacts open and close, or where a drive has a corner."""
 
-KEPT_AT_OPENINGS = 0.5
+RATIO_AT_OPENINGS = 0.5
 """Largest ratio of the next step to one that was too long where contacts open. Errors fall in jumps
 there, and with a ratio close to 1 they seemed not to fall."""
 
-FINE = 1e-9
+DEFAULT_TOLERANCE = 1e-9
 """Tolerance used for resolving drives and forces if none is given."""
 
-NEAR = 2.0
+FEATURE_MARGIN = 2.0
 """Margin searched for features on either side of the stretches visited, in units of their range."""
 
-NEAR_GAPS = round(GAPS * (1.0 + 2.0 * NEAR))
-"""Gaps between samples of slopes on the range with its margins: as long as those on the range
-alone."""
+FEATURE_GAPS = round(INITIAL_GAPS * (1.0 + 2.0 * FEATURE_MARGIN))
+"""Gaps between sampled slopes on that wider range, as long as those on the range alone."""
 
-UNFOLLOWED = 3
-"""Runs, with shorter and shorter steps, that must meet a feature that is too narrow before it is
-refused."""
+MAX_UNRESOLVED_RUNS = 3
+"""Runs with shorter and shorter steps that must meet too narrow a feature before it is refused."""
 
-STILL = 0.1
+QUIET_TIME = 0.1
 """Time between two stops, in units of the inverse highest frequency at rest, in which stretches
 change little enough that stops show their range."""
 
-PATIENT, MOST_FOLLOWED = 12, 2e6
+MAX_RESOLVING_RUNS, MAX_RESOLVING_STEPS = 12, 2e6
 """Steps tried until one resolves the features of forces, and most steps of such a run."""
 
-NUDGED = 4
+NUDGES = 4
 """Number of times, the start included, at which a run's last digits are changed."""
 
 RING_SAFETY = 6.0
@@ -123,10 +99,7 @@ with 4 one in 2500, by 1.2, where strains begin to run away (the random cases of
 
 @dataclass(frozen=True)
 class Cost:
-    """Steps, force evaluations per site and seconds of the run that is returned.
-
-    ``all_seconds`` also counts the runs that only estimate the error.
-    """
+    """Steps, force evaluations per site and seconds of a run; ``all_seconds`` with control runs."""
 
     steps: int
     force_evaluations: int
@@ -159,7 +132,7 @@ def integrate(
     tolerance: float | None = None,
     *,
     judged: Judged | None = None,
-    scheme: Scheme = REDUCED_PHASE_6,
+    scheme: schemes.Scheme = schemes.REDUCED_PHASE_6,
     step: float | None = None,
     measure_error: bool = True,
 ) -> Trajectory:
@@ -185,31 +158,28 @@ def integrate(
     """
     start = _checked(lattice, state)
     moments = checked_times(times, start.t)
-    if scheme not in SCHEMES:
-        check_order(scheme)
+    if scheme not in schemes.SCHEMES:
+        schemes.check_order(scheme)
     if (tolerance is None) == (step is None):
         raise ValueError(
             f"either tolerance or step must be given, got tolerance {tolerance} and step {step} "
             "(with a tolerance the step is chosen for you)"
         )
     started = perf_counter()
-    comparison = None if judged is None else _comparison_of_cells(judged, lattice.cell_count)
-    search = CellEngine(lattice, start, moments, scheme, comparison, tolerance=tolerance or FINE)
+    comparison = None
+    if judged is not None:
+        cells = slice(lattice.cell_count)  # without those of walls
+        comparison = StateComparison(
+            lambda state, _: np.asarray(judged(state.f[:, cells], state.v[:, cells], state.t))
+        )
+    allowed = tolerance or DEFAULT_TOLERANCE
+    search = CellEngine(lattice, start, moments, scheme, comparison, tolerance=allowed)
     if tolerance is not None:
-        trial, error = _run_to_tolerance(search, tolerance, moments)
+        trial, error = _to_tolerance(search, tolerance, moments)
     else:
         assert step is not None
-        trial, error = _run_with_step(search, step, measure_error)
+        trial, error = _with_step(search, step, measure_error)
     return _trajectory(trial, error, moments, started, search)
-
-
-def _comparison_of_cells(judged: Judged, cells: int | None) -> StateComparison:
-    """Return the comparison by ``judged`` on the lattice's own cells, without those of walls."""
-
-    def observe(state: State, _: EnergyBalance | None) -> Array:
-        return np.asarray(judged(state.f[:, :cells], state.v[:, :cells], state.t))
-
-    return StateComparison(observe)
 
 
 def _checked(lattice: NumericLattice, state: State) -> State:
@@ -225,7 +195,7 @@ def _checked(lattice: NumericLattice, state: State) -> State:
     return lattice.with_walls(Dynamics(lattice).checked(state))
 
 
-def _run_to_tolerance(engine: CellEngine, tolerance: float, times: Array) -> tuple[Trial, float]:
+def _to_tolerance(engine: CellEngine, tolerance: float, times: Array) -> tuple[trials.Trial, float]:
     """Return a run to the tolerance, and its error estimate."""
     remedy = "it is the largest accepted error, in the unit of the judged quantity"
     check_positive("tolerance", tolerance, remedy)
@@ -236,20 +206,21 @@ def _run_to_tolerance(engine: CellEngine, tolerance: float, times: Array) -> tup
     return refined.trial, refined.error
 
 
-def _run_with_step(engine: CellEngine, step: float, measure_error: bool) -> tuple[Trial, float]:
+def _with_step(engine: CellEngine, step: float, measure_error: bool) -> tuple[trials.Trial, float]:
     """Return a run with the given step, and its error measured with a shorter one."""
     check_positive("step", step, "it goes forward in time")
-    check_step(step, engine.scheme, engine.first_frequency)
+    schemes.check_step(step, engine.scheme, engine.first_frequency)
     choices = replace(engine.first(), step=step)
     trial, error = engine.run(choices, True), math.nan
     if measure_error:
         control = engine.run(engine.control(choices, engine.kinds), True)
-        error = RING_SAFETY * difference(trial, control) + max(trial.rounding, control.rounding)
+        rounding = max(trial.rounding, control.rounding)
+        error = RING_SAFETY * trials.difference(trial, control) + rounding
     return trial, error
 
 
 def _trajectory(
-    trial: Trial, error: float, times: Array, started: float, engine: CellEngine
+    trial: trials.Trial, error: float, times: Array, started: float, engine: CellEngine
 ) -> Trajectory:
     """Return a finished run as a `Trajectory`. Raises ValueError if it blew up or broke down."""
     blow_up, steps, *stored = trial.payload
@@ -271,16 +242,11 @@ def _trajectory(
             f"are compared did, with steps down to {trial.choices.step:.2g}; end earlier or take "
             "smaller strains)"
         )
-    cost = Cost(
-        steps,
-        steps * engine.scheme.stages,
-        trial.seconds,
-        perf_counter() - started,
-    )
+    cost = Cost(steps, steps * engine.scheme.stages, trial.seconds, perf_counter() - started)
     return Trajectory(times, f, v, error, engine.scheme.name, trial.choices.step, cost)
 
 
-class CellEngine(StepSearch):
+class CellEngine(trials.StepSearch):
     """Runs of a ring of cells from a state, for `refine`; only the step varies.
 
     ``first_frequency`` is the highest of any wave about the start. Positions and velocities are
@@ -297,11 +263,11 @@ class CellEngine(StepSearch):
         lattice: NumericLattice,
         state: State,
         times: Array,
-        scheme: Scheme,
+        scheme: schemes.Scheme,
         compared: StateComparison | None = None,
         stored_times: Array | None = None,
         cuts: Sequence[int] | None = None,
-        tolerance: float = FINE,
+        tolerance: float = DEFAULT_TOLERANCE,
         longest: float = math.inf,
         amplified: float = 1.0,
     ) -> None:
@@ -310,11 +276,10 @@ class CellEngine(StepSearch):
         self._cuts = cuts
         self.dynamics = Dynamics(lattice)
         self.amplifies_rounding = not lattice.is_linear
-        self.threads = self.dynamics.threads(scheme) if state.size < LARGE else 1
+        self.threads = self.dynamics.threads(scheme) if state.size < LARGE_STATE else 1
         self._times, self._stored_times = times, times if stored_times is None else stored_times
-        self._featured_bonds = [
-            at for at, one in enumerate(lattice.bonds) if not one.force.is_smooth
-        ]
+        smooth = [bond.force.is_smooth for bond in lattice.bonds]
+        self._featured_bonds = [index for index, is_smooth in enumerate(smooth) if not is_smooth]
         self._has_features, self._refusals = False, 0
         self._limit_step, self._is_limited_by_feature = math.inf, False
         ranges = self.dynamics.ranges(state)
@@ -337,12 +302,12 @@ class CellEngine(StepSearch):
         driven = lattice.drive_steps(begin, end, admitted, scheme, self._allowed_push)
         opens = opens or driven.turns
         order = min(scheme.order, ORDER_AT_OPENINGS) if opens else scheme.order
-        self._largest_ratio = KEPT_AT_OPENINGS if opens else 1.0
+        self._largest_ratio = RATIO_AT_OPENINGS if opens else 1.0
         self._drive_error = driven.missed * tolerance / self._allowed_push
         if driven.stops.size:
             stops = np.append(stops[0], np.union1d(stops[1:], driven.stops))
         super().__init__(order, min(driven.step, longest), stops, state.size)
-        self.most_work = max(RUNAWAY * self.work(self.first()), LEAST_RUNAWAY)
+        self.most_work = max(RUNAWAY_STEP_RATIO * self.work(self.first()), MIN_RUNAWAY_STEPS)
 
     @property
     def stops(self) -> Array:
@@ -356,10 +321,12 @@ class CellEngine(StepSearch):
 
     def _stretches_and_rates(self, state: State, _: EnergyBalance | None) -> Array:
         """Return stretches, and their rates in units of the highest frequency at rest."""
-        stretches = self.dynamics.stretches
-        return np.array([stretches(state.f), stretches(state.v) / self._highest_at_rest])
+        stretches, rates = (np.array(self.lattice.stretches(values)) for values in state.arrays)
+        return np.array([stretches, rates / self._highest_at_rest])
 
-    def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
+    def run(
+        self, choices: trials.Choices, shown: bool, progress: trials.Progress = lambda _: None
+    ) -> trials.Trial:
         """Make or resume a run; its payload is (blow-up, steps, positions, velocities)."""
         start = self._start(choices.nudged)
         balance = self.balance(start)
@@ -381,9 +348,8 @@ class CellEngine(StepSearch):
 
         def remember(arrays: bool = True) -> Memory:
             flow = {} if balance is None else {"balance": balance.memory()}
-            return (
-                stepper.memory(arrays) | {"f": f, "v": v, "judged": observed, "met": rates} | flow
-            )
+            data = {"f": f, "v": v, "judged": observed, "met": rates}
+            return stepper.memory(arrays) | data | flow
 
         before = stepper.state.t
         for state in stepper.stops(times) if times else ():
@@ -407,28 +373,26 @@ class CellEngine(StepSearch):
             loop.end(lambda: remember(arrays=False))
         if self._finds_new_features(stepper.ranges, rates):
             return self.run(choices, shown, progress)
-        return Trial(
+        return trials.Trial(
             choices,
             self._values(stepper, choices, observed, rates),
             float(stepper.steps),
             perf_counter() - loop.begun,
-            self._rounding(stepper),
+            trials.rounding_error(
+                self.dynamics.largest(stepper.ranges) / self._comparison.unit,
+                stepper.steps * self.scheme.stages,
+            ),
             (stepper.blow_up, stepper.steps, f, v),
             common_error=self._drive_error,
             has_observables=self._stored_times.size == 0,  # nothing is stored but what is compared
         )
 
     def _values(
-        self, stepper: Stepper, choices: Choices, observed: list[Array], rates: Array
+        self, stepper: Stepper, choices: trials.Choices, observed: list[Array], rates: Array
     ) -> Array | None:
-        """Return the compared values, or None after a blow-up or with too long a step.
-
-        With a step that is too long, strains and fields are not those of the true motion.
-        """
-        longest, longest_taken = (
-            self._longest_step(stepper.ranges),
-            self._longest_taken(choices.step),
-        )
+        """Return the compared values; None after a blow-up or if the step was too long."""
+        longest = self._longest_step(stepper.ranges)
+        longest_taken = self._longest_taken(choices.step)
         feature_limit = math.inf
         if stepper.blow_up is None and longest_taken <= longest:
             feature_limit = self._resolving_step(stepper.ranges, rates, choices)
@@ -440,37 +404,26 @@ class CellEngine(StepSearch):
         stacked = np.array(observed) if len(observed) > 1 else observed[0][np.newaxis]
         return self._comparison.combine(stacked)
 
-    def _rounding(self, stepper: Stepper) -> float:
-        """Return the estimated rounding error of the compared values."""
-        largest = self.dynamics.largest(stepper.ranges) / self._comparison.unit
-        return rounding_error(largest, stepper.steps * self.scheme.stages)
-
     def _note_limit(self, step: float, stable: float, resolving: float) -> None:
-        """Record the longest step that the strains and features of a run allow.
-
-        Only the run with the shortest step so far counts: one with a longer step may not show the
-        motion.
-        """
+        """Record the longest step allowed by the run with the shortest step so far."""
         if step < self._limit_step:
             self._step_limit, self._limit_step = math.inf, step
-        if step == self._limit_step and min(stable, resolving) < self._step_limit:
-            self._step_limit, self._is_limited_by_feature = (
-                min(stable, resolving),
-                resolving < stable,
-            )
+        limit = min(stable, resolving)
+        if step == self._limit_step and limit < self._step_limit:
+            self._step_limit, self._is_limited_by_feature = limit, resolving < stable
 
-    def _chunk(self, choices: Choices) -> int | None:
+    def _chunk(self, choices: trials.Choices) -> int | None:
         """Return the most steps between two stops, None for the default."""
         if self._cuts is not None:
             return 1
-        steps = self.work(choices) / (2 * NUDGED) if choices.nudged else math.inf
+        steps = self.work(choices) / (2 * NUDGES) if choices.nudged else math.inf
         if self._has_features:
             steps = min(steps, self._quiet_time(choices) / choices.step)
         return max(1, math.ceil(steps)) if steps < CHUNK else None
 
-    def _quiet_time(self, choices: Choices) -> float:
+    def _quiet_time(self, choices: trials.Choices) -> float:
         """Return the time in which stretches and their rates change little."""
-        return max(choices.step, STILL / self._highest_at_rest)
+        return max(choices.step, QUIET_TIME / self._highest_at_rest)
 
     def _stretch_rates(self, state: State) -> Array:
         """Return the largest rate of each stretch whose force may have narrow features."""
@@ -481,43 +434,37 @@ class CellEngine(StepSearch):
         return np.array([float(np.max(np.abs(rate))) for rate in rates])
 
     def _finds_new_features(self, ranges: Array, rates: Array) -> bool:
-        """Return whether forces have features near the stretches visited.
-
-        False if features were found before.
-        """
+        """Return whether forces have features near the stretches visited, unless known before."""
         if self._has_features or not self._featured_bonds or not np.isfinite(ranges).all():
             return False
         for index, rate in zip(self._featured_bonds, rates.tolist(), strict=True):
             force, (least, most) = self.lattice.bonds[index].force, ranges[index].tolist()
-            room = NEAR * (most - least + rate / self._highest_at_rest)
-            ends = finite_range(force, least, most, room)
-            feature = find_feature(force, *ends, self._allowed_push * max(rate, room), NEAR_GAPS)
+            pad = FEATURE_MARGIN * (most - least + rate / self._highest_at_rest)
+            ends = finite_range(force, least, most, pad)
+            feature = find_feature(force, *ends, self._allowed_push * max(rate, pad), FEATURE_GAPS)
             if feature.width < math.inf or feature.turns:
-                self._has_features, self.unstable = True, PATIENT
-                self.most_work = max(self.most_work, 4.0 * MOST_FOLLOWED)
+                self._has_features, self.unstable = True, MAX_RESOLVING_RUNS
+                self.most_work = max(self.most_work, 4.0 * MAX_RESOLVING_STEPS)
         return self._has_features
 
-    def _resolving_step(self, ranges: Array, rates: Array, choices: Choices) -> float:
-        """Return the longest step that resolves all features of forces.
-
-        Raises ValueError if it is far too short for the run.
-        """
+    def _resolving_step(self, ranges: Array, rates: Array, choices: trials.Choices) -> float:
+        """Return the longest step that resolves all features; raise ValueError if too short."""
         longest = math.inf
         if not self._has_features or not np.isfinite(ranges).all():
             return longest
         for index, rate in zip(self._featured_bonds, rates.tolist(), strict=True):
             force, (least, most) = self.lattice.bonds[index].force, ranges[index].tolist()
-            room = WIDER * (most - least) + rate * self._quiet_time(choices)
-            ends = finite_range(force, least, most, room)
+            pad = RANGE_MARGIN * (most - least) + rate * self._quiet_time(choices)
+            ends = finite_range(force, least, most, pad)
             feature = find_feature(force, *ends, self._allowed_push * rate)
             if feature.turns:
-                self.order, self._largest_ratio = ORDER_AT_OPENINGS, KEPT_AT_OPENINGS
+                self.order, self._largest_ratio = ORDER_AT_OPENINGS, RATIO_AT_OPENINGS
             if rate > 0.0:
-                longest = min(longest, TRAVEL * feature.width / rate)
-            if self._duration > MOST_FOLLOWED * longest:
+                longest = min(longest, STEP_FRACTION * feature.width / rate)
+            if self._duration > MAX_RESOLVING_STEPS * longest:
                 self._refusals += 1
-                if self._refusals < UNFOLLOWED:  # with shorter steps the range may be another
-                    return self._duration / MOST_FOLLOWED
+                if self._refusals < MAX_UNRESOLVED_RUNS:  # shorter steps may change the range
+                    return self._duration / MAX_RESOLVING_STEPS
                 raise ValueError(
                     f"force of bond {index + 1} of {self.lattice.name} must change slowly enough "
                     f"to be resolved, got one that changes within {feature.width:.2g} where "
@@ -538,16 +485,16 @@ class CellEngine(StepSearch):
         gaps = np.diff(self._stops)
         return float(np.max(gaps / np.maximum(np.ceil(gaps / step), 1.0)))
 
-    def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
+    def improved(self, choices: trials.Choices, kind: trials.Kind, excess: float) -> trials.Choices:
         """Return a shorter step: the limit of the strains visited, or by the law of the order."""
-        step = step_between(self._stops, choices.step)
+        step = trials.step_between(self._stops, choices.step)
         if math.isinf(excess) and 0.0 < self._step_limit < self._longest_taken(choices.step):
-            least = LEAST_FACTOR**3 if self._has_features else LEAST_FACTOR
+            least = trials.LEAST_FACTOR**3 if self._has_features else trials.LEAST_FACTOR
             return replace(choices, step=max(LIMIT_SHARE * self._step_limit, least * step))
         choices_by_law = super().improved(choices, kind, excess)
         return replace(choices_by_law, step=min(choices_by_law.step, self._largest_ratio * step))
 
-    def check_followed(self, trial: Trial) -> None:
+    def check_followed(self, trial: trials.Trial) -> None:
         """Raise ValueError if the run broke down because a force changes too fast."""
         if trial.values is None and trial.payload[0] is None and self._is_limited_by_feature:
             raise ValueError(
@@ -559,13 +506,13 @@ class CellEngine(StepSearch):
     def budget_message(self, work: float, tolerance: float | None) -> str:
         """Return why so many steps are refused: fast strains, fast forces, or the tolerance."""
         times = self._first_limit / self._step_limit if self._step_limit else math.inf
-        if times > RAN_AWAY and self._is_limited_by_feature:
+        if times > RUNAWAY_LIMIT_RATIO and self._is_limited_by_feature:
             return (
                 f"forces of {self.lattice.name} must change slowly enough to be resolved, got one "
                 f"that needs steps {times:.1g} times shorter than strains do ({work:.1g} in "
                 "all; widen it or end earlier)"
             )
-        if times > RAN_AWAY:
+        if times > RUNAWAY_LIMIT_RATIO:
             return (
                 f"times must end before strains run away, got {self._times[-1]:g} (they need "
                 f"steps {times:.1g} times shorter than at first, {work:.1g} in all; end "
@@ -577,33 +524,27 @@ class CellEngine(StepSearch):
         )
 
     def _longest_step(self, ranges: Array) -> float:
-        """Return the longest step that is stable for stretches in these ranges; 0 if none is.
-
-        A run with a longer step does not show the motion; two such runs may agree.
-        """
+        """Return the longest step that is stable for stretches in these ranges; 0 if none is."""
         highest = self.dynamics.highest_frequency(ranges)
-        limit = stability_limit(self.scheme)
-        return limit / highest if limit < SLOW * highest * self._duration else self._duration
+        limit = schemes.stability_limit(self.scheme)
+        return limit / highest if limit < SLOW_RATIO * highest * self._duration else self._duration
 
     def _start(self, changed: bool) -> State:
-        """Return a copy of the state, if ``changed`` with the last digits of both arrays changed.
+        """Return a copy of the state; if ``changed``, with other last digits.
 
         Cells at rest have no last digits; they are moved relative to the fields' sizes in the run.
         """
         start = self.state.copy()
         if changed:
             resting = (start.f == 0.0) & (start.v == 0.0)
-            for values, others in zip(
-                start.arrays, nudged(*start.arrays, times=self._amplified), strict=True
-            ):
-                values[:] = others
+            start.f[:], start.v[:] = trials.nudged(*start.arrays, times=self._amplified)
             start.f += np.where(resting, self._digit_changes(start.f), 0.0)
         return start
 
     def _nudge_again(self, state: State, before: float) -> None:
         """Change the last digits of the fields in place if the run has just passed a mark."""
         begin, end = float(self._stops[0]), float(self._stops[-1])
-        marks = begin + np.arange(1, NUDGED) * (end - begin) / NUDGED
+        marks = begin + np.arange(1, NUDGES) * (end - begin) / NUDGES
         if state.t < end and np.any((before < marks) & (marks <= state.t)):
             state.f += self._digit_changes(state.f)
 
@@ -611,7 +552,7 @@ class CellEngine(StepSearch):
         """Return changes of the last digits, in units of the fields' sizes, 0 in walls."""
         ones = np.zeros_like(f)
         ones[:, : self.lattice.cell_count] = 1.0
-        [factors] = nudged(ones, times=self._amplified)
+        [factors] = trials.nudged(ones, times=self._amplified)
         return (factors - ones) * self._largest.reshape(-1, *(1,) * (f.ndim - 1))
 
     def _field_sizes(self, ranges: Array) -> Array:

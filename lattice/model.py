@@ -5,15 +5,13 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.force_program import ForceProgram
 from longwave.lattice.numeric_lattice import Entry, NumericBond, NumericLattice
 from longwave.lattice.state import State
+from longwave.support.array_types import Array
 
-Array = NDArray[np.float64]
-
-NEGLIGIBLE = 1e-200
+NEGLIGIBLE_RATIO = 1e-200
 """K3 and K4 below this, in units of the largest constant, have no effect for strains up to 1e90;
 quotients of the others neither overflow nor underflow."""
 
@@ -37,9 +35,7 @@ class Model:
             if not math.isfinite(value):
                 raise ValueError(f"{name} must be finite, got {value} (1 is usual)")
         if self.K2 <= 0:
-            raise ValueError(
-                f"K2 must satisfy K2 > 0, got {self.K2:g} (the sound speed is sqrt(K2))"
-            )
+            raise ValueError(f"K2 must satisfy K2 > 0, got {self.K2:g} (sound travels at sqrt(K2))")
 
     @cached_property
     def lattice(self) -> NumericLattice:
@@ -49,7 +45,7 @@ class Model:
         (4.0, 0.0, 1.0)
         """
         K2, *others = (float(value) for value in (self.K2, self.K3, self.K4))
-        least = NEGLIGIBLE * max(K2, *map(abs, others))
+        least = NEGLIGIBLE_RATIO * max(K2, *map(abs, others))
         K3, K4 = (0.0 if abs(value) < least else value for value in others)
         force = ForceProgram((K2, K3, K4)[: 3 if K4 else 2 if K3 else 1])
         return NumericLattice("fput_strain", ("y",), (1.0,), (replace(STRAIN, force=force),))

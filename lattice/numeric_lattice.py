@@ -14,20 +14,19 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from longwave.lattice.force_program import ForceProgram, force_program
+from longwave.support.array_types import Array, Complex
 from longwave.support.known_names import one_of
 
 if TYPE_CHECKING:
     from longwave.derive.algebra.exact_numbers import Number
-    from longwave.derive.lattice import Bond, Lattice, Stencil
+    from longwave.derive.lattice import Bond, Lattice
     from longwave.lattice.schemes import Scheme
     from longwave.lattice.state import State
     from longwave.lattice.variation import Variation
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 Range = tuple[float, float]
 
 
@@ -66,10 +65,7 @@ def stretch_text(entries: tuple[Entry, ...], fields: tuple[str, ...]) -> str:
 
 @dataclass(frozen=True)
 class NumericBond:
-    """A bond of cell n: its stretch is ``sum weight f_{n+shift} + offset``.
-
-    Its force acts on the fields as `Bond` says.
-    """
+    """A bond of cell n with the stretch ``sum weight f_{n+shift} + offset``; see `Bond`."""
 
     stretch: tuple[Entry, ...]
     action: tuple[Entry, ...]
@@ -86,22 +82,17 @@ class NumericBond:
             total += part
         return total
 
-    def with_mean_strain(
-        self, mean_strain: Sequence[float], shares: Sequence[float]
-    ) -> NumericBond:
-        """Return the bond with displacements that grow by ``mean_strain`` per cell.
-
-        See `NumericLattice.with_mean_strain`.
-        """
+    def with_mean_strain(self, strain: Sequence[float], shares: Sequence[float]) -> NumericBond:
+        """Return the bond of displacements that grow by ``strain`` per cell."""
         growth = [e.weight * (shares[e.field] if shares else 1.0) for e in self.stretch]
-        if abs(math.fsum(growth)) > ROUNDED * max(map(abs, growth)):
+        if abs(math.fsum(growth)) > ROUNDED_SQUARE * max(map(abs, growth)):
             raise ValueError(
                 "mean_strain must be 0 where a bond feels a field itself, got "
-                f"{tuple(mean_strain)} (such a lattice has no uniform strain, or it is the "
+                f"{tuple(strain)} (such a lattice has no uniform strain, or it is the "
                 "field's own mean)"
             )
         offsets = [
-            sum(a * b for a, b in zip(mean_strain, e.shift, strict=True)) * share
+            sum(a * b for a, b in zip(strain, e.shift, strict=True)) * share
             for e, share in zip(self.stretch, growth, strict=True)
         ]
         return replace(self, offset=math.fsum(offsets))
@@ -152,15 +143,11 @@ class NumericLattice:
     def with_mean_strain(
         self, mean_strain: Sequence[float], shares: Sequence[float] = ()
     ) -> NumericLattice:
-        """Return the lattice whose displacements grow by ``mean_strain`` per cell, at rest.
-
-        Arguments and errors are those of `numeric_lattice`.
-        """
+        """Return the lattice of displacements that grow by ``mean_strain`` per cell."""
         if not any(mean_strain):
             return self
-        return replace(
-            self, bonds=tuple(bond.with_mean_strain(mean_strain, shares) for bond in self.bonds)
-        )
+        bonds = tuple(bond.with_mean_strain(mean_strain, shares) for bond in self.bonds)
+        return replace(self, bonds=bonds)
 
     @property
     def reach(self) -> int:
@@ -185,17 +172,11 @@ class NumericLattice:
 
     @property
     def is_driven(self) -> bool:
-        """Whether stages need weights for their own times (`DrivenChain.stage_weights`).
-
-        False here.
-        """
+        """Whether stages have weights for their own times (`DrivenChain.stage_weights`)."""
         return False
 
     def drive_within(self, begin: float, end: float) -> tuple[float, bool]:
-        """Return the shortest time scale of drives, and whether they have corners.
-
-        Without drives the time is inf.
-        """
+        """Return the shortest time scale of drives (inf here), and whether they have corners."""
         return math.inf, False
 
     def driven_within(self, begin: float, end: float) -> float:
@@ -209,10 +190,7 @@ class NumericLattice:
         return DriveSteps(step, np.zeros(0), False)
 
     def spread_within(self, duration: float) -> int:
-        """Return the number of cells by which losses smear fronts in this time.
-
-        0 without losses.
-        """
+        """Return the number of cells by which losses smear fronts in this time: here 0."""
         return 0
 
     def with_walls(self, state: State) -> State:
@@ -235,17 +213,14 @@ class NumericLattice:
 
     @cached_property
     def gets_stiffer_by_bonds(self) -> bool:
-        """Whether each bond with a positive slope only increases the squared frequencies.
-
-        Then no wave grows where all slopes are positive.
-        """
+        """Whether positive slopes of bonds only raise squared frequencies: no wave grows."""
         if self.cellwise[1] is not None:
             return False
         waves = zone_wavenumbers(self.dimension, WAVENUMBERS[self.dimension])
         root = np.sqrt(self.masses)
         for unit in np.eye(len(self.bonds)):
             matrices = self.dynamical_matrix(waves, list(unit)) * (root[:, None] / root)
-            tolerance = ROUNDED * np.abs(matrices).max()
+            tolerance = ROUNDED_SQUARE * np.abs(matrices).max()
             if np.abs(matrices - matrices.conj().swapaxes(-1, -2)).max() > tolerance:
                 return False
             if np.linalg.eigvalsh(matrices).min() < -tolerance:
@@ -300,15 +275,15 @@ class NumericLattice:
         with np.errstate(all="ignore"):
             return [np.asarray(bond.force.slope(stretch)) for bond, stretch in pairs]
 
-    def largest_slope(self, bond_index: int, stretches: Array) -> float:
+    def largest_slope(self, index: int, stretches: Array) -> float:
         """Return the largest abs(slope) of one bond's force at these stretches; may be nan."""
         with np.errstate(all="ignore"):
-            return float(np.max(np.abs(self.bonds[bond_index].force.slope(stretches))))
+            return float(np.max(np.abs(self.bonds[index].force.slope(stretches))))
 
-    def steepest(self, bond_index: int, stretches: Array) -> float:
+    def steepest(self, index: int, stretches: Array) -> float:
         """Return the largest slope of one bond's force at these stretches; may be nan."""
         with np.errstate(all="ignore"):
-            return float(np.max(self.bonds[bond_index].force.slope(stretches)))
+            return float(np.max(self.bonds[index].force.slope(stretches)))
 
     def rest_slopes(self) -> list[float]:
         """Return the slope of each bond's force at the mean stretch."""
@@ -321,17 +296,14 @@ class NumericLattice:
     def is_stable(self, slopes: Sequence[float]) -> bool:
         """Return whether no wave grows, forces linearised with these slopes."""
         squares = self._all_squares(slopes)
-        return bool(np.min(squares) >= -ROUNDED * max(float(np.max(squares)), 1e-300))
+        return bool(np.min(squares) >= -ROUNDED_SQUARE * max(float(np.max(squares)), 1e-300))
 
     def _all_squares(self, slopes: Sequence[float]) -> Array:
         waves = zone_wavenumbers(self.dimension, WAVENUMBERS[self.dimension])
         return self.squared_frequencies(waves, slopes)
 
     def energy(self, f: Array, v: Array) -> float:
-        """Return the kinetic and potential energy of a ring of displacements.
-
-        The value has no meaning for a lattice of strains, whose fields have no masses of their own.
-        """
+        """Return the kinetic and potential energy of a ring of displacements (not of strains)."""
         masses = np.array(self.masses).reshape(-1, *(1,) * (f.ndim - 1))
         total = 0.5 * float(np.sum(masses * v * v))
         for bond, stretch in zip(self.bonds, self.stretches(f), strict=True):
@@ -340,18 +312,14 @@ class NumericLattice:
 
 
 WAVENUMBERS = {1: 257, 2: 33, 3: 9}
-"""Wavenumbers per axis, by dimension, of the grid for highest frequencies; a chain's is found with
-a relative error of 1e-4."""
+"""Wavenumbers per axis, by dimension, for highest frequencies (to 1e-4 in a chain)."""
 
-ROUNDED = 1e-12
+ROUNDED_SQUARE = 1e-12
 """Negative squared frequencies up to this size, in units of the largest, count as rounding."""
 
 
 def zone_wavenumbers(dimension: int, count: int) -> Array:
-    """Return a grid (waves, axes) on half the Brillouin zone: each wave or its conjugate.
-
-    There are ``count`` wavenumbers from 0 to pi along the first axis.
-    """
+    """Return wavenumbers (waves, axes) of half the Brillouin zone, ``count`` on the first axis."""
     axis = np.linspace(0.0, math.pi, count)
     axes = [axis, *[np.linspace(-math.pi, math.pi, 2 * count - 1)] * (dimension - 1)]
     return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, dimension)
@@ -417,9 +385,8 @@ def numeric_lattice(
 
 
 def _numeric_bond(bond: Bond, values: Mapping[Any, Any]) -> NumericBond:
-    stretch, action = (tuple(map(_entry, part)) for part in (bond.stretch, bond.action))
+    stretch, action = (
+        tuple(Entry(one.shift, float(one.weight), one.field) for one in entries)
+        for entries in (bond.stretch, bond.action)
+    )
     return NumericBond(stretch, action, force_program(bond.force.xreplace(values)))
-
-
-def _entry(entry: Stencil) -> Entry:
-    return Entry(entry.shift, float(entry.weight), entry.field)

@@ -11,27 +11,26 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.force_program import ForceProgram
+from longwave.support.array_types import Array, Mask
 
-Array = NDArray[np.float64]
 TimeFunction = Callable[[Array], Array]
 """Function of an array of times."""
 
-LOOKED_AT = 2**17 + 1
+SAMPLED_TIMES = 2**17 + 1
 """Times at which drives are sampled before a run, to find the steps that resolve them."""
 
-JUMP, MOST_CORNERS = 0.25, 100
-"""Share of the range of slopes by which a slope jumps at a corner, and number of corners beyond
-which a drive counts as fast instead."""
+CORNER_JUMP, MAX_CORNERS = 0.25, 100
+"""A corner is a slope's jump by this fraction of the slopes' range; with more corners a drive is
+fast."""
 
-TAIL = 1e-6
-"""Share of the range of all slopes below which the drive outside covered spans has no corners."""
+MIN_SLOPE_RANGE = 1e-6
+"""Range of slopes, in units of that of all slopes, below which open spans have no corners."""
 
-CLOSER, MOST_HIDDEN, HIDDEN = 6, 2**12, 0.1
-"""Refinements of the sampling by 64, most gaps refined, and the share of the total change that may
-hide in a gap: a pulse of width 1e-4 in a run of 2000 was missed without them. If a gap may hide
+MAX_REFINEMENTS, MAX_REFINED_GAPS, HIDDEN_FRACTION = 6, 2**12, 0.1
+"""Refinements of the sampling by 64, most gaps refined, and the fraction of the total change that
+may hide in a gap: a pulse of width 1e-4 in a run of 2000 was missed without them. If a gap may hide
 more even where times are hardly distinct, the drive jumps or is unbounded."""
 
 
@@ -58,13 +57,12 @@ class SiteForce:
         """Raise ValueError if the chain does not have the force's cell or field."""
         for name, value, size in (("site", self.site, cells), ("field", self.field, fields)):
             if value not in range(size):
-                raise ValueError(f"{name} of a force must be 0 to {size - 1}, got {value}")
+                raise ValueError(
+                    f"{name} of a force must be 0 to {size - 1}, got {value} (mend it)"
+                )
 
     def at(self, f: Array, times: Array, masses: Array) -> Array:
-        """Return the forces on the cells, (times, cells), for the fields ``f``.
-
-        The fields are those at these times; ``masses`` are those of the force's field in all cells.
-        """
+        """Return the forces on the cells, (times, cells), for fields ``f`` at these times."""
         shares = self.shares(masses)
         forces = values_at(self.value, times)[:, np.newaxis] * shares
         if self.law is not None:
@@ -105,7 +103,7 @@ def shortest_time_scale(
     A drive's time scale is the range of its values over its steepest slope. Spans ``followed``,
     (begin and end, spans), which have steps of their own, are left out.
     """
-    times = np.linspace(begin, end, LOOKED_AT)
+    times = np.linspace(begin, end, SAMPLED_TIMES)
     least, turns = math.inf, False
     for value in drives:
         sampled = _refined_times(value, times)
@@ -116,13 +114,13 @@ def shortest_time_scale(
         slope_range = float(np.ptp(slopes[is_open])) if is_open.any() else 0.0
         least = min(least, float(np.ptp(values)) / steepest if steepest else math.inf)
         bends = np.abs(np.diff(slopes))[is_open[:-1] & is_open[1:]]
-        jumps = np.count_nonzero(bends > JUMP * slope_range)
-        is_curved = slope_range > (0.0 if is_open.all() else TAIL * float(np.ptp(slopes)))
-        turns = turns or bool(is_curved and 0 < jumps <= MOST_CORNERS)
+        jumps = np.count_nonzero(bends > CORNER_JUMP * slope_range)
+        least_range = 0.0 if is_open.all() else MIN_SLOPE_RANGE * float(np.ptp(slopes))
+        turns = turns or bool(slope_range > least_range and 0 < jumps <= MAX_CORNERS)
     return least, turns
 
 
-def _is_outside(times: Array, spans: Array | None) -> NDArray[np.bool_]:
+def _is_outside(times: Array, spans: Array | None) -> Mask:
     """Return a mask of the intervals between times that meet none of the spans."""
     if spans is None or not spans.size:
         return np.ones(times.size - 1, dtype=np.bool_)
@@ -134,14 +132,15 @@ def _refined_times(value: TimeFunction, times: Array) -> Array:
     """Return the times, with more where a formula may change between two of them unnoticed."""
     if not isinstance(value, ForceProgram) or times[0] == times[-1]:
         return times
-    for _ in range(CLOSER):
+    for _ in range(MAX_REFINEMENTS):
         values = values_at(value, times)
         with np.errstate(all="ignore"):
             low, high = value.enclosed(times[:-1], times[1:])
             widths = np.nan_to_num(high - low, nan=math.inf, posinf=math.inf)
-        allowed = HIDDEN * max(np.ptp(values), widths.max(initial=0.0, where=widths < math.inf))
+        largest = max(np.ptp(values), widths.max(initial=0.0, where=widths < math.inf))
+        allowed = HIDDEN_FRACTION * largest
         [gaps] = np.nonzero(widths > allowed)
-        if not 0 < gaps.size <= MOST_HIDDEN:
+        if not 0 < gaps.size <= MAX_REFINED_GAPS:
             return times
         between = np.linspace(times[gaps], times[gaps + 1], 65)[1:-1]
         times = np.union1d(times, between)

@@ -8,17 +8,17 @@ the logarithm in normal numbers, is applied to them.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from longwave.support.array_types import Array
 
 DISTRIBUTIONS = ("uniform", "binary")
 """Distributions of deviations: uniform on -1 .. 1, or -1 and 1 with equal probability."""
 
-ORIGIN = 2**60
+SITE_OFFSET = 2**60
 """Offset that makes all site numbers positive."""
 
-EACH = 4
+NUMBERS_PER_COUNTER = 4
 """Numbers that the generator gives for one counter."""
 
 
@@ -38,8 +38,8 @@ def site_deviations(
     sites = np.asarray(cells)
     if not sites.size:
         return np.zeros(0)
-    first = int(sites[0]) + ORIGIN
-    block, skipped = divmod(first, EACH)
+    first = int(sites[0]) + SITE_OFFSET
+    block, skipped = divmod(first, NUMBERS_PER_COUNTER)
     generator = np.random.Philox(key=[seed, row], counter=[block, 0, 0, 0])
     bits = generator.random_raw(skipped + sites.size)[skipped:]
     if distribution == "binary":

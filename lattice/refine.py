@@ -47,53 +47,52 @@ from longwave.support.request_limits import OverBudgetError
 Announce = Callable[[float], None]
 """Callback with the expected seconds of the next runs."""
 
-SHARES: dict[Kind, float] = {"step": 0.5, "sampling": 0.2, "domain": 0.3}
+FRACTIONS: dict[Kind, float] = {"step": 0.5, "sampling": 0.2, "domain": 0.3}
 """Shares of the tolerance of each choice when it is varied alone."""
 
-TIGHTER = 1.5
+TIGHTENING = 1.5
 """Factor by which to reduce each error when all meet their shares but the sum does not."""
 
 STEP: tuple[Kind, ...] = ("step",)
 STEP_AND_DOMAIN: tuple[Kind, ...] = ("step", "domain")
 
-ATTEMPTS = 12
+MAX_CONTROL_RUNS = 12
 """Most control runs."""
 
-BLOWN = 3
+MAX_BLOW_UPS = 3
 """Control runs after which a lattice that still blows up does so for physical reasons."""
 
-CURE = 32.0
+BLOW_UP_REDUCTION = 32.0
 """Factor by which to reduce all errors after a blow-up."""
 
-PATIENCE = 3
+MAX_STALLED_RUNS = 3
 """Control runs without progress after which the remaining error is attributed to rounding."""
 
-PROGRESS = 0.7
+STALLED_RATIO = 0.7
 """Ratio to the previous error above which an error has stopped falling."""
 
-WARY = 100.0
+FIRST_DIGIT_FACTOR = 100.0
 """Factor on the effect of changed last digits with the longest step: a hundred times as much was
 seen with shorter steps, which round more often (scenes of `searches/estimates.py`)."""
 
-DRAWN = 1.5
+DIGIT_FACTOR = 1.5
 """Factor on the effect of changed last digits on the returned run: it is one sample of the rounding
 error (with 1, a test found an error of 1.08 times its estimate)."""
 
-LAWFUL = 3.0
+MAX_LAWFUL_RATIO = 3.0
 """Largest ratio of a step's change to its law's prediction at which the law counts as confirmed, if
 the change has also fallen as half of the order predicts."""
 
-NEGLIGIBLE = 0.01
-"""Share of the tolerance below which the change by a step needs to obey no law: it may be rounding,
-or come round a ring."""
+NEGLIGIBLE_FRACTION = 0.01
+"""Change by a step, in units of the tolerance, that needs to obey no law: it may be rounding."""
 
-LEAST_ON_RING = 0.05
-"""Least error reported on a ring, as a share of the tolerance. Negligible changes there hid errors
-of 0.021 of it: the steps of a kink that turned short waves by many radians agreed
+MIN_RING_ERROR = 0.05
+"""Least error reported on a ring, as a fraction of the tolerance. Negligible changes there hid
+errors of 0.021 of it: the steps of a kink that turned short waves by many radians agreed
 (`tests/scenes/engines/test_comparison_honesty.py`)."""
 
-LEAST = 1e-5
-"""Least error reported elsewhere, as a share of the tolerance: no run was examined more closely."""
+MIN_ERROR = 1e-5
+"""Least error reported elsewhere, in units of the tolerance: no run was examined more closely."""
 
 
 USUAL_WORK = 4.5
@@ -101,10 +100,7 @@ USUAL_WORK = 4.5
 
 
 class StoppedSearch(KeyboardInterrupt):
-    """Raised on Ctrl-C during the search: its best run, if any, and the seconds of all others.
-
-    ``error`` is its estimated error, above the tolerance; None if it was not measured.
-    """
+    """Raised on Ctrl-C: the best run, its error if measured, and the seconds of all others."""
 
     def __init__(self, trial: Trial | None, error: float | None, before: float) -> None:
         super().__init__("interrupted")
@@ -134,7 +130,7 @@ def refine(
 ) -> Refined:
     """Repeat runs with better choices until the estimated error is at most ``tolerance``.
 
-    ``progress`` is called with the share of the work done, 0 .. 1, of ``USUAL_WORK`` or more if
+    ``progress`` is called with the fraction of the work done, 0 .. 1, of ``USUAL_WORK`` or more if
     more is known to be needed. Raises ValueError if the error stops falling above the tolerance,
     StoppedSearch on Ctrl-C.
     """
@@ -151,15 +147,15 @@ def _search_choices(search: "_Search", engine: Engine, tolerance: float) -> Refi
     choices = _with_lawful_step(search, scouting, engine.first())
     search.seconds = scouting.seconds
     best, without_progress, blow_ups = math.inf, 0, 0
-    for _ in range(ATTEMPTS):
+    for _ in range(MAX_CONTROL_RUNS):
         trial, control = search.pair(choices)
         rounding = max(trial.rounding, control.rounding)
         step_change = max(difference(trial, control), search.known_change(choices))
         change = max(engine.safety * step_change, SAFETY * scouting.lawful_change(choices))
-        least = LEAST_ON_RING if "sampling" in engine.kinds else LEAST
+        least = MIN_RING_ERROR if "sampling" in engine.kinds else MIN_ERROR
         error = max(change + rounding + control.common_error, least * tolerance)
         if error <= tolerance and search.wary:
-            digit_effect = DRAWN * search.digit_effect(choices)
+            digit_effect = DIGIT_FACTOR * search.digit_effect(choices)
             rounding, error = rounding + digit_effect, error + digit_effect
         if error <= tolerance and not scouting.is_lawful(choices):
             shorter = _with_lawful_step(search, scouting, choices)
@@ -167,49 +163,39 @@ def _search_choices(search: "_Search", engine: Engine, tolerance: float) -> Refi
                 choices = shorter
                 continue
         blow_ups = blow_ups + 1 if math.isinf(error) else 0
-        if error <= tolerance or blow_ups == BLOWN:
+        if error <= tolerance or blow_ups == MAX_BLOW_UPS:
             decade = 10.0 ** (1.0 / engine.order)
             if not control.choices.causal:
                 decade *= 10.0 ** (1.0 / engine.decay)
             return Refined(control, error, rounding, decade)
         search.judged = control, error
-        has_fallen = error < PROGRESS * best or math.isinf(error)
+        has_fallen = error < STALLED_RATIO * best or math.isinf(error)
         if not has_fallen or search.wary:
             search.check_rounding(choices)
         without_progress = 0 if has_fallen else without_progress + 1
         best = min(best, error)
-        is_stuck = without_progress == PATIENCE or (
-            scouting.stalled == PATIENCE and not _may_widen(engine, choices)
-        )
+        # a wider domain may still help: waves round a ring obey no law of the step
+        may_widen = "domain" in engine.kinds and not choices.causal
+        stalled = 0 if may_widen else scouting.stalled
+        is_stuck = MAX_STALLED_RUNS in (without_progress, stalled)
         if is_stuck and math.isfinite(best):
             raise ValueError(
                 _refusal_message(best, tolerance, search.leftover_message(choices, rounding, error))
             )
         step_change = scouting.known_change(choices) if has_fallen else 0.0
         choices = search.improved(choices, trial, error, step_change)
-    remedy = f"after {ATTEMPTS} control runs, each with better choices"
+    remedy = f"after {MAX_CONTROL_RUNS} control runs, each with better choices"
     raise ValueError(_refusal_message(best, tolerance, remedy))
 
 
 def _refusal_message(best: float, tolerance: float, left: str) -> str:
-    """Return why a tolerance is refused.
-
-    ``left`` says what keeps the error at ``best``, which is inf if unknown.
-    """
+    """Return why a tolerance is refused: ``left`` keeps the error at ``best``, inf if unknown."""
     least = f"satisfy tolerance >= {1.05 * best:.2g} here" if best < math.inf else "be larger here"
     return f"tolerance must {least}, got {tolerance:g} ({left}; raise it or shorten the run)"
 
 
-def _may_widen(engine: Engine, choices: Choices) -> bool:
-    """Return whether a wider domain may still help: waves round a ring obey no law of the step."""
-    return "domain" in engine.kinds and not choices.causal
-
-
 def _with_lawful_step(search: "_Search", scouting: "_Search", choices: Choices) -> Choices:
-    """Return the choices with the longest step that meets its share and obeys its law.
-
-    The step is searched from theirs on, by the scout.
-    """
+    """Return choices whose step, found by the scout, meets its tolerance and obeys its law."""
     if scouting is search:
         return search.with_step(choices)
     started = replace(scouting.engine.first(), step=choices.step)
@@ -227,7 +213,7 @@ class _Search:
         self._done: dict[Choices, Trial] = {}
         self._changes: dict[float, float] = {}  # change of the values by shortening each step
         self._longest_lawful = 0.0  # longest step for which the law is confirmed
-        self._negligible = NEGLIGIBLE * tolerance / SAFETY
+        self._negligible = NEGLIGIBLE_FRACTION * tolerance / SAFETY
         self._last_share, self._first_work, self._done_work, self._pending_work = 0.0, 0.0, 0.0, 0.0
         self._stopped, self._is_scout = False, False
         self.seconds = 0.0
@@ -236,10 +222,7 @@ class _Search:
         self.judged: tuple[Trial, float] | None = None
 
     def scouting(self, scout: Engine) -> "_Search":
-        """Return a search by the engine ``scout`` for the same tolerance.
-
-        Itself if it is its own.
-        """
+        """Return the search by the engine ``scout``: this one, if that is its own engine."""
         if scout is self.engine:
             return self
         search = _Search(scout, self._tolerance, self._progress, self._announce)
@@ -247,11 +230,7 @@ class _Search:
         return search
 
     def stopped(self, stop: KeyboardInterrupt) -> StoppedSearch:
-        """Return the run to show after Ctrl-C, as `StoppedSearch`.
-
-        It is the last run whose error was measured, else the last that can be shown, else the one
-        under way.
-        """
+        """Return the last run that was judged, else one that can be shown, else the current one."""
         if self.judged is not None and math.isfinite(self.judged[1]):
             trial, error = self.judged
             return StoppedSearch(trial, error, self.seconds - trial.seconds)
@@ -271,20 +250,20 @@ class _Search:
         """Return choices whose step meets its share and obeys its law, if the search finds any."""
         unstable, last, self.stalled = 0, math.inf, 0
         change: float | None = None
-        for _ in range(ATTEMPTS):
+        for _ in range(MAX_CONTROL_RUNS):
             excess = self._excess(choices, "step", change)
             if self.wary is None and math.isfinite(excess):
                 self.wary = (
                     self.engine.amplifies_rounding
-                    and WARY * self.digit_effect(choices) > self._tolerance
+                    and FIRST_DIGIT_FACTOR * self.digit_effect(choices) > self._tolerance
                 )
             unstable += math.isinf(excess)
-            is_stuck = 1.0 < excess < math.inf and excess > PROGRESS * last
+            is_stuck = 1.0 < excess < math.inf and excess > STALLED_RATIO * last
             self.stalled = self.stalled + 1 if is_stuck else 0
             if is_stuck:
                 self.check_rounding(choices)
             is_good = excess <= 1.0 and self.is_lawful(choices)
-            if is_good or unstable == self.engine.unstable or self.stalled == PATIENCE:
+            if is_good or unstable == self.engine.unstable or self.stalled == MAX_STALLED_RUNS:
                 break
             last, change = excess, None
             if excess <= 1.0:
@@ -292,7 +271,7 @@ class _Search:
                 change = self._lawful_in_wider(choices)
             else:
                 choices = self.engine.improved(choices, "step", excess)
-            self._drop_longer(choices.step)
+            self._done = {one: run for one, run in self._done.items() if one.step <= choices.step}
         return choices
 
     def _lawful_in_wider(self, choices: Choices) -> float | None:
@@ -312,20 +291,12 @@ class _Search:
         self._note_change(choices, change)
         return change
 
-    def _drop_longer(self, step: float) -> None:
-        """Discard runs with longer steps, which are not compared any more."""
-        for choices in [one for one in self._done if one.step > step]:
-            del self._done[choices]
-
     def is_lawful(self, choices: Choices) -> bool:
         """Return whether the law is confirmed for this step, or its change is negligible."""
         return self.engine.taken(choices) <= self._longest_lawful
 
     def lawful_change(self, choices: Choices) -> float:
-        """Return the least change expected of the step, from the nearest longer one tried.
-
-        A negligible change may be rounding, or come round a ring, and obeys no law.
-        """
+        """Return the change that the law expects of the step, from the nearest longer one."""
         step = self.engine.taken(choices)
         longer = [one for one in self._changes.items() if one[0] > step]
         if not longer:
@@ -349,29 +320,23 @@ class _Search:
         self._changes[step] = change
 
     def _most_lawful(self, choices: Choices) -> float:
-        """Return the largest change that confirms the step's law.
-
-        -1 if no longer step was tried.
-        """
+        """Return the largest change that confirms the step's law; -1 without a longer step."""
         step = self.engine.taken(choices)
         longer = min((one for one in self._changes if one > step), default=math.inf)
         if longer == math.inf:
             return -1.0
-        slack = min(LAWFUL, (longer / step) ** (self.engine.order / 2.0))
+        slack = min(MAX_LAWFUL_RATIO, (longer / step) ** (self.engine.order / 2.0))
         return max(slack * self.lawful_change(choices), self._negligible)
 
     def digit_effect(self, choices: Choices) -> float:
-        """Return the effect of rounding on these choices.
-
-        It is ``SAFETY`` times the change of the values by new last digits of the data.
-        """
+        """Return the effect of rounding: ``SAFETY`` times the change by new last digits."""
         nudged = replace(choices, nudged=True)
         self._run({choices: False, nudged: False})
         return SAFETY * difference_around(self._done[choices], self._done[nudged])
 
     def leftover_message(self, choices: Choices, rounding: float, error: float) -> str:
         """Return what is left of an error that has stopped falling, as far as it was measured."""
-        rounding += DRAWN * self.digit_effect(choices)
+        rounding += DIGIT_FACTOR * self.digit_effect(choices)
         kinds = {"step": "finer steps", "sampling": "denser points", "domain": "wider domains"}
         text = f"{' and '.join(kinds[kind] for kind in self.engine.kinds)} no longer help"
         if rounding > 0.5 * error:
@@ -379,10 +344,9 @@ class _Search:
         return f"{text}, and rounding is only {rounding:.1g} of the error of {error:.1g}"
 
     def check_rounding(self, choices: Choices) -> None:
-        """Raise ValueError if rounding alone exceeds the tolerance.
+        """Raise ValueError if rounding alone exceeds the tolerance, with a shorter step, too.
 
-        It must do so with a shorter step, too: near the longest stable step a scheme may amplify
-        what the lattice does not.
+        Near the longest stable step a scheme may amplify what the lattice does not.
         """
         effect = self.digit_effect(choices)
         if self._tolerance < effect < math.inf:
@@ -417,33 +381,30 @@ class _Search:
         engine, better = self.engine, choices
         if trial.values is None:
             for kind in engine.kinds:
-                better = engine.improved(better, kind, CURE)
+                better = engine.improved(better, kind, BLOW_UP_REDUCTION)
             return better
         domain_share = self._tolerance - engine.safety * step_change
         if step_change and math.isfinite(error) and engine.kinds == STEP_AND_DOMAIN:
-            if domain_share >= (1.0 - SHARES["step"]) * self._tolerance:
-                better = engine.improved(choices, "domain", max(TIGHTER, error / domain_share))
+            if domain_share >= (1.0 - FRACTIONS["step"]) * self._tolerance:
+                better = engine.improved(choices, "domain", max(TIGHTENING, error / domain_share))
             if better != choices:
                 return better
         for kind in engine.kinds:
             excess = self._excess(choices, kind)
             if excess > 1.0:
                 better = engine.improved(better, kind, excess)
-            if kind == "step" and excess * SHARES["step"] > 0.5 * error / self._tolerance:
+            if kind == "step" and excess * FRACTIONS["step"] > 0.5 * error / self._tolerance:
                 break
         if better == choices:
             for kind in engine.kinds:
-                better = engine.improved(better, kind, max(TIGHTER, error / self._tolerance))
+                better = engine.improved(better, kind, max(TIGHTENING, error / self._tolerance))
         return better
 
     def _excess(self, choices: Choices, kind: Kind, change: float | None = None) -> float:
-        """Return the ratio of the error to its share when that kind alone is varied.
-
-        ``change`` is measured if it is not given.
-        """
+        """Return the ratio of the error to its part of the tolerance if one kind is varied."""
         if change is None:
             change = self._change(choices, kind)
-        share = SHARES[kind] if len(self.engine.kinds) > 1 else 1.0
+        share = FRACTIONS[kind] if len(self.engine.kinds) > 1 else 1.0
         return SAFETY * change / (share * self._tolerance)
 
     def _change(self, choices: Choices, kind: Kind) -> float:
@@ -486,9 +447,7 @@ class _Search:
             except CancelledError:
                 continue
         if self._stopped:
-            raise max(
-                stops, key=lambda stop: stop.trial.has_observables, default=KeyboardInterrupt()
-            )
+            raise max(stops, key=lambda one: one.trial.has_observables, default=KeyboardInterrupt())
 
     def _record(self, choices: Choices, trial: Trial) -> None:
         """Record a finished run, its work and its seconds."""
@@ -498,21 +457,18 @@ class _Search:
         self._pending_work = max(0.0, self._pending_work - trial.work)
         self.seconds += trial.seconds
 
-    def _report_progress(self, share: float) -> None:
-        """Report the progress of the whole search, given the share done of the pending runs."""
+    def _report_progress(self, fraction: float) -> None:
+        """Report the progress of the whole search, given the fraction done of the pending runs."""
         if self._stopped:
             raise KeyboardInterrupt
         usual = USUAL_WORK * (self._first_work or self._pending_work)
         whole = max(usual, self._done_work + self._pending_work)
-        done = (self._done_work + share * self._pending_work) / whole if whole else share
+        done = (self._done_work + fraction * self._pending_work) / whole if whole else fraction
         self._last_share = max(self._last_share, min(done, 1.0))
         self._progress(self._last_share)
 
     def _announce_runs(self, missing: Collection[Choices]) -> None:
-        """Announce the expected seconds of the next runs, from the pace of those before.
-
-        Raises OverBudgetError if they exceed the engine's budget.
-        """
+        """Announce the seconds of the next runs; raise OverBudgetError if they are too many."""
         self._pending_work = pending = sum(map(self.engine.work, missing))
         if pending > self.engine.most_work:
             raise OverBudgetError(f"runs that take {pending:.2g}", pending)

@@ -59,10 +59,7 @@ def nystroem_trees(order: int) -> tuple[NystroemTree, ...]:
 
 @cache
 def _forests(weight: int, largest: int) -> tuple[tuple[NystroemTree, ...], ...]:
-    """Return all multisets of branches of this weight; a branch weighs its size plus one.
-
-    No branch weighs more than ``largest``.
-    """
+    """Return all multisets of branches (weight: size + 1, at most ``largest``) of this weight."""
     if weight == 0:
         return ((),)
     forests: set[tuple[NystroemTree, ...]] = set()
@@ -111,16 +108,14 @@ def _dot(weights: Sequence[Fraction], values: Sequence[Fraction]) -> Fraction:
     return sum(map(mul, weights, values), Fraction(0))
 
 
-def phase_lag_defect(
-    drifts: Sequence[Fraction], kicks: Sequence[Fraction], phase_order: int
-) -> float:
-    """Return the largest coefficient of p(z) - cos z up to z^phase_order, in exact arithmetic.
+def phase_lag_defect(drifts: Sequence[Fraction], kicks: Sequence[Fraction], order: int) -> float:
+    """Return the largest coefficient of p(z) - cos z up to z^order, in exact arithmetic.
 
     >>> half = Fraction(1, 2)
     >>> phase_lag_defect([half, half], [2 * half], 2), phase_lag_defect([half, half], [2 * half], 4)
     (0.0, 0.041666666666666664)
     """
-    degree = phase_order // 2
+    degree = order // 2
     yy, ys, sy, ss = ([Fraction(0)] * (degree + 1) for _ in range(4))
     yy[0] = ss[0] = Fraction(1)
     for drift, kick in zip(drifts, [*kicks, Fraction(0)], strict=True):

@@ -20,13 +20,12 @@ from itertools import accumulate, pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.scheme_order import NystroemTable, nystroem_defect, phase_lag_defect
+from longwave.support.array_types import Array, Mask
 from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
 
-Array = NDArray[np.float64]
 Exact = tuple[Fraction, ...]
 
 
@@ -106,9 +105,8 @@ class DriftKick(Scheme):
             [b * (c - d) for b, d in zip(kicks[:i], nodes, strict=False)]
             for i, c in enumerate(nodes)
         ]
-        return NystroemTable(
-            nodes, inner, [b * (1 - c) for b, c in zip(kicks, nodes, strict=True)], kicks
-        )
+        outer = [b * (1 - c) for b, c in zip(kicks, nodes, strict=True)]
+        return NystroemTable(nodes, inner, outer, kicks)
 
     def oscillator(self, z: Array) -> Array:
         """Return one step of y'' = -y with each of the steps ``z``, as matrices (len(z), 2, 2)."""
@@ -140,10 +138,7 @@ class Composition(DriftKick):
 
     @cached_property
     def exact(self) -> tuple[Exact, Exact]:
-        """Drifts and kicks, as fractions.
-
-        Half of each kick's weight drifts on either side of it.
-        """
+        """Drifts and kicks as fractions; half of each kick's weight drifts on either side of it."""
         kicks = tuple(map(Fraction, self.gammas))
         ends = [Fraction(0), *kicks, Fraction(0)]
         return tuple((a + b) / 2 for a, b in pairwise(ends)), kicks
@@ -245,25 +240,24 @@ def _floats(values: Iterable[object]) -> Array:
     return np.asarray(values, dtype=object).astype(np.float64)
 
 
-SCAN = np.linspace(0.0, 8.0, 80_001)[1:]
+SCANNED_STEPS = np.linspace(0.0, 8.0, 80_001)[1:]
 """Steps, in units of 1/omega, at which stability is checked first."""
 
-SCANS = 80
-"""Pieces of `SCAN`, checked in turn until one has an unstable step; each fits the cache."""
+SCAN_PIECES = 80
+"""Pieces of `SCANNED_STEPS`, checked until one has an unstable step; each fits the cache."""
 
 JURY_SLACK = 1e-12
 """Tolerance for rounding of an eigenvalue on the unit circle."""
 
 
-def _stable(scheme: Scheme, z: Array) -> NDArray[np.bool_]:
+def _stable(scheme: Scheme, z: Array) -> Mask:
     """Return whether both eigenvalues of steps of y'' = -y lie in the unit disc (Jury's test)."""
     step = scheme.oscillator(z)
     trace = step[:, 0, 0] + step[:, 1, 1]
     determinant = step[:, 0, 0] * step[:, 1, 1] - step[:, 0, 1] * step[:, 1, 0]
-    inside: NDArray[np.bool_] = (np.abs(trace) <= 1.0 + determinant + JURY_SLACK) & (
-        determinant <= 1.0 + JURY_SLACK
+    return np.asarray(
+        (np.abs(trace) <= 1.0 + determinant + JURY_SLACK) & (determinant <= 1.0 + JURY_SLACK)
     )
-    return inside
 
 
 @cache
@@ -278,11 +272,12 @@ def stability_limit(scheme: Scheme) -> float:
     >>> round(stability_limit(scheme_named("rk4")) ** 2, 6)
     8.0
     """
-    unstable_steps = (piece[~_stable(scheme, piece)] for piece in np.split(SCAN, SCANS))
+    pieces = np.split(SCANNED_STEPS, SCAN_PIECES)
+    unstable_steps = (piece[~_stable(scheme, piece)] for piece in pieces)
     high = next((float(unstable[0]) for unstable in unstable_steps if unstable.size), None)
     if high is None:
-        return float(SCAN[-1])
-    low = high - float(SCAN[0])
+        return float(SCANNED_STEPS[-1])
+    low = high - float(SCANNED_STEPS[0])
     for _ in range(40):
         middle = 0.5 * (low + high)
         if _stable(scheme, np.array([middle]))[0]:
@@ -293,10 +288,7 @@ def stability_limit(scheme: Scheme) -> float:
 
 
 def check_step(step: float, scheme: Scheme, highest_frequency: float) -> float:
-    """Return the largest stable step (time units) for waves up to that frequency.
-
-    Raises ValueError if ``step`` exceeds it.
-    """
+    """Return the largest stable step for a frequency; raise ValueError if ``step`` exceeds it."""
     limit = stability_limit(scheme) / highest_frequency
     if step > limit:
         raise ValueError(
@@ -477,10 +469,10 @@ def scheme_named(name: str) -> Scheme:
     if ":" in name:
         return _user_defined(name)
     known = one_of(name, [scheme.name for scheme in SCHEMES])
-    raise ValueError(f"scheme must be a known one, got {shown(name)} ({known}; or such as {OWN})")
+    raise ValueError(f"scheme must be a known one, got {shown(name)} ({known}; or {EXAMPLE})")
 
 
-OWN = "'mine, order 2: drifts 1/6 2/3, kicks 1/2'"
+EXAMPLE = "'mine, order 2: drifts 1/6 2/3, kicks 1/2'"
 """Example of the text that defines a scheme."""
 
 USER_DEFINED = re.compile(r"([A-Za-z]\w{,39}), order (\d{1,2}): drifts ([^,]+), kicks ([^,]+)")
@@ -496,7 +488,7 @@ def _user_defined(text: str) -> Scheme:
     """Parse a user-defined scheme. Raises ValueError if its text or order is wrong."""
     parts = USER_DEFINED.fullmatch(text)
     if parts is None:
-        raise ValueError(f"scheme must be defined as {OWN}, got {shown(text)}")
+        raise ValueError(f"scheme must be defined as {EXAMPLE}, got {shown(text)}")
     order, drifts, kicks = int(parts[2]), *(tuple(parts[group].split()) for group in (3, 4))
     for weight in (*drifts, *kicks):
         if not WEIGHT.fullmatch(weight):
@@ -509,7 +501,7 @@ def _user_defined(text: str) -> Scheme:
         ("weights", len(drifts), MOST_WEIGHTS),
     ):
         if not 1 <= size <= most:
-            raise ValueError(f"{name} of a scheme must be 1 to {most}, got {size}")
+            raise ValueError(f"{name} of a scheme must be 1 to {most}, got {size} (change it)")
     scheme = Splitting(text, order, drifts, kicks, "stated")
     check_order(scheme)
     return scheme

@@ -23,19 +23,17 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.state import State
+from longwave.support.array_types import Array
 
-Array = NDArray[np.float64]
 Profile = Callable[[Array], Array]
 
 SAMPLES = 64
 """Points on the wavelength about the seam, and circumferences tried within one wavelength."""
 
-GAUSS_NEWTON_STEPS, APART = 12, 1e-5
-"""Most Gauss-Newton steps from the best circumference tried, and the difference step of the slope
-in wavelengths."""
+GAUSS_NEWTON_STEPS, DIFFERENCE_STEP = 12, 1e-5
+"""Most Gauss-Newton steps, and the difference step (in wavelengths) for their slopes."""
 
 BLEND_REACH = 6.0
 """Distance, in blend widths, within which the blend runs from 0 to 1 to double precision."""
@@ -61,8 +59,8 @@ def close_circumference(profile: Profile, wavelength: float, count: int) -> floa
     shifts = np.arange(-SAMPLES // 2, SAMPLES // 2) / SAMPLES
     first = best = float(shifts[np.argmin(np.sum(misses(shifts) ** 2, axis=1))])
     for _ in range(GAUSS_NEWTON_STEPS):
-        below, miss, above = misses(best + APART * np.array([-1.0, 0.0, 1.0]))
-        slope = (above - below) / (2.0 * APART)
+        below, miss, above = misses(best + DIFFERENCE_STEP * np.array([-1.0, 0.0, 1.0]))
+        slope = (above - below) / (2.0 * DIFFERENCE_STEP)
         steep = float(slope @ slope)
         step = float(miss @ slope) / steep if steep > 0.0 else 0.0
         best = min(max(best - step, first - 1.0 / SAMPLES), first + 1.0 / SAMPLES)
@@ -119,8 +117,7 @@ def rest_at_seam(s: Array, circumference: float, width: float, x: Array) -> Arra
     """
     distance = 0.5 * circumference - np.abs(x)
     bump = np.exp(-((distance / width) ** 2)) * (distance < BLEND_REACH * width)
-    rest: Array = s - float(np.mean(s)) / float(np.mean(bump)) * bump
-    return rest
+    return np.asarray(s - float(np.mean(s)) / float(np.mean(bump)) * bump)
 
 
 FADING_DEPTH = 128
@@ -157,9 +154,7 @@ class Fading:
         inside = np.arange(faded, 0, -1.0) / self.depth
         rate = FADING_STRENGTH * self.speed / self.depth * np.minimum(inside, 1.0) ** 2
         factors = np.exp(-rate * elapsed)
-        for sites, factor in (
-            (state.sites[:faded], factors),
-            (state.sites[-faded:], factors[::-1]),
-        ):
+        ends = (state.sites[:faded], factors), (state.sites[-faded:], factors[::-1])
+        for sites, factor in ends:
             y, s = state.at(sites)
             state.store(sites, self.level + factor * (y - self.level), factor * s)

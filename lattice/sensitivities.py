@@ -13,7 +13,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy import sparse
 
 from longwave.lattice.driving import DrivenChain
@@ -22,10 +22,9 @@ from longwave.lattice.numeric_lattice import Entry
 from longwave.lattice.outer_forces import TimeFunction
 from longwave.lattice.schemes import REDUCED_PHASE_6, DriftKick
 from longwave.lattice.state import State
+from longwave.support.array_types import Array
 
-Array = NDArray[np.float64]
-
-NEGLIGIBLE = 1e-17
+NEGLIGIBLE_TERM = 1e-17
 """Largest neglected term of a drift's series, in units of its velocities."""
 
 SMALL = 256
@@ -73,9 +72,7 @@ class VariedChain:
         self._action = sparse.diags(self._inverse) @ action @ sparse.diags(self._bond_shares)
         mass_changes = [np.divide(one.masses, chain.masses) for one in parameters]
         self._mass_changes = self._columns(mass_changes, fields)
-        self._dashpots = self._columns(
-            [chain.dashpots, *(one.dashpots for one in parameters)], bonds
-        )
+        self._dashpots = self._columns([chain.dashpots, *(p.dashpots for p in parameters)], bonds)
         rates = self._columns([one.losses for one in parameters], fields)
         losses = self._columns([np.multiply(chain.losses, chain.masses)], fields)[:, 0]
         self._drag = sparse.diags(losses * self._inverse) - self._damped(self._dashpots[:, 0])
@@ -122,10 +119,7 @@ class VariedChain:
         sensors: Sequence[Sensor],
         scheme: DriftKick = REDUCED_PHASE_6,
     ) -> Array:
-        """Return the readings of all sensors at all times, (times, sensors, 1 + parameters).
-
-        Steps are at most ``step`` long, and equal between two times, as in `lattice.integrate`.
-        """
+        """Return readings (times, sensors, 1 + parameters), in equal steps of at most ``step``."""
         start = self._chain.with_walls(state)
         u, v = np.zeros((2, start.f.size, 1 + len(self._parameters)))
         u[:, 0], v[:, 0] = start.f.ravel(), start.v.ravel()
@@ -133,14 +127,12 @@ class VariedChain:
         for row, t in enumerate(times.tolist()):
             steps = math.ceil((t - begin) / step * (1.0 - 1e-12))
             if steps:
-                self._advance(u, v, scheme, begin, (t - begin) / steps, steps)
+                self._march(u, v, scheme, begin, (t - begin) / steps, steps)
             readings[row] = list(self._read(u, v, t, sensors))
             begin = t
         return readings
 
-    def _advance(
-        self, u: Array, v: Array, scheme: DriftKick, t: float, h: float, steps: int
-    ) -> None:
+    def _march(self, u: Array, v: Array, scheme: DriftKick, t: float, h: float, steps: int) -> None:
         """Advance displacements and velocities, with their derivatives, in place."""
         drifts, kicks = scheme.drifts * h, scheme.kicks * h
         starts = t + h * np.arange(steps)[:, np.newaxis]
@@ -187,7 +179,7 @@ class VariedChain:
         """Return how many terms of a drift's series are not negligible."""
         count, bound = int(self._is_damped), self._fastest * abs(length)
         size = bound
-        while size > NEGLIGIBLE:
+        while size > NEGLIGIBLE_TERM:
             count += 1
             size *= bound / count
         return count

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+
+from longwave.support.array_types import Array, Indices
 
 if TYPE_CHECKING:
     from longwave.support.checkpoint import Memory
 
-Array = NDArray[np.float64]
-Sites = NDArray[np.int64]
+Sites = Indices
 
 
 @dataclass
@@ -79,10 +79,7 @@ GROWTH = 100.0
 
 @dataclass(frozen=True)
 class BlowUp:
-    """First blow-up criterion met, with its time and site.
-
-    ``from_seam`` is the distance in sites from a ring's seam whose signals may have arrived there.
-    """
+    """First blow-up criterion met; signals of a seam ``from_seam`` sites away may be its cause."""
 
     criterion: str
     t: float
@@ -101,10 +98,7 @@ class BlowUp:
 
 
 class Domain(Protocol):
-    """Protocol of a domain of cells; ``moves`` are the times at which it follows the wave.
-
-    The default implementations are those of a ring of sites that does not move.
-    """
+    """Protocol of a domain of cells, by default a ring at rest; it follows a wave at ``moves``."""
 
     moves: frozenset[float] = frozenset()
 
@@ -117,17 +111,11 @@ class Domain(Protocol):
         """Return the initial state."""
 
     def follow(self, state: State) -> BlowUp | None:
-        """Move the domain to the sites of ``state.t``; return a blow-up found there, or None.
-
-        Call it at each of the ``moves``.
-        """
+        """Move to the sites of ``state.t``, one of the ``moves``; return a blow-up found there."""
         return None
 
     def fade(self, state: State) -> None:
-        """Damp, in place, what can no longer reach a compared site, if the domain does so.
-
-        Call it wherever the march stops.
-        """
+        """Damp, in place at a stop, the sites that can no longer reach a compared one, if any."""
         return
 
     def locate(self, blow_up: BlowUp, state: State) -> BlowUp:

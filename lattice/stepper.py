@@ -5,24 +5,19 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.dynamics import Dynamics
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.schemes import Scheme
 from longwave.lattice.state import BlowUp, Domain, State
+from longwave.support.array_types import Array
 from longwave.support.checkpoint import Memory, fitting
-
-Array = NDArray[np.float64]
 
 
 def advance(
     scheme: Scheme, f: Array, v: Array, h: float, steps: int, lattice: NumericLattice
 ) -> None:
-    """Advance fields and velocities, (fields, *cells), in place by ``steps`` steps of length ``h``.
-
-    Uses the fastest kernel that scheme and size allow.
-    """
+    """Advance (fields, *cells) in place by ``steps`` steps ``h``, with the fastest kernel."""
     Dynamics(lattice).advance(scheme, f, v, h, steps)
 
 
@@ -30,10 +25,9 @@ CHUNK = 64
 """Most steps between two stops; a chunk that blew up is repeated step by step."""
 
 LEAST_CHUNK = 8
-"""Default fewest steps between two stops: checking and copying a large ring costs as much as a
-step."""
+"""Default fewest steps between two stops: checking a large ring costs as much as a step."""
 
-UPDATES = 3e8
+MAX_EVALUATIONS = 3e8
 """Most force evaluations between two stops, a fraction of a second, so that Ctrl-C acts soon."""
 
 
@@ -54,9 +48,9 @@ class Stepper:
     Between two requested times, or moves of the domain, the steps are equal and not longer than
     ``step``, so that those times are hit exactly. ``amplitude`` is the largest stretch of the wave
     at the start; None, without a wave, allows strains of any size. At most ``chunk`` steps lie
-    between two stops; the default depends on `UPDATES` and `LEAST_CHUNK`. ``ranges`` are those met
-    at the stops, on any site (`Dynamics.ranges`). ``blow_up`` is set when the march had to stop;
-    ``steps`` counts the steps.
+    between two stops; the default depends on `MAX_EVALUATIONS` and `LEAST_CHUNK`. ``ranges`` are
+    those met at the stops, on any site (`Dynamics.ranges`). ``blow_up`` is set when the march had
+    to stop; ``steps`` counts the steps.
     """
 
     def __init__(
@@ -77,17 +71,13 @@ class Stepper:
         self.steps = 0
         self._amplitude = amplitude
         self._between: tuple[float, int] | None = None
-        usual = min(CHUNK, int(UPDATES / (scheme.stages * state.size)))
+        usual = min(CHUNK, int(MAX_EVALUATIONS / (scheme.stages * state.size)))
         self._chunk = chunk or max(LEAST_CHUNK, usual)
         self.ranges = self.dynamics.ranges(state)
         self.blow_up: BlowUp | None = self._find_blow_up()
 
     def stops(self, times: Sequence[float]) -> Iterator[State]:
-        """Yield the state at every stop on the way through the increasing ``times``.
-
-        All ``times`` and moves of the domain are stops, hit exactly; between them the march stops
-        every few steps. It ends early at a blow-up.
-        """
+        """Yield the state at all ``times``, at moves and every few steps, until a blow-up."""
         moves = {t for t in self.domain.moves if self.state.t < t < times[-1]}
         for t in sorted(moves.union(times)):
             yield from self._stops_until(t)
@@ -95,19 +85,13 @@ class Stepper:
                 return
 
     def memory(self, arrays: bool = True) -> Memory:
-        """Return the data from which `recall` resumes.
-
-        Without ``arrays`` at the end of the march.
-        """
+        """Return the data from which `recall` resumes; at the end of the march, no ``arrays``."""
         state = {"t": self.state.t} if not arrays else vars(self.state)
         progress = {name: getattr(self, name) for name in ("steps", "ranges", "_between")}
         return progress | {"state": state, "domain": self.domain.memory()}
 
     def recall(self, memory: Memory) -> None:
-        """Restore the stop at which a stepper with the same arguments gave that `memory`.
-
-        The remaining times are those after it.
-        """
+        """Restore the stop at which a stepper with the same arguments gave that `memory`."""
         for name in ("steps", "ranges", "_between"):
             setattr(self, name, memory[name])
         for name, value in memory["state"].items():
@@ -153,10 +137,7 @@ class Stepper:
                     self._advance(h, 1, t if step == steps else begin + step * h)
 
     def _find_blow_up(self) -> BlowUp | None:
-        """Return a blow-up anywhere on the ring, even far from the compared sites.
-
-        Where waves no longer exist, or strains are huge, no speed bounds the signals from there.
-        """
+        """Return a blow-up anywhere on the ring: no speed bounds signals from where waves end."""
         current = self.dynamics.ranges(self.state)
         self.ranges[:, 0] = np.fmin(self.ranges[:, 0], current[:, 0])
         self.ranges[:, 1] = np.fmax(self.ranges[:, 1], current[:, 1])

@@ -11,11 +11,10 @@ from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
 from longwave.lattice.force_program import ForceProgram
+from longwave.support.array_types import Array, Mask
 
-Array = NDArray[np.float64]
-
-PANELS, MOST_PANELS, NODES = 2**13, 2**18, 12
-"""Initial and largest number of panels, and points of Gauss's rule on each."""
+MIN_PANELS, MAX_PANELS, GAUSS_POINTS = 2**13, 2**18, 12
+"""Initial and largest number of panels, and points of Gauss's rule on each panel."""
 
 ROUNDING = 2.0**-50
 """Relative rounding error of a panel's integral."""
@@ -23,16 +22,15 @@ ROUNDING = 2.0**-50
 LEAST_PANEL = 2.0**-48
 """Length of the shortest panel, in units of the largest abs(number) in it."""
 
-LOOSE = 0.02
-"""Share of the largest slope near a panel by which enclosures may be too wide, as for a product of
-terms that depend on each other; otherwise a straight line on either side of a corner would be
+ENCLOSURE_SLACK = 0.02
+"""Fraction of the largest slope near a panel by which enclosures may be too wide, as for a product
+of terms that depend on each other; otherwise a straight line on either side of a corner would be
 halved for ever."""
 
-_POINTS, _WEIGHTS = legendre.leggauss(NODES)
+_POINTS, _WEIGHTS = legendre.leggauss(GAUSS_POINTS)
 
-_LEGENDRE = (
-    (np.arange(NODES)[:, np.newaxis] + 0.5) * legendre.legvander(_POINTS, NODES - 1).T * _WEIGHTS
-)
+_DEGREES = np.arange(GAUSS_POINTS)[:, np.newaxis]
+_LEGENDRE = (_DEGREES + 0.5) * legendre.legvander(_POINTS, GAUSS_POINTS - 1).T * _WEIGHTS
 """Matrix from values at the points to Legendre coefficients of their polynomial."""
 
 
@@ -68,12 +66,7 @@ class Integral:
 
     @classmethod
     def of(
-        cls,
-        slope: Smooth,
-        begin: float,
-        end: float,
-        panels: int = PANELS,
-        allowed: float = 0.0,
+        cls, slope: Smooth, begin: float, end: float, panels: int = MIN_PANELS, allowed: float = 0.0
     ) -> Integral:
         """Integrate ``slope`` from ``begin`` to ``end``.
 
@@ -103,14 +96,13 @@ class Integral:
             starts.append(low[~rough])
             sums.append(halves[~rough])
             count += int(np.count_nonzero(rough))
-            if count > MOST_PANELS:
+            if count > MAX_PANELS:
                 raise ValueError(
                     f"velocity of a wall must change slowly enough to be integrated, got one that "
                     f"{panels} panels from {begin:g} to {end:g} do not resolve (end earlier)"
                 )
-            low, high = (
-                np.column_stack(pair)[rough].ravel() for pair in ((low, middle), (middle, high))
-            )
+            halved = (low, middle), (middle, high)
+            low, high = (np.column_stack(pair)[rough].ravel() for pair in halved)
             hull = None if hull is None else hull.halved(rough)
         order = np.argsort(np.concatenate(starts))
         edges = np.append(np.concatenate(starts)[order], end)
@@ -134,11 +126,7 @@ class Integral:
         return np.asarray(panels_error + self._rounding_between(low, high))
 
     def missed_within(self, low: Array, high: Array) -> Array:
-        """Return the error of Gauss's rule on panels: the largest for any end within each.
-
-        The ends tried are the edges of the integral's own panels and the panel's end. Shape
-        (panels,).
-        """
+        """Return the largest error of Gauss's rule, (panels,), for any end within each panel."""
         edges, sums = np.append(self.edges, high), np.append(self.sums, self(high))
         order = np.argsort(low)
         panel = order[np.searchsorted(low[order], edges, "left") - 1]
@@ -195,24 +183,15 @@ class _Hull:
         least, most = _slopes_met(value, low, high)
         return _Hull(np.fmin(self.least, least), np.fmax(self.most, most))
 
-    def is_left_by(
-        self, value: ForceProgram, low: Array, high: Array, room: Array
-    ) -> NDArray[np.bool_]:
-        """Return a mask of the panels on which the slope may leave the hull.
-
-        It counts as left if exceeded by more than its width, plus ``room``, plus the share `LOOSE`
-        of its largest slope.
-        """
+    def is_left_by(self, value: ForceProgram, low: Array, high: Array, margin: Array) -> Mask:
+        """Return a mask of panels on which the slope may leave the hull, widened by ``margin``."""
         bounds = value.slope_enclosed(low, high)
         largest = np.maximum(np.abs(self.least), np.abs(self.most))
-        room = room + (self.most - self.least) + LOOSE * largest
-        return ~((bounds[0] >= self.least - room) & (bounds[1] <= self.most + room))
+        margin = margin + (self.most - self.least) + ENCLOSURE_SLACK * largest
+        return ~((bounds[0] >= self.least - margin) & (bounds[1] <= self.most + margin))
 
-    def halved(self, rough: NDArray[np.bool_]) -> _Hull:
-        """Return the hull of the panels after those that are ``rough`` were halved.
-
-        Others are dropped.
-        """
+    def halved(self, rough: Mask) -> _Hull:
+        """Return the hull of the halves of the ``rough`` panels; others are dropped."""
         return _Hull(np.repeat(self.least[rough], 2), np.repeat(self.most[rough], 2))
 
 

@@ -9,19 +9,15 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from longwave.support.array_types import Array
 
 NUDGE = 2.0**-51
 """Relative change of the data's last digits."""
 
 
 def nudged(*arrays: Array, times: float = 1.0) -> tuple[Array, ...]:
-    """Return the arrays with the last digits of all numbers changed, the same way each time.
-
-    The relative change is ``times`` `NUDGE`, of random sign.
-    """
+    """Return the arrays with all last digits changed at random, but alike, by ``times`` `NUDGE`."""
     random, size = np.random.default_rng(0), times * NUDGE
     return tuple(values * (1.0 + random.choice([-size, size], values.shape)) for values in arrays)
 
@@ -79,36 +75,31 @@ class StoppedTrial(KeyboardInterrupt):
         self.trial = trial
 
 
-def difference(one: Trial, other: Trial) -> float:
+def difference(first: Trial, second: Trial) -> float:
     """Return the largest difference of y/eps between two runs; infinite if either blew up."""
-    return _largest_difference(one.values, other.values)
+    return _largest_difference(first.values, second.values)
 
 
-def difference_around(one: Trial, other: Trial) -> float:
+def difference_around(first: Trial, second: Trial) -> float:
     """Return the `difference`, or that on more sites if it is larger."""
-    largest = difference(one, other)
-    return (
-        largest
-        if one.around is None
-        else max(largest, _largest_difference(one.around, other.around))
-    )
+    around = 0.0 if first.around is None else _largest_difference(first.around, second.around)
+    return max(difference(first, second), around)
 
 
-def _largest_difference(one: Array | None, other: Array | None) -> float:
+def _largest_difference(first: Array | None, second: Array | None) -> float:
     """Return the largest difference of two arrays; inf if one is None or not finite."""
-    if one is None or other is None:
+    if first is None or second is None:
         return math.inf
     with np.errstate(invalid="ignore", over="ignore"):
-        largest = float(np.max(np.abs(one - other)))
+        largest = float(np.max(np.abs(first - second)))
     return largest if math.isfinite(largest) else math.inf
 
 
-ROUNDING = 4.0 * 2.0**-53
+FORCE_ROUNDING = 4.0 * 2.0**-53
 """Rounding error of one force evaluation at unit strain: a few roundings of varying sign."""
 
-STEADY = 2.0**-53
-"""Part of that error whose sign does not vary (measured: 0.4 of it, on a kink's far field at t =
-2e8)."""
+STEADY_ROUNDING = 2.0**-53
+"""Part of that error whose sign does not vary (0.4 of it on a kink's far field at t = 2e8)."""
 
 
 def rounding_error(largest: float, evaluations: int) -> float:
@@ -120,10 +111,10 @@ def rounding_error(largest: float, evaluations: int) -> float:
     >>> rounding_error(5.0, 10_000) < 1e-11
     True
     """
-    return largest * (ROUNDING * math.sqrt(1.0 + evaluations) + STEADY * evaluations)
+    return largest * (FORCE_ROUNDING * math.sqrt(1.0 + evaluations) + STEADY_ROUNDING * evaluations)
 
 
-def clock_error(values: NDArray[np.float64], c: float, times: tuple[float, float]) -> float:
+def clock_error(values: Array, c: float, times: tuple[float, float]) -> float:
     """Return the effect of two roundings of the time on ``values`` of neighbouring sites.
 
     The wave moves at ``c``. Far from t = 0 a time is known to its unit in the last place only.
@@ -137,7 +128,7 @@ def clock_error(values: NDArray[np.float64], c: float, times: tuple[float, float
 
 Kind = Literal["step", "sampling", "domain"]
 Progress = Callable[[float], None]
-"""Callback with the share of the work that is done, 0 .. 1."""
+"""Callback with the fraction of the work that is done, 0 .. 1."""
 
 SAFETY = 2.0
 """Factor on the difference of the last two runs: their error may fall as slowly as 1/size."""
@@ -167,10 +158,11 @@ class Engine(Protocol):
         """Return the choices with which the search begins."""
 
     def coarse_engine(self) -> "Engine":
-        """Return an engine that finds the step on fewer sites, or the engine itself."""
+        """Return an engine that finds the step on fewer sites, by default the engine itself."""
+        return self
 
     def run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
-        """Make a run; ``has_observables`` if its observables are needed afterwards.
+        """Make a run, whose observables are needed afterwards if ``shown``.
 
         Raises StoppedTrial on Ctrl-C.
         """
@@ -241,20 +233,20 @@ def shorter_step(stops: Array, step: float, order: int, ratio: float) -> float:
     return step_taken(stops, ratio * step, order, ratio * mean_step(stops, step, order))
 
 
-def step_taken(stops: Array, step: float, order: int, most: float) -> float:
-    """Return the step, shortened until its error is at most that of ``most``.
+def step_taken(stops: Array, step: float, order: int, target: float) -> float:
+    """Return the step, shortened until its error is at most that of ``target``.
 
     Errors are those of the actual steps, which the stops shorten.
 
     >>> round(step_taken(np.array([0.0, 1.0]), 0.9, 6, 0.4), 2)
     0.49
     """
-    while mean_step(stops, step, order) > most:
+    while mean_step(stops, step, order) > target:
         step *= 0.97
     return step
 
 
-class StepSearch:
+class StepSearch(Engine):
     """Base of engines for which only the time step is chosen; subclasses define `run`.
 
     ``first_step`` is the longest one tried; ``stops`` are times that are hit exactly, from the
@@ -276,14 +268,6 @@ class StepSearch:
     def first(self) -> Choices:
         """Return the choices with the longest step."""
         return self._first
-
-    def coarse_engine(self) -> Engine:
-        """Return the engine itself."""
-        return self
-
-    def run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
-        """Make a run with the chosen step."""
-        raise NotImplementedError
 
     def control(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
         """Return choices with a shorter step."""

@@ -37,10 +37,6 @@ class Variation:
         """Return the number of deviations of a cell, for a lattice of so many fields."""
         return self.mass_rows(fields) + sum(f is not None for f in self.forces) + self.walled
 
-    def added_fields(self, fields: int) -> int:
-        """Return the number of additional fields: those of deviations, and those of pulses."""
-        return self.rows(fields) + len(self.pulsed)
-
     def mass_rows(self, fields: int) -> int:
         """Return the number of deviations of masses, which come first."""
         return fields if self.masses else 0

@@ -26,8 +26,7 @@ from typing import TypeVar
 T = TypeVar("T")
 
 LONGEST_STEM, LONGEST_SUFFIX = 40, 12
-"""Most characters of a file's stem and suffix used in its draft's name: a name has at most 255
-bytes."""
+"""Most characters of a file's stem and suffix in its draft's name, which has at most 255 bytes."""
 
 DRAFT = re.compile(r"\.([0-9a-f]{8})-([0-9]{1,9})-[0-9a-f]{16}\.draft")
 """Pattern of the end of a draft's name: host, process and a random number."""
@@ -96,11 +95,7 @@ def draft_path(path: Path) -> Path:
 
 
 def remove_dead_drafts(folder: Path, stem: str = "*") -> None:
-    """Remove the drafts of files with that stem that killed processes left in a folder.
-
-    A draft of this host is removed if its process no longer runs, any other a day after it was
-    written: where locks do nothing, another process may be about to rename it.
-    """
+    """Remove old drafts of files with that stem, and those of this host's dead processes."""
     for draft in folder.glob(f".{stem[:LONGEST_STEM]}.*.draft*"):
         with suppress(OSError):
             if _is_dead(draft):
@@ -123,10 +118,7 @@ def _is_dead(draft: Path) -> bool:
 
 @lru_cache
 def _host() -> str:
-    """Return an identifier of this host and its process namespace.
-
-    Processes in a container are numbered separately.
-    """
+    """Return an identifier of this host and its process namespace, such as a container's."""
     import platform
 
     numbers = ""
@@ -156,16 +148,10 @@ def leads_to(path: Path, file: os.stat_result) -> bool:
 
 def _check_target(target: Path, force: bool) -> None:
     """Raise FileExistsError if the target must not be replaced, before anything is written."""
-    mode = _mode(target)
-    if mode is not None and not (force and stat.S_ISREG(mode)):
-        kind = "exists already" if stat.S_ISREG(mode) else "is there, and is no file"
-        raise FileExistsError(errno.EEXIST, kind)
-
-
-def _mode(target: Path) -> int | None:
-    """Return the mode of the file; None if there is none, or a broken link."""
     state = _state(target)
-    return None if state is None else state.st_mode
+    if state is not None and not (force and stat.S_ISREG(state.st_mode)):
+        is_file = stat.S_ISREG(state.st_mode)
+        raise FileExistsError(errno.EEXIST, "exists already" if is_file else "is not a file")
 
 
 def _own_mode(target: Path) -> int | None:

@@ -41,15 +41,15 @@ LOOP = ".loop"
 FIRST_COST = 0.01
 """Assumed seconds of the first checkpoint: two flushes to a disk."""
 
-ANEW = "%s: begins anew: %s has no checkpoint of this scene, code and machine"
+NO_CHECKPOINT = "%s: begins anew: %s has no checkpoint of this scene, code and machine"
 
 LEAST = 5.0
 """Least seconds between two checkpoints of a loop: the most that a kill loses."""
 
 SHARE = 0.01
-"""Largest share of a run's time that its checkpoints take."""
+"""Largest fraction of a run's time that its checkpoints take."""
 
-PATIENCE = 60.0
+RETRY_SECONDS = 60.0
 """Seconds before the next attempt after a checkpoint could not be written."""
 
 
@@ -74,7 +74,9 @@ class CheckpointFolder:
         self.least, self.share = least, share
         self._folder, self._stamp = folder, stamp
         self._usual, self._lock = least, Lock()
-        self._restored, self._stored = 0.0, 0.0
+        self.restored_seconds = 0.0
+        """Seconds of work restored from checkpoints so far."""
+        self._stored = 0.0
         self.is_recalled = False
 
     def read(self, name: str, task: str) -> Memory | None:
@@ -96,13 +98,13 @@ class CheckpointFolder:
         data = plain_bytes((self._stamp, task, memory))
         try:
             if os.path.islink(self._folder):
-                raise OSError(errno.EINVAL, "a link is there", str(self._folder))
+                raise OSError(errno.EINVAL, "is a link (remove it)", str(self._folder))
             self._folder.mkdir(parents=True, exist_ok=True)
             write_sealed(self._path(name), data)
         except OSError as error:
-            if self.least != PATIENCE:
+            if self.least != RETRY_SECONDS:
                 LOG.warning("%s: the run goes on without a checkpoint", error)
-            self.least = PATIENCE
+            self.least = RETRY_SECONDS
         else:
             self.least = self._usual
 
@@ -125,22 +127,17 @@ class CheckpointFolder:
         if seconds:
             LOG.info("%s: goes on where it was broken off", name)
         elif self._loops():
-            LOG.info(ANEW, name, self._folder)
+            LOG.info(NO_CHECKPOINT, name, self._folder)
 
     def add_restored(self, seconds: float) -> None:
         """Add to the seconds of work restored from checkpoints."""
         with self._lock:
-            self._restored += seconds
-
-    @property
-    def restored_seconds(self) -> float:
-        """Seconds of work restored from checkpoints so far."""
-        return self._restored
+            self.restored_seconds += seconds
 
     @property
     def stored_seconds(self) -> float:
         """Seconds of stored work that the run has not restored yet."""
-        return max(0.0, self._stored - self._restored)
+        return max(0.0, self._stored - self.restored_seconds)
 
     def clear(self) -> None:
         """Remove the checkpoints of a finished run, and the folder if it has no other files."""
@@ -268,9 +265,9 @@ def stored_seconds() -> float:
 
 @dataclass
 class Loop:
-    """One loop; ``memory`` is its state in an earlier process, None if it begins now.
+    """A loop, with its state ``memory`` of an earlier process, if any, and when it began.
 
-    ``begun`` is when it would have begun if it had not been interrupted, as a `perf_counter` time.
+    ``begun`` is a `perf_counter` time, moved back by the seconds of the earlier process.
     """
 
     keeper: CheckpointFolder | None = None

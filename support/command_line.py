@@ -10,31 +10,14 @@ import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
+from contextvars import ContextVar
+from itertools import pairwise
 from typing import Any, TypeVar
 
 import click
 
-from longwave.support.interruption import (
-    ended_after,
-    ended_beyond,
-    interrupted,
-    interruptible,
-    name_command,
-    owns_process,
-    stated_memory,
-    was_interrupted,
-)
+from longwave.support import interruption, request_limits
 from longwave.support.known_names import did_you_mean, one_of
-from longwave.support.request_limits import (
-    USUAL_SECONDS,
-    ExpectedCost,
-    RequestLimits,
-    check_request,
-    duration,
-    enforced_memory,
-    memory_text,
-    request_limits,
-)
 from longwave.support.slow_work import announce, report_time_left
 from longwave.support.user_files import cut, printable, toml_value
 
@@ -44,20 +27,30 @@ WRONG, BROKEN = 2, 1
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 """Errors of a disk that accepts no more data."""
 
+FILE_REMEDIES = {
+    errno.ENOENT: "check the name; a new file's folder must exist",
+    errno.ENOTDIR: "check the folders in its name",
+    errno.EISDIR: "name a file in it",
+    errno.EACCES: "change its permissions, or name another file",
+    errno.EPERM: "change its permissions, or name another file",
+    errno.ENAMETOOLONG: "shorten the name",
+    **dict.fromkeys(FULL, "free some space, or write elsewhere"),
+}
+"""Remedy for each error of a file."""
+
 NO_READER = 141
 """Exit status when the reader of the output is gone: 128 + the signal's number."""
 
-QUOTED, LONGEST = 200, 4000
+MAX_QUOTED, MAX_ERROR = 200, 4000
 """Most characters of the input that an error quotes, and of an error in total."""
 
-_ARGV = "longwave.argv"
+_call: ContextVar[tuple[click.Command | None, Sequence[str]]] = ContextVar("_call")
+"""Command that is running, and its words."""
 
 Wrapped = TypeVar("Wrapped", bound=Callable[..., Any])
 Number = TypeVar("Number", int, float)
 
-force_option = click.option(
-    "--force", is_flag=True, help="Overwrite what is written, if it is there."
-)
+force_option = click.option("--force", is_flag=True, help="Overwrite existing files.")
 json_option = click.option("--json", "json_wanted", is_flag=True, help="Print JSON.")
 
 
@@ -79,10 +72,7 @@ class CommandGroup(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Return the command of the first argument.
-
-        Raises UsageError, which lists the commands, for an unknown one.
-        """
+        """Return the first argument's command; raise UsageError with a list for an unknown one."""
         if self.get_command(ctx, args[0]) is None and not args[0].startswith("-"):
             known = one_of(args[0], self.commands) + self._otherwise
             raise click.UsageError(f"COMMAND must be a known one, got {args[0]} ({known})")
@@ -113,28 +103,23 @@ def _limit_callback(limits: Limit) -> Callable[[click.Context, click.Parameter, 
     return hold
 
 
-def _estimated_memory(given: str | None) -> AbstractContextManager[RequestLimits]:
-    """Refuse requests whose estimated memory exceeds the limit."""
-    return request_limits(memory=given)
-
-
-def _estimated_time(given: str | None) -> AbstractContextManager[RequestLimits]:
+def _estimated_time(given: str | None) -> AbstractContextManager[request_limits.RequestLimits]:
     """Refuse requests whose estimated time exceeds the limit."""
-    return request_limits(seconds=USUAL_SECONDS if given is None else given)
+    seconds = request_limits.USUAL_SECONDS if given is None else given
+    return request_limits.request_limits(seconds=seconds)
 
 
 @contextmanager
 def _enforced_memory(given: str | None) -> Iterator[None]:
     """Refuse requests by their estimate; a given limit is also enforced on the process."""
     with ExitStack() as stack:
-        limits = stack.enter_context(_estimated_memory(given))
-        if given and owns_process():
+        limits = stack.enter_context(request_limits.request_limits(given))
+        if given and interruption.owns_process():
             allowed = limits.memory_bytes
-            limit = (
-                f"must fit {memory_text(allowed)} and did not (take less, or raise --max-memory)"
-            )
-            stack.enter_context(ended_beyond(allowed, limit))
-            stack.enter_context(enforced_memory(allowed))
+            size = request_limits.memory_text(allowed)
+            limit = f"must fit {size} and did not (take less, or raise --max-memory)"
+            stack.enter_context(interruption.ended_beyond(allowed, limit))
+            stack.enter_context(request_limits.enforced_memory(allowed))
         yield
 
 
@@ -143,8 +128,9 @@ def _enforced_time(given: str | None) -> Iterator[None]:
     """Refuse requests by their estimate; a given limit also ends the command."""
     with _estimated_time(given) as limits:
         allowed = limits.seconds if given else math.inf
-        limit = f"must end within {duration(allowed)} and had not (take less, or raise --max-time)"
-        with ended_after(allowed, limit):
+        time = request_limits.duration(allowed)
+        limit = f"must end within {time} and had not (take less, or raise --max-time)"
+        with interruption.ended_after(allowed, limit):
             yield
 
 
@@ -156,7 +142,7 @@ def limits_of_each(memory: str = "", time: str = "") -> Callable[[Wrapped], Wrap
     limits are also enforced on the whole command.
     """
     each = bool(memory or time)
-    hold_memory = _limit_callback(_estimated_memory if each else _enforced_memory)
+    hold_memory = _limit_callback(request_limits.request_limits if each else _enforced_memory)
     hold_time = _limit_callback(_estimated_time if each else _enforced_time)
 
     def limited(command: Wrapped) -> Wrapped:
@@ -166,10 +152,8 @@ def limits_of_each(memory: str = "", time: str = "") -> Callable[[Wrapped], Wrap
         ):
             text = f"Refuse what takes {text} (default {own or usual})."
             words: dict[str, Any] = {"default": own or None, "expose_value": False}
-            option = click.option(
-                f"--max-{name}", metavar=metavar, help=text, callback=hold, **words
-            )
-            command = option(command)
+            add = click.option(f"--max-{name}", metavar=metavar, help=text, callback=hold, **words)
+            command = add(command)
         return command
 
     return limited
@@ -179,21 +163,21 @@ limit_options = limits_of_each()
 
 
 def listed(
-    name: str, text: str, part: Callable[[str], Number], what: str, usual: str
+    name: str, text: str, convert: Callable[[str], Number], noun: str, hint: str
 ) -> tuple[Number, ...]:
     """Return the numbers in an option's text, separated by commas.
 
-    Raises ValueError, which says that they must be ``what`` and shows the ``usual``, for other
+    Raises ValueError, which says that they must be ``noun`` and shows the ``hint``, for other
     texts.
 
     >>> listed("--eps", "0.1, 0.05", float, "numbers", "such as 0.1,0.05")
     (0.1, 0.05)
     """
     try:
-        return tuple(map(part, text.split(",")))
+        return tuple(map(convert, text.split(",")))
     except ValueError:
         raise ValueError(
-            f"{name} must be {what} with commas between, got {text[:60]!r} ({usual})"
+            f"{name} must be {noun} with commas between, got {text[:60]!r} ({hint})"
         ) from None
 
 
@@ -238,9 +222,7 @@ def _split_at_commas(text: str) -> list[str]:
     return parts
 
 
-def _changed_fields(
-    _: click.Context, __: click.Parameter, texts: tuple[str, ...]
-) -> dict[str, Any]:
+def _set_fields(_: click.Context, __: click.Parameter, texts: tuple[str, ...]) -> dict[str, Any]:
     """Return the values of `--set` by field, each parsed as in a scene's file."""
     given = named_values("--set", texts, "eps=0.05,parameters.k=0.7")
     return {field: toml_value(text) for field, text in given.items()}
@@ -251,7 +233,7 @@ set_option = click.option(
     "changes",
     multiple=True,
     metavar="FIELD=VALUE,...",
-    callback=_changed_fields,
+    callback=_set_fields,
     help="Other values for fields of the scene, as eps=0.05,parameters.k=0.7.",
 )
 
@@ -270,36 +252,38 @@ def run_words(command: click.Command, program: str, argv: Sequence[str] | None =
     process, and the time left is reported from time to time.
     """
     arguments = list(sys.argv[1:] if argv is None else argv)
-    called = _full_name(command, program, arguments)
-    name_command(called)
+    running, called = _named(command, program, arguments)
+    _call.set((running, arguments))
+    interruption.name_command(called)
     whole = argv is None
     with report_time_left(called) if whole else nullcontext():
-        return interruptible(called, lambda: _run(command, program, called, arguments), whole)
+        return interruption.interruptible(
+            called, lambda: _run(command, program, called, arguments), whole
+        )
 
 
-def _full_name(command: click.Command, program: str, argv: Sequence[str]) -> str:
-    """Return the full name of the command in these words, such as `longwave verify mutations`."""
+def _named(command: click.Command, program: str, argv: Sequence[str]) -> tuple[click.Command, str]:
+    """Return the command in these words, and its name, such as `longwave verify mutations`."""
     for word in argv:
         inner = command.commands.get(word) if isinstance(command, click.Group) else None
         if inner is None:
             break
         command, program = inner, f"{program} {word}"
-    return program
+    return command, program
 
 
 def _run(command: click.Command, program: str, called: str, argv: Sequence[str]) -> int:
     """Run the command, and turn its errors into one line and an exit status."""
     try:
         with command.make_context(program, [*argv], help_option_names=["-h", "--help"]) as context:
-            context.meta[_ARGV] = argv
             status = command.invoke(context)
         return _flushed(int(status or 0))
     except click.exceptions.Exit as stop:
         return _flushed(stop.exit_code)
     except click.ClickException as error:
-        return _report_usage_error(error, called, argv)
+        return _report_usage_error(error, called)
     except (click.Abort, KeyboardInterrupt):
-        return interrupted(called)
+        return interruption.interrupted(called)
     except BrokenPipeError:
         _drop_output()
         return NO_READER
@@ -308,7 +292,7 @@ def _run(command: click.Command, program: str, called: str, argv: Sequence[str])
             _drop_output()
         return fail(error)
     except MemoryError:
-        if limit := stated_memory():
+        if limit := interruption.stated_memory():
             return fail(f"{called} {limit}")
         return fail("the request must fit in memory, got one that does not (make it smaller)")
 
@@ -331,7 +315,7 @@ def _drop_output() -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-def _report_usage_error(error: click.ClickException, called: str, argv: Sequence[str]) -> int:
+def _report_usage_error(error: click.ClickException, called: str) -> int:
     """Report a wrong command or option in one line that names the help to see."""
     context = error.ctx if isinstance(error, click.UsageError) else None
     message, remedy = error.format_message(), ""
@@ -343,7 +327,7 @@ def _report_usage_error(error: click.ClickException, called: str, argv: Sequence
     elif isinstance(error, click.BadParameter):
         choices = getattr(getattr(error.param, "type", None), "choices", ())
         remedy = did_you_mean(error.message.partition(" is not ")[0].strip("'"), choices)
-    line = " ".join(_with_short_quotes(message, argv).split()).removesuffix(".")
+    line = " ".join(_with_short_quotes(message).split()).removesuffix(".")
     if not line.startswith("COMMAND"):
         line = f"{line[0].lower()}{line[1:]}" if line[1:2].islower() else line
         see = f"see {context.command_path if context else called} --help"
@@ -354,57 +338,76 @@ def _report_usage_error(error: click.ClickException, called: str, argv: Sequence
 def fail(message: object) -> int:
     """Print ``error: message`` in one line on stderr; return the exit status, 2 or 1.
 
-    It is 1 if the disk is full. The message of a file error names the file. Parts of the command
-    line are quoted with at most ``QUOTED`` characters. After Ctrl-C the interruption is reported
-    instead, because the code it stops may raise anything. A BrokenPipeError, from a reader that is
-    gone, is raised again.
+    It is 1 if the disk is full. The message of a file error names the argument, the file and a
+    remedy. Parts of the command line are quoted with at most ``MAX_QUOTED`` characters. After
+    Ctrl-C the interruption is reported instead, because the code it stops may raise anything. A
+    BrokenPipeError, from a reader that is gone, is raised again.
     """
-    if was_interrupted():
-        return interrupted()
+    if interruption.was_interrupted():
+        return interruption.interrupted()
     if isinstance(message, BrokenPipeError):
         raise message
     status = BROKEN if isinstance(message, OSError) and message.errno in FULL else WRONG
     if isinstance(message, OSError) and message.strerror:
-        message = f"{message.filename or 'output'}: {message.strerror}"
-    context = click.get_current_context(silent=True)
-    argv = context.meta.get(_ARGV, ()) if context is not None else ()
-    print(f"error: {one_line(_with_short_quotes(str(message), argv))}", file=sys.stderr)
+        message = _file_message(message)
+    print(f"error: {one_line(_with_short_quotes(str(message)))}", file=sys.stderr)
     return status
 
 
-def _with_short_quotes(message: str, argv: Iterable[str]) -> str:
-    """Return the message with long arguments, and other long words, cut."""
-    if len(message) <= QUOTED:
+def _file_message(error: OSError) -> str:
+    """Return the message of a file error, with the argument that names the file and a remedy."""
+    remedy = FILE_REMEDIES.get(error.errno or 0, "name another file")
+    if error.filename is None:
+        return f"output must be usable, got {error.strerror} ({remedy})"
+    path = os.fsdecode(error.filename)
+    return f"{_argument_of(path)} must be usable, got {path}: {error.strerror} ({remedy})"
+
+
+def _argument_of(path: str) -> str:
+    """Return the name of the argument that gives the file or its folder, or "path"."""
+    command, words = _call.get((None, ()))
+    parameters = command.params if command is not None else []
+    options = {name for p in parameters if not getattr(p, "is_flag", False) for name in p.opts}
+    metavars = [p.human_readable_name for p in parameters if isinstance(p, click.Argument)]
+    for before, word in pairwise(["", *words]):
+        option, _, value = word.partition("=") if word.startswith("--") else (before, "", word)
+        if value and (path == value or path.startswith(f"{value.rstrip('/')}/")):
+            metavar = re.split(r"[ |]", metavars[0])[-1] if metavars else "path"
+            return option if option in options else metavar.strip("[].")
+    return "path"
+
+
+def _with_short_quotes(message: str) -> str:
+    """Return the message with long arguments of the command, and other long words, cut."""
+    if len(message) <= MAX_QUOTED:
         return message
+    _, argv = _call.get((None, ()))
     for part in {part for argument in argv for part in (argument, argument.partition("=")[2])}:
         for text in (part, repr(part)[1:-1]):
-            if len(text) > QUOTED // 2:
-                message = message.replace(text, cut(text, QUOTED // 2))
-    return re.sub(rf"\S{{{QUOTED},}}", lambda result: cut(result[0], QUOTED // 2), message)
+            if len(text) > MAX_QUOTED // 2:
+                message = message.replace(text, cut(text, MAX_QUOTED // 2))
+    return re.sub(rf"\S{{{MAX_QUOTED},}}", lambda result: cut(result[0], MAX_QUOTED // 2), message)
 
 
 def fail_for_memory(error: MemoryError, what: str = "sites") -> int:
     """Report with `fail` that a scene has too many ``what`` for the memory."""
-    if limit := stated_memory():
+    if limit := interruption.stated_memory():
         return fail(f"{command_name()} {limit}")
     return fail(f"{what} must fit in memory, got a scene that does not: {error} (take fewer)")
 
 
 def one_line(message: object) -> str:
-    r"""Return the message in one line of at most ``LONGEST``, with control characters escaped.
+    r"""Return the message in one line of at most ``MAX_ERROR``, with control characters escaped.
 
     >>> print(one_line("two\nlines, \x1b[31mred"))
     two lines, \x1b[31mred
     """
-    return printable(cut(" ".join(str(message).split()), LONGEST))
+    return printable(cut(" ".join(str(message).split()), MAX_ERROR))
 
 
 def check_and_announce(
     work: str, seconds: float, memory: float = 0.0, cheaper: str = "take less at once"
 ) -> None:
-    """Announce the work.
-
-    Raises OverBudgetError if it exceeds the limits.
-    """
-    check_request(work, ExpectedCost(seconds, memory), cheaper)
+    """Announce the work; raise OverBudgetError if it exceeds the limits."""
+    request_limits.check_request(work, request_limits.ExpectedCost(seconds, memory), cheaper)
     announce(work, seconds)

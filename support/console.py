@@ -61,17 +61,14 @@ def print_results(
     show: Callable[[Sequence[Any]], object],
     json_wanted: bool,
     program: str,
-    asked: str,
+    requested: str,
 ) -> int:
-    """Print the results of `finished` with ``show``, or as JSON; return the exit status.
-
-    It is 0, or 130 if ``program`` was interrupted before all that was ``asked`` for.
-    """
+    """Print results with ``show`` or as JSON; return 0, or 130 after an interruption."""
     if json_wanted:
         print_json([entry.json() for entry in results])
     else:
         show(results)
-    return 0 if complete else interrupted(program, f"after {len(results)} of {asked}")
+    return 0 if complete else interrupted(program, f"after {len(results)} of {requested}")
 
 
 def print_json(data: object) -> None:
@@ -144,9 +141,7 @@ def check_output(
         return
     path = Path(text)
     if text.endswith("/") or path.is_dir():
-        raise ValueError(
-            f"{option} must name a file, got the folder {text} (such as {example} in it)"
-        )
+        raise ValueError(f"{option} must name a file, got the folder {text} (name {example} in it)")
     if suffixes and path.suffix.lower() not in suffixes:
         raise ValueError(
             f"{option} must end in {' or '.join(suffixes)}, got {shown(path.name)} (such as "
@@ -185,10 +180,7 @@ SUFFIXES = (".png", ".pdf", ".svg")
 
 
 def picture_path(output: str | Path) -> Path:
-    """Return the path of a picture.
-
-    Raises ValueError for a suffix that cannot be drawn.
-    """
+    """Return the path of a picture; raise ValueError for a suffix that cannot be drawn."""
     path = Path(output) if isinstance(output, str | Path) else None
     if path is None or path.suffix.lower() not in SUFFIXES:
         got = shown(output if path is None else path.name)
@@ -209,16 +201,13 @@ def default_output(source: str, suffix: str = ".png") -> str:
 
 @contextmanager
 def progress_bar(
-    name: str,
-    work: str,
-    console: Console | None = None,
-    clock: Clock = monotonic,
+    name: str, work: str, console: Console | None = None, clock: Clock = monotonic
 ) -> Iterator[tuple[Tell, Tell]]:
     """Show progress with the time left on stderr: a bar, a line, or occasional lines.
 
     A terminal has a bar, a notebook a line that is rewritten. Yields two callbacks: one for the
-    share done, one for the expected seconds of ``work``. Long times are announced, again when they
-    have doubled, without the part that checkpoints restore.
+    fraction done, one for the expected seconds of ``work``. Long times are announced, again when
+    they have doubled, without the part that checkpoints restore.
     """
     if in_notebook():
         with ProgressLine(name) as line:
@@ -266,12 +255,12 @@ def _without_restored(tell: Tell) -> Tell:
 
 
 class _TimeColumn(ProgressColumn):
-    """Progress column with the share done and the time left."""
+    """Progress column with the fraction done and the time left."""
 
     def __init__(self, left: TimeLeft) -> None:
         super().__init__()
         self._left = left
 
     def render(self, _: Task) -> Text:
-        """Return the share done and the time left."""
+        """Return the fraction done and the time left."""
         return Text(self._left.words())

@@ -26,13 +26,13 @@ from longwave.support.sealed_file import LOG
 if TYPE_CHECKING:
     from distributed import Client
 
-CONNECTING = 15.0
+CONNECT_SECONDS = 15.0
 """Seconds in which a scheduler must answer."""
 
-LOOKING = 2.0
+COUNT_INTERVAL = 2.0
 """Seconds between two counts of a cluster's workers."""
 
-BEGINNING = 60.0
+START_SECONDS = 60.0
 """Seconds for an interpreter to start and to end, in addition to its job's."""
 
 Outcome = tuple[Any, Any, BaseException | None]
@@ -96,7 +96,7 @@ class DaskWorkers:
 
     def _look(self) -> None:
         """Count the workers, and log a message if there are none; others may come."""
-        if time.monotonic() < self._looked + LOOKING:
+        if time.monotonic() < self._looked + COUNT_INTERVAL:
             return
         try:
             threads: dict[str, int] = self._client.nthreads()
@@ -143,18 +143,15 @@ def _connected(address: str, needed: str) -> "Client":
         ) from None
     try:
         get_address_host_port(address)  # a client of a wrong address fails late, with a traceback
-        client = Client(address, timeout=CONNECTING, set_as_default=False)
+        client = Client(address, timeout=CONNECT_SECONDS, set_as_default=False)
     except (OSError, ValueError, TypeError, RuntimeError) as error:
         why = one_line(error)[:100]
         raise ValueError(
             f"--scheduler must be the address of a Dask scheduler that answers within "
-            f"{CONNECTING:g} s, got {address[:100]}: {why} (such as tcp://127.0.0.1:8786, "
+            f"{CONNECT_SECONDS:g} s, got {address[:100]}: {why} (such as tcp://127.0.0.1:8786, "
             "or tls://... with the certificates of Dask's configuration)"
         ) from None
-    for name in (
-        "client",
-        "utils",
-    ):  # these log a traceback of a lost scheduler, which callers report
+    for name in ("client", "utils"):  # their traceback of a lost scheduler is reported by callers
         logging.getLogger(f"distributed.{name}").setLevel(logging.CRITICAL)
     for worker, result in client.run(resolve_name, needed, on_error="return").items():
         if isinstance(result, Exception):
@@ -167,10 +164,7 @@ def _connected(address: str, needed: str) -> "Client":
 
 
 def _outcome(job: Job) -> Outcome:
-    """Do a job in a worker; a job with limits runs in its own interpreter, which enforces them.
-
-    A worker has threads, and `multiprocessing` may not allow it to have children.
-    """
+    """Do a job in a worker; one with limits in an interpreter of its own, which enforces them."""
     if job.memory is None and job.seconds == math.inf:
         return None, job.run(lambda _: None), None
     root = str(Path(__file__).absolute().parents[2])
@@ -182,7 +176,7 @@ def _outcome(job: Job) -> Outcome:
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
             env={**os.environ, "PYTHONPATH": os.pathsep.join(paths)},
-            timeout=job.seconds + BEGINNING,
+            timeout=job.seconds + START_SECONDS,
             check=True,
         )
         outcome: Outcome = pickle.loads(done.stdout)

@@ -23,10 +23,10 @@ except ImportError:
 
 FLAGS = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
 
-TRIES = 1000
+MAX_TRIES = 1000
 """Most attempts to get a lock whose holder keeps removing its file."""
 
-UNLOCKED = (
+UNLOCKED_MESSAGE = (
     "%s: files cannot be locked there (%s): two processes that want the same run may both make it; "
     "none is lost or half written"
 )
@@ -59,7 +59,7 @@ def locked(path: Path, wait: Callable[[], None] = lambda: None) -> Iterator[None
 
 def _acquired(path: Path, wait: Callable[[], None]) -> int:
     """Return the descriptor of the lock file, locked if possible."""
-    for _ in range(TRIES):
+    for _ in range(MAX_TRIES):
         number = _opened(path)
         try:
             if _try_lock(path, number, wait):
@@ -78,7 +78,7 @@ def _acquired(path: Path, wait: Callable[[], None]) -> int:
 
 def _opened(path: Path) -> int:
     """Open the lock file, removing a symbolic link of its name."""
-    for _ in range(TRIES):
+    for _ in range(MAX_TRIES):
         try:
             return not_stale(lambda: os.open(path, FLAGS, 0o666))
         except OSError:
@@ -86,14 +86,11 @@ def _opened(path: Path) -> int:
                 raise
             LOG.warning("%s is a link: it is removed", path)
             path.unlink(missing_ok=True)
-    raise OSError(errno.ELOOP, "is made a link each time that it is removed", str(path))
+    raise OSError(errno.ELOOP, "becomes a link each time it is removed", str(path))
 
 
 def _try_lock(path: Path, number: int, wait: Callable[[], None]) -> bool:
-    """Lock the open file; return whether the path still leads to it, not removed by its holder.
-
-    Raises OSError where locking is not possible.
-    """
+    """Lock the file; return whether ``path`` still leads to it. Raises OSError if not possible."""
     if fcntl is None:
         raise OSError(errno.ENOSYS, os.strerror(errno.ENOSYS))
     try:
@@ -133,4 +130,4 @@ def _warn_once(folder: Path, reason: str) -> None:
     device = os.stat(folder).st_dev
     if device not in _WARNED:
         _WARNED.add(device)
-        LOG.warning(UNLOCKED, folder, reason)
+        LOG.warning(UNLOCKED_MESSAGE, folder, reason)

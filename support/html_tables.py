@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Sequence
 from html import escape
 
-LEFT = 'style="text-align: left"'
+CELL_STYLE = 'style="text-align: left"'
 """Style of all cells; the notebook sets the rest."""
 
 
@@ -19,9 +19,9 @@ def html_table(title: str, rows: Iterable[Sequence[str]], heads: Sequence[str] =
     """
 
     def line(texts: Sequence[str], tag: str = "td") -> str:
-        cells = (f"<{tag} {LEFT}>{escape(text, quote=False)}</{tag}>" for text in texts)
+        cells = (f"<{tag} {CELL_STYLE}>{escape(text, quote=False)}</{tag}>" for text in texts)
         return f"<tr>{''.join(cells)}</tr>"
 
-    lines = [f"<table><caption {LEFT}><b>{escape(title, quote=False)}</b></caption>"]
+    lines = [f"<table><caption {CELL_STYLE}><b>{escape(title, quote=False)}</b></caption>"]
     lines += [line(heads, "th")] if heads else []
     return "\n".join([*lines, *map(line, rows), "</table>"])

@@ -41,14 +41,13 @@ LONGEST_TIMER = 1e7
 PATIENCE = 1.5
 """Seconds in which a command may end by itself."""
 
-KEEPING = 15.0
+SAVING_SECONDS = 15.0
 """Seconds by which `keeping` extends the time for writing finished results."""
 
 SAME_PRESS = 0.3
-"""Seconds in which a second signal counts as the first: some programs forward a signal that the
-terminal has sent already."""
+"""Seconds in which a second signal counts as the first, which some programs forward."""
 
-LOOK = 0.05
+CHECK_INTERVAL = 0.05
 """Seconds between two checks of the time."""
 
 SHOW_CURSOR = "\x1b[?25h"
@@ -84,7 +83,7 @@ class _Watch:
         while byte and not self.left:
             if time.monotonic() > started + self.patience:
                 self.end()
-            time.sleep(LOOK)
+            time.sleep(CHECK_INTERVAL)
         os.close(reading)
 
     def tell(self, saved: str) -> None:
@@ -107,7 +106,7 @@ class _Watch:
             for child in processes.active_children() if processes else ():
                 child.kill()
         if self.is_reported:
-            time.sleep(LOOK)  # the line may be on its way
+            time.sleep(CHECK_INTERVAL)  # the line may be on its way
         else:
             cursor = SHOW_CURSOR if os.isatty(2) else ""
             saved = f" ({self.saved})" if self.saved else ""
@@ -195,10 +194,7 @@ def owns_process() -> bool:
 
 @contextmanager
 def ended_after(seconds: float, limit: str) -> Iterator[None]:
-    """End the command as Ctrl-C does if the body takes longer; its line gives the ``limit``.
-
-    Works only where the command `owns_process`.
-    """
+    """End a command that `owns_process` after so long, as Ctrl-C does, and print the ``limit``."""
     if _watch is None or not owns_process() or seconds > LONGEST_TIMER:
         yield
         return
@@ -215,10 +211,7 @@ def ended_after(seconds: float, limit: str) -> Iterator[None]:
 
 @contextmanager
 def ended_beyond(size: float, limit: str) -> Iterator[None]:
-    """End the command if all its processes together have more than ``size`` bytes.
-
-    Works only where the command `owns_process` and is watched by another process.
-    """
+    """End a watched command that `owns_process` if its processes take more than ``size`` bytes."""
     if _watch is None or not owns_process() or math.isinf(size):
         yield
         return
@@ -237,10 +230,7 @@ def stated_memory() -> str:
 
 
 def _ignore_from_here() -> None:
-    """Ignore the signals at the end of a process, so that it exits with its own status.
-
-    Python removes handlers as it exits, and a signal would then kill it.
-    """
+    """Ignore signals while Python exits, so that the process ends with its own status."""
     for number in ENDING:
         signal.signal(number, signal.SIG_IGN)
 
@@ -292,11 +282,11 @@ def keeping() -> Iterator[None]:
     if _watch is None:
         yield
         return
-    _watch.patience += KEEPING
+    _watch.patience += SAVING_SECONDS
     tell(saving=_watch.patience - PATIENCE)
     try:
         yield
     finally:
         if _watch is not None:
-            _watch.patience -= KEEPING
+            _watch.patience -= SAVING_SECONDS
             tell(saving=_watch.patience - PATIENCE)

@@ -3,25 +3,27 @@
 from collections.abc import Iterable
 from typing import TypeVar
 
-LOOKED_AT = 60
+from longwave.support.user_files import shown
+
+COMPARED_CHARACTERS = 60
 """Characters of an unknown name that are compared."""
 
-MOST = 3
+MAX_SUGGESTIONS = 3
 """Most names suggested."""
 
-NEARLY = 0.15
+MAX_SIMILARITY_LOSS = 0.15
 """Largest difference in similarity, 0 .. 1, from the most similar name."""
 
-BEGINNING = 3
+MIN_PREFIX = 3
 """Least characters of an unknown name that may be the beginning of a known one."""
 
-FEW = 30
+MAX_LISTED = 30
 """Most names listed in addition to suggestions."""
 
 T = TypeVar("T")
 
 
-def close_names(name: object, known: Iterable[str], most: int = MOST) -> list[str]:
+def close_names(name: object, known: Iterable[str], limit: int = MAX_SUGGESTIONS) -> list[str]:
     """Return the known names similar to an unknown one, the most similar first.
 
     Similar names have the same letters in another order, a few wrong letters, or a missing end.
@@ -34,27 +36,27 @@ def close_names(name: object, known: Iterable[str], most: int = MOST) -> list[st
     plain: dict[str, str] = {}
     for text in known:
         plain.setdefault(text.lower(), text)
-    typed = str(name)[:LOOKED_AT].lower()
+    typed = str(name)[:COMPARED_CHARACTERS].lower()
     close = [other for other in plain if sorted(other) == sorted(typed)]
-    if not close and (close := get_close_matches(typed, plain, most)):
+    if not close and (close := get_close_matches(typed, plain, limit)):
         similarities = [SequenceMatcher(None, other, typed).ratio() for other in close]
         close = [
             o
             for o, value in zip(close, similarities, strict=True)
-            if value > similarities[0] - NEARLY
+            if value > similarities[0] - MAX_SIMILARITY_LOSS
         ]
-    if not close and len(typed) >= BEGINNING:
+    if not close and len(typed) >= MIN_PREFIX:
         close = [other for other in plain if other.startswith(typed)]
-    return [plain[other] for other in close[:most]]
+    return [plain[other] for other in close[:limit]]
 
 
-def did_you_mean(name: object, known: Iterable[str], most: int = MOST) -> str:
+def did_you_mean(name: object, known: Iterable[str], limit: int = MAX_SUGGESTIONS) -> str:
     """Return the known names similar to an unknown one as a question; empty if there are none.
 
     >>> did_you_mean("Kinck", ["wave_cn", "kink"]), did_you_mean("peakon", ["wave_cn", "kink"])
     ('did you mean kink?', '')
     """
-    close = close_names(name, known, most)
+    close = close_names(name, known, limit)
     return f"did you mean {', '.join(close)}?" if close else ""
 
 
@@ -69,11 +71,11 @@ def one_of(name: object, known: Iterable[str]) -> str:
     'did you mean kink? one of 38 names'
     """
     names = [*known]
-    suggestion = did_you_mean(name, names)
-    listed = (
-        f"{len(names)} names" if suggestion and len(names) > FEW else ", ".join(names) or "none"
-    )
-    return f"{suggestion} one of {listed}".lstrip()
+    question = did_you_mean(name, names)
+    listed = ", ".join(names) or "none"
+    if question and len(names) > MAX_LISTED:
+        listed = f"{len(names)} names"
+    return f"{question} one of {listed}".lstrip()
 
 
 class UnknownNameError(ValueError, KeyError):
@@ -98,8 +100,6 @@ class NamedEntries(dict[str, T]):
         self.kind = kind
 
     def __missing__(self, name: object) -> T:
-        from longwave.support.user_files import shown  # for errors alone
-
         raise UnknownNameError(
             f"{self.kind} must be a known one, got {shown(name)} ({one_of(name, self)})"
         )

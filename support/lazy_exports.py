@@ -16,10 +16,7 @@ BEGUN = time.time()
 def lazy_exports(
     room: str, modules: Mapping[str, str]
 ) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
-    """Return a room's ``__getattr__`` and ``__dir__``, given the names (in one text) by module.
-
-    Asking for another name raises AttributeError, which lists the known ones.
-    """
+    """Return a room's ``__getattr__`` and ``__dir__``, given its names (in one text) by module."""
     module_by_name = {name: module for module, names in modules.items() for name in names.split()}
 
     def get(name: str) -> object:
@@ -27,7 +24,7 @@ def lazy_exports(
             from longwave.support.known_names import one_of
 
             known = "" if name.startswith("_") else f" ({one_of(name, sorted(module_by_name))})"
-            raise AttributeError(f"{room} has no noun {name!r}{known}")
+            raise AttributeError(f"{room} has no public name {name!r}{known}")
         value = getattr(import_module(module_by_name[name]), name)
         setattr(sys.modules[room], name, value)
         return value

@@ -16,13 +16,13 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 if TYPE_CHECKING:
     import numpy as np
 
-BARE = (type(None), bool, int, float, str)
+JSON_TYPES = (type(None), bool, int, float, str)
 """JSON's own types; other types become a dictionary with one entry, a tag and its content."""
 
-NUMBERS = re.compile(r"[<>|=][biufcSU][1-9]\d{0,8}")
+NUMBER_DTYPE = re.compile(r"[<>|=][biufcSU][1-9]\d{0,8}")
 """Pattern of NumPy's types of numbers and texts, none of which is an address."""
 
-FAULTS = (ValueError, TypeError, LookupError, AttributeError, OverflowError, RecursionError)
+READING_ERRORS = (ValueError, TypeError, LookupError, AttributeError, OverflowError, RecursionError)
 """Errors that reading may meet in bytes written elsewhere."""
 
 HEAD = 8
@@ -41,11 +41,7 @@ Kinds = Callable[[str], PlainKind | None]
 """Function from a name in the data to its type, None if unknown."""
 
 
-def no_kinds(_: str) -> None:
-    """Return None: no additional types."""
-
-
-def plain_bytes(value: object, kinds: Kinds = no_kinds) -> bytes:
+def plain_bytes(value: object, kinds: Kinds = lambda _: None) -> bytes:
     """Return the value as bytes. Raises TypeError for unsupported types.
 
     >>> plain_value(plain_bytes({"a": (1, 2.5), 3: [None, 1j]}))
@@ -56,13 +52,13 @@ def plain_bytes(value: object, kinds: Kinds = no_kinds) -> bytes:
     return b"".join([len(text).to_bytes(HEAD, "little"), text, *writer.arrays])
 
 
-def plain_value(content: bytes, kinds: Kinds = no_kinds) -> Any:
+def plain_value(content: bytes, kinds: Kinds = lambda _: None) -> Any:
     """Return the value from the bytes of `plain_bytes`. Raises ValueError for other bytes."""
     end = HEAD + int.from_bytes(content[:HEAD], "little")
     try:
         return _Reader(memoryview(content)[end:], kinds).value(json.loads(content[HEAD:end]))
-    except FAULTS as error:
-        raise ValueError(f"data must be those of plain_bytes, got others: {error}") from None
+    except READING_ERRORS as error:
+        raise ValueError(f"data must be those of plain_bytes, got other bytes: {error}") from None
 
 
 class _Writer:
@@ -78,7 +74,7 @@ class _Writer:
         import numpy as np
 
         kind = type(value)
-        if kind in BARE:
+        if kind in JSON_TYPES:
             return value
         if kind is list:
             return [self.tree(item) for item in value]
@@ -99,8 +95,8 @@ class _Writer:
 
     def _array(self, values: np.ndarray[Any, Any]) -> list[Any]:
         """Return type, shape, memory order and byte offset of an array, and store its data."""
-        if not NUMBERS.fullmatch(values.dtype.str):
-            raise TypeError(f"arrays must be of numbers or texts, got {values.dtype}")
+        if not NUMBER_DTYPE.fullmatch(values.dtype.str):
+            raise TypeError(f"arrays must hold numbers or texts, got {values.dtype}")
         flags = values.flags
         order: Literal["F", "C"] = "F" if flags.f_contiguous and not flags.c_contiguous else "C"
         offset = self._length
@@ -140,7 +136,7 @@ class _Reader:
         import numpy as np
 
         kind, shape, order, offset = parts
-        if not NUMBERS.fullmatch(kind) or order not in ("C", "F"):
+        if not NUMBER_DTYPE.fullmatch(kind) or order not in ("C", "F"):
             raise ValueError(f"an array of {kind}")
         if any(type(size) is not int or size < 0 for size in (offset, *shape)):
             raise ValueError(f"an array of the shape {shape} at {offset}")

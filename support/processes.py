@@ -31,11 +31,11 @@ Key = tuple[str, object]
 Subject = TypeVar("Subject", bound=Hashable)
 Progress = Callable[[float], None]
 
-POLL = 0.2
+POLL_SECONDS = 0.2
 """Seconds between two checks of the progress."""
 
-TELLING = 0.1
-"""Least seconds between two shares that a job reports."""
+MESSAGE_INTERVAL = 0.1
+"""Least seconds between two fractions that a job reports."""
 
 SAFE_PATH = "PYTHONSAFEPATH"
 """Environment variable that keeps the current folder out of Python's path."""
@@ -59,7 +59,7 @@ class LostProcess(Exception):
 class Job:
     """A function call for a process; ``weight`` is its approximate duration in seconds.
 
-    If ``tells``, the function gets an additional argument, a callback for the share of the work
+    If ``tells``, the function gets an additional argument, a callback for the fraction of the work
     done, 0 .. 1, or other messages. After ``seconds`` of wall time the process is killed; it may
     take ``memory`` bytes in addition to what it has. A job that ``gives_way`` is ended, by
     Cancelled from its callback, when its process gets another. All parts must be picklable, unless
@@ -81,10 +81,7 @@ class Job:
 
 @dataclass(eq=False)
 class Call:
-    """A submitted job: its last message, and at the end its value or its error.
-
-    The error is OutOfTime after the job's seconds, LostProcess if the process ended.
-    """
+    """A submitted job: its last message, then its value or error (OutOfTime, LostProcess, ...)."""
 
     job: Job
     message: Any = None
@@ -133,18 +130,14 @@ def in_turn(
     look: Callable[[Mapping[Call, Subject]], object] = lambda _: None,
     ahead: int = 1,
 ) -> Iterator[tuple[Subject, Call]]:
-    """Do all jobs and yield keys and calls as they end.
-
-    A job is taken from the iterable when there are fewer than ``ahead`` per worker. ``look`` is
-    called from time to time with the calls under way.
-    """
+    """Do all jobs, ``ahead`` of them per worker at once, and yield keys and calls as they end."""
     waiting, running = iter(jobs), dict[Call, Subject]()
     while True:
         for key, job in islice(waiting, max(0, ahead * workers.count - len(running))):
             running[workers.submit(job)] = key
         if not running:
             return
-        for call in workers.ended(POLL):
+        for call in workers.ended(POLL_SECONDS):
             yield running.pop(call), call
         look(running)
 
@@ -163,8 +156,8 @@ def in_order(jobs: Iterable[Job], workers: Workers) -> Iterator[Any]:
 def run_jobs(jobs: Mapping[Subject, Job], workers: int, progress: Progress) -> dict[Subject, Any]:
     """Do all jobs in `workers` processes, the longest first; return the results by key.
 
-    `progress` is called from time to time with the share of the work done, 0 .. 1. The exception of
-    the first failing job is raised, and the other jobs are dropped.
+    `progress` is called from time to time with the fraction of the work done, 0 .. 1. The exception
+    of the first failing job is raised, and the other jobs are dropped.
 
     Raises ValueError unless workers >= 1.
     """
@@ -338,10 +331,7 @@ class LocalWorkers:
 
 @contextmanager
 def _safe_path() -> Iterator[None]:
-    """Start processes that do not import from the current folder before their path is set.
-
-    A fresh interpreter looks there first, even for the standard library, unless told otherwise.
-    """
+    """Start processes that import nothing, not even standard modules, from the current folder."""
     before = os.environ.get(SAFE_PATH)
     os.environ[SAFE_PATH] = "1"
     try:
@@ -355,10 +345,7 @@ def _safe_path() -> Iterator[None]:
 
 @contextmanager
 def _without_script() -> Iterator[None]:
-    """Start a process that does not run the user's script again, as a new interpreter would.
-
-    No job is a function of a script. A module started with ``python -m`` is kept.
-    """
+    """Start a process that does not run the user's script again, as a new interpreter would."""
     main = sys.modules["__main__"]
     if main.__spec__ is None:
         sys.modules["__main__"] = ModuleType("__main__")
@@ -370,10 +357,7 @@ def _without_script() -> Iterator[None]:
 
 @contextmanager
 def _interrupts_blocked() -> Iterator[None]:
-    """Block Ctrl-C while a process is started, which inherits the mask.
-
-    Otherwise a process that is still importing would print a traceback.
-    """
+    """Block Ctrl-C for processes that are starting, which would print a traceback."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
@@ -396,17 +380,14 @@ def _kill_group(leader: int) -> None:
 
 def _serve(
     pipe: Connection,
-    other: Connection | None,
+    peer: Connection | None,
     begin: Callable[[], None] | None,
     job: Job | None,
 ) -> None:
-    """Do this ``job``, or those from the pipe.
-
-    A fork also has its ``other`` end, which is closed.
-    """
+    """Do this ``job``, or those from the pipe; a fork closes its ``peer``, the parent's end."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    if other is not None:
-        other.close()
+    if peer is not None:
+        peer.close()
         gc.freeze()  # finalizers of the parent's objects may wait for threads that a fork lacks
     inbox: SimpleQueue[bytes] = SimpleQueue()
     threading.Thread(target=_receive, args=(pipe, inbox), daemon=True).start()
@@ -439,12 +420,12 @@ def _do(job: Job, pipe: Connection, inbox: SimpleQueue[bytes]) -> bool:
         if job.gives_way and not inbox.empty():
             raise Cancelled
 
-    def tell(what: Any) -> None:
+    def tell(message: Any) -> None:
         nonlocal last
         give_way()
-        if not isinstance(what, float) or time.monotonic() > last + TELLING:
+        if not isinstance(message, float) or time.monotonic() > last + MESSAGE_INTERVAL:
             last = time.monotonic()
-            pipe.send(("message", what))
+            pipe.send(("message", message))
 
     kind, usable = "value", True
     try:
@@ -516,7 +497,7 @@ def time_limit(seconds: float, passing: bool = False) -> Iterator[None]:
     if passing:
         timer, number = signal.ITIMER_REAL, signal.SIGALRM
     before = signal.signal(number, stop)
-    signal.setitimer(timer, seconds, POLL)
+    signal.setitimer(timer, seconds, POLL_SECONDS)
     try:
         yield
     finally:

@@ -29,10 +29,7 @@ def in_notebook() -> bool:
 
 
 class ProgressLine:
-    """The line ``name: 42 %, about 12 s left``, rewritten by a thread as the work goes on.
-
-    Progress and expected seconds are given to ``left`` (`slow_work.TimeLeft`).
-    """
+    """A line ``name: 42 %, about 12 s left``, rewritten by a thread; ``left`` gets the progress."""
 
     def __init__(self, name: str) -> None:
         self.name, self.left = name, TimeLeft()

@@ -19,8 +19,7 @@ PACKAGES = (
 )
 
 CODE = ("support", "derive", "solutions", "lattice", "scenes")
-"""Folders, with subfolders, of all code that computes runs. Formulas are imported by name, so
-following imports would miss some."""
+"""Folders of all code that computes runs; some of it is imported by name only."""
 
 PROVENANCE = ("versions", "platform", "code")
 """Attributes of a run that `provenance` returns."""
@@ -35,10 +34,7 @@ def provenance() -> dict[str, str]:
     """
     versions = [f"{package} {installed_version(package) or 'missing'}" for package in PACKAGES]
     name, _, features = processor().partition(" ")
-    machine = [
-        *(platform.platform(), f"{name} {_digest(features.encode())}"),
-        *compiler_settings(),
-    ]
+    machine = [*(platform.platform(), f"{name} {_digest(features.encode())}"), *compiler_settings()]
     return {
         "versions": ", ".join([*versions, f"Python {platform.python_version()}"]),
         "platform": ", ".join(machine),
@@ -53,9 +49,7 @@ def changed_parts(name: str, before: str, now: str) -> list[str]:
     ['code: lattice 56, was lattice 34']
     """
     parts = before.split(", "), now.split(", ")
-    removed, added = (
-        [part for part in one if part not in other] for one, other in (parts, parts[::-1])
-    )
+    removed, added = ([p for p in one if p not in other] for one, other in (parts, parts[::-1]))
     if not removed and not added:
         return []
     return [f"{name}: {', '.join(added) or 'nothing'}, was {', '.join(removed) or 'nothing'}"]
@@ -67,20 +61,17 @@ def code_digests() -> dict[str, str]:
     >>> "solutions/forms" in code_digests()
     True
     """
-    files_in: dict[str, list[Path]] = {}
+    contents: dict[str, list[bytes]] = {}
     for file, path in code_files().items():
-        files_in.setdefault(file.parent.as_posix(), []).append(path)
-    return {folder: _digest(*map(_content, paths)) for folder, paths in sorted(files_in.items())}
+        content = path.name.encode() + b"\n" + path.read_bytes()
+        contents.setdefault(file.parent.as_posix(), []).append(content)
+    return {folder: _digest(*files) for folder, files in sorted(contents.items())}
 
 
 def code_files() -> dict[Path, Path]:
     """Return the Python files in `CODE` by their path in the repository."""
     paths = (path for room in CODE for path in sorted((HOUSE / room).rglob("*.py")))
     return {path.relative_to(HOUSE): path for path in paths}
-
-
-def _content(path: Path) -> bytes:
-    return path.name.encode() + b"\n" + path.read_bytes()
 
 
 def _digest(*contents: bytes) -> str:

@@ -22,8 +22,8 @@ from pathlib import Path
 
 from longwave.support.user_files import cut
 
-SHARE = 0.5
-"""Default share of the available memory that a request may take."""
+MEMORY_FRACTION = 0.5
+"""Default fraction of the available memory that a request may take."""
 
 USUAL_SECONDS = 3600.0
 """Default seconds that a request of the command line may take."""
@@ -34,7 +34,7 @@ LONG = 5.0
 UNKNOWN_MACHINE = 4e9
 """Assumed bytes of memory if the machine does not report them."""
 
-PROGRAM, BESIDE = 4.8e8, 2.2e8
+PROGRAM_BYTES, UNUSED_BYTES = 4.8e8, 2.2e8
 """Bytes of data that a command may have in any case, for its libraries and threads (0.39 GB with
 `longwave plot` of a scene, of which 0.28 were in use), and bytes allocated but unused (0.19 GB with
 `longwave fit`). Memory in use is limited by `supervision`."""
@@ -85,7 +85,7 @@ _limits: ContextVar[RequestLimits | None] = ContextVar("limits", default=None)
 
 def current_limits() -> RequestLimits:
     """Return the limits of the innermost `request_limits`, or the defaults."""
-    return _limits.get() or RequestLimits(SHARE * machine_memory(), math.inf)
+    return _limits.get() or RequestLimits(MEMORY_FRACTION * machine_memory(), math.inf)
 
 
 @contextmanager
@@ -114,15 +114,12 @@ def request_limits(
 
 @contextmanager
 def enforced_memory(size: float) -> Iterator[None]:
-    """Make allocations in the body fail with MemoryError beyond ``size`` bytes of the process.
-
-    The limit is RLIMIT_DATA: on Linux it covers all private data, on macOS only the heap.
-    """
+    """Make allocations beyond ``size`` bytes of data (RLIMIT_DATA) fail with MemoryError."""
     before = resource.getrlimit(resource.RLIMIT_DATA)
     if math.isinf(size):
         yield
         return
-    most = int(max(size + BESIDE, PROGRAM))
+    most = int(max(size + UNUSED_BYTES, PROGRAM_BYTES))
     if before[0] != resource.RLIM_INFINITY:
         most = min(most, before[0])
     resource.setrlimit(resource.RLIMIT_DATA, (most, before[1]))
@@ -132,7 +129,7 @@ def enforced_memory(size: float) -> Iterator[None]:
         resource.setrlimit(resource.RLIMIT_DATA, before)
 
 
-def check_request(what: str, cost: ExpectedCost, cheaper: str) -> None:
+def check_request(work: str, cost: ExpectedCost, cheaper: str) -> None:
     """Raise OverBudgetError if the cost exceeds the limits; the message says what is ``cheaper``.
 
     >>> check_request("the run", ExpectedCost(seconds=3.0, memory_bytes=1e6), "take fewer sites")
@@ -141,12 +138,12 @@ def check_request(what: str, cost: ExpectedCost, cheaper: str) -> None:
     steps = f" for {cost.steps:.2g} steps" if cost.steps else ""
     if cost.memory_bytes > limits.memory_bytes:
         raise OverBudgetError(
-            f"{what} must fit {memory_text(limits.memory_bytes)}, got about "
+            f"{work} must fit {memory_text(limits.memory_bytes)}, got about "
             f"{memory_text(cost.memory_bytes)} ({cheaper}, or raise --max-memory)"
         )
     if cost.seconds > limits.seconds:
         raise OverBudgetError(
-            f"{what} must take at most {duration(limits.seconds)}, got about "
+            f"{work} must take at most {duration(limits.seconds)}, got about "
             f"{duration(cost.seconds)}{steps} ({cheaper}, or raise --max-time)"
         )
 
@@ -190,23 +187,23 @@ def machine_memory() -> float:
     return size
 
 
-def read_memory(name: str, given: float | str) -> float:
+def read_memory(name: str, amount: float | str) -> float:
     """Parse bytes from a number or a text such as "500M". Raises ValueError for other texts.
 
     >>> read_memory("--max-memory", "4GB"), read_memory("--max-memory", "none")
     (4000000000.0, inf)
     """
-    unit = str(given).strip().upper().removesuffix("B").removesuffix("I")
+    unit = str(amount).strip().upper().removesuffix("B").removesuffix("I")
     return _quantity(name, unit, MEMORY_UNITS, "500M, 4G or none")
 
 
-def read_time(name: str, given: float | str) -> float:
+def read_time(name: str, amount: float | str) -> float:
     """Parse seconds from a number or a text such as "30min". Raises ValueError for other texts.
 
     >>> read_time("--max-time", "30min"), read_time("--max-time", 90)
     (1800.0, 90.0)
     """
-    return _quantity(name, str(given).strip().lower(), TIME_UNITS, "90s, 30min, 2h, 1d or none")
+    return _quantity(name, str(amount).strip().lower(), TIME_UNITS, "90s, 30min, 2h, 1d or none")
 
 
 def _quantity(name: str, text: str, units: dict[str, float], usual: str) -> float:

@@ -31,7 +31,7 @@ SEAL_LENGTH = len(SEAL) + 64 + 1
 
 WRITE_TRIES = 3
 
-PART = 2**20
+CHUNK_BYTES = 2**20
 """Bytes read at a time."""
 
 NO_FILE = errno.ELOOP, errno.EINVAL, errno.EMLINK
@@ -43,17 +43,9 @@ LINKED = "%s is a link, or no file: it counts as missing, and is made anew"
 
 
 def write_sealed(
-    path: Path,
-    content: bytes,
-    force: bool = True,
-    durable: bool = True,
-    mode: int | None = None,
+    path: Path, content: bytes, force: bool = True, durable: bool = True, mode: int | None = None
 ) -> None:
-    """Write the content and its seal atomically; a link of that name is replaced.
-
-    No user typed the name. Raises as `write_atomically`. If the draft is removed meanwhile, it is
-    written again.
-    """
+    """Write content and seal atomically, in place of a link; raises as `write_atomically`."""
 
     def write(draft: Path) -> None:
         with draft.open("wb") as stream:
@@ -85,17 +77,13 @@ def open_plain(path: str | Path, folder: int | None = None, untyped: int = 1) ->
     number = not_stale(lambda: os.open(path, flags, dir_fd=folder))
     if not stat.S_ISREG(os.fstat(number).st_mode):
         os.close(number)
-        raise OSError(errno.EINVAL, "is no file", str(path))
+        raise OSError(errno.EINVAL, "is not a file", str(path))
     return number
 
 
 @contextmanager
 def _opened_folder(folder: Path, untyped: int) -> Iterator[int | None]:
-    """Open a folder without following links in its last ``untyped`` names; yield its descriptor.
-
-    Yields None, after checking for links by name, where files cannot be opened relative to a
-    folder. Raises OSError, ELOOP for a link.
-    """
+    """Open a folder without following links in its last ``untyped`` names; yield its descriptor."""
     names = folder.parts[-untyped:]
     if os.open not in os.supports_dir_fd:
         for part in (folder, *folder.parents)[:untyped]:
@@ -118,25 +106,23 @@ def _inner_folder(outer: int, name: str, folder: Path) -> int:
     try:
         return not_stale(lambda: os.open(name, flags, dir_fd=outer))
     except NotADirectoryError:
-        raise OSError(errno.ELOOP, "a folder must be no link", str(folder)) from None
+        raise OSError(errno.ELOOP, "a folder must not be a link", str(folder)) from None
 
 
 def check_no_link(folder: Path) -> None:
     """Raise OSError if a folder of a store is a link."""
     if not_stale(folder.is_symlink):
-        raise OSError(errno.ELOOP, "a folder in a store must be no link (remove it)", str(folder))
+        raise OSError(
+            errno.ELOOP, "a folder in a store must not be a link (remove it)", str(folder)
+        )
 
 
-def read_sealed(path: Path, most: float = math.inf, untyped: int = 1) -> bytes | None:
-    """Return the content of a sealed file; None if it is missing, a link, too long, or damaged.
-
-    ``most`` is the largest size. The last ``untyped`` names of the path are treated as in
-    `open_plain`.
-    """
+def read_sealed(path: Path, max_bytes: float = math.inf, untyped: int = 1) -> bytes | None:
+    """Return a sealed file's content (`open_plain`); None if missing, linked, damaged or long."""
 
     def content() -> bytes | None:
         with open(open_plain(path, untyped=untyped), "rb") as stream:
-            longer = os.fstat(stream.fileno()).st_size > most
+            longer = os.fstat(stream.fileno()).st_size > max_bytes
             return None if longer else sealed_content(stream.read())
 
     try:
@@ -152,10 +138,7 @@ def sealed_content(data: bytes) -> bytes | None:
 
 
 def is_whole(path: Path) -> bool:
-    """Return whether a run's file exists undamaged; log a message if it is damaged or a link.
-
-    The file's folder must not be a link either.
-    """
+    """Return whether a run's file is undamaged, and its folder not a link; log a message if not."""
 
     def whole() -> bool:
         with open(open_plain(path, untyped=2), "rb") as stream:
@@ -179,7 +162,7 @@ def is_sealed(stream: BinaryIO) -> bool:
     """Return whether the content of an open file matches its seal."""
     total = hashlib.sha256()
     bytes_left = os.fstat(stream.fileno()).st_size - SEAL_LENGTH
-    while bytes_left > 0 and (part := stream.read(min(bytes_left, PART))):
+    while bytes_left > 0 and (part := stream.read(min(bytes_left, CHUNK_BYTES))):
         total.update(part)
         bytes_left -= len(part)
     return bytes_left == 0 and stream.read() == _seal(total)

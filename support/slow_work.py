@@ -12,11 +12,11 @@ from longwave.support.request_limits import LONG, duration
 EVERY = 30.0
 """Seconds of silence after which a command reports its progress."""
 
-LOOK = 0.1
+CHECK_INTERVAL = 0.1
 """Seconds between two checks for silence."""
 
-LITTLE = 1e-3
-"""Least share of the work from which its pace is estimated."""
+MIN_PACE_FRACTION = 1e-3
+"""Least fraction of the work from which its pace is estimated."""
 
 Clock = Callable[[], float]
 
@@ -68,11 +68,11 @@ class TimeLeft:
         self._end = self.clock() + seconds
 
     def share(self, done: float) -> None:
-        """Set the share done; the share of an earlier process does not count for the pace."""
+        """Set the fraction done; the share of an earlier process does not count for the pace."""
         now = self.clock()
         self._first = self._first or (now, done)
         self._done = done
-        if done > self._first[1] + LITTLE:
+        if done > self._first[1] + MIN_PACE_FRACTION:
             self._pace = (now - self._first[0]) / (done - self._first[1])
 
     def words(self) -> str:
@@ -92,15 +92,12 @@ class TimeLeft:
 
 @contextmanager
 def report_time_left(work: str, clock: Clock = time.monotonic) -> Iterator[TimeLeft]:
-    """Report the time left of the ``work`` in the body after each `EVERY` seconds of silence.
-
-    A thread checks the ``clock``, because slow work may not report its progress.
-    """
+    """Report the time left, from a thread, after each `EVERY` seconds of silence in the body."""
     left, over = TimeLeft(clock), Event()
 
     def watch() -> None:
         counted, last = _notices, left.begun
-        while not over.wait(LOOK):
+        while not over.wait(CHECK_INTERVAL):
             if _notices == counted and clock() >= last + EVERY:
                 give_notice(work, left.words())
             if _notices != counted:

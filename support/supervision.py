@@ -27,13 +27,13 @@ OVERDUE = 2
 TOO_LARGE = signal.SIGUSR1
 """Signal that ends a command with too much memory."""
 
-LOOK, SHARE = 0.02, 0.1
-"""Seconds between two checks of a command, and the largest share of time spent on checks."""
+CHECK_INTERVAL, MAX_CHECK_FRACTION = 0.02, 0.1
+"""Seconds between two checks of a command, and the largest fraction of time spent on checks."""
 
 PATIENCE = 1.75
 """Seconds after a limit at which the command is killed; it has 1.5 s to end itself."""
 
-BESIDE, FLOOR, LATE = 5e7, 3.2e8, 5e7
+EXTRA_BYTES, MIN_BYTES, ENDING_BYTES = 5e7, 3.2e8, 5e7
 """Bytes allowed beyond a command's limit, bytes allowed in any case, and bytes that it may still
 take while it ends."""
 
@@ -41,10 +41,7 @@ _pipe: int | None = None
 
 
 def supervised(argv: Sequence[str], work: Callable[[], int]) -> int:
-    """Return the result of ``work``, done in a watched child process if the words state limits.
-
-    The caller continues in the child only. The child reports its limits with `tell`.
-    """
+    """Return ``work()``; if limits are given, a watched child does it, and it alone returns."""
     stated = any(word.partition("=")[0] in OPTIONS for word in argv)
     if not stated or not hasattr(os, "fork") or threading.active_count() > 1:
         return work()
@@ -62,37 +59,29 @@ def supervised(argv: Sequence[str], work: Callable[[], int]) -> int:
         _Supervisor(command, reading).watch()
     os.close(reading)
     os.close(living)
-    _begin_telling(telling)
+    _tell_through(telling)
     threading.Thread(target=_end_with, args=(ending,), daemon=True).start()
     signal.pthread_sigmask(signal.SIG_SETMASK, before)
     return work()
 
 
 def tell(**facts: Any) -> None:
-    """Send facts to the watching process, if there is one.
-
-    They become attributes of `_Supervisor`.
-    """
+    """Send facts, attributes of `_Supervisor`, to the watching process, if there is one."""
     if _pipe is not None:
         with suppress(OSError):
             os.write(_pipe, json.dumps(facts).encode() + b"\n")
 
 
-def _begin_telling(pipe: int) -> None:
-    """Use this pipe for facts to the watching process."""
+def _tell_through(pipe: int | None = None) -> None:
+    """Send facts through this pipe, or no longer, as in a fork of the command."""
     global _pipe
-    os.set_blocking(pipe, False)
+    if pipe is not None:
+        os.set_blocking(pipe, False)
     _pipe = pipe
 
 
-def _leave_to_command() -> None:
-    """Stop reporting in a fork of the command."""
-    global _pipe
-    _pipe = None
-
-
 if hasattr(os, "register_at_fork"):
-    os.register_at_fork(after_in_child=_leave_to_command)
+    os.register_at_fork(after_in_child=_tell_through)
 
 
 def _end_with(pipe: int) -> None:
@@ -119,9 +108,9 @@ class _Supervisor:
                 self._leave(status)
             started = time.monotonic()
             self._look(started)
-            wait = max(LOOK, (time.monotonic() - started) / SHARE)
+            wait = max(CHECK_INTERVAL, (time.monotonic() - started) / MAX_CHECK_FRACTION)
             if select.select([self._pipe], [], [], wait)[0] and not self._read():
-                time.sleep(LOOK / 10)  # it is ending
+                time.sleep(CHECK_INTERVAL / 10)  # it is ending
 
     def _read(self) -> bool:
         """Read facts from the command; return whether there may be more."""
@@ -137,13 +126,13 @@ class _Supervisor:
             self._kill(self.time_limit)
         if self.memory == float("inf"):
             return
-        allowed = max(self.memory + BESIDE, FLOOR)
+        allowed = max(self.memory + EXTRA_BYTES, MIN_BYTES)
         used = memory_in_use(self._command, allowed)
         if used > allowed and self._since is None:
             self._since = now
             _send(self._command, TOO_LARGE)
         late = self._since is not None and now > self._since + self.saving + PATIENCE
-        if late or used > allowed + LATE:
+        if late or used > allowed + ENDING_BYTES:
             self._kill(self.memory_limit)
 
     def _kill(self, limit: str) -> NoReturn:
@@ -203,9 +192,7 @@ def memory_in_use(leader: int, enough: float = 0.0) -> int:
     Shared pages count once, unless the total with repetitions is at most ``enough``.
     """
     processes = processes_of(leader)
-    used = sum(
-        _kilobytes(f"/proc/{process}/status", ("RssAnon:", "VmSwap:")) for process in processes
-    )
+    used = sum(_kilobytes(f"/proc/{p}/status", ("RssAnon:", "VmSwap:")) for p in processes)
     if used * 1024 <= enough or len(processes) == 1:
         return used * 1024
     shared = ("Pss_Anon:", "SwapPss:")

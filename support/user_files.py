@@ -16,9 +16,12 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+StatusCheck = Callable[[os.stat_result], object]
+"""Function that raises an error for the status of a file that must not be read."""
+
 STANDARD_INPUT = "-"
 
-DEEPEST = 100
+MAX_DEPTH = 100
 """Most levels of nested tables and lists."""
 
 QUOTED = 200
@@ -31,7 +34,7 @@ DEEP_KEY = re.compile(
 """Pattern of a key with many dots, for which tomllib's time and memory grow with the square of
 their number: 1.2 GB for 50 000."""
 
-KINDS = {
+FILE_KINDS = {
     stat.S_IFDIR: "a folder",
     stat.S_IFIFO: "a pipe",
     stat.S_IFSOCK: "a socket",
@@ -55,13 +58,13 @@ def shown(value: object) -> str:
     return cut(line, 60)
 
 
-def cut(text: str, most: int) -> str:
+def cut(text: str, length: int) -> str:
     """Return the text, truncated to at most so many characters.
 
     >>> cut("a long text", 8)
     'a lon...'
     """
-    return text if len(text) <= most else f"{text[: most - 3]}..."
+    return text if len(text) <= length else f"{text[: length - 3]}..."
 
 
 def shown_path(path: str | Path) -> str:
@@ -100,9 +103,7 @@ def printable(text: str) -> str:
     >>> print(printable("red: \x1b[31m"))
     red: \x1b[31m
     """
-    return "".join(
-        sign if sign.isprintable() or sign == "\n" else ascii(sign)[1:-1] for sign in text
-    )
+    return "".join(c if c.isprintable() or c == "\n" else ascii(c)[1:-1] for c in text)
 
 
 def file_stem(path: str | Path) -> str:
@@ -111,62 +112,61 @@ def file_stem(path: str | Path) -> str:
 
 
 def read_bytes(
-    path: str | Path,
-    what: str,
-    most: int,
-    check: Callable[[os.stat_result], object] = lambda _: None,
+    path: str | Path, label: str, max_bytes: int, check: StatusCheck = lambda _: None
 ) -> bytes:
     """Return the content of a regular file, or of the standard input for ``-``.
 
-    ``what`` names the kind of file in errors, such as "scene". ``check`` is called with the status
-    of the opened file. Raises ValueError for another kind of file and for more than ``most`` bytes,
+    ``label`` names the kind of file in errors, such as "scene". ``check`` is called with the status
+    of the opened file. Raises ValueError for another kind of file and for more than ``max_bytes``,
     OSError as opening does, and errors of the check.
     """
     if str(path) == STANDARD_INPUT:
-        content = sys.stdin.buffer.read(most + 1)
+        content = sys.stdin.buffer.read(max_bytes + 1)
     else:
         # without O_NONBLOCK, opening a pipe would wait for a writer; its kind is checked after that
         if "\0" in str(path):
-            raise ValueError(f"{what} must be a file's name, got {shown_path(path)}")
+            raise ValueError(f"{label} must be a file's name, got {shown_path(path)}")
         handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
         try:
             state = os.fstat(handle)
-            _check(state, path, what, most)
+            kind = FILE_KINDS.get(stat.S_IFMT(state.st_mode))
+            if kind is not None:
+                raise ValueError(
+                    f"{label} must be a regular file, got {shown_path(path)}, {kind} "
+                    "(- reads from the standard input)"
+                )
             check(state)
             with open(handle, "rb", closefd=False) as file:
-                content = file.read(most + 1)
+                content = file.read(max_bytes + 1)
         finally:
             os.close(handle)
-    if len(content) > most:
-        raise ValueError(_too_long(path, what, most))
+    if len(content) > max_bytes:
+        raise ValueError(
+            f"{label} must have at most {max_bytes:.0f} bytes, got {shown_path(path)} with more "
+            "(name a shorter file)"
+        )
     return content
 
 
 def read_text(
-    path: str | Path,
-    what: str,
-    most: int,
-    check: Callable[[os.stat_result], object] = lambda _: None,
+    path: str | Path, label: str, max_bytes: int, check: StatusCheck = lambda _: None
 ) -> str:
     """Return the text of such a file. Raises ValueError also if it is not UTF-8."""
-    return _text(read_bytes(path, what, most, check), path, what)
+    return _text(read_bytes(path, label, max_bytes, check), path, label)
 
 
-def read_toml(path: str | Path, what: str, most: int) -> dict[str, Any]:
-    """Return the tables of such a file.
-
-    Raises ValueError also if it is not TOML, or nested too deep.
-    """
-    return parse_toml(read_bytes(path, what, most), path, what)
+def read_toml(path: str | Path, label: str, max_bytes: int) -> dict[str, Any]:
+    """Return the tables of such a file; raise ValueError if it is not TOML or nested too deep."""
+    return parse_toml(read_bytes(path, label, max_bytes), path, label)
 
 
-def parse_toml(content: bytes, path: str | Path, what: str) -> dict[str, Any]:
+def parse_toml(content: bytes, path: str | Path, label: str) -> dict[str, Any]:
     """Return the tables of a file's content. Raises as `read_toml`."""
     if DEEP_KEY.search(content):
         raise ValueError(
-            f"{what} must have plain keys, got one with 20 or more dots in {shown_path(path)}"
+            f"{label} must have plain keys, got one with 20 or more dots in {shown_path(path)}"
         )
-    text = _text(content, path, what)
+    text = _text(content, path, label)
     try:
         document = tomllib.loads(text)
         deep = is_deep(document)
@@ -175,15 +175,15 @@ def parse_toml(content: bytes, path: str | Path, what: str) -> dict[str, Any]:
     except tomllib.TOMLDecodeError as error:
         reason = cut(" ".join(str(error).split()), QUOTED)
         raise ValueError(
-            f"{what} must be a TOML file, got {shown_path(path)}: {reason} (mend it)"
+            f"{label} must be a TOML file, got {shown_path(path)}: {reason} (mend it)"
         ) from None
     except ValueError:
         raise ValueError(
-            f"{what} must have numbers of some digits, got one of thousands in {shown_path(path)}"
+            f"{label} must have numbers of some digits, got one of thousands in {shown_path(path)}"
         ) from None
     if deep:
         raise ValueError(
-            f"{what} must be nested at most {DEEPEST} deep, got {shown_path(path)} with more"
+            f"{label} must be nested at most {MAX_DEPTH} deep, got {shown_path(path)} with more"
         )
     return document
 
@@ -206,13 +206,13 @@ def toml_value(text: str) -> Any:
 
 
 def is_deep(data: object) -> bool:
-    """Return whether mappings and lists are nested more than ``DEEPEST`` levels deep.
+    """Return whether mappings and lists are nested more than ``MAX_DEPTH`` levels deep.
 
     >>> is_deep({"a": [1, {"b": []}]})
     False
     """
     level = [data]
-    for _ in range(DEEPEST):
+    for _ in range(MAX_DEPTH):
         inner: list[object] = []
         for entry in level:
             if isinstance(entry, dict):
@@ -223,29 +223,12 @@ def is_deep(data: object) -> bool:
     return bool(level)
 
 
-def _text(content: bytes, path: str | Path, what: str) -> str:
+def _text(content: bytes, path: str | Path, label: str) -> str:
     """Decode UTF-8. Raises ValueError with the first wrong byte."""
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise ValueError(
-            f"{what} must be a text in UTF-8, got {shown_path(path)} with the byte "
+            f"{label} must be a text in UTF-8, got {shown_path(path)} with the byte "
             f"0x{content[error.start]:02x} at {error.start} (save it as UTF-8)"
         ) from None
-
-
-def _check(state: os.stat_result, path: str | Path, what: str, most: float) -> None:
-    """Raise ValueError for anything but a regular file, and for a file that is too long."""
-    kind = KINDS.get(stat.S_IFMT(state.st_mode))
-    if kind is not None:
-        raise ValueError(
-            f"{what} must be a regular file, got {shown_path(path)}, {kind} "
-            "(- reads from the standard input)"
-        )
-    if state.st_size > most:
-        raise ValueError(_too_long(path, what, most))
-
-
-def _too_long(path: str | Path, what: str, most: float) -> str:
-    """Return the error message for a file with too many bytes."""
-    return f"{what} must have at most {most:.0f} bytes, got {shown_path(path)} with more"

@@ -8,37 +8,33 @@ they count as moving.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from longwave.support.array_types import Array, Mask
 
-MARGIN = 256
+RESTING_MARGIN = 256
 """Number of cells at rest that are advanced at either end of the moving ones. With 128 to 512 the
 time for a struck chain of 4096 grains is the same to 20 %."""
 
-SAMPLES = 16
+SAMPLED_CELLS = 16
 """Number of cells that `seems_still` checks before all cells are checked."""
 
-SHARE = 0.5
+ALONE_FRACTION = 0.5
 """Largest fraction of a ring that is advanced alone; beyond it the whole ring is advanced."""
 
 
 def seems_still(f: Array, v: Array) -> bool:
-    """Return whether at least half of `SAMPLES` cells, evenly spaced, are at rest.
-
-    ``f`` and ``v`` have the shape (fields, cells).
-    """
-    sample = slice(None, None, max(1, f.shape[1] // SAMPLES))
+    """Return whether at least half of some evenly spaced cells of (fields, cells) are at rest."""
+    sample = slice(None, None, max(1, f.shape[1] // SAMPLED_CELLS))
     moving = f[:, sample].any(axis=0) | v[:, sample].any(axis=0)
     return bool(2 * np.count_nonzero(moving) <= moving.size)
 
 
-def moving_cells(f: Array, v: Array) -> NDArray[np.bool_]:
+def moving_cells(f: Array, v: Array) -> Mask:
     """Return a mask of the cells with a nonzero field or velocity; shape (cells,)."""
     return np.logical_or(f.any(axis=0), v.any(axis=0))
 
 
-def shortest_arc(cells: NDArray[np.bool_]) -> tuple[int, int]:
+def shortest_arc(cells: Mask) -> tuple[int, int]:
     """Return the first cell of the shortest arc with all True cells, and the one past its last.
 
     The second exceeds the ring's size if the arc crosses its end. Both are 0 if no cell is True.

@@ -14,10 +14,7 @@ DOUBLE, INDEX = ir.DoubleType(), ir.IntType(64)
 
 
 class LaneCode:
-    """LLVM builder for vectors of ``lanes`` doubles, used by all generated kernel code.
-
-    ``fused`` says whether the processor has fused multiply-adds; it is detected by default.
-    """
+    """LLVM builder for vectors of ``lanes`` doubles; ``fused`` if there are fused multiply-adds."""
 
     def __init__(self, module: Any, builder: Any, lanes: int, fused: bool | None = None) -> None:
         self.module, self.builder, self.lanes = module, builder, lanes
@@ -54,24 +51,21 @@ class LaneCode:
         """Store a vector in memory."""
         self.builder.store(value, self.address(data, row), align=8)
 
-    def picked(self, one: Any, other: Any, lanes: Sequence[int]) -> Any:
+    def picked(self, first: Any, second: Any, lanes: Sequence[int]) -> Any:
         """Return a shuffle of two vectors: ``lanes`` index the first, then the second."""
         mask = ir.Constant(ir.VectorType(ir.IntType(32), self.lanes), list(lanes))
-        return self.builder.shuffle_vector(one, other, mask)
+        return self.builder.shuffle_vector(first, second, mask)
 
-    def fma(self, factor: Any, other: Any, term: Any) -> Any:
-        """Return factor * other + term, rounded once if the processor can."""
-        return self._vector_function("fmuladd", factor, other, term)
+    def fma(self, factor: Any, second: Any, term: Any) -> Any:
+        """Return factor * second + term, rounded once if the processor can."""
+        return self._vector_function("fmuladd", factor, second, term)
 
-    def fused_multiply_add(self, factor: Any, other: Any, term: Any) -> Any:
-        """Return factor * other + term, rounded once; slow if the processor is not ``fused``."""
-        return self._vector_function("fma", factor, other, term)
+    def fused_multiply_add(self, factor: Any, second: Any, term: Any) -> Any:
+        """Return factor * second + term, rounded once; slow if the processor is not ``fused``."""
+        return self._vector_function("fma", factor, second, term)
 
     def weighted_sum(self, terms: Iterable[tuple[Any, float, Any]]) -> Any:
-        """Return the sum over (factor, sign, value) of factor times value, or None without terms.
-
-        If the factor is None, the term is the value with that sign.
-        """
+        """Return the sum of factor times value, with the given signs where the factor is None."""
         total = None
         for factor, sign, value in terms:
             if factor is not None:
@@ -110,9 +104,9 @@ class LaneCode:
         none = self.constant(0.0)
         return self.builder.select(self.builder.fcmp_ordered(">", value, none), value, none)
 
-    def where_not(self, share: Any, cut: float, value: Any) -> Any:
-        """Return the value, even if NaN, but 0 where ``share`` equals ``cut``."""
-        is_there = self.builder.fcmp_unordered("!=", share, self.constant(cut))
+    def where_not(self, tested: Any, cut: float, value: Any) -> Any:
+        """Return the value, even if NaN, but 0 where ``tested`` equals ``cut``."""
+        is_there = self.builder.fcmp_unordered("!=", tested, self.constant(cut))
         return self.builder.select(is_there, value, self.constant(0.0))
 
     def _vector_function(self, word: str, *values: Any) -> Any:
@@ -141,10 +135,10 @@ class LaneCode:
         builder.branch(head)
         builder.position_at_end(after)
 
-    def least(self, one: Any, other: Any) -> Any:
+    def least(self, first: Any, second: Any) -> Any:
         """Return the smaller of two integers."""
-        return self.builder.select(self.builder.icmp_signed("<", one, other), one, other)
+        return self.builder.select(self.builder.icmp_signed("<", first, second), first, second)
 
-    def most(self, one: Any, other: Any) -> Any:
+    def most(self, first: Any, second: Any) -> Any:
         """Return the larger of two integers."""
-        return self.builder.select(self.builder.icmp_signed(">", one, other), one, other)
+        return self.builder.select(self.builder.icmp_signed(">", first, second), first, second)

@@ -12,21 +12,16 @@ combination of constants is compiled separately, without code for the absent ter
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
+from longwave.support.array_types import Array
 from longwave.support.compiled.jit import doubles, njit
-
-Array = NDArray[np.float64]
 
 _jit = njit(fastmath={"contract"})
 
 
 @_jit
 def force(y: float, K2: float, K3: float | None, K4: float | None) -> float:
-    """Return V'(y) = K2 y + K3 y^2 + K4 y^3 of one strain, in Horner form (the paper's eq. (3)).
-
-    Absent terms are ``None``.
-    """
+    """Return V'(y) = K2 y + K3 y^2 + K4 y^3 (the paper's eq. (3)); absent constants are None."""
     if K4 is None:
         if K3 is None:
             return K2 * y

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import numpy as np
-from numpy.typing import NDArray
+from longwave.support.array_types import Array
 
-Array = NDArray[np.float64]
 Acceleration = Callable[[Array], Array]
 
 

@@ -48,81 +48,76 @@ from itertools import chain, product
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.kernels.active_cells import (
-    MARGIN,
-    SHARE,
+    ALONE_FRACTION,
+    RESTING_MARGIN,
     moving_cells,
     seems_still,
     shortest_arc,
 )
 from longwave.lattice.kernels.streams import FUNCTIONS, StagePlan, rows_of, varied_stage_plan
+from longwave.support.array_types import Array, Indices, Mask
 from longwave.support.compiled.cores import other_core, usable_cores
 from longwave.support.compiled.native_code import native_functions
 
 if TYPE_CHECKING:
     from longwave.lattice.numeric_lattice import NumericLattice
 
-Array = NDArray[np.float64]
-Places = NDArray[np.int64]
-
 LANES = 8
 """Cells per row: one vector of 512 bits, which is also a cache line."""
 
-ALIGNMENT = 8
+LINE_DOUBLES = 8
 """Doubles in a cache line."""
 
-PAGE = 512
+PAGE_DOUBLES = 512
 """Doubles in a page of memory."""
 
-ROWS = 256
-"""Rows in a block. 64 to 512 cost the same to 5 %; `benchmarks/lattice_constants.py` measures this
-and the other constants."""
+BLOCK_ROWS = 256
+"""Rows in a block: 64 to 512 cost the same to 5 % (`benchmarks/lattice_constants.py`)."""
 
-LEAST_ROWED = 32
+MIN_LANED_CELLS = 32
 """Fewest cells that are laid out in rows of ``LANES``."""
 
-STAGES = 28
+MAX_STAGES = 28
 """Most stages done in one pass (13 to 52 cost the same to 5 %)."""
 
-ALONG = 4
+PLANE_BLOCK_ROWS = 4
 """Rows in a block of a plane: 1 to 16 cost the same to 5 %."""
 
-CACHED = 65_536
-"""Most doubles of a plane's rows between the first stage of a pass and the last: half of the
-second-level cache."""
+CACHED_DOUBLES = 65_536
+"""Most doubles of a plane's rows that a pass works on: half of the second-level cache."""
 
-HALO = 24
+MIN_HALO_RATIO = 24
 """Least ratio of the ring's own rows to those that a pass repeats at its ends, if that leaves room
 for enough fused stages: with 8, rings of 1024 to 4096 cells cost 3 to 4 % more, with 4 as much
 again."""
 
-MOST_KEPT = 12
+MAX_CARRIED = 12
 """Most values carried from row to row by two fused stages. With the 15 of next-nearest neighbours
 in the strain one stage alone is a fifth faster, with the 10 of three fields a seventh slower, on
 registers of eight doubles (`benchmarks/same_lattice.py`)."""
 
-LEAST_SHARED = 16_384
-"""Least cells times fields for which a second core pays: 1.5 to 1.8 times as fast up to 65 536, on
-idle cores (`benchmarks/lattice_constants.py`)."""
+MIN_SHARED_VALUES = 16_384
+"""Least cells times fields for which a second core pays: up to 65 536 it is 1.5 to 1.8 times as
+fast."""
 
-LEAST_WORK = 1_000_000
+MIN_SHARED_WORK = 1_000_000
 """Least cells times fields times stages between two synchronisations for a second core to pay."""
 
-MEETING = 64
+MAX_STEPS_APART = 64
 """Most steps between two synchronisations of the cores."""
 
-DOUBLED = 0.2
-"""Largest share of cells that both cores compute."""
+MAX_REPEATED_FRACTION = 0.2
+"""Largest fraction of cells that both cores compute."""
 
-LEAST_SEARCHED = 200_000
+MIN_SEARCHED_WORK = 200_000
 """Cells times stages from which on those that move are looked for."""
 
-WORDS = 1 + max(FUNCTIONS.values())
+CALL_WORDS = 1 + max(FUNCTIONS.values())
 """Words of a call: the function's number and its arguments, as many as the longest takes."""
 
-MOST_SCRIPTS = 8
+MAX_SCRIPTS = 8
 """Most scripts that a kernel caches: a time march uses a few of them repeatedly."""
 
 _SCRIPT = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int64)
@@ -138,7 +133,7 @@ def _together(flow: StagePlan) -> int:
     rows of one stage than on dependent stages.
     """
     functions = any(stream.law.program for stream in flow.streams)
-    return 2 if flow.carried_values(2) <= MOST_KEPT and not functions else 1
+    return 2 if flow.carried_values(2) <= MAX_CARRIED and not functions else 1
 
 
 @lru_cache(maxsize=64)
@@ -146,7 +141,7 @@ def _machine_code(
     flow: StagePlan, lanes: int, count: int, columns: int
 ) -> Callable[[int, int], None]:
     """Return the compiled function that runs a script; cached on disk by the lattice's plan."""
-    together, block = _together(flow), ALONG if columns else ROWS
+    together, block = _together(flow), PLANE_BLOCK_ROWS if columns else BLOCK_ROWS
 
     def generate_text() -> str:
         from longwave.lattice.kernels.row_code import passage_text
@@ -160,8 +155,8 @@ def _machine_code(
 
 def _aligned(size: int) -> Array:
     """Return an array of zeros that begins at a cache line."""
-    raw = np.zeros(size + ALIGNMENT)
-    offset = (-(raw.ctypes.data // 8)) % ALIGNMENT
+    raw = np.zeros(size + LINE_DOUBLES)
+    offset = (-(raw.ctypes.data // 8)) % LINE_DOUBLES
     return raw[offset : offset + size]
 
 
@@ -171,8 +166,8 @@ def _spaced(size: int, count: int) -> int:
     Their offsets in pages differ: a processor mistakes a load for one of a recent store if both
     have the same offset.
     """
-    page_offset = PAGE // count // ALIGNMENT * ALIGNMENT
-    return size + (page_offset - size) % PAGE
+    page_offset = PAGE_DOUBLES // count // LINE_DOUBLES * LINE_DOUBLES
+    return size + (page_offset - size) % PAGE_DOUBLES
 
 
 class _Layout(NamedTuple):
@@ -185,7 +180,7 @@ class _Layout(NamedTuple):
     """
 
     lanes: int
-    starts: Places
+    starts: Indices
     vectors: int
     width: int
     edge: int
@@ -210,15 +205,15 @@ class _Layout(NamedTuple):
 def _layout(flow: StagePlan, count: int, columns: int) -> _Layout:
     """Return the layout of ``count`` cells of a chain (``columns`` 0) or rows of a plane."""
     across = columns or count
-    lanes = LANES if across >= LEAST_ROWED else 1
+    lanes = LANES if across >= MIN_LANED_CELLS else 1
     starts, vectors = np.arange(lanes + 1) * across // lanes, -(-across // lanes)
     if not columns:
         together = _together(flow)
-        ends = flow.skew, flow.below, flow.carried_values(together), together, STAGES
+        ends = flow.skew, flow.below, flow.carried_values(together), together, MAX_STAGES
         return _Layout(lanes, starts, vectors, 1, 0, vectors, *ends)
     rows = rows_of(flow)
-    most = CACHED // (2 * flow.fields * lanes * vectors * rows.skew)
-    ends = rows.skew, rows.below, sum(rows.depths), 1, min(STAGES, most)
+    most = CACHED_DOUBLES // (2 * flow.fields * lanes * vectors * rows.skew)
+    ends = rows.skew, rows.below, sum(rows.depths), 1, min(MAX_STAGES, most)
     return _Layout(lanes, starts, vectors, vectors, rows.margin, count, *ends)
 
 
@@ -227,7 +222,7 @@ class _Script:
 
     def __init__(self, code: Callable[[int, int], None], calls: Iterable[Call]) -> None:
         self._code, self._calls = code, list(calls)
-        self._words = np.zeros((len(self._calls), WORDS), np.int64)
+        self._words = np.zeros((len(self._calls), CALL_WORDS), np.int64)
         for row, (name, *arguments) in zip(self._words, self._calls, strict=True):
             words = [word if isinstance(word, int) else word.ctypes.data for word in arguments]
             row[: 1 + len(words)] = [*FUNCTIONS].index(name), *words
@@ -259,7 +254,7 @@ class _Arc:
         self._layout = layout = _layout(flow, self._count, self._columns)
         pitch, together = layout.pitch, layout.together
         ended = self._columns > 0 and below + above > 0
-        halo = 0 if ended else HALO * max(1, layout.skew + layout.below)
+        halo = 0 if ended else MIN_HALO_RATIO * max(1, layout.skew + layout.below)
         most = min(layout.most, layout.height // halo) if halo else layout.most
         self._each = max(together, most - most % together)
         repeated = 0 if ended else self._each
@@ -267,7 +262,7 @@ class _Arc:
         self._rows = self._below + layout.height + repeated * layout.skew
         edge = layout.edge * layout.lanes
         margin = together * layout.skew * pitch + edge
-        self._plane = _spaced(margin + self._rows * pitch + ALIGNMENT, 2 * flow.fields)
+        self._plane = _spaced(margin + self._rows * pitch + LINE_DOUBLES, 2 * flow.fields)
         both, carried_size = 2 * flow.fields * self._plane, (self._each + together) * layout.carried
         planes, carried = np.split(_aligned(both + carried_size * pitch + edge), [both])
         repeats = self._repeats()
@@ -283,11 +278,8 @@ class _Arc:
         """Return a script of these calls."""
         return _Script(self._code, chain.from_iterable(calls))
 
-    def _repeats(self) -> list[Places]:
-        """Return the indices of the ghost rows below and above the arc, and of their sources.
-
-        Indices count cells of a chain, vectors of a plane.
-        """
+    def _repeats(self) -> list[Indices]:
+        """Return the indices of ghost rows, and of their sources, in cells or a plane's vectors."""
         layout = self._layout
         rows = np.r_[0 : self._below, self._below + layout.height : self._rows]
         if self._columns:
@@ -309,16 +301,14 @@ class _Arc:
     ) -> Iterator[Call]:
         """Yield calls that copy the ``ranges`` of the arc from rings to planes, or back."""
         layout, starts = self._layout, self._layout.starts[:-1]
-        at: tuple[Places, ...]
+        at: tuple[Indices, ...]
         for (begin, end), (plane, rings) in product(ranges, planes):
             if self._columns:
                 at = starts, np.zeros_like(starts), np.full_like(starts, layout.vectors)
                 runs, size = self._runs(begin, end), self._columns
             else:
                 lengths = layout.vectors if way == "to_rows" else np.diff(layout.starts)
-                ends = (
-                    np.minimum(np.maximum(index - starts, 0), lengths) for index in (begin, end)
-                )
+                ends = (np.minimum(np.maximum(cell - starts, 0), lengths) for cell in (begin, end))
                 at = (self._first + starts) % self._size, *ends
                 runs, size = [(0, 0, 1)], self._size
             for row, own, count in runs:
@@ -355,10 +345,7 @@ class _Arc:
         return self._move("to_rows", self._both(f, v), (0, self._count))
 
     def rest(self, resting: Array, fields: int) -> Iterator[Call]:
-        """Yield calls that load the deviations of cells.
-
-        They are stored as fields after the ``fields`` that move.
-        """
+        """Yield calls that load the cells' deviations as fields after the ``fields`` that move."""
         plane = self._planes[0] + 8 * fields * self._plane
         return self._move("to_rows", [(plane, resting)], (0, self._count))
 
@@ -390,18 +377,8 @@ class _Arc:
                 yield "passages", *self._work, *weights, *self._repeated, *counts
 
 
-class _MovingArc(NamedTuple):
-    """Arc with all moving cells of a chain, and the stages after which waves may reach its ends."""
-
-    arc: _Arc
-    stages: int
-
-
 class RingKernel:
-    """Advances rings of ``shape`` (cells, or rows and columns), reusing its working memory.
-
-    Rings (f, v) have the shape (fields, *shape) and contiguous rows.
-    """
+    """Advances rings (fields, *shape) of contiguous rows, reusing its working memory."""
 
     def __init__(self, lattice: NumericLattice, *shape: int) -> None:
         ordered, variation, shares = lattice.cellwise
@@ -414,7 +391,7 @@ class RingKernel:
         self._between = 0
         self._scripts: dict[Hashable, tuple[Array, Array, list[list[_Script]]]] = {}
         self._cached_arc: tuple[int, int, _Arc] | None = None
-        self._moved_from_rest: NDArray[np.bool_] | None = None
+        self._moved_from_rest: Mask | None = None
 
     def advance(self, f: Array, v: Array, drifts: Array, kicks: Array, steps: int) -> None:
         """Advance in place by a drift-kick splitting.
@@ -455,7 +432,7 @@ class RingKernel:
         key = id(f), id(v), drifts.tobytes(), kicks.tobytes(), stages, ahead
         cached = self._scripts.get(key)
         if cached is None:
-            if len(self._scripts) == MOST_SCRIPTS:
+            if len(self._scripts) == MAX_SCRIPTS:
                 self._scripts.clear()
             steps_of_scripts = self._scripts_between(f, v, drifts, kicks, stages, ahead)
             cached = self._scripts[key] = f, v, list(steps_of_scripts)
@@ -472,8 +449,9 @@ class RingKernel:
     def _may_be_still(self, f: Array, v: Array, stages: int) -> bool:
         """Return whether it is worth searching a chain for the cells that move."""
         size = self._shape[0]
-        is_large = len(self._shape) == 1 and size >= 4 * MARGIN and stages * size >= LEAST_SEARCHED
-        return is_large and 2 * max(self._reach) <= MARGIN and seems_still(f, v)
+        if len(self._shape) > 1 or size < 4 * RESTING_MARGIN or stages * size < MIN_SEARCHED_WORK:
+            return False
+        return 2 * max(self._reach) <= RESTING_MARGIN and seems_still(f, v)
 
     def _advance_moving(
         self,
@@ -483,18 +461,18 @@ class RingKernel:
         kicks: Array,
         stages: int,
         ahead: float,
-        moving: _MovingArc | None,
+        moving: tuple[_Arc, int] | None,
     ) -> None:
         """Advance the moving cells, searched anew before the waves can leave their arc."""
         self._divide(len(kicks))
         self._drift(f, v, -ahead)
         done, arc = 0, None
         while moving is not None and done < stages:
-            if moving.arc is not arc:
-                arc = moving.arc
+            if moving[0] is not arc:
+                arc = moving[0]
                 store = arc.script(arc.store(f, v))
                 arc.script(arc.load(f, v))()
-            count = min(moving.stages, stages - done)
+            count = min(moving[1], stages - done)
             arc.script(arc.run(drifts, kicks, done, count))()
             store()
             done += count
@@ -509,8 +487,8 @@ class RingKernel:
         for arc in self._arcs if length else ():
             arc.script(arc.drift(f, v, length))()
 
-    def _moving_arc(self, f: Array, v: Array, kicks: Array) -> _MovingArc | None:
-        """Return an arc with all moving cells; None if it is larger than `SHARE` of the ring."""
+    def _moving_arc(self, f: Array, v: Array, kicks: Array) -> tuple[_Arc, int] | None:
+        """Return an arc of all moving cells, and the stages for which it is one; None if large."""
         size = self._shape[0]
         first, past = shortest_arc(moving_cells(f, v) | self._sources(kicks))
         begin, end, arc = self._cached_arc or (0, 0, None)
@@ -518,16 +496,17 @@ class RingKernel:
         if (
             arc is None
             or below + past - first + above != end - begin
-            or min(below, above) < MARGIN // 2
+            or min(below, above) < RESTING_MARGIN // 2
         ):
-            begin, end, below, above = first - MARGIN, past + MARGIN, MARGIN, MARGIN
-            if end - begin > SHARE * size / (2 if self._stages_between(len(kicks)) else 1):
+            below = above = RESTING_MARGIN
+            begin, end = first - below, past + above
+            if end - begin > ALONE_FRACTION * size / (2 if self._stages_between(len(kicks)) else 1):
                 return None
             arc = self._arc((begin, end), (0, 0))
             self._cached_arc = begin, end, arc
-        return _MovingArc(arc, min(below, above) // max(1, *self._reach))
+        return arc, min(below, above) // max(1, *self._reach)
 
-    def _sources(self, kicks: Array) -> NDArray[np.bool_]:
+    def _sources(self, kicks: Array) -> Mask:
         """Return the cells of a chain that begin to move from rest, found by one stage of it."""
         if self._moved_from_rest is None:
             f, v = np.zeros((2, self._fields, *self._shape))
@@ -554,16 +533,13 @@ class RingKernel:
             yield [arc.script(*(do(arc) for do in together)) for arc in self._arcs]
 
     def _stages_between(self, period: int) -> int:
-        """Return the number of stages between two synchronisations of two cores; 0 for one core.
-
-        A worker process uses one core, because the other one has work of its own.
-        """
+        """Return the number of stages between two synchronisations of two cores; 0 for one core."""
         cells = math.prod(self._shape) * self._fields
-        if cells < LEAST_SHARED or usable_cores() < 2:
+        if cells < MIN_SHARED_VALUES or usable_cores() < 2:
             return 0
-        most = int(DOUBLED * self._shape[0]) // (2 * max(1, sum(self._reach)))
-        stages = min(MEETING * period, most)
-        return stages if stages * cells >= LEAST_WORK else 0
+        most = int(MAX_REPEATED_FRACTION * self._shape[0]) // (2 * max(1, sum(self._reach)))
+        stages = min(MAX_STEPS_APART * period, most)
+        return stages if stages * cells >= MIN_SHARED_WORK else 0
 
     @cached_property
     def _reach(self) -> tuple[int, int]:

@@ -17,33 +17,17 @@ from typing import Any
 
 from llvmlite import ir  # type: ignore[import-untyped]
 
+from longwave.lattice.kernels import streams, vector_functions
 from longwave.lattice.kernels.lane_code import DOUBLE, INDEX, LaneCode
-from longwave.lattice.kernels.streams import (
-    FUNCTIONS,
-    ForceFormula,
-    Rows,
-    StagePlan,
-    StreamRead,
-    rows_and_columns,
-    rows_of,
-)
-from longwave.lattice.kernels.vector_functions import (
-    FUNCTIONS_OF_LANES,
-    LARGEST_EXPONENT,
-    Lanes,
-    power,
-)
 from longwave.support.compiled.subnormals import flushed_subnormals
 
-__all__ = ["lane_force", "passage_text"]
-
-WHOLE = 64
+MAX_PRODUCT_EXPONENT = 64
 """Largest whole exponent for which a power is computed by products."""
 
-CUT = {"kept": -1.0, "felt": 0.0}
+ZERO_AT = {"kept": -1.0, "felt": 0.0}
 """Share, by kind of stream, at which the stream is 0 whatever the value there."""
 
-MOVED = 256
+COPY_BLOCK = 256
 """Vectors per block when cells are copied."""
 
 _DOUBLES, _INDICES = DOUBLE.as_pointer(), INDEX.as_pointer()
@@ -69,10 +53,10 @@ def _whole_power(code: LaneCode, value: Any, exponent: int) -> Any:
 def _power(code: LaneCode, value: Any, exponent: float) -> Any:
     """Return a power, by products and square roots if the exponent is whole or half."""
     size = abs(exponent)
-    if exponent == 0.0 or not size <= LARGEST_EXPONENT:
+    if exponent == 0.0 or not size <= vector_functions.LARGEST_EXPONENT:
         return code.function("pow", value, code.constant(exponent))
-    if 2.0 * size != round(2.0 * size) or size > WHOLE:
-        return power(Lanes(code, value), exponent).value
+    if 2.0 * size != round(2.0 * size) or size > MAX_PRODUCT_EXPONENT:
+        return vector_functions.power(vector_functions.Lanes(code, value), exponent).value
     whole = int(size)
     result = _whole_power(code, value, whole) if whole else None
     if size != whole:
@@ -81,7 +65,7 @@ def _power(code: LaneCode, value: Any, exponent: float) -> Any:
     return result if exponent > 0.0 else code.builder.fdiv(code.constant(1.0), result)
 
 
-def lane_force(code: LaneCode, x: Any, law: ForceFormula, numbers: Sequence[Any]) -> Any:
+def lane_force(code: LaneCode, x: Any, law: streams.ForceFormula, numbers: Sequence[Any]) -> Any:
     """Return the force at the stretch x."""
     if law.program:
         return _run_program(code, x, law.program, numbers)
@@ -108,16 +92,19 @@ def _run_program(
             stack.append(x)
         elif word == "number":
             stack.append(numbers[int(value)])
-        elif word == "add":
-            stack.append(code.builder.fadd(stack.pop(), stack.pop()))
-        elif word == "multiply":
-            stack.append(code.builder.fmul(stack.pop(), stack.pop()))
+        elif word in ("add", "multiply"):
+            combine = code.builder.fadd if word == "add" else code.builder.fmul
+            stack.append(combine(stack.pop(), stack.pop()))
         elif word == "power":
             stack.append(_power(code, stack.pop(), value))
         elif word == "contact":
             stack.append(code.positive_part(stack.pop()))
-        elif word in FUNCTIONS_OF_LANES:
-            stack.append(FUNCTIONS_OF_LANES[word](Lanes(code, stack.pop())).value)
+        elif word in vector_functions.FUNCTIONS_OF_LANES:
+            stack.append(
+                vector_functions.FUNCTIONS_OF_LANES[word](
+                    vector_functions.Lanes(code, stack.pop())
+                ).value
+            )
         else:
             stack.append(code.function(word, stack.pop()))
     return stack.pop()
@@ -128,15 +115,12 @@ CarriedValue = Callable[[int, int, int], Any]
 
 
 class _Stage:
-    """One of several fused stages: its weights, and the slots of its streams.
-
-    A stream's slots hold its values of earlier rows, the latest first.
-    """
+    """One of several fused stages: its weights, and slots of earlier values, the latest first."""
 
     def __init__(
         self,
         code: LaneCode,
-        flow: StagePlan,
+        flow: streams.StagePlan,
         numbers: Sequence[Any],
         drift: Any,
         weights: Sequence[Any],
@@ -155,17 +139,18 @@ class _Stage:
             if stream.kind == "kicked" and stream.number is not None
         }
         self.slots = [[code.builder.alloca(code.kind) for _ in range(depth)] for depth in depths]
-        self._latest: list[Any] = []
+        self.latest: list[Any] = []
+        """Latest value of each stream."""
         self._carried: CarriedValue | None = None
 
-    def value(self, tap: StreamRead, lag: int) -> Any:
+    def value(self, tap: streams.StreamRead, lag: int) -> Any:
         """Return the value of a stream that is needed by another one with this ``lag``."""
-        rows, age = rows_and_columns(lag - tap.shift - self._flow.streams[tap.stream].lag)
+        rows, age = streams.rows_and_columns(lag - tap.shift - self._flow.streams[tap.stream].lag)
         if rows:
             assert self._carried is not None
             return self._carried(tap.stream, rows, age)
         if age == 0:
-            return self._latest[tap.stream]
+            return self.latest[tap.stream]
         return self._code.builder.load(self.slots[tap.stream][age - 1])
 
     def row(
@@ -174,51 +159,46 @@ class _Stage:
         velocities: Sequence[Any],
         carried: CarriedValue | None = None,
     ) -> None:
-        """Generate code for one row.
-
-        For a plane, one column, whose earlier rows ``carried`` reads.
-        """
+        """Generate code for one row of a chain, or for a column that reads ``carried`` rows."""
         code, flow, self._carried = self._code, self._flow, carried
         drifting = 0 if flow.spread else flow.moving
-        self._latest = [
+        self.latest = [
             code.fma(drift, v, f)
             for drift, f, v in zip(self._drifts[:drifting], positions, velocities, strict=False)
         ]
-        self._latest += positions[drifting:]
-        self._latest += [
+        self.latest += positions[drifting:]
+        self.latest += [
             code.builder.fmul(factor, v)
             for factor, v in zip(self._shrunk, velocities, strict=False)
         ]
-        self._latest += velocities[flow.damped :]
+        self.latest += velocities[flow.damped :]
         for stream in flow.streams[2 * flow.fields :]:
             values = [self.value(tap, stream.lag) for tap in stream.taps]
             if stream.kind == "force":
                 value = lane_force(code, values[0], stream.law, self._numbers)
-            elif stream.kind in ("varied", *CUT):
+            elif stream.kind in ("varied", *ZERO_AT):
                 value = code.fma(values[1], values[2], values[0])
-                if stream.kind in CUT:
-                    value = code.where_not(values[1], CUT[stream.kind], value)
+                if stream.kind in ZERO_AT:
+                    value = code.where_not(values[1], ZERO_AT[stream.kind], value)
             elif stream.kind == "kicked":
                 value = code.fma(self._kicks[stream.field], values[1], values[0])
-            elif stream.kind == "spread":
+            elif stream.kind in ("spread", "pulsed"):
                 assert stream.number is not None
-                value = code.fma(self._series[stream.number], values[1], values[0])
-            elif stream.kind == "pulsed":
-                assert stream.number is not None
-                value = code.fma(self._pulses[stream.number], values[1], values[0])
+                weights = self._series if stream.kind == "spread" else self._pulses
+                value = code.fma(weights[stream.number], values[1], values[0])
             else:
                 value = self._sum(stream.taps, values)
                 if stream.number is not None:
                     value = code.builder.fadd(value, self._numbers[stream.number])
-            self._latest.append(value)
+            self.latest.append(value)
 
-    def _sum(self, taps: Sequence[StreamRead], values: Sequence[Any]) -> Any:
+    def _sum(self, taps: Sequence[streams.StreamRead], values: Sequence[Any]) -> Any:
         """Return the weighted sum of the taps' values."""
         pairs = zip(taps, values, strict=True)
         total = self._code.weighted_sum((self._factor(tap), tap.weight, v) for tap, v in pairs)
         return self._code.constant(0.0) if total is None else total
 
-    def _factor(self, tap: StreamRead) -> Any:
+    def _factor(self, tap: streams.StreamRead) -> Any:
         """Return the factor of the tap's value; None for 1 and -1."""
         if tap.number is not None:
             return self._numbers[tap.number]
@@ -227,17 +207,13 @@ class _Stage:
     def outcome(self, lag: int) -> tuple[list[Any], list[Any]]:
         """Return positions and new velocities of the row ``lag`` behind the front."""
         flow = self._flow
-        positions = [self.value(StreamRead(stream), lag) for stream in flow.drifted]
-        return positions, [self.value(StreamRead(stream), lag) for stream in flow.kicked]
-
-    def latest(self, stream: int) -> Any:
-        """Return the latest value of a stream."""
-        return self._latest[stream]
+        positions = [self.value(streams.StreamRead(stream), lag) for stream in flow.drifted]
+        return positions, [self.value(streams.StreamRead(stream), lag) for stream in flow.kicked]
 
     def keep(self) -> None:
         """Shift the slots: the latest values become those of the row before."""
         builder = self._code.builder
-        for slots, latest in zip(self.slots, self._latest, strict=True):
+        for slots, latest in zip(self.slots, self.latest, strict=True):
             values = [latest, *(builder.load(slot) for slot in slots)]
             for slot, value in zip(slots, values, strict=False):
                 builder.store(value, slot)
@@ -246,7 +222,9 @@ class _Stage:
 class _Writer:
     """Generates all functions of a lattice's LLVM module."""
 
-    def __init__(self, flow: StagePlan, lanes: int, together: int, block: int, count: int) -> None:
+    def __init__(
+        self, flow: streams.StagePlan, lanes: int, together: int, block: int, count: int
+    ) -> None:
         self._flow, self._lanes, self._together, self._count = flow, lanes, together, count
         self._block, self._skew, self._below, self._copied = block, flow.skew, flow.below, 1
         self._module = ir.Module("lattice")
@@ -257,21 +235,16 @@ class _Writer:
         return self._text(groups, {size: self._flow.carried_values(size) for size in groups})
 
     def plane(self, columns: int) -> str:
-        """Return the module's text for a plane.
-
-        Only ``columns`` modulo ``lanes`` matters.
-        """
-        rows = rows_of(self._flow)
+        """Return the module's text for a plane; only ``columns`` modulo ``lanes`` matters."""
+        rows = streams.rows_of(self._flow)
         self._flow, self._skew, self._below = rows.flow, rows.skew, rows.below
         self._copied = self._lanes
         return self._text({1: self._along(rows, columns)}, {1: sum(rows.depths)})
 
-    def _text(self, groups: dict[int, Any], carried_counts: dict[int, int]) -> str:
+    def _text(self, groups: dict[int, Any], carried: dict[int, int]) -> str:
         """Return the module's text with its functions of stages, copies and scripts."""
         moves = {name: self._move(name) for name in ("to_rows", "from_rows")}
-        self._script(
-            {"passages": self._passages(groups, carried_counts), **moves, "drift": self._drift()}
-        )
+        self._script({"passages": self._passages(groups, carried), **moves, "drift": self._drift()})
         return str(self._module)
 
     def _function(self, name: str, kinds: Sequence[Any], internal: bool = True) -> Any:
@@ -282,9 +255,8 @@ class _Writer:
         for argument in function.args:
             if argument.type == _DOUBLES:
                 argument.add_attribute("noalias")
-        return function, LaneCode(
-            self._module, ir.IRBuilder(function.append_basic_block()), self._lanes
-        )
+        builder = ir.IRBuilder(function.append_basic_block())
+        return function, LaneCode(self._module, builder, self._lanes)
 
     def _group(self, together: int) -> Any:
         """Return the function of fused stages, on front rows from ``first`` to below ``past``."""
@@ -317,7 +289,7 @@ class _Writer:
             outputs = zip(fields[: flow.moving], flow.drifted, strict=False)
             for data, index in (*outputs, *zip(speeds[: flow.moving], flow.kicked, strict=False)):
                 target_row = builder.sub(last, INDEX(flow.streams[index].lag))
-                code.store(data, target_row, stages[-1].latest(index))
+                code.store(data, target_row, stages[-1].latest[index])
             stages[-1].keep()
         for row, slot in enumerate(slots):
             code.store(carried, INDEX(row), builder.load(slot))
@@ -331,7 +303,7 @@ class _Writer:
         indices = [code.builder.add(first, INDEX(more)) for more in range(count)]
         return [code.number(kicks, index) for index in indices]
 
-    def _along(self, rows: Rows, columns: int) -> Any:
+    def _along(self, rows: streams.Rows, columns: int) -> Any:
         """Return the function of a stage on a plane's rows from ``first`` to below ``past``."""
         function, code = self._function("stages_1", _STAGES)
         f, v, carried, drifts, kicks, data, plane, pitch, width, level, first, past = function.args
@@ -351,8 +323,8 @@ class _Writer:
                 data, above = carried, builder.mul(pitch, INDEX(sum(rows.depths[:stream])))
             return builder.gep(data, [builder.add(above, builder.mul(pitch, row))])
 
-        def cell(row: Any, column: Any, own: bool) -> None:
-            """Generate one column; a ghost column (not ``own``) is not written."""
+        def cell(row: Any, column: Any, is_written: bool) -> None:
+            """Generate one column; ghost columns are not ``is_written``."""
 
             def earlier(stream: int, age: int, columns: int) -> Any:
                 there = builder.sub(column, INDEX(columns))
@@ -362,39 +334,38 @@ class _Writer:
             stage.row(fronts[: flow.fields], fronts[flow.fields :], earlier)
             for stream, depth in enumerate(rows.depths):
                 if depth:
-                    code.store(begin(stream, row, 0), column, stage.latest(stream))
-            for stream in range(flow.moving) if own else ():
-                code.store(begin(stream, row, 0), column, stage.latest(stream))
-            for stream, kicked in enumerate(flow.kicked, flow.fields) if own else ():
+                    code.store(begin(stream, row, 0), column, stage.latest[stream])
+            for stream in range(flow.moving) if is_written else ():
+                code.store(begin(stream, row, 0), column, stage.latest[stream])
+            for stream, kicked in enumerate(flow.kicked, flow.fields) if is_written else ():
                 if kicked >= 2 * flow.fields:
-                    code.store(begin(stream, row, rows.rise), column, stage.latest(kicked))
+                    code.store(begin(stream, row, rows.rise), column, stage.latest[kicked])
             stage.keep()
 
         with code.loop(first, past) as row:
             for column in range(-rows.before, 0):
-                cell(row, INDEX(column), own=False)
+                cell(row, INDEX(column), is_written=False)
             with code.loop(INDEX(0), width) as column:
-                cell(row, column, own=True)
+                cell(row, column, is_written=True)
             for more in range(rows.after):
-                cell(row, builder.add(width, INDEX(more)), own=False)
+                cell(row, builder.add(width, INDEX(more)), is_written=False)
             for stream in range(flow.fields):
                 self._close(code, begin(stream, row, 0), width, columns, rows)
         builder.ret_void()
         return function
 
-    def _close(self, code: LaneCode, data: Any, width: Any, columns: int, rows: Rows) -> None:
-        """Generate code that copies a row's ends into the ghost columns at its other end.
-
-        Lanes move by one. A lane that is shorter than others shares its last cell with the next.
-        """
+    def _close(
+        self, code: LaneCode, data: Any, width: Any, columns: int, rows: streams.Rows
+    ) -> None:
+        """Generate code that copies a row's ends, lanes moved by one, into ghost columns."""
         builder, lanes = code.builder, self._lanes
         last = builder.sub(width, INDEX(1))
         starts = [lane * columns // lanes for lane in range(lanes + 1)]
         short = [after - before < -(-columns // lanes) for before, after in pairwise(starts)]
 
-        def repeat(to: Any, at: Any, way: int, moved: Sequence[int]) -> None:
+        def repeat(to: Any, at: Any, step: int, moved: Sequence[int]) -> None:
             """Copy a vector; where a lane is ``short``, take the next vector instead."""
-            one, other = (code.load(data, builder.add(at, INDEX(more))) for more in (0, way))
+            one, other = (code.load(data, builder.add(at, INDEX(more))) for more in (0, step))
             code.store(data, to, one if lanes == 1 else code.picked(one, other, moved))
 
         up = [(lane + 1) % lanes + lanes * short[lane] for lane in range(lanes)]
@@ -420,12 +391,12 @@ class _Writer:
             [builder.load(builder.gep(data, [INDEX(lane)])) for data in (starts, firsts, pasts)]
             for lane in range(self._lanes)
         ]
-        with code.loop(INDEX(0), rings) as one, code.loop(INDEX(0), height, MOVED) as low:
+        with code.loop(INDEX(0), rings) as one, code.loop(INDEX(0), height, COPY_BLOCK) as low:
             ring, rows = (
                 builder.gep(data, [builder.mul(one, pitch)])
                 for data, pitch in ((begin, ring_pitch), (to, row_pitch))
             )
-            high = code.least(builder.add(low, INDEX(MOVED)), height)
+            high = code.least(builder.add(low, INDEX(COPY_BLOCK)), height)
             shared, unshared = low, high
             for start, first, past in ends:
                 shared = code.most(shared, first)
@@ -496,11 +467,11 @@ class _Writer:
         """Return the exported function: it makes ``count`` calls, each given as words."""
         function, code = self._function("script", [_INDICES, INDEX], internal=False)
         words, count = function.args
-        builder, size = code.builder, 1 + max(FUNCTIONS.values())
+        builder, size = code.builder, 1 + max(streams.FUNCTIONS.values())
         with flushed_subnormals(self._module, builder), code.loop(INDEX(0), count) as row:
             at = builder.gep(words, [builder.mul(row, INDEX(size))])
             requested = builder.load(at)
-            for index, name in enumerate(FUNCTIONS):
+            for index, name in enumerate(streams.FUNCTIONS):
                 called = functions[name]
                 with builder.if_then(builder.icmp_signed("==", requested, INDEX(index))):
                     arguments = []
@@ -511,7 +482,7 @@ class _Writer:
                     builder.call(called, arguments)
         builder.ret_void()
 
-    def _passages(self, groups: dict[int, Any], carried_counts: dict[int, int]) -> Any:
+    def _passages(self, groups: dict[int, Any], depths: dict[int, int]) -> Any:
         """Return the function of ``passages`` passes of ``stages`` stages over all rows."""
         kinds = [*[_DOUBLES] * 6, *[_INDICES] * 2, *[INDEX] * 8]
         function, code = self._function("passages", kinds)
@@ -530,9 +501,7 @@ class _Writer:
             at_kicks = builder.mul(started, INDEX(self._flow.weights))
             weights = [builder.gep(drifts, [started]), builder.gep(kicks, [at_kicks])]
             data = f, v, carried, *weights, numbers, plane, pitch, width
-            sizes = {
-                size: builder.mul(pitch, INDEX(number)) for size, number in carried_counts.items()
-            }
+            sizes = {size: builder.mul(pitch, INDEX(number)) for size, number in depths.items()}
             self._passage(code, groups, data, sizes, rows, stages)
         builder.ret_void()
         return function
@@ -574,7 +543,7 @@ class _Writer:
 
 
 def passage_text(
-    flow: StagePlan, lanes: int, together: int, block: int, count: int, columns: int = 0
+    flow: streams.StagePlan, lanes: int, together: int, block: int, count: int, columns: int = 0
 ) -> str:
     """Return the LLVM text of the stages of a lattice, which take ``count`` numbers.
 

@@ -6,9 +6,9 @@ force, and a sum of forces as soon as its last force is known. Each of these is 
 value for each cell; its *lag* is the number of cells by which it stays behind the front. A stream's
 values are carried along as long as a stream further behind needs them.
 
-In a plane the front goes along one row after the other; a shift is the number of rows times `SPAN`
-plus the number of columns. There each stream stays behind as far as it can (`rows_of`), because a
-value computed in the row in which it is needed is not carried from row to row.
+In a plane the front goes along one row after the other; a shift is the number of rows times
+`ROW_SHIFT` plus the number of columns. There each stream stays behind as far as it can (`rows_of`),
+because a value computed in the row in which it is needed is not carried from row to row.
 
 All dependence on the lattice's constants is in ``numbers``, an argument of the machine code, so
 that lattices with different constants share the code. Terms that are absent, factors of 1 and
@@ -34,17 +34,17 @@ Kind = Literal[
 Polynomial = Mapping[int, float]
 """A stencil: weights by shift."""
 
-MONIC = 1e100
+MAX_CONSTANT_RATIO = 1e100
 """Largest ratio of the other constants to the highest one at which a force is divided by the
 latter: quotients then do not overflow for any stretch that occurs."""
 
-MOST = 10**15
+BEYOND_SHIFTS = 10**15
 """Number larger than any shift."""
 
-SPAN = 2**24
+ROW_SHIFT = 2**24
 """Shift that stands for one row."""
 
-TERMS = 8
+DASHPOT_TERMS = 8
 """Terms of the exponential series of dashpots in a drift. The remainder is below rounding if a
 drift changes velocities by at most 0.1, which `lattice.integration` ensures."""
 
@@ -59,13 +59,13 @@ def flat_shift(shift: Sequence[int]) -> int:
     (2, -3)
     """
     *rows, column = shift
-    return sum(rows) * SPAN + column
+    return sum(rows) * ROW_SHIFT + column
 
 
 def rows_and_columns(shift: int) -> tuple[int, int]:
     """Return the rows and columns of a flat shift."""
-    rows = (shift + SPAN // 2) // SPAN
-    return rows, shift - rows * SPAN
+    rows = (shift + ROW_SHIFT // 2) // ROW_SHIFT
+    return rows, shift - rows * ROW_SHIFT
 
 
 class ForceFormula(NamedTuple):
@@ -82,10 +82,7 @@ class ForceFormula(NamedTuple):
 
 
 class StreamRead(NamedTuple):
-    """Reads ``weight`` times a stream's value in the cell at offset ``shift``.
-
-    If ``number`` is given, the factor is the stage's number with that index.
-    """
+    """``weight``, or the stage's ``number``, times a stream's value in the cell at ``shift``."""
 
     stream: int
     shift: int = 0
@@ -162,7 +159,7 @@ class StagePlan(NamedTuple):
     def depths(self, followed: bool) -> list[int]:
         """Return how many earlier values of each stream are needed.
 
-        ``followed`` if a fused stage comes after.
+        They include those for a fused stage that comes after, if ``followed``.
         """
         depths = [0] * len(self.streams)
         for stream in self.streams:
@@ -179,10 +176,7 @@ class StagePlan(NamedTuple):
 
     @property
     def operations(self) -> int:
-        """Arithmetic instructions per cell and stage.
-
-        A fused multiply-add counts once, and so does a function of a force.
-        """
+        """Instructions per cell and stage; a fused multiply-add or a function counts once."""
         total = self.fields + self.damped
         for stream in self.streams:
             if stream.kind == "sum":
@@ -238,16 +232,14 @@ def rows_of(flow: StagePlan) -> Rows:
     columns = _columns(flow)
     late = _late(flow, rise)
     if any(
-        late.delay(stream, tap) < SPAN // 2 and (tap.shift != stream.lag or any(felt))
+        late.delay(stream, tap) < ROW_SHIFT // 2 and (tap.shift != stream.lag or any(felt))
         for stream, felt in zip(late.streams, columns, strict=True)
         for tap in stream.taps
         if late.streams[tap.stream].kind == "position"
     ):
         rise += 1
         late = _late(flow, rise)
-    reads = [
-        (tap.stream, *rows_and_columns(late.delay(s, tap))) for s in late.streams for tap in s.taps
-    ]
+    reads = [(t.stream, *rows_and_columns(late.delay(s, t))) for s in late.streams for t in s.taps]
     formed = [
         (low + rows_and_columns(stream.lag)[1], high + rows_and_columns(stream.lag)[1])
         for stream, (low, high) in zip(
@@ -276,18 +268,15 @@ def rows_of(flow: StagePlan) -> Rows:
 
 
 def _late(flow: StagePlan, rise: int) -> StagePlan:
-    """Return the plan with its streams as late as possible.
-
-    The kick is ``rise`` rows behind the front.
-    """
+    """Return the plan with streams as late as possible and the kick ``rise`` rows behind."""
     lags: dict[int, int] = {}
     streams = list(flow.streams)
     for index in range(len(streams) - 1, 2 * flow.fields - 1, -1):
         stream = streams[index]
-        lag = rise * SPAN if stream.kind == "kicked" else lags.get(index, stream.lag)
+        lag = rise * ROW_SHIFT if stream.kind == "kicked" else lags.get(index, stream.lag)
         streams[index] = stream._replace(lag=lag)
         for tap in stream.taps:
-            lags[tap.stream] = min(lag - tap.shift, lags.get(tap.stream, MOST))
+            lags[tap.stream] = min(lag - tap.shift, lags.get(tap.stream, BEYOND_SHIFTS))
     return flow._replace(streams=tuple(streams))
 
 
@@ -340,7 +329,8 @@ def varied_stage_plan(lattice: NumericLattice, variation: Variation | None) -> V
             "dimensions (rows of cells go up one axis)"
         )
     fields = len(lattice.fields)
-    builder = _Builder(fields + (0 if variation is None else variation.added_fields(fields)))
+    added = 0 if variation is None else variation.rows(fields) + len(variation.pulsed)
+    builder = _Builder(fields + added)
     acting: list[list[_Part]] = [[] for _ in lattice.fields]
     units = [] if variation is None else [1.0] * variation.mass_rows(fields)
     spread: tuple[int, ...] = ()
@@ -351,16 +341,17 @@ def varied_stage_plan(lattice: NumericLattice, variation: Variation | None) -> V
         if law is None:
             continue
         stretch = builder.stretch(bond.stretch, bond.offset)
-        force = builder.force(stretch, law)
+        force = builder.add("force", [stretch], law=law)
         part = None if variation is None or not variation.forces else variation.forces[index]
         if part is not None:
             share, own = force_formula(part, builder.number)
             assert share is not None
             weight, units = StreamRead(fields + len(units)), [*units, own / unit]
-            taps = [StreamRead(force), weight, StreamRead(builder.force(stretch, share))]
+            varied = builder.add("force", [stretch], law=share)
+            taps = [StreamRead(force), weight, StreamRead(varied)]
             force = builder.add("kept" if part == bond.force else "varied", taps)
         for of, parts in enumerate(acting):
-            stencil = _merged(entry for entry in bond.action if entry.field == of)
+            stencil = merged_weights(entry for entry in bond.action if entry.field == of)
             if stencil:
                 parts.append(_part(unit, force, stencil))
     units += [1.0] if variation is not None and variation.walled else []
@@ -382,7 +373,7 @@ def varied_stage_plan(lattice: NumericLattice, variation: Variation | None) -> V
         tuple(builder.streams),
         tuple(kicked),
         damped,
-        2 * TERMS + 1 if spread else 0,
+        2 * DASHPOT_TERMS + 1 if spread else 0,
         len(pulsed),
         spread,
         builder.fields - fields,
@@ -398,15 +389,13 @@ class _Part(NamedTuple):
     stencil: Polynomial
 
 
-def _merged(entries: Iterable[Entry]) -> dict[int, float]:
+def merged_weights(entries: Iterable[Entry]) -> dict[int, float]:
     """Return the total weight at each shift, zero weights left out."""
     weights: dict[int, float] = {}
     for entry in entries:
         shift_number = flat_shift(entry.shift)
         weights[shift_number] = weights.get(shift_number, 0.0) + entry.weight
-    return {
-        shift: weights[shift] for shift in sorted(weights, reverse=True) if weights[shift] != 0.0
-    }
+    return {n: weights[n] for n in sorted(weights, reverse=True) if weights[n] != 0.0}
 
 
 def _part(unit: float, stream: int, stencil: dict[int, float]) -> _Part:
@@ -446,10 +435,7 @@ def _work(parts: Sequence[_Part]) -> int:
 def force_formula(
     force: ForceProgram, number: Callable[[float], int]
 ) -> tuple[ForceFormula | None, float]:
-    """Return a force's arithmetic and its unit; None if the force is 0.
-
-    ``number`` returns the index of a constant.
-    """
+    """Return a force's arithmetic, None if 0, and its unit; ``number`` gives a constant's index."""
     if force.instructions:
         program = tuple(
             (word, float(number(value)) if word == "number" else value)
@@ -461,7 +447,7 @@ def force_formula(
         return None, 1.0
     unit = force.coefficients[highest]
     lower = force.coefficients[:highest][::-1]
-    monic = max(map(abs, lower), default=0.0) <= MONIC * abs(unit)
+    monic = max(map(abs, lower), default=0.0) <= MAX_CONSTANT_RATIO * abs(unit)
     leading, unit = (None, unit) if monic else (number(unit), 1.0)
     factors = tuple(number(value / unit) if value else None for value in lower)
     return ForceFormula(factors, leading), unit
@@ -489,11 +475,11 @@ class _Builder:
         return self.numbers.index(value)
 
     def add(
-        self, kind: Kind, taps: Sequence[StreamRead], least: int = -MOST, **more: object
+        self, kind: Kind, taps: Sequence[StreamRead], low: int = -BEYOND_SHIFTS, **more: object
     ) -> int:
         """Return the index of a stream with these taps, adding it if it is new."""
         lags = [tap.shift + self.streams[tap.stream].lag for tap in taps]
-        lag = max(max(lags, default=0), least)
+        lag = max(max(lags, default=0), low)
         lowest = min((tap.shift + self.streams[tap.stream].lowest for tap in taps), default=0)
         stream = Stream(kind, tuple(taps), lag, lowest, **more)  # type: ignore[arg-type]
         if stream not in self.streams:
@@ -506,7 +492,7 @@ class _Builder:
         """Return the stretch of a bond, of the values ``values``, by default the positions."""
         taps = []
         for index, read in enumerate(values or self.positions):
-            stencil = _merged(entry for entry in entries if entry.field == index)
+            stencil = merged_weights(entry for entry in entries if entry.field == index)
             taps += [read._replace(shift=shift, weight=weight) for shift, weight in stencil.items()]
         taps.sort(key=lambda tap: tap.weight != 1.0)
         if len(taps) == 1 and taps[0].weight == 1.0 and offset == 0.0:
@@ -514,61 +500,51 @@ class _Builder:
         number = self.number(offset) if offset else None
         return StreamRead(self.add("sum", taps, number=number))
 
-    def force(self, stretch: StreamRead, law: ForceFormula) -> int:
-        """Add the stream of a bond's force and return its index."""
-        return self.add("force", [stretch], law=law)
-
-    def varied(self, whole: StreamRead, share: StreamRead, part: StreamRead) -> int:
+    def varied(self, base: StreamRead, factor: StreamRead, change: StreamRead) -> int:
         """Add the stream ``whole + share * part``, cell by cell, and return its index."""
-        return self.add("varied", [whole, share, part])
+        return self.add("varied", [base, factor, change])
 
     def felt(
-        self, share: StreamRead, place: int, factor: ForceProgram | None
+        self, weight: StreamRead, index: int, factor: ForceProgram | None
     ) -> tuple[StreamRead, float]:
         """Return the share, times its factor at a field's position if any, and the share's unit."""
         if factor is None:
-            return share, 1.0
+            return weight, 1.0
         law, unit = force_formula(factor, self.number)
         assert law is not None
-        own, none = self.force(self.positions[place], law), self.add("sum", [])
-        return StreamRead(self.add("felt", [StreamRead(none), share, StreamRead(own)])), unit
+        own, none = self.add("force", [self.positions[index]], law=law), self.add("sum", [])
+        return StreamRead(self.add("felt", [StreamRead(none), weight, StreamRead(own)])), unit
 
     def kicked(
         self,
-        place: int,
+        index: int,
         parts: Sequence[_Part],
         mass: float,
-        share: int | None = None,
+        deviation: int | None = None,
         masses: MassKind | None = None,
     ) -> int:
-        """Return the index of the stream of a field's velocity after the kick.
-
-        ``share`` is the field with the deviations of inverse masses, those of ``masses``.
-        """
+        """Return a field's stream of kicked velocities, given its masses' field of deviations."""
         if not parts:
-            return self.velocities[place].stream
+            return self.velocities[index].stream
         unit = parts[0].factor
         scaled = [part._replace(factor=part.factor / unit) for part in parts]
-        if share is None:
+        if deviation is None:
             total = self.total(scaled)
         elif masses == "strains":
-            pulls = self._divided(scaled, 1, -1, MOST)
+            pulls = self._divided(scaled, 1, -1, BEYOND_SHIFTS)
             assert pulls is not None
             pull = self.total(pulls)
-            moved = self.varied(pull, StreamRead(share), pull)
+            moved = self.varied(pull, StreamRead(deviation), pull)
             total = StreamRead(self.add("sum", [StreamRead(moved, 1), StreamRead(moved, 0, -1.0)]))
         else:
             pull = self.total(scaled)
-            total = StreamRead(self.varied(pull, StreamRead(share), pull))
+            total = StreamRead(self.varied(pull, StreamRead(deviation), pull))
         number = self.number(unit / mass)
-        taps = [self.velocities[place], total]
-        return self.add("kicked", taps, 0, field=place, number=number)
+        taps = [self.velocities[index], total]
+        return self.add("kicked", taps, 0, field=index, number=number)
 
     def spread(self, lattice: NumericLattice, variation: Variation) -> tuple[int, ...]:
-        """Add the spreading of velocities by dashpots in a drift, as an exponential series.
-
-        Returns the indices of the streams of the new positions.
-        """
+        """Add the spreading by dashpots in a drift; return the streams of the new positions."""
         fields, rates = len(lattice.fields), variation.damped
         shares = [StreamRead(fields + index) for index in range(variation.mass_rows(fields))]
         cut = iter(range(fields + len(shares), self.fields))
@@ -579,33 +555,32 @@ class _Builder:
         rows = fields + variation.rows(fields)
         walls = [StreamRead(rows - 1)] * fields if variation.walled else shares
         terms = [self.velocities[:fields]]
-        for _ in range(TERMS):
-            before = terms[-1] if len(terms) > 1 else self._of_cells(terms[0], walls)
+        for _ in range(DASHPOT_TERMS):
+            before = terms[-1] if len(terms) > 1 else self._cells(terms[0], walls)
             parts: list[list[_Part]] = [
                 [_Part(-rate, read.stream, {0: 1.0})] if rate else []
                 for rate, read in zip(rates, before, strict=True)
             ]
-            for bond, dashpot, cut_share in zip(
-                lattice.bonds, variation.dashpots, cuts, strict=True
-            ):
+            for bond, dashpot, cut_row in zip(lattice.bonds, variation.dashpots, cuts, strict=True):
                 if not dashpot:
                     continue
                 pull = self.stretch(bond.stretch, 0.0, before)
-                if cut_share is not None or pull.shift or pull.weight != 1.0:
+                if cut_row is not None or pull.shift or pull.weight != 1.0:
                     pull = StreamRead(self.add("sum", [pull]))
-                if cut_share is not None:
-                    pull = StreamRead(self.varied(pull, cut_share, pull))
+                if cut_row is not None:
+                    pull = StreamRead(self.varied(pull, cut_row, pull))
                 for of, mass in enumerate(lattice.masses):
-                    stencil = _merged(entry for entry in bond.action if entry.field == of)
+                    stencil = merged_weights(entry for entry in bond.action if entry.field == of)
                     if stencil:
                         parts[of].append(_Part(dashpot / mass, pull.stream, stencil))
             sums = [StreamRead(self.add("sum", [self.total(part)])) for part in parts]
-            terms.append(self._of_cells(sums, shares))
+            terms.append(self._cells(sums, shares))
         for index in range(fields):
             position, velocity = self.positions[index], self.velocities[index]
             for power, term in enumerate(terms):
                 position = self._spread(position, term[index], power)
-                velocity = self._spread(velocity, term[index], TERMS + power) if power else velocity
+                if power:
+                    velocity = self._spread(velocity, term[index], DASHPOT_TERMS + power)
             self.positions[index], self.velocities[index] = position, velocity
         return tuple(read.stream for read in self.positions[:fields])
 
@@ -613,9 +588,7 @@ class _Builder:
         """Return the sum with one more term of a series."""
         return StreamRead(self.add("spread", [total, term], 0, number=weight))
 
-    def _of_cells(
-        self, reads: Sequence[StreamRead], shares: Sequence[StreamRead]
-    ) -> list[StreamRead]:
+    def _cells(self, reads: Sequence[StreamRead], shares: Sequence[StreamRead]) -> list[StreamRead]:
         """Return the values in cells that have a mass, 0 in walls."""
         if not shares:
             return list(reads)

@@ -2,9 +2,9 @@
 
 Each is branch-free and consists of sums, products and at most one quotient, so that all cells of a
 row are computed together without calls to the C library; only sine, cosine and tangent call it, for
-arguments beyond `TURNED`. Errors are below 2 units in the last place (ulp) for every double; each
-docstring gives a bound that the tests confirm. NaN, infinities and zeros of either
-sign give the C library's results. LLVM contracts or reassociates nothing here, because the
+arguments beyond `LARGEST_ANGLE`. Errors are below 2 units in the last place (ulp) for every double;
+each docstring gives a bound that the tests confirm. NaN, infinities and zeros of either sign give
+the C library's results. LLVM contracts or reassociates nothing here, because the
 instructions carry no such flags. `LaneCode.fma` alone may round once or twice; no error bound
 depends on which. A product's rounding error comes from a fused multiply-add if the processor has
 one, else from halves of the factors (Dekker, Numer. Math. 18, 1971): both are exact.
@@ -19,7 +19,7 @@ Polynomials are near-minimax (Chebyshev), fitted with mpmath when code is genera
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import cache
+from functools import cache, partialmethod
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from llvmlite import ir  # type: ignore[import-untyped]
@@ -29,13 +29,13 @@ if TYPE_CHECKING:
 
 __all__ = ["FUNCTIONS_OF_LANES", "LARGEST_EXPONENT", "Lanes", "power"]
 
-TURNED = 8192.0
+LARGEST_ANGLE = 8192.0
 """Largest argument of sine, cosine and tangent that is reduced here."""
 
 LARGEST_EXPONENT = 2.0**20
 """Largest abs(exponent) for `power`."""
 
-DIGITS = 60
+CONSTANT_DIGITS = 60
 """Decimal digits with which constants are computed."""
 
 SHIFT = 1.5 * 2.0**52
@@ -62,17 +62,15 @@ class Lanes:
         """Return a vector of the same code with another value."""
         return Lanes(self.code, value)
 
-    def __add__(self, other: Lanes | float) -> Lanes:
-        return self.with_value(self.code.builder.fadd(self.value, self.of(other)))
+    def _combined(self, word: str, other: Lanes | float) -> Lanes:
+        return self.with_value(getattr(self.code.builder, word)(self.value, self.of(other)))
 
-    def __sub__(self, other: Lanes | float) -> Lanes:
-        return self.with_value(self.code.builder.fsub(self.value, self.of(other)))
+    __add__ = partialmethod(_combined, "fadd")
+    __sub__ = partialmethod(_combined, "fsub")
+    __mul__ = partialmethod(_combined, "fmul")
 
     def __rsub__(self, other: float) -> Lanes:
         return self.with_value(self.code.builder.fsub(self.of(other), self.value))
-
-    def __mul__(self, other: Lanes | float) -> Lanes:
-        return self.with_value(self.code.builder.fmul(self.value, self.of(other)))
 
     def __rtruediv__(self, other: float) -> Lanes:
         return self.with_value(self.code.builder.fdiv(self.of(other), self.value))
@@ -85,10 +83,7 @@ class Lanes:
         return self.with_value(self.code.fma(self.value, self.of(factor), self.of(term)))
 
     def where(self, sign: str, bound: Lanes | float, value: Lanes | float) -> Lanes:
-        """Return the value where the comparison of self with the bound holds, else self.
-
-        NaN stays.
-        """
+        """Return the value where the comparison of self holds, else self; NaN stays."""
         return self.replaced(self.compared(sign, bound), value)
 
     def replaced(self, mask: Any, value: Lanes | float) -> Lanes:
@@ -101,8 +96,7 @@ class Lanes:
 
     def bits(self) -> Bits:
         """Return the bit patterns of the doubles."""
-        words = words_of(self.code)
-        return Bits(self.code, self.code.builder.bitcast(self.value, words))
+        return Bits(self.code, self.code.builder.bitcast(self.value, words_of(self.code)))
 
     def size(self) -> Lanes:
         """Return the absolute value."""
@@ -132,26 +126,13 @@ class Bits:
             given = other.value
         return Bits(self.code, getattr(self.code.builder, word)(self.value, given))
 
-    def __add__(self, other: Bits | int) -> Bits:
-        return self._combined("add", other)
-
-    def __sub__(self, other: Bits | int) -> Bits:
-        return self._combined("sub", other)
-
-    def __and__(self, other: Bits | int) -> Bits:
-        return self._combined("and_", other)
-
-    def __or__(self, other: Bits | int) -> Bits:
-        return self._combined("or_", other)
-
-    def __xor__(self, other: Bits | int) -> Bits:
-        return self._combined("xor", other)
-
-    def __lshift__(self, places: int) -> Bits:
-        return self._combined("shl", places)
-
-    def __rshift__(self, places: int) -> Bits:
-        return self._combined("lshr", places)
+    __add__ = partialmethod(_combined, "add")
+    __sub__ = partialmethod(_combined, "sub")
+    __and__ = partialmethod(_combined, "and_")
+    __or__ = partialmethod(_combined, "or_")
+    __xor__ = partialmethod(_combined, "xor")
+    __lshift__ = partialmethod(_combined, "shl")
+    __rshift__ = partialmethod(_combined, "lshr")
 
     def doubles(self) -> Lanes:
         """Return the doubles that have these bit patterns."""
@@ -182,13 +163,13 @@ def whole(pair: Pair) -> Lanes:
     return pair.high + pair.low
 
 
-def exact_product(one: Lanes, other: Lanes) -> Pair:
+def exact_product(first: Lanes, second: Lanes) -> Pair:
     """Return a product with its rounding error; sizes must be below 1e290."""
-    total = one * other
-    if one.code.fused:
-        rest = one.code.fused_multiply_add(one.value, other.value, (-total).value)
-        return Pair(total, one.with_value(rest))
-    (a, b), (c, d) = _halves(one), _halves(other)
+    total = first * second
+    if first.code.fused:
+        rest = first.code.fused_multiply_add(first.value, second.value, (-total).value)
+        return Pair(total, first.with_value(rest))
+    (a, b), (c, d) = _halves(first), _halves(second)
     return Pair(total, ((a * c - total) + a * d + b * c) + b * d)
 
 
@@ -209,10 +190,7 @@ def quotient(over: Pair, under: Pair) -> Pair:
 
 
 def polynomial(z: Lanes, factors: Sequence[float]) -> Lanes:
-    """Return the polynomial whose ``factors`` begin with that of the power 0.
-
-    Even and odd powers are summed separately, so that two independent sums run in parallel.
-    """
+    """Return the polynomial with these coefficients, lowest first; sum odd powers separately."""
     if len(factors) < 4:
         return _horner(z, factors)
     square = z * z
@@ -241,16 +219,14 @@ def parts_of(name: str, *bits: int) -> tuple[float, ...]:
     """
     import mpmath
 
-    with mpmath.workdps(DIGITS):
-        rest, result = (
-            {"ln2": +mpmath.ln2, "half_pi": mpmath.pi / 2, "third": mpmath.mpf(1) / 3}[name],
-            [],
-        )
+    with mpmath.workdps(CONSTANT_DIGITS):
+        left = {"ln2": +mpmath.ln2, "half_pi": mpmath.pi / 2, "third": mpmath.mpf(1) / 3}[name]
+        doubles = []
         for count in bits:
-            unit = mpmath.ldexp(1, mpmath.frexp(rest)[1] - count)
-            result.append(float(mpmath.floor(rest / unit) * unit))
-            rest -= result[-1]
-        return (*result, float(rest))
+            unit = mpmath.ldexp(1, mpmath.frexp(left)[1] - count)
+            doubles.append(float(mpmath.floor(left / unit) * unit))
+            left -= doubles[-1]
+        return (*doubles, float(left))
 
 
 @cache
@@ -259,7 +235,7 @@ def fitted(name: str) -> tuple[float, ...]:
     import mpmath
 
     low, high, count, make_function = SERIES[name]
-    with mpmath.workdps(DIGITS):
+    with mpmath.workdps(CONSTANT_DIGITS):
         function = make_function(mpmath)
         return tuple(map(float, reversed(mpmath.chebyfit(function, [low, high], count))))
 
@@ -290,23 +266,15 @@ LEAST_EXPONENT, MOST_EXPONENT = -760.0, 720.0
 """Arguments beyond which the exponential is 0, or infinite: n ln(2) with n of 12 bits."""
 
 
-class _Doublings(NamedTuple):
-    """The integer n and the remainder r of n ln(2) + r, with abs(r) <= ln(2)/2."""
-
-    n: Lanes
-    shifted: Lanes
-    rest: Pair
-
-
-def _doublings(x: Lanes, low: Lanes | None = None) -> _Doublings:
-    """Return n and r for x, or for x + low."""
+def _doublings(x: Lanes, low: Lanes | None = None) -> tuple[Lanes, Lanes, Pair]:
+    """Return n, n + `SHIFT` and r with x, or x + low, = n ln(2) + r and abs(r) <= ln(2)/2."""
     high, rest = parts_of("ln2", 42)
     shifted = x.times_plus(1.0 / high, SHIFT)
     n = shifted - SHIFT
     left, off = n.times_plus(-high, x), n * rest
     off = off if low is None else off - low
     r = left - off
-    return _Doublings(n, shifted, Pair(r, (left - r) - off))
+    return n, shifted, Pair(r, (left - r) - off)
 
 
 def _power_of_two(shifted: Lanes) -> Lanes:
@@ -314,17 +282,11 @@ def _power_of_two(shifted: Lanes) -> Lanes:
     return ((shifted.bits() << 52) + ONE_BITS).doubles()
 
 
-def _bounded(x: Lanes, least: float, most: float) -> Lanes:
-    """Return x clipped to least .. most; NaN stays."""
-    return x.where("<", least, least).where(">", most, most)
-
-
 def exponential(x: Lanes, low: Lanes | None = None) -> Lanes:
-    """Return exp(x), or exp(x + low), to 1.2 ulp.
-
-    The result is multiplied by 2^n in two factors, so that only the last product is rounded.
-    """
-    n, shifted, (r, _) = _doublings(_bounded(x, LEAST_EXPONENT, MOST_EXPONENT), low)
+    """Return exp(x), or exp(x + low), to 1.2 ulp; 2^n is two factors, so only one rounds."""
+    n, shifted, (r, _) = _doublings(
+        x.where("<", LEAST_EXPONENT, LEAST_EXPONENT).where(">", MOST_EXPONENT, MOST_EXPONENT), low
+    )
     more = (r * r).times_plus(polynomial(r, fitted("exp")), r)
     half = n.times_plus(0.5, SHIFT).bits() << 52
     other = (shifted.bits() << 52) - half
@@ -332,10 +294,7 @@ def exponential(x: Lanes, low: Lanes | None = None) -> Lanes:
 
 
 class _Hyperbolic(NamedTuple):
-    """Hyperbolic functions of x before scaling by 2^up; ``n`` is the nearest integer to x/ln(2).
-
-    ``fall`` is exp(-x), scaled alike.
-    """
+    """Functions of x, and ``fall`` = exp(-x), before scaling by 2^up; ``n`` rounds x/ln(2)."""
 
     sinh: Pair
     cosh: Pair
@@ -388,7 +347,7 @@ def tanh(x: Lanes) -> Lanes:
 
 # Logarithms and powers.
 
-BELOW_ONE = 0x3FE6A09E667F3BCD
+ROOT_HALF_BITS = 0x3FE6A09E667F3BCD
 """Bit pattern of the square root of 1/2."""
 
 
@@ -396,7 +355,7 @@ def _mantissa(x: Lanes) -> tuple[Lanes, Lanes]:
     """Return k and m with x = 2^k m and m between sqrt(1/2) and sqrt(2); x must be positive."""
     small = x.compared("<", 2.0**-1022)
     bits = x.replaced(small, x * 2.0**54).bits()
-    up = bits + (ONE_BITS + (1 << 52) - BELOW_ONE)
+    up = bits + (ONE_BITS + (1 << 52) - ROOT_HALF_BITS)
     raised = ((up >> 52) | SHIFT_BITS).doubles() - (2.0**52 + 1024.0)
     k = raised.replaced(small, raised - 54.0)
     return k, (bits - (up & (0xFFF << 52)) + (ONE_BITS + (1 << 52))).doubles()
@@ -471,10 +430,7 @@ def _logarithm_pair(x: Lanes) -> Pair:
 
 
 def power(x: Lanes, exponent: float) -> Lanes:
-    """Return x to a constant exponent, to 1.6 ulp.
-
-    The exponent must not be 0; its size is at most `LARGEST_EXPONENT`.
-    """
+    """Return x^exponent to 1.6 ulp, with exponent != 0 and at most `LARGEST_EXPONENT` in size."""
     size = x.size()
     log = _logarithm_pair(size)
     factor = x.with_value(x.code.constant(exponent))
@@ -494,23 +450,8 @@ def power(x: Lanes, exponent: float) -> Lanes:
 # Trigonometric functions.
 
 
-class _Turn(NamedTuple):
-    """Sine and cosine of an angle reduced by multiples of pi/2.
-
-    The last bits of ``quarters`` hold the multiple.
-    """
-
-    quarters: Bits
-    sine: Pair
-    cosine: Pair
-
-
-def _turn(x: Lanes) -> _Turn:
-    """Reduce an angle of at most `TURNED` by n pi/2.
-
-    pi/2 is split in three parts; products with the first two are exact. The remainder's error is
-    2^-120.
-    """
+def _reduced(x: Lanes) -> tuple[Bits, Pair, Pair]:
+    """Return n (in the last bits), and sine and cosine of x - n pi/2; x <= `LARGEST_ANGLE`."""
     first, second, third = parts_of("half_pi", 40, 40)
     shifted = x.times_plus(1.0 / (first + second), SHIFT)
     n = shifted - SHIFT
@@ -524,7 +465,7 @@ def _turn(x: Lanes) -> _Turn:
     sine = exact_sum(high, (high * z).times_plus(polynomial(z, fitted("sin")), low - half * low))
     cosine = exact_sum(x.with_value(x.code.constant(1.0)), -half)
     rest = (z * z).times_plus(polynomial(z, fitted("cos")), cosine.low - high * low)
-    return _Turn(shifted.bits(), sine, exact_sum(cosine.high, rest))
+    return shifted.bits(), sine, exact_sum(cosine.high, rest)
 
 
 def _even(quarters: Bits) -> Any:
@@ -535,9 +476,9 @@ def _even(quarters: Bits) -> Any:
 
 def _circle(x: Lanes, more_quarters: int) -> Bits:
     """Return the sine of an angle >= 0 plus ``more_quarters`` quarter turns."""
-    turn = _turn(x)
-    quarters = turn.quarters + more_quarters
-    result = turn.cosine.high.replaced(_even(quarters), turn.sine.high)
+    quarters, sine, cosine = _reduced(x)
+    quarters += more_quarters
+    result = cosine.high.replaced(_even(quarters), sine.high)
     return result.bits() ^ ((quarters & 2) << 62)
 
 
@@ -553,20 +494,20 @@ def cosine(x: Lanes) -> Lanes:
 
 def tangent(x: Lanes) -> Lanes:
     """Return the tangent, to 1.0 ulp."""
-    turn = _turn(x.size())
-    even = _even(turn.quarters)
+    quarters, sine, cosine = _reduced(x.size())
+    even = _even(quarters)
     over, under = (
         Pair(*(b.replaced(even, a) for a, b in zip(*pair, strict=True)))
-        for pair in ((turn.sine, turn.cosine), (turn.cosine, turn.sine))
+        for pair in ((sine, cosine), (cosine, sine))
     )
-    result = whole(quotient(over, under)).bits() ^ ((turn.quarters & 1) << 63)
+    result = whole(quotient(over, under)).bits() ^ ((quarters & 1) << 63)
     return _within(x, "tan", (result ^ x.sign()).doubles())
 
 
 def _within(x: Lanes, name: str, result: Lanes) -> Lanes:
-    """Return the result, replaced by the C library's where the argument is beyond `TURNED`."""
+    """Return the result, or the C library's for arguments beyond `LARGEST_ANGLE`."""
     code, builder = x.code, x.code.builder
-    is_beyond = builder.fcmp_unordered(">", x.size().value, x.of(TURNED))
+    is_beyond = builder.fcmp_unordered(">", x.size().value, x.of(LARGEST_ANGLE))
     flags = ir.IntType(code.lanes)
     somewhere = builder.icmp_unsigned("!=", builder.bitcast(is_beyond, flags), flags(0))
     before = builder.block
@@ -580,10 +521,7 @@ def _within(x: Lanes, name: str, result: Lanes) -> Lanes:
 
 
 def arctangent(x: Lanes) -> Lanes:
-    """Return the arctangent, to 0.9 ulp.
-
-    Large arguments use pi/2 and -1/x, middle ones pi/4 and (x - 1)/(x + 1).
-    """
+    """Return the arctangent to 0.9 ulp, by pi/2 and -1/x or by pi/4 and (x - 1)/(x + 1)."""
     size = x.size().where(">", 2.0**60, 2.0**60)
     middle, steep = size.compared(">", 2.0**0.5 - 1.0), size.compared(">", 1.0 + 2.0**0.5)
     none, one = (x.with_value(x.code.constant(value)) for value in (0.0, 1.0))

@@ -19,20 +19,17 @@ import math
 
 import ducc0  # type: ignore[import-not-found]
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.spectral.field_ring import FieldRing, modes_of, values_of
+from longwave.support.array_types import Array, Complex
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
-
-WIDTH = 1.0 / 12.0
+ABSORBER_WIDTH = 1.0 / 12.0
 """Width of the absorber, in circumferences; its profile is exp(-(distance to the seam/width)^2).
 
 A strength of 28 leaves 7e-13 of a wave; with half and twice the width, 2e-8 and 9e-9. At the
 default strength they are alike (`benchmarks/lattice_constants.py`)."""
 
-NARROW = 1.0 / 24.0
+SHORT_ABSORBER_WIDTH = 1.0 / 24.0
 """Width of the absorber of short waves, in circumferences; slow waves feel it from further away.
 With half of it 4e-6 of a wave are left whatever the strength, with this one 4e-11
 (`benchmarks/lattice_constants.py`)."""
@@ -40,17 +37,14 @@ With half of it 4e-6 of a wave are left whatever the strength, with this one 4e-
 ABSORBER_STRENGTH = 14.0
 """Default logarithm of the factor by which one passage reduces a wave: 8e-7 of it are left."""
 
-OFTEN = 1.0 / 64.0
-"""Distance, in circumferences, that a left-going wave travels between two absorptions, unless one
-step takes it further."""
+ABSORPTION_DISTANCE = 1.0 / 64.0
+"""Distance, in circumferences, that left-going waves travel between two absorptions."""
 
-FARTHEST = 1.0 / 8.0
-"""Largest distance, in circumferences, that a left-going wave may travel in a step; otherwise
-nothing is absorbed."""
+MAX_STEP_DISTANCE = 1.0 / 8.0
+"""Distance, in circumferences, per step of left-going waves beyond which nothing is absorbed."""
 
-EDGE = 1.5
-"""Wavenumber, in units of the cutoff, up to which waves are absorbed, by the share
-exp(-(k/cutoff)^8)."""
+MAX_ABSORBED_RATIO = 1.5
+"""Largest wavenumber absorbed, in units of the cutoff, by the factor exp(-(k/cutoff)^8)."""
 
 
 class LeftAbsorber:
@@ -71,23 +65,21 @@ class LeftAbsorber:
         strength: float = ABSORBER_STRENGTH,
     ) -> None:
         (length,), travel = state.circumferences, 2.0 * speed * step
-        self.every = 0 if travel > FARTHEST * length else max(1, int(OFTEN * length / travel))
+        every = max(1, int(ABSORPTION_DISTANCE * length / travel))
+        self.every = 0 if travel > MAX_STEP_DISTANCE * length else every
         numbers = 2.0 * math.pi / length * np.arange(w.size)
-        self._mode_count = int(np.count_nonzero(numbers < EDGE * cutoff))
+        self._mode_count = int(np.count_nonzero(numbers < MAX_ABSORBED_RATIO * cutoff))
         self._count = 2 * int(ducc0.fft.good_size(2 * self._mode_count, True))
         self._share = np.exp(-((numbers[: self._mode_count] / cutoff) ** 8))
         self._lift = 2j * w[: self._mode_count]
         distance = 0.5 - np.abs(np.arange(self._count) / self._count - 0.5)
-        profile = np.exp(-((distance / WIDTH) ** 2))
+        profile = np.exp(-((distance / ABSORBER_WIDTH) ** 2))
         self._loss = np.expm1(-strength * _along(profile, self.every * travel / length))
         self.level = 0.0
         self.level = -float(np.average(self._strain(p), weights=profile))
 
     def absorb(self, p: Complex) -> float:
-        """Damp, in place, the waves that passed the absorber since the last call.
-
-        Returns the change of the mean of y, which is not part of p.
-        """
+        """Damp in place what passed since the last call; return the change of the mean of y."""
         change = modes_of(self._strain(p) * self._loss)[: self._mode_count] * self._share
         p[1, : self._mode_count] += self._lift * change
         mean = float(change[0].real)
@@ -97,9 +89,7 @@ class LeftAbsorber:
     def _strain(self, p: Complex) -> Array:
         """Return the left-going strain on the absorber's points."""
         modes = np.zeros(self._count // 2 + 1, dtype=np.complex128)
-        modes[1 : self._mode_count] = (p[1, 1 : self._mode_count] / self._lift[1:]) * self._share[
-            1:
-        ]
+        modes[1 : self._mode_count] = p[1, 1 : self._mode_count] / self._lift[1:] * self._share[1:]
         modes[0] = self.level
         return values_of(modes, self._count)
 
@@ -124,7 +114,7 @@ class ShortAbsorber:
         numbers = 2.0 * math.pi / length * np.arange(w.size)
         shortest = min(math.pi, float(numbers[-1]))
         travel = speed * step * (1.0 - math.cos(0.5 * shortest)) / length
-        self.every = max(1, int(OFTEN / travel))
+        self.every = max(1, int(ABSORPTION_DISTANCE / travel))
         self._count = count
         self._share = -np.expm1(-((numbers / cutoff) ** 8))
         self._share[w == 0.0] = 0.0
@@ -132,7 +122,7 @@ class ShortAbsorber:
         np.divide(self._share, 2.0 * w, out=self._inverse, where=w > 0.0)
         self._lift = -2j * w * self._share
         distance = 0.5 - np.abs(np.arange(count) / count - 0.5)
-        profile = np.exp(-((distance / NARROW) ** 2))
+        profile = np.exp(-((distance / SHORT_ABSORBER_WIDTH) ** 2))
         rate = strength / float(np.mean(profile))
         self._loss = np.expm1(-rate * self.every * travel * profile)
 

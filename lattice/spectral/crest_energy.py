@@ -14,13 +14,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.numeric_lattice import NumericLattice
-from longwave.lattice.spectral.field_ring import TAIL, FieldRing, modes_of, values_of
+from longwave.lattice.spectral.field_ring import TAIL_DIVISOR, FieldRing, modes_of, values_of
 from longwave.lattice.spectral.lattice_ring import ring_stretches, wavenumbers
-
-Array = NDArray[np.float64]
+from longwave.support.array_types import Array
 
 DENSITY = 4.5
 """Points per site that resolve the energy's modes of wavenumbers near 2 pi: 2 for the strain, as
@@ -66,7 +64,7 @@ def crest_energy_spread(lattice: NumericLattice, state: FieldRing, axis: int) ->
     if k[-1] >= top + 1.0 / CREST_REACH:
         near = np.exp(-0.5 * (CREST_REACH * (k - top)) ** 2)
         return float(2.0 * np.sum(near * size)) / crest
-    share = float(2.0 * np.sum(size[-max(size.size // TAIL, 1) :])) / crest
+    share = float(2.0 * np.sum(size[-max(size.size // TAIL_DIVISOR, 1) :])) / crest
     return float(min(share, 1.0) ** (top / k[-1]))
 
 

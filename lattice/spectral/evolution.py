@@ -25,25 +25,22 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.spectral.absorber import ABSORBER_STRENGTH, LeftAbsorber, ShortAbsorber
 from longwave.lattice.spectral.exponential import ExponentialAdams
 from longwave.lattice.spectral.field_ring import FieldRing, modes_of, spectrum_tails, values_of
+from longwave.support.array_types import Array, Complex
 from longwave.support.compiled.jit import complexes, doubles, njit
 
 if TYPE_CHECKING:
     from longwave.lattice.model import Model
     from longwave.support.checkpoint import Memory
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
-
-WATCH = 16
+STEPS_PER_CHECK = 16
 """Steps between two checks of the spectrum's tail."""
 
-STILL = 1e-7
-"""Frequencies below this count as 0: in a time t they change a phase by STILL t, squared."""
+STILL_FREQUENCY = 1e-7
+"""Frequencies below this count as 0: in a time t they change a phase by less than (1e-7 t)^2."""
 
 
 class SamplingError(ArithmeticError):
@@ -62,17 +59,11 @@ class NotHyperbolicError(RunawayError):
     """Waves do not exist about some strain: K2 + 2 K3 y + 3 K4 y^2 <= 0, at time ``t``."""
 
     def __init__(self, t: float, site: float) -> None:
-        message = (
-            f"blow-up: a bond is stretched to where waves grow at t = {t:g}, site {round(site)}"
-        )
-        super().__init__(t, message)
+        text = f"blow-up: a bond is stretched to where waves grow at t = {t:g}, site {round(site)}"
+        super().__init__(t, text)
 
 
-@njit(
-    cache=True,
-    examples=[(complexes(2), doubles(1), complexes(1))],
-    fastmath={"contract"},
-)
+@njit(cache=True, examples=[(complexes(2), doubles(1), complexes(1))], fastmath={"contract"})
 def _strain_modes(p: Complex, inverse: Array, out: Complex) -> None:
     """Compute y = (p_+ - p_-)/(2 i w), mode by mode, into ``out``."""
     for k in range(1, p.shape[1]):
@@ -97,13 +88,13 @@ def _bend(force: Complex, symbol: Array) -> None:
 class SpectralRing:
     """A ring that is advanced in steps of ``step``; `at` returns it at a time.
 
-    At the start and every ``WATCH`` steps the strain is checked. NotHyperbolicError is raised when
-    waves do not exist about some strain, SamplingError when the spectrum's tail exceeds ``tail``,
-    and RunawayError when it exceeds the largest initial strain. ``dealias`` drops the upper half of
-    the force's modes (exact for a cubic force); without it the tail bounds the aliasing. Left-going
-    waves of wavenumbers below ``absorbed`` are absorbed at the seam, and right-going ones of
-    wavenumbers above ``short`` (`ShortAbsorber`), with ``strength``; 0 absorbs none. ``strain``
-    holds the smallest and the largest strain met.
+    At the start and every ``STEPS_PER_CHECK`` steps the strain is checked. NotHyperbolicError is
+    raised when waves do not exist about some strain, SamplingError when the spectrum's tail exceeds
+    ``tail``, and RunawayError when it exceeds the largest initial strain. ``dealias`` drops the
+    upper half of the force's modes (exact for a cubic force); without it the tail bounds the
+    aliasing. Left-going waves of wavenumbers below ``absorbed`` are absorbed at the seam, and
+    right-going ones of wavenumbers above ``short`` (`ShortAbsorber`), with ``strength``; 0 absorbs
+    none. ``strain`` holds the smallest and the largest strain met.
     """
 
     def __init__(
@@ -128,7 +119,7 @@ class SpectralRing:
         self._symbol = -4.0 * np.sin(k / 2.0) ** 2
         if dealias:
             self._symbol[k.size // 2 :] = 0.0
-        still = self._w <= STILL
+        still = self._w <= STILL_FREQUENCY
         self._still_modes = np.flatnonzero(still)[1:]
         self._symbol[still] = 0.0
         self._inverse = np.zeros_like(k)
@@ -163,7 +154,7 @@ class SpectralRing:
         for _ in range(integrator.whole_steps(duration)):
             integrator.step()
             self._absorb()
-            if integrator.steps % WATCH == 0:
+            if integrator.steps % STEPS_PER_CHECK == 0:
                 self._check(integrator.p, self._start.t + integrator.steps * integrator.h)
                 pause()
         p = integrator.solution_at(duration)
@@ -210,13 +201,12 @@ class SpectralRing:
         if not tail <= self._amplitude:
             raise RunawayError(t)
         if tail > self._bound:
-            raise SamplingError(f"the spectrum's tail is {tail:.2g} at t = {t:g}")
+            raise SamplingError(
+                f"the spectrum's tail is {tail:.2g} at t = {t:g} (take more points)"
+            )
 
     def _checked_stiffness(self, y: Array, t: float) -> Array:
-        """Return the stiffness about the strains ``y``, and record their range.
-
-        Raises NotHyperbolicError if waves do not exist about one of them.
-        """
+        """Return the stiffness about strains; raise NotHyperbolicError where no waves exist."""
         with np.errstate(over="ignore", invalid="ignore"):
             stiffness = self._model.stiffness(y)
         least, most = self.strain

@@ -2,11 +2,11 @@
 
     phi_0(z) = exp(z),    phi_{m+1}(z) = (phi_m(z) - 1/m!)/z,    phi_m(0) = 1/m!
 
-The recurrence loses digits near 0. Where |z| < RADIUS the highest function is summed as its power
-series, and the others follow by the recurrence in reverse, which loses none.
+The recurrence loses digits near 0. Where |z| < SERIES_RADIUS the highest function is summed as its
+power series, and the others follow by the recurrence in reverse, which loses none.
 
 Over a step the linear part is exact. The Adams method, of order 4, replaces N by the polynomial
-through its last values: the predictor uses ``VALUES`` of them, the corrector one more, at the
+through its last values: the predictor uses ``PAST_VALUES`` of them, the corrector one more, at the
 predicted point (Hochbruck and Ostermann, BIT 51 (2011) 889). It evaluates N once a step. The
 Runge-Kutta method ETDRK4 (Cox and Matthews, J. Comput. Phys. 176 (2002) 430), which computes the
 first values, evaluates it four times.
@@ -19,23 +19,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from longwave.support.array_types import Array, Complex
 from longwave.support.compiled.jit import complexes, njit
 
 if TYPE_CHECKING:
     from longwave.support.checkpoint import Memory
 
-Complex = NDArray[np.complex128]
-
-RADIUS = 2.0
+SERIES_RADIUS = 2.0
 """Size of z from which on the recurrence is used."""
 
-TERMS = 26
-"""Terms of the series: RADIUS^TERMS/TERMS! is below the rounding error."""
+SERIES_TERMS = 26
+"""Terms of the series: SERIES_RADIUS^SERIES_TERMS/SERIES_TERMS! is below the rounding error."""
 
 
 def phi_functions(z: Complex, highest: int) -> list[Complex]:
@@ -45,8 +44,8 @@ def phi_functions(z: Complex, highest: int) -> list[Complex]:
     [1.0, 1.0, 0.5]
     """
     z = np.asarray(z, dtype=np.complex128)
-    near = np.abs(z) < RADIUS
-    values = _upwards(np.where(near, RADIUS, z), highest)
+    near = np.abs(z) < SERIES_RADIUS
+    values = _upwards(np.where(near, SERIES_RADIUS, z), highest)
     for value, close in zip(values, _downwards(z[near], highest), strict=True):
         value[near] = close
     values[0] = np.exp(z)
@@ -64,7 +63,7 @@ def _upwards(z: Complex, highest: int) -> list[Complex]:
 def _downwards(z: Complex, highest: int) -> list[Complex]:
     """Return phi_0 .. phi_highest by the series of the highest and the recurrence in reverse."""
     top = np.zeros_like(z)
-    for j in reversed(range(TERMS)):
+    for j in reversed(range(SERIES_TERMS)):
         top = top * z + 1.0 / math.factorial(highest + j)
     values = [top]
     for m in reversed(range(highest)):
@@ -72,7 +71,7 @@ def _downwards(z: Complex, highest: int) -> list[Complex]:
     return values[::-1]
 
 
-def moment_weights(z: Complex, nodes: NDArray[np.float64]) -> Complex:
+def moment_weights(z: Complex, nodes: Array) -> Complex:
     """Return weights w_j(z) with int_0^1 exp((1 - u) z) f(u) du = sum_j w_j f(nodes_j).
 
     Exact for polynomials f of degree < len(nodes). Shape (len(nodes), *z.shape).
@@ -88,10 +87,7 @@ Nonlinearity = Callable[[Complex], Complex]
 
 
 class ExponentialRungeKutta:
-    """ETDRK4 with step ``h`` for p' = L p + N(p), L diagonal; four evaluations of N per step.
-
-    ``linear`` and p have the shape (branches, modes), N(p) the shape (modes,).
-    """
+    """ETDRK4 with step ``h`` for p' = L p + N(p), L diagonal; four evaluations of N per step."""
 
     def __init__(self, linear: Complex, nonlinearity: Nonlinearity, h: float) -> None:
         self._nonlinearity = nonlinearity
@@ -114,21 +110,20 @@ class ExponentialRungeKutta:
 
 Table = tuple[Complex, Complex, Complex]
 
-VALUES = 3
+PAST_VALUES = 3
 """Past values of N in the predictor. With 5 and more, waves at the zone boundary grow."""
 
-ORDER = VALUES + 1
+ORDER = PAST_VALUES + 1
 """Order of the method."""
 
-SLACK = 1e-9
+STEP_SLACK = 1e-9
 """A time within this many steps of a whole step counts as that step."""
 
 
-@njit(
-    cache=True,
-    examples=[(complexes(2), complexes(2), complexes(3), complexes(2), complexes(2))],
-    fastmath={"contract"},
-)
+_jit = partial(njit, cache=True, fastmath={"contract"})
+
+
+@_jit(examples=[(complexes(2), complexes(2), complexes(3), complexes(2), complexes(2))])
 def _predict(factor: Complex, p: Complex, weights: Complex, past: Complex, out: Complex) -> None:
     """Compute the predicted solution after a step into ``out``."""
     for branch in range(p.shape[0]):
@@ -139,11 +134,7 @@ def _predict(factor: Complex, p: Complex, weights: Complex, past: Complex, out: 
             out[branch, k] = value
 
 
-@njit(
-    cache=True,
-    examples=[(complexes(3), complexes(1), complexes(2), complexes(2))],
-    fastmath={"contract"},
-)
+@_jit(examples=[(complexes(3), complexes(1), complexes(2), complexes(2))])
 def _correct(weights: Complex, newest: Complex, past: Complex, p: Complex) -> None:
     """Add the corrector's change to p, in place."""
     for branch in range(p.shape[0]):
@@ -167,10 +158,16 @@ class ExponentialAdams:
         if not h > 0:
             raise ValueError(f"h must satisfy h > 0, got {h:g} (the step goes forward)")
         self.p, self.h = p, h
-        self.steps = self.evaluations = 0
+        self.steps = 0
         self._linear, self._nonlinearity = linear, nonlinearity
-        self._past = np.empty((VALUES, linear.shape[1]), dtype=np.complex128)
-        self._start()
+        self._past = np.empty((PAST_VALUES, linear.shape[1]), dtype=np.complex128)
+        # past values of N by ETDRK4, backwards in time
+        method = ExponentialRungeKutta(linear, nonlinearity, -h)
+        for j in range(PAST_VALUES):
+            self._past[j] = nonlinearity(p)
+            if j + 1 < PAST_VALUES:
+                p = method.step(p)
+        self.evaluations = PAST_VALUES + 4 * (PAST_VALUES - 1)
         self._whole = self._table(1.0)
 
     def step(self) -> None:
@@ -193,12 +190,12 @@ class ExponentialAdams:
 
     def whole_steps(self, t: float) -> int:
         """Return how many more whole steps fit before the time ``t``."""
-        return int(np.floor(t / self.h + SLACK)) - self.steps
+        return int(np.floor(t / self.h + STEP_SLACK)) - self.steps
 
     def solution_at(self, t: float) -> Complex:
         """Return the solution at a time less than one step after ``p``, which does not change."""
-        share = t / self.h - self.steps
-        return self.p if abs(share) <= SLACK else self._part(self._table(share))[0]
+        fraction = t / self.h - self.steps
+        return self.p if abs(fraction) <= STEP_SLACK else self._part(self._table(fraction))[0]
 
     def _part(self, table: Table) -> tuple[Complex, Complex]:
         """Return the solution after a step with these coefficients, and N at the predicted one."""
@@ -210,21 +207,11 @@ class ExponentialAdams:
         _correct(corrector, newest, self._past, p)
         return p, newest
 
-    def _start(self) -> None:
-        """Compute the past values of N by ETDRK4, backwards in time."""
-        method = ExponentialRungeKutta(self._linear, self._nonlinearity, -self.h)
-        p = self.p
-        for j in range(VALUES):
-            self._past[j] = self._nonlinearity(p)
-            if j + 1 < VALUES:
-                p = method.step(p)
-        self.evaluations += VALUES + 4 * (VALUES - 1)
-
-    def _table(self, share: float) -> Table:
-        """Return the coefficients of ``share`` of a step."""
-        h = share * self.h
+    def _table(self, fraction: float) -> Table:
+        """Return the coefficients of a ``fraction`` of a step."""
+        h = fraction * self.h
         z = self._linear * h
-        nodes = -np.arange(VALUES) / share
+        nodes = -np.arange(PAST_VALUES) / fraction
         predictor = h * moment_weights(z, nodes)
         corrector = h * moment_weights(z, np.concatenate([[1.0], nodes]))
         corrector[1:] -= predictor

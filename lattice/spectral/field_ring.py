@@ -12,38 +12,32 @@ from dataclasses import dataclass, replace
 
 import ducc0  # type: ignore[import-not-found]
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+from longwave.support.array_types import Array, Complex
 
-TAIL = 8
-"""Inverse share of the spectrum that counts as its tail: the last 1/TAIL."""
+TAIL_DIVISOR = 8
+"""Inverse of the fraction of the spectrum that counts as its tail: the last 1/TAIL_DIVISOR."""
 
-INTERPOLATION = 1e-13
+INTERPOLATION_ERROR = 1e-13
 """Accuracy of the interpolation, relative to the root mean square sum of the coefficients."""
 
 
 def modes_of(values: Array) -> Complex:
-    """Return Fourier coefficients over all axes but that of fields; k >= 0 on the last axis.
-
-    The first of several axes is that of fields.
-    """
+    """Return Fourier coefficients over all axes after that of fields; k >= 0 on the last."""
     axes = tuple(range(min(1, values.ndim - 1), values.ndim))
-    modes: Complex = ducc0.fft.r2c(values, axes=axes, inorm=2, nthreads=1)
-    return modes
+    return ducc0.fft.r2c(values, axes=axes, inorm=2, nthreads=1)
 
 
 def values_of(modes: Complex, last: int, out: Array | None = None) -> Array:
     """Return the real functions with these coefficients, ``last`` points along the last axis."""
     axes = tuple(range(min(1, modes.ndim - 1), modes.ndim))
-    values: Array = ducc0.fft.c2r(modes, axes=axes, lastsize=last, forward=False, out=out)
-    return values
+    return ducc0.fft.c2r(modes, axes=axes, lastsize=last, forward=False, out=out)
 
 
-def fast_count(least: float) -> int:
-    """Return the smallest even number >= ``least`` with a fast Fourier transform."""
-    return 2 * int(ducc0.fft.good_size(math.ceil(least / 2.0), True))
+def fast_count(minimum: float) -> int:
+    """Return the smallest even number >= ``minimum`` with a fast Fourier transform."""
+    return 2 * int(ducc0.fft.good_size(math.ceil(minimum / 2.0), True))
 
 
 @dataclass(frozen=True)
@@ -74,8 +68,7 @@ class FieldRing:
     def points(self, axis: int = 0) -> Array:
         """Return the sample points along an axis."""
         steps = np.arange(self.counts[axis], dtype=np.float64)
-        points: Array = self.left[axis] + self.circumferences[axis] / steps.size * steps
-        return points
+        return np.asarray(self.left[axis] + self.circumferences[axis] / steps.size * steps)
 
     def at(self, *x: ArrayLike) -> Array:
         """Return the fields at any real positions, an array for each axis: (fields, positions)."""
@@ -93,16 +86,14 @@ class FieldRing:
         return replace(self, f=f, v=v)
 
     def tail(self) -> float:
-        """Return a bound of the field contributed by the last 1/TAIL of the spectrum."""
+        """Return a bound of the field contributed by the last 1/TAIL_DIVISOR of the spectrum."""
         return spectrum_tails(modes_of(self.f), self.counts)
 
     def _interpolated(self, values: Array, x: tuple[ArrayLike, ...]) -> Array:
         positions = [np.atleast_1d(np.asarray(part, dtype=np.float64)) for part in x]
         turns = [
-            np.mod((position - left) / length, 1.0) * (2.0 * math.pi)
-            for position, left, length in zip(
-                positions, self.left, self.circumferences, strict=True
-            )
+            np.mod((position - left) / size, 1.0) * (2.0 * math.pi)
+            for position, left, size in zip(positions, self.left, self.circumferences, strict=True)
         ]
         coordinates = np.stack(np.broadcast_arrays(*turns), axis=-1)
         result = [self._along(part, coordinates.reshape(-1, len(turns))) for part in values]
@@ -117,11 +108,10 @@ class FieldRing:
             grid=np.pad(modes, padded),
             coord=turns,
             forward=False,
-            epsilon=INTERPOLATION,
+            epsilon=INTERPOLATION_ERROR,
             periodicity=2.0 * math.pi,
         )
-        real: Array = np.ascontiguousarray(values_at_turns.real)
-        return real
+        return np.ascontiguousarray(values_at_turns.real)
 
 
 def _with_both_ends(modes: Complex, padding: list[tuple[int, int]]) -> Complex:
@@ -155,7 +145,7 @@ def _sampled(values: Array, counts: tuple[int, ...]) -> Array:
 
 
 def spectrum_tails(modes: Complex, counts: tuple[int, ...]) -> float:
-    """Return a bound, over all fields, of the sum of the last 1/TAIL of modes along any axis."""
+    """Return a bound, for all fields, of the sum of the last 1/TAIL_DIVISOR of any axis' modes."""
     size = np.abs(modes)
     size[..., 1 : (counts[-1] + 1) // 2] *= 2.0
     inner = size
@@ -163,7 +153,8 @@ def spectrum_tails(modes: Complex, counts: tuple[int, ...]) -> float:
         last = axis == len(counts)
         most = count // 2
         numbers = np.abs(np.fft.fftfreq(count, 1.0 / count)) if not last else np.arange(most + 1)
-        inner = np.compress(numbers < most + 1 - max((most + 1) // TAIL, 1), inner, axis=axis)
+        is_inner = numbers < most + 1 - max((most + 1) // TAIL_DIVISOR, 1)
+        inner = np.compress(is_inner, inner, axis=axis)
     axes = tuple(range(1, modes.ndim))
     outer = np.sum(size, axis=axes) - np.sum(inner, axis=axes)
     return float(np.max(np.maximum(outer, 0.0)))

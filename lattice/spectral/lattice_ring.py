@@ -21,26 +21,23 @@ from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.force_program import ForceProgram
-from longwave.lattice.numeric_lattice import NumericBond, NumericLattice
-from longwave.lattice.spectral.evolution import WATCH, RunawayError, SamplingError
+from longwave.lattice.numeric_lattice import NumericLattice
+from longwave.lattice.spectral.evolution import STEPS_PER_CHECK, RunawayError, SamplingError
 from longwave.lattice.spectral.exponential import ExponentialAdams
 from longwave.lattice.spectral.field_ring import FieldRing, modes_of, spectrum_tails, values_of
 from longwave.lattice.spectral.normal_modes import multipliers, normal_modes
+from longwave.support.array_types import Array, Complex, Mask
 from longwave.support.compiled.jit import complexes, doubles, njit
 
 if TYPE_CHECKING:
     from longwave.support.checkpoint import Memory
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
-
-STILL = 0.03
+MIN_RUN_ANGLE = 0.03
 """Frequencies below this many radians over the whole run are raised to it."""
 
-BLOCK = 64
+PHASE_BLOCK = 64
 """Modes of a chain per block whose phases are products of a coarse and a fine factor."""
 
 _jit = partial(njit, cache=True, fastmath={"contract"})
@@ -61,10 +58,7 @@ def _bend(p: Complex, lift: Complex, coarse: Complex, fine: Complex, out: Comple
 
 @_jit(examples=[(complexes(2), complexes(3), *_PHASES_EXAMPLE, complexes(1))])
 def _drive(force: Complex, drive: Complex, coarse: Complex, fine: Complex, out: Complex) -> None:
-    """Compute the drive of the normal coordinates by the bonds' forces, into ``out``.
-
-    The coordinates are those of the moving frame.
-    """
+    """Compute the drive of normal coordinates, in the moving frame, by forces of bonds."""
     branches, bonds, modes = drive.shape
     for k in range(modes):
         phase = (coarse[k // fine.size] * fine[k % fine.size]).conjugate()
@@ -100,10 +94,10 @@ class LatticeRing:
     """A ring of fields that is advanced in steps of ``step``; `at` returns it at a time.
 
     ``duration`` is that of the run, ``speed`` that of the frame along each axis. At the start and
-    every ``WATCH`` steps the fields are checked. SamplingError is raised when their spectrum's tail
-    exceeds ``tail``, RunawayError when they are not finite or the tail exceeds their initial size.
-    The tail also bounds the aliasing of products. ``start`` is the initial ring, ``largest`` the
-    largest field met.
+    every ``STEPS_PER_CHECK`` steps the fields are checked. SamplingError is raised when their
+    spectrum's tail exceeds ``tail``, RunawayError when they are not finite or the tail exceeds
+    their initial size. The tail also bounds the aliasing of products. ``start`` is the initial
+    ring, ``largest`` the largest field met.
     """
 
     def __init__(
@@ -121,7 +115,7 @@ class LatticeRing:
         self._shape = tuple(len(part) for part in k)
         grid = np.stack(np.meshgrid(*k, indexing="ij"), axis=-1).reshape(-1, len(k))
         slopes = [float(np.mean(part)) for part in ring_slopes(lattice, state)]
-        least = STILL / duration if duration > 0.0 else 1.0
+        least = MIN_RUN_ANGLE / duration if duration > 0.0 else 1.0
         self.modes = normal_modes(lattice, grid, slopes, least)
         self._mode_mask = _symmetric_modes(state)
         self._prepare(lattice, grid, slopes)
@@ -134,7 +128,8 @@ class LatticeRing:
         p = np.stack([b - 1j * w * a, b + 1j * w * a]).reshape(2, -1)
         self._divisor = (2j * w).reshape(-1)
         self._amplitude = _amplitude(state, float(np.max(np.abs(w))))
-        self._first, self._linear, self._step = _with_time(p), _with_time(linear), step
+        self._first, self._linear = (np.pad(part, ((0, 0), (0, 1))) for part in (p, linear))
+        self._step = step
         self._check(self._first, state.t)
 
     @cached_property
@@ -146,7 +141,9 @@ class LatticeRing:
         """Set up the nonlinear bonds' maps from modes and to them, and the raised frequencies."""
         fields, modes = len(lattice.fields), self.modes
         pairs = zip(lattice.bonds, slopes, strict=True)
-        nonlinear = [(bond, slope) for bond, slope in pairs if not _is_exact(bond)]
+        nonlinear = [  # nothing remains of a bond that is linear without a mean stretch
+            (bond, slope) for bond, slope in pairs if bond.offset or not bond.force.is_linear
+        ]
         self._bonds = [(bond.offset, bond.force, slope) for bond, slope in nonlinear]
         masses = np.array(lattice.masses)[:, None]
         stretch_maps = [multipliers(bond.stretch, grid, fields) for bond, _ in nonlinear]
@@ -172,10 +169,15 @@ class LatticeRing:
 
         ``pause`` is called after each check of the fields.
         """
+        start, integrator = self.start, self.integrator
         with np.errstate(over="ignore", invalid="ignore"):
-            p = self._advanced_to(t - self.start.t, pause)
+            for _ in range(integrator.whole_steps(t - start.t)):
+                integrator.step()
+                if integrator.steps % STEPS_PER_CHECK == 0:
+                    self._check(integrator.p, start.t + integrator.steps * integrator.h)
+                    pause()
+            p = integrator.solution_at(t - start.t)
         f = self._check(p, t)
-        start = self.start
         velocities = self._fields(0.5 * (p[0, :-1] + p[1, :-1]), p[0, -1].real)
         v = values_of(velocities, start.counts[-1])
         return FieldRing(t, start.left, start.circumferences, f, v)
@@ -188,15 +190,6 @@ class LatticeRing:
         """Restore the ring from the `memory` of one with the same arguments."""
         self.largest = memory["largest"]
         self.integrator.recall(memory["integrator"])
-
-    def _advanced_to(self, duration: float, pause: Callable[[], None]) -> Complex:
-        integrator = self.integrator
-        for _ in range(integrator.whole_steps(duration)):
-            integrator.step()
-            if integrator.steps % WATCH == 0:
-                self._check(integrator.p, self.start.t + integrator.steps * integrator.h)
-                pause()
-        return integrator.solution_at(duration)
 
     def typical_rates(self) -> tuple[float, float]:
         """Return the mean frequency of the moving modes, in the moving frame and in that at rest.
@@ -223,8 +216,9 @@ class LatticeRing:
             return coarse, fine
         (rates,) = self._turning
         step = rates[1] if rates.size > 1 else 0.0
-        blocks = -(-rates.size // BLOCK)
-        return np.exp(step * t * BLOCK * np.arange(blocks)), np.exp(step * t * np.arange(BLOCK))
+        blocks = -(-rates.size // PHASE_BLOCK)
+        fine = np.exp(step * t * np.arange(PHASE_BLOCK))
+        return np.exp(step * t * PHASE_BLOCK * np.arange(blocks)), fine
 
     def _fields(self, coordinates: Complex, t: float) -> Complex:
         """Return the fields' modes in the frame at rest, in the shape of the transform."""
@@ -243,7 +237,9 @@ class LatticeRing:
         if not (tail <= self._amplitude or math.isinf(self._bound)) or not np.all(np.isfinite(f)):
             raise RunawayError(t)
         if tail > self._bound:
-            raise SamplingError(f"the spectrum's tail is {tail:.2g} at t = {t:g}")
+            raise SamplingError(
+                f"the spectrum's tail is {tail:.2g} at t = {t:g} (take more points)"
+            )
         return f
 
     def _nonlinearity(self, p: Complex) -> Complex:
@@ -262,15 +258,6 @@ class LatticeRing:
         out[raised] += excess * (p[1, raised] - p[0, raised])
         out[-1] = 1.0
         return out
-
-
-def _is_exact(bond: NumericBond) -> bool:
-    """Return whether the bond is linear without a mean stretch, so that nothing remains of it."""
-    return bond.force.is_linear and bond.offset == 0.0
-
-
-def _with_time(values: Complex) -> Complex:
-    return np.concatenate([values, np.zeros((2, 1), dtype=np.complex128)], axis=1)
 
 
 def _numbers(counts: tuple[int, ...]) -> list[Array]:
@@ -294,7 +281,7 @@ def whole(state: FieldRing) -> bool:
     )
 
 
-def _symmetric_modes(state: FieldRing) -> NDArray[np.bool_]:
+def _symmetric_modes(state: FieldRing) -> Mask:
     """Return a mask of the modes that shifts map to modes of real functions.
 
     These are all, or all but the highest.
@@ -321,10 +308,7 @@ def ring_stretches(lattice: NumericLattice, state: FieldRing) -> list[Array]:
 
 
 def ring_slopes(lattice: NumericLattice, state: FieldRing) -> list[Array]:
-    """Return the slope of each bond's force, point by point.
-
-    Raises ValueError where a slope is not finite.
-    """
+    """Return the slope of each bond's force at each point; raise ValueError if not finite."""
     result = []
     for bond, stretch in zip(lattice.bonds, ring_stretches(lattice, state), strict=True):
         with np.errstate(all="ignore"):

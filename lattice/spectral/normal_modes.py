@@ -14,18 +14,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.numeric_lattice import Entry, NumericLattice
+from longwave.support.array_types import Array, Complex
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+HERMITIAN_ERROR = 1e-12
+"""Largest relative deviation of a weighted matrix from its adjoint to count as Hermitian."""
 
-HERMITIAN = 1e-12
-"""Largest deviation of a weighted matrix from its adjoint, in units of its largest entry, at which
-it counts as Hermitian."""
-
-SKEW = 1e6
+MAX_CONDITION = 1e6
 """Largest condition number of eigenvectors; beyond it they are nearly parallel."""
 
 
@@ -51,12 +47,12 @@ class NormalModes:
 
 
 def normal_modes(
-    lattice: NumericLattice, wavenumbers: Array, slopes: list[float], least: float
+    lattice: NumericLattice, wavenumbers: Array, slopes: list[float], lowest: float
 ) -> NormalModes:
     """Return the modes of these wavenumbers, (modes, axes), for bonds of these ``slopes``.
 
-    Frequencies below ``least`` are raised to it. Raises ValueError for a lattice of strains some of
-    whose modes cannot be decoupled.
+    Frequencies below ``lowest`` are raised to it. Raises ValueError for a lattice of strains with
+    modes that cannot be decoupled.
     """
     matrices = lattice.dynamical_matrix(wavenumbers, slopes)
     count = len(lattice.fields)
@@ -65,7 +61,7 @@ def normal_modes(
         vectors = inverse = np.ones((1, 1, len(wavenumbers)), dtype=np.complex128)
     else:
         squares, vectors, inverse = _diagonal(lattice, matrices)
-    raised = np.where(np.abs(squares) < least**2, least**2, squares)
+    raised = np.where(np.abs(squares) < lowest**2, lowest**2, squares)
     return NormalModes(np.sqrt(raised), vectors, inverse, raised - squares)
 
 
@@ -74,13 +70,13 @@ def _diagonal(lattice: NumericLattice, matrices: Complex) -> tuple[Complex, Comp
     root = np.sqrt(np.array(lattice.masses))
     weighted = root[:, None] * matrices / root
     skew = weighted - np.conj(np.swapaxes(weighted, -1, -2))
-    if np.max(np.abs(skew)) <= HERMITIAN * np.max(np.abs(weighted)):
+    if np.max(np.abs(skew)) <= HERMITIAN_ERROR * np.max(np.abs(weighted)):
         values, eigenvectors = np.linalg.eigh(weighted)
         squares = values.astype(np.complex128)
         inverse_eigenvectors = np.conj(np.swapaxes(eigenvectors, -1, -2))
     else:
         squares, eigenvectors = np.linalg.eig(weighted)
-        if np.max(np.linalg.cond(eigenvectors)) > SKEW:
+        if np.max(np.linalg.cond(eigenvectors)) > MAX_CONDITION:
             raise ValueError(
                 f"lattice must have normal modes that decouple, got {lattice.name}, some of whose "
                 "waves grow like t (declare it in displacements, or integrate it site by site)"
@@ -101,5 +97,4 @@ def multipliers(entries: tuple[Entry, ...], wavenumbers: Array, fields: int) -> 
 
 def _times(matrices: Complex, vectors: Complex) -> Complex:
     """Return the product of a matrix and a vector for each mode."""
-    product: Complex = np.einsum("ijk,jk->ik", matrices, vectors)
-    return product
+    return np.einsum("ijk,jk->ik", matrices, vectors)

@@ -5,24 +5,24 @@ from __future__ import annotations
 import math
 from collections.abc import Collection
 from dataclasses import replace
-from typing import Any, Self
+from typing import Any
 
-from longwave.lattice.spectral.evolution import WATCH, RunawayError, SamplingError
+from longwave.lattice.spectral.evolution import STEPS_PER_CHECK, RunawayError, SamplingError
 from longwave.lattice.spectral.exponential import ORDER
-from longwave.lattice.trial import LEAST_FACTOR, STEP_RATIO, Choices, Kind, Progress, Trial
+from longwave.lattice.trial import LEAST_FACTOR, STEP_RATIO, Choices, Engine, Kind, Progress, Trial
 
 SCHEME = "exponential_adams"
 """Name of the scheme of all rings."""
 
-TURNED = 1.0
+RESOLVED_ANGLE = 1.0
 """Longest step that resolves the difference between a ring's lattices, in units of the time in
 which a wave of wavenumber 2 pi turns by one radian."""
 
 ALIKE = 0.2
-"""Largest unresolved difference between a ring's lattices, as a share of the tolerance. While the
-nonlinear part turns the phase of a typical wave by one radian, their strains separate by 0.02 to
-0.4 times the spread of their energies, in units of the largest strain: measured on 30 scenes of all
-waves, a |y| from 0.3 to 0.63, as `searches/estimates.py` draws them."""
+"""Largest unresolved difference between a ring's lattices, as a fraction of the tolerance. While
+the nonlinear part turns the phase of a typical wave by one radian, their strains separate by 0.02
+to 0.4 times the spread of their energies, in units of the largest strain: measured on 30 scenes of
+all waves, a |y| from 0.3 to 0.63, as `searches/estimates.py` draws them."""
 
 TAIL_SHARE = 0.1
 """Bound of the spectrum's tail, in units of the tolerance."""
@@ -31,20 +31,17 @@ DENSITY_RATIO = 1.25
 """Points of a control run, in units of those of the run before it. With 1.15, two samplings of
 about two points a site agreed on an error above their estimate."""
 
-RUN_AWAY = 0.01
+LOSS_TIME_SPREAD = 0.01
 """Largest relative difference, apart from the interval between checks, of the times at which three
 runs lose the fields if the step is not the cause."""
 
 
 def resolving_step(speed: float) -> float:
-    """Return the longest step that resolves the difference between a ring's lattices.
-
-    ``speed`` is that of the ring.
-    """
-    return TURNED / (2.0 * math.pi * speed)
+    """Return the longest step, at the ring's ``speed``, that resolves its lattices' difference."""
+    return RESOLVED_ANGLE / (2.0 * math.pi * speed)
 
 
-class SpectralSearch:
+class SpectralSearch(Engine):
     """Base of engines that run a ring from ``begin``, in a frame of ``speed``, for `refine`.
 
     A run whose spectrum's tail rises is restarted with more points. A step that is too long lets
@@ -65,10 +62,6 @@ class SpectralSearch:
         self._resolving = resolving_step(speed) if speed else math.inf
         self._density, self._lattice_spread = 1.0, 0.0
         self._loss_times: list[float] = []
-
-    def coarse_engine(self) -> Self:
-        """Return the engine itself: a ring has no coarse version."""
-        return self
 
     def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
         """Make a run, with more points if the spectrum's tail needs them."""
@@ -121,15 +114,12 @@ class SpectralSearch:
         return replace(choices, step=factor * choices.step, start=start)
 
     def _lost_again(self, error: RunawayError, step: float) -> bool:
-        """Return whether the fields run away whatever the step.
-
-        They do if it happens at the start, or at the same time as in two runs before.
-        """
+        """Return whether fields run away whatever the step: at the start, or when two runs did."""
         elapsed = error.t - self._begin
-        resolution = RUN_AWAY * elapsed + WATCH * step
+        resolution = LOSS_TIME_SPREAD * elapsed + STEPS_PER_CHECK * step
         agree = [abs(t - elapsed) <= resolution for t in self._loss_times]
         self._loss_times = [*self._loss_times[-1:], elapsed]
-        return elapsed == 0.0 or (elapsed > 2 * WATCH * step and agree == [True, True])
+        return elapsed == 0.0 or (elapsed > 2 * STEPS_PER_CHECK * step and agree == [True, True])
 
     def _run(self, choices: Choices, progress: Progress) -> Trial:
         """Make a run with the current points."""

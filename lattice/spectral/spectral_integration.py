@@ -15,43 +15,30 @@ from dataclasses import dataclass, replace
 from time import perf_counter
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from longwave.lattice.integration import RING_SAFETY, Cost
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.refine import refine
-from longwave.lattice.run_times import check_positive, checked_times
+from longwave.lattice.run_times import check_positive, checked_fields, checked_times
 from longwave.lattice.spectral.crest_energy import crest_energy_spread
 from longwave.lattice.spectral.evolution import RunawayError
 from longwave.lattice.spectral.exponential import ORDER
 from longwave.lattice.spectral.field_ring import FieldRing, fast_count
-from longwave.lattice.spectral.lattice_ring import (
-    LatticeRing,
-    ring_slopes,
-    ring_stretches,
-    whole,
-)
+from longwave.lattice.spectral.lattice_ring import LatticeRing, ring_slopes, ring_stretches, whole
 from longwave.lattice.spectral.ring_search import TAIL_SHARE, SpectralSearch
-from longwave.lattice.trial import (
-    Choices,
-    Kind,
-    Progress,
-    Trial,
-    nudged,
-    rounding_error,
-)
+from longwave.lattice.trial import Choices, Kind, Progress, Trial, nudged, rounding_error
+from longwave.support.array_types import Array
 from longwave.support.checkpoint import Memory, begin_loop
 from longwave.support.real_arrays import real_array
 
-Array = NDArray[np.float64]
 Judged = Callable[[FieldRing], Array]
 
 ROUNDED_TAIL = 2.0**-46
 """Tail, in units of the fields, below which it is rounding that more points do not reduce."""
 
 DENSER = 1.4
-"""Factor on the points when a run is restarted because its spectrum's tail rose, or its control run
-needs it."""
+"""Factor on the points of a run whose spectrum's tail rose, or whose control run needs more."""
 
 LEAST_POINTS = 8
 """Fewest points along an axis; a control run has ``DENSITY_RATIO`` times as many."""
@@ -62,10 +49,7 @@ MOST_POINTS = 2**22
 
 @dataclass(frozen=True)
 class SpectralTrajectory:
-    """Rings at all ``times``.
-
-    ``error_estimate`` is that of the judged quantity, sup over all times.
-    """
+    """Rings at all ``times``; ``error_estimate`` is that of the judged quantity."""
 
     times: Array
     states: tuple[FieldRing, ...]
@@ -116,44 +100,20 @@ def spectral_integrate(
         raise ValueError(engine.refusal(float(moments[-1])))
     ring, rows = trial.payload
     states = tuple(FieldRing(**row) for row in rows)
-    cost = Cost(
-        ring.integrator.steps,
-        ring.integrator.evaluations,
-        trial.seconds,
-        perf_counter() - started,
-    )
+    steps, evaluations = ring.integrator.steps, ring.integrator.evaluations
+    cost = Cost(steps, evaluations, trial.seconds, perf_counter() - started)
     return SpectralTrajectory(moments, states, refined.error, trial.choices.step, cost)
 
 
 def _checked_ring(lattice: NumericLattice, state: FieldRing) -> FieldRing:
-    """Return the ring with arrays of doubles.
-
-    Raises ValueError if it does not fit the lattice.
-    """
+    """Return the ring with arrays of doubles; raise ValueError if it does not fit the lattice."""
     if lattice.cellwise[1] is not None:
         raise ValueError(
             f"lattice must be the same in all cells, got disorder in {lattice.name} (a wave's "
             "points lie between cells; lattice.integrate runs it)"
         )
-    f, v = (
-        real_array(f"every value of state.{name}", values, allows_nan=True)
-        for name, values in (("f", state.f), ("v", state.v))
-    )
+    f, v = checked_fields(lattice, state.f, state.v)
     ring = replace(state, f=f, v=v)
-    for name, values in (("f", ring.f), ("v", ring.v)):
-        shape = values.shape
-        fitting = len(shape) == 1 + lattice.dimension and shape[:1] == (len(lattice.fields),)
-        if not fitting or shape != ring.f.shape or min(shape) < 1:
-            raise ValueError(
-                f"state.{name} must have the shape (fields, points along each axis), got {shape} "
-                f"for {len(lattice.fields)} fields on {lattice.dimension} axes of {lattice.name} "
-                "(as many for f and v)"
-            )
-        if not np.all(np.isfinite(values)):
-            raise ValueError(
-                f"state.{name} must be finite, got {values[~np.isfinite(values)][0]} in it "
-                "(check how the state was computed)"
-            )
     for length in ring.circumferences:
         check_positive("circumference", length, "sites around the ring, any real number")
     if not len(ring.left) == len(ring.circumferences) == lattice.dimension:
@@ -240,7 +200,7 @@ class FieldRingEngine(SpectralSearch):
             )
         self._tail = max(TAIL_SHARE * tolerance * unit, ROUNDED_TAIL * largest)
         self._is_lattice = sight is None and whole(state)
-        self._density, self._needs_too_many_points = self._first_density(), False
+        self._density, self._needs_too_many = self._first_density(), False
         self._dense_state: dict[tuple[float, tuple[int, ...]], FieldRing] = {}
         self._first = self._first_choices(longer)
 
@@ -258,10 +218,7 @@ class FieldRingEngine(SpectralSearch):
         return density
 
     def _first_choices(self, longer: float) -> Choices:
-        """Return the first step, from the rates that are not integrated exactly.
-
-        It is shorter if waves are so short that the ring's lattices differ.
-        """
+        """Return the first step, from the rates that are not integrated exactly."""
         T = self._duration
         ring = self._ring(Choices(T, 1.0), math.inf)
         moving, still = ring.typical_rates()
@@ -289,13 +246,11 @@ class FieldRingEngine(SpectralSearch):
 
     def _add_points(self, choices: Choices) -> bool:
         self._density *= DENSER
-        self._needs_too_many_points = (
-            not self._sight.at_sites and self.points(choices) > MOST_POINTS
-        )
-        return not self._needs_too_many_points
+        self._needs_too_many = not self._sight.at_sites and self.points(choices) > MOST_POINTS
+        return not self._needs_too_many
 
     def _handle_loss(self, error: RunawayError, step: float) -> None:
-        self._needs_too_many_points = False
+        self._needs_too_many = False
         if self._lost_again(error, step):
             raise ValueError(self.refusal(float(self._times[-1])))
 
@@ -304,10 +259,7 @@ class FieldRingEngine(SpectralSearch):
         return math.prod(self._counts(choices))
 
     def control(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
-        """Return choices with a shorter step, or more points, or both.
-
-        With a wider ring, a shorter step goes with that, and from that with the ring as it is.
-        """
+        """Return choices with a shorter step, on the other ring if one is wider, or more points."""
         if "step" in kinds and self._sight.wider is not None:
             choices = replace(choices, size=WIDER_SIZE if choices.size == 1.0 else 1.0)
         return super().control(choices, kinds)
@@ -321,7 +273,7 @@ class FieldRingEngine(SpectralSearch):
 
     def refusal(self, end: float) -> str:
         """Return why no run reached its end."""
-        if self._needs_too_many_points:
+        if self._needs_too_many:
             return (
                 f"tolerance must be larger than {self._tolerance:g}: it needs a ring of more than "
                 f"{MOST_POINTS} points (raise it, end earlier or take smoother data)"
@@ -348,9 +300,8 @@ class FieldRingEngine(SpectralSearch):
 
     def _is_unaliased(self, choices: Choices) -> bool:
         """Return whether the ring is a lattice, so that no modes alias onto its points."""
-        at_sites = (
-            self._sight.at_sites and self._counts(choices) == self._initial_data(choices)[1].counts
-        )
+        _, state = self._initial_data(choices)
+        at_sites = self._sight.at_sites and self._counts(choices) == state.counts
         return self._is_lattice or at_sites
 
     def _ring(self, choices: Choices, tail: float) -> LatticeRing:

@@ -32,7 +32,7 @@ OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": False}
 """Default options. A function without ``fastmath`` would take it from the first kernel that calls
 it, and last digits would depend on what a process compiled before."""
 
-BARE = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+NO_WRAPPERS = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 """Options that omit numba's own wrappers, which halves the compile time."""
 
 LARGEST = 2**63
@@ -43,8 +43,7 @@ C_ORDER, OF_C, OF_OTHERS = 0x1, 0x501, 0x502
 """NumPy's array flags: C order; C order, aligned and writeable; the last two with Fortran order."""
 
 DATA, SHAPE, STRIDES = (object.__basicsize__ // 8 + place for place in (0, 2, 3))
-"""Word offsets, in an array object, of the addresses of data, shape and strides: NumPy's binary
-interface."""
+"""Word offsets of the addresses of data, shape and strides in an array object (NumPy's ABI)."""
 
 ENTRY = "kernel"
 """Name of the exported function, which takes the address of the words."""
@@ -113,9 +112,9 @@ class Kernel:
         options: dict[str, Any],
     ) -> None:
         if not (cached or subnormals):
-            raise ValueError("cache must be True where subnormals is False, got False")
+            raise ValueError("cache must be True if subnormals is False, got False (set it)")
         if examples and not cached:
-            raise ValueError("cache must be True where there are examples, got False")
+            raise ValueError("cache must be True if there are examples, got False (set it)")
         functools.update_wrapper(self, function)
         self.py_func, self.examples = function, examples
         self._cached, self._subnormals, self._options = cached, subnormals, OPTIONS | options
@@ -134,7 +133,7 @@ class Kernel:
             compiled = self._entries[key] = self._entry(key, words, arguments)
         entry, packed = compiled
         if entry(packed(*words)):
-            raise RuntimeError(f"{self.py_func.__name__} must raise nothing, got an exception")
+            raise RuntimeError(f"{self.py_func.__name__} must raise nothing, got an error")
         return None
 
     def __get__(self, instance: object, owner: type | None = None) -> Any:
@@ -193,7 +192,7 @@ class Kernel:
     @cached_property
     def dispatcher(self) -> Any:
         """Numba's dispatcher, for calls from other kernels."""
-        return _numba().njit(**self._options, **BARE)(self.py_func)
+        return _numba().njit(**self._options, **NO_WRAPPERS)(self.py_func)
 
     @cached_property
     def _by_numba(self) -> Any:
@@ -228,10 +227,8 @@ def _entry_text(context: Any, compiled: Any, subnormals: bool) -> str:
             words.append(word_value)
             continue
         array = builder.inttoptr(word_value, word.as_pointer())
-        addresses = [
-            builder.inttoptr(loaded(array, n), word.as_pointer()) for n in (SHAPE, STRIDES)
-        ]
-        axes = [loaded(begin, n) for begin in addresses for n in range(kind.ndim)]
+        tables = [builder.inttoptr(loaded(array, n), word.as_pointer()) for n in (SHAPE, STRIDES)]
+        axes = [loaded(begin, n) for begin in tables for n in range(kind.ndim)]
         size = functools.reduce(builder.mul, axes[: kind.ndim], word(1))
         item = context.get_abi_sizeof(context.get_data_type(kind.dtype))
         words += [word(0), word(0), size, word(item), loaded(array, DATA), *axes]
@@ -272,7 +269,7 @@ def _unpack(values: Iterable[Any], kinds: list[Any], words: list[Any]) -> None:
         else:
             raise TypeError(
                 "arguments of a kernel must be doubles, integers of 64 bits, arrays, tuples or "
-                f"None, got {value!r}"
+                f"None, got {value!r} (convert it)"
             )
 
 
@@ -284,10 +281,7 @@ def _plain(value: Any) -> Any:
 
 
 class Intrinsic:
-    """Lazy ``numba.extending.intrinsic``, registered when numba is imported.
-
-    ``function`` is as numba takes it: it returns the signature and the code generator for types.
-    """
+    """Lazy ``numba.extending.intrinsic`` of ``function``, registered when numba is imported."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
         self.__wrapped__ = self._function = function
@@ -332,5 +326,5 @@ def compile_complex_product() -> None:
 
     cpu_target.target_context.cached_internal_func.clear()
     kind = _numba().complex128
-    product = _numba().njit(error_model="numpy", **BARE)(lambda a, b: a * b)
+    product = _numba().njit(error_model="numpy", **NO_WRAPPERS)(lambda a, b: a * b)
     product.compile((kind, kind))

@@ -32,14 +32,13 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from longwave.support.compiled.source_digest import Files
 
-PRIVATE, OWN, WRITABLE = 0o700, 0o600, 0o022
+FOLDER_MODE, FILE_MODE, OTHERS_WRITE = 0o700, 0o600, 0o022
 """Modes of a cache's folder and files, and permissions that others must not have on them."""
 
-READABLE = 0o755
-"""Most permissive mode of the folder that contains cache folders: with mask 0 everybody could move
-them."""
+BASE_MODE = 0o755
+"""Mode of the folder of cache folders: with mask 0 everybody could move them otherwise."""
 
-KEPT = 8
+MAX_VERSIONS = 8
 """Versions of a module's folder that are kept; the least recently used ones are removed first."""
 
 
@@ -73,7 +72,7 @@ class CacheFolder:
         with suppress(OSError), _opened(self.path) as folder:
             number = open_plain(name if folder else self.path / name, folder)
             with open(number, "rb") as stream:
-                if not _fault(os.fstat(number), others=WRITABLE):
+                if not _fault(os.fstat(number), others=OTHERS_WRITE):
                     content = sealed_content(stream.read())
                     title, _, data = (content or b"").partition(b"\n")
                     return data if title == self._title(name) else None
@@ -91,7 +90,7 @@ class CacheFolder:
         if self.path is not None and runs_as_written(self.sources):
             with suppress(OSError), _opened(self.path):
                 content = self._title(name) + b"\n" + data
-                write_sealed(self.path / name, content, durable=False, mode=OWN)
+                write_sealed(self.path / name, content, durable=False, mode=FILE_MODE)
 
 
 @lru_cache
@@ -104,8 +103,8 @@ def cache_folder(module: str, *others: str) -> CacheFolder:
     for base in _bases(Path(str(sys.modules[module].__file__))):
         folder = base / name
         try:
-            base.mkdir(READABLE, parents=True, exist_ok=True)
-            folder.mkdir(mode=PRIVATE, exist_ok=True)
+            base.mkdir(BASE_MODE, parents=True, exist_ok=True)
+            folder.mkdir(mode=FOLDER_MODE, exist_ok=True)
             with _opened(folder):
                 tempfile.TemporaryFile(dir=folder).close()
                 os.utime(folder)
@@ -130,10 +129,7 @@ class NotPrivateError(OSError):
 
 @contextmanager
 def _opened(path: Path) -> Iterator[int | None]:
-    """Open the folder and yield its descriptor; None where files cannot be opened relative to one.
-
-    Raises NotPrivateError if it is a link, another user's, or open to others.
-    """
+    """Open a folder and yield its descriptor, None if unsupported; raise NotPrivateError."""
     _check_private(path, path.lstat())
     if os.open not in os.supports_dir_fd:
         yield None
@@ -148,16 +144,13 @@ def _opened(path: Path) -> Iterator[int | None]:
 
 def _check_private(path: Path, state: os.stat_result) -> None:
     """Raise NotPrivateError if the folder is not the user's alone."""
-    fault = "a link" if stat.S_ISLNK(state.st_mode) else _fault(state, PRIVATE ^ 0o777)
+    fault = "a link" if stat.S_ISLNK(state.st_mode) else _fault(state, FOLDER_MODE ^ 0o777)
     if fault:
-        raise NotPrivateError(f"a cache folder must be private to the user, got {path}, {fault}")
+        raise NotPrivateError(f"a cache folder must be private to the user, got {path} {fault}")
 
 
 def _fault(state: os.stat_result, others: int) -> str:
-    """Return why others may have written there, or an empty text.
-
-    ``others`` are the permissions that others must not have.
-    """
+    """Return why ``others`` (permission bits) may have written there, or an empty text."""
     if not hasattr(os, "geteuid"):
         return ""
     if state.st_uid != os.geteuid():
@@ -210,7 +203,7 @@ def _prune(base: Path, module: str) -> None:
         versions = sorted(base.glob(f"{module}-*"), key=lambda path: path.stat().st_mtime)
     except OSError:  # another process has just removed one
         return
-    for folder in versions[:-KEPT]:
+    for folder in versions[:-MAX_VERSIONS]:
         shutil.rmtree(folder, ignore_errors=True)
 
 

@@ -42,9 +42,8 @@ def _machine() -> Any:
     binding.initialize_native_asmprinter()
     target = binding.Target.from_triple(binding.get_process_triple())
     features = binding.get_host_cpu_features().flatten()
-    return target.create_target_machine(
-        cpu=binding.get_host_cpu_name(), features=features, opt=3, jit=True
-    )
+    cpu = binding.get_host_cpu_name()
+    return target.create_target_machine(cpu=cpu, features=features, opt=3, jit=True)
 
 
 def native_functions(
@@ -66,9 +65,7 @@ def native_functions(
         engine.add_object_file(binding.ObjectFileRef.from_data(code))
         engine.finalize_object()
         _engines.append(engine)
-        return [
-            prototype(engine.get_function_address(name)) for name, prototype in functions.items()
-        ]
+        return [kind(engine.get_function_address(name)) for name, kind in functions.items()]
 
 
 def _compiled(text: str) -> bytes:

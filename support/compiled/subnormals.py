@@ -61,7 +61,6 @@ def flushed_subnormals(module: Any, builder: Any, triple: str | None = None) -> 
 
 def _intrinsic(module: Any, name: str, result: Any, *kinds: Any) -> Any:
     """Return LLVM's intrinsic of that name, declared in the module."""
-    known = module.globals
-    return (
-        known[name] if name in known else ir.Function(module, ir.FunctionType(result, kinds), name)
-    )
+    if name not in module.globals:
+        return ir.Function(module, ir.FunctionType(result, kinds), name)
+    return module.globals[name]

@@ -33,8 +33,8 @@ def searched(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[int]]:
         arcs.append(0 if arc is None else arc[0]._count)
         return arc
 
-    monkeypatch.setattr(ring_kernel, "MARGIN", 16)
-    monkeypatch.setattr(ring_kernel, "LEAST_SEARCHED", 1)
+    monkeypatch.setattr(ring_kernel, "RESTING_MARGIN", 16)
+    monkeypatch.setattr(ring_kernel, "MIN_SEARCHED_WORK", 1)
     monkeypatch.setattr(RingKernel, "_moving_arc", recorded)
     return arcs
 
@@ -44,7 +44,7 @@ def advanced(
 ) -> np.ndarray:
     """Return fields and velocities after steps of 0.05; arcs are at most ``share`` of the ring."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(ring_kernel, "SHARE", share)
+        patch.setattr(ring_kernel, "ALONE_FRACTION", share)
         dynamics, ring = Dynamics(lattice), lattice.with_walls(State(0.0, *start.copy()))
         for turn in range(3):  # the arc of one call serves the next
             dynamics.advance(scheme, ring.f, ring.v, 0.05, steps, 0.05 * steps * turn)
@@ -127,8 +127,8 @@ def test_any_chain_and_any_moving_cells(
         cells = np.arange(first, first + count) % CELLS
         start[:, :, cells] = 0.01 * random.standard_normal((2, len(lattice.fields), count))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(ring_kernel, "MARGIN", 16)
-        patch.setattr(ring_kernel, "LEAST_SEARCHED", 1)
+        patch.setattr(ring_kernel, "RESTING_MARGIN", 16)
+        patch.setattr(ring_kernel, "MIN_SEARCHED_WORK", 1)
         active, whole = (advanced(lattice, MCLACHLAN_4, start, steps, share) for share in (0.5, 0))
     np.testing.assert_array_equal(active, whole)
 

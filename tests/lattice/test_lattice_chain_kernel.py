@@ -17,7 +17,7 @@ from longwave.derive import LATTICES
 from longwave.lattice.force_program import ForceProgram
 from longwave.lattice.kernels import ring_kernel
 from longwave.lattice.kernels.reference import advance_splitting
-from longwave.lattice.kernels.ring_kernel import LEAST_SHARED, MEETING, RingKernel
+from longwave.lattice.kernels.ring_kernel import MAX_STEPS_APART, MIN_SHARED_VALUES, RingKernel
 from longwave.lattice.kernels.row_code import passage_text
 from longwave.lattice.kernels.streams import stage_plan
 from longwave.lattice.numeric_lattice import (
@@ -103,8 +103,8 @@ def test_lanes_blocks_and_passes_change_no_bit(name: str, monkeypatch: pytest.Mo
     weights = 0.1 * BLANES_MOAN_6.drifts, 0.1 * BLANES_MOAN_6.kicks
     found = []
     for least, stages in ((32, 28), (32, 5), (32, 1), (10**6, 28)):
-        monkeypatch.setattr(ring_kernel, "LEAST_ROWED", least)
-        monkeypatch.setattr(ring_kernel, "STAGES", stages)
+        monkeypatch.setattr(ring_kernel, "MIN_LANED_CELLS", least)
+        monkeypatch.setattr(ring_kernel, "MAX_STAGES", stages)
         f, v = start.copy()
         advance_chain(lattice, f, v, *weights, 4)
         found.append((f, v))
@@ -121,12 +121,12 @@ def two_cores(monkeypatch: pytest.MonkeyPatch) -> None:
 def shared_chains() -> list[NumericLattice]:
     """Chains with a reach of one and two cells, two fields, and deviations from cell to cell."""
     chains = [numbers(name) for name in ("fput_strain", "next_nearest", "dimer")]
-    return [*chains, varied(chains[0], "mass", 0.1, LEAST_SHARED + 27)]
+    return [*chains, varied(chains[0], "mass", 0.1, MIN_SHARED_VALUES + 27)]
 
 
 @pytest.mark.parametrize("lattice", shared_chains(), ids=lambda lattice: lattice.name)
 @pytest.mark.parametrize("scheme", [REDUCED_PHASE_6, STOERMER_VERLET])
-@pytest.mark.parametrize("steps", [0, 1, MEETING, 2 * MEETING + 3])
+@pytest.mark.parametrize("steps", [0, 1, MAX_STEPS_APART, 2 * MAX_STEPS_APART + 3])
 def test_two_cores_give_the_bits_of_one(
     lattice: NumericLattice,
     scheme: Splitting,
@@ -134,23 +134,23 @@ def test_two_cores_give_the_bits_of_one(
     two_cores: None,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    size, fields = LEAST_SHARED + 27, len(lattice.fields)
+    size, fields = MIN_SHARED_VALUES + 27, len(lattice.fields)
     start = 0.01 * np.random.default_rng(3).standard_normal((2, fields, size))
     step = 0.3 / lattice.highest_frequency(lattice.rest_slopes())
     ends = []
-    for least in (LEAST_SHARED, 10 * size):
-        monkeypatch.setattr(ring_kernel, "LEAST_SHARED", least)
+    for least in (MIN_SHARED_VALUES, 10 * size):
+        monkeypatch.setattr(ring_kernel, "MIN_SHARED_VALUES", least)
         kernel, ring = RingKernel(lattice, size), start.copy()
         kernel.advance(*ring, step * scheme.drifts, step * scheme.kicks, steps)
         ends.append(ring)
-        assert steps == 0 or len(kernel._arcs) == (2 if least == LEAST_SHARED else 1)
+        assert steps == 0 or len(kernel._arcs) == (2 if least == MIN_SHARED_VALUES else 1)
     np.testing.assert_array_equal(*ends)
 
 
 def test_a_worker_process_leaves_the_other_core_alone(
     two_cores: None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    kernel, short = (RingKernel(numbers("fput"), LEAST_SHARED - less) for less in (0, 1))
+    kernel, short = (RingKernel(numbers("fput"), MIN_SHARED_VALUES - less) for less in (0, 1))
     assert kernel._stages_between(14) > 0
     assert short._stages_between(14) == 0
     monkeypatch.setattr(multiprocessing, "parent_process", lambda: object())
@@ -159,16 +159,16 @@ def test_a_worker_process_leaves_the_other_core_alone(
 
 def test_one_core_uses_one_arc(two_cores: None, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cores.os, "sched_getaffinity", lambda _: {0}, raising=False)
-    assert RingKernel(numbers("fput"), LEAST_SHARED)._stages_between(14) == 0
+    assert RingKernel(numbers("fput"), MIN_SHARED_VALUES)._stages_between(14) == 0
 
 
 def test_cores_compute_few_cells_twice() -> None:
     """With a reach of 4 cells and 200 stages per step, at most a fifth are computed twice."""
-    kernel = RingKernel(random_chain(np.random.default_rng(0), 1.0, reach=4), LEAST_SHARED)
+    kernel = RingKernel(random_chain(np.random.default_rng(0), 1.0, reach=4), MIN_SHARED_VALUES)
     flow = kernel._flow
     for period in (14, 200, 10**4):
         doubled = 2 * kernel._stages_between(period) * (flow.skew + flow.below)
-        assert doubled <= 0.2 * LEAST_SHARED
+        assert doubled <= 0.2 * MIN_SHARED_VALUES
 
 
 def test_reused_memory_changes_no_bit() -> None:

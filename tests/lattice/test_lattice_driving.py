@@ -309,10 +309,13 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (lambda: driven_chain(BETA, 8, forces=[SiteForce(0, push, 1)]), "field of a force must be"),
     (
         lambda: driven_chain(BETA, 8, mass_factors={8: 2.0}),
-        "mass factors must be of cells .* got 8",
+        "mass factors must be within the chain, got 8",
     ),
     (lambda: driven_chain(BETA, 8, mass_factors={1: 0.0}), "mass factors must be positive"),
-    (lambda: driven_chain(BETA, 8, spring_factors={9: 2.0}), "spring factors must be of .* got 9"),
+    (
+        lambda: driven_chain(BETA, 8, spring_factors={9: 2.0}),
+        "spring factors must be within .* got 9",
+    ),
     (lambda: driven_chain(BETA, 8, spring_factors={1: [1, 2]}), "must be positive, one or 1, got"),
     (
         lambda: driven_chain(STRAIN, 8, mass_factors={1: 2.0}),

@@ -65,8 +65,8 @@ def test_two_cores_give_the_same_numbers(monkeypatch: pytest.MonkeyPatch) -> Non
     random = np.random.default_rng(1)
     f, v = 0.1 * random.standard_normal((2, 1, 61, 40))
     found = []
-    monkeypatch.setattr(ring_kernel, "LEAST_SHARED", 1)
-    monkeypatch.setattr(ring_kernel, "LEAST_WORK", 1)
+    monkeypatch.setattr(ring_kernel, "MIN_SHARED_VALUES", 1)
+    monkeypatch.setattr(ring_kernel, "MIN_SHARED_WORK", 1)
     for count in (1, 2):
         monkeypatch.setattr(ring_kernel, "usable_cores", lambda count=count: count)
         one, other = f.copy(), v.copy()

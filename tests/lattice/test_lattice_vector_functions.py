@@ -23,9 +23,9 @@ from longwave.lattice.kernels.row_code import passage_text
 from longwave.lattice.kernels.streams import stage_plan
 from longwave.lattice.kernels.vector_functions import (
     FUNCTIONS_OF_LANES,
+    LARGEST_ANGLE,
     LARGEST_EXPONENT,
     SERIES,
-    TURNED,
     Lanes,
     fitted,
     power,
@@ -184,7 +184,7 @@ def arguments(word: str) -> Array:
         wide = either * 2.0 ** random.uniform(-3.0, 32.0, count)
     elif word in ("sin", "cos", "tan"):
         hard = np.pi / 2.0 * random.integers(-5300, 5300, count)
-        wide = random.uniform(-TURNED, TURNED, count)
+        wide = random.uniform(-LARGEST_ANGLE, LARGEST_ANGLE, count)
     else:
         ends = 1020.0 / abs(1.0 if word == "log" else float(word))
         hard = 2.0 ** np.round(np.clip(random.uniform(-ends, ends, count), -1000.0, 1000.0))
@@ -238,15 +238,17 @@ def by_numpy(word: str, x: Array) -> Array:
         return np.asarray(UNARY[word](x) if word in UNARY else x ** float(word))
 
 
+ANGLES = LARGEST_ANGLE, np.nextafter(LARGEST_ANGLE, np.inf)
+
 ENDS = {
     "exp": (709.782712893384, 709.7827128933841, -708.3964185322641, -745.1332191019411,
             -745.1332191019412, -745.2, -746.0, -800.0, 800.0),
     "sinh": (710.4758600739439, 710.475860073944, 711.0, -711.0),
     "cosh": (710.4758600739439, 710.475860073944, 711.0, -711.0),
     "tanh": (18.0, 19.0, 19.06, 22.0, -30.0),
-    "sin": (TURNED, np.nextafter(TURNED, np.inf), 1e22, -1e22, 6381956970095103.0 * 2.0**797),
-    "cos": (TURNED, np.nextafter(TURNED, np.inf), 1e22, -1e22, 6381956970095103.0 * 2.0**797),
-    "tan": (TURNED, np.nextafter(TURNED, np.inf), 1e22, -1e22),
+    "sin": (*ANGLES, 1e22, -1e22, 6381956970095103.0 * 2.0**797),
+    "cos": (*ANGLES, 1e22, -1e22, 6381956970095103.0 * 2.0**797),
+    "tan": (*ANGLES, 1e22, -1e22),
 }  # fmt: skip
 """Ends of the functions' ranges, and where the C library takes over; the hardest angle of all
 doubles."""

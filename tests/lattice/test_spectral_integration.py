@@ -164,9 +164,9 @@ def test_a_force_that_becomes_undefined_is_refused() -> None:
 @pytest.mark.parametrize(
     ("changed", "options", "message"),
     [
-        ({"f": np.zeros((1, 8))}, {}, r"state.f must have the shape \(fields, points along each"),
-        ({"v": np.zeros((2, 7))}, {}, r"state.v must have the shape .* got \(2, 7\) for 2 fields"),
-        ({"f": np.full((2, 160), np.nan)}, {}, "state.f must be finite, got nan in it"),
+        ({"f": np.zeros((1, 8))}, {}, r"state.f must have the shape \(fields, \*cells\) of 2"),
+        ({"v": np.zeros((2, 7))}, {}, r"state.v must have the shape .* got \(2, 7\)"),
+        ({"f": np.full((2, 160), np.nan)}, {}, "state.f must be finite, got nan at index"),
         ({"circumferences": (-1.0,)}, {}, "circumference must satisfy 0 < circumference < inf"),
         ({"left": (0.0, 0.0)}, {}, "state.left and state.circumferences must have 1 entries"),
         ({}, {"tolerance": 0.0}, "tolerance must satisfy 0 < tolerance < inf, got 0.0"),

@@ -166,7 +166,7 @@ def test_no_folder_is_made_through_a_link(store: RunStore, tmp_path: Path) -> No
     planted.parent.mkdir(parents=True)
     (tmp_path / "elsewhere").mkdir()
     planted.symlink_to(tmp_path / "elsewhere")
-    with pytest.raises(OSError, match="must be no link") as raised:
+    with pytest.raises(OSError, match="must not be a link") as raised:
         store.fetch(SMALL)
     assert raised.value.filename == str(planted)
     assert not list((tmp_path / "elsewhere").iterdir())

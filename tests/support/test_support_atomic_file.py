@@ -186,7 +186,7 @@ def test_only_files_are_replaced(tmp_path: Path) -> None:
     (tmp_path / "folder").mkdir()
     os.mkfifo(tmp_path / "pipe")
     for name in ("folder", "pipe"):
-        with pytest.raises(FileExistsError, match="is there, and is no file"):
+        with pytest.raises(FileExistsError, match="is not a file"):
             write_atomically(tmp_path / name, lambda draft: draft.write_text(NEW))
     assert sorted(path.name for path in tmp_path.iterdir()) == ["folder", "pipe"]
 

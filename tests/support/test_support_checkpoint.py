@@ -105,7 +105,7 @@ def test_links_are_not_followed(tmp_path: Path, caplog: pytest.LogCaptureFixture
     keeper = CheckpointFolder(folder, "this run")
     assert keeper.read("1", "this task") is None
     keeper.write("2", "this task", MEMORY)
-    assert "a link is there" in caplog.text
+    assert "is a link (remove it)" in caplog.text
     keeper.clear()
     assert [path.name for path in theirs.iterdir()] == ["1.loop"]
     folder.unlink()

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import pytest
 
 from longwave.__main__ import main
-from longwave.support.command_line import QUOTED
+from longwave.support.command_line import MAX_QUOTED
 from longwave.support.request_limits import (
     ExpectedCost,
     OverBudgetError,
@@ -71,7 +71,7 @@ def test_an_error_quotes_little(capsys: pytest.CaptureFixture[str]) -> None:
         assert main(words) == 2
         error = capsys.readouterr().err
         assert error.count("\n") == 1
-        assert long[: QUOTED + 1] not in error
+        assert long[: MAX_QUOTED + 1] not in error
 
 
 def test_a_limit_holds_in_its_body_alone() -> None:

@@ -88,7 +88,7 @@ LINES = [
     ("run chain.toml --output run.txt", "--output must end in .nc, got 'run.txt' (such as run.nc)"),
     ("run chain.toml --output no/run.nc", "must lie in an existing folder, got no/run.nc (create"),
     ("run chain.toml --output chain.toml", "--output must end in .nc"),
-    ("run chain.toml --output .", "--output must name a file, got the folder . (such as run.nc in"),
+    ("run chain.toml --output .", "--output must name a file, got the folder . (name run.nc in"),
     ("run chain.toml --max-time soon", "must be a positive amount, got 'soon' (such as 90s, 30min"),
     ("run chain.toml --max-memory -3G", "must be a positive amount, got '-3G'"),
     ("run chain.toml --max-memory 1k", "must fit 1 kB, got about"),
