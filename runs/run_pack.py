@@ -23,15 +23,7 @@ import numpy as np
 
 from longwave.runs.hdf_contents import check_contents, local_member
 from longwave.runs.run_file import as_json
-from longwave.support.sealed_file import (
-    DAMAGED,
-    LINKED,
-    LOG,
-    NO_FILE,
-    is_sealed,
-    open_plain,
-    write_sealed,
-)
+from longwave.support import sealed_file
 from longwave.support.user_files import reason_of
 
 if TYPE_CHECKING:
@@ -269,7 +261,7 @@ def decoded_values(stored: Any) -> Any:
 
 def write_pack(path: Path, records: Iterable[CellRecord]) -> None:
     """Write the records to a new file, completely or not at all. Raises OSError with its name."""
-    write_sealed(path, pack_content(records), force=False)
+    sealed_file.write_sealed(path, pack_content(records), force=False)
 
 
 def pack_content(records: Iterable[CellRecord]) -> bytes:
@@ -354,8 +346,8 @@ def open_pack(path: Path, link_free: int = 1) -> Iterator[h5py.File]:
         state = os.fstat(stream.fileno())
         stamp = state.st_dev, state.st_ino, state.st_size, state.st_mtime_ns, state.st_ctime_ns
         is_checked = stamp in _remembered
-        if not is_checked and not is_sealed(stream):
-            LOG.warning(DAMAGED, path)
+        if not is_checked and not sealed_file.is_sealed(stream):
+            sealed_file.LOG.warning(sealed_file.DAMAGED, path)
             raise DamagedPackError(f"{path} is damaged: its checksum is wrong")
         try:
             file = h5py.File(stream)
@@ -374,13 +366,13 @@ def open_pack(path: Path, link_free: int = 1) -> Iterator[h5py.File]:
 def _open_unlinked(path: Path, link_free: int) -> BinaryIO:
     """Open a regular file; raise DamagedPackError for a link or anything else."""
     try:
-        return open(open_plain(path, untyped=link_free), "rb")
+        return open(sealed_file.open_plain(path, untyped=link_free), "rb")
     except FileNotFoundError:
         raise
     except OSError as error:
-        if error.errno not in NO_FILE:
+        if error.errno not in sealed_file.NO_FILE:
             raise
-        LOG.warning(LINKED, path)
+        sealed_file.LOG.warning(sealed_file.LINKED, path)
         raise DamagedPackError(f"{path} is a link, or not a regular file") from None
 
 

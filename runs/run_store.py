@@ -81,10 +81,7 @@ class RunStore:
         return StoredRuns(self)
 
     def run(
-        self,
-        scene: Scene,
-        progress: Progress | None = None,
-        announce: Announce | None = None,
+        self, scene: Scene, progress: Progress | None = None, announce: Announce | None = None
     ) -> xr.Dataset:
         """Return the scene's stored run, from its file or a pack; compute it as `fetch` does if
         needed."""
@@ -118,10 +115,7 @@ class RunStore:
             return _save(path, run)
 
     def fetch(
-        self,
-        scene: Scene,
-        progress: Progress | None = None,
-        announce: Announce | None = None,
+        self, scene: Scene, progress: Progress | None = None, announce: Announce | None = None
     ) -> Path:
         """Return the file of the scene's run, which is computed first if the store does not have
         it.

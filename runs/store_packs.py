@@ -22,21 +22,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from longwave.runs import run_pack
 from longwave.runs.hdf_contents import check_contents
-from longwave.runs.run_pack import (
-    COLUMN_TYPES,
-    FINAL,
-    REFUSED,
-    CellRecord,
-    CellTable,
-    DamagedPackError,
-    build_table,
-    concatenate_tables,
-    is_pack,
-    load_row,
-    merged_content,
-    read_pack,
-)
 from longwave.support.atomic_file import not_stale
 from longwave.support.file_lock import locked
 from longwave.support.request_limits import current_limits
@@ -110,7 +97,7 @@ class PackedRun:
             raise
 
     def _load_row(self) -> xr.Dataset:
-        return load_row(self.path, self.group, self.row, self.key, self.link_free)
+        return run_pack.load_row(self.path, self.group, self.row, self.key, self.link_free)
 
 
 def link_free_parts(pack: str) -> int:
@@ -144,14 +131,14 @@ class PackIndex:
     numbers in its column ``pack`` refer.
     """
 
-    def __init__(self, folder: Path, packs: Sequence[str], table: CellTable) -> None:
+    def __init__(self, folder: Path, packs: Sequence[str], table: run_pack.CellTable) -> None:
         self.folder, self.packs = folder, packs
-        is_final = np.isin(table.status, [status.encode() for status in FINAL])
+        is_final = np.isin(table.status, [status.encode() for status in run_pack.FINAL])
         rank = np.where(table.row >= 0, 0, np.where(is_final, 1, 2))
         order = np.lexsort((rank, table.key))
         _, first = np.unique(table.key[order], return_index=True)
         self.table = table.select(order[first])
-        refused = self.table.status == REFUSED.encode()
+        refused = self.table.status == run_pack.REFUSED.encode()
         self._settled = refused | (is_final[order[first]] & (self.table.row >= 0))
 
     def __len__(self) -> int:
@@ -177,7 +164,7 @@ class PackIndex:
         position = int(table.group[row]), int(table.row[row]), table.key[row].decode()
         return PackedRun(self.folder, self.packs[table.pack[row]], *position)
 
-    def get(self, key: str) -> tuple[CellRecord, PackedRun | None] | None:
+    def get(self, key: str) -> tuple[run_pack.CellRecord, PackedRun | None] | None:
         """Return the cell of a key and the location of its run, if there is one."""
         row = self.row(key)
         return None if row is None else (self.table.record(row), self.location(row))
@@ -196,13 +183,16 @@ def pack_index(folder: Path) -> PackIndex:
         for name, stamp in listed.items():
             if entries.get(name, (None,))[0] != stamp and (name, stamp) not in unreadable:
                 try:
-                    entries[name] = stamp, read_pack(folder / PACKS / name, link_free_parts(name))
+                    entries[name] = (
+                        stamp,
+                        run_pack.read_pack(folder / PACKS / name, link_free_parts(name)),
+                    )
                 except FileNotFoundError:  # merged meanwhile: list again to find the merged pack
                     if (name, stamp) not in vanished:
                         vanished.add((name, stamp))
                         break
                     unreadable.add((name, stamp))  # listed a second time: the listing is outdated
-                except DamagedPackError:
+                except run_pack.DamagedPackError:
                     unreadable.add((name, stamp))
                 except (ValueError, OSError) as error:
                     LOG.warning("%s: its runs count as missing", error)
@@ -219,7 +209,7 @@ def pack_index(folder: Path) -> PackIndex:
         replace(table, pack=np.full(len(table), number, np.int32))
         for number, (_, table) in enumerate(entries.values())
     ]
-    table = concatenate_tables(tables)
+    table = run_pack.concatenate_tables(tables)
     if abs(len(entries) - indexed_count) >= INDEXED_CHANGES:
         with suppress(OSError):  # a read-only store works without an index
             stamps = [(name, *stamp) for name, (stamp, _) in entries.items()]
@@ -227,14 +217,14 @@ def pack_index(folder: Path) -> PackIndex:
     return PackIndex(folder, names, table)
 
 
-def _index_content(stamps: Sequence[tuple[str, int, int]], table: CellTable) -> bytes:
+def _index_content(stamps: Sequence[tuple[str, int, int]], table: run_pack.CellTable) -> bytes:
     import h5py
 
     image = BytesIO()
     with h5py.File(image, "w") as file:
         kind = h5py.string_dtype()
         file.create_dataset("packs", data=np.array([json.dumps(stamps)], object), dtype=kind)
-        for name in COLUMN_TYPES:
+        for name in run_pack.COLUMN_TYPES:
             options = {"dtype": kind} if name == "message" else {}
             file.create_dataset(name, data=getattr(table, name), **options)
         numbers = file.create_group("numbers")
@@ -243,7 +233,7 @@ def _index_content(stamps: Sequence[tuple[str, int, int]], table: CellTable) -> 
     return image.getvalue()
 
 
-def _read_index(folder: Path) -> dict[str, tuple[PackStamp, CellTable]]:
+def _read_index(folder: Path) -> dict[str, tuple[PackStamp, run_pack.CellTable]]:
     """Return the packs recorded in the index file, with stamp and table; empty without an index."""
     import h5py
 
@@ -260,9 +250,9 @@ def _read_index(folder: Path) -> dict[str, tuple[PackStamp, CellTable]]:
             ]
             columns = {
                 name: file[name].asstr()[()] if kind is object else file[name][()]
-                for name, kind in COLUMN_TYPES.items()
+                for name, kind in run_pack.COLUMN_TYPES.items()
             }
-            table = build_table(columns, file["numbers"])
+            table = run_pack.build_table(columns, file["numbers"])
         ends = np.searchsorted(table.pack, np.arange(len(packs) + 1))
         if np.any(np.diff(table.pack) < 0) or ends[0] != 0 or ends[-1] != len(table):
             raise ValueError("the rows do not match the packs")
@@ -359,9 +349,11 @@ def _merge(folder: Path, names: Sequence[str]) -> None:
     paths = {folder / PACKS / name: link_free_parts(name) for name in names}
     try:
         intact = [
-            (path, link_free) for path, link_free in paths.items() if is_pack(path, link_free)
+            (path, link_free)
+            for path, link_free in paths.items()
+            if run_pack.is_pack(path, link_free)
         ]
-        content = merged_content(intact)
+        content = run_pack.merged_content(intact)
     except FileNotFoundError:  # without working locks, another process may have merged it
         return
     write_sealed(new_pack(folder), content, force=False)

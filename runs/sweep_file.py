@@ -38,14 +38,8 @@ from typing import Any
 
 import numpy as np
 
+from longwave.runs import sweep_scene
 from longwave.runs.run_pack import NUMBERS, TEXTS
-from longwave.runs.sweep_scene import (
-    base_document,
-    canonical_field,
-    changed_document,
-    check_field,
-    make_scene,
-)
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import finite, refuse_unknown, table, text, whole
 from longwave.scenes.description.scene_file import read_document
@@ -147,8 +141,8 @@ class Sweep:
 
     def scene(self, cell: int) -> Scene:
         """Build the scene of a cell; raise ValueError in one line if it is not admissible."""
-        document = changed_document(self.document, self.values(cell))
-        return make_scene(document, self.base, self.folder)
+        document = sweep_scene.changed_document(self.document, self.values(cell))
+        return sweep_scene.make_scene(document, self.base, self.folder)
 
 
 def load_sweep(source: str | Path, changes: Mapping[str, Any] | None = None) -> Sweep:
@@ -199,15 +193,15 @@ def sweep_of(
     text("title", title)
     if "scene" not in document:
         raise ValueError("scene must be stated, got nothing (a shipped scene, a file or a table)")
-    base, base_tables = base_document(document["scene"], folder)
+    base, base_tables = sweep_scene.base_document(document["scene"], folder)
     fixed = dict(_flatten_tables(table(document, "set"), "set"))
-    fixed |= {canonical_field(field): value for field, value in (changes or {}).items()}
+    fixed |= {sweep_scene.canonical_field(field): value for field, value in (changes or {}).items()}
     dimensions = tuple(_dimensions(document))
     if not dimensions:
         raise ValueError("[grid], [list] or [random] must be stated, got none (such as [grid])")
     swept = [field for dimension in dimensions for field in dimension.fields]
     for field in (*fixed, *swept):
-        check_field(field, base_tables)
+        sweep_scene.check_field(field, base_tables)
         if field in swept and field in (changes or {}):
             raise ValueError(f"--set must not name a swept field, got {field} (leave it out)")
     for index, field in enumerate(swept):
@@ -219,7 +213,7 @@ def sweep_of(
     cells = math.prod(dimension.size for dimension in dimensions)
     if cells > MOST_CELLS:
         raise ValueError(f"cells must be at most {MOST_CELLS}, got {cells} (take fewer values)")
-    constant = changed_document(base_tables, fixed)
+    constant = sweep_scene.changed_document(base_tables, fixed)
     return Sweep(name, base, constant, _name_dimensions(dimensions), folder, title)
 
 
@@ -253,7 +247,7 @@ def _flatten_tables(
                 )
             yield from _flatten_tables(value, where, f"{name}.")
         else:
-            yield canonical_field(name), value
+            yield sweep_scene.canonical_field(name), value
 
 
 def _dimensions(document: Mapping[str, Any]) -> Iterator[SweptDimension]:

@@ -14,15 +14,8 @@ from longwave.reports.pictures.shown import ShownFigure
 from longwave.reports.pictures.style import BEADS, OWN, WAVE, WIDTHS, save, styled
 from longwave.runs.sweep_scene import changed_scene
 from longwave.scenes.description.scene_checks import finite
+from longwave.support import console
 from longwave.support.command_line import fail_for_memory, listed
-from longwave.support.console import (
-    check_output,
-    picture_path,
-    plain_console,
-    print_json,
-    print_lines,
-    progress_bar,
-)
 from longwave.support.interruption import interrupted
 
 if TYPE_CHECKING:
@@ -45,14 +38,14 @@ def measured_convergence(
                 "one out)"
             )
     scene = changed_scene(source, changes, tolerance)
-    with progress_bar(scene.name, f"{scene.name} at several eps") as bar:
+    with console.progress_bar(scene.name, f"{scene.name} at several eps") as bar:
         return scene_convergence(scene, values, *bar)
 
 
 def print_convergence(study: SceneConvergence, json_wanted: bool) -> None:
     """Print the table of errors and the rate, or one JSON document."""
     if json_wanted:
-        print_json(study.data())
+        console.print_json(study.data())
         return
     table = Table("eps", "sup error", "of the wave's size", "discretisation", "cells")
     for point in study.points:
@@ -63,16 +56,16 @@ def print_convergence(study: SceneConvergence, json_wanted: bool) -> None:
             f"{point.discretisation:.1g}",
             str(point.sites),
         )
-    scene, console = study.scene, plain_console()
+    scene, output = study.scene, console.plain_console()
     theory = "none known" if study.theory is None else str(study.theory)
-    print_lines(console, [scene.title or scene.name])
-    console.print(table)
+    console.print_lines(output, [scene.title or scene.name])
+    output.print(table)
     lines = [
         f"{scene.lattice}, {study.equation}, {scene.order} order: the sup error falls as eps^rate, "
         f"the wave's size as eps^{study.power}",
         f"rate {study.rate}, theory {theory}",
     ]
-    print_lines(console, lines)
+    console.print_lines(output, lines)
 
 
 def convergence_figure(study: SceneConvergence) -> ShownFigure:
@@ -119,8 +112,8 @@ def converge_and_draw(
     Raises ValueError for wrong input.
     """
     try:
-        check_output(output, "rate.png", force=force)
-        path = None if output is None else picture_path(output)
+        console.check_output(output, "rate.png", force=force)
+        path = None if output is None else console.picture_path(output)
         study = measured_convergence(scene, eps, tolerance, changes)
         if path is not None:
             with styled():

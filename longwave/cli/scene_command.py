@@ -11,14 +11,8 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from longwave.runs import run_output
 from longwave.runs.run_file import load_run, names_a_run, scene_of_run, strain_fault
-from longwave.runs.run_output import (
-    OutputCheckpoint,
-    check_run_output,
-    fail_or_save_elsewhere,
-    save_anywhere,
-    store_messages,
-)
 from longwave.runs.run_store import RunStore
 from longwave.runs.sweep_scene import changed_scene
 from longwave.scenes.description.bench import MEAN_SUFFIXES
@@ -59,7 +53,7 @@ def run_and_print(
     """
     stored_run = None
     try:
-        check_run_output(output, force)
+        run_output.check_run_output(output, force)
         if names_a_run(source):
             typed = ", ".join(f"{field}={value}" for field, value in (changes or {}).items())
             options = {"tolerance": tolerance, "engine": engine, "set": typed, "store": store}
@@ -69,7 +63,7 @@ def run_and_print(
             scene = changed_scene(source, changes or {}, tolerance, engine)
     except (ValueError, OSError) as error:
         return fail(error)
-    checkpoint = OutputCheckpoint(output, store)
+    checkpoint = run_output.OutputCheckpoint(output, store)
     try:
         tolerance_text = "" if scene.tolerance is None else f" to {scene.tolerance:g}"
         work = f"{scene.name}{tolerance_text}" if stored_run is None else f"{source} again"
@@ -84,7 +78,7 @@ def run_and_print(
         count = f"{len(stop.record.reached)} snapshots are kept{location}"
         return interrupted(program, checkpoint.interrupt_message(count, bool(location)))
     except (ValueError, OSError) as error:
-        return fail_or_save_elsewhere(error)
+        return run_output.fail_or_save_elsewhere(error)
     except MemoryError as error:
         return fail_for_memory(error)
     status = checkpoint.settle(lambda: run.dataset, force)
@@ -100,7 +94,9 @@ def _save_unfinished(
 ) -> str:
     """Print an interrupted run, write it if an output is given, and return " in OUTPUT" or ""."""
     with keeping():
-        is_written = output is not None and not save_anywhere(record.dataset, output, force)
+        is_written = output is not None and not run_output.save_anywhere(
+            record.dataset, output, force
+        )
         _print_run(record, scene, json_wanted)
     return f" in {output}" if is_written else ""
 
@@ -143,7 +139,7 @@ def _run_with_bar(scene: Scene, store: str | None, work: str) -> RunRecord:
     with progress_bar(scene.name, work) as bar:
         if store is None:
             return record_scene(scene, *bar)
-        with store_messages():
+        with run_output.store_messages():
             run = RunStore(store).run(scene, *bar)
     variables: Variables = {
         str(name): (tuple(map(str, value.dims)), value.values, dict(value.attrs))

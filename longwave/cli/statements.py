@@ -20,20 +20,11 @@ from longwave.cli.certificates import ProofFile
 from longwave.cli.verdict_lines import VerdictLines
 from longwave.cli.verdicts import STYLES, summary
 from longwave.derive.algebra.formula_text import FormulaError
+from longwave.support import processes
 from longwave.support.command_line import fail
 from longwave.support.compiled.source_digest import source_digest
 from longwave.support.console import finished, print_lines, print_results, table_console, tracked
 from longwave.support.dask_cluster import DaskWorkers
-from longwave.support.processes import (
-    Call,
-    Job,
-    LocalWorkers,
-    LostProcess,
-    OutOfTime,
-    Workers,
-    as_ended,
-    time_limit,
-)
 from longwave.support.request_limits import current_limits, duration
 from longwave.support.slow_work import announce, give_notice
 from longwave.verify.problem_file import (
@@ -45,11 +36,7 @@ from longwave.verify.problem_file import (
 from longwave.verify.proof.conditions import ConditionalVerdict, conditional_sentence
 from longwave.verify.proof.near_misses import with_hint
 from longwave.verify.proof.statement_text import read_statement
-from longwave.verify.proof.statement_verdict import (
-    StatementVerdict,
-    undecided,
-    verified_sentence,
-)
+from longwave.verify.proof.statement_verdict import StatementVerdict, undecided, verified_sentence
 from longwave.verify.proof.text_prover import answer
 from longwave.verify.proof.typed_statement import Statement
 from longwave.verify.published import chosen
@@ -263,7 +250,7 @@ def decide_statements(
     limit: float = DEFAULT_LIMIT,
     hinting: float = HINT_SECONDS,
     late: Callable[[int, str], None] = lambda count, takes: None,
-    workers: Workers | None = None,
+    workers: processes.Workers | None = None,
 ) -> Iterator[tuple[int, StatementVerdict]]:
     """Yield index and verdict of each problem as they are reached.
 
@@ -273,7 +260,7 @@ def decide_statements(
     their expected time: the average so far, or the limit if none is decided. ``workers`` may be
     those of a cluster.
     """
-    workers = workers or LocalWorkers(os.cpu_count() or 1, isolated=True)
+    workers = workers or processes.LocalWorkers(os.cpu_count() or 1, isolated=True)
     remaining, start, is_announced = len(problems), time.monotonic(), False
 
     def announce_late(_: object) -> None:
@@ -290,7 +277,7 @@ def decide_statements(
             )
 
     jobs = (
-        Job(
+        processes.Job(
             _decide_in_worker,
             (problem.statement, limit, hinting),
             tells=True,
@@ -299,18 +286,18 @@ def decide_statements(
         )
         for problem in problems
     )
-    for index, call in as_ended(enumerate(jobs), workers, announce_late):
+    for index, call in processes.as_ended(enumerate(jobs), workers, announce_late):
         remaining -= 1
         yield index, _verdict_of(problems[index].statement, call, limit)
 
 
-def _verdict_of(statement: Statement, call: Call, limit: float) -> StatementVerdict:
+def _verdict_of(statement: Statement, call: processes.Call, limit: float) -> StatementVerdict:
     for message in (call.value, call.message):
         if isinstance(message, StatementVerdict):
             return message
-    timed_out = isinstance(call.error, OutOfTime)
+    timed_out = isinstance(call.error, processes.OutOfTime)
     reason = f"no verdict within {limit:g} s" if timed_out else str(call.error)
-    if not isinstance(call.error, OutOfTime | LostProcess):
+    if not isinstance(call.error, processes.OutOfTime | processes.LostProcess):
         reason = f"the workers ended before it was decided ({type(call.error).__name__})"
     stage = call.message or FIRST_STAGE
     return undecided(statement, f"{reason} (last stage: {stage})", limit if timed_out else 0.0)
@@ -344,9 +331,9 @@ def _decide_in_worker(
         send(message)
 
     try:
-        with time_limit(limit, passing=True):
+        with processes.time_limit(limit, passing=True):
             verdict = answer(statement, tell)
-    except OutOfTime as error:
+    except processes.OutOfTime as error:
         message = f"no verdict within {limit:g} s (last stage: {stage[0]}"
         verdict = undecided(statement, f"{message}{_current_step(error.__traceback__)})", limit)
     except MemoryError:
@@ -360,8 +347,8 @@ def _decide_in_worker(
         return verdict
     send(verdict)
     with (
-        suppress(OutOfTime, Exception),
-        time_limit(seconds_left, passing=True),
+        suppress(processes.OutOfTime, Exception),
+        processes.time_limit(seconds_left, passing=True),
     ):  # the verdict stays
         return with_hint(statement, verdict)
     return verdict

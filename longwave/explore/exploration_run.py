@@ -18,15 +18,8 @@ from numpy.typing import NDArray
 from longwave.lattice.trial import Progress
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines.methods import expected_cost, record_scene
+from longwave.support import processes
 from longwave.support.command_line import one_line
-from longwave.support.processes import (
-    Call,
-    Job,
-    LocalWorkers,
-    LostProcess,
-    OutOfTime,
-    limit_memory,
-)
 from longwave.support.request_limits import (
     Cancelled,
     ExpectedCost,
@@ -242,8 +235,8 @@ class Explorer:
 
     def __init__(self, limits: RequestLimits = DEFAULT_LIMITS) -> None:
         self.limits = limits
-        self._workers = LocalWorkers(1, partial(_prepare_worker, limits))
-        self._call: Call | None = None
+        self._workers = processes.LocalWorkers(1, partial(_prepare_worker, limits))
+        self._call: processes.Call | None = None
 
     def start(self) -> None:
         """Start the worker, which imports its modules."""
@@ -252,7 +245,7 @@ class Explorer:
     def submit(self, scene: Scene) -> None:
         """Submit a scene in place of any other."""
         deadline = DEADLINE * self.limits.seconds
-        job = Job(
+        job = processes.Job(
             _compare_in_worker, (scene, self.limits), tells=True, seconds=deadline, gives_way=True
         )
         self._call = self._workers.submit(job)
@@ -273,9 +266,9 @@ class Explorer:
         self._call = None
         try:
             answer: Answer = call.result()
-        except LostProcess:
+        except processes.LostProcess:
             return Refusal("the worker process ended before its run (too little memory?)")
-        except OutOfTime:
+        except processes.OutOfTime:
             duration_text = duration(DEADLINE * self.limits.seconds)
             return Refusal(f"the run was stopped after {duration_text} (a larger eps is faster)")
         return answer
@@ -303,7 +296,7 @@ def _prepare_worker(limits: RequestLimits) -> None:
     for module in PRELOADED:
         import_module(module)
     if math.isfinite(limits.memory_bytes):
-        limit_memory(int(max(limits.memory_bytes, LEAST_MEMORY)))
+        processes.limit_memory(int(max(limits.memory_bytes, LEAST_MEMORY)))
 
 
 def _compare_in_worker(scene: Scene, limits: RequestLimits, progress: Progress) -> Answer:

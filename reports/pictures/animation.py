@@ -17,14 +17,9 @@ from numpy.typing import NDArray
 
 from longwave.lattice.refine import Announce
 from longwave.lattice.trial import Progress
+from longwave.reports.pictures import plotting
 from longwave.reports.pictures.film import FILM_SIZE, ChainFilm, Film, PlaneFilm
 from longwave.reports.pictures.film_files import film_path, has_ffmpeg, save_film
-from longwave.reports.pictures.plotting import (
-    Source,
-    changed_source,
-    read_source,
-    shown_half_width,
-)
 from longwave.reports.pictures.run_data import check_run, placed, within
 from longwave.reports.pictures.style import styled
 from longwave.runs.run_file import SWEPT, names_a_run
@@ -93,7 +88,7 @@ class FilmOptions:
 
 
 def animate(
-    source: Source,
+    source: plotting.Source,
     output: str | Path,
     duration: float = 6.0,
     fps: float = 25.0,
@@ -116,7 +111,7 @@ def animate(
     path = film_path(output)
     options = FilmOptions(duration, fps, dpi, times)
     report, progress = announce or (lambda _: None), progress or (lambda _: None)
-    read = read_source(source)
+    read = plotting.read_source(source)
     data: Labelled
     if not isinstance(read, Scene):
         data = read
@@ -266,7 +261,7 @@ def film_of(data: Labelled, dpi: float = 110.0, half_width: int | None = None) -
         return ChainFilm(run, title, dpi)
     levels = run["background"].values if "background" in run else np.zeros(1)
     level = float(np.mean(levels[~np.isnan(levels)])) if np.isfinite(levels).any() else 0.0
-    width = shown_half_width(run) if half_width is None else half_width
+    width = plotting.shown_half_width(run) if half_width is None else half_width
     return ChainFilm(within(run, width).assign_attrs(level=level), title, dpi)
 
 
@@ -288,7 +283,7 @@ def draw_film(
         check_output(path, "run.gif", force=force)
         film_path(path)
         FilmOptions(**options)
-        drawn = changed_source(source, changes or {})
+        drawn = plotting.changed_source(source, changes or {})
         with progress_bar(Path(source).name, f"film of {Path(source).name}") as (bar, tell):
             count = animate(drawn, path, **options, progress=bar, announce=Announcer(tell))
     except KeyboardInterrupt:

@@ -11,25 +11,14 @@ from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
 
 from longwave.reports.latex import scientific
+from longwave.reports.pictures import style
 from longwave.reports.pictures.error_curve import ErrorCurve
-from longwave.reports.pictures.style import (
-    ANALYTICAL,
-    BEADS,
-    BEADS_AN_INCH,
-    CURVES,
-    LATTICE,
-    NUMERICAL,
-    OWN,
-    PowerTicks,
-    page_width,
-    part,
-)
 from longwave.support.labelled_arrays import LabelledArrays, LabelledValues
 
 Sites = NDArray[np.float64]
 
 
-@part(lambda rows, wave="", of_one=False: SNAPSHOT * len(rows) + 0.35)
+@style.part(lambda rows, wave="", of_one=False: SNAPSHOT * len(rows) + 0.35)
 def snapshot_panels(
     figure: FigureBase,
     rows: Sequence[Sequence[LabelledArrays]],
@@ -94,7 +83,7 @@ def add_legend(axes_or_figure: FigureBase | Axes, signs: Mapping[str, Any]) -> N
     if isinstance(axes_or_figure, Axes):
         axes_or_figure.legend(signs.values(), signs.keys(), loc="center")
         return
-    ncols = min(len(signs), max(1, int(page_width() / LEGEND_ENTRY)))
+    ncols = min(len(signs), max(1, int(style.page_width() / LEGEND_ENTRY)))
     axes_or_figure.legend(signs.values(), signs.keys(), loc="outside upper right", ncols=ncols)
 
 
@@ -121,9 +110,9 @@ def _draw_snapshot(ax: Axes, at: LabelledArrays, letter: str, wave: str) -> dict
     if strain_envelope is not None and np.isfinite(strain_envelope.values).any() and not beads:
         signs = _draw_envelopes(ax, at)
     else:
-        look = BEADS if beads else NUMERICAL
+        look = style.BEADS if beads else style.NUMERICAL
         signs = {"lattice": ax.plot(offset, at["strain"].values, **look)[0]}
-        (signs[wave],) = ax.plot(offset, at["analytic"].values, **ANALYTICAL)
+        (signs[wave],) = ax.plot(offset, at["analytic"].values, **style.ANALYTICAL)
     eps, time = at.attrs["eps"], float(at["time"].values)
     ax.set_title(rf"({letter})  $\epsilon={eps:g}$, $t={time:g}$", loc="left")
     if np.unique(offset).size > 1:
@@ -135,11 +124,11 @@ def _draw_snapshot(ax: Axes, at: LabelledArrays, letter: str, wave: str) -> dict
 def _draw_envelopes(ax: Axes, at: LabelledArrays) -> dict[str, Any]:
     """Draw a carrier's strain, and plus and minus the envelopes of the lattice and the wave."""
     offset = at["offset"].values
-    (line,) = ax.plot(offset, at["strain"].values, color=LATTICE, linewidth=0.5, zorder=1)
+    (line,) = ax.plot(offset, at["strain"].values, color=style.LATTICE, linewidth=0.5, zorder=1)
     signs = {"lattice": line}
     for name, label, look in (
-        ("strain_envelope", r"its envelope, $\propto |A|$", NUMERICAL),
-        ("analytic_envelope", "envelope of the wave", ANALYTICAL),
+        ("strain_envelope", r"its envelope, $\propto |A|$", style.NUMERICAL),
+        ("analytic_envelope", "envelope of the wave", style.ANALYTICAL),
     ):
         for side in (1.0, -1.0):
             (signs[label],) = ax.plot(offset, side * at[name].values, **look)
@@ -149,7 +138,7 @@ def _draw_envelopes(ax: Axes, at: LabelledArrays) -> dict[str, Any]:
 def _are_beads(ax: Axes, count: int) -> bool:
     across = ax.get_subplotspec()
     columns = 1 if across is None else across.get_gridspec().ncols
-    return count <= BEADS_AN_INCH * page_width() / columns
+    return count <= style.BEADS_AN_INCH * style.page_width() / columns
 
 
 def _largest_difference(at: LabelledArrays) -> float:
@@ -171,11 +160,11 @@ def _draw_difference(ax: Axes, at: LabelledArrays, largest: float) -> dict[str, 
     (line,) = ax.plot(offset, difference, color="black", linewidth=0.8)
     signs: dict[str, Any] = {"lattice $-$ wave": line}
     if own is not None:
-        signs[OWN_ERROR] = ax.axhspan(-own, own, color=OWN, alpha=0.5, lw=0, zorder=0)
+        signs[OWN_ERROR] = ax.axhspan(-own, own, color=style.OWN, alpha=0.5, lw=0, zorder=0)
     top = 1.15 * largest or 1.0
     ax.set_ylim(-top, top)
     ax.locator_params(axis="y", nbins=3)
-    ax.yaxis.set_major_formatter(PowerTicks(-2, 3))
+    ax.yaxis.set_major_formatter(style.PowerTicks(-2, 3))
     ax.set_title(f"own error {error_text(own)}" if own else "", loc="right", fontsize=7.0, pad=2.0)
     return signs
 
@@ -211,13 +200,13 @@ ErrorPanels = Mapping[str, Mapping[str, ErrorCurve]]
 """Curves by their labels, for each panel's title; labels may have LaTeX in dollars."""
 
 
-@part(2.0)
+@style.part(2.0)
 def error_panels(figure: FigureBase, panels: ErrorPanels) -> None:
     """Draw a panel of error curves for each title, with markers only for single points."""
     axes = figure.subplots(1, len(panels), squeeze=False)[0]
     for ax, (title, curves) in zip(axes, panels.items(), strict=True):
         ax.set_title(title, loc="left")
-        for (label, curve), look in zip(curves.items(), CURVES, strict=False):
+        for (label, curve), look in zip(curves.items(), style.CURVES, strict=False):
             marker = "" if curve.errors.size > 1 else look["marker"]
             errors = np.where(np.isfinite(curve.errors), curve.errors, np.nan)
             ax.plot(curve.times, errors, label=label, **look | {"marker": marker})
@@ -228,7 +217,7 @@ def error_panels(figure: FigureBase, panels: ErrorPanels) -> None:
         entries = len(ax.get_legend_handles_labels()[1])
         ax.set_ylim(0, ax.get_ylim()[1] * (1.0 + max(0, entries - 2) * LEGEND_ROOM))
         ax.locator_params(axis="x", nbins=6)
-        ax.yaxis.set_major_formatter(PowerTicks())
+        ax.yaxis.set_major_formatter(style.PowerTicks())
         ax.legend()
 
 
@@ -267,7 +256,7 @@ def field_label(run: LabelledArrays | LabelledValues, strain: str = "$y_n$") -> 
     return "displacement" if units.startswith("displacement") else strain
 
 
-@part(2.6)
+@style.part(2.6)
 def space_time_map(figure: FigureBase, run: LabelledArrays, half_width: int | None = None) -> None:
     """Draw the variable ``space_time`` of a run over time and sites, in the moving frame.
 
@@ -354,10 +343,10 @@ LABELS = {"crest_position": "crest at " + MOVING, "crest_strain": "$y$ at the cr
 
 def _crest_rows() -> int:
     """Return the number of rows of crest panels: two in one column of a journal, else one."""
-    return 1 if page_width() > len(LABELS) * 2.0 else len(LABELS)
+    return 1 if style.page_width() > len(LABELS) * 2.0 else len(LABELS)
 
 
-@part(lambda run: 0.3 + 1.7 * _crest_rows())
+@style.part(lambda run: 0.3 + 1.7 * _crest_rows())
 def crest_track(figure: FigureBase, run: LabelledArrays) -> None:
     """Draw the crest's position and strain over time as points, as a crest may jump to another.
 
@@ -370,11 +359,11 @@ def crest_track(figure: FigureBase, run: LabelledArrays) -> None:
         values, wave = run[name], run.get(f"{name}_wave")
         times = run[values.dims[0]].values
         every = max(1, -(-times.size // CREST_POINTS))
-        ax.plot(times[::every], values.values[::every], label="lattice", **BEADS)
+        ax.plot(times[::every], values.values[::every], label="lattice", **style.BEADS)
         if wave is not None:
             wave_label = run.attrs["wave"]
             steady = np.where(_is_steady(run[WAVES_CREST].values), wave.values, np.nan)
-            ax.plot(times, steady, label=wave_label, **ANALYTICAL)
+            ax.plot(times, steady, label=wave_label, **style.ANALYTICAL)
         if name == "crest_strain" and "crest_law" in run:
             law = run["crest_law"].values
             ax.plot(times, law, label="law", color="black", linestyle="--", lw=0.9)
@@ -382,7 +371,7 @@ def crest_track(figure: FigureBase, run: LabelledArrays) -> None:
         field = "envelope" if run.attrs.get("carried") else field_label(run, "$y$")
         ax.set_ylabel(label.replace("$y$", field))
         ax.locator_params(axis="x", nbins=6)
-        ax.yaxis.set_major_formatter(PowerTicks())
+        ax.yaxis.set_major_formatter(style.PowerTicks())
         ax.legend()
 
 
@@ -409,7 +398,7 @@ DECADES = 1.0
 """Powers of ten from the rounding error down to the lower end of the axis of amplitudes."""
 
 
-@part(lambda found: 1.9 * grid_shape(found.sizes["time"])[0] + 0.35)
+@style.part(lambda found: 1.9 * grid_shape(found.sizes["time"])[0] + 0.35)
 def spectrum_panels(figure: FigureBase, found: LabelledArrays) -> None:
     """Draw a panel for each time of `run_data.spectra`, all with the same axes.
 
@@ -437,7 +426,7 @@ def grid_shape(count: int, most: int = 12) -> tuple[int, int]:
     >>> [grid_shape(count, 3) for count in (1, 3, 4, 5, 6, 7)]
     [(1, 1), (1, 3), (2, 2), (2, 3), (2, 3), (4, 2)]
     """
-    widest = max(1, min(count, most, int(page_width() / LEAST_PANEL)))
+    widest = max(1, min(count, most, int(style.page_width() / LEAST_PANEL)))
     shapes = [(-(-count // across), across) for across in range(widest, 0, -1)]
     return next((rows, across) for rows, across in shapes if rows * across - count <= 1)
 
@@ -481,10 +470,10 @@ def _draw_spectrum(ax: Axes, at: LabelledArrays) -> dict[str, Any]:
     if np.isfinite([lattice, wave]).any():
         ax.set_yscale("log")
     wavenumbers = at["wavenumber"].values
-    signs = {"lattice": ax.plot(wavenumbers, lattice, **NUMERICAL)[0]}
-    (signs["wave"],) = ax.plot(wavenumbers, wave, **ANALYTICAL)
+    signs = {"lattice": ax.plot(wavenumbers, lattice, **style.NUMERICAL)[0]}
+    (signs["wave"],) = ax.plot(wavenumbers, wave, **style.ANALYTICAL)
     looks: dict[str, tuple[str, Any]] = {
-        "own": (OWN_ERROR + ", at most", {"color": OWN, "linestyle": "--", "linewidth": 1.2}),
+        "own": (OWN_ERROR + ", at most", {"color": style.OWN, "linestyle": "--", "linewidth": 1.2}),
         "rounding": ("rounding", {"color": "black", "linestyle": ":", "linewidth": 0.8}),
     }
     for name, (label, look) in looks.items():
@@ -536,10 +525,10 @@ def cost_figure(
     `cheapest_places`.
     """
     down, _ = grid_shape(len(panels), across)
-    figure = Figure((page_width(), height * down + 0.4), layout="constrained")
+    figure = Figure((style.page_width(), height * down + 0.4), layout="constrained")
     grid, free = panel_grid(figure, len(panels), x, y, across)
     labels = dict.fromkeys(label for curves in panels.values() for label in curves)
-    looks = dict(zip(labels, CURVES, strict=False))
+    looks = dict(zip(labels, style.CURVES, strict=False))
     for (title, curves), ax in zip(panels.items(), grid, strict=True):
         _draw_costs(ax, curves, looks, bool(cheapest))
         ax.set_title(title, loc="left")
@@ -598,9 +587,9 @@ def _draw_costs(
     for label, points in curves.items():
         values = np.array([p for p in points if min(p) > 0 and np.all(np.isfinite(p))])
         x, y = values.reshape(-1, 2).T
-        style = dict(looks[label], markersize=4.0)
+        look = dict(looks[label], markersize=4.0)
         if cheapest:
-            ax.loglog(x, y, **style | {"linestyle": "", "markersize": 2.5, "alpha": 0.5})
+            ax.loglog(x, y, **look | {"linestyle": "", "markersize": 2.5, "alpha": 0.5})
         best = cheapest_places(x, y) if cheapest else slice(None)
-        ax.loglog(x[best], y[best], label=label, **style)
+        ax.loglog(x[best], y[best], label=label, **look)
     draw_grid(ax)

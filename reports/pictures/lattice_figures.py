@@ -12,13 +12,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure, FigureBase
 from numpy.typing import NDArray
 
-from longwave.reports.pictures.drawing import (
-    STABLE,
-    WAVENUMBER_TICKS,
-    error_text,
-    even_places,
-    field_label,
-)
+from longwave.reports.pictures import drawing
 from longwave.reports.pictures.style import CURVES, page_width, part
 
 if TYPE_CHECKING:
@@ -34,7 +28,7 @@ ACROSS = 3
 
 def even_times(run: Labelled) -> list[int]:
     """Return the indices of at most ``ACROSS`` evenly spaced times, first and last included."""
-    return even_places(run.sizes["time"], ACROSS)
+    return drawing.even_places(run.sizes["time"], ACROSS)
 
 
 @part(4.6)
@@ -50,7 +44,7 @@ def strain_maps(figure: FigureBase, run: LabelledArrays) -> None:
     ends = float(np.fmin.reduce(strain, axis=None)), float(np.fmax.reduce(strain, axis=None))
     largest = float(np.fmax.reduce(np.abs(difference), axis=None))
     for axes, values, label, colours, (least, most) in (
-        (panels[0], strain, field_label(run, "strain"), "viridis", ends),
+        (panels[0], strain, drawing.field_label(run, "strain"), "viridis", ends),
         (panels[1], difference, "lattice $-$ theory", "PuOr", (-largest, largest)),
     ):
         for place, ax in zip(places, axes, strict=True):
@@ -61,7 +55,7 @@ def strain_maps(figure: FigureBase, run: LabelledArrays) -> None:
             ax.set_title(f"$T={float(run['slow_time'].values[place]):.3g}$", loc="left")
             own = float(run["own"].values[place]) if "own" in run else np.nan
             if values is difference and np.isfinite(own):
-                ax.set_title(f"own error {error_text(own)}", loc="right", fontsize=7.0)
+                ax.set_title(f"own error {drawing.error_text(own)}", loc="right", fontsize=7.0)
         axes[0].set_ylabel("$m$")
         figure.colorbar(image, ax=list(axes), label=label)
     for ax in panels[-1]:
@@ -134,7 +128,7 @@ def modulation_figure(grid: ModulationGrid, quadratic: Array) -> Figure:
     ax = figure.subplots()
     unstable = grid.product > 0
     stable = np.where(unstable, np.nan, 1.0)
-    ax.pcolormesh(grid.k, quadratic, stable, cmap=ListedColormap([STABLE]), rasterized=True)
+    ax.pcolormesh(grid.k, quadratic, stable, cmap=ListedColormap([drawing.STABLE]), rasterized=True)
     growth = np.where(unstable, grid.growth_rate, np.nan)
     image = ax.pcolormesh(grid.k, quadratic, growth, vmin=0.0, rasterized=True)
     ax.contour(grid.k, quadratic, grid.product, [0.0], colors="black", linewidths=1.0)
@@ -146,6 +140,6 @@ def modulation_figure(grid: ModulationGrid, quadratic: Array) -> Figure:
         ax.text(x, y, text, color=colour, ha="center", va="center")
     ax.set_xlabel("carrier wavenumber $k$")
     ax.set_ylabel("$K_3$")
-    ax.set_xticks(*WAVENUMBER_TICKS)
+    ax.set_xticks(*drawing.WAVENUMBER_TICKS)
     figure.colorbar(image, ax=ax, label=r"growth rate in $T$ of $|A|=1$")
     return figure

@@ -17,38 +17,9 @@ import numpy as np
 
 from longwave.lattice.refine import Announce
 from longwave.lattice.trial import Progress
-from longwave.reports.pictures.bench_plotting import (
-    BALANCE,
-    cells_at_times,
-    energy_balance,
-    fluxes,
-    has_spectra,
-    mode_energies,
-    sensor_readings,
-    sensor_spectra,
-)
-from longwave.reports.pictures.drawing import (
-    MOST_SPECTRA,
-    crest_track,
-    error_panels,
-    even_places,
-    grid_shape,
-    snapshot_panels,
-    space_time_map,
-    spectrum_panels,
-)
+from longwave.reports.pictures import bench_plotting, drawing, run_data
 from longwave.reports.pictures.growth_plotting import sideband_sizes
 from longwave.reports.pictures.lattice_figures import strain_maps
-from longwave.reports.pictures.run_data import (
-    LEAST_LOOKS,
-    error_curves,
-    placed,
-    snapshots,
-    spectra,
-    with_looks,
-    with_own,
-    with_theory,
-)
 from longwave.reports.pictures.shown import ShownFigure
 from longwave.reports.pictures.style import WIDTHS, Part, page_width, save, styled
 from longwave.reports.pictures.sweep_kinds import SWEEP_PICTURES, Choice, is_sweep
@@ -193,7 +164,9 @@ def _run(
         )
     )
     data = record_scene(scene.changed(**{field: all_times}), progress, announce).arrays
-    return with_looks(placed(data)).isel(time=[all_times.index(t) for t in times_of_scene])
+    return run_data.with_looks(run_data.placed(data)).isel(
+        time=[all_times.index(t) for t in times_of_scene]
+    )
 
 
 def read_source(source: Source) -> Labelled | Scene:
@@ -239,7 +212,9 @@ def _for_pictures(scene: Scene, kind: str) -> Scene:
 
 def _draw(run: Labelled, kind: str) -> ShownFigure:
     """Draw the pictures of that kind, one below the other, under the run's title."""
-    data = with_theory(with_looks(placed(run), LEAST_LOOKS if kind == ALL else 2))
+    data = run_data.with_theory(
+        run_data.with_looks(run_data.placed(run), run_data.LEAST_LOOKS if kind == ALL else 2)
+    )
     chosen_pictures = _pictures(data, kind)
     return _stacked(_title(data), [picture.part(data) for picture in chosen_pictures])
 
@@ -309,16 +284,18 @@ def _has(data: LabelledArrays, picture: Picture) -> bool:
 def _snapshots(data: LabelledArrays) -> Part:
     """Return panels of lattice and wave on a chain, or maps of both on two axes."""
     if "row" in data.sizes:
-        return strain_maps(with_own(data))
-    indices = even_places(data.sizes["time"], MOST_PANELS)
-    panels = snapshots(data, shown_half_width(data), indices)
-    _, across = grid_shape(len(panels), ACROSS)
+        return strain_maps(run_data.with_own(data))
+    indices = drawing.even_places(data.sizes["time"], MOST_PANELS)
+    panels = run_data.snapshots(data, shown_half_width(data), indices)
+    _, across = drawing.grid_shape(len(panels), ACROSS)
     rows = [panels[i : i + across] for i in range(0, len(panels), across)]
-    return snapshot_panels(rows, of_one=True)
+    return drawing.snapshot_panels(rows, of_one=True)
 
 
 def _spectra(data: LabelledArrays) -> Part:
-    return spectrum_panels(spectra(data, even_places(data.sizes["time"], MOST_SPECTRA)))
+    return drawing.spectrum_panels(
+        run_data.spectra(data, drawing.even_places(data.sizes["time"], drawing.MOST_SPECTRA))
+    )
 
 
 def shown_half_width(run: Labelled) -> int:
@@ -340,11 +317,11 @@ def shown_half_width(run: Labelled) -> int:
 def _map(data: LabelledArrays) -> Part:
     """Return the space-time map, over the sites of the snapshots if the run has any."""
     half_width = shown_half_width(data) if _has(data, PICTURES["snapshots"]) else None
-    return space_time_map(data, half_width)
+    return drawing.space_time_map(data, half_width)
 
 
 def _errors(data: LabelledArrays) -> Part:
-    return error_panels({rf"$\epsilon={data.attrs['eps']:g}$": error_curves(data)})
+    return drawing.error_panels({rf"$\epsilon={data.attrs['eps']:g}$": run_data.error_curves(data)})
 
 
 def _sizes(data: LabelledArrays) -> Part:
@@ -356,13 +333,15 @@ PICTURES: Mapping[str, Picture] = {
     "space_time": Picture("space_time", ("space_time",), _map),
     "spectra": Picture("strain", ("strain", "analytic"), _spectra),
     "errors": Picture("error_curve", ("error_curve",), _errors),
-    "crest": Picture("crest_track", ("crest_position", "crest_strain"), crest_track),
-    "sensors": Picture("", ("sensor",), sensor_readings),
-    "transmission": Picture("", ("sensor",), sensor_spectra, has_spectra),
-    "balance": Picture("", BALANCE, energy_balance),
-    "flux": Picture("", ("flux", "transmitted"), fluxes),
-    "modes": Picture("", ("mode_energy",), mode_energies),
-    "cells": Picture("", ("displacement",), cells_at_times),
+    "crest": Picture("crest_track", ("crest_position", "crest_strain"), drawing.crest_track),
+    "sensors": Picture("", ("sensor",), bench_plotting.sensor_readings),
+    "transmission": Picture(
+        "", ("sensor",), bench_plotting.sensor_spectra, bench_plotting.has_spectra
+    ),
+    "balance": Picture("", bench_plotting.BALANCE, bench_plotting.energy_balance),
+    "flux": Picture("", ("flux", "transmitted"), bench_plotting.fluxes),
+    "modes": Picture("", ("mode_energy",), bench_plotting.mode_energies),
+    "cells": Picture("", ("displacement",), bench_plotting.cells_at_times),
     GROWTH: Picture("", ("sideband_size", "sideband_theory", "slow_time"), _sizes),
 }
 """The kinds of pictures, in the order in which they are drawn."""

@@ -17,11 +17,7 @@ from longwave.runs import scene_of_run
 from longwave.runs.own_error import own_error_at, scaled_own_error
 from longwave.scenes.observed.observables import amplitudes, cell_width, extremum
 from longwave.scenes.starts.moving_wave import moving_wave
-from longwave.support.labelled_arrays import (
-    Labelled,
-    LabelledArray,
-    LabelledArrays,
-)
+from longwave.support.labelled_arrays import Labelled, LabelledArray, LabelledArrays
 from longwave.support.user_files import shown
 
 Array = NDArray[np.float64]

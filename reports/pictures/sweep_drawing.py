@@ -23,14 +23,7 @@ from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
 
 from longwave.reports.latex import greek
-from longwave.reports.pictures.drawing import (
-    CHEAPEST,
-    cheapest_places,
-    draw_grid,
-    grid_shape,
-    panel_grid,
-    time_edges,
-)
+from longwave.reports.pictures import drawing
 from longwave.reports.pictures.style import CURVES, part
 
 Array = NDArray[np.float64]
@@ -116,8 +109,8 @@ class SweptAxis:
     def edges(self) -> Array:
         """Edges half way between the positions, which must be sorted."""
         if self.is_logarithmic:
-            return np.exp(time_edges(np.log(self.places)))
-        return time_edges(self.places)
+            return np.exp(drawing.time_edges(np.log(self.places)))
+        return drawing.time_edges(self.places)
 
     def set_on(self, ax: Axes, letter: str, labelled: bool = True) -> None:
         """Set label and ticks of the x or y axis; texts and log axes have ticks at the values."""
@@ -179,7 +172,7 @@ def swept_curves(
     axis.set_on(ax, "x")
     ax.set_ylabel(curve.attrs["label"])
     ax.set_title("; ".join(filter(None, (caption, NO_RESULT if rows else ""))), loc="left")
-    draw_grid(ax)
+    drawing.draw_grid(ax)
     if len(curves) > 1:
         legend = ax.legend(
             handles.values(), handles.keys(), loc="center left", bbox_to_anchor=(1.0, 0.5)
@@ -217,7 +210,7 @@ def _leave_room(ax: Axes, rows: int) -> None:
 
 
 def _maps_height(axes: Mapping[str, SweptAxis], maps: Mapping[str, xr.Dataset]) -> float:
-    return 2.7 * grid_shape(len(maps), HEAT_ACROSS)[0] + (0.6 if len(maps) == 1 else 0.0)
+    return 2.7 * drawing.grid_shape(len(maps), HEAT_ACROSS)[0] + (0.6 if len(maps) == 1 else 0.0)
 
 
 @part(_maps_height)
@@ -229,11 +222,11 @@ def heat_maps(
     A map has the ``value`` of each cell, NaN if it has none, its ``own`` error, NaN if that is not
     known, and is ``faulty`` in cells that were run without a result.
     """
-    grid, free = panel_grid(figure, len(maps), "", "", HEAT_ACROSS)
+    grid, free = drawing.panel_grid(figure, len(maps), "", "", HEAT_ACROSS)
     norm = _colours(np.concatenate([cells["value"].values.ravel() for cells in maps.values()]))
     (x, y), across = (
         (axis.in_order for axis in axes.values()),
-        grid_shape(len(maps), HEAT_ACROSS)[1],
+        drawing.grid_shape(len(maps), HEAT_ACROSS)[1],
     )
     orders = {name: axis.order for name, axis in axes.items()}
     has_unsure = []
@@ -311,12 +304,12 @@ def work_precision(
         if high < 10.0 * low:  # no power of ten may be among them
             ticks = np.geomspace(low, high, 5)[1::2]
             ax.set_xticks(ticks, [f"{tick:.3g}" for tick in ticks])
-        draw_grid(ax)
+        drawing.draw_grid(ax)
     panels[0].set_ylabel("error")
     handles, labels = panels[0].get_legend_handles_labels()
     columns = {
         "ncols": _work_columns(curves),
-        "title": CHEAPEST.format("runs"),
+        "title": drawing.CHEAPEST.format("runs"),
         "title_fontsize": 8.0,
     }
     above = figure.legend(handles, labels, loc="outside upper center", **columns)
@@ -342,7 +335,7 @@ def _draw_work(ax: Axes, along: str, name: str, curve: xr.Dataset, look: dict[st
 def _join_cheapest(ax: Axes, work: Array, errors: Array, look: dict[str, Any], label: str) -> None:
     """Draw all points, and a line through those that no other point beats in work and error."""
     ax.loglog(work, errors, label=label, **look | {"linestyle": ""})
-    cheapest = cheapest_places(work, errors)
+    cheapest = drawing.cheapest_places(work, errors)
     ax.loglog(work[cheapest], errors[cheapest], **look | {"marker": ""})
 
 

@@ -15,14 +15,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from longwave.reports.pictures import sweep_drawing
 from longwave.reports.pictures.growth_plotting import growth_map, growth_panels
 from longwave.reports.pictures.style import Part
-from longwave.reports.pictures.sweep_drawing import (
-    SweptAxis,
-    heat_maps,
-    swept_curves,
-    work_precision,
-)
 from longwave.reports.pictures.sweep_kinds import GROWTH_MAP, VALUES, WORK_PRECISION, Choice
 from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
@@ -216,7 +211,7 @@ def _families(data: xr.Dataset, drawn: Sequence[str], repeated: bool) -> list[st
     return families[:1] if families and data.sizes[families[0]] <= MOST_CURVES else []
 
 
-def axis_of(data: xr.Dataset, name: str) -> SweptAxis:
+def axis_of(data: xr.Dataset, name: str) -> sweep_drawing.SweptAxis:
     """Return a dimension as an axis: by its field, or by one with different values in all cells."""
     fields = [data[name]] if name in data.coords else []
     fields += [data[c] for c in data.coords if data[c].dims == (name,) and c != name]
@@ -225,11 +220,13 @@ def axis_of(data: xr.Dataset, name: str) -> SweptAxis:
         if len({str(entry) for entry in values}) == values.size:
             name_on_axis = FIELD_NAMES.get(field.attrs.get("field", ""), str(field.name))
             numbers = values.dtype.kind in "fiu"
-            return SweptAxis(name_on_axis, values.astype(float if numbers else str).tolist())
-    return SweptAxis(name, [float(place) for place in range(data.sizes[name])])
+            return sweep_drawing.SweptAxis(
+                name_on_axis, values.astype(float if numbers else str).tolist()
+            )
+    return sweep_drawing.SweptAxis(name, [float(place) for place in range(data.sizes[name])])
 
 
-def _titles(axis: SweptAxis, bare: bool = False) -> list[str]:
+def _titles(axis: sweep_drawing.SweptAxis, bare: bool = False) -> list[str]:
     """Return each value with the axis's name, or texts alone if ``bare``."""
     return [_text(v) if bare and axis.is_text else f"{axis.name} = {_text(v)}" for v in axis.values]
 
@@ -254,7 +251,7 @@ def _curves(
     if families:
         titles = _titles(axis_of(data, families[0]), bare=True)
         curves = {title: cells.isel({families[0]: i}) for i, title in enumerate(titles)}
-    return swept_curves(axis, curves, joined, caption)
+    return sweep_drawing.swept_curves(axis, curves, joined, caption)
 
 
 BY_MEDIAN = "median of {}, bars to the quartiles"
@@ -312,7 +309,7 @@ def _maps(data: xr.Dataset, cells: xr.Dataset) -> Part:
         titles = _titles(axis_of(data, over))
         maps = {title: cells.isel({over: place}) for place, title in enumerate(titles)}
     axes = {name: axis_of(data, name) for name in names}
-    return heat_maps(axes, maps)
+    return sweep_drawing.heat_maps(axes, maps)
 
 
 def work_dimension(data: xr.Dataset) -> str | None:
@@ -354,7 +351,7 @@ def work_part(data: xr.Dataset) -> Part:
         )
         for places in np.argwhere(drawn.values).tolist()
     }
-    return work_precision(curves, joined)
+    return sweep_drawing.work_precision(curves, joined)
 
 
 def _work_numbers(data: xr.Dataset) -> xr.Dataset:

@@ -22,16 +22,7 @@ from longwave.reports.latex import (
     table,
 )
 from longwave.reports.pictures.drawing import CostPanels
-from longwave.reports.studies.lattice_cost import (
-    REDUCTION,
-    SPECTRAL,
-    STEPS,
-    TRUE_ERROR,
-    CostPoint,
-    ScalingPoint,
-    fit_power,
-    scaling_laws,
-)
+from longwave.reports.studies import lattice_cost
 from longwave.solutions import closed_form
 
 if TYPE_CHECKING:
@@ -151,7 +142,7 @@ ERROR_LEVELS = (1e-2, 1e-4, 1e-6)
 """Error levels for which the table gives each series' fastest run."""
 
 
-def precision_table(points: Sequence[CostPoint]) -> str:
+def precision_table(points: Sequence[lattice_cost.CostPoint]) -> str:
     """Return the table of the seconds of each series' fastest run within each of `ERROR_LEVELS`.
 
     The spectral ring has a second row that includes the time to compute its initial data.
@@ -162,7 +153,7 @@ def precision_table(points: Sequence[CostPoint]) -> str:
         for series, group in groupby(of_problem, attrgetter("series")):
             runs = list(group)
             rows.append(_precision_row(PRINTED[series], runs))
-            if series == SPECTRAL:
+            if series == lattice_cost.SPECTRAL:
                 whole = [replace(p, seconds=p.seconds + p.data_seconds) for p in runs]
                 rows.append(_precision_row(f"{PRINTED[series]}, with its data", whole))
     head = ["problem and method", *(rf"error $\le$ {_power(e)} (s)" for e in ERROR_LEVELS)]
@@ -170,7 +161,7 @@ def precision_table(points: Sequence[CostPoint]) -> str:
     return table("precision", caption, "lrrr", head, rows)
 
 
-def _precision_row(name: str, points: Sequence[CostPoint]) -> list[str]:
+def _precision_row(name: str, points: Sequence[lattice_cost.CostPoint]) -> list[str]:
     return [escape(name), *(_cheapest(points, error) for error in ERROR_LEVELS)]
 
 
@@ -178,17 +169,17 @@ def _power(value: float) -> str:
     return f"$10^{{{round(math.log10(value))}}}$"
 
 
-def _cheapest(points: Iterable[CostPoint], error: float) -> str:
+def _cheapest(points: Iterable[lattice_cost.CostPoint], error: float) -> str:
     seconds = [point.seconds for point in points if point.error <= error]
     return scientific(min(seconds)) if seconds else "--"
 
 
-def precision_panels(points: Iterable[CostPoint]) -> CostPanels:
+def precision_panels(points: Iterable[lattice_cost.CostPoint]) -> CostPanels:
     """Return one panel a problem: error against seconds for each series."""
     return panels((p.problem, PRINTED[p.series], (p.seconds, p.error)) for p in points)
 
 
-def scaling_table(points: Sequence[ScalingPoint]) -> str:
+def scaling_table(points: Sequence[lattice_cost.ScalingPoint]) -> str:
     """Return the table of fully timed series against eps, with fitted exponents."""
     caption = (
         r"Measured to the peak of $Y_2$: time of the whole run in s, its error, and the exponent "
@@ -197,24 +188,24 @@ def scaling_table(points: Sequence[ScalingPoint]) -> str:
     return _scaling("scaling", caption, [point for point in points if not point.scaled])
 
 
-def extrapolated_table(points: Sequence[ScalingPoint]) -> str:
+def extrapolated_table(points: Sequence[lattice_cost.ScalingPoint]) -> str:
     """Return the table of series extrapolated from part of a run, with fitted exponents."""
     caption = (
-        rf"Extrapolated to the peak of $Y_2$: time in s, scaled from {STEPS} steps to the whole "
-        "run, and the exponent fitted to these numbers."
+        rf"Extrapolated to the peak of $Y_2$: time in s, scaled from {lattice_cost.STEPS} steps "
+        "to the whole run, and the exponent fitted to these numbers."
     )
     return _scaling("extrapolated", caption, [point for point in points if point.scaled])
 
 
-def _scaling(name: str, caption: str, points: Sequence[ScalingPoint]) -> str:
-    laws = scaling_laws(points)
+def _scaling(name: str, caption: str, points: Sequence[lattice_cost.ScalingPoint]) -> str:
+    laws = lattice_cost.scaling_laws(points)
     epsilons = sorted({_eps(point) for point in points}, reverse=True)
     rows = []
     for series in dict.fromkeys(point.series for point in points):
         by_eps = {_eps(point): point for point in points if point.series == series}
-        unit = "" if series in (REDUCTION, TRUE_ERROR) else " (s)"
+        unit = "" if series in (lattice_cost.REDUCTION, lattice_cost.TRUE_ERROR) else " (s)"
         rows.append([escape(series) + unit, *(scientific(by_eps[eps].value) for eps in epsilons)])
-        variable = r"\epsilon" if series == REDUCTION else r"1/\epsilon"
+        variable = r"\epsilon" if series == lattice_cost.REDUCTION else r"1/\epsilon"
         law = laws.get(series)
         rows[-1].append(DASH if law is None else f"$({variable})^{{{law:.2f}}}$")
         if any(point.own for point in by_eps.values()):
@@ -223,17 +214,17 @@ def _scaling(name: str, caption: str, points: Sequence[ScalingPoint]) -> str:
     return table(name, caption, "l" + "r" * len(epsilons) + "l", head, rows)
 
 
-def _eps(point: ScalingPoint) -> float:
+def _eps(point: lattice_cost.ScalingPoint) -> float:
     return round(min(point.x, 1 / point.x), 9)
 
 
-def scaling_panels(points: Iterable[ScalingPoint]) -> CostPanels:
+def scaling_panels(points: Iterable[lattice_cost.ScalingPoint]) -> CostPanels:
     """Return seconds against 1/eps for each method; extrapolated ones are labelled "(scaled)"."""
-    ways = (p for p in points if p.series not in (REDUCTION, TRUE_ERROR))
+    ways = (p for p in points if p.series not in (lattice_cost.REDUCTION, lattice_cost.TRUE_ERROR))
     return panels(("", p.series + " (scaled)" * p.scaled, (p.x, p.value)) for p in ways)
 
 
-def rk4_table(points: Iterable[ScalingPoint]) -> str:
+def rk4_table(points: Iterable[lattice_cost.ScalingPoint]) -> str:
     """Return the table of the paper's error figure by RK4 step, and the share due to the step."""
     errors = {point.x: point.value for point in points}
     exact = errors[0.0]
@@ -251,10 +242,10 @@ def rk4_table(points: Iterable[ScalingPoint]) -> str:
     return table("rk4", caption, "lrrr", head, rows)
 
 
-def window_table(points: Sequence[ScalingPoint]) -> str:
+def window_table(points: Sequence[lattice_cost.ScalingPoint]) -> str:
     """Return the table of the window's error by its number of sites, with the fitted exponent."""
     rows = [[f"{point.x:.0f}", scientific(point.value)] for point in points]
-    rows.append(["law", rf"$N^{{{fit_power((p.x, p.value) for p in points):.1f}}}$"])
+    rows.append(["law", rf"$N^{{{lattice_cost.fit_power((p.x, p.value) for p in points):.1f}}}$"])
     head = ["sites $N$", r"error of $y/\epsilon$"]
     return table("window", "Error by the size of the co-moving window.", "rl", head, rows)
 

@@ -124,10 +124,7 @@ def degrees(_: MeasuredRuns) -> ClaimEvidence:
     """Return the excess of the denominator's degree over the numerator's, background subtracted."""
     excess = {j: _excess(j) for j in (2, 3)}
     measurements = tuple(
-        Measurement(
-            f"$Y_{j}$: degree {facts(j).degree} over {facts(j).degree - excess[j]}, by",
-            e,
-        )
+        Measurement(f"$Y_{j}$: degree {facts(j).degree} over {facts(j).degree - excess[j]}, by", e)
         for j, e in excess.items()
     )
     return measurements, (e == 2 for e in excess.values())
