@@ -37,7 +37,7 @@ PACKS, SUFFIX, INDEX, LOCK = "packs", ".h5", "index", "merge.lock"
 """Folder of a store's packs, suffix of a pack, and names of the index and the lock."""
 
 INDEXED_CHANGES = 16
-"""Number of added or removed packs that triggers a new index; reading 16 packs takes 50 ms."""
+"""Number of added or removed packs from which a new index is written; reading 16 takes 50 ms."""
 
 MERGED_COUNT, SIZE_RATIO, MOST_BYTES = 32, 8, 2**25
 """Merging rules: packs are merged once 32 of them have sizes within a factor of 8, and no merged
@@ -80,11 +80,6 @@ class PackedRun:
         """Path of the pack."""
         return self.folder / PACKS / self.pack
 
-    @property
-    def link_free(self) -> int:
-        """Number of last components of the path that must not be links."""
-        return link_free_parts(self.pack)
-
     def load(self) -> xr.Dataset:
         """Load the run, bit by bit as it was saved; raise ValueError if its pack lacks it."""
         try:
@@ -93,11 +88,13 @@ class PackedRun:
             (location,) = relocated_runs([self])
             return location._load_row()
         except ValueError:
-            delete_index(self.folder)
+            with suppress(OSError):  # without the index, all packs are read when opened next
+                (self.folder / PACKS / INDEX).unlink()
             raise
 
     def _load_row(self) -> xr.Dataset:
-        return run_pack.load_row(self.path, self.group, self.row, self.key, self.link_free)
+        link_free = link_free_parts(self.pack)
+        return run_pack.load_row(self.path, self.group, self.row, self.key, link_free)
 
 
 def link_free_parts(pack: str) -> int:
@@ -124,8 +121,7 @@ def relocated_runs(runs: Sequence[PackedRun]) -> list[PackedRun]:
 
 
 class PackIndex:
-    """Index of a store's packs by key; of several attempts at a cell it keeps a final one with a
-    run.
+    """Index of a store's packs by key; of several attempts at a cell, one with a run is kept.
 
     ``table`` has one row for each key and is sorted by key; ``packs`` are the names to which the
     numbers in its column ``pack`` refer.
@@ -255,7 +251,7 @@ def _read_index(folder: Path) -> dict[str, tuple[PackStamp, run_pack.CellTable]]
             table = run_pack.build_table(columns, file["numbers"])
         ends = np.searchsorted(table.pack, np.arange(len(packs) + 1))
         if np.any(np.diff(table.pack) < 0) or ends[0] != 0 or ends[-1] != len(table):
-            raise ValueError("the rows do not match the packs")
+            raise ValueError("rows must be sorted by pack, got another order or number")
     except Exception as error:  # see run_pack.read_pack
         LOG.warning("%s is not an index and is rebuilt (%s)", path, reason_of(error))
         return {}
@@ -263,12 +259,6 @@ def _read_index(folder: Path) -> dict[str, tuple[PackStamp, run_pack.CellTable]]
     return {
         name: (stamp, table.select(part)) for (name, stamp), part in zip(packs, parts, strict=True)
     }
-
-
-def delete_index(folder: Path) -> None:
-    """Delete the index file, so that all packs are read when the store is opened next."""
-    with suppress(OSError):
-        (folder / PACKS / INDEX).unlink()
 
 
 def _list_packs(folder: Path) -> dict[str, PackStamp]:

@@ -114,14 +114,8 @@ def check_field(field: str, document: Document | None = None) -> None:
         raise ValueError(
             f"fields must be named with their table, got {field} (write {' or '.join(qualified)})"
         )
-    known = [
-        *(
-            f"{name}.{inner}" if inner else name
-            for name, keys in VARIED.items()
-            for inner in keys or [""]
-        ),
-        *(f"{name}.NAME" for name in scene_file.PAIRS),
-    ]
+    known = [f"{name}.{key}".strip(".") for name, keys in VARIED.items() for key in keys or [""]]
+    known += [f"{name}.NAME" for name in scene_file.PAIRS]
     raise ValueError(f"fields must be known ones, got {shown(field)} ({one_of(field, known)})")
 
 
@@ -159,11 +153,8 @@ def _leave_to_tolerance(document: dict[str, Any]) -> None:
     document.pop("domain", None)
     observables = document.get("observables")
     if isinstance(observables, list | tuple):
-        document["observables"] = [
-            name
-            for name in observables
-            if not (name in OBSERVABLES and OBSERVABLES[name].measured_at == "refinement")
-        ]
+        refined = {name for name, o in OBSERVABLES.items() if o.measured_at == "refinement"}
+        document["observables"] = [name for name in observables if name not in refined]
 
 
 def make_scene(document: Document, name: str, folder: Path) -> Scene:
