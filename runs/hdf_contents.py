@@ -84,10 +84,8 @@ def _is_external(array: Any) -> bool:
 
 
 def _members(item: Any, deepest: int, addresses: set[Any]) -> Iterator[Any]:
-    """Yield an array or group and all members below it, following hard links only.
-
-    ``addresses`` collects the objects met so far. Raises ValueError if one is met twice.
-    """
+    """Yield an array or group and all members below it, following hard links only. ``addresses``
+    collects the objects met so far. Raises ValueError if one is met twice."""
     import h5py
 
     _check_new(item, addresses)
@@ -213,9 +211,7 @@ def _is_valid_scale_attribute(
     name: str, type_: Any, shape: tuple[int, ...], array_shape: tuple[int, ...] | None
 ) -> bool:
     """Whether an attribute that describes an array's dimensions has the type that HDF5 expects.
-
-    HDF5 reads these without checking their type, into a buffer of the expected size.
-    """
+    HDF5 reads these without checking their type, into a buffer of the expected size."""
     from h5py import h5t
 
     if array_shape is None or name not in ("DIMENSION_LIST", "REFERENCE_LIST", "CLASS", "NAME"):

@@ -203,10 +203,8 @@ def observables() -> list[Record]:
 
 
 class _Kind(NamedTuple):
-    """A kind of entries: its records, the columns of its table, and a note below the table.
-
-    A column is a format string for a record, or a function of it.
-    """
+    """A kind of entries: its records, the columns of its table, and a note below the table. A
+    column is a format string for a record, or a function of it."""
 
     records: Callable[[], list[Record]]
     columns: Mapping[str, str | Callable[[Record], str]]

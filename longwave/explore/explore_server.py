@@ -156,10 +156,8 @@ REDIRECT = """<!DOCTYPE html>
 
 @contextmanager
 def _open_browser(address: str) -> Iterator[None]:
-    """Open the browser at the address, by way of a file that only the user can read.
-
-    The token must not be among the browser's arguments, which every user can read.
-    """
+    """Open the browser at the address, by way of a file that only the user can read. The token must
+    not be among the browser's arguments, which every user can read."""
     descriptor, name = tempfile.mkstemp(prefix="longwave-explore-", suffix=".html")
     try:
         with open(descriptor, "w", encoding="utf-8") as stream:

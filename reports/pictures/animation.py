@@ -156,10 +156,8 @@ def _check_cost(
 
 
 def _scene_of_film(scene: Scene, options: FilmOptions) -> Scene:
-    """Return the scene with the times of the film's frames as its snapshots.
-
-    Raises ValueError if all frames together have more than ``MOST_NUMBERS`` sites.
-    """
+    """Return the scene with the times of the film's frames as its snapshots. Raises ValueError if
+    all frames together have more than ``MOST_NUMBERS`` sites."""
     if scene.bench:
         sites = scene.bench.sites
     else:

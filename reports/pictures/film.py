@@ -94,8 +94,7 @@ class Film:
         )
         ax.set_xlim(*spread_limits([times]) if times.size < 2 else (times[0], times[-1]))
         ax.set_ylim(0.0, spread_limits([self._errors, np.zeros(1)])[1])
-        ax.set_xlabel("$t$")
-        ax.set_ylabel({"error": "rel. error"}.get(self._tracked, self._tracked))
+        ax.set(xlabel="$t$", ylabel={"error": "rel. error"}.get(self._tracked, self._tracked))
         ax.locator_params(axis="y", nbins=3)
         ax.yaxis.set_major_formatter(PowerTicks())
 
@@ -182,8 +181,7 @@ class PlaneFilm(Film):
         )
         self._levels = np.linspace(low, high, CONTOURS + 2)[1:-1]
         self._lines = self._contours(0)
-        self._ax.set_xlabel("$n - c\\,t$  (cells)")
-        self._ax.set_ylabel("$m$")
+        self._ax.set(xlabel="$n - c\\,t$  (cells)", ylabel="$m$")
         self.figure.colorbar(self._mesh, ax=self._ax, label=field_label(self._run, "strain"))
         return [self._mesh, self._lines]
 

@@ -28,7 +28,7 @@ ACROSS = 3
 
 def even_times(run: Labelled) -> list[int]:
     """Return the indices of at most ``ACROSS`` evenly spaced times, first and last included."""
-    return drawing.even_places(run.sizes["time"], ACROSS)
+    return drawing.even_indices(run.sizes["time"], ACROSS)
 
 
 @part(4.6)
@@ -102,8 +102,7 @@ def _draw_errors(
 
 def _draw_power(ax: Axes, points: Sequence[ConvergencePoint], power: float) -> None:
     """Draw a line of slope ``power`` below all points, and ticks at round values of eps."""
-    ax.set_xscale("log")
-    ax.set_yscale("log")
+    ax.set(xscale="log", yscale="log")
     factor = 0.5 * min(point.error / point.eps**power for point in points)
     ends = np.array([min(p.eps for p in points), max(p.eps for p in points)])
     label = rf"$\propto\epsilon^{{{power:g}}}$"
@@ -138,8 +137,7 @@ def modulation_figure(grid: ModulationGrid, quadratic: Array) -> Figure:
     ):
         x, y = (float(np.mean(axis[inside])) for axis in (grid.k, quadratic))
         ax.text(x, y, text, color=colour, ha="center", va="center")
-    ax.set_xlabel("carrier wavenumber $k$")
-    ax.set_ylabel("$K_3$")
+    ax.set(xlabel="carrier wavenumber $k$", ylabel="$K_3$")
     ax.set_xticks(*drawing.WAVENUMBER_TICKS)
     figure.colorbar(image, ax=ax, label=r"growth rate in $T$ of $|A|=1$")
     return figure

@@ -285,7 +285,7 @@ def _snapshots(data: LabelledArrays) -> Part:
     """Return panels of lattice and wave on a chain, or maps of both on two axes."""
     if "row" in data.sizes:
         return strain_maps(run_data.with_own(data))
-    indices = drawing.even_places(data.sizes["time"], MOST_PANELS)
+    indices = drawing.even_indices(data.sizes["time"], MOST_PANELS)
     panels = run_data.snapshots(data, shown_half_width(data), indices)
     _, across = drawing.grid_shape(len(panels), ACROSS)
     rows = [panels[i : i + across] for i in range(0, len(panels), across)]
@@ -294,7 +294,7 @@ def _snapshots(data: LabelledArrays) -> Part:
 
 def _spectra(data: LabelledArrays) -> Part:
     return drawing.spectrum_panels(
-        run_data.spectra(data, drawing.even_places(data.sizes["time"], drawing.MOST_SPECTRA))
+        run_data.spectra(data, drawing.even_indices(data.sizes["time"], drawing.MAX_SPECTRA))
     )
 
 

@@ -141,10 +141,8 @@ def part(
 
 
 def _leave_out_spines(figure: FigureBase) -> None:
-    """Exclude spines from the layout computation, which takes a sixth less time without them.
-
-    The spines lie within the axes, as ticks point inwards.
-    """
+    """Exclude spines from the layout computation, which takes a sixth less time without them. The
+    spines lie within the axes, as ticks point inwards."""
     for ax in cast(Figure, figure).axes:  # a SubFigure has axes, too
         for side in _SIDES & ax.spines.keys():
             ax.spines[side].set_in_layout(False)
@@ -247,10 +245,8 @@ def _as_mathematics(found: re.Match[str]) -> str:
 
 
 def _with_numbered_clips(text: str) -> str:
-    """Return an SVG's text with numbered clipping paths.
-
-    Matplotlib names them after the last bits of a layout, which differ between drawings.
-    """
+    """Return an SVG's text with numbered clipping paths. Matplotlib names them after the last bits
+    of a layout, which differ between drawings."""
     for index, name in enumerate(re.findall(r'<clipPath id="(p[0-9a-f]{10})">', text)):
         text = text.replace(name, f"clip{index}")
     return text

@@ -309,7 +309,7 @@ def work_precision(
     handles, labels = panels[0].get_legend_handles_labels()
     columns = {
         "ncols": _work_columns(curves),
-        "title": drawing.CHEAPEST.format("runs"),
+        "title": drawing.CHEAPEST_TITLE.format("runs"),
         "title_fontsize": 8.0,
     }
     above = figure.legend(handles, labels, loc="outside upper center", **columns)
@@ -335,7 +335,7 @@ def _draw_work(ax: Axes, along: str, name: str, curve: xr.Dataset, look: dict[st
 def _join_cheapest(ax: Axes, work: Array, errors: Array, look: dict[str, Any], label: str) -> None:
     """Draw all points, and a line through those that no other point beats in work and error."""
     ax.loglog(work, errors, label=label, **look | {"linestyle": ""})
-    cheapest = drawing.cheapest_places(work, errors)
+    cheapest = drawing.cheapest_indices(work, errors)
     ax.loglog(work[cheapest], errors[cheapest], **look | {"marker": ""})
 
 

@@ -355,10 +355,8 @@ def work_part(data: xr.Dataset) -> Part:
 
 
 def _work_numbers(data: xr.Dataset) -> xr.Dataset:
-    """Return the ``seconds``, site ``updates`` and errors of all cells.
-
-    The errors are ``estimated``, and ``achieved`` against the wave with their ``own`` errors.
-    """
+    """Return the ``seconds``, site ``updates`` and errors of all cells. The errors are
+    ``estimated``, and ``achieved`` against the wave with their ``own`` errors."""
     seconds, evaluations, sites = (
         _numbers(data, name) for name in ("seconds", "force_evaluations", "sites")
     )

@@ -358,9 +358,7 @@ def sample_sites(
 
 def _last_zero(wave: Wave, t: float, eps: float, sites: Array, **transverse_site: float) -> float:
     """Return the site, to the last bit, where Y_T changes sign, or the smallest |Y_T| if none does.
-
-    A complex Y_T is replaced by its real part.
-    """
+    A complex Y_T is replaced by its real part."""
     rates = wave.at(sites, t, eps, **transverse_site).Y_T.real
     turns = np.flatnonzero(rates[1:] * np.sign(rates[:-1]) < 0)
     if turns.size == 0:

@@ -89,9 +89,7 @@ def hard_case(
 )
 def _step_limit() -> Reading:
     """Return the largest relative distance between the stated limit and that of the kernels.
-
-    Infinite unless a step just past the limit is refused; one just below must be accepted.
-    """
+    Infinite unless a step just past the limit is refused; one just below must be accepted."""
     worst, messages = 0.0, []
     for scheme in schemes.SCHEMES:
         limit = schemes.stability_limit(scheme) / LINEAR.highest_frequency(np.zeros(1))
