@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -22,13 +21,13 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-ACROSS = 3
-"""Number of times of a scene side by side."""
+MAX_TIMES = 3
+"""Most times of a scene side by side."""
 
 
 def even_times(run: Labelled) -> list[int]:
-    """Return the indices of at most ``ACROSS`` evenly spaced times, first and last included."""
-    return drawing.even_indices(run.sizes["time"], ACROSS)
+    """Return the indices of at most `MAX_TIMES` evenly spaced times, first and last included."""
+    return drawing.even_indices(run.sizes["time"], MAX_TIMES)
 
 
 @part(4.6)
@@ -65,8 +64,8 @@ def strain_maps(figure: FigureBase, run: LabelledArrays) -> None:
 RATE_HEIGHT, RATES_ACROSS = 2.3, 2
 """Height of a row of panels of errors over eps, in inches, and most panels in a row."""
 
-TICKS_APART = 0.2
-"""Least distance of two printed values of eps, as a share of the axis's length."""
+MIN_TICK_DISTANCE = 0.2
+"""Least distance of two printed values of eps, as a fraction of the axis's length."""
 
 
 def rate_figure(panels: Mapping[float, Mapping[str, Sequence[ConvergencePoint]]]) -> Figure:
@@ -108,11 +107,10 @@ def _draw_power(ax: Axes, points: Sequence[ConvergencePoint], power: float) -> N
     label = rf"$\propto\epsilon^{{{power:g}}}$"
     ax.plot(ends, factor * ends**power, color="black", linestyle=":", linewidth=1.0, label=label)
     ticks: list[float] = []
+    least_ratio = (ends[1] / ends[0]) ** MIN_TICK_DISTANCE
     for tick in (0.02, 0.05, 0.1, 0.2, 0.3, 0.5):
-        distance = (
-            math.inf if not ticks else math.log(tick / ticks[-1]) / math.log(ends[1] / ends[0])
-        )
-        if ends[0] <= tick <= ends[1] and distance > TICKS_APART:
+        is_apart = not ticks or tick / ticks[-1] > least_ratio
+        if ends[0] <= tick <= ends[1] and is_apart:
             ticks.append(tick)
     ax.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
     ax.set_xticks([], minor=True)

@@ -32,7 +32,7 @@ MAX_CURVES, MAX_MAPS = 8, 12
 """Most curves in a picture, as many as colours distinguish, and most heat maps on a page."""
 
 MAX_LABEL_CHARACTERS = 50
-"""Most characters of a long name as an axis label; the name of the variable replaces longer ones."""
+"""Most characters of a long name as an axis label; the variable's name replaces longer ones."""
 
 MAX_LISTED_VALUES = 20
 """Most values that an error message lists."""
