@@ -33,10 +33,8 @@ def measured_convergence(
         example = "such as 0.1,0.07,0.05"
         values = listed("--eps", eps, lambda part: finite("--eps", float(part)), "numbers", example)
         if "eps" in changes:
-            raise ValueError(
-                f"eps must be given once, got --eps {eps} and --set eps={changes['eps']} (leave "
-                "one out)"
-            )
+            got = f"--eps {eps} and --set eps={changes['eps']} (leave one out)"
+            raise ValueError(f"eps must be given once, got {got}")
     scene = changed_scene(source, changes, tolerance)
     with console.progress_bar(scene.name, f"{scene.name} at several eps") as bar:
         return scene_convergence(scene, values, *bar)
@@ -49,13 +47,8 @@ def print_convergence(study: SceneConvergence, json_wanted: bool) -> None:
         return
     table = Table("eps", "sup error", "of the wave's size", "discretisation", "cells")
     for point in study.points:
-        table.add_row(
-            f"{point.eps:g}",
-            f"{point.error:.3g}",
-            f"{point.relative:.3g}",
-            f"{point.discretisation:.1g}",
-            str(point.sites),
-        )
+        errors = f"{point.error:.3g}", f"{point.relative:.3g}", f"{point.discretisation:.1g}"
+        table.add_row(f"{point.eps:g}", *errors, str(point.sites))
     scene, output = study.scene, console.plain_console()
     theory = "none known" if study.theory is None else str(study.theory)
     console.print_lines(output, [scene.title or scene.name])
@@ -70,9 +63,8 @@ def print_convergence(study: SceneConvergence, json_wanted: bool) -> None:
 
 def convergence_figure(study: SceneConvergence) -> ShownFigure:
     """Draw errors against eps on logarithmic axes, with the runs' own errors and the fit."""
-    eps = np.array([point.eps for point in study.points])
-    errors = np.array([point.error for point in study.points])
-    run_errors = np.array([point.discretisation for point in study.points])
+    points = [(point.eps, point.error, point.discretisation) for point in study.points]
+    eps, errors, run_errors = np.transpose(points)
     figure = ShownFigure((WIDTHS[1], 2.8), layout="constrained")
     ax = figure.subplots()
     rate = study.rate.value

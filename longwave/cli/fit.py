@@ -34,7 +34,7 @@ from longwave.support.user_files import STANDARD_INPUT, on_one_line
 TEST_WORDS = {ODD: "the term", EVEN: "the term", SMOOTH: "smooth curves to", SERIAL: "neighbours"}
 """Words for the alternatives that residuals are tested against, by the kind of test."""
 
-MOST_CORRELATIONS = 6
+MAX_CORRELATIONS = 6
 """Largest number of constants for which the table has columns of correlations."""
 
 
@@ -60,8 +60,9 @@ def fit_and_print(
     name = "the standard input" if points == STANDARD_INPUT else on_one_line(Path(points).name)
     origin = f"{fit.data.stretch.size} points of {name}{' in m and N' if units else ''}"
     if output is not None:
-        text = lattice_text(fit, origin)
-        write_atomically(output, lambda draft: draft.write_text(text, encoding="utf-8"))
+        comments = [f"force law of {origin}", *_quality_lines(fit), *_warnings(fit)]
+        comments.append("masses = [1]: replace 1 by the mass of a cell, in quotes")
+        _write_lattice(output, fit, comments)
     if plot is not None:
         from longwave.reports.pictures.force_picture import force_figure
         from longwave.reports.pictures.style import save, styled
@@ -75,11 +76,10 @@ def fit_and_print(
     return 0
 
 
-def lattice_text(fit: ForceFit, origin: str) -> str:
-    """Return the text of a fit's lattice file, with its origin and quality as comments."""
-    comments = [f"force law of {origin}", *_quality_lines(fit), *_warnings(fit)]
-    comments.append("masses = [1]: replace 1 by the mass of a cell, in quotes")
-    return "\n".join([*(f"# {line}" for line in comments), toml_text(fit.document())])
+def _write_lattice(output: str, fit: ForceFit | SceneFit, comments: Sequence[str]) -> None:
+    """Write a fit's lattice file, with the comments at its beginning."""
+    text = "\n".join([*(f"# {line}" for line in comments), toml_text(fit.document())])
+    write_atomically(output, lambda draft: draft.write_text(text, encoding="utf-8"))
 
 
 def fit_data(fit: ForceFit) -> dict[str, Any]:
@@ -123,21 +123,14 @@ def print_fit(fit: ForceFit, origin: str) -> None:
 def _print_constants(fit: LeastSquares, free: Sequence[object]) -> None:
     """Print a table of the constants with intervals and correlations."""
     names = [str(name) for name in free]
-    correlation_headings = (
-        [f"with {name}" for name in names] if 1 < len(names) <= MOST_CORRELATIONS else []
-    )
-    table = Table("constant", "value", "95 % interval", *correlation_headings)
+    others = names if 1 < len(names) <= MAX_CORRELATIONS else []
+    table = Table("constant", "value", "95 % interval", *(f"with {name}" for name in others))
     rows = zip(names, fit.values, fit.deviations, fit.correlations, strict=True)
     for name, value, deviation, correlations in rows:
         low, high = (rounded(value + side * WIDE * deviation, deviation) for side in (-1, 1))
-        correlation_cells = (
-            [f"{entry:.2f}" for entry in correlations] if correlation_headings else []
-        )
-        numbers = (
-            f"{rounded(value, deviation)} +- {rounded(deviation, deviation)}",
-            f"{low} .. {high}",
-        )
-        table.add_row(name, *numbers, *correlation_cells)
+        measured = f"{rounded(value, deviation)} +- {rounded(deviation, deviation)}"
+        cells = (f"{entry:.2f}" for entry in (correlations if others else ()))
+        table.add_row(name, measured, f"{low} .. {high}", *cells)
     table_console().print(table)
 
 
@@ -166,9 +159,7 @@ def fit_scene_and_print(
             for name, value, sd in values
             if name not in fit.document()["constants"]
         ]
-        comments = [f"# {line}" for line in (f"fitted to {origin}", *quality, *scene_constants)]
-        text = "\n".join([*comments, toml_text(fit.document())])
-        write_atomically(output, lambda draft: draft.write_text(text, encoding="utf-8"))
+        _write_lattice(output, fit, [f"fitted to {origin}", *quality, *scene_constants])
     if json_wanted:
         data = {
             **_constants_data(fit, fit.names),

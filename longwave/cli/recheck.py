@@ -34,7 +34,10 @@ PROOF_SECONDS, REPETITION_SECONDS = 0.5, 3.5
 """Approximate seconds for a proof, and for its repetition by all three systems."""
 
 NO_APT = "LONGWAVE_NO_APT"
+"""Environment variable that forbids the installation of systems."""
+
 MISSING, NO_SCRIPT = "not installed", "no script"
+"""Answers of a system that is missing, and to a proof that cannot be written as a script."""
 
 
 @dataclass(frozen=True)
@@ -63,9 +66,8 @@ def print_rechecks(
     if not 0 < seconds < 1e6:
         raise ValueError(f"--limit must be more than 0 and less than 1e6, got {seconds:g}")
     count = len(names) or len(NAMES) + len(chosen([]))
-    seconds_each = PROOF_SECONDS + min(REPETITION_SECONDS, len(systems.SYSTEMS) * seconds) / (
-        os.cpu_count() or 1
-    )
+    repetition = min(REPETITION_SECONDS, len(systems.SYSTEMS) * seconds)
+    seconds_each = PROOF_SECONDS + repetition / (os.cpu_count() or 1)
     work = f"the proofs of {count} statements, repeated"
     check_and_announce(work, count * seconds_each, cheaper="name fewer with --only")
     proofs = proofs_of(names)
@@ -105,11 +107,7 @@ def proofs_of(names: Sequence[str] = ()) -> Proofs:
     Raises ValueError for an unknown name.
     """
     verdicts = [prove_named(name) for name in NAMES if not names or name in names]
-    proofs: Proofs = [
-        (verdict.name, [verdict.certificate])
-        for verdict in verdicts
-        if verdict.certificate is not None
-    ]
+    proofs: Proofs = [(v.name, [v.certificate]) for v in verdicts if v.certificate is not None]
     other_names = [name for name in names if name not in NAMES]
     if other_names or not names:
         problems = [text.problem() for text in chosen(other_names, NAMES)]
@@ -132,14 +130,9 @@ def _recheck(name: str, certificates: Sequence[Mapping[str, Any]], limit: float)
     except CertificateError:
         return Recheck(name, dict.fromkeys(systems.SYSTEMS, NO_SCRIPT), [], 0.0)
     answers = {system: _answers(proofs, system, limit) for system in systems.SYSTEMS}
-    worst = {
-        system: worst_of([outcome for outcome, _ in answer_seconds])
-        for system, answer_seconds in answers.items()
-    }
+    worst = {system: worst_of([outcome for outcome, _ in a]) for system, a in answers.items()}
     premises = list(dict.fromkeys(words for proof in proofs for words in proof.conditions))
-    seconds = sum(
-        seconds_taken for answer_seconds in answers.values() for _, seconds_taken in answer_seconds
-    )
+    seconds = sum(taken for pairs in answers.values() for _, taken in pairs)
     return Recheck(name, worst, premises, seconds)
 
 

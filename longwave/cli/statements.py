@@ -48,7 +48,8 @@ if TYPE_CHECKING:
 DEFAULT_LIMIT = 60.0
 """Default seconds for a statement."""
 
-LEAST_LIMIT, MOST_LIMIT = 0.01, 1e6
+MIN_LIMIT, MAX_LIMIT = 0.01, 1e6
+"""Least and largest accepted limit for a statement, in seconds."""
 
 HINT_SECONDS = 5.0
 """Longest search for a true statement close to a refuted one."""
@@ -65,10 +66,11 @@ GRACE_SECONDS = 1.0
 MOST_MEMORY = 2_000_000_000
 """Bytes of memory for a statement, beyond those of the idle process."""
 
-MOST_SHOWN = 20
-"""Largest number of unreadable statements that are printed."""
+MAX_SHOWN = 20
+"""Most unreadable statements that are printed."""
 
 FIRST_STAGE = "start"
+"""Stage of a statement on which the prover has not reported."""
 
 STAGES = {
     "find_witness": "looking for a counterexample",
@@ -151,11 +153,8 @@ def decide_and_print(
     unreadable = [problem.error for problem in problems if isinstance(problem, UnreadableProblem)]
     if unreadable and not keep_going:
         return _print_unreadable(unreadable, len(problems))
-    verdicts = _decide_all(
-        problems,
-        stored,
-        partial(_decide_here_or_on_cluster, limit=seconds, hinting=hinting, scheduler=scheduler),
-    )
+    options: dict[str, Any] = {"limit": seconds, "hinting": hinting, "scheduler": scheduler}
+    verdicts = _decide_all(problems, stored, partial(_decide_here_or_on_cluster, **options))
     results, complete = finished(tracked(verdicts, len(problems), "deciding"))
     results.sort(key=lambda pair: pair[0])
     proofs.write([certificate for _, verdict in results for certificate in verdict.certificates])
@@ -168,7 +167,7 @@ def decide_and_print(
 def _print_unreadable(errors: Sequence[FormulaError], total: int = 1) -> int:
     """Print statements that cannot be read, with each error's position; return the exit status."""
     status = 0
-    for error in errors[:MOST_SHOWN]:
+    for error in errors[:MAX_SHOWN]:
         status = fail(error)
         print(error.picture, file=sys.stderr)
     if total > 1:
@@ -236,8 +235,8 @@ def _decide_here_or_on_cluster(
 
 def _checked_limit(requested: float | None) -> float:
     limit = DEFAULT_LIMIT if requested is None else requested
-    if not LEAST_LIMIT <= limit <= MOST_LIMIT:
-        raise ValueError(f"--limit must be {LEAST_LIMIT} to {MOST_LIMIT:g} seconds, got {limit:g}")
+    if not MIN_LIMIT <= limit <= MAX_LIMIT:
+        raise ValueError(f"--limit must be {MIN_LIMIT} to {MAX_LIMIT:g} seconds, got {limit:g}")
     return limit
 
 
@@ -269,12 +268,9 @@ def decide_statements(
         if is_announced or seconds < SECONDS_BEFORE_NOTICE:
             return
         is_announced = True
-        if done:
-            late(remaining, f"about {duration(seconds * remaining / done)} more")
-        else:
-            late(
-                remaining, f"at most {duration(math.ceil(remaining / workers.count) * limit)} more"
-            )
+        most = math.ceil(remaining / workers.count) * limit
+        about = f"about {duration(seconds * remaining / done)}" if done else ""
+        late(remaining, f"{about or f'at most {duration(most)}'} more")
 
     jobs = (
         processes.Job(
@@ -346,10 +342,8 @@ def _decide_in_worker(
     if verdict.outcome is not Outcome.REFUTED or seconds_left <= 0 or statement.weak:
         return verdict
     send(verdict)
-    with (
-        suppress(processes.OutOfTime, Exception),
-        processes.time_limit(seconds_left, passing=True),
-    ):  # the verdict stays
+    limited = processes.time_limit(seconds_left, passing=True)
+    with suppress(processes.OutOfTime, Exception), limited:  # the verdict stays
         return with_hint(statement, verdict)
     return verdict
 

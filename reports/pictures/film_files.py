@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from itertools import chain
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
 import numpy as np
 from PIL import Image as PillowImage
@@ -137,11 +137,9 @@ def _write_mp4(film: Film, path: Path, fps: float, show: Show) -> None:
         processes: list[subprocess.Popen[bytes]] = []
 
         def start_encoder() -> None:  # in its own session: Ctrl-C reaches only this process
-            output = {"stdout": messages, "stderr": messages}
-            encoder = subprocess.Popen(
-                command, stdin=subprocess.PIPE, start_new_session=True, **output
-            )
-            processes.append(encoder)
+            streams = {"stdin": subprocess.PIPE, "stdout": messages, "stderr": messages}
+            options: Any = streams | {"start_new_session": True}
+            processes.append(subprocess.Popen(command, **options))
 
         try:
             # In a thread, as Ctrl-C within Popen would lose the running ffmpeg.
