@@ -93,10 +93,7 @@ def resume(
     progress: ProgressCallback | None = None,
     wave: ClosedForm | None = None,
 ) -> xr.Dataset:
-    """Continue a run from one of its snapshots, with the bits of an uninterrupted run.
-
-    See `scenes.resume` for the arguments.
-    """
+    """Continue a run from one of its snapshots, with the same bits; see `scenes.resume`."""
     from longwave.scenes.engines import scene_run
 
     with display_progress("run", progress, None) as (share, _):

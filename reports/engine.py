@@ -31,10 +31,7 @@ def engine_present() -> bool:
 
 
 def compile_pdf(tex: Path) -> Path:
-    """Run LaTeX on `tex` in its own directory, without shell escape; return the PDF's path.
-
-    Raises CompileError with LaTeX's first error line.
-    """
+    """Run LaTeX on `tex` in its folder; return the PDF's path, or raise CompileError."""
     command = [
         ENGINE,
         "-pdf",

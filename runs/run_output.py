@@ -33,10 +33,7 @@ CHECKPOINT_PACE = LEAST, SHARE
 
 
 def check_run_output(output: str | None, force: bool) -> None:
-    """Raise ValueError, before the run, if its output cannot or may not be written.
-
-    Even ``force`` does not overwrite a file that is not a run.
-    """
+    """Raise ValueError, before the run, if its output cannot or may not be written."""
     check_output(output, suffixes=(".nc",), force=force)
     if output is not None and Path(output).exists() and not is_run_file(Path(output)):
         raise ValueError(

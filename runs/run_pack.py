@@ -262,11 +262,7 @@ def pack_content(records: Iterable[CellRecord]) -> bytes:
 
 
 def merged_content(packs: Iterable[tuple[Path, int]]) -> bytes:
-    """Return the bytes of one pack with all cells of these packs.
-
-    Each pack is given by the arguments ``path`` and ``link_free`` of `open_pack`, whose errors it
-    raises.
-    """
+    """Return the bytes of one pack with all cells of packs (path, link_free), as in `open_pack`."""
     layouts: dict[str, list[_RunStack]] = defaultdict(list)
     for path, link_free in packs:
         with open_pack(path, link_free) as file:
@@ -389,10 +385,7 @@ def _group_table(number: int, group: Any) -> CellTable:
 
 
 def build_table(columns: Mapping[str, Any], numbers: Any) -> CellTable:
-    """Build a table from a file's ``columns`` and from the known columns of the group ``numbers``.
-
-    Raises ValueError unless all have one length and the right type.
-    """
+    """Build a table from columns and a group of numbers; ValueError unless they have one length."""
     count = len(columns["key"])
     plain = {name: np.asarray(columns[name]).astype(type_) for name, type_ in COLUMN_TYPES.items()}
     number_columns = {
@@ -408,20 +401,14 @@ def build_table(columns: Mapping[str, Any], numbers: Any) -> CellTable:
 
 
 def check_keys(group: Any, rows: Sequence[int], keys: Sequence[str]) -> None:
-    """Raise ValueError if the given rows of a pack's group do not have these keys.
-
-    The pack may have been replaced since it was indexed. An empty key matches any row.
-    """
+    """Raise ValueError if rows of a group do not have these keys; an empty key matches any row."""
     expected = [(row, key) for row, key in zip(rows, keys, strict=True) if key]
     if any(local_member(group, "key").asstr()[row] != key for row, key in expected):
         raise ValueError("pack must have the indexed keys, got others: it changed since then")
 
 
 def load_row(path: Path, group: int, row: int, key: str = "", link_free: int = 1) -> xr.Dataset:
-    """Load one run of a pack, bit by bit as it was saved; a nonempty ``key`` must be the row's.
-
-    Raises as `open_pack`.
-    """
+    """Load one run of a pack, bit by bit; a nonempty ``key`` must be the row's. See `open_pack`."""
     import xarray as xr
 
     with open_pack(path, link_free) as file:

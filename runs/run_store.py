@@ -105,10 +105,7 @@ class RunStore:
         return location
 
     def keep(self, scene: Scene, run: xr.Dataset) -> Path:
-        """Save a run that was computed elsewhere under its scene's key; return its file.
-
-        Raises ValueError for an unfinished run, and OSError if it cannot be written.
-        """
+        """Save a run that was computed elsewhere under its scene's key; return its file."""
         path = self.path(scene)
         with self._locked(path):
             return _save(path, run)

@@ -107,10 +107,7 @@ def link_free_parts(pack: str) -> int:
 
 
 def relocated_runs(runs: Sequence[PackedRun]) -> list[PackedRun]:
-    """Return the current locations of runs whose packs have been merged, all of one store.
-
-    Raises ValueError if a run is gone.
-    """
+    """Return the current locations of one store's merged runs; ValueError if one is gone."""
     index, relocated = pack_index(runs[0].folder), []
     for run in runs:
         entry = index.get(run.key)
@@ -167,10 +164,7 @@ class PackIndex:
 
 
 def pack_index(folder: Path) -> PackIndex:
-    """Return the index of all packs of the store in ``folder``; damaged packs are left out.
-
-    The index file is rewritten if many packs are new.
-    """
+    """Return the index of a store's undamaged packs; rewrite its file if many packs are new."""
     entries = _read_index(folder)
     indexed_count = len(entries)
     unreadable, vanished = set[tuple[str, PackStamp]](), set[tuple[str, PackStamp]]()

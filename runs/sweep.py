@@ -75,10 +75,7 @@ class SweepState:
 
     @property
     def seconds_left(self) -> float:
-        """Estimated seconds left, from measured against expected costs; 0 before any cell is done.
-
-        Without expected costs, the recent pace is used.
-        """
+        """Estimated seconds left, by expected costs or the recent pace; 0 at first."""
         cells_left = self.cells - self.stored - self.done
         cells, expected, taken = self.recent
         if not expected:
@@ -144,10 +141,7 @@ def run_with_progress(
     stored_keys: Container[str],
     displays: tuple[Callable[[float], object], Callable[[float], object] | None],
 ) -> None:
-    """Run a sweep and report its progress; arguments as in `run_sweep`.
-
-    ``displays`` is called with the finished share and, unless None, with the seconds left.
-    """
+    """Run a sweep; ``displays`` get the finished fraction and (unless None) the seconds left."""
     advance, show_seconds_left = displays
 
     def show(state: SweepState) -> None:

@@ -156,10 +156,7 @@ def _coordinate_values(column: Sequence[Any]) -> NDArray[Any]:
 
 
 def cell_run(sweep: Sweep, store: RunStore, **indices: int) -> xr.Dataset:
-    """Return the run of the cell with these indices along the swept dimensions.
-
-    Raises ValueError in one line for wrong indices, and for a cell without a run.
-    """
+    """Return the run of the cell with these indices; ValueError for wrong ones or without a run."""
     names = [dimension.name for dimension in sweep.dimensions]
     if set(indices) != set(names):
         got = ", ".join(indices) or "none"
@@ -178,10 +175,7 @@ def cell_run(sweep: Sweep, store: RunStore, **indices: int) -> xr.Dataset:
 
 
 def write_sweep(sweep: Sweep, store: RunStore, path: str | Path, force: bool = True) -> xr.Dataset:
-    """Write the sweep's data set, without the runs' fields, as NetCDF-4; return it.
-
-    Raises OSError, naming the file.
-    """
+    """Write the sweep's data set, without the runs' fields, as NetCDF-4; return it."""
     dataset = sweep_dataset(sweep, store, fields=False)
     content = file_content(dataset)
     write_atomically(Path(path), lambda draft: draft.write_bytes(content), force)

@@ -184,10 +184,7 @@ def sweep_of(
     folder: Path = Path(),
     changes: Mapping[str, Any] | None = None,
 ) -> Sweep:
-    """Build a sweep from the tables of a file, with ``changes`` to its [set].
-
-    Raises ValueError in one line if they are no sweep.
-    """
+    """Build a sweep from a file's tables with ``changes`` to its [set]; ValueError if invalid."""
     refuse_unknown(document, TOP_KEYS, "")
     title = document.get("title", "")
     text("title", title)

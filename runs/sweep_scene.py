@@ -35,10 +35,7 @@ VARIED = {
 
 
 def base_document(given: object, folder: Path = Path()) -> tuple[str, Document]:
-    """Return name and tables of a base scene: a shipped scene, a file in ``folder``, or tables.
-
-    Raises ValueError in one line.
-    """
+    """Return name and tables of a base scene: a shipped one, a file in ``folder``, or tables."""
     if isinstance(given, Mapping):
         return "scene", scene_file.in_one_spelling(given)
     if not isinstance(given, str):

@@ -191,10 +191,7 @@ MOST_SECONDS, MOST_MEMORY = 5, 500_000_000
 
 
 def run_limited(work: Callable[..., T], *arguments: object) -> T:
-    """Return the result of ``work``, run in a process with limits of time and memory.
-
-    Raises CertificateError if ``work`` does or if it exceeds a limit.
-    """
+    """Return the result of ``work``; CertificateError if it exceeds time or memory limits."""
     call = run_apart(Job(_run_with_cpu_limit, (work, arguments), memory=MOST_MEMORY))
     if isinstance(call.error, CertificateError):
         raise call.error

@@ -98,10 +98,7 @@ def converge_and_draw(
     force: bool,
     json_wanted: bool,
 ) -> int:
-    """Run the study, print it, and draw it if an output is given; return 0, or 130 after Ctrl-C.
-
-    Raises ValueError for wrong input.
-    """
+    """Run the study, print it and draw it if asked; return 0, or 130 after Ctrl-C."""
     try:
         console.check_output(output, "rate.png", force=force)
         path = None if output is None else console.picture_path(output)

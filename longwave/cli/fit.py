@@ -49,10 +49,7 @@ def fit_and_print(
     force: bool,
     json_wanted: bool,
 ) -> int:
-    """Fit a force law, print it, and write the requested files; return the exit status 0.
-
-    Raises ValueError for wrong input.
-    """
+    """Fit a force law, print it and write the requested files; ValueError for wrong input."""
     check_output(output, "chain.toml", suffixes=(".toml",), force=force, read=(points,))
     inputs = (points, output or points)
     check_output(plot, "fit.png", suffixes=SUFFIXES, force=force, option="--plot", read=inputs)
@@ -143,10 +140,7 @@ def fit_scene_and_print(
     force: bool,
     json_wanted: bool,
 ) -> int:
-    """Fit a scene's constants to records, print, and write a lattice file if asked; return 0.
-
-    Raises ValueError for wrong input.
-    """
+    """Fit a scene's constants, print, write a lattice file if asked; ValueError for wrong input."""
     check_output(output, "chain.toml", suffixes=(".toml",), force=force, read=(*records, scene))
     fit = fit_scene(scene, records, [name.strip() for name in free.split(",") if name.strip()])
     names = ", ".join(on_one_line(Path(record).name) for record in records)

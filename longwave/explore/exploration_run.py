@@ -228,10 +228,7 @@ Answer = float | Comparison | Refusal
 
 
 class Explorer:
-    """Compares the last submitted scene, in a worker process.
-
-    The worker starts with the first scene, and again after a run that had to be stopped.
-    """
+    """Compares the last submitted scene in a worker process, restarted after a run was stopped."""
 
     def __init__(self, limits: RequestLimits = DEFAULT_LIMITS) -> None:
         self.limits = limits

@@ -162,10 +162,7 @@ class NumberEntry:
 
 
 class ExplorePage:
-    """One visitor's page: the choices, their run, and its pictures.
-
-    Nothing runs before `start` is called.
-    """
+    """One visitor's page: choices, their run and its pictures; `start` lets it run."""
 
     def __init__(self, explorer: Explorer) -> None:
         self.explorer, self._has_started = explorer, False

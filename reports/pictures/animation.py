@@ -53,10 +53,7 @@ MAX_TITLE_CHARACTERS = 100
 
 @dataclass(frozen=True)
 class FilmOptions:
-    """Duration of a film in seconds, its frames per second, pixels per inch and range of times.
-
-    Raises ValueError for a number out of bounds.
-    """
+    """Duration in seconds, frames per second, pixels per inch and range of times of a film."""
 
     duration: float = 6.0
     fps: float = 25.0

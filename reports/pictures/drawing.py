@@ -386,10 +386,7 @@ MAX_SPECTRA = 6
 
 @style.part(lambda spectra: 1.9 * grid_shape(spectra.sizes["time"])[0] + 0.35)
 def spectrum_panels(figure: FigureBase, spectra: LabelledArrays) -> None:
-    """Draw a panel for each time of `run_data.spectra`, all with the same axes.
-
-    The run's own error is a line: amplitudes below it are drawn but may be wrong.
-    """
+    """Draw a panel for each time of `run_data.spectra`; the line is the run's own error."""
     amplitude = f"amplitude of {field_label(spectra, '$y$')}"
     grid, free = panel_grid(figure, spectra.sizes["time"], "wavenumber  (1/site)", amplitude)
     signs: dict[str, Any] = {}
@@ -419,10 +416,7 @@ def grid_shape(count: int, most: int = 12) -> tuple[int, int]:
 def panel_grid(
     figure: FigureBase, count: int, x: str, y: str, most: int = 12
 ) -> tuple[list[Axes], Axes | None]:
-    """Return ``count`` panels with shared axes, labelled at the left and at the bottom.
-
-    The second value are empty axes for a legend, None if the grid is full.
-    """
+    """Return ``count`` panels with shared, labelled axes, and an empty one for a legend or None."""
     rows, across = grid_shape(count, most)
     grid = figure.subplots(rows, across, squeeze=False, sharex=True, sharey=True)
     panels = list(grid.flat)[:count]

@@ -36,10 +36,7 @@ CONTOUR_LINES = 5
 
 
 class Film:
-    """Frames of a placed run, one for each snapshot; a subclass draws the strains.
-
-    The layout of the figure is computed once, and all frames have it.
-    """
+    """Frames of a placed run, one a snapshot, in one fixed layout; a subclass draws the strains."""
 
     def __init__(self, run: LabelledArrays, title: str, dpi: float) -> None:
         self._run = run

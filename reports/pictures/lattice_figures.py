@@ -32,10 +32,7 @@ def even_times(run: Labelled) -> list[int]:
 
 @part(4.6)
 def strain_maps(figure: FigureBase, run: LabelledArrays) -> None:
-    """Draw heat maps of a run on two axes: the lattice's strain, and lattice minus theory.
-
-    A run `run_data.with_own` has its own error in the titles of the second row.
-    """
+    """Draw heat maps of strain, and of lattice minus theory titled with the run's own error."""
     places = even_times(run)
     panels = figure.subplots(2, len(places), squeeze=False, sharey=True)
     strain = run["strain"].values
@@ -117,10 +114,7 @@ def _draw_power(ax: Axes, points: Sequence[ConvergencePoint], power: float) -> N
 
 
 def modulation_figure(grid: ModulationGrid, quadratic: Array) -> Figure:
-    """Return a figure of the growth rate over wavenumber and K3.
-
-    The region with p q < 0 is grey, with a black line at its boundary.
-    """
+    """Return a figure of the growth rate over wavenumber and K3; it is grey where p q < 0."""
     figure = Figure((0.8 * page_width(), 3.0), layout="constrained")
     ax = figure.subplots()
     unstable = grid.product > 0

@@ -103,10 +103,7 @@ DIMENSIONS: Mapping[str, tuple[str, ...]] = {
 
 
 def check_run(data: Labelled) -> None:
-    """Raise ValueError if a data set, which any file may hold, has not the form of a run's.
-
-    Only variables of `DIMENSIONS` are checked; a missing one is no error.
-    """
+    """Raise ValueError if a variable of `DIMENSIONS` in a data set has not the form of a run's."""
     used = {name: data.variables[name] for name in DIMENSIONS if name in data.variables}
     for name, variable in used.items():
         dims = tuple(dim for dim in variable.dims if dim != "row" or name == "n")
@@ -138,10 +135,7 @@ def own_error(data: LabelledArrays) -> Array | None:
 
 
 def with_own(data: LabelledArrays) -> LabelledArrays:
-    """Return a placed run with its `own_error` at each snapshot as the variable ``own``.
-
-    It is NaN where the run has none.
-    """
+    """Return a placed run with its `own_error` at each snapshot as ``own``, NaN if it has none."""
     own = own_error(data)
     values = np.full(data.sizes["time"], np.nan) if own is None else own
     return data.assign(own=LabelledArray(TIME, values))

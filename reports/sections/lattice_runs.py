@@ -176,10 +176,7 @@ ROGUE_CELLS, PEREGRINE_CELLS, NEAR = 120, 180, 16
 def lattice_figures(
     scenes: Mapping[str, SceneRun], papers: xr.Dataset, rates: Iterable[SceneConvergence]
 ) -> Iterator[tuple[str, Figure]]:
-    """Yield the name and figure of each picture of other lattices; skip scenes that did not run.
-
-    ``papers`` is the paper's own run of the rogue wave.
-    """
+    """Yield name and figure of the pictures of other lattices; ``papers`` is the paper's run."""
     ran = {name: found.run for name, found in scenes.items() if found.run is not None}
     paper_snapshots = snapshots(papers, ROGUE_CELLS)
     rogues = [

@@ -125,10 +125,7 @@ COEFFICIENTS = ("v", "p", "q")
 
 
 def envelope_row(index: int) -> list[str]:
-    """Return one of `ENVELOPES` as a table row in LaTeX: lattice, wavenumber, v, p and q.
-
-    The letters s and C are sine and cosine of k/2.
-    """
+    """Return one of `ENVELOPES` as a row in LaTeX; s and C are the sine and cosine of k/2."""
     name, wavenumber = ENVELOPES[index]
     result = envelope(LATTICES[name], k=wavenumber)
     short = {sp.sin(k / 2): sp.Symbol("s"), sp.cos(k / 2): sp.Symbol("C")}

@@ -7,6 +7,7 @@ perturbation.
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,16 +28,20 @@ from longwave.support.processes import Job, Key
 
 Array = NDArray[np.float64]
 
-LINEAR, HARD = Model(4.0, 0.0, 0.0), Model(1.0, 0.0, 1.0)
+LINEAR, HARDENING = Model(4.0, 0.0, 0.0), Model(1.0, 0.0, 1.0)
+"""Chains with linear springs, and with springs that harden."""
+
 NOISE = 1e-12
+"""Amplitude of noise in strains."""
 
 CN = ("wave_cn", 0.8, 20, 1, 1)
 """Form, k, period in sites, K2, K4 of the unstable background."""
 
-CN_WAVELENGTHS = 16
-CN_SITES = np.arange(float(CN_WAVELENGTHS * CN[2]))
-CN_STEP = 0.25
+CN_WAVELENGTHS, CN_STEP = 16, 0.25
+"""Wavelengths of the ring with the unstable background, and its time step."""
 
+CN_SITES = np.arange(float(CN_WAVELENGTHS * CN[2]))
+"""Sites of that ring."""
 
 Reading = float | tuple[float, str]
 """Number that a hard case is judged by, optionally with the message that it produced."""
@@ -125,21 +130,11 @@ def _noise_grows(scheme: schemes.Scheme, step: float) -> bool:
 
 def soft_scene() -> Scene:
     """Return a steep sn wave, 7 sites long, with strains near 1/sqrt(3), where V'' = 0."""
-    scene = Scene.of(
-        name="soft",
-        wave="wave_sn",
-        parameters=(("k", 0.9),),
-        eps=0.1,
-        t0=-20.0,
-        snapshots=(-20.0, -10.0, 200.0),
-        K2=1.0,
-        K4=-1.0,
-        step=0.5,
-        domain="ring",
-        sites=1680,
-        compared=50,
-        observables=("strain",),
-    )
+    wave: dict[str, Any] = {"wave": "wave_sn", "parameters": (("k", 0.9),), "eps": 0.1}
+    times: dict[str, Any] = {"t0": -20.0, "snapshots": (-20.0, -10.0, 200.0), "step": 0.5}
+    sites: dict[str, Any] = {"domain": "ring", "sites": 1680, "compared": 50}
+    model = {"K2": 1.0, "K4": -1.0}
+    scene = Scene.of(name="soft", observables=("strain",), **wave, **times, **sites, **model)
     return replace(scene, eps=float(moving_wave(scene).wave.wavelength or math.nan) / 7.0)
 
 
@@ -305,13 +300,10 @@ def energy_errors(
 
 
 def drift(scheme: schemes.Scheme, h: float, steps: int, sites: int = 32) -> float:
-    """Return the rms energy error in the last tenth of a noisy ring's run over that in the first.
-
-    About 1 if the error stays bounded, about 16 if it grows linearly.
-    """
+    """Return a late over an early rms energy error: about 1 if bounded, 16 if it grows linearly."""
     y, s = 0.1 * np.random.default_rng(11).standard_normal((2, sites))
     s -= np.mean(s)
-    squares = energy_errors(scheme, h, [steps // 1000] * 1000, HARD, y, s) ** 2
+    squares = energy_errors(scheme, h, [steps // 1000] * 1000, HARDENING, y, s) ** 2
     return float(np.sqrt(np.mean(squares[-100:]) / np.mean(squares[:100])))
 
 

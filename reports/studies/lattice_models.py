@@ -34,10 +34,7 @@ class LatticeModel:
     mean: Expr = S.Zero
 
     def reductions(self) -> tuple[Reduction, ...]:
-        """Return the reductions that have a normal form and conditions that can be met.
-
-        Empty if the lattice has no long wave.
-        """
+        """Return the reductions with a normal form and conditions that can be met, if any."""
         try:
             scalings = find_scaling(self.lattice.with_values(dict(self.values)), self.mean)
         except ValueError:

@@ -38,10 +38,7 @@ class MeasuredRuns:
     scenes: Mapping[str, Scene]
 
     def discretisation(self, name: str) -> xr.DataArray:
-        """Return the discretisation error of y/eps by step and domain together, at each snapshot.
-
-        If a run measured only one of the two, that one is returned.
-        """
+        """Return the error of y/eps by step and domain, as far as measured, at each snapshot."""
         error = measured_error(self.runs[name])
         assert error is not None, f"{name} measured no error"
         return xr.DataArray(error, {"time": self.runs[name]["time"].values}, "time")
