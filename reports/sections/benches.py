@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import chain
 
 import xarray as xr
 from matplotlib.figure import Figure
@@ -33,15 +34,15 @@ def bench_table(runs: Mapping[str, SceneRun]) -> str:
 
 
 def _bench_cells(entry: SceneRun, run: xr.Dataset) -> list[str]:
-    attributes = run.attrs
+    attrs, scene = run.attrs, entry.scene
+    warning = "" if entry.within_tolerance else " (TOO LARGE)"
     return [
-        latex.escape(effects(entry.scene.own_bench, entry.scene.losses)),
-        f"${attributes['sites']}$",
-        latex.scientific(entry.scene.target.tolerance),
-        latex.scientific(float(attributes["error_estimate"]))
-        + ("" if entry.within_tolerance else " (TOO LARGE)"),
-        f"${attributes['steps']}$",
-        latex.scientific(float(attributes["seconds"] + attributes["planning_seconds"])),
+        latex.escape(effects(scene.own_bench, scene.losses)),
+        f"${attrs['sites']}$",
+        latex.scientific(scene.target.tolerance),
+        latex.scientific(float(attrs["error_estimate"])) + warning,
+        f"${attrs['steps']}$",
+        latex.scientific(float(attrs["seconds"] + attrs["planning_seconds"])),
     ]
 
 
@@ -88,16 +89,11 @@ def effect_table(costs: Mapping[str, EffectCost]) -> str:
     head = ["effect", "operations", "time (ns)", r"share (\%)"]
     for tolerance in TOLERANCES:
         head += [f"error to {latex.scientific(tolerance)}", "(s)"]
-    rows = [
-        [
-            latex.escape(name),
-            f"${cost.operations}$",
-            f"${1e9 * cost.seconds:.2f}$",
-            f"${100 * cost.share:.0f}$",
-            *(cell for run in cost.runs for cell in map(latex.scientific, run)),
-        ]
-        for name, cost in costs.items()
-    ]
+    rows = []
+    for name, cost in costs.items():
+        numbers = f"${cost.operations}$", f"${1e9 * cost.seconds:.2f}$", f"${100 * cost.share:.0f}$"
+        runs = map(latex.scientific, chain.from_iterable(cost.runs))
+        rows.append([latex.escape(name), *numbers, *runs])
     caption = (
         rf"Cost of each effect on the $\beta$ chain of {CELLS} cells: operations and time for "
         "a cell and stage, share of the core's multiply-adds; own error and time of a run to each "

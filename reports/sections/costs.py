@@ -87,12 +87,9 @@ def cost_table(costs: Iterable[EvaluationCost]) -> str:
     rows = []
     for wave, group in groupby(costs, attrgetter("wave")):
         by_arithmetic = {cost.arithmetic: cost for cost in group}
-        chosen = [by_arithmetic[name] for name in TABULATED]
-        cells = [
-            cell
-            for cost in chosen
-            for cell in (digits(cost.digits), scientific(1e6 * cost.seconds))
-        ]
+        cells = []
+        for cost in (by_arithmetic[name] for name in TABULATED):
+            cells += [digits(cost.digits), scientific(1e6 * cost.seconds)]
         ratio = by_arithmetic["mpmath, 15 digits"].seconds / by_arithmetic["double-double"].seconds
         title = escape(closed_form(wave).title)
         rows.append([title, *cells, f"{float(f'{ratio:.2g}'):.0f}"])
@@ -132,10 +129,8 @@ def panels(points: Iterable[tuple[str, str, tuple[float, float]]]) -> CostPanels
 
 def cost_panels(costs: Iterable[EvaluationCost]) -> CostPanels:
     """Return one panel a wave: digits against seconds for each family of arithmetics."""
-    return panels(
-        (c.wave.replace("_", " "), c.arithmetic.partition(",")[0], (c.seconds, c.digits))
-        for c in costs
-    )
+    points = ((c.wave, c.arithmetic.partition(",")[0], (c.seconds, c.digits)) for c in costs)
+    return panels((wave.replace("_", " "), family, point) for wave, family, point in points)
 
 
 ERROR_LEVELS = (1e-2, 1e-4, 1e-6)
@@ -162,16 +157,13 @@ def precision_table(points: Sequence[lattice_cost.CostPoint]) -> str:
 
 
 def _precision_row(name: str, points: Sequence[lattice_cost.CostPoint]) -> list[str]:
-    return [escape(name), *(_cheapest(points, error) for error in ERROR_LEVELS)]
+    """Return a row with the seconds of the fastest run within each error level."""
+    fast = [[p.seconds for p in points if p.error <= error] for error in ERROR_LEVELS]
+    return [escape(name), *(scientific(min(seconds)) if seconds else DASH for seconds in fast)]
 
 
 def _power(value: float) -> str:
     return f"$10^{{{round(math.log10(value))}}}$"
-
-
-def _cheapest(points: Iterable[lattice_cost.CostPoint], error: float) -> str:
-    seconds = [point.seconds for point in points if point.error <= error]
-    return scientific(min(seconds)) if seconds else "--"
 
 
 def precision_panels(points: Iterable[lattice_cost.CostPoint]) -> CostPanels:
@@ -227,16 +219,11 @@ def scaling_panels(points: Iterable[lattice_cost.ScalingPoint]) -> CostPanels:
 def rk4_table(points: Iterable[lattice_cost.ScalingPoint]) -> str:
     """Return the table of the paper's error figure by RK4 step, and the share due to the step."""
     errors = {point.x: point.value for point in points}
-    exact = errors[0.0]
-    rows = [
-        [
-            f"${step:g}$" if step else "exact flow",
-            f"{value:.5f}",
-            scientific(abs(value - exact)) if step else "--",
-            f"{100 * (value - exact) / value:.1f}",
-        ]
-        for step, value in errors.items()
-    ]
+    exact, rows = errors[0.0], []
+    for step, value in errors.items():
+        name = f"${step:g}$" if step else "exact flow"
+        part = scientific(abs(value - exact)) if step else DASH
+        rows.append([name, f"{value:.5f}", part, f"{100 * (value - exact) / value:.1f}"])
     head = [r"$\Delta t$", r"$L^\infty_\epsilon$ at $t=0$", "error by the step", r"share (\%)"]
     caption = "The paper's error figure by the time step of RK4, and the share due to the step."
     return table("rk4", caption, "lrrr", head, rows)
@@ -252,16 +239,11 @@ def window_table(points: Sequence[lattice_cost.ScalingPoint]) -> str:
 
 def hard_case_table(cases: Iterable[HardCase]) -> str:
     """Return the table of hard cases: measured value, bound and verdict."""
-    rows = [
-        [
-            mathematics(case.setup),
-            mathematics(case.criterion),
-            scientific(case.measured),
-            scientific(case.bound),
-            "holds" if case.passed else r"\textbf{FAILS}",
-        ]
-        for case in cases
-    ]
+    rows = []
+    for case in cases:
+        verdict = "holds" if case.passed else r"\textbf{FAILS}"
+        texts = map(mathematics, (case.setup, case.criterion))
+        rows.append([*texts, *map(scientific, (case.measured, case.bound)), verdict])
     head = ["case", "quantity", "measured", "bound", "verdict"]
     return table("hard", "Hard cases.", "L{50mm}L{46mm}lll", head, rows, gap="0.5ex")
 

@@ -168,8 +168,9 @@ ROGUES = ("alpha_beta_rogue", "dimer_rogue")
 """Scenes with the paper's rogue wave on other lattices."""
 
 PEREGRINES = ("fput_peregrine", "dimer_peregrine", "granular_peregrine")
+"""Scenes with the Peregrine breather as an envelope."""
 
-ROGUE_CELLS, PEREGRINE_CELLS, NEAR = 120, 180, 16
+ROGUE_CELLS, PEREGRINE_CELLS, CARRIER_CELLS = 120, 180, 16
 """Cells shown on either side of c t: of rogue waves, of envelopes, and of their carriers."""
 
 
@@ -178,11 +179,10 @@ def lattice_figures(
 ) -> Iterator[tuple[str, Figure]]:
     """Yield name and figure of the pictures of other lattices; ``papers`` is the paper's run."""
     ran = {name: found.run for name, found in scenes.items() if found.run is not None}
-    paper_snapshots = snapshots(papers, ROGUE_CELLS)
-    rogues = [
-        snapshots(ran[name], ROGUE_CELLS, even_times(ran[name])) for name in ROGUES if name in ran
-    ]
-    yield "lattice_rogues", snapshot_panels([paper_snapshots, *rogues], "theory").figure()
+    rogues = [snapshots(papers, ROGUE_CELLS)]
+    for run in (ran[name] for name in ROGUES if name in ran):
+        rogues.append(snapshots(run, ROGUE_CELLS, even_times(run)))
+    yield "lattice_rogues", snapshot_panels(rogues, "theory").figure()
     peregrines = [_peregrine_row(ran[name]) for name in PEREGRINES if name in ran]
     yield "lattice_peregrines", snapshot_panels(peregrines, "theory").figure()
     for name, run in ran.items():
@@ -195,4 +195,4 @@ def _peregrine_row(run: xr.Dataset) -> list[LabelledArrays]:
     """Return snapshots of the envelope at its crest, and its carrier there and at the end."""
     crest = int(np.argmin(np.abs(run["time"].values)))
     wide = snapshots(run, PEREGRINE_CELLS, (crest,))
-    return [*wide, *snapshots(run, NEAR, (crest, -1))]
+    return [*wide, *snapshots(run, CARRIER_CELLS, (crest, -1))]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -59,14 +59,8 @@ def _measured(measurements: Iterable[Measurement]) -> list[list[str]]:
 def run_table(evidence: MeasuredRuns) -> str:
     """Return the table of runs: description, then errors and their parts at each snapshot."""
     rows = [row for name in evidence.runs for row in _run_rows(evidence, name)]
-    head = [
-        "$t$",
-        r"$L^\infty_\epsilon$",
-        "own error",
-        "over far field",
-        r"step$\,/\,\epsilon$",
-        r"domain$\,/\,\epsilon$",
-    ]
+    head = ["$t$", r"$L^\infty_\epsilon$", "own error", "over far field"]
+    head += [r"step$\,/\,\epsilon$", r"domain$\,/\,\epsilon$"]
     caption = (
         r"Errors of the runs at each snapshot. Own error: of $L^\infty_\epsilon$, by step and "
         r"domain together; over far field: with the distance to the true far field as denominator."
@@ -101,19 +95,12 @@ def _description(name: str, scene: Scene) -> str:
 
 def figure_entries(scenes: Mapping[str, Scene]) -> list[dict[str, Any]]:
     """Return the data of the figures for the template: file name, label in the paper, captions."""
-    snapshots = [
-        {
-            "name": figure.name,
-            "paper": cited(figure.label),
-            "scenes": [caption_part(scenes[name]) for name in figure.scenes],
-        }
-        for figure in SNAPSHOT_FIGURES
+    shown = {f: [caption_part(scenes[name]) for name in f.scenes] for f in SNAPSHOT_FIGURES}
+    captions: dict[Any, list[str]] = {**shown, **{figure: [] for figure in ERROR_FIGURES}}
+    return [
+        {"name": figure.name, "paper": cited(figure.label), "scenes": parts}
+        for figure, parts in captions.items()
     ]
-    errors: Sequence[dict[str, Any]] = [
-        {"name": figure.name, "paper": cited(figure.label), "scenes": []}
-        for figure in ERROR_FIGURES
-    ]
-    return [*snapshots, *errors]
 
 
 def caption_part(scene: Scene) -> str:
@@ -146,15 +133,8 @@ def peak_table(points: Iterable[PeakError]) -> str:
             name = f"$Y_{order}$" if index == 0 else ""
             power = "--" if law is None else rf"$\epsilon^{{{law:.2f}}}$"
             rows.append([name, f"${point.eps:g}$", *_peak(point), "" if index else power])
-    head = [
-        "",
-        r"$\epsilon$",
-        r"$L^\infty_\epsilon$ at $T=0$",
-        "own error",
-        "engine",
-        "time (s)",
-        "law",
-    ]
+    value = r"$L^\infty_\epsilon$ at $T=0$"
+    head = ["", r"$\epsilon$", value, "own error", "engine", "time (s)", "law"]
     caption = (
         "The error of the reduction at the peak, with the run's own error in the same units and "
         r"the power of $\epsilon$ fitted to the three smallest."
@@ -186,13 +166,10 @@ def peak_panels(points: Iterable[PeakError]) -> CostPanels:
 
 def split_rows(runs: Mapping[str, xr.Dataset]) -> list[list[LabelledArrays]]:
     """Return snapshots of the split wave's run in rows of ``SNAPSHOTS_PER_ROW``."""
-    rows = []
+    rows, across = [], SNAPSHOTS_PER_ROW
     for run in runs.values():
         frames = snapshots(run, SPLIT_HALF_WIDTH)
-        rows += [
-            frames[i : i + SNAPSHOTS_PER_ROW]
-            for i in range(0, len(frames) - SNAPSHOTS_PER_ROW + 1, SNAPSHOTS_PER_ROW)
-        ]
+        rows += [frames[i : i + across] for i in range(0, len(frames) - across + 1, across)]
     return rows
 
 
@@ -230,15 +207,8 @@ def long_table(runs: Mapping[str, LongRun]) -> str:
     """Return the table of long runs: errors, own error, difference between engines, times."""
     times = _times(runs)
     rows = [_long_row(name, long_run) for name, long_run in runs.items()]
-    head = [
-        r"$L^\infty_\epsilon$ at $t=$",
-        *(f"${time:g}$" for time in times),
-        "own error",
-        "difference",
-        "its step",
-        "ring (s)",
-        "stencil (s)",
-    ]
+    head = [r"$L^\infty_\epsilon$ at $t=$", *(f"${time:g}$" for time in times)]
+    head += ["own error", "difference", "its step", "ring (s)", "stencil (s)"]
     caption = (
         r"Long runs: $L^\infty_\epsilon$ at each time; the ring's own error of $y/\epsilon$, its "
         "difference to the stencil, and what the stencil's step changes; the time of each."
