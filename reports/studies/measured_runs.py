@@ -83,10 +83,9 @@ class MeasuredRuns:
     def peaks(self, name: str, time: float) -> tuple[UncertainNumber, float]:
         """Return the largest y/eps of the lattice and of the wave on the sites at a snapshot."""
         snapshot, eps = self.runs[name].sel(time=time), self.scenes[name].eps
-        lattice = UncertainNumber(
-            float(snapshot["strain"].max()) / eps, float(self.discretisation(name).sel(time=time))
-        )
-        return lattice, float(snapshot["analytic"].max()) / eps
+        lattice, wave = (float(snapshot[key].max()) / eps for key in ("strain", "analytic"))
+        own_error = float(self.discretisation(name).sel(time=time))
+        return UncertainNumber(lattice, own_error), wave
 
 
 def report_scenes() -> dict[str, Scene]:
