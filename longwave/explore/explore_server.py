@@ -62,18 +62,14 @@ def explore(port: int, browser: bool, program: str) -> int:
         from latex2mathml import converter  # noqa: F401  (asked for with the page)
     except ImportError as error:
         missing = (error.name or "panel").partition(".")[0]
-        print(
-            f"error: longwave explore must have {missing}, got none "
-            "(pip install 'longwave[explore]')",
-            file=sys.stderr,
-        )
+        remedy = "pip install 'longwave[explore]'"
+        print(f"error: longwave explore must have {missing}, got none ({remedy})", file=sys.stderr)
         return 1
     try:
         free_port = _free_port(port)
     except OSError as error:
-        return fail(
-            f"port must be a free one, got {port}: {error.strerror} (leave --port out for any)"
-        )
+        got = f"{port}: {error.strerror} (leave --port out for any)"
+        return fail(f"port must be a free one, got {got}")
     for name in ("bokeh", "tornado", "panel"):
         logging.getLogger(name).setLevel(logging.ERROR)
     pages = Pages(current_limits())
@@ -90,9 +86,8 @@ def explore(port: int, browser: bool, program: str) -> int:
     )
     token = secrets.token_urlsafe(32)
     refuse_foreign_requests(server._tornado, free_port, token)
-    return _serve(
-        server, pages, f"http://{HOST}:{free_port}/?{TOKEN_KEY}={token}", browser, program
-    )
+    address = f"http://{HOST}:{free_port}/?{TOKEN_KEY}={token}"
+    return _serve(server, pages, address, browser, program)
 
 
 def refuse_foreign_requests(application: Any, port: int, token: str) -> None:
