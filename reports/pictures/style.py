@@ -33,14 +33,8 @@ LATTICE, WAVE, OWN = "#56B4E9", "#D55E00", "#E69F00"
 NUMERICAL: dict[str, Any] = {"color": LATTICE, "linestyle": "-", "linewidth": 2.6}
 """Look of the lattice's strain: a broad line, which remains visible under a thin one."""
 
-BEADS: dict[str, Any] = {
-    "color": LATTICE,
-    "linestyle": "",
-    "marker": "o",
-    "markersize": 3.6,
-    "markeredgewidth": 0.5,
-    "markeredgecolor": "#0072B2",
-}
+BEADS: dict[str, Any] = {"color": LATTICE, "linestyle": "", "marker": "o", "markersize": 3.6}
+BEADS |= {"markeredgewidth": 0.5, "markeredgecolor": "#0072B2"}
 """Look of the lattice's strain where single values can be distinguished: each is a bead."""
 
 ANALYTICAL: dict[str, Any] = {"color": WAVE, "linestyle": "-", "linewidth": 0.9}
@@ -210,8 +204,7 @@ def _write(figure: Figure, path: Path) -> None:
         return
     figure.savefig(path, metadata={_CHANGING[suffix]: None})
     if suffix == ".svg":
-        text = path.read_text(encoding="utf-8")
-        text = text.replace("'STIXGeneral'", _FAMILIES)
+        text = path.read_text(encoding="utf-8").replace("'STIXGeneral'", _FAMILIES)
         path.write_text(_with_numbered_clips(text), encoding="utf-8")
 
 
