@@ -316,10 +316,8 @@ def write_source(
 def _check_folder(output: Path, force: bool) -> None:
     """Raise ValueError, before anything is computed, if no report can or may be written there."""
     if not force and (output / SOURCE).exists():
-        raise ValueError(
-            f"--output must name a folder without a report, got {output}, which has one "
-            "(--force overwrites it)"
-        )
+        got = f"{output}, which has one (--force overwrites it)"
+        raise ValueError(f"--output must name a folder without a report, got {got}")
     output.mkdir(parents=True, exist_ok=True)
     check_output(str(output / SOURCE), force=True)
 
@@ -350,7 +348,7 @@ def write_report(
         jobs = all_jobs(scenes, full)
         cost = report_cost(jobs, workers)
         check_request("the report", cost, "take fewer --workers or no --full")
-        missing = _missing_engine(console)
+        missing = _missing_engine()
         note_saved(f"what was written is in {relative_path(output)}")
         announce("the report", cost.seconds)
         tex, sound = build(output, scenes, jobs, estimate_findings, console, full, workers)
@@ -368,7 +366,7 @@ def write_report(
     return 0 if sound else 1
 
 
-def _missing_engine(console: Console) -> bool:
+def _missing_engine() -> bool:
     """Return whether the LaTeX engine is missing; if so, print that only the source is written."""
     try:
         ensure_engine()
@@ -414,5 +412,5 @@ def relative_path(path: Path) -> str:
 
 def bars(console: Console) -> Bars:
     """Return progress bars with a label and the elapsed time."""
-    columns = TextColumn("{task.description:20}"), BarColumn(), TimeElapsedColumn()
-    return Bars(*columns, console=console)
+    label = TextColumn("{task.description:20}")
+    return Bars(label, BarColumn(), TimeElapsedColumn(), console=console)
