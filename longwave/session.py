@@ -80,10 +80,8 @@ def _refuse_sweep(scene: object) -> None:
     from longwave.runs.sweep_file import shipped_sweeps
 
     if str(scene) in shipped_sweeps():
-        raise ValueError(
-            f"scene must be a scene, its name or its file, got the sweep {scene} (use "
-            "longwave.sweep)"
-        ) from None
+        got = f"the sweep {scene} (use longwave.sweep)"
+        raise ValueError(f"scene must be a scene, its name or its file, got {got}") from None
 
 
 def resume(
@@ -93,10 +91,7 @@ def resume(
     progress: ProgressCallback | None = None,
     wave: ClosedForm | None = None,
 ) -> xr.Dataset:
-    """Continue a run from one of its snapshots, with the bits of an uninterrupted run.
-
-    See `scenes.resume` for the arguments.
-    """
+    """Continue a run from one of its snapshots, with the same bits; see `scenes.resume`."""
     from longwave.scenes.engines import scene_run
 
     with display_progress("run", progress, None) as (share, _):
@@ -166,13 +161,10 @@ def as_sweep(
         scene = source if isinstance(source, Scene) else load_scene(source)
         values = {name: _plain_list(name, sequence) for name, sequence in grid.items()}
         tables = {"title": scene.title, "scene": tomllib.loads(scene.toml()), "grid": values}
-        built = sweep_of(tables, scene.name)
-        return replace(built, base=scene.name)
+        return replace(sweep_of(tables, scene.name), base=scene.name)
     if grid is not None:
-        raise ValueError(
-            f"grid must be given with a scene, got it with {shown(source)} (leave it out: the "
-            "source states what varies)"
-        )
+        got = f"it with {shown(source)} (leave it out: the source states what varies)"
+        raise ValueError(f"grid must be given with a scene, got {got}")
     if isinstance(source, Sweep):
         return source
     if isinstance(source, Mapping):
@@ -191,9 +183,8 @@ def _plain_list(name: str, given: Any) -> list[Any]:
 
     values = given.tolist() if hasattr(given, "tolist") else given
     if isinstance(values, str) or not isinstance(values, Sequence) or not values:
-        raise ValueError(
-            f"{name} in grid must be a list of values, got {shown(given)} (such as [0.1, 0.2])"
-        )
+        got = f"{shown(given)} (such as [0.1, 0.2])"
+        raise ValueError(f"{name} in grid must be a list of values, got {got}")
     return list(values)
 
 

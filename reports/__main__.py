@@ -8,19 +8,13 @@ from typing import Any
 
 import click
 
-from longwave.support.command_line import (
-    command_name,
-    example,
-    force_option,
-    limit_options,
-    run_words,
-)
+from longwave.support import command_line
 
 FOLDER = "longwave-report"
 """Default folder of the report, in the working folder."""
 
 
-@click.command(epilog=example("longwave report --output report"))
+@click.command(epilog=command_line.example("longwave report --output report"))
 @click.option(
     "--output",
     metavar="FOLDER",
@@ -28,7 +22,7 @@ FOLDER = "longwave-report"
     default=FOLDER,
     help=f"Folder of the report (default {FOLDER}).",
 )
-@force_option
+@command_line.force_option
 @click.option("--full", is_flag=True, help="Take the long scenes and the full studies as well.")
 @click.option(
     "--estimates",
@@ -37,7 +31,7 @@ FOLDER = "longwave-report"
     help="Table what python -m searches.estimates --output FILE found.",
 )
 @click.option("--workers", type=int, metavar="N", help="Processes to use (default all cores).")
-@limit_options
+@command_line.limit_options
 def report(
     output: Path, force: bool, full: bool, estimates: Path | None, workers: int | None
 ) -> int:
@@ -49,12 +43,12 @@ def report(
 
     processes = os.cpu_count() or 1 if workers is None else workers
     options: dict[str, Any] = {"force": force, "full": full, "estimates": estimates}
-    return write_report(output, command_name(), workers=processes, **options)
+    return write_report(output, command_line.command_name(), workers=processes, **options)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line; return its exit status."""
-    return run_words(report, "python -m reports", argv)
+    return command_line.run_words(report, "python -m reports", argv)
 
 
 if __name__ == "__main__":

@@ -106,12 +106,12 @@ SUCCEEDED: Mapping[str, Callable[[Any], bool]] = {
 class Findings:
     """Results of the jobs, keyed by (kind, subject), and the ``scenes`` of the paper's runs."""
 
-    found: Mapping[Key, Any]
+    results: Mapping[Key, Any]
     scenes: Mapping[str, Scene]
 
     def of(self, kind: str) -> dict[Any, Any]:
         """Return the results of one kind, keyed by subject; empty for a kind without jobs."""
-        return {subject: value for (part, subject), value in self.found.items() if part == kind}
+        return {key[1]: value for key, value in self.results.items() if key[0] == kind}
 
     def all(self, kind: str) -> list[Any]:
         """Return the results of one kind as a list."""
@@ -129,7 +129,7 @@ class Findings:
     @cached_property
     def long_runs(self) -> dict[str, LongRun]:
         """Long runs on the spectral ring with their reference runs."""
-        return long_runs(self.found)
+        return long_runs(self.results)
 
     @cached_property
     def accuracy(self) -> list[Accuracy]:
@@ -150,8 +150,8 @@ class Findings:
     @property
     def sound(self) -> bool:
         """Whether every result in `SUCCEEDED` and every long run is as it should be."""
-        stands = (SUCCEEDED[kind](v) for (kind, _), v in self.found.items() if kind in SUCCEEDED)
-        return all(stands) and all(long.within_tolerance for long in self.long_runs.values())
+        judged = (SUCCEEDED[key[0]](v) for key, v in self.results.items() if key[0] in SUCCEEDED)
+        return all(judged) and all(long.within_tolerance for long in self.long_runs.values())
 
 
 PROCESS_BYTES, WORKER_BYTES = 6e8, 4e8
@@ -166,63 +166,60 @@ def report_cost(jobs: Mapping[Key, Job], workers: int) -> ExpectedCost:
 
 
 SOURCE = "longwave.tex"
+"""File name of the report's LaTeX source."""
 
-FIGURES = 14
+MIN_FIGURES = 14
 """Least number of figures in a report, for the progress bar."""
 
 STUDY_TABLES: Mapping[str, Callable[[Findings], str]] = {
-    "cost_table": lambda findings: costs.cost_table(findings.rows("cost")),
-    "precision_table": lambda findings: costs.precision_table(findings.rows("precision")),
-    "scaling_table": lambda findings: costs.scaling_table(findings.rows("scaling")),
-    "extrapolated_table": lambda findings: costs.extrapolated_table(findings.rows("scaling")),
-    "rk4_table": lambda findings: costs.rk4_table(findings.rows("rk4")),
-    "window_table": lambda findings: costs.window_table(findings.rows("windows")),
-    "hard_case_table": lambda findings: costs.hard_case_table(findings.all("hard")),
-    "message_table": lambda findings: costs.message_table(findings.all("hard")),
-    "peak_table": lambda findings: (
-        runs.peak_table(peaks) if (peaks := findings.all("peak")) else ""
-    ),
-    "effect_table": lambda findings: benches.effect_table(findings.of("effect")),
-    "split_table": lambda findings: runs.split_table(findings.of("split")),
-    "long_table": lambda findings: runs.long_table(findings.long_runs),
+    "cost_table": lambda found: costs.cost_table(found.rows("cost")),
+    "precision_table": lambda found: costs.precision_table(found.rows("precision")),
+    "scaling_table": lambda found: costs.scaling_table(found.rows("scaling")),
+    "extrapolated_table": lambda found: costs.extrapolated_table(found.rows("scaling")),
+    "rk4_table": lambda found: costs.rk4_table(found.rows("rk4")),
+    "window_table": lambda found: costs.window_table(found.rows("windows")),
+    "hard_case_table": lambda found: costs.hard_case_table(found.all("hard")),
+    "message_table": lambda found: costs.message_table(found.all("hard")),
+    "peak_table": lambda found: runs.peak_table(found.all("peak")),
+    "effect_table": lambda found: benches.effect_table(found.of("effect")),
+    "split_table": lambda found: runs.split_table(found.of("split")),
+    "long_table": lambda found: runs.long_table(found.long_runs),
 }
 """Functions that build the tables of the studies of cost, hard cases and long runs."""
 
 TABLES: Mapping[str, Callable[[Findings], str]] = {
     **STUDY_TABLES,
-    "headline_table": lambda findings: headline_table(findings.headlines.values()),
-    "estimate_table": lambda findings: costs.estimate_table(
-        estimate_rows(findings.all("estimate"))
-    ),
-    "estimate_reasons": lambda findings: costs.reason_table(findings.all("estimate")),
+    "headline_table": lambda found: headline_table(found.headlines.values()),
+    "estimate_table": lambda found: costs.estimate_table(estimate_rows(found.all("estimate"))),
+    "estimate_reasons": lambda found: costs.reason_table(found.all("estimate")),
     "solution_table": lambda _: theory.solution_table(),
-    "proof_table": lambda findings: theory.proof_table(
-        _papers(findings.all("proof")), findings.of("residual")
+    "proof_table": lambda found: theory.proof_table(
+        _of_paper(found.all("proof")), found.of("residual")
     ),
-    "mutation_table": lambda findings: theory.mutation_table(findings.all("mutants")),
-    "survivor_table": lambda findings: theory.survivor_table(findings.all("mutants")),
-    "accuracy_table": lambda findings: costs.accuracy_table(_papers(findings.accuracy)),
-    "run_table": lambda findings: runs.run_table(findings.runs),
-    "claim_table": lambda findings: runs.claim_table(findings.claims),
-    "library_counts": lambda findings: literature.library_counts(findings.rows("library")),
-    "library_equations": lambda findings: literature.library_equations(findings.rows("library")),
-    "library_formulas": lambda findings: literature.library_formulas(findings.rows("library")),
-    "library_conditions": lambda findings: literature.library_conditions(findings.rows("library")),
-    "found_misprints": lambda findings: literature.found_misprints(findings.rows("library")),
-    "form_table": lambda findings: other_lattices.form_table(
-        findings.all("proof"), findings.of("residual"), findings.accuracy
+    "mutation_table": lambda found: theory.mutation_table(found.all("mutants")),
+    "survivor_table": lambda found: theory.survivor_table(found.all("mutants")),
+    "accuracy_table": lambda found: costs.accuracy_table(_of_paper(found.accuracy)),
+    "run_table": lambda found: runs.run_table(found.runs),
+    "claim_table": lambda found: runs.claim_table(found.claims),
+    "library_counts": lambda found: literature.library_counts(found.rows("library")),
+    "library_equations": lambda found: literature.library_equations(found.rows("library")),
+    "library_formulas": lambda found: literature.library_formulas(found.rows("library")),
+    "library_conditions": lambda found: literature.library_conditions(found.rows("library")),
+    "found_misprints": lambda found: literature.found_misprints(found.rows("library")),
+    "form_table": lambda found: other_lattices.form_table(
+        found.all("proof"), found.of("residual"), found.accuracy
     ),
-    "model_table": lambda findings: other_lattices.model_table(findings.rows("model")),
-    "envelope_table": lambda findings: other_lattices.envelope_table(findings.all("envelope")),
-    "scene_table": lambda findings: lattice_runs.scene_table(findings.of("scene")),
-    "scene_maps": lambda findings: lattice_runs.scene_maps(findings.of("scene")),
-    "bench_table": lambda findings: benches.bench_table(findings.of("bench")),
-    "balance_table": lambda findings: benches.balance_table(findings.of("bench")),
-    "bench_pictures": lambda findings: benches.bench_pictures(findings.of("bench")),
-    "bench_laws": lambda findings: benches.bench_laws(findings.of("bench"), findings.all("struck")),
-    "loss_pictures": lambda findings: benches.bench_pictures(_lossy(findings)),
-    "rate_table": lambda findings: lattice_runs.rate_table(findings.all("rate")),
-    "rate_errors": lambda findings: lattice_runs.rate_errors(findings.all("rate")),
+    "model_table": lambda found: other_lattices.model_table(found.rows("model")),
+    "envelope_table": lambda found: other_lattices.envelope_table(found.all("envelope")),
+    "scene_table": lambda found: lattice_runs.scene_table(found.of("scene")),
+    "scene_maps": lambda found: lattice_runs.scene_maps(found.of("scene")),
+    "bench_table": lambda found: benches.bench_table(found.of("bench")),
+    "balance_table": lambda found: benches.balance_table(found.of("bench")),
+    "bench_pictures": lambda found: benches.bench_pictures(found.of("bench")),
+    "bench_laws": lambda found: benches.bench_laws(found.of("bench"), found.all("struck")),
+    "loss_pictures": lambda found: benches.bench_pictures(_lossy(found)),
+    "rate_table": lambda found: lattice_runs.rate_table(found.all("rate")),
+    "rate_errors": lambda found: lattice_runs.rate_errors(found.all("rate")),
 }
 """Functions that build each table, by its name in the templates."""
 
@@ -232,13 +229,10 @@ def _lossy(findings: Findings) -> dict[str, Any]:
     return {name: run for name, run in findings.of("scene").items() if run.scene.losses}
 
 
-def _papers(records: Sequence[Any]) -> list[Any]:
+def _of_paper(records: Sequence[Any]) -> list[Any]:
     """Return the records of forms of the paper's equation; other forms have their own chapter."""
-    return [
-        record
-        for record in records
-        if CATALOGUE.equation(record.name) == other_lattices.PAPER_EQUATION
-    ]
+    equation = other_lattices.PAPER_EQUATION
+    return [record for record in records if CATALOGUE.equation(record.name) == equation]
 
 
 def source(content: Mapping[str, str], findings: Findings, full: bool) -> str:
@@ -277,22 +271,16 @@ def report_figures(findings: Findings) -> Iterator[tuple[str, Figure]]:
 
 def study_figures(findings: Findings) -> Iterator[tuple[str, Figure]]:
     """Yield the name and figure of each figure of the studies."""
-    yield (
-        "evaluation_costs",
-        cost_figure(
-            costs.cost_panels(findings.rows("cost")),
-            *("seconds a point", "digits", 4, 1.35),
-            digits=(0, 30, 60, 90),
-        ),
-    )
-    precision, error = costs.precision_panels(findings.rows("precision")), r"error of $y/\epsilon$"
-    yield "work_precision", cost_figure(precision, "seconds", error, 2, 2.7, cheapest=MEDIANS)
-    scaling, ticks = costs.scaling_panels(findings.rows("scaling")), (10, 20, 40, 80, 160)
-    yield "cost_scaling", cost_figure(scaling, r"$1/\epsilon$", "seconds", 1, 2.8, x_ticks=ticks)
+    panels, digits = costs.cost_panels(findings.rows("cost")), (0, 30, 60, 90)
+    figure = cost_figure(panels, "seconds a point", "digits", 4, 1.35, digits=digits)
+    yield "evaluation_costs", figure
+    panels, error = costs.precision_panels(findings.rows("precision")), r"error of $y/\epsilon$"
+    yield "work_precision", cost_figure(panels, "seconds", error, 2, 2.7, cheapest=MEDIANS)
+    panels, ticks = costs.scaling_panels(findings.rows("scaling")), (10, 20, 40, 80, 160)
+    yield "cost_scaling", cost_figure(panels, r"$1/\epsilon$", "seconds", 1, 2.8, x_ticks=ticks)
     if peaks := findings.all("peak"):
-        panels = runs.peak_panels(peaks)
-        figure = cost_figure(panels, r"$\epsilon$", r"$L^\infty_\epsilon$", 1, 2.8)
-        yield "reduction_error", figure
+        panels, error = runs.peak_panels(peaks), r"$L^\infty_\epsilon$"
+        yield "reduction_error", cost_figure(panels, r"$\epsilon$", error, 1, 2.8)
     if split := findings.of("split"):
         yield "split", snapshot_panels(runs.split_rows(split)).figure()
 
@@ -328,10 +316,8 @@ def write_source(
 def _check_folder(output: Path, force: bool) -> None:
     """Raise ValueError, before anything is computed, if no report can or may be written there."""
     if not force and (output / SOURCE).exists():
-        raise ValueError(
-            f"--output must name a folder without a report, got {output}, which has one "
-            "(--force overwrites it)"
-        )
+        got = f"{output}, which has one (--force overwrites it)"
+        raise ValueError(f"--output must name a folder without a report, got {got}")
     output.mkdir(parents=True, exist_ok=True)
     check_output(str(output / SOURCE), force=True)
 
@@ -362,7 +348,7 @@ def write_report(
         jobs = all_jobs(scenes, full)
         cost = report_cost(jobs, workers)
         check_request("the report", cost, "take fewer --workers or no --full")
-        missing = _missing_engine(console)
+        missing = _missing_engine()
         note_saved(f"what was written is in {relative_path(output)}")
         announce("the report", cost.seconds)
         tex, sound = build(output, scenes, jobs, estimate_findings, console, full, workers)
@@ -380,7 +366,7 @@ def write_report(
     return 0 if sound else 1
 
 
-def _missing_engine(console: Console) -> bool:
+def _missing_engine() -> bool:
     """Return whether the LaTeX engine is missing; if so, print that only the source is written."""
     try:
         ensure_engine()
@@ -407,11 +393,9 @@ def build(
     """
     with bars(console) as progress:
         run_task = progress.add_task("proving and running", total=1.0)
-        results = run_jobs(jobs, workers, lambda share: progress.update(run_task, completed=share))
-        findings, draw_task = (
-            Findings({**results, **estimate_findings}, scenes),
-            progress.add_task("drawing", total=FIGURES),
-        )
+        results = run_jobs(jobs, workers, lambda done: progress.update(run_task, completed=done))
+        findings = Findings({**results, **estimate_findings}, scenes)
+        draw_task = progress.add_task("drawing", total=MIN_FIGURES)
         for _ in write_figures(report_figures(findings), output):
             progress.advance(draw_task)
         write_task = progress.add_task("writing", total=len(TABLES))
@@ -428,5 +412,5 @@ def relative_path(path: Path) -> str:
 
 def bars(console: Console) -> Bars:
     """Return progress bars with a label and the elapsed time."""
-    columns = TextColumn("{task.description:20}"), BarColumn(), TimeElapsedColumn()
-    return Bars(*columns, console=console)
+    label = TextColumn("{task.description:20}")
+    return Bars(label, BarColumn(), TimeElapsedColumn(), console=console)

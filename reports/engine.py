@@ -5,6 +5,8 @@ import subprocess
 from pathlib import Path
 
 ENGINE = "latexmk"
+"""Program that runs LaTeX until references are settled."""
+
 APT_PACKAGES = ("latexmk", "texlive-latex-recommended", "texlive-fonts-recommended", "lmodern")
 """Debian and Ubuntu packages that contain the engine; `make latex` installs them."""
 
@@ -31,21 +33,10 @@ def engine_present() -> bool:
 
 
 def compile_pdf(tex: Path) -> Path:
-    """Run LaTeX on `tex` in its own directory, without shell escape; return the PDF's path.
-
-    Raises CompileError with LaTeX's first error line.
-    """
-    command = [
-        ENGINE,
-        "-pdf",
-        "-norc",
-        "-interaction=nonstopmode",
-        "-halt-on-error",
-        "-file-line-error",
-        "-pdflatex=pdflatex -no-shell-escape %O %S",
-        tex.name,
-    ]
-    done = run_quietly(command, tex.parent)
+    """Run LaTeX on `tex` in its folder; return the PDF's path, or raise CompileError."""
+    options = ["-pdf", "-norc", "-interaction=nonstopmode", "-halt-on-error", "-file-line-error"]
+    safe = "-pdflatex=pdflatex -no-shell-escape %O %S"
+    done = run_quietly([ENGINE, *options, safe, tex.name], tex.parent)
     if done.returncode:
         raise CompileError(f"LaTeX failed on {tex}: {first_error(tex.with_suffix('.log'))}")
     return tex.with_suffix(".pdf")

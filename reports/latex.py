@@ -20,18 +20,8 @@ if TYPE_CHECKING:
 
 TEMPLATES = Path(__file__).parent / "templates"
 
-_ESCAPES = {
-    "\\": r"\textbackslash{}",
-    "&": r"\&",
-    "%": r"\%",
-    "$": r"\$",
-    "#": r"\#",
-    "_": r"\_",
-    "{": r"\{",
-    "}": r"\}",
-    "~": r"\textasciitilde{}",
-    "^": r"\textasciicircum{}",
-}
+_ESCAPES = {character: rf"\{character}" for character in "&%$#_{}"}
+_ESCAPES |= {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}"}
 
 
 def escape(text: object) -> str:
@@ -79,11 +69,10 @@ def render(template: str, **content: object) -> str:
 DASH = "--"
 """Printed instead of a missing number."""
 
-DIGITS = 6
+MAX_DIGITS = 6
 """Most digits of a measured value that are printed."""
 
-
-LONGEST_UNBROKEN = 8
+MAX_UNBROKEN_ROWS = 8
 """Longest table, in rows, that is not broken over pages."""
 
 Row = Sequence[str] | str
@@ -124,15 +113,14 @@ def table(
         columns = rf"@{{\extracolsep{{\fill}}}}{columns}@{{}}"
     top = [r"\toprule", row(head), r"\midrule"]
     continued = rf"\multicolumn{{{len(head)}}}{{@{{}}l}}{{Table \thetable, continued}}\\"
-    text = "\n".join(
-        [
-            rf"\begin{{longtable}}{{{columns}}}",
-            rf"\caption{{{caption}}}\label{{tab:{name}}}\\",
-            *(*top, r"\endfirsthead", continued, *top, r"\endhead", r"\bottomrule", r"\endfoot"),
-            *_broken(listed, len(head), gap),
-            r"\end{longtable}",
-        ]
-    )
+    lines = [
+        rf"\begin{{longtable}}{{{columns}}}",
+        rf"\caption{{{caption}}}\label{{tab:{name}}}\\",
+        *(*top, r"\endfirsthead", continued, *top, r"\endhead", r"\bottomrule", r"\endfoot"),
+        *_broken(listed, len(head), gap),
+        r"\end{longtable}",
+    ]
+    text = "\n".join(lines)
     return rf"{{\LTleft=0pt \LTright=0pt plus 1fil{chr(10)}{text}}}" if full else text
 
 
@@ -144,12 +132,12 @@ def _broken(rows: Sequence[Row], across: int, gap: str) -> Iterator[str]:
         lone = index + 1 == last or (index + 2 <= last and isinstance(rows[index + 2], str))
         begins = index == 0 or isinstance(rows[index - 1], str)
         no_break = index < last and (
-            last < LONGEST_UNBROKEN or isinstance(cells, str) or (not ends and (begins or lone))
+            last < MAX_UNBROKEN_ROWS or isinstance(cells, str) or (not ends and (begins or lone))
         )
         space = f"[{gap}]" if gap and index < last else ""
-        text = (
-            heading_row(cells, across, index > 0) if isinstance(cells, str) else " & ".join(cells)
-        )
+        text = " & ".join(cells)
+        if isinstance(cells, str):
+            text = heading_row(cells, across, index > 0)
         yield rf"{text} \\" + "*" * no_break + space
 
 
@@ -181,15 +169,10 @@ def titled(title: str, name: str, fault: str = "") -> str:
 
 def picture_latex(name: str, caption: str, place: str = "htbp") -> str:
     """Return the LaTeX that includes a figure by name; with ``place`` "H" it does not float."""
-    return "\n".join(
-        [
-            rf"\begin{{figure}}[{place}]",
-            r"\centering",
-            rf"\includegraphics{{figures/{name}.pdf}}",
-            rf"\caption{{{caption}}}\label{{fig:{name}}}",
-            r"\end{figure}",
-        ]
-    )
+    graphics = rf"\includegraphics{{figures/{name}.pdf}}"
+    title = rf"\caption{{{caption}}}\label{{fig:{name}}}"
+    begin, end = rf"\begin{{figure}}[{place}]", r"\end{figure}"
+    return "\n".join([begin, r"\centering", graphics, title, end])
 
 
 def row(cells: Sequence[str]) -> str:
@@ -220,13 +203,13 @@ def uncertain(value: float, error: float) -> tuple[str, str]:
     (('$0.101382$', '$4.1\\times 10^{-5}$'), ('$2.07060\\times 10^{-5}$', ...), ('$5$', '--'))
     """
     if error == 0:
-        return f"${value:.{DIGITS}g}$", DASH
+        return f"${value:.{MAX_DIGITS}g}$", DASH
     if not (np.isfinite(value) and np.isfinite(error)):
         return scientific(value), scientific(error)
     power = int(np.floor(np.log10(max(abs(value), error))))
     scale = power if power < -3 else 0
     last = int(np.floor(np.log10(error))) - 1
-    places = max(min(scale - last, DIGITS - 1 - (power - scale)), 0)
+    places = max(min(scale - last, MAX_DIGITS - 1 - (power - scale)), 0)
     digits_text = f"{value / 10.0**scale:.{places}f}" + (rf"\times 10^{{{scale}}}" if scale else "")
     return f"${digits_text}$", scientific(float(np.ceil(error / 10.0**last - 1e-6)) * 10.0**last)
 

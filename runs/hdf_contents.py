@@ -27,12 +27,15 @@ LENGTH_ONLY = b"This is a netCDF dimension but not a netCDF variable."
 DEFLATE, SHUFFLE, CHECKSUM = 1, 2, 3
 """HDF5's built-in filters. Each may be applied once: compressing twice multiplies the ratios."""
 
-LEAST_FLOAT_BYTES = 4
+MIN_FLOAT_BYTES = 4
 """Bytes of NetCDF's shortest floating-point type. Pandas warns about shorter ones."""
 
 TEXT_BYTES, LETTER_BYTES = 64, 8
-"""Bytes that a text takes in memory: an overhead for each text, and 8 for each letter while the
-libraries build it (5.8 were measured)."""
+"""Bytes in memory for each text, and for each of its letters while the libraries build it (5.8 were
+measured)."""
+
+MAX_REFERENCES = 32
+"""Largest number of lists of references in an attribute: HDF5 arrays have at most 32 dimensions."""
 
 
 def check_contents(file: Any, size: int, deepest: int = 0) -> None:
@@ -54,10 +57,8 @@ def check_contents(file: Any, size: int, deepest: int = 0) -> None:
 def _cache_structure(file: Any) -> None:
     """Make HDF5 cache object headers and links while the file is open: none is read twice."""
     plan = file.id.get_mdc_config()
-    plan.evictions_enabled = False
-    plan.incr_mode = plan.flash_incr_mode = plan.decr_mode = (
-        0  # HDF5 requires this without evictions
-    )
+    plan.evictions_enabled = False  # HDF5 then requires fixed sizes:
+    plan.incr_mode = plan.flash_incr_mode = plan.decr_mode = 0
     file.id.set_mdc_config(plan)
 
 
@@ -70,11 +71,10 @@ def local_member(parent: Any, name: str) -> Any:
     import h5py
 
     member = parent[name]
-    file_numbers = [h5py.h5o.get_info(item.id).fileno for item in (parent, member)]
-    if file_numbers[0] != file_numbers[1] or (
-        isinstance(member, h5py.Dataset) and _is_external(member)
-    ):
-        raise ValueError(f"{name} is stored in another file")
+    parent_file, member_file = (h5py.h5o.get_info(item.id).fileno for item in (parent, member))
+    is_external = isinstance(member, h5py.Dataset) and _is_external(member)
+    if parent_file != member_file or is_external:
+        raise ValueError(f"{name} must be stored in the file itself, got another file")
     return member
 
 
@@ -83,29 +83,23 @@ def _is_external(array: Any) -> bool:
     return bool(array.id.get_create_plist().get_external_count() or array.is_virtual)
 
 
-def _members(group: Any, deepest: int, addresses: set[Any]) -> Iterator[Any]:
-    """Yield the group and all members below it, following hard links only.
-
-    ``addresses`` collects the objects met so far. Raises ValueError if one is met twice.
-    """
+def _members(item: Any, deepest: int, addresses: set[Any]) -> Iterator[Any]:
+    """Yield an array or group and all members below it, following hard links only. ``addresses``
+    collects the objects met so far. Raises ValueError if one is met twice."""
     import h5py
 
-    _check_new(group, addresses)
-    yield group
-    for name in group:
-        link = group.get(name, getclass=True, getlink=True)
+    _check_new(item, addresses)
+    yield item
+    for name in () if isinstance(item, h5py.Dataset) else item:
+        link = item.get(name, getclass=True, getlink=True)
         if link is not h5py.HardLink:
-            raise ValueError(f"{name} is a link ({link.__name__})")
-        member = group[name]
-        if isinstance(member, h5py.Group):
-            if deepest == 0:
-                raise ValueError(f"{name} is a group, nested deeper than any in a run or pack")
-            yield from _members(member, deepest - 1, addresses)
-        elif isinstance(member, h5py.Dataset):
-            _check_new(member, addresses)
-            yield member
-        else:
-            raise ValueError(f"{name} is neither an array nor a group")
+            raise ValueError(f"{name} must be a hard link, got {link.__name__}")
+        member = item[name]
+        if not isinstance(member, h5py.Dataset | h5py.Group):
+            raise ValueError(f"{name} must be an array or a group, got {type(member).__name__}")
+        if isinstance(member, h5py.Group) and deepest == 0:
+            raise ValueError(f"{name} must be an array, got a group nested too deep")
+        yield from _members(member, deepest - 1, addresses)
 
 
 def _check_new(item: Any, addresses: set[Any]) -> None:
@@ -114,7 +108,7 @@ def _check_new(item: Any, addresses: set[Any]) -> None:
 
     address = h5o.get_info(item.id).addr
     if address in addresses:
-        raise ValueError(f"{item.name} is linked under two names")
+        raise ValueError(f"{item.name} must have one name in the file, got two")
     addresses.add(address)
 
 
@@ -129,7 +123,10 @@ class _ByteCount:
         """Add bytes to the total; raise ValueError if it exceeds what the file can hold."""
         self.total += more
         if self.total > self.allowed:
-            raise ValueError(f"{self.total:.3g} bytes are claimed by a file of {self.size}")
+            raise ValueError(
+                f"contents of a file of {self.size} bytes must take at most {self.allowed:.3g} "
+                f"bytes in memory, got {self.total:.3g}"
+            )
 
     def count_attributes(self, item: Any) -> None:
         """Count the attributes of an array or group; texts count by their length."""
@@ -142,25 +139,24 @@ class _ByteCount:
                 continue
             type_, count = attribute.get_type(), prod(attribute.shape)
             type_class = type_.get_class()
-            if not _is_valid_scale_attribute(
-                name, type_, attribute.shape, getattr(item, "shape", None)
-            ):
-                raise ValueError(f"{name} of {item.name} does not describe its dimensions")
+            shape = getattr(item, "shape", None)
+            if not _is_valid_scale_attribute(name, type_, attribute.shape, shape):
+                raise ValueError(
+                    f"{name} must describe the dimensions of {item.name}, got another type"
+                )
+            has_fixed_size = type_class in plain or (
+                type_class == h5t.COMPOUND
+                and not (type_.detect_class(h5t.VLEN) or type_.detect_class(h5t.STRING))
+            )
             if type_class == h5t.STRING and type_.is_variable_str():
                 self._check_text_count(name, count)
                 self._count_letters(np.asarray(item.attrs[name], object).ravel())
-            elif type_class in plain or (
-                type_class == h5t.COMPOUND and not _has_variable_length(type_)
-            ):
+            elif has_fixed_size:
                 self.count(count * type_.get_size())
-            elif (
-                type_class == h5t.VLEN
-                and type_.get_super().get_class() == h5t.REFERENCE
-                and count <= 32
-            ):
+            elif _is_reference_list(type_) and count <= MAX_REFERENCES:
                 self.count(self.size)  # references to an array's dimensions
             else:
-                raise ValueError(f"attribute {name} has values of variable length")
+                raise ValueError(f"attribute {name} must be of fixed size, got variable length")
 
     def count_array(self, item: Any) -> None:
         """Check an array's type, storage and filters, and count its bytes; ignore groups."""
@@ -170,17 +166,20 @@ class _ByteCount:
             return
         layout, type_ = item.id.get_create_plist(), item.id.get_type()
         if _is_external(item):
-            raise ValueError(f"{item.name} is stored in another file")
-        filters = sorted(
-            layout.get_filter(position)[0] for position in range(layout.get_nfilters())
-        )
+            raise ValueError(f"{item.name} must be stored in the file itself, got another file")
+        filters = sorted(layout.get_filter(i)[0] for i in range(layout.get_nfilters()))
         if not {*filters} <= {DEFLATE, SHUFFLE, CHECKSUM} or len({*filters}) < len(filters):
-            raise ValueError(f"{item.name} has filters {filters}, which no run or pack has")
+            raise ValueError(
+                f"filters of {item.name} must be deflate, shuffle and checksum, got {filters}"
+            )
         type_class, h5t = type_.get_class(), h5py.h5t
         if type_class not in (h5t.INTEGER, h5t.FLOAT, h5t.STRING, h5t.ENUM):
-            raise ValueError(f"{item.name} holds neither numbers nor texts")
-        if type_class == h5t.FLOAT and type_.get_size() < LEAST_FLOAT_BYTES:
-            raise ValueError(f"{item.name} has floats of {type_.get_size()} bytes, too short")
+            raise ValueError(f"{item.name} must be numbers or texts, got {item.dtype}")
+        if type_class == h5t.FLOAT and type_.get_size() < MIN_FLOAT_BYTES:
+            raise ValueError(
+                f"{item.name} must have floats of at least {MIN_FLOAT_BYTES} bytes, got "
+                f"{type_.get_size()}"
+            )
         if self._skips_lengths and type_class != h5t.STRING and _is_length_only(item):
             return
         count = prod(item.shape or ())
@@ -201,7 +200,8 @@ class _ByteCount:
     def _check_text_count(self, name: str, count: int) -> None:
         """Raise ValueError if this many texts would be too large, were each as long as the file."""
         if count * self.size > self.allowed:
-            raise ValueError(f"{name} claims {count} texts in a file of {self.size} bytes")
+            most = self.allowed // self.size
+            raise ValueError(f"{name} must have at most {most} texts for its file, got {count}")
 
     def _count_letters(self, texts: Iterable[Any]) -> None:
         self.count(sum(TEXT_BYTES + LETTER_BYTES * len(text) for text in texts))
@@ -211,16 +211,13 @@ def _is_valid_scale_attribute(
     name: str, type_: Any, shape: tuple[int, ...], array_shape: tuple[int, ...] | None
 ) -> bool:
     """Whether an attribute that describes an array's dimensions has the type that HDF5 expects.
-
-    HDF5 reads these without checking their type, into a buffer of the expected size.
-    """
+    HDF5 reads these without checking their type, into a buffer of the expected size."""
     from h5py import h5t
 
     if array_shape is None or name not in ("DIMENSION_LIST", "REFERENCE_LIST", "CLASS", "NAME"):
         return True
     if name == "DIMENSION_LIST":
-        is_list = type_.get_class() == h5t.VLEN and type_.get_super().get_class() == h5t.REFERENCE
-        return is_list and shape == (len(array_shape),)
+        return _is_reference_list(type_) and shape == (len(array_shape),)
     if name == "REFERENCE_LIST":
         if type_.get_class() != h5t.COMPOUND or len(shape) != 1 or type_.get_nmembers() != 2:
             return False
@@ -235,8 +232,8 @@ def _is_length_only(array: Any) -> bool:
     return array.is_scale and isinstance(name, bytes | np.bytes_) and LENGTH_ONLY in bytes(name)
 
 
-def _has_variable_length(type_: Any) -> bool:
-    """Whether a compound type contains lists or strings of variable length."""
+def _is_reference_list(type_: Any) -> bool:
+    """Whether a type is that of lists of references, of variable length."""
     from h5py import h5t
 
-    return type_.detect_class(h5t.VLEN) or type_.detect_class(h5t.STRING)
+    return type_.get_class() == h5t.VLEN and type_.get_super().get_class() == h5t.REFERENCE

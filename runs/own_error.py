@@ -43,13 +43,11 @@ def own_error_at(run: Labelled, scene: Scene, name: str, index: int) -> float:
     if errors is None:
         return math.nan
     if name == "error" and "sup_error" in variables:
-        relative, distance = (
-            float(variables[part].values[index]) for part in ("error", "sup_error")
-        )
+        relative, distance = (float(variables[key].values[index]) for key in ("error", "sup_error"))
         return float(errors[index]) * relative / distance if distance > 0.0 else math.nan
     scale = scene.eps ** run.attrs.get("power", 1)
     if name == "error":
-        wave, background = (variables[part].values[index] for part in ("analytic", "background"))
+        wave, background = (variables[key].values[index] for key in ("analytic", "background"))
         return float(errors[index]) * scale / (float(np.max(np.abs(wave - background))) or math.nan)
     t = float(variables["curve_time"].values[index])
     at_time = errors if "error_estimate" in run.attrs else errors[variables["time"].values == t]

@@ -47,9 +47,7 @@ class RunComparison:
         else:
             yield "other bits:"
             yield from (f"  {line}" for line in self.differences)
-        yield from self.origins
-        if not self.origins:
-            yield "code, packages and machine are the same"
+        yield from self.origins or ["code, packages and machine are the same"]
 
 
 def compare_runs(stored: xr.Dataset, repeated: xr.Dataset) -> RunComparison:
@@ -61,16 +59,12 @@ def compare_runs(stored: xr.Dataset, repeated: xr.Dataset) -> RunComparison:
         old, new = (run.attrs.get(name, "nothing") for run in (stored, repeated))
         if repr(old) != repr(new):
             differences.append(f"{name}: {new}, was {old}")
-    origins = tuple(
-        line
-        for name in PROVENANCE
-        for line in changed_parts(
-            name, *(str(run.attrs.get(name, "")) for run in (stored, repeated))
-        )
-    )
-    return RunComparison(
-        tuple(differences), origins, sum(v.size for v in repeated.variables.values())
-    )
+    origins: list[str] = []
+    for name in PROVENANCE:
+        texts = (str(run.attrs.get(name, "")) for run in (stored, repeated))
+        origins += changed_parts(name, *texts)
+    count = sum(variable.size for variable in repeated.variables.values())
+    return RunComparison(tuple(differences), tuple(origins), count)
 
 
 def _variable_line(name: str, stored: xr.Dataset, repeated: xr.Dataset) -> str:

@@ -42,6 +42,7 @@ JSON_ATTRIBUTES = "json_attributes"
 COMPRESSION = {"zlib": True, "complevel": 4, "shuffle": True}
 
 SIGNATURES = {b"\x89HDF\r\n\x1a\n": "NetCDF-4", b"CDF": "netCDF 3"}
+"""First bytes of runs in files, and their formats; the second is that of an older version."""
 
 
 def save_run(run: xr.Dataset, path: str | Path, force: bool = True) -> None:
@@ -55,13 +56,12 @@ def save_run(run: xr.Dataset, path: str | Path, force: bool = True) -> None:
 
 
 def file_content(run: xr.Dataset) -> bytes:
-    """Return the bytes of a run's file. They are built in memory, so that a full disk cannot break
-    HDF5."""
+    """Return the bytes of a run's file, without its checksum."""
     import h5netcdf  # type: ignore[import-untyped]
     from xarray.backends import H5NetCDFStore
 
     encoded = _to_netcdf_types(run)
-    image = BytesIO()
+    image = BytesIO()  # in memory, so that a full disk cannot break HDF5
     with h5netcdf.File(image, "w") as file:
         encoded.dump_to_store(H5NetCDFStore(file), encoding=_storage_options(encoded))
     return image.getvalue()
@@ -109,15 +109,13 @@ def open_run(path: str | Path, follow: bool = True) -> xr.Dataset:
 
 
 def _open_stream(path: Path, follow: bool) -> BinaryIO:
-    """Open a regular file for reading; raise ValueError for anything else, without blocking on a
-    pipe."""
+    """Open a regular file for reading; raise ValueError for anything else, even a pipe, at once."""
     if not follow:
         from longwave.support.sealed_file import open_plain
 
         return open(open_plain(path, untyped=2), "rb")
-    descriptor = os.open(
-        path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
-    )
+    flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
+    descriptor = os.open(path, flags)
     if not stat.S_ISREG(os.fstat(descriptor).st_mode):
         os.close(descriptor)
         raise ValueError(f"run must be a regular file, got {path} ({HOW_TO_WRITE})")
@@ -149,12 +147,12 @@ def _open_checked(stream: BinaryIO, size: int, resources: ExitStack) -> xr.Datas
 
 
 def _check_shapes(dataset: Any, file: Any) -> None:
-    """Raise ValueError for an array shorter than its dimensions: h5netcdf would fill it to any
-    length."""
+    """Raise ValueError for an array shorter than its dimensions; h5netcdf would extend it."""
     for name, variable in dataset.variables.items():
         if variable.shape != file[name].shape:
             raise ValueError(
-                f"{name} has shape {file[name].shape}, but its dimensions have {variable.shape}"
+                f"{name} must have the shape of its dimensions, {variable.shape}, got "
+                f"{file[name].shape}"
             )
 
 
@@ -183,9 +181,8 @@ def strain_fault(run: Labelled) -> str:
     if "site" not in run.sizes or SWEPT in run.attrs:
         return ""
     if "strain" not in run.variables:
-        return (
-            'strain must be stored for snapshots and spectra, got none (observables = ["strain"])'
-        )
+        remedy = 'observables = ["strain"]'
+        return f"strain must be stored for snapshots and spectra, got none ({remedy})"
     strain = run.variables["strain"]
     if strain.dtype.kind != "f":
         return f"strain must be floating-point numbers, got {strain.dtype} (run the scene again)"
@@ -199,8 +196,7 @@ def strain_fault(run: Labelled) -> str:
 
 
 def is_run_file(path: Path) -> bool:
-    """Whether a file starts with the signature of a run, current or older; False if there is no
-    file."""
+    """Whether a file starts with the signature of a run, current or older."""
     try:
         with _open_stream(path, follow=True) as stream:
             return _file_kind(stream) is not None
@@ -213,9 +209,8 @@ def _file_kind(stream: BinaryIO) -> str | None:
     stream.seek(0)
     beginning = stream.read(8)
     stream.seek(0)
-    return next(
-        (kind for signature, kind in SIGNATURES.items() if beginning.startswith(signature)), None
-    )
+    kinds = (kind for signature, kind in SIGNATURES.items() if beginning.startswith(signature))
+    return next(kinds, None)
 
 
 def names_a_run(source: str | Path) -> bool:
@@ -225,13 +220,14 @@ def names_a_run(source: str | Path) -> bool:
 
 
 HOW_TO_WRITE = "write it with `longwave run SCENE --output run.nc`"
+"""Remedy in the messages about files that are not runs."""
 
 
 def _checked_size(path: Path, stream: BinaryIO) -> int:
     """Return the size of an open file; raise ValueError unless it is NetCDF-4."""
-    kind = _file_kind(stream) or "no run"
+    kind = _file_kind(stream) or "not a run"
     if kind != "NetCDF-4":
-        remedy = HOW_TO_WRITE if kind == "no run" else "of an earlier longwave; run its scene again"
+        remedy = HOW_TO_WRITE if kind == "not a run" else "of an older longwave; run its scene anew"
         raise ValueError(f"run must be a NetCDF-4 file, got {path}, which is {kind} ({remedy})")
     return os.fstat(stream.fileno()).st_size
 
@@ -240,7 +236,7 @@ def _check_coordinates(run: xr.Dataset) -> None:
     """Raise ValueError for a coordinate that is not finite, which no run has."""
     for name, values in run.coords.items():
         if values.dtype.kind == "f" and not np.all(np.isfinite(values)):
-            raise ValueError(f"{name} is not finite")
+            raise ValueError(f"{name} must be finite, got NaN or inf")
 
 
 def _damage_error(path: str | Path, error: Exception) -> ValueError:
@@ -253,9 +249,7 @@ def _storage_options(run: xr.Dataset) -> dict[str, dict[str, Any]]:
     """Return each variable's encoding: arrays of numbers compressed, no fill value."""
     options: dict[str, dict[str, Any]] = {}
     for name, variable in run.variables.items():
-        is_compressed = (
-            variable.ndim > 0 and variable.size > 0 and variable.dtype.kind not in "OUST"
-        )
+        is_compressed = variable.ndim and variable.size and variable.dtype.kind not in "OUST"
         options[str(name)] = {"_FillValue": None} | (COMPRESSION if is_compressed else {})
     return options
 
@@ -266,11 +260,7 @@ def _to_netcdf_types(run: xr.Dataset) -> xr.Dataset:
 
     variables = {}
     for name, variable in run.variables.items():
-        dims, values, attributes = (
-            variable.dims,
-            variable.values,
-            _to_netcdf_attributes(variable.attrs),
-        )
+        dims, values = variable.dims, variable.values
         if values.dtype.kind == "c":
             parts = np.ascontiguousarray(values).view(values.real.dtype)
             dims, values = (*dims, COMPLEX_PARTS), parts.reshape(*values.shape, 2)
@@ -278,7 +268,7 @@ def _to_netcdf_types(run: xr.Dataset) -> xr.Dataset:
             values = values.astype(str)  # xarray 2025.1 cannot write arrays of objects
         elif values.dtype == np.float16:
             raise ValueError(f"{name} must be of a type that NetCDF has, got float16 (use float32)")
-        variables[name] = xr.Variable(dims, values, attributes)
+        variables[name] = xr.Variable(dims, values, _to_netcdf_attributes(variable.attrs))
     coordinates = {name: variables.pop(name) for name in run.coords}
     return xr.Dataset(variables, coordinates, _to_netcdf_attributes(run.attrs))
 
@@ -292,9 +282,8 @@ def _from_netcdf_types(run: xr.Dataset) -> xr.Dataset:
         if variable.dims[-1:] == (COMPLEX_PARTS,):
             values = np.ascontiguousarray(variable.values)
             complex_values = values.view(np.result_type(values.dtype, np.complex64))[..., 0]
-            restored = restored.assign(
-                {name: xr.Variable(variable.dims[:-1], complex_values, variable.attrs)}
-            )
+            whole = xr.Variable(variable.dims[:-1], complex_values, variable.attrs)
+            restored = restored.assign({name: whole})
     for variable in restored.variables.values():
         variable.attrs = _from_netcdf_attributes(variable.attrs)
     restored.attrs = _from_netcdf_attributes(run.attrs)
@@ -346,6 +335,5 @@ def _from_netcdf_attributes(attributes: Mapping[Any, Any]) -> dict[str, Any]:
 
 
 def _to_complex(entries: dict[str, Any]) -> object:
-    return (
-        complex(entries["real"], entries["imag"]) if entries.keys() == {"real", "imag"} else entries
-    )
+    is_complex = entries.keys() == {"real", "imag"}
+    return complex(entries["real"], entries["imag"]) if is_complex else entries

@@ -28,15 +28,12 @@ if TYPE_CHECKING:
 FOLDER_SUFFIX = ".checkpoint"
 """Suffix of the checkpoint folder, appended to the name of the output file."""
 
-PACE = LEAST, SHARE
-"""Least seconds between two checkpoints, and the largest share of the run time they may take."""
+CHECKPOINT_PACE = LEAST, SHARE
+"""Least seconds between two checkpoints, and the largest fraction of the run time they may take."""
 
 
 def check_run_output(output: str | None, force: bool) -> None:
-    """Raise ValueError, before the run, if its output cannot or may not be written.
-
-    Even ``force`` does not overwrite a file that is not a run.
-    """
+    """Raise ValueError, before the run, if its output cannot or may not be written."""
     check_output(output, suffixes=(".nc",), force=force)
     if output is not None and Path(output).exists() and not is_run_file(Path(output)):
         raise ValueError(
@@ -137,7 +134,9 @@ class OutputCheckpoint:
         if self._output is None or self._store is not None or not runs_its_sources():
             yield
             return
-        self._folder = CheckpointFolder(self._folder_path, run_stamp(run_key(scene)), *PACE)
+        self._folder = CheckpointFolder(
+            self._folder_path, run_stamp(run_key(scene)), *CHECKPOINT_PACE
+        )
         with store_messages(), checkpoints_in(self._folder):
             self._folder.tell(scene.name)
             yield
@@ -147,17 +146,15 @@ class OutputCheckpoint:
 
         ``written`` says whether partial results are in the output file.
         """
-        if self._store is not None:
-            return _checkpoint_message(self._store)
-        if self._folder is None or not self._folder.is_begun:
+        if self._store is None and (self._folder is None or not self._folder.is_begun):
             return count
-        if written:
+        if self._store is None and written:
             return f"{count}; repeat the command with --force to resume"
-        return _checkpoint_message(str(self._folder_path))
+        folder = self._store or self._folder_path
+        return f"progress is saved in {folder}; repeat the command to resume"
 
     def settle(self, build: Callable[[], xr.Dataset], force: bool) -> int:
-        """Write the run that ``build`` returns to the output, if there is one, and remove the
-        checkpoints.
+        """Write the run that ``build`` returns to the output, and remove the checkpoints.
 
         Call this before printing the run: printing may fail if nobody reads. Returns the exit
         status, as `save_anywhere` does. Without an output, ``build`` is not called.
@@ -166,8 +163,3 @@ class OutputCheckpoint:
         if status == 0 and self._folder is not None:
             self._folder.clear()
         return status
-
-
-def _checkpoint_message(folder: str) -> str:
-    """Return the message that names the folder from which an interrupted command is resumed."""
-    return f"progress is saved in {folder}; repeat the command to resume"

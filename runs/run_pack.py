@@ -23,15 +23,7 @@ import numpy as np
 
 from longwave.runs.hdf_contents import check_contents, local_member
 from longwave.runs.run_file import as_json
-from longwave.support.sealed_file import (
-    DAMAGED,
-    LINKED,
-    LOG,
-    NO_FILE,
-    is_sealed,
-    open_plain,
-    write_sealed,
-)
+from longwave.support import sealed_file
 from longwave.support.user_files import reason_of
 
 if TYPE_CHECKING:
@@ -79,12 +71,14 @@ RATES: Mapping[str, tuple[str, str]] = {
 the largest rate in theory."""
 
 TEXTS = ("key", "status", "message", "attributes")
+"""Names of the arrays of texts in a group of a pack."""
 
-LEAST_COMPRESSED = 4096
-"""Bytes from which a run's array is compressed, one chunk for each run. With the level below and
-shuffled bytes, a snapshot of 3000 sites takes 0.7 ms and shrinks by a tenth to a half."""
+MIN_COMPRESSED_BYTES = 4096
+"""Bytes from which a run's array is compressed, one chunk for each run."""
 
 COMPRESSION_LEVEL = 1
+"""Deflate level: with shuffled bytes, a snapshot of 3000 sites takes 0.7 ms and shrinks by a tenth
+to a half."""
 
 
 @dataclass(frozen=True)
@@ -120,9 +114,8 @@ class CellTable:
     def select(self, cells: NDArray[Any]) -> CellTable:
         """Return the cells at these indices, or where the mask is true."""
         columns = {name: getattr(self, name)[cells] for name in COLUMN_TYPES}
-        return CellTable(
-            **columns, numbers={name: column[cells] for name, column in self.numbers.items()}
-        )
+        numbers = {name: column[cells] for name, column in self.numbers.items()}
+        return CellTable(**columns, numbers=numbers)
 
     def record(self, row: int) -> CellRecord:
         """Return one cell, without its run."""
@@ -148,23 +141,20 @@ def concatenate_tables(tables: Sequence[CellTable]) -> CellTable:
         name: np.concatenate([np.empty(0, type_), *(getattr(table, name) for table in tables)])
         for name, type_ in COLUMN_TYPES.items()
     }
-    return CellTable(
-        **columns, numbers=_concatenate_numbers([(table.numbers, len(table)) for table in tables])
-    )
+    numbers = _concatenate_numbers([(table.numbers, len(table)) for table in tables])
+    return CellTable(**columns, numbers=numbers)
 
 
 def _concatenate_numbers(
     parts: Sequence[tuple[Mapping[str, NDArray[np.float64]], int]],
 ) -> dict[str, NDArray[np.float64]]:
-    """Concatenate columns of numbers; each part has its columns and length, a missing one gives
-    NaN."""
-    names = {name for numbers, _ in parts for name in numbers}
+    """Concatenate (columns, length) pairs of numbers; a missing column gives NaN."""
     return {
         name: np.concatenate(
             [columns.get(name, np.full(length, np.nan)) for columns, length in parts]
         )
         for name in NUMBERS
-        if name in names
+        if any(name in columns for columns, _ in parts)
     }
 
 
@@ -201,14 +191,9 @@ class _RunStack:
             values = np.stack([np.asarray(run.variables[label].values) for run in runs])
             if values.dtype.kind == "U":
                 values = np.char.encode(values, "utf-8")
-            arrays[str(label)] = (
-                values,
-                {
-                    "dims": json.dumps(variable.dims),
-                    "coordinate": label in runs[0].coords,
-                    "attributes": json.dumps(variable.attrs, default=as_json),
-                },
-            )
+            attrs = {"dims": json.dumps(variable.dims), "coordinate": label in runs[0].coords}
+            attrs["attributes"] = json.dumps(variable.attrs, default=as_json)
+            arrays[str(label)] = values, attrs
         return _RunStack(texts, numbers, arrays)
 
     @staticmethod
@@ -241,13 +226,9 @@ class _RunStack:
             group.create_dataset(name, data=column)
         arrays = group.create_group("arrays")
         for name, (values, attrs) in self.arrays.items():
-            options: dict[str, Any] = {}
-            if values[0].nbytes >= LEAST_COMPRESSED:
-                options = {
-                    "compression": COMPRESSION_LEVEL,
-                    "shuffle": True,
-                    "chunks": (1, *values.shape[1:]),
-                }
+            options: dict[str, Any] = {"compression": COMPRESSION_LEVEL, "shuffle": True}
+            options["chunks"] = (1, *values.shape[1:])
+            options = options if values[0].nbytes >= MIN_COMPRESSED_BYTES else {}
             arrays.create_dataset(name, data=values, **options).attrs.update(attrs)
 
 
@@ -268,8 +249,8 @@ def decoded_values(stored: Any) -> Any:
 
 
 def write_pack(path: Path, records: Iterable[CellRecord]) -> None:
-    """Write the records to a new file, completely or not at all. Raises OSError with its name."""
-    write_sealed(path, pack_content(records), force=False)
+    """Write the records to a new file, completely or not at all; an OSError names the file."""
+    sealed_file.write_sealed(path, pack_content(records), force=False)
 
 
 def pack_content(records: Iterable[CellRecord]) -> bytes:
@@ -281,11 +262,7 @@ def pack_content(records: Iterable[CellRecord]) -> bytes:
 
 
 def merged_content(packs: Iterable[tuple[Path, int]]) -> bytes:
-    """Return the bytes of one pack with all cells of these packs.
-
-    Each pack is given by the arguments ``path`` and ``link_free`` of `open_pack`, whose errors it
-    raises.
-    """
+    """Return the bytes of one pack with all cells of packs (path, link_free), as in `open_pack`."""
     layouts: dict[str, list[_RunStack]] = defaultdict(list)
     for path, link_free in packs:
         with open_pack(path, link_free) as file:
@@ -309,27 +286,19 @@ def _run_layout(run: xr.Dataset | None) -> str:
     """Return a text that is equal for runs that can be stacked."""
     if run is None:
         return ""
-    variables = run.variables.items()
     return repr(
         [
-            (
-                name,
-                variable.dims,
-                variable.shape,
-                variable.dtype.str,
-                name in run.coords,
-                variable.attrs,
-            )
-            for name, variable in variables
+            (name, v.dims, v.shape, v.dtype.str, name in run.coords, v.attrs)
+            for name, v in run.variables.items()
         ]
     )
 
 
-RECENT_NS = 2 * 10**9
+RECENT_CHANGE_NS = 2 * 10**9
 """Nanoseconds within which a file may change again without a new change time (a clock tick, or one
 second on some file systems). A more recent file is checked at each opening."""
 
-MOST_REMEMBERED = 4096
+MAX_REMEMBERED = 4096
 """Largest number of checked packs that are remembered."""
 
 _remembered: dict[tuple[int, ...], None] = {}
@@ -354,19 +323,19 @@ def open_pack(path: Path, link_free: int = 1) -> Iterator[h5py.File]:
         state = os.fstat(stream.fileno())
         stamp = state.st_dev, state.st_ino, state.st_size, state.st_mtime_ns, state.st_ctime_ns
         is_checked = stamp in _remembered
-        if not is_checked and not is_sealed(stream):
-            LOG.warning(DAMAGED, path)
-            raise DamagedPackError(f"{path} is damaged: its checksum is wrong")
+        if not is_checked and not sealed_file.is_sealed(stream):
+            sealed_file.LOG.warning(sealed_file.DAMAGED, path)
+            raise DamagedPackError(f"pack must have the right checksum, got {path}, damaged")
         try:
             file = h5py.File(stream)
         except OSError as error:
-            raise ValueError(f"{path} is not a pack ({reason_of(error)})") from None
+            raise ValueError(f"pack must be an HDF5 file, got {path}: {reason_of(error)}") from None
         with file:
             if not is_checked:
                 check_contents(file, state.st_size, deepest=2)
-                if time.time_ns() - state.st_ctime_ns > RECENT_NS:
+                if time.time_ns() - state.st_ctime_ns > RECENT_CHANGE_NS:
                     _remembered[stamp] = None
-                    for old in [*_remembered][: max(0, len(_remembered) - MOST_REMEMBERED)]:
+                    for old in [*_remembered][: max(0, len(_remembered) - MAX_REMEMBERED)]:
                         del _remembered[old]
             yield file
 
@@ -374,27 +343,26 @@ def open_pack(path: Path, link_free: int = 1) -> Iterator[h5py.File]:
 def _open_unlinked(path: Path, link_free: int) -> BinaryIO:
     """Open a regular file; raise DamagedPackError for a link or anything else."""
     try:
-        return open(open_plain(path, untyped=link_free), "rb")
+        return open(sealed_file.open_plain(path, untyped=link_free), "rb")
     except FileNotFoundError:
         raise
     except OSError as error:
-        if error.errno not in NO_FILE:
+        if error.errno not in sealed_file.NO_FILE:
             raise
-        LOG.warning(LINKED, path)
-        raise DamagedPackError(f"{path} is a link, or not a regular file") from None
+        sealed_file.LOG.warning(sealed_file.LINKED, path)
+        raise DamagedPackError(f"pack must be a regular file, got {path}") from None
 
 
 def read_pack(path: Path, link_free: int = 1) -> CellTable:
     """Return the table of a pack's cells, without loading runs. Raises as `open_pack`."""
     try:
         with open_pack(path, link_free) as file:
-            return concatenate_tables(
-                [_group_table(int(name), local_member(file, name)) for name in file]
-            )
+            tables = [_group_table(int(name), local_member(file, name)) for name in file]
+            return concatenate_tables(tables)
     except (FileNotFoundError, DamagedPackError):
         raise
     except Exception as error:  # what the library raises for such a file is not documented
-        raise ValueError(f"{path} is not a pack ({reason_of(error)})") from None
+        raise ValueError(f"file must be a pack, got {path}: {reason_of(error)}") from None
 
 
 def is_pack(path: Path, link_free: int = 1) -> bool:
@@ -417,10 +385,7 @@ def _group_table(number: int, group: Any) -> CellTable:
 
 
 def build_table(columns: Mapping[str, Any], numbers: Any) -> CellTable:
-    """Build a table from a file's ``columns`` and from the known columns of the group ``numbers``.
-
-    Raises ValueError unless all have one length and the right type.
-    """
+    """Build a table from columns and a group of numbers; ValueError unless they have one length."""
     count = len(columns["key"])
     plain = {name: np.asarray(columns[name]).astype(type_) for name, type_ in COLUMN_TYPES.items()}
     number_columns = {
@@ -429,27 +394,21 @@ def build_table(columns: Mapping[str, Any], numbers: Any) -> CellTable:
         if name in numbers
     }
     if any(column.shape != (count,) for column in (*plain.values(), *number_columns.values())):
-        raise ValueError("the columns differ in length")
+        raise ValueError(f"columns must have {count} rows, got other lengths")
     for name in ("key", "status"):
         plain[name].astype("U")  # raises if it is not ASCII
     return CellTable(**plain, numbers=number_columns)
 
 
 def check_keys(group: Any, rows: Sequence[int], keys: Sequence[str]) -> None:
-    """Raise ValueError if the given rows of a pack's group do not have these keys.
-
-    The pack may have been replaced since it was indexed. An empty key matches any row.
-    """
+    """Raise ValueError if rows of a group do not have these keys; an empty key matches any row."""
     expected = [(row, key) for row, key in zip(rows, keys, strict=True) if key]
     if any(local_member(group, "key").asstr()[row] != key for row, key in expected):
-        raise ValueError("the pack's runs changed since it was indexed")
+        raise ValueError("pack must have the indexed keys, got others: it changed since then")
 
 
 def load_row(path: Path, group: int, row: int, key: str = "", link_free: int = 1) -> xr.Dataset:
-    """Load one run of a pack, bit by bit as it was saved; a nonempty ``key`` must be the row's.
-
-    Raises as `open_pack`.
-    """
+    """Load one run of a pack, bit by bit; a nonempty ``key`` must be the row's. See `open_pack`."""
     import xarray as xr
 
     with open_pack(path, link_free) as file:
@@ -461,12 +420,11 @@ def load_row(path: Path, group: int, row: int, key: str = "", link_free: int = 1
             inner = local_member(pack_group, "arrays")
             for name in inner:
                 array = local_member(inner, name)
-                target = data if not array.attrs["coordinate"] else coordinates
-                attrs = json.loads(array.attrs["attributes"])
-                target[name] = (json.loads(array.attrs["dims"]), decoded_values(array[row]), attrs)
-            return xr.Dataset(
-                data, coordinates, json.loads(local_member(pack_group, "attributes")[row])
-            )
+                target = coordinates if array.attrs["coordinate"] else data
+                dims, attrs = (json.loads(array.attrs[key]) for key in ("dims", "attributes"))
+                target[name] = dims, decoded_values(array[row]), attrs
+            attrs = json.loads(local_member(pack_group, "attributes")[row])
+            return xr.Dataset(data, coordinates, attrs)
         except Exception as error:  # see read_pack
             raise ValueError(
                 f"pack must contain complete runs, got {path}: {reason_of(error)}"

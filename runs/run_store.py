@@ -37,6 +37,7 @@ IRRELEVANT_PACKAGES = ("xarray", "h5netcdf")
 """Packages whose version does not affect the bits of a run."""
 
 WAITING = "%s: waiting for another process that computes this run"
+"""Log message for a run that is locked."""
 
 
 class UnsavedRunError(OSError):
@@ -60,7 +61,7 @@ class RunStore:
         self._pace = least, share
 
     def key(self, scene: Scene) -> str:
-        """Return the key of the scene's run, see `run_key`."""
+        """Return the key of the scene's run; see `run_key`."""
         return run_key(scene)
 
     def path(self, scene: Scene) -> Path:
@@ -81,13 +82,9 @@ class RunStore:
         return StoredRuns(self)
 
     def run(
-        self,
-        scene: Scene,
-        progress: Progress | None = None,
-        announce: Announce | None = None,
+        self, scene: Scene, progress: Progress | None = None, announce: Announce | None = None
     ) -> xr.Dataset:
-        """Return the scene's stored run, from its file or a pack; compute it as `fetch` does if
-        needed."""
+        """Return the scene's run, from its file or a pack; compute it as `fetch` does if needed."""
         from longwave.runs.run_file import load_run
 
         location = self._find_and_log(scene)
@@ -98,33 +95,25 @@ class RunStore:
     def _find_and_log(self, scene: Scene) -> Path | PackedRun | None:
         """Return the location of the scene's run and log it; None if the store does not have it."""
         file = self.path(scene)
-        location = file if is_whole(file) else self._find_packed(file.stem)
+        location: Path | PackedRun | None = file
+        if not is_whole(file):
+            entry = pack_index(self.folder).get(file.stem)
+            location = None if entry is None else entry[1]
         if location is not None:
             path = location if isinstance(location, Path) else location.path
             LOG.info("%s: found in %s, not run again", scene.name, path)
         return location
 
-    def _find_packed(self, key: str) -> PackedRun | None:
-        entry = pack_index(self.folder).get(key)
-        return None if entry is None else entry[1]
-
     def keep(self, scene: Scene, run: xr.Dataset) -> Path:
-        """Save a run that was computed elsewhere under its scene's key; return its file.
-
-        Raises ValueError for an unfinished run, and OSError if it cannot be written.
-        """
+        """Save a run that was computed elsewhere under its scene's key; return its file."""
         path = self.path(scene)
         with self._locked(path):
             return _save(path, run)
 
     def fetch(
-        self,
-        scene: Scene,
-        progress: Progress | None = None,
-        announce: Announce | None = None,
+        self, scene: Scene, progress: Progress | None = None, announce: Announce | None = None
     ) -> Path:
-        """Return the file of the scene's run, which is computed first if the store does not have
-        it.
+        """Return the file of the scene's run; compute the run first if the store does not have it.
 
         A run that lies in a pack is copied to a file of its own. If another process is computing
         the run, this waits for it. An interrupted run is resumed and ends with the same bits as one
@@ -249,10 +238,11 @@ def runs_its_sources() -> bool:
     from longwave.support.compiled.source_digest import runs_as_written
     from longwave.support.provenance import code_files
 
-    files = code_files()
-    module_names = [".".join(("longwave", *file.with_suffix("").parts)) for file in files]
-    import_names = [stem.removesuffix(".__init__") for stem in module_names]
-    return runs_as_written(tuple(zip(import_names, files.values(), strict=True)))
+    names = (
+        ".".join(("longwave", *file.with_suffix("").parts)).removesuffix(".__init__")
+        for file in code_files()
+    )
+    return runs_as_written(tuple(zip(names, code_files().values(), strict=True)))
 
 
 def check_sources() -> None:

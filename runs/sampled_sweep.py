@@ -20,7 +20,7 @@ from longwave.derive.intervals import LEVEL, rounded
 from longwave.derive.measured import Measured
 from longwave.derive.symbols import number_value
 from longwave.runs.run_file import file_content
-from longwave.runs.sweep_file import MOST_CELLS, SAMPLE, Sweep, SweptDimension
+from longwave.runs.sweep_file import MAX_CELLS, SAMPLE, Sweep, SweptDimension
 from longwave.scenes.description.bench import MEAN_SUFFIXES
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.description.scene import Scene
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 QUANTILES = ((1 - LEVEL) / 2, 0.5, (1 + LEVEL) / 2)
 """Reported quantiles: lower end of the interval, median, upper end."""
 
-FEWEST_SAMPLES = 39
+MIN_SAMPLES = 39
 """Least number of samples: the smallest and largest of 39 are the ends of a 95 % interval."""
 
 EXCLUDED = ("slow_time", "error", "sup_error", "error_far_field", "time_step_error", "domain_error")
@@ -53,10 +53,10 @@ def sampled_sweep(source: str | Path | Scene, samples: int, seed: int = 0) -> Sw
     """
     scene = source if isinstance(source, Scene) else load_scene(source)
     count = whole("samples", samples, 1)
-    if not FEWEST_SAMPLES <= count <= MOST_CELLS:
+    if not MIN_SAMPLES <= count <= MAX_CELLS:
         raise ValueError(
-            f"samples must be {FEWEST_SAMPLES} to {MOST_CELLS}, got {count} ({FEWEST_SAMPLES} are "
-            "the fewest that have a 95 % interval)"
+            f"samples must be {MIN_SAMPLES} to {MAX_CELLS}, got {count} ({MIN_SAMPLES} are the "
+            "fewest that have a 95 % interval)"
         )
     if isinstance(seed, bool) or not isinstance(seed, int):
         raise ValueError(f"seed must be a whole number, got {shown(seed)} (such as 1)")
@@ -72,15 +72,12 @@ def sampled_sweep(source: str | Path | Scene, samples: int, seed: int = 0) -> Sw
             f"scene must take constants with a covariance from its lattice file, got {scene.name} "
             "(`longwave fit` writes such a file; a [covariance] may be added to any)"
         )
-    rows = tuple(
-        tuple(sample[index] for index in varied.values())
-        for sample in measured.samples(count, seed)
-    )
+    samples_of_all = measured.samples(count, seed)
+    rows = tuple(tuple(sample[i] for i in varied.values()) for sample in samples_of_all)
     dimension = SweptDimension(SAMPLE, tuple(f"constants.{name}" for name in varied), rows)
     title = f"{scene.title or scene.name}: {count} samples of {', '.join(varied)}"
-    return Sweep(
-        f"{scene.name}_samples", scene.name, tomllib.loads(scene.toml()), (dimension,), title=title
-    )
+    document = tomllib.loads(scene.toml())
+    return Sweep(f"{scene.name}_samples", scene.name, document, (dimension,), title=title)
 
 
 @dataclass(frozen=True)
@@ -99,21 +96,16 @@ class ObservedNumber:
     @property
     def ends(self) -> tuple[float, float, float]:
         """Lower end of the interval, median, upper end."""
-        low, median, high = _quantiles(self.samples)
-        return float(low), float(median), float(high)
+        low, median, high = _quantiles(self.samples).tolist()
+        return low, median, high
 
     def text(self) -> str:
         """Return the median with the parts of its interval, as one line."""
         low, median, high = self.ends
-        half_width = (high - low) / 2
-        largest = max(
-            value for value in (half_width, self.reduction, self.numerics) if value == value
-        )
-        texts = [f"{self.name} {rounded(median, largest)} +- {half_width:.2g} (data)"]
-        for name in ("reduction", "numerics"):
-            value = getattr(self, name)
-            texts += [f"+- {value:.2g} ({name})"] if value == value else []
-        return " ".join(texts)
+        sizes = {"data": (high - low) / 2, "reduction": self.reduction, "numerics": self.numerics}
+        largest = max(size for size in sizes.values() if not math.isnan(size))
+        shown_sizes = (f"+- {size:.2g} ({name})" for name, size in sizes.items() if size == size)
+        return " ".join([self.name, rounded(median, largest), *shown_sizes])
 
 
 def _quantiles(samples: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -151,24 +143,26 @@ def observed_numbers(
         )
         lattice, theory = lattice.max(axis=1), theory.max(axis=1)
         yield ObservedNumber("crest", lattice, float(np.nanmax(np.abs(lattice - theory))), numerics)
-    numerics_or_nan = numerics if scene.bench else math.nan
+    for label, samples in _readings(dataset):
+        yield ObservedNumber(label, samples, numerics=numerics if scene.bench else math.nan)
+
+
+def _readings(dataset: xr.Dataset) -> Iterator[tuple[str, NDArray[np.float64]]]:
+    """Yield (label, samples) of the largest readings and of the last values of other variables."""
     for name in map(str, dataset.data_vars):
+        values, label = dataset[name], name.replace("_", " ")
+        inner_dims = values.dims[1:]
         if name.endswith(MEAN_SUFFIXES):
             continue
-        values, inner_dims = dataset[name], dataset[name].dims[1:]
         if name.startswith("sensor_"):
             for index, site in enumerate(dataset["sensor"].values):
                 readings = np.abs(values.isel(sensor=index).values).reshape(values.shape[0], -1)
-                label = f"cell {site}: largest {name.removeprefix('sensor_')}"
-                yield ObservedNumber(label, readings.max(axis=1), numerics=numerics_or_nan)
+                yield f"cell {site}: largest {name.removeprefix('sensor_')}", readings.max(axis=1)
         elif inner_dims == ("time",) and name.removeprefix("run_") not in EXCLUDED:
-            yield ObservedNumber(
-                name.replace("_", " "), values.values[:, -1], numerics=numerics_or_nan
-            )
+            yield label, values.values[:, -1]
         elif inner_dims == ("time", "mode"):
             for index, mode in enumerate(dataset["mode"].values):
-                label = f"{name.replace('_', ' ')} {mode}"
-                yield ObservedNumber(label, values.values[:, -1, index], numerics=numerics_or_nan)
+                yield f"{label} {mode}", values.values[:, -1, index]
 
 
 def write_samples(
@@ -187,15 +181,10 @@ def write_samples(
     for name, values in dataset.data_vars.items():
         if values.dims[:1] == (SAMPLE,) and values.ndim > 1 and values.dtype.kind == "f":
             attrs = {**values.attrs, "comment": f"of {SAMPLE}s, at the quantiles"}
-            intervals[f"{name}_interval"] = (
-                ("quantile", *values.dims[1:]),
-                _quantiles(values.values),
-                attrs,
-            )
-    cell_numbers = {
-        name: values for name, values in dataset.data_vars.items() if values.dims == (SAMPLE,)
-    }
-    result = dataset[list(cell_numbers)].assign_coords(quantile=list(QUANTILES)).assign(intervals)
+            dims = ("quantile", *values.dims[1:])
+            intervals[f"{name}_interval"] = (dims, _quantiles(values.values), attrs)
+    cell_numbers = [name for name, values in dataset.data_vars.items() if values.dims == (SAMPLE,)]
+    result = dataset[cell_numbers].assign_coords(quantile=list(QUANTILES)).assign(intervals)
     content = file_content(result)
     write_atomically(Path(path), lambda draft: draft.write_bytes(content))
     return result, numbers

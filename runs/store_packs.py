@@ -22,21 +22,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from longwave.runs import run_pack
 from longwave.runs.hdf_contents import check_contents
-from longwave.runs.run_pack import (
-    COLUMN_TYPES,
-    FINAL,
-    REFUSED,
-    CellRecord,
-    CellTable,
-    DamagedPackError,
-    build_table,
-    concatenate_tables,
-    is_pack,
-    load_row,
-    merged_content,
-    read_pack,
-)
 from longwave.support.atomic_file import not_stale
 from longwave.support.file_lock import locked
 from longwave.support.request_limits import current_limits
@@ -50,7 +37,7 @@ PACKS, SUFFIX, INDEX, LOCK = "packs", ".h5", "index", "merge.lock"
 """Folder of a store's packs, suffix of a pack, and names of the index and the lock."""
 
 INDEXED_CHANGES = 16
-"""Number of added or removed packs that triggers a new index; reading 16 packs takes 50 ms."""
+"""Number of added or removed packs from which a new index is written; reading 16 takes 50 ms."""
 
 MERGED_COUNT, SIZE_RATIO, MOST_BYTES = 32, 8, 2**25
 """Merging rules: packs are merged once 32 of them have sizes within a factor of 8, and no merged
@@ -93,11 +80,6 @@ class PackedRun:
         """Path of the pack."""
         return self.folder / PACKS / self.pack
 
-    @property
-    def link_free(self) -> int:
-        """Number of last components of the path that must not be links."""
-        return link_free_parts(self.pack)
-
     def load(self) -> xr.Dataset:
         """Load the run, bit by bit as it was saved; raise ValueError if its pack lacks it."""
         try:
@@ -106,11 +88,13 @@ class PackedRun:
             (location,) = relocated_runs([self])
             return location._load_row()
         except ValueError:
-            delete_index(self.folder)
+            with suppress(OSError):  # without the index, all packs are read when opened next
+                (self.folder / PACKS / INDEX).unlink()
             raise
 
     def _load_row(self) -> xr.Dataset:
-        return load_row(self.path, self.group, self.row, self.key, self.link_free)
+        link_free = link_free_parts(self.pack)
+        return run_pack.load_row(self.path, self.group, self.row, self.key, link_free)
 
 
 def link_free_parts(pack: str) -> int:
@@ -123,10 +107,7 @@ def link_free_parts(pack: str) -> int:
 
 
 def relocated_runs(runs: Sequence[PackedRun]) -> list[PackedRun]:
-    """Return the current locations of runs whose packs have been merged, all of one store.
-
-    Raises ValueError if a run is gone.
-    """
+    """Return the current locations of one store's merged runs; ValueError if one is gone."""
     index, relocated = pack_index(runs[0].folder), []
     for run in runs:
         entry = index.get(run.key)
@@ -137,21 +118,20 @@ def relocated_runs(runs: Sequence[PackedRun]) -> list[PackedRun]:
 
 
 class PackIndex:
-    """Index of a store's packs by key; of several attempts at a cell it keeps a final one with a
-    run.
+    """Index of a store's packs by key; of several attempts at a cell, one with a run is kept.
 
     ``table`` has one row for each key and is sorted by key; ``packs`` are the names to which the
     numbers in its column ``pack`` refer.
     """
 
-    def __init__(self, folder: Path, packs: Sequence[str], table: CellTable) -> None:
+    def __init__(self, folder: Path, packs: Sequence[str], table: run_pack.CellTable) -> None:
         self.folder, self.packs = folder, packs
-        is_final = np.isin(table.status, [status.encode() for status in FINAL])
+        is_final = np.isin(table.status, [status.encode() for status in run_pack.FINAL])
         rank = np.where(table.row >= 0, 0, np.where(is_final, 1, 2))
         order = np.lexsort((rank, table.key))
         _, first = np.unique(table.key[order], return_index=True)
         self.table = table.select(order[first])
-        refused = self.table.status == REFUSED.encode()
+        refused = self.table.status == run_pack.REFUSED.encode()
         self._settled = refused | (is_final[order[first]] & (self.table.row >= 0))
 
     def __len__(self) -> int:
@@ -177,17 +157,14 @@ class PackIndex:
         position = int(table.group[row]), int(table.row[row]), table.key[row].decode()
         return PackedRun(self.folder, self.packs[table.pack[row]], *position)
 
-    def get(self, key: str) -> tuple[CellRecord, PackedRun | None] | None:
+    def get(self, key: str) -> tuple[run_pack.CellRecord, PackedRun | None] | None:
         """Return the cell of a key and the location of its run, if there is one."""
         row = self.row(key)
         return None if row is None else (self.table.record(row), self.location(row))
 
 
 def pack_index(folder: Path) -> PackIndex:
-    """Return the index of all packs of the store in ``folder``; damaged packs are left out.
-
-    The index file is rewritten if many packs are new.
-    """
+    """Return the index of a store's undamaged packs; rewrite its file if many packs are new."""
     entries = _read_index(folder)
     indexed_count = len(entries)
     unreadable, vanished = set[tuple[str, PackStamp]](), set[tuple[str, PackStamp]]()
@@ -196,13 +173,16 @@ def pack_index(folder: Path) -> PackIndex:
         for name, stamp in listed.items():
             if entries.get(name, (None,))[0] != stamp and (name, stamp) not in unreadable:
                 try:
-                    entries[name] = stamp, read_pack(folder / PACKS / name, link_free_parts(name))
+                    entries[name] = (
+                        stamp,
+                        run_pack.read_pack(folder / PACKS / name, link_free_parts(name)),
+                    )
                 except FileNotFoundError:  # merged meanwhile: list again to find the merged pack
                     if (name, stamp) not in vanished:
                         vanished.add((name, stamp))
                         break
                     unreadable.add((name, stamp))  # listed a second time: the listing is outdated
-                except DamagedPackError:
+                except run_pack.DamagedPackError:
                     unreadable.add((name, stamp))
                 except (ValueError, OSError) as error:
                     LOG.warning("%s: its runs count as missing", error)
@@ -219,7 +199,7 @@ def pack_index(folder: Path) -> PackIndex:
         replace(table, pack=np.full(len(table), number, np.int32))
         for number, (_, table) in enumerate(entries.values())
     ]
-    table = concatenate_tables(tables)
+    table = run_pack.concatenate_tables(tables)
     if abs(len(entries) - indexed_count) >= INDEXED_CHANGES:
         with suppress(OSError):  # a read-only store works without an index
             stamps = [(name, *stamp) for name, (stamp, _) in entries.items()]
@@ -227,14 +207,14 @@ def pack_index(folder: Path) -> PackIndex:
     return PackIndex(folder, names, table)
 
 
-def _index_content(stamps: Sequence[tuple[str, int, int]], table: CellTable) -> bytes:
+def _index_content(stamps: Sequence[tuple[str, int, int]], table: run_pack.CellTable) -> bytes:
     import h5py
 
     image = BytesIO()
     with h5py.File(image, "w") as file:
         kind = h5py.string_dtype()
         file.create_dataset("packs", data=np.array([json.dumps(stamps)], object), dtype=kind)
-        for name in COLUMN_TYPES:
+        for name in run_pack.COLUMN_TYPES:
             options = {"dtype": kind} if name == "message" else {}
             file.create_dataset(name, data=getattr(table, name), **options)
         numbers = file.create_group("numbers")
@@ -243,7 +223,7 @@ def _index_content(stamps: Sequence[tuple[str, int, int]], table: CellTable) -> 
     return image.getvalue()
 
 
-def _read_index(folder: Path) -> dict[str, tuple[PackStamp, CellTable]]:
+def _read_index(folder: Path) -> dict[str, tuple[PackStamp, run_pack.CellTable]]:
     """Return the packs recorded in the index file, with stamp and table; empty without an index."""
     import h5py
 
@@ -260,12 +240,12 @@ def _read_index(folder: Path) -> dict[str, tuple[PackStamp, CellTable]]:
             ]
             columns = {
                 name: file[name].asstr()[()] if kind is object else file[name][()]
-                for name, kind in COLUMN_TYPES.items()
+                for name, kind in run_pack.COLUMN_TYPES.items()
             }
-            table = build_table(columns, file["numbers"])
+            table = run_pack.build_table(columns, file["numbers"])
         ends = np.searchsorted(table.pack, np.arange(len(packs) + 1))
         if np.any(np.diff(table.pack) < 0) or ends[0] != 0 or ends[-1] != len(table):
-            raise ValueError("the rows do not match the packs")
+            raise ValueError("rows must be sorted by pack, got another order or number")
     except Exception as error:  # see run_pack.read_pack
         LOG.warning("%s is not an index and is rebuilt (%s)", path, reason_of(error))
         return {}
@@ -273,12 +253,6 @@ def _read_index(folder: Path) -> dict[str, tuple[PackStamp, CellTable]]:
     return {
         name: (stamp, table.select(part)) for (name, stamp), part in zip(packs, parts, strict=True)
     }
-
-
-def delete_index(folder: Path) -> None:
-    """Delete the index file, so that all packs are read when the store is opened next."""
-    with suppress(OSError):
-        (folder / PACKS / INDEX).unlink()
 
 
 def _list_packs(folder: Path) -> dict[str, PackStamp]:
@@ -359,9 +333,11 @@ def _merge(folder: Path, names: Sequence[str]) -> None:
     paths = {folder / PACKS / name: link_free_parts(name) for name in names}
     try:
         intact = [
-            (path, link_free) for path, link_free in paths.items() if is_pack(path, link_free)
+            (path, link_free)
+            for path, link_free in paths.items()
+            if run_pack.is_pack(path, link_free)
         ]
-        content = merged_content(intact)
+        content = run_pack.merged_content(intact)
     except FileNotFoundError:  # without working locks, another process may have merged it
         return
     write_sealed(new_pack(folder), content, force=False)

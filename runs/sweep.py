@@ -24,21 +24,21 @@ from longwave.support.sealed_file import write_sealed
 if TYPE_CHECKING:
     from longwave.runs.sweep_file import Sweep
 
-LEAST_BATCH_SECONDS, MOST_BATCH_SECONDS = 0.3, 3.0
+MIN_BATCH_SECONDS, MAX_BATCH_SECONDS = 0.3, 3.0
 """Least and largest duration of a batch, whose pack costs 10 ms. Batches are short towards the end,
 so that all workers finish together."""
 
-BATCH_SHARE = 4
-"""A worker's next batch is at most a quarter of its share of the remaining work."""
+BATCHES_LEFT = 4
+"""Least number of batches of each worker into which the remaining work is divided."""
 
-MOST_QUEUED = 2
+MAX_QUEUED = 2
 """Batches assigned to a worker, including the current one, so that it never waits for the next."""
 
 RECENT_BATCHES = 5
 """Batches of each worker that determine the recent pace. In the estimate of the remaining time they
 weigh as much as this many of the cells whose cost was estimated beforehand."""
 
-MOST_LOST_WORKERS = 3
+MAX_LOST_WORKERS = 3
 """Workers that a cell, run alone, may lose before it is recorded as failed."""
 
 SweepProgress = Callable[["SweepState"], None]
@@ -75,20 +75,14 @@ class SweepState:
 
     @property
     def seconds_left(self) -> float:
-        """Estimated seconds left, from measured against expected costs; 0 before any cell is done.
-
-        Without expected costs, the recent pace is used.
-        """
+        """Estimated seconds left, by expected costs or the recent pace; 0 at first."""
         cells_left = self.cells - self.stored - self.done
         cells, expected, taken = self.recent
         if not expected:
             return cells_left * self.pace / self.workers
-        expected_ahead = [
-            seconds for number, seconds in self.expected.items() if number >= self.next_number
-        ]
-        mean_expected = (sum(expected_ahead) + RECENT_BATCHES * expected / cells) / (
-            len(expected_ahead) + RECENT_BATCHES
-        )
+        ahead = [seconds for cell, seconds in self.expected.items() if cell >= self.next_number]
+        count = len(ahead) + RECENT_BATCHES
+        mean_expected = (sum(ahead) + RECENT_BATCHES * expected / cells) / count
         return cells_left * mean_expected * taken / expected / self.workers
 
     def count(self, batch: Batch, next_number: int) -> None:
@@ -129,15 +123,13 @@ def run_sweep(
     finished cells are saved in both cases.
     """
     state = SweepState(len(sweep), workers.count) if state is None else state
-    missing = _missing_cells(
-        sweep, store, store.stored_runs() if stored_keys is None else stored_keys, state
-    )
+    stored_keys = store.stored_runs() if stored_keys is None else stored_keys
+    missing = _missing_cells(sweep, store, stored_keys, state)
     first = next(missing, None)
     if first is not None:  # a complete store need not be writable
         (store.folder / PACKS).mkdir(parents=True, exist_ok=True)
         with _store_token(store.folder) as token:
-            dispatch = _Dispatch(store, workers, state, progress, token)
-            dispatch.run(chain([first], missing))
+            _Dispatch(store, workers, state, progress, token).run(chain([first], missing))
     return state
 
 
@@ -149,10 +141,7 @@ def run_with_progress(
     stored_keys: Container[str],
     displays: tuple[Callable[[float], object], Callable[[float], object] | None],
 ) -> None:
-    """Run a sweep and report its progress; arguments as in `run_sweep`.
-
-    ``displays`` is called with the finished share and, unless None, with the seconds left.
-    """
+    """Run a sweep; ``displays`` get the finished fraction and (unless None) the seconds left."""
     advance, show_seconds_left = displays
 
     def show(state: SweepState) -> None:
@@ -212,7 +201,7 @@ class _Dispatch:
     def run(self, missing: Iterator[Cell]) -> None:
         """Run the cells in batches; then run each cell of a batch that lost its worker alone."""
         suspects: list[Cell] = []
-        for cells, call in in_turn(self._batches(missing), self.workers, ahead=MOST_QUEUED):
+        for cells, call in in_turn(self._batches(missing), self.workers, ahead=MAX_QUEUED):
             if not self._take(cells, call):
                 suspects += cells
         for cell in suspects:
@@ -233,8 +222,8 @@ class _Dispatch:
         if not pace:
             return 1
         unsent = self.state.cells - self.state.stored - self.state.done - self.sent
-        equal_share = unsent * pace / (BATCH_SHARE * self.workers.count)
-        return max(1, int(min(max(equal_share, LEAST_BATCH_SECONDS), MOST_BATCH_SECONDS) / pace))
+        seconds = unsent * pace / (BATCHES_LEFT * self.workers.count)
+        return max(1, int(min(max(seconds, MIN_BATCH_SECONDS), MAX_BATCH_SECONDS) / pace))
 
     def _take(self, cells: tuple[Cell, ...], call: Call) -> bool:
         """Save the results of a batch; return False if its worker was lost."""
@@ -265,10 +254,10 @@ class _Dispatch:
 
     def _run_alone(self, cell: Cell) -> None:
         """Run a suspect cell alone; record it as failed if it loses its worker several times."""
-        for _ in range(MOST_LOST_WORKERS):
+        for _ in range(MAX_LOST_WORKERS):
             ((cells, call),) = in_turn([self._batch((cell,))], self.workers)
             if self._take(cells, call):
                 return
-        message = f"its worker process ended {MOST_LOST_WORKERS} times (killed, or out of memory)"
+        message = f"its worker process ended {MAX_LOST_WORKERS} times (killed, or out of memory)"
         write_pack(new_pack(self.store.folder), [CellRecord(cell.key, FAILED, message)])
         self.state.count(Batch([FAILED], 0.0, 0.0, 0.0, message), cell.number + 1)

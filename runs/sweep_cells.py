@@ -6,7 +6,7 @@ import signal
 import sys
 import threading
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from random import Random
@@ -45,10 +45,10 @@ if TYPE_CHECKING:
 
     from longwave.scenes.description.scene import Scene
 
-MOST_ESTIMATED = 5
-"""Cells of a batch whose expected cost is estimated, which takes 5 ms for each."""
+MAX_ESTIMATED = 5
+"""Most cells of a batch whose expected cost is estimated, which takes 5 ms for each."""
 
-LEAST_FILE_SECONDS = 10.0
+MIN_FILE_SECONDS = 10.0
 """Expected seconds from which a cell's run gets its own file in the store, with checkpoints."""
 
 
@@ -105,40 +105,28 @@ def run_cells(
     records: list[CellRecord] = []
     seconds = processor = expected = 0.0
     pack = None
-    estimated = Random(cells[0].number).sample(cells, min(MOST_ESTIMATED, len(cells)))
+    estimated = Random(cells[0].number).sample(cells, min(MAX_ESTIMATED, len(cells)))
+    limited = request_limits(limits.memory_bytes, limits.seconds) if limits else nullcontext()
     try:
-        with _stop_on_sigterm(), _limited(limits):
+        with _stop_on_sigterm(), limited:
             for cell in cells:
                 wall_start, processor_start = perf_counter(), process_time()
                 if cell in estimated:
-                    expected += _expected_seconds(cell) * len(cells) / len(estimated)
+                    with suppress(ValueError):  # equations derived here are cached for the run
+                        cost = expected_cell_cost(cell.scene)
+                        expected += cost.seconds * len(cells) / len(estimated)
                 records.append(run_cell(cell, store))
                 seconds += perf_counter() - wall_start
                 processor += process_time() - processor_start
     finally:
-        if records:
-            if store is not None:
-                write_pack(new_pack(folder), records)
-            else:
-                pack = pack_content(records)
+        if records and store is not None:
+            write_pack(new_pack(folder), records)
+        elif records:
+            pack = pack_content(records)
     statuses = [record.status for record in records]
     faults = (record.message for record in records if record.status in (REFUSED, FAILED))
     total_processor = process_time() - start
     return Batch(statuses, seconds, processor, total_processor, next(faults, ""), pack, expected)
-
-
-def _expected_seconds(cell: Cell) -> float:
-    """Estimate the seconds of a cell; equations derived for this are cached for its run."""
-    try:
-        return expected_cell_cost(cell.scene).seconds
-    except ValueError:
-        return 0.0
-
-
-def _limited(limits: RequestLimits | None) -> AbstractContextManager[object]:
-    if limits is None:
-        return nullcontext()
-    return request_limits(limits.memory_bytes, limits.seconds)
 
 
 @contextmanager
@@ -172,14 +160,13 @@ def run_cell(cell: Cell, store: RunStore | None = None) -> CellRecord:
     A run that is expected to take long is saved in the ``store`` and left out of the record. If it
     cannot be saved there, the record has it.
     """
-
     from longwave.runs.run_file import load_run
     from longwave.scenes.engines import scene_run
 
     in_own_file = False
 
     def check_duration(seconds: float) -> None:
-        if store is not None and seconds >= LEAST_FILE_SECONDS:
+        if store is not None and seconds >= MIN_FILE_SECONDS:
             raise Cancelled
 
     try:
@@ -213,15 +200,14 @@ def numbers_of(scene: Scene, run: xr.Dataset) -> Mapping[str, float]:
     """Return a cell's numbers: attributes of its run, its largest error and the run's own error."""
     numbers = {name: run.attrs[name] for name in NUMBERS if name in run.attrs}
     numbers |= {name: run.variables[name].values for name in OPTIONAL if name in run.variables}
-    for name in ("error", "error_curve"):
-        if name in run.variables:
-            values = np.asarray(run.variables[name].values, dtype=np.float64)
-            if values.size and not np.all(np.isnan(values)):
-                index = int(np.nanargmax(values))
-                numbers["error"] = float(values[index])
-                if "own_error" not in numbers:
-                    numbers["own_error"] = own_error_at(run, scene, name, index)
-                break
+    for name in (name for name in ("error", "error_curve") if name in run.variables):
+        values = np.asarray(run.variables[name].values, dtype=np.float64)
+        if not np.isnan(values).all():
+            index = int(np.nanargmax(values))
+            numbers["error"] = float(values[index])
+            if "own_error" not in numbers:
+                numbers["own_error"] = own_error_at(run, scene, name, index)
+            break
     return {name: float(value) for name, value in numbers.items()}
 
 

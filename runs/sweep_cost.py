@@ -16,14 +16,14 @@ if TYPE_CHECKING:
     from longwave.runs.sweep_file import Sweep
     from longwave.scenes.description.scene import Scene
 
-MOST_SAMPLED, FEWEST_SAMPLED = 200, 5
+MAX_SAMPLED, MIN_SAMPLED = 200, 5
 """Largest and least number of cells whose cost is estimated. With 200, costs that differ by a
 factor of 100 are estimated to about 20 %."""
 
-SAMPLING_SECONDS, SAMPLING_SHARE, MOST_SAMPLING_SECONDS = 0.2, 0.01, 3.0
+FREE_SAMPLING_SECONDS, SAMPLING_FRACTION, MAX_SAMPLING_SECONDS = 0.2, 0.01, 3.0
 """Limits on the processor time for these estimates, not counting the first: seconds always allowed,
-share of the sweep's expected time, and the largest number of seconds. A cell takes 30 ms if an
-equation must be derived."""
+fraction of the sweep's expected time, and the most seconds. A cell takes 30 ms if an equation must
+be derived."""
 
 
 @dataclass(frozen=True)
@@ -81,15 +81,16 @@ def expected_sweep_cost(sweep: Sweep, store: RunStore, stored_keys: Container[st
     Cells are sampled in a random order that is always the same. A cell with an inadmissible scene
     costs nothing.
     """
-    order = Random(0).sample(range(len(sweep)), min(MOST_SAMPLED, len(sweep)))
+    order = Random(0).sample(range(len(sweep)), min(MAX_SAMPLED, len(sweep)))
     start = process_time()
     memory, missing = 0.0, 0
     seconds: dict[int, float] = {}
     requested: set[str] = set()
     for number in order:
-        share = SAMPLING_SHARE * sum(seconds.values()) * len(sweep) / max(1, len(seconds))
-        allowed = min(max(SAMPLING_SECONDS, share), MOST_SAMPLING_SECONDS)
-        if len(seconds) >= FEWEST_SAMPLED and process_time() - start > allowed:
+        expected = sum(seconds.values()) * len(sweep) / max(1, len(seconds))
+        allowed = max(FREE_SAMPLING_SECONDS, SAMPLING_FRACTION * expected)
+        has_enough = len(seconds) >= MIN_SAMPLED
+        if has_enough and process_time() - start > min(allowed, MAX_SAMPLING_SECONDS):
             break
         seconds[number] = 0.0
         start = process_time() if len(seconds) == 2 else start

@@ -13,9 +13,8 @@ import xarray as xr
 from longwave.runs.run_file import SWEPT, file_content, load_run
 from longwave.runs.run_pack import FINAL, NUMBERS, OPTIONAL, RATES, REFUSED, CellRecord
 from longwave.runs.run_store import RunStore
-from longwave.runs.store_packs import PackedRun
 from longwave.runs.sweep_cells import record_of
-from longwave.runs.sweep_fields import RunLocation, swept_fields
+from longwave.runs.sweep_fields import RunLocation, load_location, swept_fields
 from longwave.runs.sweep_file import CASE, RESERVED_NAMES, SAMPLE, Sweep
 from longwave.support.atomic_file import write_atomically
 
@@ -118,21 +117,16 @@ def sweep_dataset(sweep: Sweep, store: RunStore, fields: bool = True) -> xr.Data
     for dimension in sweep.dimensions:
         columns = zip(*dimension.rows, strict=True)
         for field, column in zip(dimension.fields, columns, strict=True):
-            has_own_name = dimension.name not in (CASE, SAMPLE)
-            name = dimension.name if has_own_name else _short_name(field, swept)
+            is_shared = dimension.name in (CASE, SAMPLE)
+            name = _short_name(field, swept) if is_shared else dimension.name
             coordinates[name] = (dimension.name, _coordinate_values(column), {"field": field})
     if fields:
         reserved = {*names, *data, *coordinates}
-        for name, variable, is_coordinate in swept_fields(
-            names, shape, cells.locations(), reserved
-        ):
+        run_fields = swept_fields(names, shape, cells.locations(), reserved)
+        for name, variable, is_coordinate in run_fields:
             (coordinates if is_coordinate else data)[name] = variable
-    attributes = {
-        "title": sweep.title or sweep.name,
-        SWEPT: sweep.json(),
-        "store": str(store.folder),
-    }
-    return xr.Dataset(data, coordinates, attributes)
+    attributes = {"title": sweep.title or sweep.name, SWEPT: sweep.json()}
+    return xr.Dataset(data, coordinates, attributes | {"store": str(store.folder)})
 
 
 def _number_columns(
@@ -162,15 +156,11 @@ def _coordinate_values(column: Sequence[Any]) -> NDArray[Any]:
 
 
 def cell_run(sweep: Sweep, store: RunStore, **indices: int) -> xr.Dataset:
-    """Return the run of the cell with these indices along the swept dimensions.
-
-    Raises ValueError in one line for wrong indices, and for a cell without a run.
-    """
+    """Return the run of the cell with these indices; ValueError for wrong ones or without a run."""
     names = [dimension.name for dimension in sweep.dimensions]
     if set(indices) != set(names):
-        raise ValueError(
-            f"indices must name {', '.join(names)}, got {', '.join(indices) or 'none'}"
-        )
+        got = ", ".join(indices) or "none"
+        raise ValueError(f"indices must name {', '.join(names)}, got {got}")
     try:
         number = int(np.ravel_multi_index([indices[name] for name in names], sweep.shape))
     except ValueError:
@@ -181,14 +171,11 @@ def cell_run(sweep: Sweep, store: RunStore, **indices: int) -> xr.Dataset:
     if location is None:
         (_, status), (_, message), _ = cell.text_columns()
         raise ValueError(f"cell {indices} must have a run, got none: {message[0] or status[0]}")
-    return location.load() if isinstance(location, PackedRun) else load_run(location, follow=False)
+    return load_location(location)
 
 
 def write_sweep(sweep: Sweep, store: RunStore, path: str | Path, force: bool = True) -> xr.Dataset:
-    """Write the sweep's data set, without the runs' fields, as NetCDF-4; return it.
-
-    Raises OSError, naming the file.
-    """
+    """Write the sweep's data set, without the runs' fields, as NetCDF-4; return it."""
     dataset = sweep_dataset(sweep, store, fields=False)
     content = file_content(dataset)
     write_atomically(Path(path), lambda draft: draft.write_bytes(content), force)

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 from xarray import Variable
 from xarray.backends import BackendArray
@@ -17,7 +18,7 @@ from xarray.core import indexing
 from longwave.runs.hdf_contents import local_member
 from longwave.runs.run_file import load_run
 from longwave.runs.run_pack import check_keys, decoded_values, open_pack
-from longwave.runs.store_packs import PackedRun, relocated_runs
+from longwave.runs.store_packs import PackedRun, link_free_parts, relocated_runs
 
 RunLocation: TypeAlias = PackedRun | Path
 """Location of a cell's run: a row of a pack, or a file of its own."""
@@ -44,11 +45,15 @@ def _group_locations(locations: Mapping[int, RunLocation]) -> Sequence[dict[int,
 
 def _field_kinds(location: RunLocation) -> Iterator[tuple[str, FieldKind]]:
     """Yield name and kind of each variable of a run; all runs of a group agree in them."""
-    run = location.load() if isinstance(location, PackedRun) else load_run(location, follow=False)
-    for name, variable in run.variables.items():
+    for name, variable in load_location(location).variables.items():
         dims, attrs = tuple(map(str, variable.dims)), json.dumps(variable.attrs, sort_keys=True)
         layout = variable.shape, variable.dtype.str, dims == (name,), attrs
         yield str(name), FieldKind(dims, *layout)
+
+
+def load_location(location: RunLocation) -> xr.Dataset:
+    """Load the run of a cell from a pack or from a file of its own."""
+    return location.load() if isinstance(location, PackedRun) else load_run(location, follow=False)
 
 
 def _read_rows(field: str, locations: Iterable[RunLocation]) -> NDArray[Any]:
@@ -58,7 +63,7 @@ def _read_rows(field: str, locations: Iterable[RunLocation]) -> NDArray[Any]:
         runs = (load_run(path, follow=False) for path in locations if isinstance(path, Path))
         return np.stack([run.variables[field].values for run in runs])
     try:
-        with open_pack(packed[0].path, packed[0].link_free) as file:
+        with open_pack(packed[0].path, link_free_parts(packed[0].pack)) as file:
             group = local_member(file, str(packed[0].group))
             check_keys(group, [place.row for place in packed], [place.key for place in packed])
             array = local_member(local_member(group, "arrays"), field)
@@ -77,7 +82,7 @@ class LazyField(BackendArray):
         self,
         field: str,
         locations: Mapping[int, RunLocation],
-        swept: tuple[int, ...],
+        swept: Sequence[int],
         kind: FieldKind,
     ) -> None:
         self._field, self._locations = field, locations
@@ -120,8 +125,7 @@ def swept_fields(
     locations: Mapping[int, RunLocation],
     reserved: Collection[str],
 ) -> Iterator[tuple[str, Variable, bool]]:
-    """Yield name, variable and whether it is a coordinate, for each variable of equal shape in all
-    runs.
+    """Yield (name, variable, whether it is a coordinate) for the fields of one shape in all runs.
 
     A coordinate with the same values in all runs remains a coordinate; another one becomes the
     variable ``cell_NAME``. A variable whose name is in ``reserved`` becomes ``run_NAME``.

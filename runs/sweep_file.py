@@ -38,14 +38,8 @@ from typing import Any
 
 import numpy as np
 
+from longwave.runs import sweep_scene
 from longwave.runs.run_pack import NUMBERS, TEXTS
-from longwave.runs.sweep_scene import (
-    base_document,
-    canonical_field,
-    changed_document,
-    check_field,
-    make_scene,
-)
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import finite, refuse_unknown, table, text, whole
 from longwave.scenes.description.scene_file import read_document
@@ -53,14 +47,16 @@ from longwave.support.html_tables import html_table
 from longwave.support.known_names import one_of
 from longwave.support.user_files import cut, shown
 
-MOST_CELLS = 1_000_000
+MAX_CELLS = 1_000_000
+"""Largest number of cells of a sweep."""
 
 TOP_KEYS = ("title", "scene", "set", "grid", "list", "random")
 RANGE_KEYS = ("from", "to", "count", "log")
-DRAWN_KEYS = ("from", "to", "log", "whole", "choose")
+RANDOM_KEYS = ("from", "to", "log", "whole", "choose")
+"""Keys at the top of a sweep's file, of a range, and of a field in [random]."""
 
-MOST_SHOWN = 120
-"""Characters of a dimension's values that a notebook shows."""
+MAX_SHOWN = 120
+"""Most characters of a dimension's values that a notebook shows."""
 
 CASE, SAMPLE = "case", "sample"
 """Names of the dimensions of a list and of a random sample."""
@@ -69,6 +65,7 @@ RESERVED_NAMES = (CASE, SAMPLE, "time", "site", "row", "quantity", "background",
 """Names with another meaning in runs or in the data set of a sweep."""
 
 SHIPPED_FOLDER = files("longwave.runs.sweeps")
+"""Folder of the shipped sweeps."""
 
 Values = tuple[Any, ...]
 
@@ -122,13 +119,10 @@ class Sweep:
         return f"<Sweep of {self.base}: {sizes} = {len(self)} cells>"
 
     def _repr_html_(self) -> str:
+        texts = (", ".join(" ".join(map(str, row)) for row in d.rows) for d in self.dimensions)
         rows = [
-            (
-                d.name,
-                str(d.size),
-                cut(", ".join(" ".join(map(str, row)) for row in d.rows), MOST_SHOWN),
-            )
-            for d in self.dimensions
+            (d.name, str(d.size), cut(text, MAX_SHOWN))
+            for d, text in zip(self.dimensions, texts, strict=True)
         ]
         return html_table(repr(self).strip("<>"), rows, ("dimension", "size", "values"))
 
@@ -147,8 +141,8 @@ class Sweep:
 
     def scene(self, cell: int) -> Scene:
         """Build the scene of a cell; raise ValueError in one line if it is not admissible."""
-        document = changed_document(self.document, self.values(cell))
-        return make_scene(document, self.base, self.folder)
+        document = sweep_scene.changed_document(self.document, self.values(cell))
+        return sweep_scene.make_scene(document, self.base, self.folder)
 
 
 def load_sweep(source: str | Path, changes: Mapping[str, Any] | None = None) -> Sweep:
@@ -190,54 +184,42 @@ def sweep_of(
     folder: Path = Path(),
     changes: Mapping[str, Any] | None = None,
 ) -> Sweep:
-    """Build a sweep from the tables of a file, with ``changes`` to its [set].
-
-    Raises ValueError in one line if they are no sweep.
-    """
+    """Build a sweep from a file's tables with ``changes`` to its [set]; ValueError if invalid."""
     refuse_unknown(document, TOP_KEYS, "")
     title = document.get("title", "")
     text("title", title)
     if "scene" not in document:
         raise ValueError("scene must be stated, got nothing (a shipped scene, a file or a table)")
-    base, base_tables = base_document(document["scene"], folder)
+    base, base_tables = sweep_scene.base_document(document["scene"], folder)
     fixed = dict(_flatten_tables(table(document, "set"), "set"))
-    fixed |= {canonical_field(field): value for field, value in (changes or {}).items()}
+    fixed |= {sweep_scene.canonical_field(field): value for field, value in (changes or {}).items()}
     dimensions = tuple(_dimensions(document))
     if not dimensions:
         raise ValueError("[grid], [list] or [random] must be stated, got none (such as [grid])")
     swept = [field for dimension in dimensions for field in dimension.fields]
     for field in (*fixed, *swept):
-        check_field(field, base_tables)
+        sweep_scene.check_field(field, base_tables)
         if field in swept and field in (changes or {}):
             raise ValueError(f"--set must not name a swept field, got {field} (leave it out)")
     for index, field in enumerate(swept):
         others = {*swept[:index], *fixed}
-        if field in others or any(
-            _is_inside(*pair) for other in others for pair in [(other, field), (field, other)]
-        ):
+        if any(f"{o}.".startswith(f"{field}.") or field.startswith(f"{o}.") for o in others):
             raise ValueError(f"{field} must be given in one table, got it in two (leave one out)")
     cells = math.prod(dimension.size for dimension in dimensions)
-    if cells > MOST_CELLS:
-        raise ValueError(f"cells must be at most {MOST_CELLS}, got {cells} (take fewer values)")
-    constant = changed_document(base_tables, fixed)
+    if cells > MAX_CELLS:
+        raise ValueError(f"cells must be at most {MAX_CELLS}, got {cells} (take fewer values)")
+    constant = sweep_scene.changed_document(base_tables, fixed)
     return Sweep(name, base, constant, _name_dimensions(dimensions), folder, title)
-
-
-def _is_inside(table: str, field: str) -> bool:
-    return field.startswith(f"{table}.")
 
 
 def _name_dimensions(dimensions: Sequence[SweptDimension]) -> tuple[SweptDimension, ...]:
     """Name each dimension by the last part of its field's name, if that is unique and free."""
     short = [d.name.rpartition(".")[2] for d in dimensions]
+    free = {name for name in short if short.count(name) == 1} - {*RESERVED_NAMES}
     return tuple(
-        replace(d, name=name if _is_free(name, short) else d.name.replace(".", "_"))
+        replace(d, name=name if name in free else d.name.replace(".", "_"))
         for d, name in zip(dimensions, short, strict=True)
     )
-
-
-def _is_free(name: str, others: Sequence[str]) -> bool:
-    return others.count(name) == 1 and name not in RESERVED_NAMES
 
 
 def _flatten_tables(
@@ -246,31 +228,22 @@ def _flatten_tables(
     """Yield dotted names of fields and their values; a table that describes a range is a value."""
     for key, value in entries.items():
         name = f"{prefix}{key}"
-        if isinstance(value, Mapping) and not set(value) & {*RANGE_KEYS, *DRAWN_KEYS}:
+        if isinstance(value, Mapping) and not set(value) & {*RANGE_KEYS, *RANDOM_KEYS}:
             if name.count(".") > 1:
-                raise ValueError(
-                    f"fields in [{where}] must have at most one dot, got {shown(name)}"
-                )
+                got = shown(name)
+                raise ValueError(f"fields in [{where}] must have at most one dot, got {got}")
             yield from _flatten_tables(value, where, f"{name}.")
         else:
-            yield canonical_field(name), value
+            yield sweep_scene.canonical_field(name), value
 
 
 def _dimensions(document: Mapping[str, Any]) -> Iterator[SweptDimension]:
-    for field, values_given in _flatten_tables(table(document, "grid"), "grid"):
-        values = (
-            _range_values(field, values_given)
-            if isinstance(values_given, Mapping)
-            else _listed_values(field, values_given)
-        )
+    for field, given in _flatten_tables(table(document, "grid"), "grid"):
+        values = _axis_values(field, given)
         _check_distinct(field, values)
         yield SweptDimension(field, (field,), tuple((value,) for value in values))
-    columns = {
-        field: _range_values(field, values_given)
-        if isinstance(values_given, Mapping)
-        else _listed_values(field, values_given)
-        for field, values_given in _flatten_tables(table(document, "list"), "list")
-    }
+    listed = _flatten_tables(table(document, "list"), "list")
+    columns = {field: _axis_values(field, given) for field, given in listed}
     if columns:
         first, *others = columns
         for field in others:
@@ -286,15 +259,13 @@ def _dimensions(document: Mapping[str, Any]) -> Iterator[SweptDimension]:
 
 def _check_distinct(field: str, values: Sequence[Any]) -> None:
     """Raise ValueError if a value occurs twice on an axis, where its index would be ambiguous."""
-    seen_values: set[str | float] = set()
+    seen: set[str | float] = set()
     for value in values:
         comparable = json.dumps(value, sort_keys=True) if isinstance(value, list | dict) else value
-        if comparable in seen_values:
-            raise ValueError(
-                f"{field} in [grid] must have different values, got {shown(value)} twice (leave "
-                "one out)"
-            )
-        seen_values.add(comparable)
+        if comparable in seen:
+            got = f"{shown(value)} twice (leave one out)"
+            raise ValueError(f"{field} in [grid] must have different values, got {got}")
+        seen.add(comparable)
 
 
 def _sample_dimension(given: dict[str, Any]) -> SweptDimension:
@@ -318,9 +289,16 @@ def _sample_dimension(given: dict[str, Any]) -> SweptDimension:
 
 def _checked_count(value: object) -> int:
     number = whole("count", value)
-    if number > MOST_CELLS:
-        raise ValueError(f"count must be at most {MOST_CELLS}, got {number} (take fewer)")
+    if number > MAX_CELLS:
+        raise ValueError(f"count must be at most {MAX_CELLS}, got {number} (take fewer)")
     return number
+
+
+def _axis_values(field: str, given: object) -> Sequence[Any]:
+    """Return the values of a field along its dimension, from a range or a list."""
+    if isinstance(given, Mapping):
+        return _range_values(field, given)
+    return _listed_values(field, given)
 
 
 def _listed_values(field: str, given: object) -> Sequence[Any]:
@@ -363,9 +341,8 @@ def _range_ends(field: str, given: Mapping[str, Any]) -> tuple[float, float, boo
 def _boolean(field: str, given: Mapping[str, Any], key: str) -> bool:
     flag = given.get(key, False)
     if not isinstance(flag, bool):
-        raise ValueError(
-            f"{key} of {field} must be true or false, got {shown(flag)} (without quotes)"
-        )
+        got = f"{shown(flag)} (without quotes)"
+        raise ValueError(f"{key} of {field} must be true or false, got {got}")
     return flag
 
 
@@ -378,12 +355,9 @@ def _range_values(field: str, given: Mapping[str, Any]) -> Sequence[float]:
     count = _checked_count(given["count"])
     if count < 2:
         raise ValueError(f"count of {field} must be at least 2, got {count} (or list the value)")
-    shares = (i / (count - 1) for i in range(count))
-    if log:
-        points = [low * (high / low) ** share for share in shares]
-    else:
-        points = [low * (1 - share) + high * share for share in shares]
-    points = [low, *(float(f"{point:.15g}") for point in points[1:-1]), high]
+    fractions = [i / (count - 1) for i in range(1, count - 1)]
+    inner = (low * (high / low) ** s if log else low * (1 - s) + high * s for s in fractions)
+    points = [low, *(float(f"{point:.15g}") for point in inner), high]
     between_whole = all(isinstance(given[key], int) for key in ("from", "to"))
     if between_whole and all(point == int(point) for point in points):
         return [int(point) for point in points]
@@ -396,7 +370,7 @@ def _draw(field: str, given: object, stream: Random) -> Any:
             f"{field} in [random] must be a range or a choice, got {shown(given)} (such as "
             "{from = 0, to = 1} or {choose = [1, 2]})"
         )
-    refuse_unknown(given, DRAWN_KEYS, f" of {field}")
+    refuse_unknown(given, RANDOM_KEYS, f" of {field}")
     if "choose" in given:
         if len(given) > 1:
             raise ValueError(
@@ -405,7 +379,7 @@ def _draw(field: str, given: object, stream: Random) -> Any:
         choices = _listed_values(field, given["choose"])
         return choices[int(stream.random() * len(choices))]
     low, high, log = _range_ends(field, given)
-    share = stream.random()
+    fraction = stream.random()
     is_whole = _boolean(field, given, "whole")
     if is_whole and not (low.is_integer() and high.is_integer()):
         raise ValueError(
@@ -413,5 +387,5 @@ def _draw(field: str, given: object, stream: Random) -> Any:
             "{from = 1, to = 100, whole = true})"
         )
     beyond = high + is_whole
-    value = low * (beyond / low) ** share if log else low + (beyond - low) * share
+    value = low * (beyond / low) ** fraction if log else low + (beyond - low) * fraction
     return min(math.floor(value), int(high)) if is_whole else value

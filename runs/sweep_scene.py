@@ -8,20 +8,13 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from longwave.scenes.description import scene_file
 from longwave.scenes.description.bench import KEYS
 from longwave.scenes.description.losses import KINDS
 from longwave.scenes.description.named_scenes import load_scene, names_a_file
 from longwave.scenes.description.scene import Scene, alternatives_of
 from longwave.scenes.description.scene_checks import CHAIN_CONSTANTS
 from longwave.scenes.description.scene_disorder import Disorder
-from longwave.scenes.description.scene_file import (
-    PAIRS,
-    TABLES,
-    TOP,
-    in_one_spelling,
-    read_document,
-    scene_fields,
-)
 from longwave.scenes.observed.observables import OBSERVABLES
 from longwave.support.known_names import one_of
 from longwave.support.user_files import STANDARD_INPUT, file_stem, shown
@@ -32,8 +25,8 @@ UNVARIED = ("name", "title")
 """Fields that do not affect a run."""
 
 VARIED = {
-    **{key: () for key in TOP if key not in UNVARIED},
-    **{name: tuple(keys) for name, keys in TABLES.items()},
+    **{key: () for key in scene_file.TOP if key not in UNVARIED},
+    **{name: tuple(keys) for name, keys in scene_file.TABLES.items()},
     "disorder": tuple(field.name for field in fields(Disorder)),
     "losses": KINDS,
     **{name: KEYS[name] for name in ("chain", "start", "defects")},
@@ -42,19 +35,16 @@ VARIED = {
 
 
 def base_document(given: object, folder: Path = Path()) -> tuple[str, Document]:
-    """Return name and tables of a base scene: a shipped scene, a file in ``folder``, or tables.
-
-    Raises ValueError in one line.
-    """
+    """Return name and tables of a base scene: a shipped one, a file in ``folder``, or tables."""
     if isinstance(given, Mapping):
-        return "scene", in_one_spelling(given)
+        return "scene", scene_file.in_one_spelling(given)
     if not isinstance(given, str):
         raise ValueError(
             f"scene must be a name, a file or a table, got {shown(given)} (such as 'toda_soliton')"
         )
     if names_a_file(given, folder):
         path = given if given == STANDARD_INPUT else folder / given
-        return file_stem(path), in_one_spelling(read_document(path))
+        return file_stem(path), scene_file.in_one_spelling(scene_file.read_document(path))
     scene = load_scene(given)
     return scene.name, tomllib.loads(scene.toml())
 
@@ -108,7 +98,7 @@ def canonical_field(field: str) -> str:
 def check_field(field: str, document: Document | None = None) -> None:
     """Raise ValueError for an unknown field; a key of a table in ``document`` is named in full."""
     top, _, key = field.partition(".")
-    if top in PAIRS:
+    if top in scene_file.PAIRS:
         return  # these tables may have any key, and may be replaced as a whole
     if top in VARIED and (key in VARIED[top] if key else not VARIED[top]):
         return
@@ -121,14 +111,8 @@ def check_field(field: str, document: Document | None = None) -> None:
         raise ValueError(
             f"fields must be named with their table, got {field} (write {' or '.join(qualified)})"
         )
-    known = [
-        *(
-            f"{name}.{inner}" if inner else name
-            for name, keys in VARIED.items()
-            for inner in keys or [""]
-        ),
-        *(f"{name}.NAME" for name in PAIRS),
-    ]
+    known = [f"{name}.{key}".strip(".") for name, keys in VARIED.items() for key in keys or [""]]
+    known += [f"{name}.NAME" for name in scene_file.PAIRS]
     raise ValueError(f"fields must be known ones, got {shown(field)} ({one_of(field, known)})")
 
 
@@ -144,7 +128,7 @@ def changed_document(document: Document, changes: Mapping[str, Any]) -> Document
     for field, value in changes.items():
         for other in alternatives_of([field]):
             changed.pop(other, None)
-        if field == "lattice" and in_one_spelling({field: value}) != {field: value}:
+        if field == "lattice" and scene_file.in_one_spelling({field: value}) != {field: value}:
             raise ValueError(
                 f"lattice must be a name or a declared lattice in a sweep, got {shown(value)} "
                 "(sweep constants.K2)"
@@ -166,13 +150,10 @@ def _leave_to_tolerance(document: dict[str, Any]) -> None:
     document.pop("domain", None)
     observables = document.get("observables")
     if isinstance(observables, list | tuple):
-        document["observables"] = [
-            name
-            for name in observables
-            if not (name in OBSERVABLES and OBSERVABLES[name].measured_at == "refinement")
-        ]
+        refined = {name for name, o in OBSERVABLES.items() if o.measured_at == "refinement"}
+        document["observables"] = [name for name in observables if name not in refined]
 
 
 def make_scene(document: Document, name: str, folder: Path) -> Scene:
     """Build the scene from its tables; raise ValueError in one line if it is not admissible."""
-    return Scene.of(**{"name": name} | scene_fields(document, folder))
+    return Scene.of(**{"name": name} | scene_file.scene_fields(document, folder))

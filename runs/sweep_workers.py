@@ -10,6 +10,7 @@ import socket
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import lru_cache
+from itertools import chain
 from typing import TYPE_CHECKING
 
 from longwave.runs.run_store import code_digest
@@ -21,7 +22,8 @@ from longwave.support.provenance import changed_parts, provenance
 if TYPE_CHECKING:
     from distributed import Client
 
-MOST_PROCESSES = 1024
+MAX_PROCESSES = 1024
+"""Largest accepted number of worker processes."""
 
 
 @contextmanager
@@ -49,9 +51,9 @@ def check_workers(processes: int | None, scheduler: str | None) -> None:
         raise ValueError(
             f"--processes must not be given with --scheduler, got {processes} (leave one out)"
         )
-    if processes is not None and not 1 <= processes <= MOST_PROCESSES:
+    if processes is not None and not 1 <= processes <= MAX_PROCESSES:
         raise ValueError(
-            f"--processes must be 1 to {MOST_PROCESSES}, got {processes} (one a core is usual)"
+            f"--processes must be 1 to {MAX_PROCESSES}, got {processes} (one a core is usual)"
         )
 
 
@@ -61,12 +63,13 @@ def use_one_thread() -> None:
 
 
 DIGEST = "digest"
+"""Key of the digest in `process_code`."""
 
 COMPARED_PARTS = ("code", "versions")
 """Parts of `provenance` by which a difference between two codes is reported."""
 
-MOST_CHARACTERS = 200
-"""Largest length of that report."""
+MAX_REPORT_CHARACTERS = 200
+"""Largest length of the report on a difference between two codes."""
 
 
 @lru_cache
@@ -90,14 +93,10 @@ def check_cluster(client: Client) -> None:
 def _check_same_code(expected: Mapping[str, str], actual: Mapping[str, str], worker: str) -> None:
     if actual[DIGEST] == expected[DIGEST]:
         return
-    lines = [
-        line
-        for name in COMPARED_PARTS
-        for line in changed_parts(name, expected[name], actual[name])
-    ]
-    differences = "; ".join(lines).replace(", was ", ", here ")
+    lines = (changed_parts(name, expected[name], actual[name]) for name in COMPARED_PARTS)
+    differences = "; ".join(chain.from_iterable(lines)).replace(", was ", ", here ")
     raise ValueError(
         f"workers must have the same longwave and packages as this machine, got {worker} with "
-        f"{differences[:MOST_CHARACTERS]} (install the same versions there, or start again if "
-        "sources changed)"
+        f"{differences[:MAX_REPORT_CHARACTERS]} (install the same versions there, or start again "
+        "if sources changed)"
     )

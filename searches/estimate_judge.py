@@ -16,7 +16,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from longwave.reports.studies.estimates import GOOD, Judged
+from longwave.reports.studies.estimates import MAX_REFERENCE_ERROR, Judged
 from longwave.scenes import run
 from longwave.scenes.description.entries import table
 from longwave.scenes.description.numerics import EngineRules
@@ -187,11 +187,11 @@ def _true_error(scene: Scene, strain: Array, estimate: float) -> tuple[float, fl
     Where a shorter step makes the reference worse, rounding is what is left.
     """
     reference = CausalReference(scene)
-    accuracy = GOOD * max(estimate, 1e-13)
+    accuracy = MAX_REFERENCE_ERROR * max(estimate, 1e-13)
     share = max(FINE, FIRST * min(1.0, accuracy / 1e-6) ** (1.0 / (ORDER + 1)))
     coarse = reference.run(share * reference.longest_step).strain
     largest = float(np.max(np.abs(coarse))) / scene.eps
-    accuracy = max(GOOD * estimate, FLOOR * largest)
+    accuracy = max(MAX_REFERENCE_ERROR * estimate, FLOOR * largest)
     shorter, best = RATIO, (math.inf, math.inf)
     while True:
         share *= shorter
@@ -199,7 +199,7 @@ def _true_error(scene: Scene, strain: Array, estimate: float) -> tuple[float, fl
         own = ROUNDING * largest + float(np.max(np.abs(fine - coarse))) / scene.eps
         true = float(np.max(np.abs(strain - fine[: len(strain)]))) / scene.eps
         worse, best = best[0] <= min(own, ROUNDED * largest), min(best, (own, true))
-        clear = own <= GOOD * (true - estimate)
+        clear = own <= MAX_REFERENCE_ERROR * (true - estimate)
         shorter = min(RATIO, 0.9 * (accuracy / max(own, NOTHING)) ** (1.0 / ORDER))
         step = share * shorter * reference.longest_step
         dear = UPDATE * reference.evaluations(step) > REFERENCE_SECONDS

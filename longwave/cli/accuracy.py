@@ -28,7 +28,7 @@ from longwave.support.user_files import shown
 CASE_SECONDS = 0.3
 """Approximate seconds for one case in a process."""
 
-MOST_JOBS, MOST_DRAWN = 1000, 100_000
+MAX_JOBS, MAX_DRAWN = 1000, 100_000
 """Largest accepted values of --jobs and --drawn; larger ones are taken for typing errors."""
 
 WORKER_SECONDS, WORKER_BYTES = 3.0, 3e8
@@ -45,17 +45,13 @@ def print_accuracy(
     """
     jobs = os.cpu_count() or 1 if jobs is None else jobs
     drawn = DRAWN if drawn is None else drawn
-    unknown = sorted(set(only) - set(wave_names()))
-    if unknown:
-        known = one_of(unknown[0], wave_names())
-        raise ValueError(f"--only must be a wave, got {unknown[0]} ({known})")
-    for name, least, value, most, example in (
-        ("--jobs", 1, jobs, MOST_JOBS, 2),
-        ("--drawn", 0, drawn, MOST_DRAWN, DRAWN),
-    ):
+    for name in sorted(set(only) - set(wave_names())):
+        raise ValueError(f"--only must be a wave, got {name} ({one_of(name, wave_names())})")
+    job_option, drawn_option = ("--jobs", 1, jobs, MAX_JOBS, 2), ("--drawn", 0, drawn, MAX_DRAWN)
+    for name, least, value, most, usual in (job_option, (*drawn_option, DRAWN)):
         if not least <= value <= most:
-            value_text = f"{shown(value)} ({example} is usual)"
-            raise ValueError(f"{name} must satisfy {least} <= {name} <= {most}, got {value_text}")
+            got = f"{shown(value)} ({usual} is usual)"
+            raise ValueError(f"{name} must satisfy {least} <= {name} <= {most}, got {got}")
     names = only or wave_names()
     cases = sum(len(list(all_cases(name, 0))) + drawn for name in names)
     cores = min(jobs, os.cpu_count() or 1)

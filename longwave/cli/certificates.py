@@ -28,7 +28,7 @@ from longwave.verify.proof.export.terms import premises_in_short
 
 T = TypeVar("T")
 
-MOST_CERTIFICATES = 100
+MAX_CERTIFICATES = 100
 """Largest number of certificates in a file."""
 
 
@@ -48,9 +48,9 @@ class ProofFile:
 
         Input files, listed in ``read``, are never overwritten.
         """
+        if self.output is None and self.system is not None:
+            raise ValueError("--export must be given with --output FILE, got no file")
         if self.output is None:
-            if self.system is not None:
-                raise ValueError("--export must be given with --output FILE, got no file")
             return
         example = "c.json" if self.system is None else "proof.v"
         check_output(self.output, example, force=self.force, read=read)
@@ -155,10 +155,8 @@ def read_certificates(path: Path) -> list[Any]:
         reason = one_line(error)[:QUOTED]
         raise CertificateError(f"the file is not JSON ({reason})") from error
     certificates = data if isinstance(data, list) else [data]
-    if not 0 < len(certificates) <= MOST_CERTIFICATES:
-        content = (
-            "no certificate" if not certificates else f"more than {MOST_CERTIFICATES} certificates"
-        )
+    if not 0 < len(certificates) <= MAX_CERTIFICATES:
+        content = f"more than {MAX_CERTIFICATES} certificates" if certificates else "no certificate"
         raise CertificateError(f"the file holds {content}")
     return certificates
 
@@ -188,13 +186,11 @@ def _distinct_keys(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 
 MOST_SECONDS, MOST_MEMORY = 5, 500_000_000
+"""Limits of a check: seconds of processor time, and bytes of memory."""
 
 
 def run_limited(work: Callable[..., T], *arguments: object) -> T:
-    """Return the result of ``work``, run in a process with limits of time and memory.
-
-    Raises CertificateError if ``work`` does or if it exceeds a limit.
-    """
+    """Return the result of ``work``; CertificateError if it exceeds time or memory limits."""
     call = run_apart(Job(_run_with_cpu_limit, (work, arguments), memory=MOST_MEMORY))
     if isinstance(call.error, CertificateError):
         raise call.error

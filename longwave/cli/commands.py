@@ -9,15 +9,7 @@ from typing import Any, TypeVar
 
 import click
 
-from longwave.support.command_line import (
-    CommandGroup,
-    command_name,
-    example,
-    force_option,
-    json_option,
-    limit_options,
-    path_option,
-)
+from longwave.support import command_line
 
 METHODS = ("proof", "residual")
 EXPORT_SYSTEMS = ("pari", "maxima", "coq")
@@ -54,22 +46,24 @@ _export = click.option(
 )
 
 
-_certificates = path_option("--output", "FILE", "Write the proofs' certificates.")
+_certificates = command_line.path_option("--output", "FILE", "Write the proofs' certificates.")
 
 
 def _decision_options(command: Wrapped) -> Wrapped:
     """Add the options of a command that decides statements in text."""
     for option in (
-        limit_options,
-        json_option,
-        force_option,
+        command_line.limit_options,
+        command_line.json_option,
+        command_line.force_option,
         _export,
         _certificates,
         click.option("--latex", is_flag=True, help="Print a sentence on each in LaTeX."),
         click.option("--scheduler", metavar="ADDRESS", help="A Dask cluster, tcp://HOST:PORT."),
         click.option("--limit", type=float, metavar="SECONDS", help="Limit for each (default 60)."),
         click.option("--keep-going", is_flag=True, help="Decide the others if one is unreadable."),
-        path_option("--lines", "FILE.jsonl", "Append each verdict; skip those already in it."),
+        command_line.path_option(
+            "--lines", "FILE.jsonl", "Append each verdict; skip those already in it."
+        ),
     ):
         command = option(command)
     return command
@@ -87,7 +81,9 @@ HINTS = {"--certificate": CERTIFICATE_HINT}
 
 
 @click.command(
-    epilog=example('longwave prove --equation "u_t + c*u_x" --solution "u = sin(x - c*t)"')
+    epilog=command_line.example(
+        'longwave prove --equation "u_t + c*u_x" --solution "u = sin(x - c*t)"'
+    )
     + "\n  longwave prove problems.toml --output proofs.json",
     context_settings={"obj": HINTS | {"--library": "write longwave library;"}},
 )
@@ -130,11 +126,11 @@ def prove(files: tuple[str, ...], **options: Any) -> int:
     )
     from longwave.cli.statements import prove_and_print
 
-    return prove_and_print(command_name(), files, **options)
+    return prove_and_print(command_line.command_name(), files, **options)
 
 
 @click.command(
-    epilog=example("longwave library kdv_one_soliton kdv_soliton_speed"),
+    epilog=command_line.example("longwave library kdv_one_soliton kdv_soliton_speed"),
     context_settings={"obj": HINTS},
 )
 @click.argument("names", nargs=-1, metavar="[NAME]...", shell_complete=complete_published)
@@ -147,15 +143,15 @@ def library(names: tuple[str, ...], **options: Any) -> int:
     _refuse_both((options["json_wanted"], "--json", options["latex"], "--latex"))
     from longwave.cli.statements import decide_library_and_print
 
-    return decide_library_and_print(command_name(), names, **options)
+    return decide_library_and_print(command_line.command_name(), names, **options)
 
 
-@click.command(epilog=example("longwave check c.json"))
+@click.command(epilog=command_line.example("longwave check c.json"))
 @click.argument("file", type=click.Path(path_type=Path))
-@path_option("--output", "FILE", "Write the scripts of --export.")
+@command_line.path_option("--output", "FILE", "Write the scripts of --export.")
 @_export
-@force_option
-@json_option
+@command_line.force_option
+@command_line.json_option
 def check(file: Path, **options: Any) -> int:
     """Repeat the proofs in FILE with other arithmetic."""
     from longwave.cli.certificates import print_certificates
@@ -164,24 +160,24 @@ def check(file: Path, **options: Any) -> int:
 
 
 @click.group(
-    cls=CommandGroup,
+    cls=command_line.CommandGroup,
     otherwise="--only NAME takes a form",
     invoke_without_command=True,
     subcommand_metavar="[COMMAND [ARGS]...]",
-    epilog=example("longwave verify --only kink --output kink.json"),
+    epilog=command_line.example("longwave verify --only kink --output kink.json"),
     context_settings={"obj": HINTS},
 )
 @_only
-@json_option
+@command_line.json_option
 @_certificates
 @_export
-@force_option
+@command_line.force_option
 @click.option("--stable", is_flag=True, help="Prove instead that evaluation form = canonical form.")
 @click.option("--method", type=click.Choice(METHODS), help="A residual is evidence, not a proof.")
 @click.option("--digits", metavar="D1,D2,...", help="Increasing precisions of the residual.")
 @click.option("--points", type=int, help="Random points for each form's residual.")
 @click.option("--seed", type=int, help="Seed of the random points.")
-@limit_options
+@command_line.limit_options
 def verify(**options: Any) -> int:
     """Prove every closed form, or measure its residual.
 
@@ -200,14 +196,14 @@ def verify(**options: Any) -> int:
         return 0
     from longwave.cli.verdicts import print_verdicts
 
-    return print_verdicts(command_name(), **options)
+    return print_verdicts(command_line.command_name(), **options)
 
 
-@verify.command(epilog=example("longwave verify recheck --only kink"))
+@verify.command(epilog=command_line.example("longwave verify recheck --only kink"))
 @click.option("--only", multiple=True, metavar="NAME", help="Take this form or statement.")
 @click.option("--limit", type=float, metavar="SECONDS", help="Limit for each system and proof.")
-@json_option
-@limit_options
+@command_line.json_option
+@command_line.limit_options
 def recheck(only: tuple[str, ...], limit: float | None, json_wanted: bool) -> int:
     """Let PARI/GP, Maxima and Coq repeat the proofs.
 
@@ -215,28 +211,28 @@ def recheck(only: tuple[str, ...], limit: float | None, json_wanted: bool) -> in
     """
     from longwave.cli.recheck import print_rechecks
 
-    return print_rechecks(only, limit, json_wanted, command_name())
+    return print_rechecks(only, limit, json_wanted, command_line.command_name())
 
 
-@verify.command(epilog=example("longwave verify mutations --only kink"))
+@verify.command(epilog=command_line.example("longwave verify mutations --only kink"))
 @_only
-@json_option
-@limit_options
+@command_line.json_option
+@command_line.limit_options
 def mutations(only: tuple[str, ...], json_wanted: bool) -> int:
     """Refute every misprint of the closed forms."""
     from longwave.cli.verdicts import print_mutations
 
-    return print_mutations(only, json_wanted, command_name())
+    return print_mutations(only, json_wanted, command_line.command_name())
 
 
-@verify.command(epilog=example("longwave verify accuracy --only kink --drawn 10"))
+@verify.command(epilog=command_line.example("longwave verify accuracy --only kink --drawn 10"))
 @_only
 @click.option("--jobs", type=int, help="Processes (default all cores).")
 @click.option("--drawn", type=int, help="Random cases for each wave.")
-@json_option
-@limit_options
+@command_line.json_option
+@command_line.limit_options
 def accuracy(only: tuple[str, ...], jobs: int | None, drawn: int | None, json_wanted: bool) -> int:
     """Measure the evaluation of every wave."""
     from longwave.cli.accuracy import print_accuracy
 
-    return print_accuracy(only, jobs, drawn, json_wanted, command_name())
+    return print_accuracy(only, jobs, drawn, json_wanted, command_line.command_name())

@@ -14,15 +14,8 @@ from longwave.reports.pictures.shown import ShownFigure
 from longwave.reports.pictures.style import BEADS, OWN, WAVE, WIDTHS, save, styled
 from longwave.runs.sweep_scene import changed_scene
 from longwave.scenes.description.scene_checks import finite
+from longwave.support import console
 from longwave.support.command_line import fail_for_memory, listed
-from longwave.support.console import (
-    check_output,
-    picture_path,
-    plain_console,
-    print_json,
-    print_lines,
-    progress_bar,
-)
 from longwave.support.interruption import interrupted
 
 if TYPE_CHECKING:
@@ -40,46 +33,38 @@ def measured_convergence(
         example = "such as 0.1,0.07,0.05"
         values = listed("--eps", eps, lambda part: finite("--eps", float(part)), "numbers", example)
         if "eps" in changes:
-            raise ValueError(
-                f"eps must be given once, got --eps {eps} and --set eps={changes['eps']} (leave "
-                "one out)"
-            )
+            got = f"--eps {eps} and --set eps={changes['eps']} (leave one out)"
+            raise ValueError(f"eps must be given once, got {got}")
     scene = changed_scene(source, changes, tolerance)
-    with progress_bar(scene.name, f"{scene.name} at several eps") as bar:
+    with console.progress_bar(scene.name, f"{scene.name} at several eps") as bar:
         return scene_convergence(scene, values, *bar)
 
 
 def print_convergence(study: SceneConvergence, json_wanted: bool) -> None:
     """Print the table of errors and the rate, or one JSON document."""
     if json_wanted:
-        print_json(study.data())
+        console.print_json(study.data())
         return
     table = Table("eps", "sup error", "of the wave's size", "discretisation", "cells")
     for point in study.points:
-        table.add_row(
-            f"{point.eps:g}",
-            f"{point.error:.3g}",
-            f"{point.relative:.3g}",
-            f"{point.discretisation:.1g}",
-            str(point.sites),
-        )
-    scene, console = study.scene, plain_console()
+        errors = f"{point.error:.3g}", f"{point.relative:.3g}", f"{point.discretisation:.1g}"
+        table.add_row(f"{point.eps:g}", *errors, str(point.sites))
+    scene, output = study.scene, console.plain_console()
     theory = "none known" if study.theory is None else str(study.theory)
-    print_lines(console, [scene.title or scene.name])
-    console.print(table)
+    console.print_lines(output, [scene.title or scene.name])
+    output.print(table)
     lines = [
         f"{scene.lattice}, {study.equation}, {scene.order} order: the sup error falls as eps^rate, "
         f"the wave's size as eps^{study.power}",
         f"rate {study.rate}, theory {theory}",
     ]
-    print_lines(console, lines)
+    console.print_lines(output, lines)
 
 
 def convergence_figure(study: SceneConvergence) -> ShownFigure:
     """Draw errors against eps on logarithmic axes, with the runs' own errors and the fit."""
-    eps = np.array([point.eps for point in study.points])
-    errors = np.array([point.error for point in study.points])
-    run_errors = np.array([point.discretisation for point in study.points])
+    points = [(point.eps, point.error, point.discretisation) for point in study.points]
+    eps, errors, run_errors = np.transpose(points)
     figure = ShownFigure((WIDTHS[1], 2.8), layout="constrained")
     ax = figure.subplots()
     rate = study.rate.value
@@ -88,8 +73,7 @@ def convergence_figure(study: SceneConvergence) -> ShownFigure:
     ax.loglog(eps, power, color=WAVE, linewidth=0.9, label=f"rate {study.rate}{theory}")
     ax.loglog(eps, errors, label="lattice against wave", **BEADS | {"zorder": 3.0})
     ax.loglog(eps, run_errors, label="own error of the runs", color=OWN, marker="s", linestyle="--")
-    ax.set_xlabel(r"$\epsilon$")
-    ax.set_ylabel("sup error")
+    ax.set(xlabel=r"$\epsilon$", ylabel="sup error")
     ax.set_xticks(eps, [f"{value:g}" for value in eps], minor=False)
     ax.set_xticks([], minor=True)
     ax.yaxis.set_minor_formatter(NullFormatter())
@@ -114,13 +98,10 @@ def converge_and_draw(
     force: bool,
     json_wanted: bool,
 ) -> int:
-    """Run the study, print it, and draw it if an output is given; return 0, or 130 after Ctrl-C.
-
-    Raises ValueError for wrong input.
-    """
+    """Run the study, print it and draw it if asked; return 0, or 130 after Ctrl-C."""
     try:
-        check_output(output, "rate.png", force=force)
-        path = None if output is None else picture_path(output)
+        console.check_output(output, "rate.png", force=force)
+        path = None if output is None else console.picture_path(output)
         study = measured_convergence(scene, eps, tolerance, changes)
         if path is not None:
             with styled():

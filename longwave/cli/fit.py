@@ -34,7 +34,7 @@ from longwave.support.user_files import STANDARD_INPUT, on_one_line
 TEST_WORDS = {ODD: "the term", EVEN: "the term", SMOOTH: "smooth curves to", SERIAL: "neighbours"}
 """Words for the alternatives that residuals are tested against, by the kind of test."""
 
-MOST_CORRELATIONS = 6
+MAX_CORRELATIONS = 6
 """Largest number of constants for which the table has columns of correlations."""
 
 
@@ -49,10 +49,7 @@ def fit_and_print(
     force: bool,
     json_wanted: bool,
 ) -> int:
-    """Fit a force law, print it, and write the requested files; return the exit status 0.
-
-    Raises ValueError for wrong input.
-    """
+    """Fit a force law, print it and write the requested files; ValueError for wrong input."""
     check_output(output, "chain.toml", suffixes=(".toml",), force=force, read=(points,))
     inputs = (points, output or points)
     check_output(plot, "fit.png", suffixes=SUFFIXES, force=force, option="--plot", read=inputs)
@@ -60,8 +57,9 @@ def fit_and_print(
     name = "the standard input" if points == STANDARD_INPUT else on_one_line(Path(points).name)
     origin = f"{fit.data.stretch.size} points of {name}{' in m and N' if units else ''}"
     if output is not None:
-        text = lattice_text(fit, origin)
-        write_atomically(output, lambda draft: draft.write_text(text, encoding="utf-8"))
+        comments = [f"force law of {origin}", *_quality_lines(fit), *_warnings(fit)]
+        comments.append("masses = [1]: replace 1 by the mass of a cell, in quotes")
+        _write_lattice(output, fit, comments)
     if plot is not None:
         from longwave.reports.pictures.force_picture import force_figure
         from longwave.reports.pictures.style import save, styled
@@ -75,11 +73,10 @@ def fit_and_print(
     return 0
 
 
-def lattice_text(fit: ForceFit, origin: str) -> str:
-    """Return the text of a fit's lattice file, with its origin and quality as comments."""
-    comments = [f"force law of {origin}", *_quality_lines(fit), *_warnings(fit)]
-    comments.append("masses = [1]: replace 1 by the mass of a cell, in quotes")
-    return "\n".join([*(f"# {line}" for line in comments), toml_text(fit.document())])
+def _write_lattice(output: str, fit: ForceFit | SceneFit, comments: Sequence[str]) -> None:
+    """Write a fit's lattice file, with the comments at its beginning."""
+    text = "\n".join([*(f"# {line}" for line in comments), toml_text(fit.document())])
+    write_atomically(output, lambda draft: draft.write_text(text, encoding="utf-8"))
 
 
 def fit_data(fit: ForceFit) -> dict[str, Any]:
@@ -123,21 +120,14 @@ def print_fit(fit: ForceFit, origin: str) -> None:
 def _print_constants(fit: LeastSquares, free: Sequence[object]) -> None:
     """Print a table of the constants with intervals and correlations."""
     names = [str(name) for name in free]
-    correlation_headings = (
-        [f"with {name}" for name in names] if 1 < len(names) <= MOST_CORRELATIONS else []
-    )
-    table = Table("constant", "value", "95 % interval", *correlation_headings)
+    others = names if 1 < len(names) <= MAX_CORRELATIONS else []
+    table = Table("constant", "value", "95 % interval", *(f"with {name}" for name in others))
     rows = zip(names, fit.values, fit.deviations, fit.correlations, strict=True)
     for name, value, deviation, correlations in rows:
         low, high = (rounded(value + side * HALF_WIDTH * deviation, deviation) for side in (-1, 1))
-        correlation_cells = (
-            [f"{entry:.2f}" for entry in correlations] if correlation_headings else []
-        )
-        numbers = (
-            f"{rounded(value, deviation)} +- {rounded(deviation, deviation)}",
-            f"{low} .. {high}",
-        )
-        table.add_row(name, *numbers, *correlation_cells)
+        measured = f"{rounded(value, deviation)} +- {rounded(deviation, deviation)}"
+        cells = (f"{entry:.2f}" for entry in (correlations if others else ()))
+        table.add_row(name, measured, f"{low} .. {high}", *cells)
     table_console().print(table)
 
 
@@ -150,10 +140,7 @@ def fit_scene_and_print(
     force: bool,
     json_wanted: bool,
 ) -> int:
-    """Fit a scene's constants to records, print, and write a lattice file if asked; return 0.
-
-    Raises ValueError for wrong input.
-    """
+    """Fit a scene's constants, print, write a lattice file if asked; ValueError for wrong input."""
     check_output(output, "chain.toml", suffixes=(".toml",), force=force, read=(*records, scene))
     fit = fit_scene(scene, records, [name.strip() for name in free.split(",") if name.strip()])
     names = ", ".join(on_one_line(Path(record).name) for record in records)
@@ -166,9 +153,7 @@ def fit_scene_and_print(
             for name, value, sd in values
             if name not in fit.document()["constants"]
         ]
-        comments = [f"# {line}" for line in (f"fitted to {origin}", *quality, *scene_constants)]
-        text = "\n".join([*comments, toml_text(fit.document())])
-        write_atomically(output, lambda draft: draft.write_text(text, encoding="utf-8"))
+        _write_lattice(output, fit, [f"fitted to {origin}", *quality, *scene_constants])
     if json_wanted:
         data = {
             **_constants_data(fit, fit.names),

@@ -54,17 +54,12 @@ def _packages() -> Iterator[Finding]:
     for text in metadata.requires("longwave") or ():
         if "extra ==" in text.replace(";", "; "):
             continue
-        name = _distribution_name(text)
+        name = re.findall(r"[\w.-]+", text)[0]
         version = installed_version(name)
         if version is None:
             yield Finding(name, "missing", "broken", f"install it: pip install '{text}'")
         else:
             yield Finding(name, version)
-
-
-def _distribution_name(requirement: str) -> str:
-    match = re.match(r"[\w.-]+", requirement)
-    return match[0] if match else requirement
 
 
 def _cores() -> Finding:
@@ -83,10 +78,8 @@ def _vector_width() -> Finding:
         features = binding.get_host_cpu_features()
     except RuntimeError:  # LLVM does not know the processor
         features = {}
-    name, width = next(
-        ((name, width) for name, width in VECTOR_WIDTHS.items() if features.get(name)),
-        ("unknown", 1),
-    )
+    present = ((name, width) for name, width in VECTOR_WIDTHS.items() if features.get(name))
+    name, width = next(present, ("unknown", 1))
     description = f"{width} doubles ({name}), {binding.get_host_cpu_name()}"
     if width == 8:
         return Finding("vectors", description)
@@ -143,12 +136,8 @@ def _extras() -> Iterator[Finding]:
         if version is not None:
             yield Finding(package, version)
         else:
-            yield Finding(
-                package,
-                "missing",
-                "costs",
-                f"{consequence}: pip install 'longwave[{extra}]'{alternative}",
-            )
+            cost = f"{consequence}: pip install 'longwave[{extra}]'{alternative}"
+            yield Finding(package, "missing", "costs", cost)
 
 
 def print_findings(findings: Iterable[Finding]) -> None:

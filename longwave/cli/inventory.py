@@ -61,10 +61,7 @@ def waves() -> list[Record]:
             "title": form.title,
             "equation": form.equation.name,
             "s": None if form.equation.free_sign else form.equation.s,
-            "parameters": [
-                {"name": parameter.name, "domain": parameter.domain}
-                for parameter in form.parameters
-            ],
+            "parameters": [{"name": p.name, "domain": p.domain} for p in form.parameters],
             "background": _background(form, CATALOGUE),
             "period": None if form.period is None else str(form.period),
             "reference": str(form.reference),
@@ -100,15 +97,12 @@ def schemes() -> list[Record]:
 
 def scenes() -> list[Record]:
     """Return the shipped scenes: the paper's, further ones, then members of families."""
-    from longwave.scenes.description.named_scenes import (
-        load_scene,
-        rational_family_scenes,
-        shipped_scenes,
-    )
+    from longwave.scenes.description import named_scenes
 
-    origins_and_scenes = [("paper", load_scene(name)) for name in shipped_scenes()]
-    origins_and_scenes += [("further", load_scene(name)) for name in shipped_scenes("further")]
-    origins_and_scenes += [("family", scene) for scene in rational_family_scenes().values()]
+    folders = {"paper": named_scenes.shipped_scenes()}
+    folders["further"] = named_scenes.shipped_scenes("further")
+    named = ((o, named_scenes.load_scene(n)) for o, names in folders.items() for n in names)
+    family = (("family", scene) for scene in named_scenes.rational_family_scenes().values())
     return [
         {
             "name": scene.name,
@@ -124,7 +118,7 @@ def scenes() -> list[Record]:
             "step": None if scene.tolerance else scene.discretisation.step,
             "observables": list(scene.observables),
         }
-        for origin, scene in origins_and_scenes
+        for origin, scene in (*named, *family)
     ]
 
 
@@ -203,10 +197,8 @@ def observables() -> list[Record]:
 
 
 class _Kind(NamedTuple):
-    """A kind of entries: its records, the columns of its table, and a note below the table.
-
-    A column is a format string for a record, or a function of it.
-    """
+    """A kind of entries: its records, the columns of its table, and a note below the table. A
+    column is a format string for a record, or a function of it."""
 
     records: Callable[[], list[Record]]
     columns: Mapping[str, str | Callable[[Record], str]]
@@ -286,13 +278,11 @@ def print_tables(records_by_kind: Mapping[str, Iterable[Record]]) -> None:
         headings = [Column(name, no_wrap=name == "name") for name in columns]
         table = Table(*headings, title=kind, title_justify="left")
         for record in records:
-            cells = {name: _cell_text(value) for name, value in record.items()}
-            table.add_row(
-                *(
-                    column.format(**cells) if isinstance(column, str) else column(record)
-                    for column in columns.values()
-                )
+            texts = {name: _cell_text(value) for name, value in record.items()}
+            cells = (
+                c.format(**texts) if isinstance(c, str) else c(record) for c in columns.values()
             )
+            table.add_row(*cells)
         console.print(table)
         if note:
             console.print(note, soft_wrap=True)

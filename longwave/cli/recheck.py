@@ -20,14 +20,8 @@ from longwave.support.console import finished, print_lines, print_results, table
 from longwave.support.processes import Job, LocalWorkers, in_order
 from longwave.verify.proof import CertificateError
 from longwave.verify.proof.catalogue_proofs import NAMES, prove_named
+from longwave.verify.proof.export import systems
 from longwave.verify.proof.export.derivation import written_out
-from longwave.verify.proof.export.systems import (
-    ACCEPTED,
-    NO_ANSWER,
-    REJECTED,
-    SYSTEMS,
-    answer,
-)
 from longwave.verify.proof.export.terms import WrittenProof, premises_in_short
 from longwave.verify.published import chosen
 from longwave.verify.verdict import Outcome
@@ -40,7 +34,10 @@ PROOF_SECONDS, REPETITION_SECONDS = 0.5, 3.5
 """Approximate seconds for a proof, and for its repetition by all three systems."""
 
 NO_APT = "LONGWAVE_NO_APT"
+"""Environment variable that forbids the installation of systems."""
+
 MISSING, NO_SCRIPT = "not installed", "no script"
+"""Answers of a system that is missing, and to a proof that cannot be written as a script."""
 
 
 @dataclass(frozen=True)
@@ -69,9 +66,8 @@ def print_rechecks(
     if not 0 < seconds < 1e6:
         raise ValueError(f"--limit must be more than 0 and less than 1e6, got {seconds:g}")
     count = len(names) or len(NAMES) + len(chosen([]))
-    seconds_each = PROOF_SECONDS + min(REPETITION_SECONDS, len(SYSTEMS) * seconds) / (
-        os.cpu_count() or 1
-    )
+    repetition = min(REPETITION_SECONDS, len(systems.SYSTEMS) * seconds)
+    seconds_each = PROOF_SECONDS + repetition / (os.cpu_count() or 1)
     work = f"the proofs of {count} statements, repeated"
     check_and_announce(work, count * seconds_each, cheaper="name fewer with --only")
     proofs = proofs_of(names)
@@ -79,7 +75,7 @@ def print_rechecks(
     results, complete = finished(tracked(rechecks(proofs, seconds), len(proofs), "rechecking"))
     requested = f"{len(proofs)} statements"
     status = print_results(results, complete, _print_table, json_wanted, program, requested)
-    return status or int(any(REJECTED in entry.answers.values() for entry in results))
+    return status or int(any(systems.REJECTED in entry.answers.values() for entry in results))
 
 
 def install_systems() -> None:
@@ -87,7 +83,7 @@ def install_systems() -> None:
 
     Systems that are still missing are named in one line on stderr, and marked in the table.
     """
-    packages = [system.package for system in SYSTEMS.values() if not system.is_there]
+    packages = [system.package for system in systems.SYSTEMS.values() if not system.is_there]
     if not packages:
         return
     if not os.environ.get(NO_APT) and shutil.which("apt-get") and os.geteuid() == 0:
@@ -96,7 +92,7 @@ def install_systems() -> None:
         settings = {**os.environ, "DEBIAN_FRONTEND": "noninteractive"}
         for arguments in ("update", f"install -y --no-install-recommends {' '.join(packages)}"):
             subprocess.run(["apt-get", "-qq", *arguments.split()], env=settings, check=False)
-    missing = [system.package for system in SYSTEMS.values() if not system.is_there]
+    missing = [system.package for system in systems.SYSTEMS.values() if not system.is_there]
     if missing:
         print(f"not installed: {', '.join(missing)} (install these packages)", file=sys.stderr)
 
@@ -106,16 +102,9 @@ Proofs = list[tuple[str, Sequence[Mapping[str, Any]]]]
 
 
 def proofs_of(names: Sequence[str] = ()) -> Proofs:
-    """Return the proofs of these forms and library statements; without names, of all.
-
-    Raises ValueError for an unknown name.
-    """
+    """Return the proofs of these forms and statements, by default of all; ValueError if unknown."""
     verdicts = [prove_named(name) for name in NAMES if not names or name in names]
-    proofs: Proofs = [
-        (verdict.name, [verdict.certificate])
-        for verdict in verdicts
-        if verdict.certificate is not None
-    ]
+    proofs: Proofs = [(v.name, [v.certificate]) for v in verdicts if v.certificate is not None]
     other_names = [name for name in names if name not in NAMES]
     if other_names or not names:
         problems = [text.problem() for text in chosen(other_names, NAMES)]
@@ -136,38 +125,33 @@ def _recheck(name: str, certificates: Sequence[Mapping[str, Any]], limit: float)
     try:
         proofs = [written_out(certificate) for certificate in certificates]
     except CertificateError:
-        return Recheck(name, dict.fromkeys(SYSTEMS, NO_SCRIPT), [], 0.0)
-    answers = {system: _answers(proofs, system, limit) for system in SYSTEMS}
-    worst = {
-        system: worst_of([outcome for outcome, _ in answer_seconds])
-        for system, answer_seconds in answers.items()
-    }
+        return Recheck(name, dict.fromkeys(systems.SYSTEMS, NO_SCRIPT), [], 0.0)
+    answers = {system: _answers(proofs, system, limit) for system in systems.SYSTEMS}
+    worst = {system: worst_of([outcome for outcome, _ in a]) for system, a in answers.items()}
     premises = list(dict.fromkeys(words for proof in proofs for words in proof.conditions))
-    seconds = sum(
-        seconds_taken for answer_seconds in answers.values() for _, seconds_taken in answer_seconds
-    )
+    seconds = sum(taken for pairs in answers.values() for _, taken in pairs)
     return Recheck(name, worst, premises, seconds)
 
 
 def _answers(proofs: Sequence[WrittenProof], system: str, limit: float) -> list[tuple[str, float]]:
-    if not SYSTEMS[system].is_there:
+    if not systems.SYSTEMS[system].is_there:
         return [(MISSING, 0.0)]
-    return [answer(SYSTEMS[system].write(proof), system, limit) for proof in proofs]
+    return [systems.answer(systems.SYSTEMS[system].write(proof), system, limit) for proof in proofs]
 
 
 def worst_of(outcomes: Sequence[str]) -> str:
     """Return one outcome for all parts of a statement: accepted only if every part is."""
-    if REJECTED in outcomes:
-        return REJECTED
-    others = [outcome for outcome in outcomes if outcome != ACCEPTED]
-    return [*others, ACCEPTED][0] if outcomes else NO_ANSWER
+    if systems.REJECTED in outcomes:
+        return systems.REJECTED
+    others = [outcome for outcome in outcomes if outcome != systems.ACCEPTED]
+    return [*others, systems.ACCEPTED][0] if outcomes else systems.NO_ANSWER
 
 
 def _print_table(results: Sequence[Recheck]) -> None:
     """Print one row for each statement: name, answers, premises, seconds."""
     table = Table(title="The proofs, repeated by other systems")
     table.add_column("statement", no_wrap=True)
-    for system in SYSTEMS.values():
+    for system in systems.SYSTEMS.values():
         table.add_column(system.title, no_wrap=True)
     table.add_column("if")
     table.add_column("seconds", justify="right")
@@ -181,10 +165,10 @@ def _print_table(results: Sequence[Recheck]) -> None:
 
 def _summary(results: Sequence[Recheck]) -> str:
     parts = []
-    for name, system in SYSTEMS.items():
+    for name, system in systems.SYSTEMS.items():
         counts = Counter(entry.answers[name] for entry in results)
         counts_text = ", ".join(f"{count} {word}" for word, count in counts.items())
         parts.append(f"{system.title}: {counts_text}")
-    if any(ACCEPTED in entry.answers.values() for entry in results):
+    if any(systems.ACCEPTED in entry.answers.values() for entry in results):
         parts.append("accepted means proved if the premises hold (--json has all of them)")
     return f"{len(results)} statements; {'; '.join(parts)}"

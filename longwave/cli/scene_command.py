@@ -11,14 +11,8 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from longwave.runs import run_output
 from longwave.runs.run_file import load_run, names_a_run, scene_of_run, strain_fault
-from longwave.runs.run_output import (
-    OutputCheckpoint,
-    check_run_output,
-    fail_or_save_elsewhere,
-    save_anywhere,
-    store_messages,
-)
 from longwave.runs.run_store import RunStore
 from longwave.runs.sweep_scene import changed_scene
 from longwave.scenes.description.bench import MEAN_SUFFIXES
@@ -59,7 +53,7 @@ def run_and_print(
     """
     stored_run = None
     try:
-        check_run_output(output, force)
+        run_output.check_run_output(output, force)
         if names_a_run(source):
             typed = ", ".join(f"{field}={value}" for field, value in (changes or {}).items())
             options = {"tolerance": tolerance, "engine": engine, "set": typed, "store": store}
@@ -69,7 +63,7 @@ def run_and_print(
             scene = changed_scene(source, changes or {}, tolerance, engine)
     except (ValueError, OSError) as error:
         return fail(error)
-    checkpoint = OutputCheckpoint(output, store)
+    checkpoint = run_output.OutputCheckpoint(output, store)
     try:
         tolerance_text = "" if scene.tolerance is None else f" to {scene.tolerance:g}"
         work = f"{scene.name}{tolerance_text}" if stored_run is None else f"{source} again"
@@ -84,7 +78,7 @@ def run_and_print(
         count = f"{len(stop.record.reached)} snapshots are kept{location}"
         return interrupted(program, checkpoint.interrupt_message(count, bool(location)))
     except (ValueError, OSError) as error:
-        return fail_or_save_elsewhere(error)
+        return run_output.fail_or_save_elsewhere(error)
     except MemoryError as error:
         return fail_for_memory(error)
     status = checkpoint.settle(lambda: run.dataset, force)
@@ -100,7 +94,9 @@ def _save_unfinished(
 ) -> str:
     """Print an interrupted run, write it if an output is given, and return " in OUTPUT" or ""."""
     with keeping():
-        is_written = output is not None and not save_anywhere(record.dataset, output, force)
+        is_written = output is not None and not run_output.save_anywhere(
+            record.dataset, output, force
+        )
         _print_run(record, scene, json_wanted)
     return f" in {output}" if is_written else ""
 
@@ -112,10 +108,8 @@ def _load_finished(source: str, options: Mapping[str, object]) -> xr.Dataset:
             raise ValueError(f"--{name} must not be given with a run, got {value} (leave it out)")
     run = load_run(source)
     if "unfinished" in run.attrs:
-        raise ValueError(
-            f"run must be finished to be repeated, got {source}, unfinished: "
-            f"{run.attrs['unfinished']} (run its scene)"
-        )
+        got = f"{source}, unfinished: {run.attrs['unfinished']} (run its scene)"
+        raise ValueError(f"run must be finished to be repeated, got {got}")
     if fault := strain_fault(run):
         print(f"{source}: {fault}", file=sys.stderr)
     return run
@@ -130,9 +124,8 @@ def _compare_and_print(
     comparison = compare_runs(stored_run, repeated_run)
     first, *other_lines = comparison.lines()
     if json_wanted:
-        print_json(
-            {"run": source, "same_bits": comparison.is_same, "differences": [first, *other_lines]}
-        )
+        differences = [first, *other_lines]
+        print_json({"run": source, "same_bits": comparison.is_same, "differences": differences})
     else:
         print_lines(plain_console(), [f"{source}: {first}", *other_lines])
     return 0 if comparison.is_same else 1
@@ -143,7 +136,7 @@ def _run_with_bar(scene: Scene, store: str | None, work: str) -> RunRecord:
     with progress_bar(scene.name, work) as bar:
         if store is None:
             return record_scene(scene, *bar)
-        with store_messages():
+        with run_output.store_messages():
             run = RunStore(store).run(scene, *bar)
     variables: Variables = {
         str(name): (tuple(map(str, value.dims)), value.values, dict(value.attrs))
@@ -170,8 +163,8 @@ COLUMNS = {
 """Headings of a run's table by variable; ``unit`` is the unit of its errors."""
 
 
-MOST_SENSORS = 8
-"""Number of sensors whose readings are printed."""
+MAX_SENSORS = 8
+"""Most sensors whose readings are printed."""
 
 
 def _print_run(run: RunRecord, scene: Scene, json_wanted: bool) -> None:
@@ -184,12 +177,8 @@ def _print_run(run: RunRecord, scene: Scene, json_wanted: bool) -> None:
 def run_data(run: RunRecord, scene: Scene) -> dict[str, Any]:
     """Return a run as JSON-ready data; arrays over sites are only in its file."""
     numbers = {
-        name: {
-            "values": values,
-            "units": attrs.get("units", ""),
-            "what": attrs.get("long_name", ""),
-        }
-        for name, (dims, values, attrs) in run.variables.items()
+        name: {"values": v, "units": attrs.get("units", ""), "what": attrs.get("long_name", "")}
+        for name, (dims, v, attrs) in run.variables.items()
         if dims in (("time",), ("time", "sensor"), ("sensor",))
     }
     return {
@@ -205,16 +194,13 @@ def print_summary(run: RunRecord, scene: Scene, console: Console) -> None:
     """Print a run: errors over time, equation, cost, reliability, and a blow-up if any."""
     unit = error_unit(run.attrs.get("power", 1))
     over_time = {name for name, (dims, _, _) in run.variables.items() if dims == ("time",)}
-    columns = {
-        name: template.format(unit=unit) for name, template in COLUMNS.items() if name in over_time
-    }
+    columns = {n: heading.format(unit=unit) for n, heading in COLUMNS.items() if n in over_time}
     print_lines(console, [scene.title or scene.name])
     if columns:
         table = Table("t", *columns.values())
-        for template, *row in zip(run.reached, *map(run.values, columns), strict=True):
-            if scene.bench and template not in scene.snapshots:
-                continue
-            table.add_row(f"{template:g}", *(f"{value:.3g}" for value in row))
+        for time, *row in zip(run.reached, *map(run.values, columns), strict=True):
+            if not scene.bench or time in scene.snapshots:
+                table.add_row(f"{time:g}", *(f"{value:.3g}" for value in row))
         console.print(table)
     print_lines(console, summary_lines(run, scene))
 
@@ -257,17 +243,15 @@ def _disorder_lines(run: RunRecord) -> Iterator[str]:
 
 def _reading_lines(run: RunRecord, name: str) -> Iterator[str]:
     """Yield the largest reading of each of the first sensors, and its time."""
-    for index, site in list(enumerate(run.values("sensor")))[:MOST_SENSORS]:
+    errors = run.variables.get(f"{name}_error")
+    for index, site in list(enumerate(run.values("sensor")))[:MAX_SENSORS]:
         values = run.values(name)[:, index].reshape(len(run.reached), -1)
-        time_index, component = divmod(int(np.argmax(np.abs(values))), values.shape[1])
-        errors = run.variables.get(f"{name}_error")
-        uncertainty = (
-            "" if errors is None else f" +- {errors[1][time_index, index].ravel()[component]:.1g}"
-        )
-        reading = (
-            f"{values[time_index, component]:.6g}{uncertainty} at t = {run.reached[time_index]:g}"
-        )
-        yield f"cell {site}: {name.removeprefix('sensor_')} at most {reading}"
+        row, column = divmod(int(np.argmax(np.abs(values))), values.shape[1])
+        reading = f"{values[row, column]:.6g}"
+        if errors is not None:
+            reading += f" +- {errors[1][row, index].ravel()[column]:.1g}"
+        quantity, time = name.removeprefix("sensor_"), run.reached[row]
+        yield f"cell {site}: {quantity} at most {reading} at t = {time:g}"
 
 
 def _background_line(attrs: Mapping[str, Any], scene: Scene) -> str:
@@ -308,11 +292,8 @@ def _accuracy_text(attrs: Mapping[str, Any]) -> str:
         f"; error estimate {attrs['error_estimate']:.2g} of {attrs['tolerance']:g} allowed, "
         f"planned in {attrs['planning_seconds']:.2f} s"
     )
-    if "next_decade" not in attrs:
+    if (factor := attrs.get("next_decade")) is None:
         return line
-    factor = attrs["next_decade"]
-    return (
-        f"{line}; an estimate of "
-        f"{attrs['error_estimate'] / 10:.2g} would take {factor:.2g} times as long, "
-        f"{factor * attrs['seconds']:.2g} s"
-    )
+    smaller, seconds = attrs["error_estimate"] / 10, factor * attrs["seconds"]
+    cost = f"{factor:.2g} times as long, {seconds:.2g} s"
+    return f"{line}; an estimate of {smaller:.2g} would take {cost}"

@@ -20,20 +20,11 @@ from longwave.cli.certificates import ProofFile
 from longwave.cli.verdict_lines import VerdictLines
 from longwave.cli.verdicts import STYLES, summary
 from longwave.derive.algebra.formula_text import FormulaError
+from longwave.support import processes
 from longwave.support.command_line import fail
 from longwave.support.compiled.source_digest import source_digest
 from longwave.support.console import finished, print_lines, print_results, table_console, tracked
 from longwave.support.dask_cluster import DaskWorkers
-from longwave.support.processes import (
-    Call,
-    Job,
-    LocalWorkers,
-    LostProcess,
-    OutOfTime,
-    Workers,
-    as_ended,
-    time_limit,
-)
 from longwave.support.request_limits import current_limits, duration
 from longwave.support.slow_work import announce, give_notice
 from longwave.verify.problem_file import (
@@ -45,11 +36,7 @@ from longwave.verify.problem_file import (
 from longwave.verify.proof.conditions import ConditionalVerdict, conditional_sentence
 from longwave.verify.proof.near_misses import with_hint
 from longwave.verify.proof.statement_text import read_statement
-from longwave.verify.proof.statement_verdict import (
-    StatementVerdict,
-    undecided,
-    verified_sentence,
-)
+from longwave.verify.proof.statement_verdict import StatementVerdict, undecided, verified_sentence
 from longwave.verify.proof.text_prover import answer
 from longwave.verify.proof.typed_statement import Statement
 from longwave.verify.published import chosen
@@ -61,7 +48,8 @@ if TYPE_CHECKING:
 DEFAULT_LIMIT = 60.0
 """Default seconds for a statement."""
 
-LEAST_LIMIT, MOST_LIMIT = 0.01, 1e6
+MIN_LIMIT, MAX_LIMIT = 0.01, 1e6
+"""Least and largest accepted limit for a statement, in seconds."""
 
 HINT_SECONDS = 5.0
 """Longest search for a true statement close to a refuted one."""
@@ -78,10 +66,11 @@ GRACE_SECONDS = 1.0
 MOST_MEMORY = 2_000_000_000
 """Bytes of memory for a statement, beyond those of the idle process."""
 
-MOST_SHOWN = 20
-"""Largest number of unreadable statements that are printed."""
+MAX_SHOWN = 20
+"""Most unreadable statements that are printed."""
 
 FIRST_STAGE = "start"
+"""Stage of a statement on which the prover has not reported."""
 
 STAGES = {
     "find_witness": "looking for a counterexample",
@@ -164,11 +153,8 @@ def decide_and_print(
     unreadable = [problem.error for problem in problems if isinstance(problem, UnreadableProblem)]
     if unreadable and not keep_going:
         return _print_unreadable(unreadable, len(problems))
-    verdicts = _decide_all(
-        problems,
-        stored,
-        partial(_decide_here_or_on_cluster, limit=seconds, hinting=hinting, scheduler=scheduler),
-    )
+    options: dict[str, Any] = {"limit": seconds, "hinting": hinting, "scheduler": scheduler}
+    verdicts = _decide_all(problems, stored, partial(_decide_here_or_on_cluster, **options))
     results, complete = finished(tracked(verdicts, len(problems), "deciding"))
     results.sort(key=lambda pair: pair[0])
     proofs.write([certificate for _, verdict in results for certificate in verdict.certificates])
@@ -181,7 +167,7 @@ def decide_and_print(
 def _print_unreadable(errors: Sequence[FormulaError], total: int = 1) -> int:
     """Print statements that cannot be read, with each error's position; return the exit status."""
     status = 0
-    for error in errors[:MOST_SHOWN]:
+    for error in errors[:MAX_SHOWN]:
         status = fail(error)
         print(error.picture, file=sys.stderr)
     if total > 1:
@@ -249,8 +235,8 @@ def _decide_here_or_on_cluster(
 
 def _checked_limit(requested: float | None) -> float:
     limit = DEFAULT_LIMIT if requested is None else requested
-    if not LEAST_LIMIT <= limit <= MOST_LIMIT:
-        raise ValueError(f"--limit must be {LEAST_LIMIT} to {MOST_LIMIT:g} seconds, got {limit:g}")
+    if not MIN_LIMIT <= limit <= MAX_LIMIT:
+        raise ValueError(f"--limit must be {MIN_LIMIT} to {MAX_LIMIT:g} seconds, got {limit:g}")
     return limit
 
 
@@ -263,7 +249,7 @@ def decide_statements(
     limit: float = DEFAULT_LIMIT,
     hinting: float = HINT_SECONDS,
     late: Callable[[int, str], None] = lambda count, takes: None,
-    workers: Workers | None = None,
+    workers: processes.Workers | None = None,
 ) -> Iterator[tuple[int, StatementVerdict]]:
     """Yield index and verdict of each problem as they are reached.
 
@@ -273,7 +259,7 @@ def decide_statements(
     their expected time: the average so far, or the limit if none is decided. ``workers`` may be
     those of a cluster.
     """
-    workers = workers or LocalWorkers(os.cpu_count() or 1, isolated=True)
+    workers = workers or processes.LocalWorkers(os.cpu_count() or 1, isolated=True)
     remaining, start, is_announced = len(problems), time.monotonic(), False
 
     def announce_late(_: object) -> None:
@@ -282,15 +268,12 @@ def decide_statements(
         if is_announced or seconds < SECONDS_BEFORE_NOTICE:
             return
         is_announced = True
-        if done:
-            late(remaining, f"about {duration(seconds * remaining / done)} more")
-        else:
-            late(
-                remaining, f"at most {duration(math.ceil(remaining / workers.count) * limit)} more"
-            )
+        most = math.ceil(remaining / workers.count) * limit
+        about = f"about {duration(seconds * remaining / done)}" if done else ""
+        late(remaining, f"{about or f'at most {duration(most)}'} more")
 
     jobs = (
-        Job(
+        processes.Job(
             _decide_in_worker,
             (problem.statement, limit, hinting),
             tells=True,
@@ -299,18 +282,18 @@ def decide_statements(
         )
         for problem in problems
     )
-    for index, call in as_ended(enumerate(jobs), workers, announce_late):
+    for index, call in processes.as_ended(enumerate(jobs), workers, announce_late):
         remaining -= 1
         yield index, _verdict_of(problems[index].statement, call, limit)
 
 
-def _verdict_of(statement: Statement, call: Call, limit: float) -> StatementVerdict:
+def _verdict_of(statement: Statement, call: processes.Call, limit: float) -> StatementVerdict:
     for message in (call.value, call.message):
         if isinstance(message, StatementVerdict):
             return message
-    timed_out = isinstance(call.error, OutOfTime)
+    timed_out = isinstance(call.error, processes.OutOfTime)
     reason = f"no verdict within {limit:g} s" if timed_out else str(call.error)
-    if not isinstance(call.error, OutOfTime | LostProcess):
+    if not isinstance(call.error, processes.OutOfTime | processes.LostProcess):
         reason = f"the workers ended before it was decided ({type(call.error).__name__})"
     stage = call.message or FIRST_STAGE
     return undecided(statement, f"{reason} (last stage: {stage})", limit if timed_out else 0.0)
@@ -344,9 +327,9 @@ def _decide_in_worker(
         send(message)
 
     try:
-        with time_limit(limit, passing=True):
+        with processes.time_limit(limit, passing=True):
             verdict = answer(statement, tell)
-    except OutOfTime as error:
+    except processes.OutOfTime as error:
         message = f"no verdict within {limit:g} s (last stage: {stage[0]}"
         verdict = undecided(statement, f"{message}{_current_step(error.__traceback__)})", limit)
     except MemoryError:
@@ -359,10 +342,8 @@ def _decide_in_worker(
     if verdict.outcome is not Outcome.REFUTED or seconds_left <= 0 or statement.weak:
         return verdict
     send(verdict)
-    with (
-        suppress(OutOfTime, Exception),
-        time_limit(seconds_left, passing=True),
-    ):  # the verdict stays
+    limited = processes.time_limit(seconds_left, passing=True)
+    with suppress(processes.OutOfTime, Exception), limited:  # the verdict stays
         return with_hint(statement, verdict)
     return verdict
 

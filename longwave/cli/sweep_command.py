@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Container, Iterator, Mapping
+from contextlib import suppress
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -61,7 +62,9 @@ def sweep_and_print(
         with store_messages():
             check_workers(processes, scheduler)
             check_run_output(output, force=True)
-            _check_samples(samples, seed)
+            if seed is not None and samples is None:
+                got = f"{seed} alone (a sweep's file has its seed)"
+                raise ValueError(f"--seed must be given with --samples, got {got}")
             with progress_bar("reading", "reading the sweep"):
                 sweep = _load(source, samples, seed, changes or {})
                 state.cells = len(sweep)
@@ -95,19 +98,11 @@ def sweep_and_print(
 
 def _store_for(sweep: Sweep, folder: str | None, output: str) -> RunStore:
     """Return the store of a sweep's runs, in ``folder`` or by default in NAME.store."""
-    run_store = RunStore(Path(folder or f"{sweep.name}.store"))
-    if Path(output).resolve() == Path(run_store.folder).resolve():
-        raise ValueError(
-            f"--output must differ from the folder --store, got {output} for both (rename one)"
-        )
-    return run_store
-
-
-def _check_samples(samples: int | None, seed: int | None) -> None:
-    if seed is not None and samples is None:
-        raise ValueError(
-            f"--seed must be given with --samples, got {seed} alone (a sweep's file has its seed)"
-        )
+    store = RunStore(Path(folder or f"{sweep.name}.store"))
+    if Path(output).resolve() == store.folder.resolve():
+        got = f"{output} for both (rename one)"
+        raise ValueError(f"--output must differ from the folder --store, got {got}")
+    return store
 
 
 def _load(source: str, samples: int | None, seed: int | None, changes: Mapping[str, Any]) -> Sweep:
@@ -140,13 +135,10 @@ def _check_overwriting(sweep: Sweep, output: Path, force: bool) -> None:
     """Raise ValueError, before anything is run, if the output is not a result of this sweep."""
     if force or not output.exists():
         return
-    existing_sweep = ""
-    try:
-        with open_run(output) as older:
-            existing_sweep = str(older.attrs.get(SWEPT, ""))
-    except (ValueError, OSError):
-        pass
-    if existing_sweep != sweep.json():
+    existing = ""
+    with suppress(ValueError, OSError), open_run(output) as older:
+        existing = str(older.attrs.get(SWEPT, ""))
+    if existing != sweep.json():
         raise ValueError(
             f"--output must be a new file or a result of this sweep, got {output}, another file "
             "(take another name, or --force)"
@@ -216,13 +208,10 @@ def summary_lines(sweep: Sweep, dataset: xr.Dataset, state: SweepState) -> Itera
     if np.any(np.isfinite(errors)):
         least, most = (f"{end(errors):.3g}" for end in (np.nanmin, np.nanmax))
         line = f"relative error {least}" + (f" to {most}" if most != least else "")
-        run_errors = dataset["own_error"].values
-        has_run_errors = np.any(np.isfinite(run_errors))
-        yield (
-            f"{line}, the runs' own part at most {np.nanmax(run_errors):.2g}"
-            if has_run_errors
-            else line
-        )
+        own = dataset["own_error"].values
+        if np.any(np.isfinite(own)):
+            line += f", the runs' own part at most {np.nanmax(own):.2g}"
+        yield line
     faults = dataset["message"].values[dataset["status"].values != DONE]
     if faults.size:
         yield f"first fault: {faults.ravel()[0]}"

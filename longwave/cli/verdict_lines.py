@@ -17,7 +17,8 @@ from longwave.verify.proof.statement_verdict import StatementVerdict
 from longwave.verify.proof.stored_verdict import checked_again, verdict_record
 from longwave.verify.proof.typed_statement import Statement
 
-MOST_BYTES = 1_000_000_000
+MAX_BYTES = 1_000_000_000
+"""Largest file of verdicts that is read, in bytes."""
 
 
 class VerdictLines:
@@ -75,13 +76,11 @@ class VerdictLines:
 def _read(path: Path) -> dict[str, Any]:
     def check(state: os.stat_result) -> None:
         if state.st_uid != os.geteuid() or state.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
-            raise ValueError(
-                f"--lines must be a file that nobody else may write, got {shown_path(path)} "
-                "(chmod go-w, or name a new one)"
-            )
+            got = f"{shown_path(path)} (chmod go-w, or name a new one)"
+            raise ValueError(f"--lines must be a file that nobody else may write, got {got}")
 
     try:
-        text = read_text(path, "--lines", MOST_BYTES, check)
+        text = read_text(path, "--lines", MAX_BYTES, check)
     except FileNotFoundError:
         return {}
     records = {}

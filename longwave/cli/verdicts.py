@@ -91,10 +91,8 @@ def print_verdicts(
     check_and_announce(f"{_form_count(len(names))} to be checked", expected, cheaper=cheaper)
     pending = _verdicts(names, stable, sampling)
     verdicts, complete = finished(tracked(pending, len(names), "checking"))
-    certificates = [
-        verdict.certificate for verdict in verdicts if isinstance(verdict, ProofVerdict)
-    ]
-    proofs.write([certificate for certificate in certificates if certificate is not None])
+    proved = (verdict for verdict in verdicts if isinstance(verdict, ProofVerdict))
+    proofs.write([proof.certificate for proof in proved if proof.certificate is not None])
     noun = "stable form" if stable else "closed form"
     show, requested = partial(_print_table, noun=noun), _form_count(len(names))
     status = print_results(verdicts, complete, show, json_wanted, program, requested)
@@ -109,9 +107,8 @@ def _relative_effort(sampling: Sampling) -> float:
     """Return the work in units of the default: proportional to points and to squared digits."""
     default = Sampling()
     digit_work = sum(max(number, 30) ** 2 for number in sampling.digits)
-    return (
-        sampling.points / default.points * digit_work / sum(number**2 for number in default.digits)
-    )
+    default_work = sum(number**2 for number in default.digits)
+    return sampling.points / default.points * digit_work / default_work
 
 
 def sampling_of(
@@ -150,14 +147,13 @@ STYLES = {
     Outcome.UNDECIDED: "yellow",
     Outcome.UNREADABLE: "magenta",
 }
+"""Style of each outcome in a terminal."""
 
-MEANINGS = {
+MEANINGS = {outcome: outcome.value.lower() for outcome in STYLES} | {
     Outcome.PROVED: "proved exactly",
     Outcome.CHECKED: "checked to the digits shown, which is no proof",
-    Outcome.REFUTED: "refuted",
-    Outcome.UNDECIDED: "undecided",
-    Outcome.UNREADABLE: "unreadable",
 }
+"""Words for each outcome in a summary."""
 
 
 def _print_table(verdicts: Sequence[Verdict], noun: str) -> None:
@@ -204,12 +200,10 @@ def summary(verdicts: Sequence[Verdict], noun: str = "closed form") -> str:
     '1 closed form in 0.0 s: 1 proved exactly'
     """
     counts = Counter(verdict.outcome for verdict in verdicts)
-    parts = "; ".join(
-        f"{counts[outcome]} {MEANINGS[outcome]}" for outcome in Outcome if counts[outcome]
-    )
+    parts = (f"{counts[outcome]} {MEANINGS[outcome]}" for outcome in Outcome if counts[outcome])
     seconds = sum(verdict.seconds for verdict in verdicts)
     plural = "" if len(verdicts) == 1 else "s"
-    return f"{len(verdicts)} {noun}{plural} in {seconds:.1f} s: {parts}"
+    return f"{len(verdicts)} {noun}{plural} in {seconds:.1f} s: {'; '.join(parts)}"
 
 
 def print_mutations(only: Sequence[str], json_wanted: bool, program: str) -> int:

@@ -125,11 +125,9 @@ def settings(wave: str) -> tuple[WaveSetting, ...]:
     from longwave.solutions import closed_form
 
     form = closed_form(wave)
-    settings_found = (
-        [WaveSetting(CHAIN, "FPUT chain", _chain_scene(form))]
-        if form.equation.normal == "mKdV"
-        else []
-    )
+    found: list[WaveSetting] = []
+    if form.equation.normal == "mKdV":
+        found.append(WaveSetting(CHAIN, "FPUT chain", _chain_scene(form)))
     scene_name, constants = OTHER_CONSTANTS.get(wave, ("", {}))
     for name in shipped_scenes("lattices"):
         scene = load_scene(name)
@@ -140,20 +138,17 @@ def settings(wave: str) -> tuple[WaveSetting, ...]:
         ):
             continue
         if scene.wave != wave:
-            scene = scene.changed(
-                wave=wave, parameters=_usual_parameters(form), order="slaved", title=""
-            )
-        settings_found.append(WaveSetting(name, _lattice_title(scene), scene))
-    return tuple(settings_found)
+            parameters = _usual_parameters(form)
+            scene = scene.changed(wave=wave, parameters=parameters, order="slaved", title="")
+        found.append(WaveSetting(name, _lattice_title(scene), scene))
+    return tuple(found)
 
 
 def _same_equation(form: ClosedForm, other: ClosedForm) -> bool:
     """Whether both forms solve one equation, with equal signs where the wave depends on them."""
     first, second = form.equation, other.equation
-    any_sign = not isinstance(first.s, int)
-    return (
-        first.normal == second.normal and (any_sign or first.s == second.s) and first.r == second.r
-    )
+    same_sign = not isinstance(first.s, int) or first.s == second.s
+    return first.normal == second.normal and same_sign and first.r == second.r
 
 
 def _lattice_title(scene: Scene) -> str:
@@ -183,18 +178,10 @@ def _chain_scene(form: ClosedForm) -> Scene:
     """Return a scene with an mKdV wave on the paper's chain, at times about T = 0."""
     values = {"K2": 1, "eps": 0.1, "begin": -0.5, "end": 0.5, "half_width": 20}
     values |= CHAIN_CHOICES.get(form.name, {})
-    return Scene.of(
-        name=form.name,
-        wave=form.name,
-        parameters=_usual_parameters(form),
-        eps=values["eps"],
-        slow_times=[values["begin"], values["end"]],
-        half_width=values["half_width"],
-        K2=values["K2"],
-        K4=form.equation.s,
-        tolerance=1e-3,
-        observables=["strain"],
-    )
+    times = [values.pop("begin"), values.pop("end")]
+    wave = {"name": form.name, "wave": form.name, "parameters": _usual_parameters(form)}
+    numerics = {"tolerance": 1e-3, "observables": ["strain"]}
+    return Scene.of(slow_times=times, K4=form.equation.s, **wave, **values, **numerics)
 
 
 def bounds(
@@ -207,11 +194,9 @@ def bounds(
     >>> bounds(k, {}), [round(end, 3) for end in bounds(alpha, {"k": 0.5})]
     ((0.0, 1.0), [0.0, 1.686])
     """
-    ends = [
-        _end_value(bound.value, values) for bound in (parameter.lower, parameter.upper) if bound
-    ]
-    low = ends[0] if parameter.lower else None
-    return low, ends[-1] if parameter.upper else None
+    lower, upper = parameter.lower, parameter.upper
+    low = _end_value(lower.value, values) if lower else None
+    return low, _end_value(upper.value, values) if upper else None
 
 
 def _end_value(value: Any, values: Mapping[str, float | None]) -> float | None:
@@ -227,7 +212,7 @@ SLIDER_SPAN = 3.0
 """Length of a slider if the domain is unbounded; other values can be typed."""
 
 SLIDER_MARGIN = 0.01
-"""Distance of a slider's end from an open end of the domain, as a share of its length."""
+"""Distance of a slider's end from an open end of the domain, as a fraction of its length."""
 
 
 def slider_ends(parameter: Parameter, values: Mapping[str, float | None]) -> tuple[float, float]:
@@ -238,19 +223,11 @@ def slider_ends(parameter: Parameter, values: Mapping[str, float | None]) -> tup
     (0.03, 3.0)
     """
     low, high = bounds(parameter, values)
-    first = (
-        -SLIDER_SPAN
-        if low is None and high is None
-        else (high or 0.0) - SLIDER_SPAN
-        if low is None
-        else low
-    )
+    first = (high or 0.0) - SLIDER_SPAN if low is None else low
     last = first + SLIDER_SPAN * (2.0 if low is None else 1.0) if high is None else high
     margin = SLIDER_MARGIN * (last - first)
-    return (
-        float(f"{first + margin * (low is not None):.6g}"),
-        float(f"{last - margin * (high is not None):.6g}"),
-    )
+    ends = first + margin * (low is not None), last - margin * (high is not None)
+    return float(f"{ends[0]:.6g}"), float(f"{ends[1]:.6g}")
 
 
 def parsed_number(text: str) -> int | float | str:
@@ -280,18 +257,16 @@ def plain_value(text: str) -> float | None:
 
 def initial_choices(wave: str, setting: str | None = None) -> Choices:
     """Return the initial choices for a wave on the lattice of a setting (default: the first)."""
-    setting_found = _setting(wave, setting)
-    scene = setting_found.scene
+    chosen = _setting(wave, setting)
+    scene = chosen.scene
+    numbers = {name: getattr(scene, name) for name in ("eps", "tolerance", "half_width")}
+    numbers |= {"begin": scene.slow_times[0], "end": scene.slow_times[-1]}
     return Choices(
-        wave=wave,
-        setting=setting_found.name,
-        eps=_as_typed(scene.eps),
-        tolerance=_as_typed(scene.tolerance),
-        begin=_as_typed(scene.slow_times[0]),
-        end=_as_typed(scene.slow_times[-1]),
-        half_width=_as_typed(scene.half_width),
+        wave,
+        chosen.name,
         parameters=_all_parameters(scene),
         constants={name: _as_typed(value) for name, value in scene.constants},
+        **{name: _as_typed(value) for name, value in numbers.items()},
     )
 
 

@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,15 +18,8 @@ from numpy.typing import NDArray
 from longwave.lattice.trial import Progress
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines.methods import expected_cost, record_scene
+from longwave.support import processes
 from longwave.support.command_line import one_line
-from longwave.support.processes import (
-    Call,
-    Job,
-    LocalWorkers,
-    LostProcess,
-    OutOfTime,
-    limit_memory,
-)
 from longwave.support.request_limits import (
     Cancelled,
     ExpectedCost,
@@ -37,23 +30,19 @@ from longwave.support.request_limits import (
     request_limits,
 )
 
-if TYPE_CHECKING:
-    import xarray as xr
-
-
 Array = NDArray[np.float64]
 
 DEFAULT_LIMITS = RequestLimits(memory_bytes=2e9, seconds=10.0)
 """Default limits of a run; a run that is expected to exceed them is refused."""
 
-DEADLINE = 6.0
+DEADLINE_FACTOR = 6.0
 """A run is stopped after this multiple of its time limit."""
 
 CHEAPER_ADVICE = (
     "take a larger eps, shorter times or a smaller half_width; `longwave run` takes the file"
 )
 
-MOST_CELLS = 100_000
+MAX_CELLS = 100_000
 """Largest number of compared cells; the page draws `FRAMES` frames of them."""
 
 MAP_COLUMNS = 300
@@ -72,7 +61,7 @@ class WaveTexts(NamedTuple):
     formula: str
 
 
-LONGEST_FORMULA = 1500
+MAX_FORMULA_CHARACTERS = 1500
 """Largest length of a formula in LaTeX that the page shows."""
 
 
@@ -83,12 +72,8 @@ def wave_texts(wave: str, parameters: tuple[str, ...]) -> WaveTexts:
 
     form = closed_form(wave, parameters)
     formula = form._repr_latex_() or ""
-    return WaveTexts(
-        form.title,
-        str(form.reference),
-        form.equation._repr_latex_(),
-        formula if len(formula) <= LONGEST_FORMULA else "",
-    )
+    formula = formula if len(formula) <= MAX_FORMULA_CHARACTERS else ""
+    return WaveTexts(form.title, str(form.reference), form.equation._repr_latex_(), formula)
 
 
 @dataclass(frozen=True)
@@ -165,9 +150,9 @@ def compare(
 def _check_cells(scene: Scene) -> None:
     powers = (1, 2)[: scene.symbolic_lattice.dimension]
     cells = math.prod(2 * scene.cells_within(power) + 1 for power in powers)
-    if cells > MOST_CELLS:
+    if cells > MAX_CELLS:
         raise ValueError(
-            f"half_width / eps must ask for at most {MOST_CELLS} cells here, got {cells} for eps = "
+            f"half_width / eps must ask for at most {MAX_CELLS} cells here, got {cells} for eps = "
             f"{scene.eps:g} (take a smaller half_width or a larger eps)"
         )
 
@@ -183,13 +168,13 @@ def _compare_within_limits(scene: Scene, progress: Progress | None, announce: An
         raise ValueError(f"{attrs['blow_up']} (before the first time; take a smaller eps)")
     scale = scene.eps ** attrs["power"]
     lattice, wave = (_middle_row(run[name].values) for name in ("strain", "analytic"))
-    errors = _largest_sizes(
-        run.get("strains", run["strain"]) - run.get("analytics", run["analytic"])
-    )
+    difference = run.get("strains", run["strain"]) - run.get("analytics", run["analytic"])
+    sizes = np.abs(difference.values).reshape(difference.shape[0], -1)
+    errors = np.max(sizes, axis=1)
     relative = np.where(np.isnan(run["error"]), errors / np.max(np.abs(wave)), run["error"])
-    derived = derivation(scene)
+    derived, distance = derivation(scene), run.attrs["frame_speed"] * run["time"].values
     return Comparison(
-        X=_slow_distances(scene.eps, run),
+        X=scene.eps * (run["n"].values - distance[:, None]),
         times=run["time"].values,
         slow_times=run["time"].values * scene.eps**derived.slow,
         lattice=lattice / scale,
@@ -205,18 +190,6 @@ def _compare_within_limits(scene: Scene, progress: Progress | None, announce: An
         lines=tuple(summary_lines(record, scene)),
         ended=attrs["blow_up"],
     )
-
-
-def _largest_sizes(values: xr.DataArray) -> Array:
-    """Return the largest modulus at each time."""
-    return np.max(np.abs(values.values), axis=tuple(range(1, values.ndim)))
-
-
-def _slow_distances(eps: float, run: xr.Dataset) -> Array:
-    """Return X = eps (n - c t) of every compared cell at every time."""
-    distance = run.attrs["frame_speed"] * run["time"].values
-    X: Array = eps * (run["n"].values - distance[:, None])
-    return X
 
 
 def _middle_row(values: Array) -> Array:
@@ -235,15 +208,12 @@ Answer = float | Comparison | Refusal
 
 
 class Explorer:
-    """Compares the last submitted scene, in a worker process.
-
-    The worker starts with the first scene, and again after a run that had to be stopped.
-    """
+    """Compares the last submitted scene in a worker process, restarted after a run was stopped."""
 
     def __init__(self, limits: RequestLimits = DEFAULT_LIMITS) -> None:
         self.limits = limits
-        self._workers = LocalWorkers(1, partial(_prepare_worker, limits))
-        self._call: Call | None = None
+        self._workers = processes.LocalWorkers(1, partial(_prepare_worker, limits))
+        self._call: processes.Call | None = None
 
     def start(self) -> None:
         """Start the worker, which imports its modules."""
@@ -251,8 +221,8 @@ class Explorer:
 
     def submit(self, scene: Scene) -> None:
         """Submit a scene in place of any other."""
-        deadline = DEADLINE * self.limits.seconds
-        job = Job(
+        deadline = DEADLINE_FACTOR * self.limits.seconds
+        job = processes.Job(
             _compare_in_worker, (scene, self.limits), tells=True, seconds=deadline, gives_way=True
         )
         self._call = self._workers.submit(job)
@@ -273,10 +243,10 @@ class Explorer:
         self._call = None
         try:
             answer: Answer = call.result()
-        except LostProcess:
+        except processes.LostProcess:
             return Refusal("the worker process ended before its run (too little memory?)")
-        except OutOfTime:
-            duration_text = duration(DEADLINE * self.limits.seconds)
+        except processes.OutOfTime:
+            duration_text = duration(DEADLINE_FACTOR * self.limits.seconds)
             return Refusal(f"the run was stopped after {duration_text} (a larger eps is faster)")
         return answer
 
@@ -303,7 +273,7 @@ def _prepare_worker(limits: RequestLimits) -> None:
     for module in PRELOADED:
         import_module(module)
     if math.isfinite(limits.memory_bytes):
-        limit_memory(int(max(limits.memory_bytes, LEAST_MEMORY)))
+        processes.limit_memory(int(max(limits.memory_bytes, LEAST_MEMORY)))
 
 
 def _compare_in_worker(scene: Scene, limits: RequestLimits, progress: Progress) -> Answer:

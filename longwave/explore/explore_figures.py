@@ -20,10 +20,11 @@ if TYPE_CHECKING:
 TIME_COLOUR = "#333333"
 """Colour of the line that marks the current time."""
 
-MARGIN = 0.06
-"""Free space around curves, as a share of their range."""
+MARGIN_FRACTION = 0.06
+"""Free space around curves, as a fraction of their range."""
 
 TOOLS = "xpan,xwheel_zoom,box_zoom,reset,save"
+"""Bokeh's tools of every figure."""
 
 
 def palette(name: str) -> Sequence[str]:
@@ -33,9 +34,9 @@ def palette(name: str) -> Sequence[str]:
 
 def extent(*values: Array) -> tuple[float, float]:
     """Return the ends of an axis that contains all finite values."""
-    low = min(float(np.nanmin(part)) for part in values)
-    high = max(float(np.nanmax(part)) for part in values)
-    margin = MARGIN * (high - low) or 1.0
+    low = min(float(np.nanmin(array)) for array in values)
+    high = max(float(np.nanmax(array)) for array in values)
+    margin = MARGIN_FRACTION * (high - low) or 1.0
     return low - margin, high + margin
 
 
@@ -67,9 +68,8 @@ class Picture:
 
     def add_time_line(self, dimension: str, colour: str) -> None:
         """Add the line at the current time, along the width or the height."""
-        self.time_line = Span(
-            dimension=dimension, line_color=colour, line_width=1.5, line_dash=[4, 3]
-        )
+        look: dict[str, Any] = {"line_color": colour, "line_width": 1.5, "line_dash": [4, 3]}
+        self.time_line = Span(dimension=dimension, **look)
         self.picture.add_layout(self.time_line)
 
     def set_time(self, T: float) -> None:
@@ -94,17 +94,14 @@ class Profile(Picture):
 
     def show(self, comparison: Comparison) -> None:
         """Fit the axes to all times of a comparison."""
-        self.set_ranges(
-            (float(comparison.X.min()), float(comparison.X.max())),
-            extent(comparison.lattice, comparison.wave),
-        )
+        ends = float(comparison.X.min()), float(comparison.X.max())
+        self.set_ranges(ends, extent(comparison.lattice, comparison.wave))
         self.picture.yaxis.axis_label = f"{comparison.field}, in {unit(comparison)}"
 
     def show_frame(self, comparison: Comparison, frame: int) -> None:
         """Draw lattice and wave at one time."""
-        self.source.data = {
-            name: getattr(comparison, name)[frame] for name in ("X", "lattice", "wave")
-        }
+        names = ("X", "lattice", "wave")
+        self.source.data = {name: getattr(comparison, name)[frame] for name in names}
 
 
 class SpaceTimeMap(Picture):

@@ -12,19 +12,8 @@ from typing import Any, ClassVar
 
 import panel as pn
 
+from longwave.explore import exploration
 from longwave.explore import explore_text as text
-from longwave.explore.exploration import (
-    FRAMES,
-    Choices,
-    bounds,
-    examples,
-    initial_choices,
-    plain_value,
-    scene_of_choices,
-    settings,
-    slider_ends,
-    waves_by_equation,
-)
 from longwave.explore.exploration_run import Comparison, Explorer, Refusal
 from longwave.explore.explore_figures import ErrorPicture, Profile, SpaceTimeMap
 from longwave.scenes.description.scene import Scene
@@ -148,7 +137,7 @@ class NumberEntry:
         return self
 
     def _within(self, low: float, high: float) -> float:
-        value = plain_value(self.box.value)
+        value = exploration.plain_value(self.box.value)
         return low if value is None else min(max(value, low), high)
 
     def _on_typed(self, _: Any) -> None:
@@ -173,10 +162,7 @@ class NumberEntry:
 
 
 class ExplorePage:
-    """One visitor's page: the choices, their run, and its pictures.
-
-    Nothing runs before `start` is called.
-    """
+    """One visitor's page: choices, their run and its pictures; `start` lets it run."""
 
     def __init__(self, explorer: Explorer) -> None:
         self.explorer, self._has_started = explorer, False
@@ -199,10 +185,12 @@ class ExplorePage:
 
     def _build_choosers(self) -> None:
         self.example = pn.widgets.Select(
-            name="ready example", options={"\u2013": NO_EXAMPLE, **examples()},
+            name="ready example", options={"\u2013": NO_EXAMPLE, **exploration.examples()},
             **WIDE, css_classes=["choose-example"],
         )  # fmt: skip
-        groups = {f"{name} equation": waves for name, waves in waves_by_equation().items()}
+        groups = {
+            f"{name} equation": waves for name, waves in exploration.waves_by_equation().items()
+        }
         self.wave = pn.widgets.Select(
             name="wave", groups=groups, value=FIRST_WAVE, **WIDE, css_classes=["choose-wave"]
         )
@@ -225,8 +213,8 @@ class ExplorePage:
         self.lattice_map = SpaceTimeMap("the lattice", "viridis", symmetric=False)
         self.difference_map = SpaceTimeMap("lattice less wave", "RdBu_r", symmetric=True)
         self.player = pn.widgets.Player(
-            start=0, end=FRAMES - 1, value=FRAMES // 2, interval=120, loop_policy="loop",
-            show_loop_controls=False, **WIDE, css_classes=["player"], height=60,
+            start=0, end=exploration.FRAMES - 1, value=exploration.FRAMES // 2, interval=120,
+            loop_policy="loop", show_loop_controls=False, **WIDE, css_classes=["player"], height=60,
         )  # fmt: skip
         self.player.param.watch(lambda _: self._show_frame(), "value")
         self.toml = pn.widgets.TextAreaInput(disabled=True, **WIDE, rows=14, css_classes=["toml"])
@@ -251,15 +239,15 @@ class ExplorePage:
 
     def _choose(self, wave: str, setting: str | None) -> None:
         """Select a wave and a lattice, and fill the controls with their initial choices."""
-        choices = initial_choices(wave, setting)
+        choices = exploration.initial_choices(wave, setting)
         with self._event_block.active():
             self.wave.value = wave
-            self.setting.options = {one.title: one.name for one in settings(wave)}
+            self.setting.options = {one.title: one.name for one in exploration.settings(wave)}
             self.setting.value = choices.setting
             self._fill_controls(choices)
         self._submit()
 
-    def _fill_controls(self, choices: Choices) -> None:
+    def _fill_controls(self, choices: exploration.Choices) -> None:
         from longwave.solutions import closed_form
 
         self.entries = {}
@@ -292,22 +280,26 @@ class ExplorePage:
         self.entries[f"{group}.{name}"] = entry
         return entry
 
-    def _update_sliders(self, choices: Choices) -> None:
+    def _update_sliders(self, choices: exploration.Choices) -> None:
         """Fit the ranges of the parameters' sliders to their domains, given the other values."""
         from longwave.solutions import closed_form
 
-        values = {name: plain_value(value) for name, value in choices.parameters.items()}
+        values = {
+            name: exploration.plain_value(value) for name, value in choices.parameters.items()
+        }
         for one in closed_form(choices.wave).parameters:
-            if None not in bounds(one, values) or not _has_dependent_bound(one):
-                self.entries[f"parameters.{one.name}"].set_range(*slider_ends(one, values))
+            if None not in exploration.bounds(one, values) or not _has_dependent_bound(one):
+                self.entries[f"parameters.{one.name}"].set_range(
+                    *exploration.slider_ends(one, values)
+                )
 
-    def choices(self) -> Choices:
+    def choices(self) -> exploration.Choices:
         """Return the current choices."""
         typed: dict[str, dict[str, str]] = {"parameters": {}, "constants": {}, "": {}}
         for key, entry in self.entries.items():
             group, _, name = key.partition(".")
             typed[group][name] = entry.box.value_input or entry.box.value
-        return Choices(
+        return exploration.Choices(
             wave=self.wave.value, setting=self.setting.value, parameters=typed["parameters"],
             constants=typed["constants"], **typed[""],
         )  # fmt: skip
@@ -322,7 +314,7 @@ class ExplorePage:
     def _submit(self) -> None:
         """Run the current choices, or show why they cannot run."""
         try:
-            self.scene = scene_of_choices(self.choices())
+            self.scene = exploration.scene_of_choices(self.choices())
         except ValueError as error:
             self.toml.value = ""
             self.explorer.cancel()

@@ -62,18 +62,14 @@ def explore(port: int, browser: bool, program: str) -> int:
         from latex2mathml import converter  # noqa: F401  (asked for with the page)
     except ImportError as error:
         missing = (error.name or "panel").partition(".")[0]
-        print(
-            f"error: longwave explore must have {missing}, got none "
-            "(pip install 'longwave[explore]')",
-            file=sys.stderr,
-        )
+        remedy = "pip install 'longwave[explore]'"
+        print(f"error: longwave explore must have {missing}, got none ({remedy})", file=sys.stderr)
         return 1
     try:
         free_port = _free_port(port)
     except OSError as error:
-        return fail(
-            f"port must be a free one, got {port}: {error.strerror} (leave --port out for any)"
-        )
+        got = f"{port}: {error.strerror} (leave --port out for any)"
+        return fail(f"port must be a free one, got {got}")
     for name in ("bokeh", "tornado", "panel"):
         logging.getLogger(name).setLevel(logging.ERROR)
     pages = Pages(current_limits())
@@ -90,9 +86,8 @@ def explore(port: int, browser: bool, program: str) -> int:
     )
     token = secrets.token_urlsafe(32)
     refuse_foreign_requests(server._tornado, free_port, token)
-    return _serve(
-        server, pages, f"http://{HOST}:{free_port}/?{TOKEN_KEY}={token}", browser, program
-    )
+    address = f"http://{HOST}:{free_port}/?{TOKEN_KEY}={token}"
+    return _serve(server, pages, address, browser, program)
 
 
 def refuse_foreign_requests(application: Any, port: int, token: str) -> None:
@@ -156,10 +151,8 @@ REDIRECT = """<!DOCTYPE html>
 
 @contextmanager
 def _open_browser(address: str) -> Iterator[None]:
-    """Open the browser at the address, by way of a file that only the user can read.
-
-    The token must not be among the browser's arguments, which every user can read.
-    """
+    """Open the browser at the address, by way of a file that only the user can read. The token must
+    not be among the browser's arguments, which every user can read."""
     descriptor, name = tempfile.mkstemp(prefix="longwave-explore-", suffix=".html")
     try:
         with open(descriptor, "w", encoding="utf-8") as stream:

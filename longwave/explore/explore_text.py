@@ -34,21 +34,15 @@ def unit(comparison: Comparison) -> str:
 
 def summary_numbers(comparison: Comparison) -> list[tuple[str, str, str]]:
     """Return the main numbers of a comparison: label, value and explanation of each."""
-    worst_time = int(np.nanargmax(comparison.errors))
-    share = f"{100.0 * float(np.nanmax(comparison.relative)):.2g} %"
+    worst = int(np.nanargmax(comparison.errors))
+    T, t = comparison.slow_times[worst], comparison.times[worst]
+    difference = f"{comparison.errors[worst]:.3g} {unit(comparison)}"
+    percent = f"{100.0 * float(np.nanmax(comparison.relative)):.2g} %"
+    own_error = f"± {comparison.estimate:.2g} {unit(comparison)}"
     return [
-        (
-            "largest difference",
-            f"{comparison.errors[worst_time]:.3g} {unit(comparison)}",
-            f"lattice less wave, at T = {comparison.slow_times[worst_time]:.3g}, t = "
-            f"{comparison.times[worst_time]:.4g}",
-        ),
-        ("of the wave's height", share, "the largest at any time"),
-        (
-            "the run's own error",
-            f"± {comparison.estimate:.2g} {unit(comparison)}",
-            "estimated: the accuracy of the difference",
-        ),
+        ("largest difference", difference, f"lattice less wave, at T = {T:.3g}, t = {t:.4g}"),
+        ("of the wave's height", percent, "the largest at any time"),
+        ("the run's own error", own_error, "estimated: the accuracy of the difference"),
     ]
 
 
@@ -104,9 +98,8 @@ def equation_html(comparison: Comparison) -> str:
 def wave_html(comparison: Comparison) -> str:
     """Return the closed form in the variables of its normal form, and that equation."""
     title, reference, normal_form, formula = comparison.wave_texts
-    formula_part = (
-        formula_html(formula, "") if formula else "<div>its formula is too long to show</div>"
-    )
+    too_long = "<div>its formula is too long to show</div>"
+    formula_part = formula_html(formula, "") if formula else too_long
     return (
         f'<div class="what">its normal form</div>{formula_html(normal_form, "")}'
         f'<div class="what">{escape(title)} ({escape(reference)})</div>{formula_part}'

@@ -17,14 +17,9 @@ from numpy.typing import NDArray
 
 from longwave.lattice.refine import Announce
 from longwave.lattice.trial import Progress
+from longwave.reports.pictures import plotting
 from longwave.reports.pictures.film import FILM_SIZE, ChainFilm, Film, PlaneFilm
 from longwave.reports.pictures.film_files import film_path, has_ffmpeg, save_film
-from longwave.reports.pictures.plotting import (
-    Source,
-    changed_source,
-    read_source,
-    shown_half_width,
-)
 from longwave.reports.pictures.run_data import check_run, placed, within
 from longwave.reports.pictures.style import styled
 from longwave.runs.run_file import SWEPT, names_a_run
@@ -43,27 +38,22 @@ CHEAPER_RUN = "take a larger eps, end earlier or compare fewer sites"
 """The advice in the error message of a run that costs too much."""
 
 BOUNDS = {"duration": (0.2, 600.0), "fps": (1.0, 50.0), "dpi": (30.0, 400.0)}
-"""Smallest and largest duration in seconds, frames per second and pixels per inch.
+"""Smallest and largest duration in seconds, frames per second and pixels per inch. A GIF's frames
+last a whole number of 1/100 s."""
 
-A GIF's frames last a whole number of 1/100 s.
-"""
-
-MOST_FRAMES, MOST_NUMBERS = 3000, 2e7
+MAX_FRAMES, MAX_STRAINS = 3000, 2e7
 """Most frames of a film, and most strains in all of them: a run holds four numbers for each."""
 
-FEW = 25
+FEW_FRAMES = 25
 """Number of frames below which `draw_film` prints that the run has few snapshots."""
 
-LONGEST_TITLE = 100
+MAX_TITLE_CHARACTERS = 100
 """Most characters of a film's title, which has one line."""
 
 
 @dataclass(frozen=True)
 class FilmOptions:
-    """Duration of a film in seconds, its frames per second, pixels per inch and range of times.
-
-    Raises ValueError for a number out of bounds.
-    """
+    """Duration in seconds, frames per second, pixels per inch and range of times of a film."""
 
     duration: float = 6.0
     fps: float = 25.0
@@ -74,14 +64,11 @@ class FilmOptions:
         for name, (least, most) in BOUNDS.items():
             value = getattr(self, name)
             if not least <= value <= most:
-                raise ValueError(
-                    f"{name} must satisfy {least:g} <= {name} <= {most:g}, got {value:g}"
-                )
-        if self.count > MOST_FRAMES:
-            raise ValueError(
-                f"a film must have at most {MOST_FRAMES} frames, got {self.count} "
-                "(take a shorter duration or fewer fps)"
-            )
+                bounds = f"{least:g} <= {name} <= {most:g}"
+                raise ValueError(f"{name} must satisfy {bounds}, got {value:g}")
+        if self.count > MAX_FRAMES:
+            got = f"{self.count} (take a shorter duration or fewer fps)"
+            raise ValueError(f"a film must have at most {MAX_FRAMES} frames, got {got}")
         if self.times is not None and not self.times[0] < self.times[1]:
             first, last = self.times
             raise ValueError(f"times must satisfy first < last, got {first:g} and {last:g}")
@@ -93,7 +80,7 @@ class FilmOptions:
 
 
 def animate(
-    source: Source,
+    source: plotting.Source,
     output: str | Path,
     duration: float = 6.0,
     fps: float = 25.0,
@@ -116,12 +103,9 @@ def animate(
     path = film_path(output)
     options = FilmOptions(duration, fps, dpi, times)
     report, progress = announce or (lambda _: None), progress or (lambda _: None)
-    read = read_source(source)
-    data: Labelled
-    if not isinstance(read, Scene):
-        data = read
-    else:
-        scene = _scene_of_film(read, options)
+    data = plotting.read_source(source)
+    if isinstance(data, Scene):
+        scene = _scene_of_film(data, options)
         report(_check_cost(scene.name, options, options.count, path, expected_cost(scene)))
         data = scene_run.run(scene, progress, announce)
     frames = _within(data, options.times)
@@ -147,32 +131,27 @@ FILM_BYTES, PIXEL_BYTES = 4e8, 120.0
 def _check_cost(
     subject: str, options: FilmOptions, frames: int, path: Path, run: ExpectedCost
 ) -> float:
-    """Return the expected seconds of run and film; raise TooMuchError beyond the limits."""
+    """Return the expected seconds of run and film; raise OverBudgetError beyond the limits."""
     pixels = FILM_SIZE[0] * FILM_SIZE[1] * options.dpi**2
     memory_bytes = FILM_BYTES + PIXEL_BYTES * pixels + pixels * frames * (path.suffix == ".gif")
-    cost = ExpectedCost(
-        run.seconds + frames * (FRAME_SECONDS + PIXEL_SECONDS * pixels),
-        max(run.memory_bytes, memory_bytes),
-        run.steps,
-    )
+    seconds = run.seconds + frames * (FRAME_SECONDS + PIXEL_SECONDS * pixels)
+    cost = ExpectedCost(seconds, max(run.memory_bytes, memory_bytes), run.steps)
     cheaper = "take fewer frames or dpi"
     check_request(subject, cost, f"{CHEAPER_RUN}, or {cheaper}" if run.seconds else cheaper)
     return cost.seconds
 
 
 def _scene_of_film(scene: Scene, options: FilmOptions) -> Scene:
-    """Return the scene with the times of the film's frames as its snapshots.
-
-    Raises ValueError if all frames together have more than ``MOST_NUMBERS`` sites.
-    """
+    """Return the scene with the times of the film's frames as its snapshots. Raises ValueError if
+    all frames together have more than ``MOST_NUMBERS`` sites."""
     if scene.bench:
         sites = scene.bench.sites
     else:
         scene.check_compared()
         sites = 2 * scene.cells_within(1) + 1
-    if sites * options.count > MOST_NUMBERS:
+    if sites * options.count > MAX_STRAINS:
         raise ValueError(
-            f"compared sites in all frames must be at most {MOST_NUMBERS:.0e}, got "
+            f"compared sites in all frames must be at most {MAX_STRAINS:.0e}, got "
             f"{sites} x {options.count} (take a shorter duration, fewer fps or fewer sites)"
         )
     if scene.slow_times and options.times is None:
@@ -187,8 +166,8 @@ def _scene_of_film(scene: Scene, options: FilmOptions) -> Scene:
         raise ValueError(f"times must begin at t0 = {begin:g} or later, got {first:g}")
     moments = _frames((first, last), options.count)
     if scene.bench:
-        observables = {"state": True, "energy": True}
-        return scene.changed(times=sorted({begin, *moments}), observables=observables)
+        watched = {"state": True, "energy": True}
+        return scene.changed(times=sorted({begin, *moments}), observables=watched)
     return scene.changed(slow_times=(), t0=begin, snapshots=moments, observables=("strain",))
 
 
@@ -239,14 +218,12 @@ def bench_frames(data: Labelled) -> LabelledArrays:
     displacement = select(moved, {"field": 0}).values
     cells = np.broadcast_to(np.arange(displacement.shape[1], dtype=float), displacement.shape)
     attributes = {"tracked": "energy", "wave": "", "along": "$n$", "drawn": "$u_n$"}
-    along = ("time", "site")
+    fields = {"strain": displacement, "analytic": np.full(displacement.shape, np.nan)}
+    fields |= {"offset": cells, "n": cells}
     frames = {
         "time": data.variables["time"],
         "site": LabelledArray(("site",), cells[0]),
-        "strain": LabelledArray(along, displacement),
-        "analytic": LabelledArray(along, np.full(displacement.shape, np.nan)),
-        "offset": LabelledArray(along, cells),
-        "n": LabelledArray(along, cells),
+        **{name: LabelledArray(("time", "site"), values) for name, values in fields.items()},
         "error": LabelledArray(("time",), data.variables["energy"].values),
     }
     return LabelledArrays(frames, attributes | {"title": data.attrs.get("title", "")})
@@ -259,14 +236,14 @@ def film_of(data: Labelled, dpi: float = 110.0, half_width: int | None = None) -
     as far as it differs from its background.
     """
     run = LabelledArrays.of(data) if "tracked" in data.attrs else placed(data)
-    title = one_line(data.attrs.get("title", ""))[:LONGEST_TITLE]
+    title = one_line(data.attrs.get("title", ""))[:MAX_TITLE_CHARACTERS]
     if "row" in run.sizes:
         return PlaneFilm(run, title, dpi)
     if "tracked" in run.attrs:
         return ChainFilm(run, title, dpi)
     levels = run["background"].values if "background" in run else np.zeros(1)
     level = float(np.mean(levels[~np.isnan(levels)])) if np.isfinite(levels).any() else 0.0
-    width = shown_half_width(run) if half_width is None else half_width
+    width = plotting.shown_half_width(run) if half_width is None else half_width
     return ChainFilm(within(run, width).assign_attrs(level=level), title, dpi)
 
 
@@ -288,7 +265,7 @@ def draw_film(
         check_output(path, "run.gif", force=force)
         film_path(path)
         FilmOptions(**options)
-        drawn = changed_source(source, changes or {})
+        drawn = plotting.changed_source(source, changes or {})
         with progress_bar(Path(source).name, f"film of {Path(source).name}") as (bar, tell):
             count = animate(drawn, path, **options, progress=bar, announce=Announcer(tell))
     except KeyboardInterrupt:
@@ -297,7 +274,7 @@ def draw_film(
         return fail(error)
     except MemoryError as error:
         return fail_for_memory(error)
-    if count < FEW and names_a_run(source):
+    if count < FEW_FRAMES and names_a_run(source):
         print(f"{source} has {count} snapshots: so many frames (a scene has more)", file=sys.stderr)
     print(path)
     return 0

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from string import ascii_uppercase
 from typing import Any
 
 import numpy as np
@@ -11,25 +12,14 @@ from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
 
 from longwave.reports.latex import scientific
+from longwave.reports.pictures import style
 from longwave.reports.pictures.error_curve import ErrorCurve
-from longwave.reports.pictures.style import (
-    ANALYTICAL,
-    BEADS,
-    BEADS_AN_INCH,
-    CURVES,
-    LATTICE,
-    NUMERICAL,
-    OWN,
-    PowerTicks,
-    page_width,
-    part,
-)
 from longwave.support.labelled_arrays import LabelledArrays, LabelledValues
 
 Sites = NDArray[np.float64]
 
 
-@part(lambda rows, wave="", of_one=False: SNAPSHOT * len(rows) + 0.35)
+@style.part(lambda rows, wave="", of_one=False: SNAPSHOT_HEIGHT * len(rows) + 0.35)
 def snapshot_panels(
     figure: FigureBase,
     rows: Sequence[Sequence[LabelledArrays]],
@@ -43,8 +33,7 @@ def snapshot_panels(
     that of the run. Each row has its own axis limits, unless all rows are ``of_one`` run. The
     legend stands in the gap of a shorter row, or else above the figure.
     """
-    across = max(len(row) for row in rows)
-    letters = map(chr, range(ord("A"), ord("Z") + 1))
+    across, letters = max(len(row) for row in rows), iter(ascii_uppercase)
     signs: dict[str, Any] = {}
     differences: dict[str, Any] = {}
     free: FigureBase | Axes = figure
@@ -52,9 +41,8 @@ def snapshot_panels(
     grid = figure.subplots(len(heights), across, squeeze=False, height_ratios=heights)
     for row, panels in zip(rows, grid.reshape(len(rows), 2, across), strict=True):
         compared = [at for row in rows for at in row] if of_one else row
-        limits = spread_limits(
-            [at[name].values for at in compared for name in ("strain", "analytic")]
-        )
+        fields = [at[name].values for at in compared for name in ("strain", "analytic")]
+        limits = spread_limits(fields)
         largest = max(map(_largest_difference, compared))
         for column, at in enumerate(row):
             above, below = panels[:, column]
@@ -73,7 +61,7 @@ def snapshot_panels(
     add_legend(free, signs | differences)
 
 
-SNAPSHOT = 2.2
+SNAPSHOT_HEIGHT = 2.2
 """Height of a row of snapshots, in inches."""
 
 MOVING = "$n - c\\,t$  (sites)"
@@ -94,18 +82,18 @@ def add_legend(axes_or_figure: FigureBase | Axes, signs: Mapping[str, Any]) -> N
     if isinstance(axes_or_figure, Axes):
         axes_or_figure.legend(signs.values(), signs.keys(), loc="center")
         return
-    ncols = min(len(signs), max(1, int(page_width() / LEGEND_ENTRY)))
+    ncols = min(len(signs), max(1, int(style.page_width() / LEGEND_ENTRY_WIDTH)))
     axes_or_figure.legend(signs.values(), signs.keys(), loc="outside upper right", ncols=ncols)
 
 
-LEGEND_ENTRY = 1.5
+LEGEND_ENTRY_WIDTH = 1.5
 """Width of an entry of the legend above a figure, in inches."""
 
 
-def even_places(count: int, most: int) -> list[int]:
+def even_indices(count: int, most: int) -> list[int]:
     """Return at most ``most`` evenly spaced indices of ``count``, the first and last among them.
 
-    >>> even_places(7, 3), even_places(2, 3), even_places(0, 3)
+    >>> even_indices(7, 3), even_indices(2, 3), even_indices(0, 3)
     ([0, 3, 6], [0, 1], [])
     """
     return [round(index) for index in np.linspace(0, count - 1, min(count, most)).tolist()]
@@ -113,17 +101,15 @@ def even_places(count: int, most: int) -> list[int]:
 
 def _draw_snapshot(ax: Axes, at: LabelledArrays, letter: str, wave: str) -> dict[str, Any]:
     """Draw one panel, the wave as a thin line on the lattice; return the handles by their labels.
-
-    Of a carrier with too many waves to be seen the envelopes are drawn.
-    """
+    Of a carrier with too many waves to be seen the envelopes are drawn."""
     offset, beads = at["offset"].values, _are_beads(ax, at["strain"].size)
     strain_envelope = at.get("strain_envelope")
     if strain_envelope is not None and np.isfinite(strain_envelope.values).any() and not beads:
         signs = _draw_envelopes(ax, at)
     else:
-        look = BEADS if beads else NUMERICAL
+        look = style.BEADS if beads else style.NUMERICAL
         signs = {"lattice": ax.plot(offset, at["strain"].values, **look)[0]}
-        (signs[wave],) = ax.plot(offset, at["analytic"].values, **ANALYTICAL)
+        (signs[wave],) = ax.plot(offset, at["analytic"].values, **style.ANALYTICAL)
     eps, time = at.attrs["eps"], float(at["time"].values)
     ax.set_title(rf"({letter})  $\epsilon={eps:g}$, $t={time:g}$", loc="left")
     if np.unique(offset).size > 1:
@@ -135,11 +121,11 @@ def _draw_snapshot(ax: Axes, at: LabelledArrays, letter: str, wave: str) -> dict
 def _draw_envelopes(ax: Axes, at: LabelledArrays) -> dict[str, Any]:
     """Draw a carrier's strain, and plus and minus the envelopes of the lattice and the wave."""
     offset = at["offset"].values
-    (line,) = ax.plot(offset, at["strain"].values, color=LATTICE, linewidth=0.5, zorder=1)
+    (line,) = ax.plot(offset, at["strain"].values, color=style.LATTICE, linewidth=0.5, zorder=1)
     signs = {"lattice": line}
     for name, label, look in (
-        ("strain_envelope", r"its envelope, $\propto |A|$", NUMERICAL),
-        ("analytic_envelope", "envelope of the wave", ANALYTICAL),
+        ("strain_envelope", r"its envelope, $\propto |A|$", style.NUMERICAL),
+        ("analytic_envelope", "envelope of the wave", style.ANALYTICAL),
     ):
         for side in (1.0, -1.0):
             (signs[label],) = ax.plot(offset, side * at[name].values, **look)
@@ -147,9 +133,10 @@ def _draw_envelopes(ax: Axes, at: LabelledArrays) -> dict[str, Any]:
 
 
 def _are_beads(ax: Axes, count: int) -> bool:
-    across = ax.get_subplotspec()
-    columns = 1 if across is None else across.get_gridspec().ncols
-    return count <= BEADS_AN_INCH * page_width() / columns
+    """Return whether that many values in axes are few enough to be drawn as beads."""
+    cell = ax.get_subplotspec()
+    columns = 1 if cell is None else cell.get_gridspec().ncols
+    return count <= style.BEADS_AN_INCH * style.page_width() / columns
 
 
 def _largest_difference(at: LabelledArrays) -> float:
@@ -171,16 +158,17 @@ def _draw_difference(ax: Axes, at: LabelledArrays, largest: float) -> dict[str, 
     (line,) = ax.plot(offset, difference, color="black", linewidth=0.8)
     signs: dict[str, Any] = {"lattice $-$ wave": line}
     if own is not None:
-        signs[OWN_ERROR] = ax.axhspan(-own, own, color=OWN, alpha=0.5, lw=0, zorder=0)
+        signs[OWN_ERROR] = ax.axhspan(-own, own, color=style.OWN, alpha=0.5, lw=0, zorder=0)
     top = 1.15 * largest or 1.0
     ax.set_ylim(-top, top)
     ax.locator_params(axis="y", nbins=3)
-    ax.yaxis.set_major_formatter(PowerTicks(-2, 3))
+    ax.yaxis.set_major_formatter(style.PowerTicks(-2, 3))
     ax.set_title(f"own error {error_text(own)}" if own else "", loc="right", fontsize=7.0, pad=2.0)
     return signs
 
 
 OWN_ERROR = "own error of the run"
+"""Label of a run's own error in legends."""
 
 
 def error_text(own: float) -> str:
@@ -211,35 +199,32 @@ ErrorPanels = Mapping[str, Mapping[str, ErrorCurve]]
 """Curves by their labels, for each panel's title; labels may have LaTeX in dollars."""
 
 
-@part(2.0)
+@style.part(2.0)
 def error_panels(figure: FigureBase, panels: ErrorPanels) -> None:
     """Draw a panel of error curves for each title, with markers only for single points."""
     axes = figure.subplots(1, len(panels), squeeze=False)[0]
     for ax, (title, curves) in zip(axes, panels.items(), strict=True):
         ax.set_title(title, loc="left")
-        for (label, curve), look in zip(curves.items(), CURVES, strict=False):
+        for (label, curve), look in zip(curves.items(), style.CURVES, strict=False):
             marker = "" if curve.errors.size > 1 else look["marker"]
             errors = np.where(np.isfinite(curve.errors), curve.errors, np.nan)
             ax.plot(curve.times, errors, label=label, **look | {"marker": marker})
             if curve.own is not None and np.isfinite(curve.own).any():
                 _draw_own(ax, curve.times, curve.errors, curve.own, look["color"])
-        ax.set_xlabel("$t$")
-        ax.set_ylabel(r"$L^\infty_\epsilon$")
+        ax.set(xlabel="$t$", ylabel=r"$L^\infty_\epsilon$")
         entries = len(ax.get_legend_handles_labels()[1])
-        ax.set_ylim(0, ax.get_ylim()[1] * (1.0 + max(0, entries - 2) * LEGEND_ROOM))
+        ax.set_ylim(0, ax.get_ylim()[1] * (1.0 + max(0, entries - 2) * LEGEND_ENTRY_HEIGHT))
         ax.locator_params(axis="x", nbins=6)
-        ax.yaxis.set_major_formatter(PowerTicks())
+        ax.yaxis.set_major_formatter(style.PowerTicks())
         ax.legend()
 
 
 def _draw_own(ax: Axes, times: Sites, errors: Sites, own: Sites, colour: str) -> None:
-    """Draw a run's own error as a band, or as bars where it is known at few times.
-
-    The label states the largest own error, as the band is often thinner than the line.
-    """
+    """Draw a run's own error as a band, or as bars where it is known at few times. The label states
+    the largest own error, as the band is often thinner than the line."""
     label = rf"own error $\leq$ {error_text(float(np.nanmax(own)))}"
     known = np.isfinite(own)
-    if known.sum() > BARS * own.size:
+    if known.mean() > BAND_FRACTION:
         ends = errors - own, errors + own
         ax.fill_between(times, *ends, color=colour, alpha=0.3, lw=0, label=label)
     else:
@@ -247,13 +232,13 @@ def _draw_own(ax: Axes, times: Sites, errors: Sites, own: Sites, colour: str) ->
         ax.errorbar(times[known], errors[known], own[known], label=label, **look)
 
 
-LEGEND_ROOM = 0.1
-"""Share of a panel's height that each legend entry beyond the second takes."""
+LEGEND_ENTRY_HEIGHT = 0.1
+"""Fraction of a panel's height that each legend entry beyond the second takes."""
 
-BARS = 0.5
-"""Share of the times at which the own error must be known to be drawn as a band."""
+BAND_FRACTION = 0.5
+"""Fraction of the times above which a known own error is drawn as a band."""
 
-LEAST_CELLS = 24
+MIN_MAP_CELLS = 24
 """Fewest cells of sites that a space-time map shows."""
 
 
@@ -267,11 +252,11 @@ def field_label(run: LabelledArrays | LabelledValues, strain: str = "$y_n$") -> 
     return "displacement" if units.startswith("displacement") else strain
 
 
-@part(2.6)
+@style.part(2.6)
 def space_time_map(figure: FigureBase, run: LabelledArrays, half_width: int | None = None) -> None:
     """Draw the variable ``space_time`` of a run over time and sites, in the moving frame.
 
-    The map is interpolated to even times and positions by `moving_grid`. At least `LEAST_CELLS`
+    The map is interpolated to even times and positions by `moving_grid`. At least `MIN_MAP_CELLS`
     cells and at most ``half_width`` sites to either side of c t are shown, by default all.
     """
     times, position, values = moving_grid(run)
@@ -281,16 +266,13 @@ def space_time_map(figure: FigureBase, run: LabelledArrays, half_width: int | No
     look: dict[str, Any] = {"origin": "lower", "aspect": "auto", "interpolation": "bilinear"}
     image = ax.imshow(values.T, extent=extent, **look)
     if half_width is not None:
-        least = LEAST_CELLS / 2 * float(edges[1] - edges[0])
+        least = MIN_MAP_CELLS / 2 * float(edges[1] - edges[0])
         height = min(max(half_width, least), float(edges[-1]))
         ax.set_ylim(-height, height)
-    ax.set_xlabel("$t$")
-    ax.set_ylabel(MOVING)
+    ax.set(xlabel="$t$", ylabel=MOVING)
     strain = run["space_time"]
-    label = field_label(strain)
-    figure.colorbar(
-        image, ax=ax, label=f"envelope of {label}" if strain.attrs.get("carried") else label
-    )
+    label = "envelope of " * bool(strain.attrs.get("carried")) + field_label(strain)
+    figure.colorbar(image, ax=ax, label=label)
 
 
 def moving_grid(run: LabelledArrays) -> tuple[Sites, Sites, Sites]:
@@ -298,7 +280,6 @@ def moving_grid(run: LabelledArrays) -> tuple[Sites, Sites, Sites]:
 
     The frame passes the sites one by one: the variable ``shift`` is the offset from c t of the site
     that the map has at 0.
-
 
     >>> from longwave.support.labelled_arrays import LabelledArray
     >>> looks = {"look_time": np.array([0.0, 1.0]), "map_site": np.array([-1, 0, 1])}
@@ -321,8 +302,8 @@ def moving_grid(run: LabelledArrays) -> tuple[Sites, Sites, Sites]:
     even = np.linspace(time[0], time[-1], time.size)
     if time.size > 1 and np.all(np.diff(time) > 0.0):
         after = np.clip(np.searchsorted(time, even), 1, time.size - 1)
-        share = ((even - time[after - 1]) / (time[after] - time[after - 1]))[:, np.newaxis]
-        sheared = (1.0 - share) * sheared[after - 1] + share * sheared[after]
+        weight = ((even - time[after - 1]) / (time[after] - time[after - 1]))[:, np.newaxis]
+        sheared = (1.0 - weight) * sheared[after - 1] + weight * sheared[after]
     return even, position, sheared
 
 
@@ -347,17 +328,16 @@ def cell_edges(starts: NDArray[np.integer]) -> NDArray[np.float64]:
     return np.array([*starts, 1 - starts[0]]) - 0.5
 
 
-WAVES_CREST = "crest_position_wave"
-
-LABELS = {"crest_position": "crest at " + MOVING, "crest_strain": "$y$ at the crest"}
+CREST_LABELS = {"crest_position": "crest at " + MOVING, "crest_strain": "$y$ at the crest"}
+"""Axis labels of the panels of a crest's track, by the variables that they show."""
 
 
 def _crest_rows() -> int:
     """Return the number of rows of crest panels: two in one column of a journal, else one."""
-    return 1 if page_width() > len(LABELS) * 2.0 else len(LABELS)
+    return 1 if style.page_width() > len(CREST_LABELS) * 2.0 else len(CREST_LABELS)
 
 
-@part(lambda run: 0.3 + 1.7 * _crest_rows())
+@style.part(lambda run: 0.3 + 1.7 * _crest_rows())
 def crest_track(figure: FigureBase, run: LabelledArrays) -> None:
     """Draw the crest's position and strain over time as points, as a crest may jump to another.
 
@@ -365,67 +345,58 @@ def crest_track(figure: FigureBase, run: LabelledArrays) -> None:
     losses are drawn as lines.
     """
     rows = _crest_rows()
-    panels = figure.subplots(rows, len(LABELS) // rows, squeeze=False)
-    for ax, (name, label) in zip(panels.flat, LABELS.items(), strict=True):
+    panels = figure.subplots(rows, len(CREST_LABELS) // rows, squeeze=False)
+    for ax, (name, label) in zip(panels.flat, CREST_LABELS.items(), strict=True):
         values, wave = run[name], run.get(f"{name}_wave")
         times = run[values.dims[0]].values
-        every = max(1, -(-times.size // CREST_POINTS))
-        ax.plot(times[::every], values.values[::every], label="lattice", **BEADS)
+        every = max(1, -(-times.size // MAX_CREST_POINTS))
+        ax.plot(times[::every], values.values[::every], label="lattice", **style.BEADS)
         if wave is not None:
-            wave_label = run.attrs["wave"]
-            steady = np.where(_is_steady(run[WAVES_CREST].values), wave.values, np.nan)
-            ax.plot(times, steady, label=wave_label, **ANALYTICAL)
+            is_steady = _is_steady(run["crest_position_wave"].values)
+            steady = np.where(is_steady, wave.values, np.nan)
+            ax.plot(times, steady, label=run.attrs["wave"], **style.ANALYTICAL)
         if name == "crest_strain" and "crest_law" in run:
             law = run["crest_law"].values
             ax.plot(times, law, label="law", color="black", linestyle="--", lw=0.9)
-        ax.set_xlabel("$t$")
         field = "envelope" if run.attrs.get("carried") else field_label(run, "$y$")
-        ax.set_ylabel(label.replace("$y$", field))
+        ax.set(xlabel="$t$", ylabel=label.replace("$y$", field))
         ax.locator_params(axis="x", nbins=6)
-        ax.yaxis.set_major_formatter(PowerTicks())
+        ax.yaxis.set_major_formatter(style.PowerTicks())
         ax.legend()
 
 
-CREST_POINTS = 50
+MAX_CREST_POINTS = 50
 """Most points that are drawn of a crest's track."""
 
-JUMP = 3.0, 8.0
+JUMP_SITES, JUMP_STEPS = 3.0, 8.0
 """Sites, and multiples of the median step, beyond which a step is a jump to another crest."""
 
 
 def _is_steady(position: Sites) -> NDArray[np.bool_]:
-    """Return where the crest's step from the time before is no jump to another crest."""
+    """Return where the crest's step from the time before is not a jump to another crest."""
     values = np.asarray(position, dtype=float)
     steps = np.abs(np.diff(values, prepend=values[:1]))
     known = steps[np.isfinite(steps)]
-    sites, times = JUMP
-    return steps <= max(sites, times * float(np.median(known)) if known.size else 0.0)
+    return steps <= max(JUMP_SITES, JUMP_STEPS * float(np.median(known)) if known.size else 0.0)
 
 
-MOST_SPECTRA = 6
+MAX_SPECTRA = 6
 """Most times at which spectra are drawn."""
 
-DECADES = 1.0
-"""Powers of ten from the rounding error down to the lower end of the axis of amplitudes."""
 
-
-@part(lambda found: 1.9 * grid_shape(found.sizes["time"])[0] + 0.35)
-def spectrum_panels(figure: FigureBase, found: LabelledArrays) -> None:
-    """Draw a panel for each time of `run_data.spectra`, all with the same axes.
-
-    The run's own error is a line: amplitudes below it are drawn but may be wrong.
-    """
-    count = found.sizes["time"]
-    amplitude = f"amplitude of {field_label(found, '$y$')}"
-    grid, free = panel_grid(figure, count, "wavenumber  (1/site)", amplitude)
+@style.part(lambda spectra: 1.9 * grid_shape(spectra.sizes["time"])[0] + 0.35)
+def spectrum_panels(figure: FigureBase, spectra: LabelledArrays) -> None:
+    """Draw a panel for each time of `run_data.spectra`; the line is the run's own error."""
+    amplitude = f"amplitude of {field_label(spectra, '$y$')}"
+    grid, free = panel_grid(figure, spectra.sizes["time"], "wavenumber  (1/site)", amplitude)
     signs: dict[str, Any] = {}
     for index, ax in enumerate(grid):
-        signs |= _draw_spectrum(ax, found.isel(time=index))
-    grid[0].set_ylim(*_amplitude_limits(found))
+        signs |= _draw_spectrum(ax, spectra.isel(time=index))
+    grid[0].set_ylim(*_amplitude_limits(spectra))
     add_legend(free or figure, signs)
 
 
-LEAST_PANEL = 1.6
+MIN_PANEL_WIDTH = 1.6
 """Least width of a panel, in inches."""
 
 
@@ -437,7 +408,7 @@ def grid_shape(count: int, most: int = 12) -> tuple[int, int]:
     >>> [grid_shape(count, 3) for count in (1, 3, 4, 5, 6, 7)]
     [(1, 1), (1, 3), (2, 2), (2, 3), (2, 3), (4, 2)]
     """
-    widest = max(1, min(count, most, int(page_width() / LEAST_PANEL)))
+    widest = max(1, min(count, most, int(style.page_width() / MIN_PANEL_WIDTH)))
     shapes = [(-(-count // across), across) for across in range(widest, 0, -1)]
     return next((rows, across) for rows, across in shapes if rows * across - count <= 1)
 
@@ -445,10 +416,7 @@ def grid_shape(count: int, most: int = 12) -> tuple[int, int]:
 def panel_grid(
     figure: FigureBase, count: int, x: str, y: str, most: int = 12
 ) -> tuple[list[Axes], Axes | None]:
-    """Return ``count`` panels with shared axes, labelled at the left and at the bottom.
-
-    The second value are empty axes for a legend, None if the grid is full.
-    """
+    """Return ``count`` panels with shared, labelled axes, and an empty one for a legend or None."""
     rows, across = grid_shape(count, most)
     grid = figure.subplots(rows, across, squeeze=False, sharex=True, sharey=True)
     panels = list(grid.flat)[:count]
@@ -481,10 +449,10 @@ def _draw_spectrum(ax: Axes, at: LabelledArrays) -> dict[str, Any]:
     if np.isfinite([lattice, wave]).any():
         ax.set_yscale("log")
     wavenumbers = at["wavenumber"].values
-    signs = {"lattice": ax.plot(wavenumbers, lattice, **NUMERICAL)[0]}
-    (signs["wave"],) = ax.plot(wavenumbers, wave, **ANALYTICAL)
+    signs = {"lattice": ax.plot(wavenumbers, lattice, **style.NUMERICAL)[0]}
+    (signs["wave"],) = ax.plot(wavenumbers, wave, **style.ANALYTICAL)
     looks: dict[str, tuple[str, Any]] = {
-        "own": (OWN_ERROR + ", at most", {"color": OWN, "linestyle": "--", "linewidth": 1.2}),
+        "own": (OWN_ERROR + ", at most", {"color": style.OWN, "linestyle": "--", "linewidth": 1.2}),
         "rounding": ("rounding", {"color": "black", "linestyle": ":", "linewidth": 0.8}),
     }
     for name, (label, look) in looks.items():
@@ -497,22 +465,17 @@ def _draw_spectrum(ax: Axes, at: LabelledArrays) -> dict[str, Any]:
     return signs
 
 
-def _amplitude_limits(found: LabelledArrays) -> tuple[float, float]:
-    """Return axis limits from below the rounding error to above all amplitudes."""
-    amplitudes = np.concatenate([found["lattice"].values.ravel(), found["wave"].values.ravel()])
+def _amplitude_limits(spectra: LabelledArrays) -> tuple[float, float]:
+    """Return axis limits from a tenth of the rounding error to above all amplitudes."""
+    amplitudes = np.concatenate([spectra[name].values.ravel() for name in ("lattice", "wave")])
     amplitudes = amplitudes[np.isfinite(amplitudes) & (amplitudes > 0.0)]
     high = float(amplitudes.max()) if amplitudes.size else 1.0
-    floors = [floor for floor in found["rounding"].values.tolist() if 0.0 < floor < high]
-    low = min([*floors, 0.1 * high]) / 10.0**DECADES
-    return low, 3.0 * high
+    floors = [floor for floor in spectra["rounding"].values.tolist() if 0.0 < floor < high]
+    return min([*floors, 0.1 * high]) / 10.0, 3.0 * high
 
 
-LEGEND = 4
-"""Most entries in a row of the legend."""
-
-COST_HEIGHT = 1.8
-"""Height of a row of panels, in inches."""
-
+MAX_LEGEND_COLUMNS = 4
+"""Most entries in a row of the legend of costs."""
 
 CostPanels = Mapping[str, Mapping[str, Sequence[tuple[float, float]]]]
 """Points (x, y), both positive, by each curve's label, for each panel's title."""
@@ -523,31 +486,30 @@ def cost_figure(
     x: str,
     y: str,
     across: int = 3,
-    height: float = COST_HEIGHT,
+    height: float = 1.8,
     x_ticks: Sequence[float] = (),
     digits: Sequence[float] = (),
     cheapest: str = "",
 ) -> Figure:
     """Return a figure of panels with shared axes and one legend, ``across`` in a row.
 
-    ``x_ticks`` replace the usual ticks of the logarithmic x axis. With ``digits`` the y axis is
-    linear, with these ticks, and ends at the last of them. ``cheapest`` is for work as x and errors
-    as y: it names the points in the legend, such as "runs", and lines join only the points of
-    `cheapest_places`.
+    ``height`` is that of a row in inches. ``x_ticks`` replace the usual ticks of the logarithmic x
+    axis. With ``digits`` the y axis is linear, with these ticks, and ends at the last of them.
+    ``cheapest`` is for work as x and errors as y: it names the points in the legend, such as
+    "runs", and lines join only the points of `cheapest_indices`.
     """
     down, _ = grid_shape(len(panels), across)
-    figure = Figure((page_width(), height * down + 0.4), layout="constrained")
+    figure = Figure((style.page_width(), height * down + 0.4), layout="constrained")
     grid, free = panel_grid(figure, len(panels), x, y, across)
     labels = dict.fromkeys(label for curves in panels.values() for label in curves)
-    looks = dict(zip(labels, CURVES, strict=False))
+    looks = dict(zip(labels, style.CURVES, strict=False))
     for (title, curves), ax in zip(panels.items(), grid, strict=True):
         _draw_costs(ax, curves, looks, bool(cheapest))
         ax.set_title(title, loc="left")
     first = grid[0]
     limits = first.get_xlim()
-    if math.floor(math.log10(limits[1])) >= math.log10(
-        limits[0]
-    ):  # a power of ten is on the axis, labelled
+    low, high = map(math.log10, limits)
+    if math.floor(high) >= low:  # a power of ten is on the axis, labelled
         first.xaxis.set_minor_formatter(NullFormatter())
     if x_ticks:
         first.set_xticks(x_ticks, [f"{tick:g}" for tick in x_ticks])
@@ -558,28 +520,27 @@ def cost_figure(
         first.set_ylim(0, digits[-1])
         first.set_yticks(digits)
     handles = {h.get_label(): h for ax in grid for h in ax.lines}
-    ordered = [handles[label] for label in looks]
-    title_options: Any = (
-        {"title": CHEAPEST.format(cheapest), "title_fontsize": 8.0} if cheapest else {}
-    )
+    options: dict[str, Any] = {"handles": [handles[label] for label in looks]}
+    if cheapest:
+        options |= {"title": CHEAPEST_TITLE.format(cheapest), "title_fontsize": 8.0}
     if free:
-        free.legend(handles=ordered, loc="center", **title_options)
+        free.legend(loc="center", **options)
     else:
-        columns = min(len(ordered), LEGEND)
-        figure.legend(handles=ordered, loc="outside upper center", ncols=columns, **title_options)
+        columns = min(len(looks), MAX_LEGEND_COLUMNS)
+        figure.legend(loc="outside upper center", ncols=columns, **options)
     return figure
 
 
-CHEAPEST = "points: {}; lines: the cheapest\nfor an error (monotone envelope)"
+CHEAPEST_TITLE = "points: {}; lines: the cheapest\nfor an error (monotone envelope)"
+"""Title of a legend of runs, whose lines are drawn through `cheapest_indices`."""
 
 
-def cheapest_places(work: Sites, errors: Sites) -> NDArray[np.intp]:
+def cheapest_indices(work: Sites, errors: Sites) -> NDArray[np.intp]:
     """Return the indices of the runs that no other run beats in both work and error.
 
     They are sorted by work, and their errors fall; NaN is left out.
 
-
-    >>> cheapest_places(np.array([1.0, 3.0, 2.0, 4.0]), np.array([0.1, 0.02, 0.2, np.nan]))
+    >>> cheapest_indices(np.array([1.0, 3.0, 2.0, 4.0]), np.array([0.1, 0.02, 0.2, np.nan]))
     array([0, 1])
     """
     order = np.lexsort((errors, work))
@@ -598,9 +559,9 @@ def _draw_costs(
     for label, points in curves.items():
         values = np.array([p for p in points if min(p) > 0 and np.all(np.isfinite(p))])
         x, y = values.reshape(-1, 2).T
-        style = dict(looks[label], markersize=4.0)
+        look = dict(looks[label], markersize=4.0)
         if cheapest:
-            ax.loglog(x, y, **style | {"linestyle": "", "markersize": 2.5, "alpha": 0.5})
-        best = cheapest_places(x, y) if cheapest else slice(None)
-        ax.loglog(x[best], y[best], label=label, **style)
+            ax.loglog(x, y, **look | {"linestyle": "", "markersize": 2.5, "alpha": 0.5})
+        best = cheapest_indices(x, y) if cheapest else slice(None)
+        ax.loglog(x[best], y[best], label=label, **look)
     draw_grid(ax)

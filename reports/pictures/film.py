@@ -15,9 +15,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from longwave.reports.pictures.drawing import field_label, spread_limits
-from longwave.reports.pictures.style import ANALYTICAL, LATTICE, WAVE, PowerTicks
-from longwave.reports.pictures.style import BEADS as BEAD
+from longwave.reports.pictures.drawing import MOVING, field_label, spread_limits
+from longwave.reports.pictures.style import ANALYTICAL, BEADS, LATTICE, WAVE, PowerTicks
 from longwave.support.labelled_arrays import LabelledArrays
 
 Array = NDArray[np.float64]
@@ -26,21 +25,18 @@ Image = NDArray[np.uint8]
 FILM_SIZE = (6.5, 3.9)
 """Width and height of a frame in inches."""
 
-BEADS = 420
+MAX_BEADS = 420
 """Most sites that are drawn as beads; more are drawn as a line."""
 
-FILL, PAST = "#DDEFFA", "#BBBBBB"
+FILL_COLOUR, CURVE_COLOUR = "#DDEFFA", "#BBBBBB"
 """Colours of the area below the lattice, and of the error curve at all times."""
 
-CONTOURS = 5
+CONTOUR_LINES = 5
 """Number of contour lines of the wave's strain."""
 
 
 class Film:
-    """Frames of a placed run, one for each snapshot; a subclass draws the strains.
-
-    The layout of the figure is computed once, and all frames have it.
-    """
+    """Frames of a placed run, one a snapshot, in one fixed layout; a subclass draws the strains."""
 
     def __init__(self, run: LabelledArrays, title: str, dpi: float) -> None:
         self._run = run
@@ -87,15 +83,13 @@ class Film:
     def _draw_track(self) -> None:
         """Draw the error at all times in grey, an empty coloured line over it, and a dot."""
         ax, times = self._below, self._times
-        ax.plot(times, self._errors, color=PAST, linewidth=1.0)
+        ax.plot(times, self._errors, color=CURVE_COLOUR, linewidth=1.0)
         (self._past,) = ax.plot([], [], color=LATTICE, linewidth=1.4)
-        (self._now,) = ax.plot(
-            [], [], color=WAVE, marker="o", markersize=4.5, linestyle="", clip_on=False
-        )
+        dot: dict[str, Any] = {"marker": "o", "markersize": 4.5, "linestyle": ""}
+        (self._now,) = ax.plot([], [], color=WAVE, clip_on=False, **dot)
         ax.set_xlim(*spread_limits([times]) if times.size < 2 else (times[0], times[-1]))
         ax.set_ylim(0.0, spread_limits([self._errors, np.zeros(1)])[1])
-        ax.set_xlabel("$t$")
-        ax.set_ylabel({"error": "rel. error"}.get(self._tracked, self._tracked))
+        ax.set(xlabel="$t$", ylabel={"error": "rel. error"}.get(self._tracked, self._tracked))
         ax.locator_params(axis="y", nbins=3)
         ax.yaxis.set_major_formatter(PowerTicks())
 
@@ -121,10 +115,8 @@ def clock(times: Array, errors: Array, tracked: str = "error") -> list[str]:
     """Return the text of each frame: its time, with as many digits as the step needs, and error."""
     step = float(np.min(np.diff(times))) if times.size > 1 else 1.0
     digits = max(0, min(6, 1 - int(np.floor(np.log10(step))))) if step < 10.0 else 0
-    texts = [
-        f"{tracked} {error:.3f}" if np.isfinite(error) else f"no {tracked}" for error in errors
-    ]
-    return [f"$t = {t:.{digits}f}$\n{error}" for t, error in zip(times, texts, strict=True)]
+    texts = (f"{tracked} {e:.3f}" if np.isfinite(e) else f"no {tracked}" for e in errors)
+    return [f"$t = {t:.{digits}f}$\n{text}" for t, text in zip(times, texts, strict=True)]
 
 
 class ChainFilm(Film):
@@ -134,19 +126,14 @@ class ChainFilm(Film):
         run, ax = self._run, self._ax
         self._offset = run["offset"].values
         self._level = run.attrs.get("level", 0.0)
-        beads = self._offset.shape[1] <= BEADS
-        look: dict[str, Any] = BEAD if beads else {"color": LATTICE, "linewidth": 2.0}
-        (self._body,) = ax.fill(*self._filled(0), color=FILL, linewidth=0.0)
+        are_beads = self._offset.shape[1] <= MAX_BEADS
+        look: dict[str, Any] = BEADS if are_beads else {"color": LATTICE, "linewidth": 2.0}
+        (self._body,) = ax.fill(*self._filled(0), color=FILL_COLOUR, linewidth=0.0)
         (self._beads,) = ax.plot(self._offset[0], self._strain[0], label="lattice", **look)
-        (self._line,) = ax.plot(
-            self._offset[0],
-            self._wave[0],
-            label=run.attrs["wave"],
-            **ANALYTICAL | {"linewidth": 1.2},
-        )
-        ax.set_xlim(*self._common())
-        ax.set_ylim(*spread_limits([self._strain, self._wave]))
-        ax.set_xlabel(run.attrs.get("along", "$n - c\\,t$  (sites)"))
+        wave, look = run.attrs["wave"], ANALYTICAL | {"linewidth": 1.2}
+        (self._line,) = ax.plot(self._offset[0], self._wave[0], label=wave, **look)
+        ax.set(xlim=self._common(), ylim=spread_limits([self._strain, self._wave]))
+        ax.set_xlabel(run.attrs.get("along", MOVING))
         ax.set_ylabel(run.attrs.get("drawn") or field_label(run))
         if run.attrs["wave"]:
             ax.legend(loc="upper right", handlelength=2.2)
@@ -180,10 +167,9 @@ class PlaneFilm(Film):
         self._mesh = self._ax.pcolormesh(
             self._along, self._across, self._strain[0].T, cmap="viridis", vmin=low, vmax=high
         )
-        self._levels = np.linspace(low, high, CONTOURS + 2)[1:-1]
+        self._levels = np.linspace(low, high, CONTOUR_LINES + 2)[1:-1]
         self._lines = self._contours(0)
-        self._ax.set_xlabel("$n - c\\,t$  (cells)")
-        self._ax.set_ylabel("$m$")
+        self._ax.set(xlabel="$n - c\\,t$  (cells)", ylabel="$m$")
         self.figure.colorbar(self._mesh, ax=self._ax, label=field_label(self._run, "strain"))
         return [self._mesh, self._lines]
 

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from itertools import chain
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
 import numpy as np
 from PIL import Image as PillowImage
@@ -23,16 +23,16 @@ from longwave.support.atomic_file import write_atomically
 SUFFIXES = (".mp4", ".gif")
 """Suffixes of films."""
 
-COLOURS = 64
+GIF_COLOURS = 64
 """Number of colours of a GIF: enough for lines in four colours with smooth edges, or a map."""
 
-NEARLY_WHITE = 246
+MIN_WHITE = 246
 """Least red, green and blue, of 255, of a colour that becomes white."""
 
 PALETTE_FRAMES = 5
 """Number of frames from which the colours of a GIF are taken."""
 
-MOST_GIF_PIXELS = 4e8
+MAX_GIF_PIXELS = 4e8
 """Most pixels in all frames of a GIF, which are in memory together, a byte each."""
 
 Show = Callable[[float], object]
@@ -79,9 +79,9 @@ def _frames(film: Film, show: Show) -> Iterator[Image]:
 def _write_gif(film: Film, path: Path, fps: float, show: Show) -> None:
     samples = [film.frame(p) for p in np.linspace(0, len(film) - 1, PALETTE_FRAMES).astype(int)]
     pixels = len(film) * samples[0].shape[0] * samples[0].shape[1]
-    if pixels > MOST_GIF_PIXELS:
+    if pixels > MAX_GIF_PIXELS:
         raise ValueError(
-            f"a GIF must have at most {MOST_GIF_PIXELS:.0e} pixels in all frames, got {pixels:.1e} "
+            f"a GIF must have at most {MAX_GIF_PIXELS:.0e} pixels in all frames, got {pixels:.1e} "
             "(take fewer dpi, frames a second or seconds, or write MP4)"
         )
     colours = _palette(np.concatenate(samples))
@@ -103,9 +103,9 @@ def _palette(pixels: Image) -> PillowImage.Image:
     Pillow maps colours to the palette with an error of a few units, so a white background could
     become any near-white colour.
     """
-    image = PillowImage.fromarray(pixels).quantize(COLOURS)
+    image = PillowImage.fromarray(pixels).quantize(GIF_COLOURS)
     colours = np.array(image.getpalette()).reshape(-1, 3)
-    colours[colours.min(axis=1) >= NEARLY_WHITE] = 255
+    colours[colours.min(axis=1) >= MIN_WHITE] = 255
     image.putpalette(colours.ravel().tolist())
     return image
 
@@ -137,14 +137,9 @@ def _write_mp4(film: Film, path: Path, fps: float, show: Show) -> None:
         processes: list[subprocess.Popen[bytes]] = []
 
         def start_encoder() -> None:  # in its own session: Ctrl-C reaches only this process
-            encoder = subprocess.Popen(
-                command,
-                stdin=subprocess.PIPE,
-                stdout=messages,
-                stderr=messages,
-                start_new_session=True,
-            )
-            processes.append(encoder)
+            streams = {"stdin": subprocess.PIPE, "stdout": messages, "stderr": messages}
+            options: Any = streams | {"start_new_session": True}
+            processes.append(subprocess.Popen(command, **options))
 
         try:
             # In a thread, as Ctrl-C within Popen would lose the running ffmpeg.
@@ -175,4 +170,4 @@ def _feed(encoder: subprocess.Popen[bytes], frames: Iterator[Image]) -> None:
 def _last_line(messages: IO[bytes]) -> str:
     messages.seek(0)
     lines = messages.read().decode(errors="replace").split("\n")
-    return next((line for line in reversed(lines) if line.strip()), "it ended without a word")
+    return next((line for line in reversed(lines) if line.strip()), "it ended without a message")

@@ -28,8 +28,7 @@ def force_figure(fit: ForceFit, label: str) -> Figure:
     below.axhspan(-HALF_WIDTH, HALF_WIDTH, color=STABLE, lw=0)
     below.axhline(0.0, color="black", linewidth=0.8)
     below.plot(stretch, fit.residuals, **(CURVES[0] | {"linestyle": ""}))
-    below.set_xlabel("stretch")
-    below.set_ylabel("residual / deviation")
+    below.set(xlabel="stretch", ylabel="residual / deviation")
     figure.suptitle(
         cut(f"F(x) = {fit.law.text}", LONGEST_TITLE), parse_math=False, fontsize="medium"
     )

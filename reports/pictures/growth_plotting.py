@@ -36,27 +36,27 @@ Array = NDArray[np.float64]
 CARRIER = "envelope.k"
 """The field over which rates are drawn: the carrier's wavenumber k."""
 
-RATE, BARS, THEORY = "growth_rate", "growth_rate_error", "growth_rate_theory"
-NEEDED = (RATE, BARS, THEORY, "carrier_k", "perturbation_kappa")
+RATE, RATE_ERROR, THEORY = "growth_rate", "growth_rate_error", "growth_rate_theory"
+NEEDED = (RATE, RATE_ERROR, THEORY, "carrier_k", "perturbation_kappa")
 """The variables that a picture is drawn from, besides the status of the cells."""
 
-MOST_ROWS = 6
+MAX_ROWS = 6
 """Most rows in a picture; each has its own map."""
 
-WAVENUMBERS, KAPPAS = 400, 400
-"""Number of points of a map along k and along kappa."""
+MAP_POINTS = 400
+"""Number of points of a map along k, and along kappa."""
 
-BEYOND = 1.25
+KAPPA_MARGIN = 1.25
 """Largest kappa of a map, in units of the largest kappa that was run and grows."""
 
-FREE = ("eps", "order", "tolerance")
+NUMERICAL_FIELDS = ("eps", "order", "tolerance")
 """Fields on which no theory depends; any other field may change a map."""
 
-CHOSEN = ("parameters.share", "parameters.kappa")
+PERTURBATION_FIELDS = ("parameters.share", "parameters.kappa")
 """Fields on which a curve in theory depends, but not its map."""
 
-BARE = ("lattice", "envelope.branch")
-"""Fields whose values stand in titles without their name."""
+UNNAMED_FIELDS = ("lattice", "envelope.branch")
+"""Fields whose values are in titles without their name."""
 
 
 def growth_panels(data: xr.Dataset, most_curves: int) -> Sequence[GrowthPanel]:
@@ -69,47 +69,45 @@ def growth_panels(data: xr.Dataset, most_curves: int) -> Sequence[GrowthPanel]:
     """
     along = _carrier_dimension(data)
     rows, lines = _rows_and_lines(data, along)
-    _check_count(data, rows, MOST_ROWS, along)
+    _check_count(data, rows, MAX_ROWS, along)
     _check_count(data, lines, most_curves, along)
     dims = [*(str(name) for name in data["status"].dims if name != along), along]
-    parts = [part for _, part in _groups(_cells(data, dims), rows)]
-    titles = _titles(parts, rows)
-    return [_panel(title, part, lines) for title, part in zip(titles, parts, strict=True)]
+    groups = [cells for _, cells in _groups(_cells(data, dims), rows)]
+    titles = _titles(groups, rows)
+    return [_panel(title, cells, lines) for title, cells in zip(titles, groups, strict=True)]
 
 
 def _rows_and_lines(data: xr.Dataset, along: str) -> tuple[list[str], list[str]]:
     """Return the coordinates that differ between panels, and those that differ within a panel."""
     fields = {str(n): data[n].attrs["field"] for n in data.coords if "field" in data[n].attrs}
     swept = [name for name in fields if data[name].ndim == 1 and fields[name] != CARRIER]
-    rows = [n for n in swept if not _is_free(data, fields[n]) and fields[n] not in CHOSEN]
-    rest = [name for name in swept if name not in rows]
-    lines = [n for n in rest if data[n].dims != (along,) or fields[n] in CHOSEN]
+    chosen = [name for name in swept if fields[name] in PERTURBATION_FIELDS]
+    free = [n for n in swept if _is_numerical(data, fields[n]) or n in chosen]
+    rows = [name for name in swept if name not in free]
+    lines = [name for name in free if data[name].dims != (along,) or name in chosen]
     others: dict[Any, list[str]] = {}
     for name in lines:
         if data[name].dims != (along,):
             others.setdefault(data[name].dims, []).append(name)
+
+    def preference(names: Sequence[str]) -> tuple[bool, bool, int]:
+        are_numbers = all(data[name].dtype.kind in "fiu" for name in names)
+        return not set(names) & set(chosen), are_numbers, data[names[0]].size
+
     if not rows and len(others) > 1:
-        rows = min(
-            others.values(),
-            key=lambda names_of_dim: (
-                not any(fields[n] in CHOSEN for n in names_of_dim),
-                all(data[n].dtype.kind in "fiu" for n in names_of_dim),
-                data[names_of_dim[0]].size,
-            ),
-        )
+        rows = min(others.values(), key=preference)
     return rows, [name for name in lines if name not in rows]
 
 
-def _is_free(data: xr.Dataset, field: str) -> bool:
+def _is_numerical(data: xr.Dataset, field: str) -> bool:
     """Return whether no theory depends on a field; it depends on eps if a constant contains eps."""
     if field != "eps":
-        return field in FREE
-    texts = [
-        str(data[name].values.tolist()) for name in data.coords if data[name].dtype.kind in "UO"
-    ]
+        return field in NUMERICAL_FIELDS
+    columns = (data[name] for name in data.coords if data[name].dtype.kind in "UO")
+    texts = [str(column.values.tolist()) for column in columns]
     with suppress(ValueError, KeyError, TypeError):
         texts.append(str(json.loads(data.attrs["sweep"])["scene"]["constants"]))
-    return not any("eps" in one for one in texts)
+    return not any("eps" in text for text in texts)
 
 
 def _check_count(data: xr.Dataset, names: Sequence[str], most: int, along: str) -> None:
@@ -133,25 +131,20 @@ def _check_count(data: xr.Dataset, names: Sequence[str], most: int, along: str) 
 
 def _groups(cells: xr.Dataset, names: Sequence[str]) -> list[tuple[dict[str, Any], xr.Dataset]]:
     """Return groups of cells with the same values of ``names``, each with these values by name."""
-    columns = [cells[name].values.tolist() for name in names]
+    columns = {name: cells[name].values.tolist() for name in names}
     indices: dict[tuple[str, ...], list[int]] = {}
     for index in range(cells.sizes["cell"]):
-        indices.setdefault(tuple(repr(column[index]) for column in columns), []).append(index)
+        key = tuple(repr(column[index]) for column in columns.values())
+        indices.setdefault(key, []).append(index)
     return [
-        (
-            {n: c[positions[0]] for n, c in zip(names, columns, strict=True)},
-            cells.isel(cell=positions),
-        )
-        for positions in indices.values()
+        ({name: column[group[0]] for name, column in columns.items()}, cells.isel(cell=group))
+        for group in indices.values()
     ]
 
 
 def _carrier_dimension(data: xr.Dataset) -> str:
-    """Return the dimension of the carrier's k.
-
-    Raises ValueError if no field is k, or if a variable of `NEEDED` is missing or has other
-    dimensions.
-    """
+    """Return the dimension of the carrier's k. Raises ValueError if no field is k, or if a variable
+    of `NEEDED` is missing or has other dimensions."""
     fields = {str(n): data[n].attrs.get("field") for n in data.coords if data[n].ndim == 1}
     names = [name for name, field in fields.items() if field == CARRIER]
     dims, variables = data["status"].dims, (data.get(name) for name in NEEDED)
@@ -166,59 +159,41 @@ def _carrier_dimension(data: xr.Dataset) -> str:
 
 def _cells(data: xr.Dataset, dims: Sequence[str]) -> xr.Dataset:
     """Return the variables of all cells in one dimension, NaN except for k where a cell has no run.
-
-    It has the variables ``done``, and ``failed`` where an attempt to run had no result.
-    """
+    It has the variables ``done``, and ``failed`` where an attempt to run had no result."""
     flat = data[["status", *NEEDED]].stack(cell=dims, create_index=False)
     done = flat["status"] == "done"
     coords = (flat[name] for name in flat.coords if flat[name].dims == ("cell",))
-    wavenumber = next(
-        coordinate for coordinate in coords if coordinate.attrs.get("field") == CARRIER
-    )
+    carrier = next(column for column in coords if column.attrs.get("field") == CARRIER)
     numbers = flat[list(NEEDED)].where(done)
-    wavenumbers = np.array([_number(value) for value in wavenumber.values.tolist()])
+    wavenumbers = np.array([_number(value) for value in carrier.values.tolist()])
     numbers["carrier_k"] = numbers["carrier_k"].where(done, wavenumbers)
     failed = flat["status"].isin(("refused", "failed", "blown up"))
     return numbers.assign(done=done, failed=failed).assign_attrs(data.attrs)
 
 
 def _titles(parts: Sequence[xr.Dataset], names: Sequence[str]) -> list[str]:
-    """Return a title of each panel from the values that differ between panels.
-
-    Values that are tables stand in titles only if the titles would be equal without them.
-    """
-    values = [{name: _first(part, name) for name in names} for part in parts]
+    """Return a title of each panel from the values that differ between panels. Values that are
+    tables stand in titles only if the titles would be equal without them."""
     scalar = [str(name) for name in parts[0].coords if parts[0][name].ndim == 0]
     fields = {name: parts[0][name].attrs.get("field", name) for name in (*names, *scalar)}
-    bare = [name for field in BARE for name in fields if fields[name] == field]
-    short: list[dict[str, Any]] = []
-    tables: list[dict[str, Any]] = []
-    for row in values:
-        entries = {name: _value(value) for name, value in row.items() if name not in bare}
+    unnamed = [name for field in UNNAMED_FIELDS for name in fields if fields[name] == field]
+    titles, short, tables = [], [], []
+    for cells in parts:
+        first = {name: cells[name].values.ravel().tolist()[0] for name in fields}
+        titles.append(", ".join(str(first[name]) for name in unnamed))
+        entries = {name: _value(first[name]) for name in names if name not in unnamed}
         short.append({n: v for n, v in entries.items() if not isinstance(v, dict)})
         tables.append({k: v for e in entries.values() if isinstance(e, dict) for k, v in e.items()})
-    prefixes = [", ".join(str(_first(part, name)) for name in bare) for part in parts]
-    titles = _joined(prefixes, [_assignments(row) for row in _differing(short)])
-    if len(set(titles)) < len(titles):
-        titles = _joined(titles, [_assignments(row) for row in _differing(tables)])
-    return titles
+    titles = _with_differences(titles, short)
+    return titles if len(set(titles)) == len(titles) else _with_differences(titles, tables)
 
 
-def _joined(before: Sequence[str], after: Sequence[str]) -> list[str]:
-    return [", ".join(filter(None, both)) for both in zip(before, after, strict=True)]
-
-
-def _first(part: xr.Dataset, name: str) -> Any:
-    return part[name].values.ravel().tolist()[0]
-
-
-def _differing(tables: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Return the tables with only the entries that are not the same in all of them."""
+def _with_differences(titles: Sequence[str], tables: Sequence[dict[str, Any]]) -> list[str]:
+    """Return the titles, each with the entries of its table that are not the same in all tables."""
     names = dict.fromkeys(name for table in tables for name in table)
-    names_that_differ = [
-        name for name in names if len({repr(table.get(name)) for table in tables}) > 1
-    ]
-    return [{name: table[name] for name in names_that_differ if name in table} for table in tables]
+    differing = [name for name in names if len({repr(table.get(name)) for table in tables}) > 1]
+    texts = (_assignments({n: table[n] for n in differing if n in table}) for table in tables)
+    return [", ".join(filter(None, both)) for both in zip(titles, texts, strict=True)]
 
 
 def _assignments(values: Mapping[str, Any]) -> str:
@@ -231,13 +206,11 @@ def _assignments(values: Mapping[str, Any]) -> str:
 
 def _panel(title: str, cells: xr.Dataset, lines: Sequence[str]) -> GrowthPanel:
     """Return a panel of cells with the same map."""
-    chosen = [name for name in lines if cells[name].attrs.get("field") in CHOSEN]
-    curves = [
-        part.assign_attrs(
-            label=_assignments(values), line=_assignments({name: values[name] for name in chosen})
-        )
-        for values, part in _groups(cells, lines)
-    ]
+    chosen = [name for name in lines if cells[name].attrs.get("field") in PERTURBATION_FIELDS]
+    curves = []
+    for values, curve in _groups(cells, lines):
+        line = _assignments({name: values[name] for name in chosen})
+        curves.append(curve.assign_attrs(label=_assignments(values), line=line))
     return GrowthPanel(title, curves, _theory(curves))
 
 
@@ -261,7 +234,7 @@ def _theory(curves: Sequence[xr.Dataset]) -> xr.Dataset | None:
     from longwave.scenes.modulation import scene_modulation
     from longwave.scenes.starts.perturbed_plane import chosen_kappa
 
-    k = np.linspace(0.0, np.pi, WAVENUMBERS + 1)[1:]
+    k = np.linspace(0.0, np.pi, MAP_POINTS + 1)[1:]
     lines: dict[str, Array] = {}
     first = None
     for curve in curves:
@@ -284,18 +257,13 @@ def _theory(curves: Sequence[xr.Dataset]) -> xr.Dataset | None:
     growing = run[theory > 0.0]
     kappas_run = growing if growing.size else run[np.isfinite(run)]
     largest = float(np.max(kappas_run, initial=0.0)) or 1.0
-    kappas = np.linspace(0.0, BEYOND * largest, KAPPAS)
+    kappas = np.linspace(0.0, KAPPA_MARGIN * largest, MAP_POINTS)
     rates = _rates(grid.p, grid.q, amplitude, kappas[:, None])
     import xarray as xr  # a sweep is one already
 
-    return xr.Dataset(
-        {
-            "lines": (("line", "k"), list(lines.values())),
-            "product": ("k", grid.product),
-            "rates": (("kappa", "k"), rates),
-        },
-        {"line": list(lines), "k": k, "kappa": kappas},
-    )
+    variables: dict[str, Any] = {"lines": (("line", "k"), list(lines.values()))}
+    variables |= {"product": ("k", grid.product), "rates": (("kappa", "k"), rates)}
+    return xr.Dataset(variables, {"line": list(lines), "k": k, "kappa": kappas})
 
 
 def _rates(p: Array, q: Array, amplitude: float, kappa: Array | float) -> Array:
@@ -395,16 +363,10 @@ def _draw_rates(ax: Axes, panel: GrowthPanel, looks: Looks) -> None:
     for curve in panel.curves:
         colour, marker = (looks[curve.attrs["label"]][key] for key in ("color", "marker"))
         grows = curve[THEORY].values > 0.0
+        look: dict[str, Any] = {"marker": marker, "markersize": 4.0, "color": colour, "zorder": 3}
         for inside, face in ((grows, colour), (~grows, "white")):
-            part = curve.isel(cell=inside)
-            look: dict[str, Any] = {
-                "marker": marker,
-                "markersize": 4.0,
-                "markerfacecolor": face,
-                "zorder": 3,
-            }
-            wavenumbers, rates, bars = (part[name].values for name in ("carrier_k", RATE, BARS))
-            ax.errorbar(wavenumbers, rates, bars, linestyle="", color=colour, capsize=2.0, **look)
+            k, rate, error = (curve[n].values[inside] for n in ("carrier_k", RATE, RATE_ERROR))
+            ax.errorbar(k, rate, error, linestyle="", markerfacecolor=face, capsize=2.0, **look)
         failed = curve["carrier_k"].values[curve["failed"].values]
         ax.plot(failed, 0.0 * failed, "kx", markersize=5.0, zorder=4)
         if panel.theory is None:
@@ -423,12 +385,9 @@ def _draw_rates(ax: Axes, panel: GrowthPanel, looks: Looks) -> None:
 
 
 def _set_rates(ax: Axes, panel: GrowthPanel) -> float:
-    """Set the axis to the measured rates and their theory; return its upper end.
-
-    The curve in theory may exceed it next to a resonance.
-    """
-    parts = [part for c in panel.curves for part in (c[RATE] + c[BARS], c[THEORY])]
-    known = np.concatenate(parts)
+    """Set the axis to the measured rates and their theory; return its upper end. The curve in
+    theory may exceed it next to a resonance."""
+    known = np.concatenate([v for c in panel.curves for v in (c[RATE] + c[RATE_ERROR], c[THEORY])])
     known = known[np.isfinite(known)]
     top = 1.1 * float(known.max()) if known.size and known.max() > 0.0 else 1.0
     ax.set_ylim(-0.08 * top, top)
@@ -445,16 +404,9 @@ def _draw_map(figure: FigureBase, ax: Axes, panel: GrowthPanel, top: float) -> N
     extent: Any = (0.0, float(k[-1]), 0.0, float(kappa[-1]))
     image = ax.imshow(growing, norm=colours, extent=extent, origin="lower", aspect="auto")
     for curve in panel.curves:
-        look: dict[str, Any] = {
-            "norm": colours,
-            "edgecolors": "white",
-            "linewidths": 0.6,
-            "zorder": 3,
-        }
-        wavenumbers, heights, rate = (
-            curve[name].values for name in ("carrier_k", "perturbation_kappa", RATE)
-        )
-        ax.scatter(wavenumbers, heights, 14.0, c=np.maximum(rate, 0.0), **look)
+        look: dict[str, Any] = {"norm": colours, "edgecolors": "white", "linewidths": 0.6}
+        x, y = (curve[name].values for name in ("carrier_k", "perturbation_kappa"))
+        ax.scatter(x, y, 14.0, c=np.maximum(curve[RATE].values, 0.0), zorder=3, **look)
     ax.set_ylim(0.0, float(kappa[-1]))
     ax.set_ylabel(r"$\kappa$ of the perturbation")
     extend = "max" if np.nanmax(rates) > top else "neither"
@@ -498,7 +450,6 @@ def sideband_sizes(figure: FigureBase, run: LabelledArrays, verdict: str) -> Non
     ax.semilogy(slow_times, run["sideband_size"].values, label="lattice", **look)
     theory = run["sideband_theory"].values
     ax.semilogy(slow_times, theory, color="black", linewidth=1.0, label="theory, from the first")
-    ax.set_xlabel("$T$")
-    ax.set_ylabel("sidebands over carrier")
+    ax.set(xlabel="$T$", ylabel="sidebands over carrier")
     ax.set_title(verdict, loc="left", parse_math=False, fontsize="small")
     ax.legend()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -12,13 +11,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure, FigureBase
 from numpy.typing import NDArray
 
-from longwave.reports.pictures.drawing import (
-    STABLE,
-    WAVENUMBER_TICKS,
-    error_text,
-    even_places,
-    field_label,
-)
+from longwave.reports.pictures import drawing
 from longwave.reports.pictures.style import CURVES, page_width, part
 
 if TYPE_CHECKING:
@@ -28,21 +21,18 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-ACROSS = 3
-"""Number of times of a scene side by side."""
+MAX_TIMES = 3
+"""Most times of a scene side by side."""
 
 
 def even_times(run: Labelled) -> list[int]:
-    """Return the indices of at most ``ACROSS`` evenly spaced times, first and last included."""
-    return even_places(run.sizes["time"], ACROSS)
+    """Return the indices of at most `MAX_TIMES` evenly spaced times, first and last included."""
+    return drawing.even_indices(run.sizes["time"], MAX_TIMES)
 
 
 @part(4.6)
 def strain_maps(figure: FigureBase, run: LabelledArrays) -> None:
-    """Draw heat maps of a run on two axes: the lattice's strain, and lattice minus theory.
-
-    A run `run_data.with_own` has its own error in the titles of the second row.
-    """
+    """Draw heat maps of strain, and of lattice minus theory titled with the run's own error."""
     places = even_times(run)
     panels = figure.subplots(2, len(places), squeeze=False, sharey=True)
     strain = run["strain"].values
@@ -50,7 +40,7 @@ def strain_maps(figure: FigureBase, run: LabelledArrays) -> None:
     ends = float(np.fmin.reduce(strain, axis=None)), float(np.fmax.reduce(strain, axis=None))
     largest = float(np.fmax.reduce(np.abs(difference), axis=None))
     for axes, values, label, colours, (least, most) in (
-        (panels[0], strain, field_label(run, "strain"), "viridis", ends),
+        (panels[0], strain, drawing.field_label(run, "strain"), "viridis", ends),
         (panels[1], difference, "lattice $-$ theory", "PuOr", (-largest, largest)),
     ):
         for place, ax in zip(places, axes, strict=True):
@@ -61,7 +51,7 @@ def strain_maps(figure: FigureBase, run: LabelledArrays) -> None:
             ax.set_title(f"$T={float(run['slow_time'].values[place]):.3g}$", loc="left")
             own = float(run["own"].values[place]) if "own" in run else np.nan
             if values is difference and np.isfinite(own):
-                ax.set_title(f"own error {error_text(own)}", loc="right", fontsize=7.0)
+                ax.set_title(f"own error {drawing.error_text(own)}", loc="right", fontsize=7.0)
         axes[0].set_ylabel("$m$")
         figure.colorbar(image, ax=list(axes), label=label)
     for ax in panels[-1]:
@@ -71,8 +61,8 @@ def strain_maps(figure: FigureBase, run: LabelledArrays) -> None:
 RATE_HEIGHT, RATES_ACROSS = 2.3, 2
 """Height of a row of panels of errors over eps, in inches, and most panels in a row."""
 
-TICKS_APART = 0.2
-"""Least distance of two printed values of eps, as a share of the axis's length."""
+MIN_TICK_DISTANCE = 0.2
+"""Least distance of two printed values of eps, as a fraction of the axis's length."""
 
 
 def rate_figure(panels: Mapping[float, Mapping[str, Sequence[ConvergencePoint]]]) -> Figure:
@@ -108,33 +98,28 @@ def _draw_errors(
 
 def _draw_power(ax: Axes, points: Sequence[ConvergencePoint], power: float) -> None:
     """Draw a line of slope ``power`` below all points, and ticks at round values of eps."""
-    ax.set_xscale("log")
-    ax.set_yscale("log")
+    ax.set(xscale="log", yscale="log")
     factor = 0.5 * min(point.error / point.eps**power for point in points)
     ends = np.array([min(p.eps for p in points), max(p.eps for p in points)])
     label = rf"$\propto\epsilon^{{{power:g}}}$"
     ax.plot(ends, factor * ends**power, color="black", linestyle=":", linewidth=1.0, label=label)
     ticks: list[float] = []
+    least_ratio = (ends[1] / ends[0]) ** MIN_TICK_DISTANCE
     for tick in (0.02, 0.05, 0.1, 0.2, 0.3, 0.5):
-        distance = (
-            math.inf if not ticks else math.log(tick / ticks[-1]) / math.log(ends[1] / ends[0])
-        )
-        if ends[0] <= tick <= ends[1] and distance > TICKS_APART:
+        is_apart = not ticks or tick / ticks[-1] > least_ratio
+        if ends[0] <= tick <= ends[1] and is_apart:
             ticks.append(tick)
     ax.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
     ax.set_xticks([], minor=True)
 
 
 def modulation_figure(grid: ModulationGrid, quadratic: Array) -> Figure:
-    """Return a figure of the growth rate over wavenumber and K3.
-
-    The region with p q < 0 is grey, with a black line at its boundary.
-    """
+    """Return a figure of the growth rate over wavenumber and K3; it is grey where p q < 0."""
     figure = Figure((0.8 * page_width(), 3.0), layout="constrained")
     ax = figure.subplots()
     unstable = grid.product > 0
     stable = np.where(unstable, np.nan, 1.0)
-    ax.pcolormesh(grid.k, quadratic, stable, cmap=ListedColormap([STABLE]), rasterized=True)
+    ax.pcolormesh(grid.k, quadratic, stable, cmap=ListedColormap([drawing.STABLE]), rasterized=True)
     growth = np.where(unstable, grid.growth_rate, np.nan)
     image = ax.pcolormesh(grid.k, quadratic, growth, vmin=0.0, rasterized=True)
     ax.contour(grid.k, quadratic, grid.product, [0.0], colors="black", linewidths=1.0)
@@ -144,8 +129,7 @@ def modulation_figure(grid: ModulationGrid, quadratic: Array) -> Figure:
     ):
         x, y = (float(np.mean(axis[inside])) for axis in (grid.k, quadratic))
         ax.text(x, y, text, color=colour, ha="center", va="center")
-    ax.set_xlabel("carrier wavenumber $k$")
-    ax.set_ylabel("$K_3$")
-    ax.set_xticks(*WAVENUMBER_TICKS)
+    ax.set(xlabel="carrier wavenumber $k$", ylabel="$K_3$")
+    ax.set_xticks(*drawing.WAVENUMBER_TICKS)
     figure.colorbar(image, ax=ax, label=r"growth rate in $T$ of $|A|=1$")
     return figure

@@ -35,47 +35,28 @@ class ErrorFigure:
     panels: tuple[tuple[str, tuple[tuple[str, str], ...]], ...]
 
 
-SNAPSHOT_FIGURES = (
-    SnapshotFigure(
-        "rational_2",
-        "Second-order solns comparison",
-        ("rational_2_eps_0.05", "rational_2_eps_0.075"),
-        120,
-    ),
-    SnapshotFigure(
-        "rational_3",
-        "Third-order solns comparison",
-        ("rational_3_eps_0.05", "rational_3_eps_0.075"),
-        120,
-    ),
-    SnapshotFigure("breather_sn", "dark-breather on dn-background", ("breather_sn_k_0.7",), 300),
-    SnapshotFigure(
-        "soliton_dn", "soliton solution on the dn-wave background", ("soliton_dn_k_0.7",), 300
-    ),
-    SnapshotFigure("rogue_cn", "rogue-wave on cn-background comparison", ("rogue_cn_k_0.5",), 300),
-)
+SNAPSHOT_FIGURES = tuple(
+    SnapshotFigure(name, label, tuple(scenes.split()), half_width)
+    for name, label, scenes, half_width in (
+        ("rational_2", "Second-order solns comparison",
+         "rational_2_eps_0.05 rational_2_eps_0.075", 120),
+        ("rational_3", "Third-order solns comparison",
+         "rational_3_eps_0.05 rational_3_eps_0.075", 120),
+        ("breather_sn", "dark-breather on dn-background", "breather_sn_k_0.7", 300),
+        ("soliton_dn", "soliton solution on the dn-wave background", "soliton_dn_k_0.7", 300),
+        ("rogue_cn", "rogue-wave on cn-background comparison", "rogue_cn_k_0.5", 300),
+    )
+)  # fmt: skip
 
+_RATIONAL_PANELS = tuple(
+    (title, tuple((f"$Y_{j}$", f"rational_{j}_eps_{eps}") for j in (2, 3)))
+    for title, eps in ((r"(A)  $\epsilon=0.05$", "0.05"), (r"(B)  $\epsilon=0.075$", "0.075"))
+)
+_BREATHER_CURVES = tuple((f"$k={k}$", f"breather_sn_k_{k}") for k in ("0.5", "0.6", "0.7"))
 ERROR_FIGURES = (
+    ErrorFigure("rational_errors", "L_inf loss plot", _RATIONAL_PANELS),
     ErrorFigure(
-        "rational_errors",
-        "L_inf loss plot",
-        tuple(
-            (
-                rf"({letter})  $\epsilon={eps}$",
-                tuple((f"$Y_{j}$", f"rational_{j}_eps_{eps}") for j in (2, 3)),
-            )
-            for letter, eps in (("A", "0.05"), ("B", "0.075"))
-        ),
-    ),
-    ErrorFigure(
-        "breather_errors",
-        "DB error plot",
-        (
-            (
-                r"dark breather, $\epsilon=0.05$",
-                tuple((f"$k={k}$", f"breather_sn_k_{k}") for k in ("0.5", "0.6", "0.7")),
-            ),
-        ),
+        "breather_errors", "DB error plot", ((r"dark breather, $\epsilon=0.05$", _BREATHER_CURVES),)
     ),
 )
 

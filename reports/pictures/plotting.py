@@ -17,38 +17,9 @@ import numpy as np
 
 from longwave.lattice.refine import Announce
 from longwave.lattice.trial import Progress
-from longwave.reports.pictures.bench_plotting import (
-    BALANCE,
-    cells_at_times,
-    energy_balance,
-    fluxes,
-    has_spectra,
-    mode_energies,
-    sensor_readings,
-    sensor_spectra,
-)
-from longwave.reports.pictures.drawing import (
-    MOST_SPECTRA,
-    crest_track,
-    error_panels,
-    even_places,
-    grid_shape,
-    snapshot_panels,
-    space_time_map,
-    spectrum_panels,
-)
+from longwave.reports.pictures import bench_plotting, drawing, run_data
 from longwave.reports.pictures.growth_plotting import sideband_sizes
 from longwave.reports.pictures.lattice_figures import strain_maps
-from longwave.reports.pictures.run_data import (
-    LEAST_LOOKS,
-    error_curves,
-    placed,
-    snapshots,
-    spectra,
-    with_looks,
-    with_own,
-    with_theory,
-)
 from longwave.reports.pictures.shown import ShownFigure
 from longwave.reports.pictures.style import WIDTHS, Part, page_width, save, styled
 from longwave.reports.pictures.sweep_kinds import SWEEP_PICTURES, Choice, is_sweep
@@ -71,23 +42,23 @@ if TYPE_CHECKING:
     import xarray as xr
 
 ALL, GROWTH = "all", "growth"
+"""Kinds of pictures: all that a run has, and the growth of sidebands."""
 
-ACROSS, MOST_PANELS = 3, 12
+MAX_COLUMNS, MAX_PANELS = 3, 12
 """Most snapshots side by side, and in all; of more, evenly spaced ones are drawn."""
 
-LETTERS = 12.9
-"""Letters of a title in an inch."""
+TITLE_CHARACTERS_AN_INCH = 12.9
+"""Characters of a title in an inch."""
 
-VISIBLE, LEAST_VISIBLE = 0.02, 20
-"""Share of the wave's largest deviation from its background that counts as visible, and the least
-half-width in sites."""
+VISIBLE_DEVIATION, MIN_HALF_WIDTH = 0.02, 20
+"""Visible deviation from the background over the largest one; least half-width in sites."""
 
-MOST = 270
+MAX_TITLE_CHARACTERS = 270
 """Most characters of a line in a figure's title."""
 
-LOOKS, LATTICE_LOOKS = 201, 101
-"""Number of times of map and crest track, if the scene states none; of a scene on any lattice,
-number of its snapshots."""
+MAP_TIMES, SNAPSHOT_TIMES = 201, 101
+"""Number of times of map and crest track if the scene states none; number of snapshots for the
+curves of a scene on any lattice."""
 
 Source = Labelled | Scene | str | Path
 """A run (a data set is one), or a scene or file to be run or read first."""
@@ -135,9 +106,9 @@ def plot(
     without the variables. Raises OSError if ``output`` cannot be written.
     """
     path = None if output is None else picture_path(output)
-    if kind not in (ALL, *PICTURES, *SWEEP_PICTURES):
-        known = one_of(kind, (ALL, *PICTURES, *SWEEP_PICTURES))
-        raise ValueError(f"kind must be a known one, got {kind!r} ({known})")
+    kinds = (ALL, *PICTURES, *SWEEP_PICTURES)
+    if kind not in kinds:
+        raise ValueError(f"kind must be a known one, got {kind!r} ({one_of(kind, kinds)})")
     if columns not in WIDTHS:
         raise ValueError(f"columns must be 1 or 2, got {shown(columns)} (of a journal)")
     content = read_source(source)
@@ -162,10 +133,9 @@ def _check_words(of_sweep: bool, kind: str, at: Choice, variable: str) -> None:
             "`longwave sweep` writes one)"
         )
     if of_sweep and kind in PICTURES:
-        raise ValueError(
-            f"kind must be {', '.join((ALL, *SWEEP_PICTURES))} for a sweep, got {kind!r} "
-            "(a cell's run has the others)"
-        )
+        kinds = ", ".join((ALL, *SWEEP_PICTURES))
+        got = f"{kind!r} (a cell's run has the others)"
+        raise ValueError(f"kind must be {kinds} for a sweep, got {got}")
 
 
 def _run(
@@ -174,26 +144,19 @@ def _run(
     """Run a scene with what the pictures need, and return the run's data.
 
     A scene with observables is run with those of the pictures. Another one is run at its own times,
-    and for curves over time also at `LATTICE_LOOKS` times between the first and the last.
+    and for curves over time also at `SNAPSHOT_TIMES` times between the first and the last.
     """
-    if scene.bench:
-        return record_scene(scene, progress, announce).arrays
-    if scene.has_moving_wave:
-        return record_scene(_for_pictures(scene, kind), progress, announce).arrays
+    if scene.has_moving_wave and not scene.bench:
+        scene = _for_pictures(scene, kind)
     field = "slow_times" if scene.slow_times else "snapshots"
-    times_of_scene: tuple[float, ...] = getattr(scene, field)
-    if not times_of_scene or kind in ("snapshots", "spectra"):
+    times: tuple[float, ...] = getattr(scene, field)
+    has_own_times = scene.bench or scene.has_moving_wave or kind in ("snapshots", "spectra")
+    if has_own_times or not times:
         return record_scene(scene, progress, announce).arrays
-    all_times = tuple(
-        sorted(
-            {
-                *times_of_scene,
-                *np.linspace(times_of_scene[0], times_of_scene[-1], LATTICE_LOOKS).tolist(),
-            }
-        )
-    )
-    data = record_scene(scene.changed(**{field: all_times}), progress, announce).arrays
-    return with_looks(placed(data)).isel(time=[all_times.index(t) for t in times_of_scene])
+    all_times = sorted({*times, *np.linspace(times[0], times[-1], SNAPSHOT_TIMES).tolist()})
+    data = record_scene(scene.changed(**{field: tuple(all_times)}), progress, announce).arrays
+    looked = run_data.with_looks(run_data.placed(data))
+    return looked.isel(time=[all_times.index(t) for t in times])
 
 
 def read_source(source: Source) -> Labelled | Scene:
@@ -226,20 +189,21 @@ def _for_pictures(scene: Scene, kind: str) -> Scene:
             f'kind must not be {GROWTH} for the scene of a wave, got it (wave = "perturbed_plane" '
             "has its growth measured)"
         )
-    observables = [
-        p.observable for name, p in PICTURES.items() if kind in (ALL, name) and p.observable
-    ]
+    chosen = (picture.observable for name, picture in PICTURES.items() if kind in (ALL, name))
+    observables = [name for name in chosen if name]
     if kind == ALL and "error_curve" not in scene.observables:
         observables.remove("error_curve")
     if "error_curve" in observables:
         observables += [name for name in MEASURED if name in scene.observables]
-    observables_once = tuple(dict.fromkeys(observables))
-    return replace(scene, observables=observables_once, look_points=scene.look_points or LOOKS)
+    distinct = tuple(dict.fromkeys(observables))
+    return replace(scene, observables=distinct, look_points=scene.look_points or MAP_TIMES)
 
 
 def _draw(run: Labelled, kind: str) -> ShownFigure:
     """Draw the pictures of that kind, one below the other, under the run's title."""
-    data = with_theory(with_looks(placed(run), LEAST_LOOKS if kind == ALL else 2))
+    data = run_data.with_theory(
+        run_data.with_looks(run_data.placed(run), run_data.MIN_MAP_TIMES if kind == ALL else 2)
+    )
     chosen_pictures = _pictures(data, kind)
     return _stacked(_title(data), [picture.part(data) for picture in chosen_pictures])
 
@@ -248,7 +212,8 @@ def _draw_sweep(data: Labelled, kind: str, at: Choice, variable: str) -> ShownFi
     """Draw the pictures of a sweep; the title includes the chosen values."""
     from longwave.reports.pictures.sweep_plotting import sweep_parts
 
-    choice = one_line(", ".join(f"{name} = {value}" for name, value in at.items()))[:MOST]
+    values = ", ".join(f"{name} = {value}" for name, value in at.items())
+    choice = one_line(values)[:MAX_TITLE_CHARACTERS]
     title = "\n".join(filter(None, (_title(data), choice)))
     sweep = cast("xr.Dataset", data)
     return _stacked(title, sweep_parts(sweep, None if kind == ALL else kind, at, variable))
@@ -257,9 +222,8 @@ def _draw_sweep(data: Labelled, kind: str, at: Choice, variable: str) -> ShownFi
 def _stacked(title: str, parts: Sequence[Part]) -> ShownFigure:
     """Return a figure with a title and the parts below it, one below the other."""
     heights = [part.height for part in parts]
-    title = "\n".join(
-        textwrap.fill(line, int(LETTERS * page_width())) for line in title.split("\n")
-    )
+    width = int(TITLE_CHARACTERS_AN_INCH * page_width())
+    title = "\n".join(textwrap.fill(line, width) for line in title.split("\n"))
     size = page_width(), sum(heights) + 0.25 * (1 + title.count("\n"))
     figure = ShownFigure(size, layout="constrained")
     figure.suptitle(title, parse_math=False, fontsize="medium")
@@ -270,10 +234,10 @@ def _stacked(title: str, parts: Sequence[Part]) -> ShownFigure:
 
 
 def _title(data: Labelled) -> str:
-    """Return the title, with a line for a run that ended early, each line cut to `MOST` letters."""
-    lines = [data.attrs.get("title", ""), data.attrs.get("blow_up"), data.attrs.get("unfinished")]
-    short = (textwrap.shorten(one_line(line), MOST, placeholder=" ...") for line in lines if line)
-    return "\n".join(short)
+    """Return the title, with a line for a run that ended early; long lines are cut."""
+    lines = filter(None, (data.attrs.get(key) for key in ("title", "blow_up", "unfinished")))
+    most, mark = MAX_TITLE_CHARACTERS, " ..."
+    return "\n".join(textwrap.shorten(one_line(line), most, placeholder=mark) for line in lines)
 
 
 def _pictures(data: LabelledArrays, kind: str) -> Sequence[Picture]:
@@ -281,44 +245,38 @@ def _pictures(data: LabelledArrays, kind: str) -> Sequence[Picture]:
     candidates = PICTURES.values() if kind == ALL else [PICTURES[kind]]
     drawable = [picture for picture in candidates if _has(data, picture)]
     if not drawable:
-        missing = ", ".join(
-            dict.fromkeys(name for picture in candidates for name in picture.variables)
-        )
+        needed = ", ".join(dict.fromkeys(name for p in candidates for name in p.variables))
         observables = ", ".join(dict.fromkeys(p.observable for p in candidates if p.observable))
-        names_of_data = (n for n in data if data[n].dims != (n,) and n != "offset")
-        names_in_run = ", ".join(names_of_data) or "nothing"
-        remedy = (
-            f"the scene must ask for {observables}"
-            if observables
-            else "a chain on a bench watches it"
-        )
-        raise ValueError(
-            f"source must hold what is drawn ({missing}), got {names_in_run} ({remedy})"
-        )
+        names = [name for name in data if data[name].dims != (name,) and name != "offset"]
+        remedy = f"the scene must ask for {observables}"
+        remedy = remedy if observables else "a chain on a bench watches it"
+        got = f"{', '.join(names) or 'nothing'} ({remedy})"
+        raise ValueError(f"source must hold what is drawn ({needed}), got {got}")
     return drawable
 
 
 def _has(data: LabelledArrays, picture: Picture) -> bool:
     """Return whether the run has the picture's variables, with finite numbers, and fits."""
-    has_numbers = all(
-        name in data and np.isfinite(data[name].values).any() for name in picture.variables
-    )
+    names = picture.variables
+    has_numbers = all(name in data and np.isfinite(data[name].values).any() for name in names)
     return has_numbers and picture.fits(data)
 
 
 def _snapshots(data: LabelledArrays) -> Part:
     """Return panels of lattice and wave on a chain, or maps of both on two axes."""
     if "row" in data.sizes:
-        return strain_maps(with_own(data))
-    indices = even_places(data.sizes["time"], MOST_PANELS)
-    panels = snapshots(data, shown_half_width(data), indices)
-    _, across = grid_shape(len(panels), ACROSS)
+        return strain_maps(run_data.with_own(data))
+    indices = drawing.even_indices(data.sizes["time"], MAX_PANELS)
+    panels = run_data.snapshots(data, shown_half_width(data), indices)
+    _, across = drawing.grid_shape(len(panels), MAX_COLUMNS)
     rows = [panels[i : i + across] for i in range(0, len(panels), across)]
-    return snapshot_panels(rows, of_one=True)
+    return drawing.snapshot_panels(rows, of_one=True)
 
 
 def _spectra(data: LabelledArrays) -> Part:
-    return spectrum_panels(spectra(data, even_places(data.sizes["time"], MOST_SPECTRA)))
+    return drawing.spectrum_panels(
+        run_data.spectra(data, drawing.even_indices(data.sizes["time"], drawing.MAX_SPECTRA))
+    )
 
 
 def shown_half_width(run: Labelled) -> int:
@@ -333,22 +291,22 @@ def shown_half_width(run: Labelled) -> int:
     deviation = np.abs(data["analytic"].values - data["background"].values)
     others = tuple(axis for axis, name in enumerate(data["analytic"].dims) if name != "site")
     deviation = np.nan_to_num(deviation, posinf=0.0).max(axis=others)
-    visible = sites[deviation > VISIBLE * deviation.max()]
-    return int(max(1.25 * visible.max(), LEAST_VISIBLE)) if visible.size else int(sites.max())
+    visible = sites[deviation > VISIBLE_DEVIATION * deviation.max()]
+    return int(max(1.25 * visible.max(), MIN_HALF_WIDTH)) if visible.size else int(sites.max())
 
 
 def _map(data: LabelledArrays) -> Part:
     """Return the space-time map, over the sites of the snapshots if the run has any."""
     half_width = shown_half_width(data) if _has(data, PICTURES["snapshots"]) else None
-    return space_time_map(data, half_width)
+    return drawing.space_time_map(data, half_width)
 
 
 def _errors(data: LabelledArrays) -> Part:
-    return error_panels({rf"$\epsilon={data.attrs['eps']:g}$": error_curves(data)})
+    return drawing.error_panels({rf"$\epsilon={data.attrs['eps']:g}$": run_data.error_curves(data)})
 
 
 def _sizes(data: LabelledArrays) -> Part:
-    return sideband_sizes(data, one_line(data.attrs.get("verdict", ""))[:MOST])
+    return sideband_sizes(data, one_line(data.attrs.get("verdict", ""))[:MAX_TITLE_CHARACTERS])
 
 
 PICTURES: Mapping[str, Picture] = {
@@ -356,13 +314,15 @@ PICTURES: Mapping[str, Picture] = {
     "space_time": Picture("space_time", ("space_time",), _map),
     "spectra": Picture("strain", ("strain", "analytic"), _spectra),
     "errors": Picture("error_curve", ("error_curve",), _errors),
-    "crest": Picture("crest_track", ("crest_position", "crest_strain"), crest_track),
-    "sensors": Picture("", ("sensor",), sensor_readings),
-    "transmission": Picture("", ("sensor",), sensor_spectra, has_spectra),
-    "balance": Picture("", BALANCE, energy_balance),
-    "flux": Picture("", ("flux", "transmitted"), fluxes),
-    "modes": Picture("", ("mode_energy",), mode_energies),
-    "cells": Picture("", ("displacement",), cells_at_times),
+    "crest": Picture("crest_track", ("crest_position", "crest_strain"), drawing.crest_track),
+    "sensors": Picture("", ("sensor",), bench_plotting.sensor_readings),
+    "transmission": Picture(
+        "", ("sensor",), bench_plotting.sensor_spectra, bench_plotting.has_spectra
+    ),
+    "balance": Picture("", bench_plotting.BALANCE, bench_plotting.energy_balance),
+    "flux": Picture("", ("flux", "transmitted"), bench_plotting.fluxes),
+    "modes": Picture("", ("mode_energy",), bench_plotting.mode_energies),
+    "cells": Picture("", ("displacement",), bench_plotting.cells_at_times),
     GROWTH: Picture("", ("sideband_size", "sideband_theory", "slow_time"), _sizes),
 }
 """The kinds of pictures, in the order in which they are drawn."""
@@ -373,10 +333,8 @@ def changed_source(source: str, changes: Mapping[str, Any]) -> str | Scene:
     if not changes:
         return source
     if names_a_run(source):
-        raise ValueError(
-            f"--set must not be given with the file of a run, got {source} (it was run as it is; "
-            "name its scene)"
-        )
+        got = f"{source} (it was run as it is; name its scene)"
+        raise ValueError(f"--set must not be given with the file of a run, got {got}")
     from longwave.runs.sweep_scene import changed_scene
 
     return changed_scene(source, changes)

@@ -17,19 +17,15 @@ from longwave.runs import scene_of_run
 from longwave.runs.own_error import own_error_at, scaled_own_error
 from longwave.scenes.observed.observables import amplitudes, cell_width, extremum
 from longwave.scenes.starts.moving_wave import moving_wave
-from longwave.support.labelled_arrays import (
-    Labelled,
-    LabelledArray,
-    LabelledArrays,
-)
+from longwave.support.labelled_arrays import Labelled, LabelledArray, LabelledArrays
 from longwave.support.user_files import shown
 
 Array = NDArray[np.float64]
 
-LEAST_LOOKS = 8
+MIN_MAP_TIMES = 8
 """Fewest snapshots for which a map or a curve over time is drawn."""
 
-CARRIED = 8
+MIN_CARRIER_CELL = 8
 """Fewest sites in a cell of an envelope's map: at least a few carrier waves, unless very long."""
 
 LARGEST_POWER = 20
@@ -81,13 +77,11 @@ def snapshots(
     The sites are up to ``half_width`` to either side of it. Each snapshot has the run's ``own``
     error, NaN where it was not measured, and that of a carrier the variables of `with_envelope`.
     """
-    placed_run = LabelledArrays.of(run)
-    placed_run = with_envelope(
-        with_own(placed_run if "offset" in placed_run else placed(placed_run))
-    )
-    nearby = within(placed_run, half_width)
+    data = LabelledArrays.of(run)
+    data = with_envelope(with_own(data if "offset" in data else placed(data)))
+    nearby = within(data, half_width)
     indices = range(nearby.sizes["time"]) if places is None else places
-    return [nearby.isel(time=place) for place in indices]
+    return [nearby.isel(time=index) for index in indices]
 
 
 def within(run: LabelledArrays, half_width: int) -> LabelledArrays:
@@ -97,34 +91,19 @@ def within(run: LabelledArrays, half_width: int) -> LabelledArrays:
 
 SNAPSHOT, TIME, LOOK, CURVE = ("time", "site"), ("time",), ("look_time",), ("curve_time",)
 
+_TIMED = ("error", "sup_error", "slow_time", "sideband_size", "sideband_theory")
 DIMENSIONS: Mapping[str, tuple[str, ...]] = {
-    "strain": SNAPSHOT,
-    "analytic": SNAPSHOT,
-    "background": SNAPSHOT,
-    "n": SNAPSHOT,
-    "error": TIME,
-    "sup_error": TIME,
-    "slow_time": TIME,
-    "sideband_size": TIME,
-    "sideband_theory": TIME,
-    "time_step_error": TIME,
-    "domain_error": TIME,
-    "error_curve": CURVE,
-    "error_curve_far_field": CURVE,
-    "own": CURVE,
+    **dict.fromkeys(("strain", "analytic", "background", "n"), SNAPSHOT),
+    **dict.fromkeys((*_TIMED, "time_step_error", "domain_error"), TIME),
+    **dict.fromkeys(("error_curve", "error_curve_far_field", "own"), CURVE),
     "space_time": ("look_time", "map_site"),
-    "crest_position": LOOK,
-    "crest_strain": LOOK,
-    "crest_law": LOOK,
+    **dict.fromkeys(("crest_position", "crest_strain", "crest_law"), LOOK),
 }
 """Dimensions of the variables that pictures use; strains may also have the dimension ``row``."""
 
 
 def check_run(data: Labelled) -> None:
-    """Raise ValueError if a data set, which any file may hold, has not the form of a run's.
-
-    Only variables of `DIMENSIONS` are checked; a missing one is no error.
-    """
+    """Raise ValueError if a variable of `DIMENSIONS` in a data set has not the form of a run's."""
     used = {name: data.variables[name] for name in DIMENSIONS if name in data.variables}
     for name, variable in used.items():
         dims = tuple(dim for dim in variable.dims if dim != "row" or name == "n")
@@ -156,10 +135,7 @@ def own_error(data: LabelledArrays) -> Array | None:
 
 
 def with_own(data: LabelledArrays) -> LabelledArrays:
-    """Return a placed run with its `own_error` at each snapshot as the variable ``own``.
-
-    It is NaN where the run has none.
-    """
+    """Return a placed run with its `own_error` at each snapshot as ``own``, NaN if it has none."""
     own = own_error(data)
     values = np.full(data.sizes["time"], np.nan) if own is None else own
     return data.assign(own=LabelledArray(TIME, values))
@@ -172,12 +148,12 @@ def with_envelope(data: LabelledArrays) -> LabelledArrays:
     """
     if not data.attrs["carried"] or "row" in data.sizes:
         return data
-    strains = {f"{name}_envelope": data[name].values for name in ("strain", "analytic")}
-    rows = {name: [envelope(row) for row in values] for name, values in strains.items()}
-    envelopes = {name: np.array(row).reshape(strains[name].shape) for name, row in rows.items()}
-    return data.assign(
-        **{name: LabelledArray(SNAPSHOT, values) for name, values in envelopes.items()}
-    )
+    envelopes = {}
+    for name in ("strain", "analytic"):
+        values = data[name].values
+        rows = np.array([envelope(row) for row in values]).reshape(values.shape)
+        envelopes[f"{name}_envelope"] = LabelledArray(SNAPSHOT, rows)
+    return data.assign(**envelopes)
 
 
 def envelope(strain: Array) -> Array:
@@ -195,26 +171,29 @@ def envelope(strain: Array) -> Array:
     """
     count = strain.size
     ends = np.minimum(np.arange(count) + 0.5, count - np.arange(count) - 0.5)
-    taper = np.sin(np.pi / 2 * np.minimum(1.0, ends / (ENDS * count))) ** 2
+    taper = np.sin(np.pi / 2 * np.minimum(1.0, ends / (TAPERED_FRACTION * count))) ** 2
     spectrum = np.fft.fft(taper * np.nan_to_num(strain, posinf=0.0, neginf=0.0))
     wavenumber = 2.0 * np.pi * np.fft.fftfreq(count)
     carrier = abs(float(wavenumber[np.argmax(np.abs(spectrum))]))
     distance, sides = min(carrier, np.pi - carrier), 2.0
     if np.pi - carrier < 4.0 * np.pi / count:
         wavenumber, carrier, distance, sides = np.abs(wavenumber), np.pi, np.pi / 2, 1.0
-    if count < LEAST_CARRIED or distance < LEAST_APART:
+    if count < MIN_ENVELOPE_SITES or distance < MIN_CARRIER_DISTANCE:
         return np.full(count, np.nan)
-    spectrum[np.abs(wavenumber - carrier) > BAND * distance] = 0.0
+    spectrum[np.abs(wavenumber - carrier) > BAND_WIDTH * distance] = 0.0
     with np.errstate(all="ignore"):
-        return np.where(taper > BAND, sides * np.abs(np.fft.ifft(spectrum)) / taper, np.nan)
+        return np.where(taper > MIN_TAPER, sides * np.abs(np.fft.ifft(spectrum)) / taper, np.nan)
 
 
-ENDS, BAND = 0.125, 0.7
-"""Share of the sites next to each end over which a strain is tapered to zero; width of the filter's
-band, as a share of the distance between the carrier and 0 or pi."""
+TAPERED_FRACTION, MIN_TAPER = 0.125, 0.7
+"""Fraction of the sites next to each end over which a strain is tapered to zero, and the value of
+the taper above which the envelope is known."""
 
-LEAST_CARRIED, LEAST_APART = 48, 0.3
-"""Fewest sites of an envelope, and least distance of its carrier from 0 and pi."""
+BAND_WIDTH = 0.7
+"""Half-width of the filter's band, over the distance between the carrier and 0 or pi."""
+
+MIN_ENVELOPE_SITES, MIN_CARRIER_DISTANCE = 48, 0.3
+"""Fewest sites of an envelope, and least distance of its carrier from 0 and pi, per site."""
 
 
 def spectra(data: LabelledArrays, places: Sequence[int]) -> LabelledArrays:
@@ -271,17 +250,16 @@ def _own(data: LabelledArrays, name: str) -> Array:
     return np.array([own_error_at(data, scene, name, i) for i in range(data[name].size)])
 
 
-def with_looks(data: LabelledArrays, least: int = LEAST_LOOKS) -> LabelledArrays:
+def with_looks(data: LabelledArrays, least: int = MIN_MAP_TIMES) -> LabelledArrays:
     """Return a placed run with map, crest and errors from its snapshots.
 
     A run with fewer than ``least`` snapshots, or with a map, is returned as it is. On two axes map
     and crest are those of the row nearest to the middle. For a carrier they are those of its
-    `envelope`; without one, the map has the largest moduli in cells of `CARRIED` sites or more.
+    `envelope`; without one, the map has the largest moduli in cells of some carrier waves.
     """
-    needed = {"strain", "background", "n", "error", "sup_error"} <= set(data.variables)
-    if not needed or data.sizes.get("time", 0) < least or "space_time" in data:
-        return data
-    if not data.sizes.get("site", 0):
+    has_snapshots = {"strain", "background", "n", "error", "sup_error"} <= set(data.variables)
+    is_long = data.sizes.get("time", 0) >= least and data.sizes.get("site", 0)
+    if not has_snapshots or not is_long or "space_time" in data:
         return data
     line, speed, carried = _middle_row(data), data.attrs["speed"], data.attrs["carried"]
     names = ("strain", "analytic", "background", "n")
@@ -296,7 +274,7 @@ def with_looks(data: LabelledArrays, least: int = LEAST_LOOKS) -> LabelledArrays
         if np.isfinite(wide).any():
             strain, analytic = wide, waves
         else:
-            strain, analytic, least_width = np.abs(strain), np.abs(analytic), CARRIED
+            strain, analytic, least_width = np.abs(strain), np.abs(analytic), MIN_CARRIER_CELL
     times = data["time"].values
     width = max(cell_width((strain.shape[1] - 1) // 2), least_width)
     starts = np.arange(0, strain.shape[1], width)
@@ -351,10 +329,8 @@ def with_theory(data: LabelledArrays) -> LabelledArrays:
     rows = zip(sites, times, strict=True)
     strain = np.array([scene.eps * moving.wave.value_at(at, t, scene.eps) for at, t in rows])
     position, top = _crests(strain, np.full_like(strain, moving.level), sites)
-    waves_crest = {"crest_position_wave": position - distance, "crest_strain_wave": top}
-    return data.assign(
-        **{name: LabelledArray(LOOK, values) for name, values in waves_crest.items()}
-    )
+    crest = {"crest_position_wave": position - distance, "crest_strain_wave": top}
+    return data.assign(**{name: LabelledArray(LOOK, values) for name, values in crest.items()})
 
 
 def _crests(strain: Array, background: Array, sites: Array) -> tuple[Array, Array]:

@@ -33,14 +33,8 @@ LATTICE, WAVE, OWN = "#56B4E9", "#D55E00", "#E69F00"
 NUMERICAL: dict[str, Any] = {"color": LATTICE, "linestyle": "-", "linewidth": 2.6}
 """Look of the lattice's strain: a broad line, which remains visible under a thin one."""
 
-BEADS: dict[str, Any] = {
-    "color": LATTICE,
-    "linestyle": "",
-    "marker": "o",
-    "markersize": 3.6,
-    "markeredgewidth": 0.5,
-    "markeredgecolor": "#0072B2",
-}
+BEADS: dict[str, Any] = {"color": LATTICE, "linestyle": "", "marker": "o", "markersize": 3.6}
+BEADS |= {"markeredgewidth": 0.5, "markeredgecolor": "#0072B2"}
 """Look of the lattice's strain where single values can be distinguished: each is a bead."""
 
 ANALYTICAL: dict[str, Any] = {"color": WAVE, "linestyle": "-", "linewidth": 0.9}
@@ -141,10 +135,8 @@ def part(
 
 
 def _leave_out_spines(figure: FigureBase) -> None:
-    """Exclude spines from the layout computation, which takes a sixth less time without them.
-
-    The spines lie within the axes, as ticks point inwards.
-    """
+    """Exclude spines from the layout computation, which takes a sixth less time without them. The
+    spines lie within the axes, as ticks point inwards."""
     for ax in cast(Figure, figure).axes:  # a SubFigure has axes, too
         for side in _SIDES & ax.spines.keys():
             ax.spines[side].set_in_layout(False)
@@ -212,8 +204,7 @@ def _write(figure: Figure, path: Path) -> None:
         return
     figure.savefig(path, metadata={_CHANGING[suffix]: None})
     if suffix == ".svg":
-        text = path.read_text(encoding="utf-8")
-        text = text.replace("'STIXGeneral'", _FAMILIES)
+        text = path.read_text(encoding="utf-8").replace("'STIXGeneral'", _FAMILIES)
         path.write_text(_with_numbered_clips(text), encoding="utf-8")
 
 
@@ -247,10 +238,8 @@ def _as_mathematics(found: re.Match[str]) -> str:
 
 
 def _with_numbered_clips(text: str) -> str:
-    """Return an SVG's text with numbered clipping paths.
-
-    Matplotlib names them after the last bits of a layout, which differ between drawings.
-    """
+    """Return an SVG's text with numbered clipping paths. Matplotlib names them after the last bits
+    of a layout, which differ between drawings."""
     for index, name in enumerate(re.findall(r'<clipPath id="(p[0-9a-f]{10})">', text)):
         text = text.replace(name, f"clip{index}")
     return text

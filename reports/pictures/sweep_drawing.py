@@ -23,44 +23,38 @@ from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
 
 from longwave.reports.latex import greek
-from longwave.reports.pictures.drawing import (
-    CHEAPEST,
-    cheapest_places,
-    draw_grid,
-    grid_shape,
-    panel_grid,
-    time_edges,
-)
+from longwave.reports.pictures import drawing
 from longwave.reports.pictures.style import CURVES, part
 
 Array = NDArray[np.float64]
 Cells = NDArray[np.bool_]
 
-HEAT_ACROSS = 3
+MAX_HEAT_COLUMNS = 3
 """Most heat maps side by side."""
 
-WIDE = 30.0
+LOG_SCALE_RATIO = 30.0
 """Ratio of the largest to the smallest positive value from which scales are logarithmic."""
 
-EMPTY = "#d9d9d9"
+EMPTY_COLOUR = "#d9d9d9"
 """Colour of a cell without a value."""
 
 LARGE_ERROR, HATCH = 0.1, "////"
-"""Own error, as a share of the value, above which a heat map's cell is hatched, and the hatch."""
+"""Own error over the value above which a heat map's cell is hatched, and the hatch."""
 
-DARK = 0.6
-"""Share of the colour range below which colours are dark; hatches are white there, else black."""
+DARK_FRACTION = 0.6
+"""Fraction of the colour range that is dark; hatches are white there, else black."""
 
-OFFSET = 0.1
+CURVE_OFFSET = 0.1
 """Distance between the points of different curves at the same text, in units of the axis."""
 
 ROW_HEIGHT = 0.04
-"""Height of a row of crosses, as a share of the axes' height."""
+"""Height of a row of crosses, as a fraction of the axes' height."""
 
 NO_RESULT = "\N{MULTIPLICATION SIGN}: no result"
 """Explanation of the crosses at the lower edge of curves."""
 
 OF_ESTIMATE, OF_WAVE = "estimated", "relative to the wave"
+"""Labels of estimated errors, and of errors against the wave."""
 
 LETTER = re.compile(r"\\[a-z]+|[A-Za-z](_?[0-9A-Za-z])?")
 """Pattern of names that are one letter (Greek ones as LaTeX commands), with or without an index."""
@@ -72,8 +66,8 @@ in a legend above a picture, and of one there in two columns."""
 CUT = "..."
 """Replacement of the middle of a text that is too long."""
 
-MOST_TICKS = 6
-"""Most ticks of a logarithmic axis; they stand at some of its values."""
+MAX_TICKS = 6
+"""Most ticks of a logarithmic axis, at some of its values."""
 
 
 @dataclass(frozen=True)
@@ -116,8 +110,8 @@ class SweptAxis:
     def edges(self) -> Array:
         """Edges half way between the positions, which must be sorted."""
         if self.is_logarithmic:
-            return np.exp(time_edges(np.log(self.places)))
-        return time_edges(self.places)
+            return np.exp(drawing.time_edges(np.log(self.places)))
+        return drawing.time_edges(self.places)
 
     def set_on(self, ax: Axes, letter: str, labelled: bool = True) -> None:
         """Set label and ticks of the x or y axis; texts and log axes have ticks at the values."""
@@ -131,7 +125,7 @@ class SweptAxis:
             set_ticks(self.places, texts, parse_math=False, rotation=30 if letter == "x" else 0)
         elif self.is_logarithmic:
             getattr(ax, f"set_{letter}scale")("log")
-            ticks = self.places[:: -(-len(self.places) // MOST_TICKS)]
+            ticks = self.places[:: -(-len(self.places) // MAX_TICKS)]
             set_ticks(ticks, [f"{v:.0f}" if 1e3 <= v < 1e7 else f"{v:.3g}" for v in ticks])
             set_ticks([], minor=True)
 
@@ -158,15 +152,13 @@ def swept_curves(
         look: dict[str, Any] = CURVES[number % len(CURVES)] | {"markersize": 4.0}
         if axis.is_text or not joined:
             look["linestyle"] = ""
-        aside = OFFSET * (number - (len(curves) - 1) / 2) if axis.is_text else 0.0
-        places, known = axis.places + aside, np.isfinite(curve["value"].values)
+        offset = CURVE_OFFSET * (number - (len(curves) - 1) / 2) if axis.is_text else 0.0
+        places, known = axis.places + offset, np.isfinite(curve["value"].values)
         crosses = places[curve["faulty"].values & ~known]
         if crosses.size:
-            heights, transform = (
-                np.full(crosses.size, ROW_HEIGHT * (rows + 0.5)),
-                ax.get_xaxis_transform(),
-            )
-            cross = {"color": look["color"], "markersize": 5.0, "transform": transform}
+            heights = np.full(crosses.size, ROW_HEIGHT * (rows + 0.5))
+            cross: dict[str, Any] = {"color": look["color"], "markersize": 5.0}
+            cross["transform"] = ax.get_xaxis_transform()
             handles[label] = ax.plot(crosses, heights, "x", **cross)[0]
             rows += 1
         if known.any():
@@ -179,12 +171,10 @@ def swept_curves(
     axis.set_on(ax, "x")
     ax.set_ylabel(curve.attrs["label"])
     ax.set_title("; ".join(filter(None, (caption, NO_RESULT if rows else ""))), loc="left")
-    draw_grid(ax)
+    drawing.draw_grid(ax)
     if len(curves) > 1:
-        legend = ax.legend(
-            handles.values(), handles.keys(), loc="center left", bbox_to_anchor=(1.0, 0.5)
-        )
-        _plain_legend(legend, LONGEST_BESIDE)
+        beside: dict[str, Any] = {"loc": "center left", "bbox_to_anchor": (1.0, 0.5)}
+        _plain_legend(ax.legend(handles.values(), handles.keys(), **beside), LONGEST_BESIDE)
 
 
 def _draw_curve(
@@ -208,16 +198,18 @@ def _draw_curve(
 def _leave_room(ax: Axes, rows: int) -> None:
     """Extend the y axis downwards, in grey, by that many rows of crosses."""
     if rows:
-        share, scale = ROW_HEIGHT * rows, ax.yaxis.get_transform()
+        height, scale = ROW_HEIGHT * rows, ax.yaxis.get_transform()
         low, high = scale.transform(np.array(ax.get_ylim()))
-        ends = np.array([low - share / (1.0 - share) * (high - low), low])
+        ends = np.array([low - height / (1.0 - height) * (high - low), low])
         bottom, top = scale.inverted().transform(ends).tolist()
         ax.set_ylim(bottom=bottom)
-        ax.axhspan(bottom, top, color=EMPTY, linewidth=0.0, zorder=0.0)
+        ax.axhspan(bottom, top, color=EMPTY_COLOUR, linewidth=0.0, zorder=0.0)
 
 
 def _maps_height(axes: Mapping[str, SweptAxis], maps: Mapping[str, xr.Dataset]) -> float:
-    return 2.7 * grid_shape(len(maps), HEAT_ACROSS)[0] + (0.6 if len(maps) == 1 else 0.0)
+    return 2.7 * drawing.grid_shape(len(maps), MAX_HEAT_COLUMNS)[0] + (
+        0.6 if len(maps) == 1 else 0.0
+    )
 
 
 @part(_maps_height)
@@ -229,24 +221,22 @@ def heat_maps(
     A map has the ``value`` of each cell, NaN if it has none, its ``own`` error, NaN if that is not
     known, and is ``faulty`` in cells that were run without a result.
     """
-    grid, free = panel_grid(figure, len(maps), "", "", HEAT_ACROSS)
+    grid, free = drawing.panel_grid(figure, len(maps), "", "", MAX_HEAT_COLUMNS)
     norm = _colours(np.concatenate([cells["value"].values.ravel() for cells in maps.values()]))
-    (x, y), across = (
-        (axis.in_order for axis in axes.values()),
-        grid_shape(len(maps), HEAT_ACROSS)[1],
-    )
+    x, y = (axis.in_order for axis in axes.values())
+    _, across = drawing.grid_shape(len(maps), MAX_HEAT_COLUMNS)
     orders = {name: axis.order for name, axis in axes.items()}
     has_unsure = []
     for place, (ax, (title, cells)) in enumerate(zip(grid, maps.items(), strict=True)):
         cells = cells.isel(orders).transpose(*reversed(list(axes)))
         values, own = cells["value"].values, np.nan_to_num(cells["own"].values)
         unsure = np.isfinite(values) & (own > LARGE_ERROR * np.abs(np.nan_to_num(values)))
-        ax.set_facecolor(EMPTY)
+        ax.set_facecolor(EMPTY_COLOUR)
         masked = np.ma.masked_invalid(values)
         mesh = ax.pcolormesh(x.edges, y.edges, masked, cmap="viridis", norm=norm, rasterized=True)
         rows, columns = np.nonzero(cells["faulty"].values)
         ax.plot(x.places[columns], y.places[rows], "x", color="black", markersize=4.0)
-        dark = np.asarray(norm(masked) < DARK)
+        dark = np.asarray(norm(masked) < DARK_FRACTION)
         _hatch(ax, x.edges, y.edges, unsure & dark, "white")
         _hatch(ax, x.edges, y.edges, unsure & ~dark, "black")
         ax.set_title(_short(title, LONGEST_BESIDE), loc="left", parse_math=False)
@@ -311,24 +301,19 @@ def work_precision(
         if high < 10.0 * low:  # no power of ten may be among them
             ticks = np.geomspace(low, high, 5)[1::2]
             ax.set_xticks(ticks, [f"{tick:.3g}" for tick in ticks])
-        draw_grid(ax)
+        drawing.draw_grid(ax)
     panels[0].set_ylabel("error")
     handles, labels = panels[0].get_legend_handles_labels()
-    columns = {
-        "ncols": _work_columns(curves),
-        "title": CHEAPEST.format("runs"),
-        "title_fontsize": 8.0,
-    }
-    above = figure.legend(handles, labels, loc="outside upper center", **columns)
+    options: dict[str, Any] = {"ncols": _work_columns(curves), "title_fontsize": 8.0}
+    options["title"] = drawing.CHEAPEST_TITLE.format("runs")
+    above = figure.legend(handles, labels, loc="outside upper center", **options)
     _plain_legend(above, LONGEST_ABOVE)
 
 
 def _draw_work(ax: Axes, along: str, name: str, curve: xr.Dataset, look: dict[str, Any]) -> None:
-    work, own = (np.atleast_1d(curve[part]) for part in (along, "own"))
-    estimated, values = (
-        np.where(errors > 0.0, errors, np.nan)
-        for errors in (np.atleast_1d(curve[part]) for part in ("estimated", "achieved"))
-    )
+    work, own = (np.atleast_1d(curve[key]) for key in (along, "own"))
+    errors = (np.atleast_1d(curve[key]) for key in ("estimated", "achieved"))
+    estimated, values = (np.where(error > 0.0, error, np.nan) for error in errors)
     achieved = look | {"markerfacecolor": "none"}
     if np.isfinite(curve["estimated"]).any():
         _join_cheapest(ax, work, estimated, look, f"{name}{OF_ESTIMATE}")
@@ -342,7 +327,7 @@ def _draw_work(ax: Axes, along: str, name: str, curve: xr.Dataset, look: dict[st
 def _join_cheapest(ax: Axes, work: Array, errors: Array, look: dict[str, Any], label: str) -> None:
     """Draw all points, and a line through those that no other point beats in work and error."""
     ax.loglog(work, errors, label=label, **look | {"linestyle": ""})
-    cheapest = cheapest_places(work, errors)
+    cheapest = drawing.cheapest_indices(work, errors)
     ax.loglog(work[cheapest], errors[cheapest], **look | {"marker": ""})
 
 
@@ -363,7 +348,7 @@ def _short(text: str, longest: int) -> str:
 
 def _is_wide(values: Array) -> bool:
     known = values[np.isfinite(values)]
-    return known.size > 1 and known.min() > 0.0 and known.max() >= WIDE * known.min()
+    return known.size > 1 and known.min() > 0.0 and known.max() >= LOG_SCALE_RATIO * known.min()
 
 
 def _colours(values: Array) -> Normalize:

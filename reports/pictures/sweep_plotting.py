@@ -15,14 +15,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from longwave.reports.pictures import sweep_drawing
 from longwave.reports.pictures.growth_plotting import growth_map, growth_panels
 from longwave.reports.pictures.style import Part
-from longwave.reports.pictures.sweep_drawing import (
-    SweptAxis,
-    heat_maps,
-    swept_curves,
-    work_precision,
-)
 from longwave.reports.pictures.sweep_kinds import GROWTH_MAP, VALUES, WORK_PRECISION, Choice
 from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
@@ -33,13 +28,13 @@ SAMPLE = "sample"
 REALISATION = "disorder.seed"
 """Field whose values are realisations of the same disorder."""
 
-MOST_CURVES, MOST_MAPS = 8, 12
+MAX_CURVES, MAX_MAPS = 8, 12
 """Most curves in a picture, as many as colours distinguish, and most heat maps on a page."""
 
-LONGEST_LABEL = 50
-"""Most characters of a long name as an axis label; for a longer one the variable's name stands."""
+MAX_LABEL_CHARACTERS = 50
+"""Most characters of a long name as an axis label; the variable's name replaces longer ones."""
 
-MOST_LISTED = 20
+MAX_LISTED_VALUES = 20
 """Most values that an error message lists."""
 
 FIELD_NAMES = {"scheme.name": "scheme", "domain.kind": "domain", "disorder.of": "disorder of"}
@@ -70,10 +65,10 @@ def sweep_parts(data: xr.Dataset, kind: str | None, at: Choice, variable: str) -
     if kind == WORK_PRECISION:
         return [work_part(data)]
     if kind == GROWTH_MAP:
-        return [growth_map(growth_panels(data, MOST_CURVES))]
+        return [growth_map(growth_panels(data, MAX_CURVES))]
     if "growth_rate" in data and variable == "error":
         with suppress(ValueError):
-            return [growth_map(growth_panels(data, MOST_CURVES))]
+            return [growth_map(growth_panels(data, MAX_CURVES))]
     variables = [name for name in PULSE if name in data and variable == "error"] + [variable]
     parts = [] if data["status"].ndim == 0 else [values_part(data, name) for name in variables]
     if work_dimension(data) is not None:
@@ -94,21 +89,20 @@ def chosen(data: xr.Dataset, at: Choice) -> xr.Dataset:
                 f"at must name a swept field, got {shown(name)} ({one_of(name, known)})"
             )
         column = data[name]
-        data = data.isel({column.dims[0]: _places(name, column.values, value)})
+        data = data.isel({column.dims[0]: _matching(name, column.values, value)})
     return data.squeeze()
 
 
-def _places(name: str, values: NDArray[Any], value: str | float) -> list[int]:
+def _matching(name: str, values: NDArray[Any], value: str | float) -> list[int]:
     """Return the indices of the values equal to ``value``, or else of those printed as it is."""
     for as_text in (str, _text):
-        places = [place for place, entry in enumerate(values) if _same(entry, value, as_text)]
-        matching = list(dict.fromkeys(str(values[place]) for place in places))
-        if len(matching) > 1 and as_text is _text:
-            raise ValueError(
-                f"{name} must match one value, got {shown(value)} (one of {_listed(matching)})"
-            )
-        if places:
-            return places
+        indices = [index for index, entry in enumerate(values) if _same(entry, value, as_text)]
+        matches = list(dict.fromkeys(str(values[index]) for index in indices))
+        if len(matches) > 1 and as_text is _text:
+            got = f"{shown(value)} (one of {_listed(matches)})"
+            raise ValueError(f"{name} must match one value, got {got}")
+        if indices:
+            return indices
     known = _listed(list(dict.fromkeys(map(_text, values))))
     raise ValueError(f"{name} must be one of its values, got {shown(value)} (one of {known})")
 
@@ -121,7 +115,7 @@ def _same(entry: object, value: str | float, as_text: Callable[[object], str]) -
 
 
 def _listed(texts: Sequence[str]) -> str:
-    return ", ".join(texts[:MOST_LISTED]) + (", ..." if len(texts) > MOST_LISTED else "")
+    return ", ".join([*texts[:MAX_LISTED_VALUES], *["..."] * (len(texts) > MAX_LISTED_VALUES)])
 
 
 def _text(value: object) -> str:
@@ -147,11 +141,11 @@ def values_part(data: xr.Dataset, variable: str) -> Part:
     if len(plotted) in (2, 3) and not repeats:
         return _maps(data, cells)
     sizes = ", ".join(f"{data.sizes[name]} {name}" for name in dims)
-    condition = (
-        f"repeats must be over one or two dimensions, one of at most {MOST_CURVES} values"
-        if repeats
-        else "a picture must be of one to three dimensions"
-    )
+    condition = "a picture must be of one to three dimensions"
+    if repeats:
+        condition = (
+            f"repeats must be over one or two dimensions, one of at most {MAX_CURVES} values"
+        )
     raise ValueError(f"{condition}, got {sizes} (choose with --at NAME=VALUE)")
 
 
@@ -173,17 +167,13 @@ def _numbers(data: xr.Dataset, variable: str, needed: bool = True) -> xr.DataArr
     dims = data["status"].dims
     known = [str(n) for n in data if data[n].dtype.kind in "fiu" and data[n].dims == dims]
     if variable not in known:
-        raise ValueError(
-            f"variable must be a number of each cell, got {shown(variable)} "
-            f"({one_of(variable, known)})"
-        )
+        got = f"{shown(variable)} ({one_of(variable, known)})"
+        raise ValueError(f"variable must be a number of each cell, got {got}")
     values = data[variable].astype(float)
     values = values.where(data["status"].isin(ENDED) & np.isfinite(values))
     if needed and not values.notnull().any():
-        raise ValueError(
-            f"{variable} must be a number in some cell, got none in {values.size} cells "
-            "(see their status and message)"
-        )
+        got = f"none in {values.size} cells (see their status and message)"
+        raise ValueError(f"{variable} must be a number in some cell, got {got}")
     return values
 
 
@@ -194,7 +184,7 @@ def _own_error(data: xr.Dataset, values: xr.DataArray) -> xr.DataArray:
 
 def _label(name: str, attrs: Mapping[str, Any]) -> str:
     long_name, units = attrs.get("long_name", ""), attrs.get("units", "1")
-    text = long_name if 0 < len(long_name) <= LONGEST_LABEL else name.replace("_", " ")
+    text = long_name if 0 < len(long_name) <= MAX_LABEL_CHARACTERS else name.replace("_", " ")
     return text if units in ("1", "") else f"{text}  ({units})"
 
 
@@ -213,10 +203,10 @@ def _families(data: xr.Dataset, drawn: Sequence[str], repeated: bool) -> list[st
     families = [name for name in drawn if axis_of(data, name).is_text]
     if repeated and not families:
         families = sorted(drawn, key=lambda name: data.sizes[name])
-    return families[:1] if families and data.sizes[families[0]] <= MOST_CURVES else []
+    return families[:1] if families and data.sizes[families[0]] <= MAX_CURVES else []
 
 
-def axis_of(data: xr.Dataset, name: str) -> SweptAxis:
+def axis_of(data: xr.Dataset, name: str) -> sweep_drawing.SweptAxis:
     """Return a dimension as an axis: by its field, or by one with different values in all cells."""
     fields = [data[name]] if name in data.coords else []
     fields += [data[c] for c in data.coords if data[c].dims == (name,) and c != name]
@@ -225,11 +215,13 @@ def axis_of(data: xr.Dataset, name: str) -> SweptAxis:
         if len({str(entry) for entry in values}) == values.size:
             name_on_axis = FIELD_NAMES.get(field.attrs.get("field", ""), str(field.name))
             numbers = values.dtype.kind in "fiu"
-            return SweptAxis(name_on_axis, values.astype(float if numbers else str).tolist())
-    return SweptAxis(name, [float(place) for place in range(data.sizes[name])])
+            return sweep_drawing.SweptAxis(
+                name_on_axis, values.astype(float if numbers else str).tolist()
+            )
+    return sweep_drawing.SweptAxis(name, [float(place) for place in range(data.sizes[name])])
 
 
-def _titles(axis: SweptAxis, bare: bool = False) -> list[str]:
+def _titles(axis: sweep_drawing.SweptAxis, bare: bool = False) -> list[str]:
     """Return each value with the axis's name, or texts alone if ``bare``."""
     return [_text(v) if bare and axis.is_text else f"{axis.name} = {_text(v)}" for v in axis.values]
 
@@ -254,12 +246,14 @@ def _curves(
     if families:
         titles = _titles(axis_of(data, families[0]), bare=True)
         curves = {title: cells.isel({families[0]: i}) for i, title in enumerate(titles)}
-    return swept_curves(axis, curves, joined, caption)
+    return sweep_drawing.swept_curves(axis, curves, joined, caption)
 
 
 BY_MEDIAN = "median of {}, bars to the quartiles"
+"""Caption of random samples; the braces are for their number."""
+
 BY_MEAN = "mean of {}, bars: standard error, band: standard deviation"
-"""Captions of repeats: how their values are summarised."""
+"""Caption of realisations of disorder; the braces are for their number."""
 
 
 def _error_caption(cells: xr.Dataset) -> str:
@@ -269,8 +263,8 @@ def _error_caption(cells: xr.Dataset) -> str:
     if not known.any():
         return ""
     with np.errstate(all="ignore"):
-        share = float((cells["own"] / size).where(known).max())
-    return f"bars: own error, at most {float(f'{100.0 * share:.2g}'):g}% of the value"
+        largest = float((cells["own"] / size).where(known).max())
+    return f"bars: own error, at most {float(f'{100.0 * largest:.2g}'):g}% of the value"
 
 
 def _medians(cells: xr.Dataset, repeats: str) -> xr.Dataset:
@@ -302,17 +296,14 @@ def _maps(data: xr.Dataset, cells: xr.Dataset) -> Part:
         texts = [name for name in names if axis_of(data, name).is_text]
         over = (texts or sorted(names, key=lambda name: data.sizes[name]))[0]
         names.remove(over)
-    if over and data.sizes[over] > MOST_MAPS:
-        raise ValueError(
-            f"{over} must have at most {MOST_MAPS} values for as many maps, got "
-            f"{data.sizes[over]} (choose with --at {over}=VALUE)"
-        )
+    if over and data.sizes[over] > MAX_MAPS:
+        got = f"{data.sizes[over]} (choose with --at {over}=VALUE)"
+        raise ValueError(f"{over} must have at most {MAX_MAPS} values for as many maps, got {got}")
     maps = {"": cells}
     if over:
         titles = _titles(axis_of(data, over))
-        maps = {title: cells.isel({over: place}) for place, title in enumerate(titles)}
-    axes = {name: axis_of(data, name) for name in names}
-    return heat_maps(axes, maps)
+        maps = {title: cells.isel({over: index}) for index, title in enumerate(titles)}
+    return sweep_drawing.heat_maps({name: axis_of(data, name) for name in names}, maps)
 
 
 def work_dimension(data: xr.Dataset) -> str | None:
@@ -338,41 +329,27 @@ def work_part(data: xr.Dataset) -> Part:
     has_errors = numbers["estimated"].notnull() | numbers["achieved"].notnull()
     others = [str(name) for name in has_errors.dims if name != along]
     joined = not axis_of(data, along).is_text
-    if not joined and int(has_errors.sum()) <= MOST_CURVES:
+    if not joined and int(has_errors.sum()) <= MAX_CURVES:
         others = [str(name) for name in has_errors.dims]
     drawn = has_errors.any([name for name in has_errors.dims if name not in others])
     count = int(drawn.sum())
-    if count > MOST_CURVES:
-        raise ValueError(
-            f"work_precision must have at most {MOST_CURVES} curves, got {count} "
-            f"(choose with --at {others[0]}=VALUE)"
-        )
+    if count > MAX_CURVES:
+        got = f"{count} (choose with --at {others[0]}=VALUE)"
+        raise ValueError(f"work_precision must have at most {MAX_CURVES} curves, got {got}")
     titles = [_titles(axis_of(data, str(name))) for name in drawn.dims]
-    curves = {
-        ", ".join(title[i] for title, i in zip(titles, places, strict=True)): numbers.isel(
-            dict(zip(drawn.dims, places, strict=True))
-        )
-        for places in np.argwhere(drawn.values).tolist()
-    }
-    return work_precision(curves, joined)
+    curves = {}
+    for indices in np.argwhere(drawn.values).tolist():
+        label = ", ".join(title[i] for title, i in zip(titles, indices, strict=True))
+        curves[label] = numbers.isel(dict(zip(drawn.dims, indices, strict=True)))
+    return sweep_drawing.work_precision(curves, joined)
 
 
 def _work_numbers(data: xr.Dataset) -> xr.Dataset:
-    """Return the ``seconds``, site ``updates`` and errors of all cells.
-
-    The errors are ``estimated``, and ``achieved`` against the wave with their ``own`` errors.
-    """
-    seconds, evaluations, sites = (
-        _numbers(data, name) for name in ("seconds", "force_evaluations", "sites")
-    )
+    """Return the ``seconds``, site ``updates`` and errors of all cells. The errors are
+    ``estimated``, and ``achieved`` against the wave with their ``own`` errors."""
+    work = {name: _numbers(data, name) for name in ("seconds", "force_evaluations", "sites")}
+    updates = work["force_evaluations"] * work["sites"]
     estimated = _numbers(data, "error_estimate", needed=False)  # none where a step is stated
     achieved = _numbers(data, "error", needed=not estimated.notnull().any())
-    return xr.Dataset(
-        {
-            "seconds": seconds,
-            "updates": evaluations * sites,
-            "estimated": estimated,
-            "achieved": achieved,
-            "own": _own_error(data, achieved),
-        }
-    )
+    errors = {"estimated": estimated, "achieved": achieved, "own": _own_error(data, achieved)}
+    return xr.Dataset({"seconds": work["seconds"], "updates": updates, **errors})

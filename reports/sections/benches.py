@@ -3,20 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import chain
 
 import xarray as xr
 from matplotlib.figure import Figure
 
+from longwave.reports import latex
 from longwave.reports.formulas.typed import prose_latex
-from longwave.reports.latex import (
-    Row,
-    escape,
-    picture_latex,
-    scientific,
-    table,
-    titled,
-    uncertain,
-)
 from longwave.reports.pictures.bench_plotting import mode_energies, sensor_readings
 from longwave.reports.pictures.drawing import crest_track
 from longwave.reports.pictures.plotting import PICTURES
@@ -32,24 +25,24 @@ from longwave.support.labelled_arrays import LabelledArrays
 def bench_table(runs: Mapping[str, SceneRun]) -> str:
     """Return the table of bench runs: ends, effects, cells, tolerance, own error, steps, time."""
     head = ["ends and effects", "cells", "tolerance", "own error", "steps", "time (s)"]
-    lines: list[Row] = []
+    lines: list[latex.Row] = []
     for name, entry in runs.items():
-        lines.append(titled(prose_latex(entry.scene.title or name), name, entry.fault))
+        lines.append(latex.titled(prose_latex(entry.scene.title or name), name, entry.fault))
         lines += [] if entry.run is None else [_bench_cells(entry, entry.run)]
     caption = "Chains on a bench: what acts on each, and the largest error of its observables."
-    return table("benches", caption, "L{62mm}rlllr", head, lines)
+    return latex.table("benches", caption, "L{62mm}rlllr", head, lines)
 
 
 def _bench_cells(entry: SceneRun, run: xr.Dataset) -> list[str]:
-    attributes = run.attrs
+    attrs, scene = run.attrs, entry.scene
+    warning = "" if entry.within_tolerance else " (TOO LARGE)"
     return [
-        escape(effects(entry.scene.own_bench, entry.scene.losses)),
-        f"${attributes['sites']}$",
-        scientific(entry.scene.target.tolerance),
-        scientific(float(attributes["error_estimate"]))
-        + ("" if entry.within_tolerance else " (TOO LARGE)"),
-        f"${attributes['steps']}$",
-        scientific(float(attributes["seconds"] + attributes["planning_seconds"])),
+        latex.escape(effects(scene.own_bench, scene.losses)),
+        f"${attrs['sites']}$",
+        latex.scientific(scene.target.tolerance),
+        latex.scientific(float(attrs["error_estimate"])) + warning,
+        f"${attrs['steps']}$",
+        latex.scientific(float(attrs["seconds"] + attrs["planning_seconds"])),
     ]
 
 
@@ -63,14 +56,14 @@ def balance_table(runs: Mapping[str, SceneRun]) -> str:
             gained = run["energy"] - run["energy"][0]
             defect = float(abs(gained - run["work"] + run["heat"]).max())
             ends = (float(each[-1]) for each in (gained, run["work"], run["heat"]))
-            final_values = (*(scientific(end, 4) for end in ends), scientific(defect))
-            allowed = scientific(3.0 * float(run.attrs["error_estimate"]))
-            lines.append([rf"\texttt{{{escape(name)}}}", *final_values, allowed])
+            final_values = (*(latex.scientific(end, 4) for end in ends), latex.scientific(defect))
+            allowed = latex.scientific(3.0 * float(run.attrs["error_estimate"]))
+            lines.append([rf"\texttt{{{latex.escape(name)}}}", *final_values, allowed])
     caption = (
         "Energy balance at the end of each chain; defect: the largest of gained $-$ work $+$ heat "
         "at any time; allowed: three times the run's own error."
     )
-    return table("balance", caption, "lrrrrr", head, lines)
+    return latex.table("balance", caption, "lrrrrr", head, lines)
 
 
 def effects(bench: Bench, losses: Losses | None = None) -> str:
@@ -95,23 +88,18 @@ def effect_table(costs: Mapping[str, EffectCost]) -> str:
     """Return the table of effects: cost for a cell and stage, and of a run to each tolerance."""
     head = ["effect", "operations", "time (ns)", r"share (\%)"]
     for tolerance in TOLERANCES:
-        head += [f"error to {scientific(tolerance)}", "(s)"]
-    rows = [
-        [
-            escape(name),
-            f"${cost.operations}$",
-            f"${1e9 * cost.seconds:.2f}$",
-            f"${100 * cost.share:.0f}$",
-            *(cell for run in cost.runs for cell in map(scientific, run)),
-        ]
-        for name, cost in costs.items()
-    ]
+        head += [f"error to {latex.scientific(tolerance)}", "(s)"]
+    rows = []
+    for name, cost in costs.items():
+        numbers = f"${cost.operations}$", f"${1e9 * cost.seconds:.2f}$", f"${100 * cost.share:.0f}$"
+        runs = map(latex.scientific, chain.from_iterable(cost.runs))
+        rows.append([latex.escape(name), *numbers, *runs])
     caption = (
         rf"Cost of each effect on the $\beta$ chain of {CELLS} cells: operations and time for "
         "a cell and stage, share of the core's multiply-adds; own error and time of a run to each "
         "tolerance."
     )
-    return table("effects", caption, "lrrr" + "lr" * len(TOLERANCES), head, rows)
+    return latex.table("effects", caption, "lrrr" + "lr" * len(TOLERANCES), head, rows)
 
 
 def bench_laws(runs: Mapping[str, SceneRun], struck: Sequence[tuple[float, float]]) -> str:
@@ -120,20 +108,20 @@ def bench_laws(runs: Mapping[str, SceneRun], struck: Sequence[tuple[float, float
     fput = runs.get("fput_1955")
     if fput is not None and fput.run is not None:
         recurrence = mode_return(fput.run)
-        when = uncertain(recurrence.periods, recurrence.reading / 2)
+        when = latex.uncertain(recurrence.periods, recurrence.reading / 2)
         lines.append(["first return of mode 1 (FPUT, 32 springs), in periods", "147", *when])
         own = fput.run.attrs["error_estimate"] / float(fput.run.mode_energy[0, 0])
-        share = uncertain(100 * recurrence.share, 100 * float(own))
+        share = latex.uncertain(100 * recurrence.share, 100 * float(own))
         lines.append([r"energy of mode 1 then (\%)", "98", *share])
     for slope, error in struck:
-        measured = uncertain(slope, error)
+        measured = latex.uncertain(slope, error)
         lines.append(["exponent of the speed of struck grains in the velocity", "$1/5$", *measured])
     head = ["quantity", "known", "measured", "own error"]
     caption = (
         "Known numbers of these chains. Own error: half the time between readings, the run's "
         "estimate, the standard error of the fit."
     )
-    return table("laws", caption, "llll", head, lines)
+    return latex.table("laws", caption, "llll", head, lines)
 
 
 DRAWN = {
@@ -157,7 +145,7 @@ def bench_figures(runs: Mapping[str, SceneRun]) -> Iterator[tuple[str, Figure]]:
 def bench_pictures(runs: Mapping[str, SceneRun]) -> str:
     """Return the LaTeX that includes the figures of `bench_figures`."""
     return "\n".join(
-        picture_latex(f"bench_{name}", f"{prose_latex(entry.scene.title)}.", "H")
+        latex.picture_latex(f"bench_{name}", f"{prose_latex(entry.scene.title)}.", "H")
         for name, entry in runs.items()
         if entry.run is not None
     )

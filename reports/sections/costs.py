@@ -22,16 +22,7 @@ from longwave.reports.latex import (
     table,
 )
 from longwave.reports.pictures.drawing import CostPanels
-from longwave.reports.studies.lattice_cost import (
-    REDUCTION,
-    SPECTRAL,
-    STEPS,
-    TRUE_ERROR,
-    CostPoint,
-    ScalingPoint,
-    fit_power,
-    scaling_laws,
-)
+from longwave.reports.studies import lattice_cost
 from longwave.solutions import closed_form
 
 if TYPE_CHECKING:
@@ -96,12 +87,9 @@ def cost_table(costs: Iterable[EvaluationCost]) -> str:
     rows = []
     for wave, group in groupby(costs, attrgetter("wave")):
         by_arithmetic = {cost.arithmetic: cost for cost in group}
-        chosen = [by_arithmetic[name] for name in TABULATED]
-        cells = [
-            cell
-            for cost in chosen
-            for cell in (digits(cost.digits), scientific(1e6 * cost.seconds))
-        ]
+        cells = []
+        for cost in (by_arithmetic[name] for name in TABULATED):
+            cells += [digits(cost.digits), scientific(1e6 * cost.seconds)]
         ratio = by_arithmetic["mpmath, 15 digits"].seconds / by_arithmetic["double-double"].seconds
         title = escape(closed_form(wave).title)
         rows.append([title, *cells, f"{float(f'{ratio:.2g}'):.0f}"])
@@ -141,17 +129,15 @@ def panels(points: Iterable[tuple[str, str, tuple[float, float]]]) -> CostPanels
 
 def cost_panels(costs: Iterable[EvaluationCost]) -> CostPanels:
     """Return one panel a wave: digits against seconds for each family of arithmetics."""
-    return panels(
-        (c.wave.replace("_", " "), c.arithmetic.partition(",")[0], (c.seconds, c.digits))
-        for c in costs
-    )
+    points = ((c.wave, c.arithmetic.partition(",")[0], (c.seconds, c.digits)) for c in costs)
+    return panels((wave.replace("_", " "), family, point) for wave, family, point in points)
 
 
 ERROR_LEVELS = (1e-2, 1e-4, 1e-6)
 """Error levels for which the table gives each series' fastest run."""
 
 
-def precision_table(points: Sequence[CostPoint]) -> str:
+def precision_table(points: Sequence[lattice_cost.CostPoint]) -> str:
     """Return the table of the seconds of each series' fastest run within each of `ERROR_LEVELS`.
 
     The spectral ring has a second row that includes the time to compute its initial data.
@@ -162,7 +148,7 @@ def precision_table(points: Sequence[CostPoint]) -> str:
         for series, group in groupby(of_problem, attrgetter("series")):
             runs = list(group)
             rows.append(_precision_row(PRINTED[series], runs))
-            if series == SPECTRAL:
+            if series == lattice_cost.SPECTRAL:
                 whole = [replace(p, seconds=p.seconds + p.data_seconds) for p in runs]
                 rows.append(_precision_row(f"{PRINTED[series]}, with its data", whole))
     head = ["problem and method", *(rf"error $\le$ {_power(e)} (s)" for e in ERROR_LEVELS)]
@@ -170,25 +156,22 @@ def precision_table(points: Sequence[CostPoint]) -> str:
     return table("precision", caption, "lrrr", head, rows)
 
 
-def _precision_row(name: str, points: Sequence[CostPoint]) -> list[str]:
-    return [escape(name), *(_cheapest(points, error) for error in ERROR_LEVELS)]
+def _precision_row(name: str, points: Sequence[lattice_cost.CostPoint]) -> list[str]:
+    """Return a row with the seconds of the fastest run within each error level."""
+    fast = [[p.seconds for p in points if p.error <= error] for error in ERROR_LEVELS]
+    return [escape(name), *(scientific(min(seconds)) if seconds else DASH for seconds in fast)]
 
 
 def _power(value: float) -> str:
     return f"$10^{{{round(math.log10(value))}}}$"
 
 
-def _cheapest(points: Iterable[CostPoint], error: float) -> str:
-    seconds = [point.seconds for point in points if point.error <= error]
-    return scientific(min(seconds)) if seconds else "--"
-
-
-def precision_panels(points: Iterable[CostPoint]) -> CostPanels:
+def precision_panels(points: Iterable[lattice_cost.CostPoint]) -> CostPanels:
     """Return one panel a problem: error against seconds for each series."""
     return panels((p.problem, PRINTED[p.series], (p.seconds, p.error)) for p in points)
 
 
-def scaling_table(points: Sequence[ScalingPoint]) -> str:
+def scaling_table(points: Sequence[lattice_cost.ScalingPoint]) -> str:
     """Return the table of fully timed series against eps, with fitted exponents."""
     caption = (
         r"Measured to the peak of $Y_2$: time of the whole run in s, its error, and the exponent "
@@ -197,24 +180,24 @@ def scaling_table(points: Sequence[ScalingPoint]) -> str:
     return _scaling("scaling", caption, [point for point in points if not point.scaled])
 
 
-def extrapolated_table(points: Sequence[ScalingPoint]) -> str:
+def extrapolated_table(points: Sequence[lattice_cost.ScalingPoint]) -> str:
     """Return the table of series extrapolated from part of a run, with fitted exponents."""
     caption = (
-        rf"Extrapolated to the peak of $Y_2$: time in s, scaled from {STEPS} steps to the whole "
-        "run, and the exponent fitted to these numbers."
+        rf"Extrapolated to the peak of $Y_2$: time in s, scaled from {lattice_cost.STEPS} steps "
+        "to the whole run, and the exponent fitted to these numbers."
     )
     return _scaling("extrapolated", caption, [point for point in points if point.scaled])
 
 
-def _scaling(name: str, caption: str, points: Sequence[ScalingPoint]) -> str:
-    laws = scaling_laws(points)
+def _scaling(name: str, caption: str, points: Sequence[lattice_cost.ScalingPoint]) -> str:
+    laws = lattice_cost.scaling_laws(points)
     epsilons = sorted({_eps(point) for point in points}, reverse=True)
     rows = []
     for series in dict.fromkeys(point.series for point in points):
         by_eps = {_eps(point): point for point in points if point.series == series}
-        unit = "" if series in (REDUCTION, TRUE_ERROR) else " (s)"
+        unit = "" if series in (lattice_cost.REDUCTION, lattice_cost.TRUE_ERROR) else " (s)"
         rows.append([escape(series) + unit, *(scientific(by_eps[eps].value) for eps in epsilons)])
-        variable = r"\epsilon" if series == REDUCTION else r"1/\epsilon"
+        variable = r"\epsilon" if series == lattice_cost.REDUCTION else r"1/\epsilon"
         law = laws.get(series)
         rows[-1].append(DASH if law is None else f"$({variable})^{{{law:.2f}}}$")
         if any(point.own for point in by_eps.values()):
@@ -223,54 +206,44 @@ def _scaling(name: str, caption: str, points: Sequence[ScalingPoint]) -> str:
     return table(name, caption, "l" + "r" * len(epsilons) + "l", head, rows)
 
 
-def _eps(point: ScalingPoint) -> float:
+def _eps(point: lattice_cost.ScalingPoint) -> float:
     return round(min(point.x, 1 / point.x), 9)
 
 
-def scaling_panels(points: Iterable[ScalingPoint]) -> CostPanels:
+def scaling_panels(points: Iterable[lattice_cost.ScalingPoint]) -> CostPanels:
     """Return seconds against 1/eps for each method; extrapolated ones are labelled "(scaled)"."""
-    ways = (p for p in points if p.series not in (REDUCTION, TRUE_ERROR))
+    ways = (p for p in points if p.series not in (lattice_cost.REDUCTION, lattice_cost.TRUE_ERROR))
     return panels(("", p.series + " (scaled)" * p.scaled, (p.x, p.value)) for p in ways)
 
 
-def rk4_table(points: Iterable[ScalingPoint]) -> str:
+def rk4_table(points: Iterable[lattice_cost.ScalingPoint]) -> str:
     """Return the table of the paper's error figure by RK4 step, and the share due to the step."""
     errors = {point.x: point.value for point in points}
-    exact = errors[0.0]
-    rows = [
-        [
-            f"${step:g}$" if step else "exact flow",
-            f"{value:.5f}",
-            scientific(abs(value - exact)) if step else "--",
-            f"{100 * (value - exact) / value:.1f}",
-        ]
-        for step, value in errors.items()
-    ]
+    exact, rows = errors[0.0], []
+    for step, value in errors.items():
+        name = f"${step:g}$" if step else "exact flow"
+        part = scientific(abs(value - exact)) if step else DASH
+        rows.append([name, f"{value:.5f}", part, f"{100 * (value - exact) / value:.1f}"])
     head = [r"$\Delta t$", r"$L^\infty_\epsilon$ at $t=0$", "error by the step", r"share (\%)"]
     caption = "The paper's error figure by the time step of RK4, and the share due to the step."
     return table("rk4", caption, "lrrr", head, rows)
 
 
-def window_table(points: Sequence[ScalingPoint]) -> str:
+def window_table(points: Sequence[lattice_cost.ScalingPoint]) -> str:
     """Return the table of the window's error by its number of sites, with the fitted exponent."""
     rows = [[f"{point.x:.0f}", scientific(point.value)] for point in points]
-    rows.append(["law", rf"$N^{{{fit_power((p.x, p.value) for p in points):.1f}}}$"])
+    rows.append(["law", rf"$N^{{{lattice_cost.fit_power((p.x, p.value) for p in points):.1f}}}$"])
     head = ["sites $N$", r"error of $y/\epsilon$"]
     return table("window", "Error by the size of the co-moving window.", "rl", head, rows)
 
 
 def hard_case_table(cases: Iterable[HardCase]) -> str:
     """Return the table of hard cases: measured value, bound and verdict."""
-    rows = [
-        [
-            mathematics(case.setup),
-            mathematics(case.criterion),
-            scientific(case.measured),
-            scientific(case.bound),
-            "holds" if case.passed else r"\textbf{FAILS}",
-        ]
-        for case in cases
-    ]
+    rows = []
+    for case in cases:
+        verdict = "holds" if case.passed else r"\textbf{FAILS}"
+        texts = map(mathematics, (case.setup, case.criterion))
+        rows.append([*texts, *map(scientific, (case.measured, case.bound)), verdict])
     head = ["case", "quantity", "measured", "bound", "verdict"]
     return table("hard", "Hard cases.", "L{50mm}L{46mm}lll", head, rows, gap="0.5ex")
 

@@ -5,41 +5,15 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING
 
 from longwave.reports.latex import scientific, table, uncertain
 from longwave.reports.studies.bench_laws import mode_return
-from longwave.reports.studies.evaluation_accuracy import Accuracy
-from longwave.reports.studies.measured_runs import RK4_STEP, SPLIT, MeasuredRuns, rk4_name
+from longwave.reports.studies.measured_runs import RK4_STEP, SPLIT, rk4_name
 from longwave.verify.verdict import Outcome
 
 if TYPE_CHECKING:
-    from longwave.reports.studies.claims import Claim
-
-
-class ReportFindings(Protocol):
-    """Results of the report's jobs, accessed by kind."""
-
-    @property
-    def runs(self) -> MeasuredRuns:
-        """Runs of the paper's scenes."""
-
-    @property
-    def claims(self) -> list[Claim]:
-        """Statements of the paper with their verdicts."""
-
-    @property
-    def accuracy(self) -> list[Accuracy]:
-        """Worst evaluation errors of each wave."""
-
-    def of(self, kind: str) -> dict[Any, Any]:
-        """Return the results of one kind, keyed by subject."""
-
-    def all(self, kind: str) -> list[Any]:
-        """Return the results of one kind as a list."""
-
-    def rows(self, kind: str) -> list[Any]:
-        """Return the concatenated results of a kind whose jobs return lists."""
+    from longwave.reports.build import Findings
 
 
 @dataclass(frozen=True)
@@ -53,11 +27,13 @@ class Headline:
 
 
 EXACT = "exact"
+"""Entry for the own error of a count."""
 
-THIRD = "rational_3_eps_0.05"
+THIRD_ORDER_RUN = "rational_3_eps_0.05"
+"""Name of the run whose largest error is a main result."""
 
 
-def headlines(findings: ReportFindings) -> dict[str, Headline]:
+def headlines(findings: Findings) -> dict[str, Headline]:
     """Return the main results that are available, keyed by the names used in the conclusion."""
     results = _verdicts(findings) | _errors(findings) | _counts(findings) | _laws(findings)
     return {name: Headline(*fields) for name, fields in results.items()}
@@ -65,33 +41,27 @@ def headlines(findings: ReportFindings) -> dict[str, Headline]:
 
 def headline_table(results: Iterable[Headline]) -> str:
     """Return the table of main results with their own errors and sections."""
-    rows = [
-        [result.quantity, result.value, result.error, rf"\ref{{sec:{result.section}}}"]
-        for result in results
-    ]
+    rows = [[r.quantity, r.value, r.error, rf"\ref{{sec:{r.section}}}"] for r in results]
     caption = (
         "Main results. Own error: estimated error by time step, domain and sampling; a count of "
         "verdicts is exact."
     )
-    return table(
-        "headlines", caption, "L{98mm}llr", ["result", "value", "own error", "section"], rows
-    )
+    head = ["result", "value", "own error", "section"]
+    return table("headlines", caption, "L{98mm}llr", head, rows)
 
 
 HeadlineFields = dict[str, tuple[str, str, str, str]]
 
 
-def _share(holds: Sequence[bool]) -> str:
+def _count(holds: Sequence[bool]) -> str:
+    """Return how many conditions hold, such as "3 of 4"."""
     return f"{sum(holds)} of {len(holds)}"
 
 
-def _verdicts(findings: ReportFindings) -> HeadlineFields:
+def _verdicts(findings: Findings) -> HeadlineFields:
     """Return counts of verdicts on closed forms, their misprints and published formulas."""
-    proofs, counts, library = (
-        findings.all("proof"),
-        findings.all("mutants"),
-        findings.rows("library"),
-    )
+    proofs, counts = findings.all("proof"), findings.all("mutants")
+    library = findings.rows("library")
     refuted = f"{sum(c.refuted for c in counts)} of {sum(c.mutants for c in counts)}"
     right, wrong = (
         [v.outcome is expect for v in library if v.text.expect == expect]
@@ -100,49 +70,35 @@ def _verdicts(findings: ReportFindings) -> HeadlineFields:
     printed = [v for v in library if v.text.misprint_in and v.outcome is Outcome.REFUTED]
     proved = [p.outcome.passed and p.accepted is not False for p in proofs]
     words = "closed forms proved for all parameters, certificate checked"
+    others = "published solutions of other equations proved"
     return {
-        "proved": (words, _share(proved), EXACT, "proofs"),
+        "proved": (words, _count(proved), EXACT, "proofs"),
         "misprints": ("misprints of the mKdV forms refuted", refuted, EXACT, "proofs"),
-        "right": (
-            "published solutions of other equations proved",
-            _share(right),
-            EXACT,
-            "published",
-        ),
-        "wrong": ("wrong variants of them refuted", _share(wrong), EXACT, "published"),
+        "right": (others, _count(right), EXACT, "published"),
+        "wrong": ("wrong variants of them refuted", _count(wrong), EXACT, "published"),
         "printed": ("formulas in print found wrong", str(len(printed)), EXACT, "published"),
     }
 
 
-def _errors(findings: ReportFindings) -> HeadlineFields:
+def _errors(findings: Findings) -> HeadlineFields:
     """Return the worst evaluation error, and relative errors of the paper's lattice runs."""
     runs = findings.runs
-    third_order, rk4 = runs.largest_error(THIRD)[0], runs.largest_error(rk4_name(3))[0]
+    third_order, rk4 = runs.largest_error(THIRD_ORDER_RUN)[0], runs.largest_error(rk4_name(3))[0]
     worst = max((max(each.errors) for each in findings.accuracy), default=0.0)
     norm = r"$L^\infty_\epsilon$, $\epsilon=0.05$:"
+    evaluation = r"worst error of an evaluated wave, in units of $\max(1,|\mbox{value}|)$"
+    second, shift = runs.relative_error(SPLIT, 0.0), runs.split(SPLIT, 0.0)["shift"]
+    distance = r"distance of the lattice's crest from that of $Y_2$, in sites"
     return {
-        "evaluation": (
-            r"worst error of an evaluated wave, in units of $\max(1,|\mbox{value}|)$",
-            scientific(worst),
-            "60 digits",
-            "evaluation",
-        ),
-        "second": (
-            rf"{norm} $Y_2$ at its peak",
-            *uncertain(*runs.relative_error(SPLIT, 0.0)),
-            "runs",
-        ),
+        "evaluation": (evaluation, scientific(worst), "60 digits", "evaluation"),
+        "second": (rf"{norm} $Y_2$ at its peak", *uncertain(*second), "runs"),
         "third": (rf"{norm} $Y_3$, largest", *uncertain(*third_order), "runs"),
         "rk4": (rf"the same by RK4 with $\Delta t={RK4_STEP}$", *uncertain(*rk4), "runs"),
-        "shift": (
-            r"distance of the lattice's crest from that of $Y_2$, in sites",
-            *uncertain(*runs.split(SPLIT, 0.0)["shift"]),
-            "claims",
-        ),
+        "shift": (distance, *uncertain(*shift), "claims"),
     }
 
 
-def _counts(findings: ReportFindings) -> HeadlineFields:
+def _counts(findings: Findings) -> HeadlineFields:
     """Return counts of confirmed statements, and of scenes, rates and cases within their bounds."""
     rulings = Counter(claim.ruling.value for claim in findings.claims)
     claims = f"{rulings['confirmed']} of {rulings.total()}"
@@ -155,13 +111,13 @@ def _counts(findings: ReportFindings) -> HeadlineFields:
     return {
         "claims": ("statements of the paper confirmed", claims, EXACT, "claims"),
         "open": (words, not_confirmed, EXACT, "claims"),
-        "scenes": ("runs of other lattices within tolerance", _share(scenes), EXACT, "lattices"),
-        "rates": (expected, _share(rates), EXACT, "lattices"),
-        "hard": ("hard cases within their bound", _share(hard), EXACT, "costs"),
+        "scenes": ("runs of other lattices within tolerance", _count(scenes), EXACT, "lattices"),
+        "rates": (expected, _count(rates), EXACT, "lattices"),
+        "hard": ("hard cases within their bound", _count(hard), EXACT, "costs"),
     }
 
 
-def _laws(findings: ReportFindings) -> HeadlineFields:
+def _laws(findings: Findings) -> HeadlineFields:
     """Return the measured values of known quantities of chains on a bench."""
     results: HeadlineFields = {}
     chain = findings.of("bench").get("fput_1955")

@@ -14,17 +14,8 @@ from sympy import Symbol
 
 from longwave.derive.output.notation import latex_of
 from longwave.derive.symbols import constant_value, ybar
+from longwave.reports import latex
 from longwave.reports.formulas.typed import prose_latex
-from longwave.reports.latex import (
-    Row,
-    escape,
-    picture_latex,
-    scientific,
-    table,
-    title_latex,
-    titled,
-    uncertain,
-)
 from longwave.reports.pictures.drawing import snapshot_panels
 from longwave.reports.pictures.lattice_figures import even_times, rate_figure, strain_maps
 from longwave.reports.pictures.run_data import placed, snapshots, with_own
@@ -38,9 +29,9 @@ if TYPE_CHECKING:
 
 def scene_table(runs: Mapping[str, SceneRun]) -> str:
     """Return the table of scenes: equation, eps, largest errors after the start, cells, time."""
-    lines: list[Row] = []
+    lines: list[latex.Row] = []
     for name, entry in runs.items():
-        lines.append(titled(prose_latex(entry.scene.title or name), name, entry.fault))
+        lines.append(latex.titled(prose_latex(entry.scene.title or name), name, entry.fault))
         lines += [] if entry.run is None else [_scene_cells(entry, entry.run)]
     head = [
         *("equation", r"$\epsilon$", r"error$\,/\,\epsilon^p$", "own error"),
@@ -50,7 +41,7 @@ def scene_table(runs: Mapping[str, SceneRun]) -> str:
         "Lattices run from their waves: the largest error of the strain after the start, in units "
         r"of $\epsilon^p$ and relative to the wave, each with the run's own error."
     )
-    return table("scenes", caption, "L{30mm}lllllrr", head, lines)
+    return latex.table("scenes", caption, "L{30mm}lllllrr", head, lines)
 
 
 def _scene_cells(entry: SceneRun, run: xr.Dataset) -> list[str]:
@@ -60,15 +51,15 @@ def _scene_cells(entry: SceneRun, run: xr.Dataset) -> list[str]:
     worst = int(sup.argmax())
     share = relative[worst] / sup[worst] if sup[worst] else 0.0
     warning = "" if entry.within_tolerance else " (TOO LARGE)"
-    sup_shown, sup_own = uncertain(float(sup[worst]), own)
+    sup_shown, sup_own = latex.uncertain(float(sup[worst]), own)
     return [
-        escape(str(run.attrs["equation"]).partition(":")[0]),
+        latex.escape(str(run.attrs["equation"]).partition(":")[0]),
         f"${entry.scene.eps:g}$",
         sup_shown,
         sup_own + warning,
-        *uncertain(float(relative[worst]), own * float(share)),
+        *latex.uncertain(float(relative[worst]), own * float(share)),
         f"${run.attrs['sites']:,}$".replace(",", r"\,"),
-        scientific(float(run.attrs["seconds"] + run.attrs["planning_seconds"])),
+        latex.scientific(float(run.attrs["seconds"] + run.attrs["planning_seconds"])),
     ]
 
 
@@ -81,7 +72,7 @@ def scene_maps(runs: Mapping[str, SceneRun]) -> str:
     """Return the LaTeX of the figures of scenes on plane lattices."""
     what = "strain along $n$, and its distance from theory."
     return "\n".join(
-        picture_latex(f"scene_{name}", f"{prose_latex(entry.scene.title)}: {what}")
+        latex.picture_latex(f"scene_{name}", f"{prose_latex(entry.scene.title)}: {what}")
         for name, entry in runs.items()
         if is_map(entry)
     )
@@ -90,12 +81,12 @@ def scene_maps(runs: Mapping[str, SceneRun]) -> str:
 def rate_table(rates: Iterable[SceneConvergence]) -> str:
     """Return the table of rates: under each lattice its cases with expected and fitted power."""
     head = ["equation", "wave", "data", "expected", "fitted", "limit (extrapolated)"]
-    rows: list[Row] = []
+    rows: list[latex.Row] = []
     for title, cases in _by_lattice(rates):
         rows.append(title)
         rows += [
             [
-                escape(case.equation),
+                latex.escape(case.equation),
                 _wave(case.scene),
                 case.scene.order,
                 f"${case.theory}$",
@@ -108,35 +99,39 @@ def rate_table(rates: Iterable[SceneConvergence]) -> str:
         r"Rates of convergence: the power of $\epsilon$ expected and fitted. The last column is "
         r"extrapolated: the interval of the limit at $\epsilon\to0$."
     )
-    return table("rates", caption, "L{34mm}L{38mm}llll", head, rows)
+    return latex.table("rates", caption, "L{34mm}L{38mm}llll", head, rows)
 
 
 def rate_errors(rates: Iterable[SceneConvergence]) -> str:
     """Return the table of errors at every eps of each case, two points to a row."""
-    rows: list[Row] = []
+    rows: list[latex.Row] = []
     for title, cases in _by_lattice(rates):
         for case in cases:
-            name = f"{title.partition(':')[0]}: {escape(case.equation)}, {case.scene.order} data"
+            name = (
+                f"{title.partition(':')[0]}: {latex.escape(case.equation)}, {case.scene.order} data"
+            )
             rows.append(f"{name}, {_wave(case.scene)}")
             cells = [
-                [f"${point.eps:g}$", *uncertain(point.error, point.discretisation)]
+                [f"${point.eps:g}$", *latex.uncertain(point.error, point.discretisation)]
                 for point in case.points
             ]
             cells += [[""] * 3] * (len(cells) % 2)
             rows += [[*left, *right] for left, right in zip(cells[::2], cells[1::2], strict=True)]
     caption = "Sup errors of the strain at each $\\epsilon$, which the rates are fitted to."
-    return table("rate_errors", caption, "llllll", [r"$\epsilon$", "error", "own error"] * 2, rows)
+    return latex.table(
+        "rate_errors", caption, "llllll", [r"$\epsilon$", "error", "own error"] * 2, rows
+    )
 
 
-def _by_lattice(
-    rates: Iterable[SceneConvergence],
-) -> Iterator[tuple[str, list[SceneConvergence]]]:
+def _by_lattice(rates: Iterable[SceneConvergence]) -> Iterator[tuple[str, list[SceneConvergence]]]:
     for title, cases in groupby(rates, lambda case: rate_title(case.scene)):
         yield title, list(cases)
 
 
 def _wave(scene: Scene) -> str:
-    return scene.wave_name.replace("_", " ") if scene.named_start else escape(scene.form.title)
+    return (
+        scene.wave_name.replace("_", " ") if scene.named_start else latex.escape(scene.form.title)
+    )
 
 
 def interval(rate: FittedRate) -> str:
@@ -155,7 +150,7 @@ def rate_title(scene: Scene) -> str:
         for name, value in numbers
     )
     branch = f", {scene.branch} branch" if scene.branch != "acoustic" else ""
-    return f"{escape(scene.name)}: {title_latex(lattice.title + branch)}; {values}"
+    return f"{latex.escape(scene.name)}: {latex.title_latex(lattice.title + branch)}; {values}"
 
 
 def rate_panels(
@@ -173,24 +168,21 @@ ROGUES = ("alpha_beta_rogue", "dimer_rogue")
 """Scenes with the paper's rogue wave on other lattices."""
 
 PEREGRINES = ("fput_peregrine", "dimer_peregrine", "granular_peregrine")
+"""Scenes with the Peregrine breather as an envelope."""
 
-ROGUE_CELLS, PEREGRINE_CELLS, NEAR = 120, 180, 16
+ROGUE_CELLS, PEREGRINE_CELLS, CARRIER_CELLS = 120, 180, 16
 """Cells shown on either side of c t: of rogue waves, of envelopes, and of their carriers."""
 
 
 def lattice_figures(
     scenes: Mapping[str, SceneRun], papers: xr.Dataset, rates: Iterable[SceneConvergence]
 ) -> Iterator[tuple[str, Figure]]:
-    """Yield the name and figure of each picture of other lattices; skip scenes that did not run.
-
-    ``papers`` is the paper's own run of the rogue wave.
-    """
+    """Yield name and figure of the pictures of other lattices; ``papers`` is the paper's run."""
     ran = {name: found.run for name, found in scenes.items() if found.run is not None}
-    paper_snapshots = snapshots(papers, ROGUE_CELLS)
-    rogues = [
-        snapshots(ran[name], ROGUE_CELLS, even_times(ran[name])) for name in ROGUES if name in ran
-    ]
-    yield "lattice_rogues", snapshot_panels([paper_snapshots, *rogues], "theory").figure()
+    rogues = [snapshots(papers, ROGUE_CELLS)]
+    for run in (ran[name] for name in ROGUES if name in ran):
+        rogues.append(snapshots(run, ROGUE_CELLS, even_times(run)))
+    yield "lattice_rogues", snapshot_panels(rogues, "theory").figure()
     peregrines = [_peregrine_row(ran[name]) for name in PEREGRINES if name in ran]
     yield "lattice_peregrines", snapshot_panels(peregrines, "theory").figure()
     for name, run in ran.items():
@@ -203,4 +195,4 @@ def _peregrine_row(run: xr.Dataset) -> list[LabelledArrays]:
     """Return snapshots of the envelope at its crest, and its carrier there and at the end."""
     crest = int(np.argmin(np.abs(run["time"].values)))
     wide = snapshots(run, PEREGRINE_CELLS, (crest,))
-    return [*wide, *snapshots(run, NEAR, (crest, -1))]
+    return [*wide, *snapshots(run, CARRIER_CELLS, (crest, -1))]

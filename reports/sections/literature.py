@@ -25,7 +25,7 @@ def library_counts(verdicts: Sequence[PublishedVerdict]) -> str:
         outcomes = (Outcome.PROVED, Outcome.REFUTED, Outcome.UNDECIDED)
         if of_kind:
             seconds = [verdict.seconds for verdict in of_kind]
-            times = [scientific(median(seconds)), scientific(max(seconds))]
+            times = scientific(median(seconds)), scientific(max(seconds))
             rows.append([kind, *(str(counts[outcome]) for outcome in outcomes), *times])
     head = ["formulas", "proved", "refuted", "undecided", "median (s)", "slowest (s)"]
     caption = "Verdicts on the published solutions and on their wrong variants."
@@ -35,11 +35,9 @@ def library_counts(verdicts: Sequence[PublishedVerdict]) -> str:
 def library_equations(verdicts: Iterable[PublishedVerdict]) -> str:
     """Return the table of equations in the library with their proved and refuted formulas."""
     counts = Counter((v.text.equation_name, v.outcome) for v in verdicts)
-    names = list(dict.fromkeys(name for name, _ in counts))
-    cells = [
-        [escape(name), *(str(counts[name, o]) for o in (Outcome.PROVED, Outcome.REFUTED))]
-        for name in names
-    ]
+    outcomes = (Outcome.PROVED, Outcome.REFUTED)
+    names = dict.fromkeys(name for name, _ in counts)
+    cells = [[escape(name), *(str(counts[name, o]) for o in outcomes)] for name in names]
     half = -(-len(cells) // 2)
     cells += [[""] * 3] * (2 * half - len(cells))
     rows = [[*left, *right] for left, right in zip(cells[:half], cells[half:], strict=True)]
@@ -55,7 +53,9 @@ def found_misprints(verdicts: Iterable[PublishedVerdict]) -> str:
         text = verdict.text
         if text.misprint_in:
             rows.append(rf"\textbf{{{escape(text.equation_name)}}}: {escape(text.misprint_in)}")
-            rows.append([_formulas(verdict), verdict.outcome.lower(), prose_latex(text.note)])
+            rows.append(
+                [_mathematics(verdict.formulas), verdict.outcome.lower(), prose_latex(text.note)]
+            )
     head = ["formula as printed", "verdict", "what is wrong"]
     caption = (
         "Misprints found: formulas that stand in publications and do not solve their equation."
@@ -101,7 +101,7 @@ def _entry(verdict: PublishedVerdict, wrong: Sequence[PublishedVerdict]) -> str:
     source = escape(publication) + semicolon + prose_latex(remark)
     source += "" if text.looked_up else NO_TEXT
     domain = ", ".join(f"${condition}$" for condition in verdict.conditions)
-    formulas = _formulas(verdict) + (rf"\quad ({domain})" if domain else "")
+    formulas = _mathematics(verdict.formulas) + (rf"\quad ({domain})" if domain else "")
     lines = [
         rf"\libraryentry{{{_title(text)}}}{{{verdict.outcome.lower()}}}{{{source}}}",
         rf"\libraryline{{{formulas}}}",
@@ -115,14 +115,8 @@ def _variant(verdict: PublishedVerdict) -> str:
     """Return a wrong variant's note, with its verdict if that is not "refuted"."""
     note = prose_latex(verdict.text.note or verdict.text.name.replace("_", " "))
     printed = r" \textbf{(in print)}" if verdict.text.misprint_in else ""
-    other = (
-        "" if verdict.outcome is Outcome.REFUTED else rf" \textbf{{({verdict.outcome.lower()})}}"
-    )
-    return note + printed + other
-
-
-def _formulas(verdict: PublishedVerdict) -> str:
-    return _mathematics(verdict.formulas)
+    outcome = verdict.outcome.lower()
+    return note + printed + ("" if outcome == "refuted" else rf" \textbf{{({outcome})}}")
 
 
 def _mathematics(formulas: Iterable[str]) -> str:

@@ -10,7 +10,7 @@ from longwave.derive import LATTICES, Reduction, envelope
 from longwave.derive.normal_form import NORMAL_EQUATIONS
 from longwave.derive.output.notation import latex_of, terms
 from longwave.derive.symbols import k
-from longwave.reports.latex import Row, domain_latex, escape, scientific, table, title_latex
+from longwave.reports.latex import DASH, Row, domain_latex, escape, scientific, table, title_latex
 from longwave.reports.studies.evaluation_accuracy import Accuracy
 from longwave.reports.studies.lattice_models import (
     ENVELOPES,
@@ -29,12 +29,9 @@ PAPER_EQUATION = "mKdV"
 
 def model_jobs() -> dict[Key, Job]:
     """Return the jobs that derive the rows of the tables, one for each lattice."""
-    kinds = (("model", model_rows, lattice_models()), ("envelope", envelope_row, ENVELOPES))
-    return {
-        (kind, index): Job(rows, (index,), 0.3)
-        for kind, rows, cases in kinds
-        for index, _ in enumerate(cases)
-    }
+    models, envelopes = range(len(list(lattice_models()))), range(len(ENVELOPES))
+    jobs: dict[Key, Job] = {("model", index): Job(model_rows, (index,), 0.3) for index in models}
+    return jobs | {("envelope", index): Job(envelope_row, (index,), 0.3) for index in envelopes}
 
 
 def model_rows(index: int) -> list[tuple[str, list[str]]]:
@@ -125,10 +122,7 @@ COEFFICIENTS = ("v", "p", "q")
 
 
 def envelope_row(index: int) -> list[str]:
-    """Return one of `ENVELOPES` as a table row in LaTeX: lattice, wavenumber, v, p and q.
-
-    The letters s and C are sine and cosine of k/2.
-    """
+    """Return one of `ENVELOPES` as a row in LaTeX; s and C are the sine and cosine of k/2."""
     name, wavenumber = ENVELOPES[index]
     result = envelope(LATTICES[name], k=wavenumber)
     short = {sp.sin(k / 2): sp.Symbol("s"), sp.cos(k / 2): sp.Symbol("C")}
@@ -168,20 +162,11 @@ def form_table(
     rows = []
     for form in map(closed_form, FURTHER_FORMS):
         record, residual = proved.get(form.name), residuals.get(form.name)
-        rows.append(
-            [
-                escape(form.equation.name),
-                escape(form.title),
-                ", ".join(domain_latex(parameter.domain) for parameter in form.parameters) or "--",
-                "--" if record is None else record.outcome.value.lower(),
-                _number(residual.residual if residual else None),
-                _number(worst.get(form.name)),
-            ]
-        )
+        domains = ", ".join(domain_latex(parameter.domain) for parameter in form.parameters)
+        verdict = DASH if record is None else record.outcome.value.lower()
+        numbers = residual.residual if residual else None, worst.get(form.name)
+        texts = escape(form.equation.name), escape(form.title), domains or DASH, verdict
+        rows.append([*texts, *(DASH if n is None else scientific(n) for n in numbers)])
     head = ["equation", "solution", "parameters", "verdict", "residual", "worst error"]
     caption = "Closed forms of other equations: verdict, residual and worst error of evaluation."
     return table("forms", caption, "L{25mm}L{38mm}L{36mm}lll", head, rows)
-
-
-def _number(value: float | None) -> str:
-    return "--" if value is None else scientific(value)

@@ -2,22 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
-from longwave.reports.latex import (
-    PRINTED,
-    Row,
-    escape,
-    mathematics,
-    scientific,
-    symbol_latex,
-    table,
-    uncertain,
-)
+from longwave.reports import latex
 from longwave.reports.paper import cited
 from longwave.reports.pictures.drawing import CostPanels
 from longwave.reports.pictures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES
@@ -35,11 +26,11 @@ if TYPE_CHECKING:
 
 def claim_table(claims: Iterable[Claim]) -> str:
     """Return the table of the paper's statements: verdict, then a row for each measured number."""
-    rows: list[Row] = []
+    rows: list[latex.Row] = []
     for number, claim in enumerate(claims, 1):
         rows.append(
-            rf"{number}. {mathematics(claim.statement)}: \textbf{{{claim.ruling.value}}}. "
-            rf"\emph{{Rests on}} {mathematics(claim.depends_on)}."
+            rf"{number}. {latex.mathematics(claim.statement)}: \textbf{{{claim.ruling.value}}}. "
+            rf"\emph{{Rests on}} {latex.mathematics(claim.depends_on)}."
         )
         rows += _measured(claim.measurements)
     head = ["quantity", "value", "own error"]
@@ -48,7 +39,7 @@ def claim_table(claims: Iterable[Claim]) -> str:
         r"$L^\infty_\epsilon$ where no other quantity is named; a number without an own error is "
         "computed without a lattice."
     )
-    return table("claims", caption, r"L{106mm}ll", head, rows)
+    return latex.table("claims", caption, r"L{106mm}ll", head, rows)
 
 
 def _measured(measurements: Iterable[Measurement]) -> list[list[str]]:
@@ -56,11 +47,11 @@ def _measured(measurements: Iterable[Measurement]) -> list[list[str]]:
     cases: dict[tuple[str, tuple[str, str]], list[str]] = {}
     for measurement in measurements:
         case, colon, what = measurement.of.partition(": ")
-        number = uncertain(measurement.value, measurement.error)
+        number = latex.uncertain(measurement.value, measurement.error)
         key = (what, number) if colon else (measurement.of, number)
         cases.setdefault(key, []).append(case if colon else "")
     return [
-        [mathematics(": ".join(filter(None, (", ".join(names), what)))), *number]
+        [latex.mathematics(": ".join(filter(None, (", ".join(names), what)))), *number]
         for (what, number), names in cases.items()
     ]
 
@@ -68,30 +59,26 @@ def _measured(measurements: Iterable[Measurement]) -> list[list[str]]:
 def run_table(evidence: MeasuredRuns) -> str:
     """Return the table of runs: description, then errors and their parts at each snapshot."""
     rows = [row for name in evidence.runs for row in _run_rows(evidence, name)]
-    head = [
-        "$t$",
-        r"$L^\infty_\epsilon$",
-        "own error",
-        "over far field",
-        r"step$\,/\,\epsilon$",
-        r"domain$\,/\,\epsilon$",
-    ]
+    head = ["$t$", r"$L^\infty_\epsilon$", "own error", "over far field"]
+    head += [r"step$\,/\,\epsilon$", r"domain$\,/\,\epsilon$"]
     caption = (
         r"Errors of the runs at each snapshot. Own error: of $L^\infty_\epsilon$, by step and "
         r"domain together; over far field: with the distance to the true far field as denominator."
     )
-    return table("runs", caption, "rlllll", head, rows)
+    return latex.table("runs", caption, "rlllll", head, rows)
 
 
-def _run_rows(evidence: MeasuredRuns, name: str) -> list[Row]:
+def _run_rows(evidence: MeasuredRuns, name: str) -> list[latex.Row]:
     """Return the rows of one run, its description across the table first."""
     run = evidence.runs[name]
     columns = ("error_far_field", "time_step_error", "domain_error")
-    rows: list[Row] = [_description(name, evidence.scenes[name])]
+    rows: list[latex.Row] = [_description(name, evidence.scenes[name])]
     for time in run["time"].values:
         snapshot = run.sel(time=time)
-        measures = [scientific(float(snapshot[key])) if key in run else "--" for key in columns]
-        error = uncertain(*evidence.relative_error(name, float(time)))
+        measures = [
+            latex.scientific(float(snapshot[key])) if key in run else "--" for key in columns
+        ]
+        error = latex.uncertain(*evidence.relative_error(name, float(time)))
         rows.append([f"${time:g}$", *error, *measures])
     return rows
 
@@ -100,38 +87,32 @@ def _description(name: str, scene: Scene) -> str:
     """Return name, scheme, step and domain of a scene in words."""
     stated = scene.discretisation
     return (
-        rf"\texttt{{{escape(name)}}}: {escape(PRINTED[stated.scheme])}, "
-        rf"$\Delta t={stated.step:g}$, {escape(stated.domain)} of {stated.sites} sites, "
+        rf"\texttt{{{latex.escape(name)}}}: {latex.escape(latex.PRINTED[stated.scheme])}, "
+        rf"$\Delta t={stated.step:g}$, {latex.escape(stated.domain)} of {stated.sites} sites, "
         f"{2 * scene.compared + 1} compared"
     )
 
 
 def figure_entries(scenes: Mapping[str, Scene]) -> list[dict[str, Any]]:
     """Return the data of the figures for the template: file name, label in the paper, captions."""
-    snapshots = [
-        {
-            "name": figure.name,
-            "paper": cited(figure.label),
-            "scenes": [caption_part(scenes[name]) for name in figure.scenes],
-        }
-        for figure in SNAPSHOT_FIGURES
+    shown = {f: [caption_part(scenes[name]) for name in f.scenes] for f in SNAPSHOT_FIGURES}
+    captions: dict[Any, list[str]] = {**shown, **{figure: [] for figure in ERROR_FIGURES}}
+    return [
+        {"name": figure.name, "paper": cited(figure.label), "scenes": parts}
+        for figure, parts in captions.items()
     ]
-    errors: Sequence[dict[str, Any]] = [
-        {"name": figure.name, "paper": cited(figure.label), "scenes": []}
-        for figure in ERROR_FIGURES
-    ]
-    return [*snapshots, *errors]
 
 
 def caption_part(scene: Scene) -> str:
     """Return a scene's wave with its parameters, constants and start time as LaTeX."""
     constants = {"K2": scene.model.K2, "K4": scene.model.K4, "eps": scene.eps, "t_0": scene.t0}
-    values = ", ".join(
-        f"${symbol_latex(name)}={escape(value) if isinstance(value, str) else f'{value:g}'}$"
+    numbers = {
+        name: latex.escape(value) if isinstance(value, str) else f"{value:g}"
         for name, value in [*scene.parameters, *constants.items()]
-    )
+    }
+    values = ", ".join(f"${latex.symbol_latex(name)}={text}$" for name, text in numbers.items())
     title = scene.form.title
-    return f"{escape(title[0].upper() + title[1:])} ({values})"
+    return f"{latex.escape(title[0].upper() + title[1:])} ({values})"
 
 
 SPLIT_HALF_WIDTH = 150
@@ -152,29 +133,22 @@ def peak_table(points: Iterable[PeakError]) -> str:
             name = f"$Y_{order}$" if index == 0 else ""
             power = "--" if law is None else rf"$\epsilon^{{{law:.2f}}}$"
             rows.append([name, f"${point.eps:g}$", *_peak(point), "" if index else power])
-    head = [
-        "",
-        r"$\epsilon$",
-        r"$L^\infty_\epsilon$ at $T=0$",
-        "own error",
-        "engine",
-        "time (s)",
-        "law",
-    ]
+    value = r"$L^\infty_\epsilon$ at $T=0$"
+    head = ["", r"$\epsilon$", value, "own error", "engine", "time (s)", "law"]
     caption = (
         "The error of the reduction at the peak, with the run's own error in the same units and "
         r"the power of $\epsilon$ fitted to the three smallest."
     )
-    return table("peaks", caption, "lrL{34mm}llrl", head, rows)
+    return latex.table("peaks", caption, "lrL{34mm}llrl", head, rows)
 
 
 def _peak(point: PeakError) -> list[str]:
     """Return value, own error, engine and time; if the run failed, its reason as the value."""
-    time = scientific(point.seconds) if np.isfinite(point.seconds) else "--"
+    time = latex.scientific(point.seconds) if np.isfinite(point.seconds) else "--"
     if point.fault:
-        return [f"did not run: {escape(point.fault)}", "--", point.engine or "--", time]
-    value = scientific(point.value, 4) + ("" if point.resolved else " (not resolved)")
-    return [value, rf"$\le$ {scientific(point.own)}", point.engine, time]
+        return [f"did not run: {latex.escape(point.fault)}", "--", point.engine or "--", time]
+    value = latex.scientific(point.value, 4) + ("" if point.resolved else " (not resolved)")
+    return [value, rf"$\le$ {latex.scientific(point.own)}", point.engine, time]
 
 
 def peak_panels(points: Iterable[PeakError]) -> CostPanels:
@@ -192,13 +166,10 @@ def peak_panels(points: Iterable[PeakError]) -> CostPanels:
 
 def split_rows(runs: Mapping[str, xr.Dataset]) -> list[list[LabelledArrays]]:
     """Return snapshots of the split wave's run in rows of ``SNAPSHOTS_PER_ROW``."""
-    rows = []
+    rows, across = [], SNAPSHOTS_PER_ROW
     for run in runs.values():
         frames = snapshots(run, SPLIT_HALF_WIDTH)
-        rows += [
-            frames[i : i + SNAPSHOTS_PER_ROW]
-            for i in range(0, len(frames) - SNAPSHOTS_PER_ROW + 1, SNAPSHOTS_PER_ROW)
-        ]
+        rows += [frames[i : i + across] for i in range(0, len(frames) - across + 1, across)]
     return rows
 
 
@@ -210,7 +181,7 @@ def split_table(runs: Mapping[str, xr.Dataset]) -> str:
         *(r"$L^\infty_\epsilon$", "own error"),
     ]
     caption = r"The split wave: lowest and highest strain in units of $\epsilon$, and the error."
-    return table("split", caption, "rrrrrlll", head, rows)
+    return latex.table("split", caption, "rrrrrlll", head, rows)
 
 
 def _split_rows(run: xr.Dataset, eps: float) -> list[list[str]]:
@@ -224,7 +195,10 @@ def _split_rows(run: xr.Dataset, eps: float) -> list[list[str]]:
         ]
         height = float(np.max(np.abs(snapshot["analytic"] - snapshot["background"]))) / eps
         own = float(run.attrs["error_estimate"])
-        strain, error = scientific(own), uncertain(float(snapshot["error"]), own / height)
+        strain, error = (
+            latex.scientific(own),
+            latex.uncertain(float(snapshot["error"]), own / height),
+        )
         rows.append([f"${time:g}$", *ends, strain, *error])
     return rows
 
@@ -233,20 +207,13 @@ def long_table(runs: Mapping[str, LongRun]) -> str:
     """Return the table of long runs: errors, own error, difference between engines, times."""
     times = _times(runs)
     rows = [_long_row(name, long_run) for name, long_run in runs.items()]
-    head = [
-        r"$L^\infty_\epsilon$ at $t=$",
-        *(f"${time:g}$" for time in times),
-        "own error",
-        "difference",
-        "its step",
-        "ring (s)",
-        "stencil (s)",
-    ]
+    head = [r"$L^\infty_\epsilon$ at $t=$", *(f"${time:g}$" for time in times)]
+    head += ["own error", "difference", "its step", "ring (s)", "stencil (s)"]
     caption = (
         r"Long runs: $L^\infty_\epsilon$ at each time; the ring's own error of $y/\epsilon$, its "
         "difference to the stencil, and what the stencil's step changes; the time of each."
     )
-    return table("long", caption, "l" + "r" * (len(times) + 5), head, rows)
+    return latex.table("long", caption, "l" + "r" * (len(times) + 5), head, rows)
 
 
 def _times(runs: Mapping[str, LongRun]) -> list[float]:
@@ -256,13 +223,13 @@ def _times(runs: Mapping[str, LongRun]) -> list[float]:
 
 def _long_row(name: str, long_run: LongRun) -> list[str]:
     attributes = long_run.ring.attrs
-    difference = scientific(float(long_run.differences.max(skipna=False)))
+    difference = latex.scientific(float(long_run.differences.max(skipna=False)))
     return [
-        escape(name.split("_k_")[0].replace("_", " ")),
+        latex.escape(name.split("_k_")[0].replace("_", " ")),
         *(f"{error:.4f}" for error in long_run.ring["error"].values),
-        scientific(float(attributes["error_estimate"])),
+        latex.scientific(float(attributes["error_estimate"])),
         difference if long_run.within_tolerance else f"{difference} (TOO LARGE)",
-        scientific(long_run.own, 1),
-        scientific(float(attributes["seconds"] + attributes["planning_seconds"])),
-        scientific(float(long_run.fine.attrs["seconds"])),
+        latex.scientific(long_run.own, 1),
+        latex.scientific(float(attributes["seconds"] + attributes["planning_seconds"])),
+        latex.scientific(float(long_run.fine.attrs["seconds"])),
     ]

@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+import numpy as np
 import sympy as sp
 
 from longwave.derive import dispersion_relation, initial_velocity_latex, mkdv_reduction, reduce
@@ -43,8 +44,7 @@ def derivation() -> dict[str, Any]:
         "remainders": [reduction.latex_remainder(order) for order in reduction.remainders],
         "corrections": [reduction.latex_correction(power) for power in reduction.corrections],
         "coefficient_table": coefficient_table(
-            (name, latex_of(getattr(coefficients, name)))
-            for name in ("c", "nonlinear", "dispersive")
+            (name, latex_of(getattr(coefficients, name))) for name in COEFFICIENT_WORDS
         ),
         "normal_form": [(name, latex_of(getattr(form, name))) for name in ("a", "b", "s")],
         "dispersion": relation.latex(),
@@ -72,12 +72,7 @@ def solution_table(forms: Iterable[ClosedForm] = PAPER_FORMS) -> str:
 
 def coefficient_table(coefficients: Iterable[tuple[str, str]]) -> str:
     """Return the table of the reduced equation's coefficients from (name, LaTeX) pairs."""
-    words = {
-        "c": "sound speed $c$",
-        "nonlinear": "coefficient of $Y^2Y_X$",
-        "dispersive": "coefficient of $Y_{XXX}$",
-    }
-    rows = [[words[name], f"${value}$"] for name, value in coefficients]
+    rows = [[COEFFICIENT_WORDS[name], f"${value}$"] for name, value in coefficients]
     caption = "Coefficients of the reduced equation, in units of the springs and masses."
     return table("coefficients", caption, "ll", ["coefficient", "value"], rows, gap="1ex")
 
@@ -109,13 +104,20 @@ def _equation(equation: Equation) -> str:
     return equation_latex(equation.residual(unknown), unknown, equation.tau)
 
 
+COEFFICIENT_WORDS = {
+    "c": "sound speed $c$",
+    "nonlinear": "coefficient of $Y^2Y_X$",
+    "dispersive": "coefficient of $Y_{XXX}$",
+}
+"""Printed names of the reduced equation's coefficients."""
+
 METHODS = {"differential algebra": "A", "exact at more points than the degree": "P"}
 """One-letter codes of the proof methods in the table; the text above it explains them."""
 
 _OUTERMOST = re.compile(r"\((?:[^()]|\((?:[^()]|\((?:[^()]|\([^()]*\))*\))*\))*\)")
 """Pattern of a bracket with up to three levels of nested brackets."""
 
-LONGEST_PART = 20
+MAX_PART_CHARACTERS = 20
 """Longest misprinted part that is printed in full, in characters."""
 
 
@@ -155,20 +157,12 @@ def form_title(name: str) -> str:
 
 def mutation_table(counts: Iterable[MutationCount]) -> str:
     """Return the table of misprints: refuted, proved and undecided counts by form, and the time."""
-    all_counts = list(counts)
-    rows = [
-        [
-            form_title(count.name),
-            *map(str, (count.mutants, count.refuted, count.proved, count.undecided)),
-            f"{count.seconds:.1f}",
-        ]
-        for count in all_counts
-    ]
-    together = [
-        str(sum(getattr(count, name) for count in all_counts))
-        for name in ("mutants", "refuted", "proved", "undecided")
-    ]
-    rows.append(["all solutions", *together, f"{sum(count.seconds for count in all_counts):.1f}"])
+    rows, totals = [], np.zeros(5)
+    for count in counts:
+        numbers = (count.mutants, count.refuted, count.proved, count.undecided)
+        rows.append([form_title(count.name), *map(str, numbers), f"{count.seconds:.1f}"])
+        totals += (*numbers, count.seconds)
+    rows.append(["all solutions", *(f"{total:.0f}" for total in totals[:4]), f"{totals[4]:.1f}"])
     head = ["solution", "misprints", "refuted", "proved", "undecided", "time (s)"]
     caption = "Misprinted formulas by the verdict on them."
     return table("misprints", caption, "lrrrrr", head, rows)
@@ -185,16 +179,11 @@ def survivor_table(counts: Iterable[MutationCount]) -> str:
     merged: dict[tuple[str, str, str], list[tuple[str, str]]] = {}
     for (name, part, reason, verdict), changes in changes_by_part.items():
         merged.setdefault((", ".join(changes), reason, verdict), []).append((name, part))
-    rows = [
-        [
-            ", ".join(dict.fromkeys(part for _, part in places)),
-            change,
-            reason,
-            verdict.lower(),
-            ", ".join(dict.fromkeys(form_title(name) for name, _ in places)),
-        ]
-        for (change, reason, verdict), places in merged.items()
-    ]
+    rows = []
+    for (change, reason, verdict), misprints in merged.items():
+        parts = ", ".join(dict.fromkeys(part for _, part in misprints))
+        titles = ", ".join(dict.fromkeys(form_title(name) for name, _ in misprints))
+        rows.append([parts, change, reason, verdict.lower(), titles])
     head = ["part", "change", "reason", "verdict", "solutions"]
     caption = "Misprints that are not refuted, and the reason: these solve the equation as well."
     return table("survivors", caption, "L{35mm}L{22mm}L{25mm}L{16mm}L{46mm}", head, rows)
@@ -205,7 +194,7 @@ def _part_and_change(description: str) -> tuple[str, str]:
     words, _, change = description.rpartition(": ")
     text = words.partition(" ")[2]
     change = escape(change.replace("coefficient times 101/100", "1 % more"))
-    if "..." not in text and len(text) <= LONGEST_PART:
+    if "..." not in text and len(text) <= MAX_PART_CHARACTERS:
         return f"${_mathematics(text)}$", change
     outer = _OUTERMOST.sub(r"(\\cdots)", text)
     if "/" in outer:

@@ -41,11 +41,8 @@ def mode_return(run: xr.Dataset) -> Return:
     cells = load_scene("fput_1955").own_bench.sites
     period = math.pi / math.sin(0.5 * math.pi / (cells + 1))
     time, energy_then = _peak(times, energy, returned)
-    return Return(
-        time / period,
-        energy_then / energy[0],
-        float(times[returned] - times[returned - 1]) / period,
-    )
+    reading = float(times[returned] - times[returned - 1])
+    return Return(time / period, energy_then / energy[0], reading / period)
 
 
 def _peak(times: Array, values: Array, index: int) -> tuple[float, float]:
@@ -67,12 +64,9 @@ def struck_exponent() -> tuple[float, float]:
             times=[0, round(90.0 * scale, 1)],
             tolerance=1e-3 * velocity,
         ).run()
-        readings = run.sensor_velocity.values
-        peaks = [
-            _peak(run.time.values, velocity_of_cell, int(np.argmax(velocity_of_cell)))[0]
-            for velocity_of_cell in readings.T
-        ]
-        speeds.append((SECOND - FIRST) / (peaks[1] - peaks[0]))
+        times, readings = run.time.values, run.sensor_velocity.values.T
+        first, second = (_peak(times, v, int(np.argmax(v)))[0] for v in readings)
+        speeds.append((SECOND - FIRST) / (second - first))
     fitted = stats.linregress(np.log(VELOCITIES), np.log(speeds))
     return float(fitted.slope), float(fitted.stderr)
 

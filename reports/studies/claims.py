@@ -92,11 +92,15 @@ def claim(
 
 
 ORDERS = range(2, 9)
+"""Orders of the rational waves with exact facts."""
+
 ROGUE_MODULI = (0.1, 0.3, 0.5, 0.7, 0.9, 0.99)
-LATE = 1e4
+"""Moduli of the cn rogue wave whose maximum is searched."""
+
+LATE_TIME = 1e4
 """Late slow time at which the rational waves are evaluated again."""
 
-SEARCH = 401
+SEARCH_POINTS = 401
 """Points along each axis in a search for a maximum."""
 
 
@@ -124,10 +128,7 @@ def degrees(_: MeasuredRuns) -> ClaimEvidence:
     """Return the excess of the denominator's degree over the numerator's, background subtracted."""
     excess = {j: _excess(j) for j in (2, 3)}
     measurements = tuple(
-        Measurement(
-            f"$Y_{j}$: degree {facts(j).degree} over {facts(j).degree - excess[j]}, by",
-            e,
-        )
+        Measurement(f"$Y_{j}$: degree {facts(j).degree} over {facts(j).degree - excess[j]}, by", e)
         for j, e in excess.items()
     )
     return measurements, (e == 2 for e in excess.values())
@@ -147,10 +148,9 @@ def _excess(j: int) -> int:
 )
 def localised_in_space(_: MeasuredRuns) -> ClaimEvidence:
     """Return the far-field limits of Y_2 and Y_3, the same on both sides at every time."""
-    measurements = tuple(
-        Measurement(f"$Y_{j}$, background", float(facts(j).background)) for j in (2, 3)
-    )
-    return measurements, [facts(2).background == 1, facts(3).background == -1]
+    backgrounds = {j: facts(j).background for j in (2, 3)}
+    measurements = [Measurement(f"$Y_{j}$, background", float(b)) for j, b in backgrounds.items()]
+    return measurements, [backgrounds[2] == 1, backgrounds[3] == -1]
 
 
 @claim(
@@ -159,38 +159,35 @@ def localised_in_space(_: MeasuredRuns) -> ClaimEvidence:
 )
 def localised_in_time(_: MeasuredRuns) -> ClaimEvidence:
     """Return the largest distance from the background long after the peak."""
-    measurements = tuple(
-        Measurement(f"$Y_{j}$, largest distance at $T={LATE:g}$", _late_amplitude(j))
-        for j in (2, 3)
-    )
+    words = f"largest distance at $T={LATE_TIME:g}$"
+    measurements = [Measurement(f"$Y_{j}$, {words}", _late_amplitude(j)) for j in (2, 3)]
     return measurements, (item.value < 0.1 for item in measurements)
 
 
 def _late_amplitude(order: int) -> float:
-    """Return max |Y - background| at the time LATE, searched where the extrema have moved."""
+    """Return max |Y - background| at `LATE_TIME`, searched where the extrema have moved."""
     wave = Wave(closed_form(f"rational_{order}"), mkdv_normal_form(K2=4, K4=1))
     a, b = (float(getattr(wave.normal_form, name)) for name in ("a", "b"))
-    tau = b * LATE
-    reach = 4.0 * (12.0 * tau) ** (1.0 / 3.0)
-    x = np.linspace(-reach, reach, 100 * SEARCH)
-    distance = wave((x + 6.0 * tau) / a, LATE).Y - (wave.constant_background or 0.0)
+    tau = b * LATE_TIME
+    half_width = 4.0 * (12.0 * tau) ** (1.0 / 3.0)
+    x = np.linspace(-half_width, half_width, 100 * SEARCH_POINTS)
+    distance = wave((x + 6.0 * tau) / a, LATE_TIME).Y - (wave.constant_background or 0.0)
     return float(np.max(np.abs(distance)))
 
 
 @claim("Higher-order rational solutions have larger maximum amplitudes", "nothing: exact")
 def higher_orders(_: MeasuredRuns) -> ClaimEvidence:
     """Return the peak of the highest order; the condition is that peaks grow with the order."""
-    j = ORDERS[-1]
-    wave = Wave(rational(j), mkdv_normal_form(K2=4, K4=1))
-    return (Measurement(f"$Y_{j}$ at the origin", float(wave(0.0, 0.0).Y)),), [
-        all(facts(j).peak < facts(j + 1).peak for j in ORDERS[:-1])
-    ]
+    highest = ORDERS[-1]
+    wave = Wave(rational(highest), mkdv_normal_form(K2=4, K4=1))
+    peak = Measurement(f"$Y_{highest}$ at the origin", float(wave(0.0, 0.0).Y))
+    return [peak], [all(facts(j).peak < facts(j + 1).peak for j in ORDERS[:-1])]
 
 
 @claim(
     "The cn rogue wave has its global maximum at $(X,T)=(0,0)$",
-    f"$k$; a search over {SEARCH} by {SEARCH} points of 8 wavelengths and $|tau|$ to 40, and "
-    "closer to the origin, finds nothing larger",
+    f"$k$; a search over {SEARCH_POINTS} by {SEARCH_POINTS} points of 8 wavelengths and $|tau|$ to "
+    "40, and closer to the origin, finds nothing larger",
 )
 def rogue_maximum(_: MeasuredRuns) -> ClaimEvidence:
     """Return the value at the origin for each modulus; no value found elsewhere may exceed it."""
@@ -207,7 +204,7 @@ def _rogue_search(k: float) -> tuple[float, float]:
     wave = Wave(closed_form("rogue_cn"), mkdv_normal_form(K2=4, K4=1), k=k)
     a, b = (float(getattr(wave.normal_form, name)) for name in ("a", "b"))
     half_width = 4.0 * (wave.wavelength or 1.0)
-    line = np.linspace(-1.0, 1.0, SEARCH)
+    line = np.linspace(-1.0, 1.0, SEARCH_POINTS)
     largest = 0.0
     for x, t in ((half_width, 40.0 / b), (1.0 / a, 1.0 / b)):
         X, T = np.meshgrid(x * line, t * line)
@@ -216,8 +213,11 @@ def _rogue_search(k: float) -> tuple[float, float]:
 
 
 TWENTY_PERCENT = 0.2
+"""Largest relative error of a good fit, as the paper's words are read."""
+
 RUN_ORDERS = (2, 3)
 EPSILONS = ("0.05", "0.075")
+"""Orders and eps of the rational waves that are run, as in the names of the scenes."""
 
 
 @claim(
@@ -229,9 +229,8 @@ def second_order_crest(evidence: MeasuredRuns) -> ClaimEvidence:
     """Return the error of Y_2 at t = 0, with an accurate scheme and with RK4's step."""
     names = {"": "rational_2_eps_0.05", f"RK4, $dt={RK4_STEP}$, ": rk4_name(2)}
     errors = {words: evidence.relative_error(name, 0.0) for words, name in names.items()}
-    return (Measurement(f"{words}$t=0$", *error) for words, error in errors.items()), [
-        errors[""].value < TWENTY_PERCENT
-    ]
+    measurements = [Measurement(f"{words}$t=0$", *error) for words, error in errors.items()]
+    return measurements, [errors[""].value < TWENTY_PERCENT]
 
 
 @claim(
@@ -292,9 +291,8 @@ def twenty_percent(evidence: MeasuredRuns) -> ClaimEvidence:
     """Return the largest error of Y_3 at eps = 0.05, with an accurate scheme and RK4's step."""
     names = {"": "rational_3_eps_0.05", f"RK4, $dt={RK4_STEP}$, ": rk4_name(3)}
     errors = {words: evidence.largest_error(name)[0] for words, name in names.items()}
-    return (Measurement(f"{words}largest", *error) for words, error in errors.items()), (
-        error.value < TWENTY_PERCENT for error in errors.values()
-    )
+    measurements = [Measurement(f"{words}largest", *error) for words, error in errors.items()]
+    return measurements, (error.value < TWENTY_PERCENT for error in errors.values())
 
 
 @claim(
@@ -313,6 +311,7 @@ def third_order_agreement(evidence: MeasuredRuns) -> ClaimEvidence:
 
 BREATHER_MODULI = ("0.5", "0.6", "0.7")
 ROGUE, SOLITON = "rogue_cn_k_0.5", "soliton_dn_k_0.7"
+"""Moduli in the names of the breather's scenes, and names of the other periodic scenes."""
 
 
 @claim(
@@ -330,12 +329,10 @@ def breather_and_modulus(evidence: MeasuredRuns) -> ClaimEvidence:
 def dn_fit(evidence: MeasuredRuns) -> ClaimEvidence:
     """Return the dn soliton's last error, over the bare wave and over the far field."""
     end = evidence.scenes[SOLITON].end
-    bare = evidence.relative_error(SOLITON, end)
-    far = evidence.relative_error(SOLITON, end, "error_far_field")
-    return (
-        Measurement(f"$t={end:g}$, over the bare wave", *bare),
-        Measurement(f"$t={end:g}$, over the far field", *far),
-    ), [bare.value < TWENTY_PERCENT]
+    variables = {"bare wave": "error", "far field": "error_far_field"}
+    errors = {w: evidence.relative_error(SOLITON, end, name) for w, name in variables.items()}
+    measurements = [Measurement(f"$t={end:g}$, over the {w}", *e) for w, e in errors.items()]
+    return measurements, [errors["bare wave"].value < TWENTY_PERCENT]
 
 
 @claim(

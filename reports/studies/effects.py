@@ -23,8 +23,13 @@ from longwave.scenes.description.time_functions import time_function
 from longwave.support.processes import Job, Key
 
 CELLS, STEPS, STEP, ROUNDS = 4096, 64, 0.2, 20
+"""Cells of the chain, steps of a timed round, their length, and number of rounds."""
+
 WIDTH, END = 10.0, 100.0
+"""Width of the pulse in cells, and end time, of a run to a tolerance."""
+
 TOLERANCES = (1e-6, 1e-10)
+"""Tolerances of the timed runs."""
 
 
 @cache
@@ -69,9 +74,8 @@ def effect_cost(name: str) -> EffectCost:
     seconds = _stage_seconds(lattice)
     share = operations / seconds / multiply_add_rate()
     _run(lattice, TOLERANCES[0])  # compiles the kernels
-    return EffectCost(
-        operations, seconds, share, tuple(_run(lattice, tolerance) for tolerance in TOLERANCES)
-    )
+    runs = tuple(_run(lattice, tolerance) for tolerance in TOLERANCES)
+    return EffectCost(operations, seconds, share, runs)
 
 
 def _stage_seconds(lattice: NumericLattice) -> float:

@@ -15,10 +15,10 @@ import numpy as np
 from longwave.support.processes import Key
 from longwave.support.user_files import read_text
 
-GOOD = 0.1
+MAX_REFERENCE_ERROR = 0.1
 """Largest error of the reference, in units of the estimate, for a reliable ratio."""
 
-MOST_BYTES = 100_000_000
+MAX_BYTES = 100_000_000
 """Largest accepted file of records, in bytes."""
 
 VERDICTS = ("honest", "dishonest", "undecided", "refused", "false alarm", "no answer")
@@ -65,7 +65,7 @@ class Judged:
     @property
     def is_reliable(self) -> bool:
         """Whether the scene is honest and its reference accurate enough for a meaningful ratio."""
-        return self.verdict == "honest" and self.own <= GOOD * self.estimate
+        return self.verdict == "honest" and self.own <= MAX_REFERENCE_ERROR * self.estimate
 
     @property
     def kind(self) -> str:
@@ -85,7 +85,7 @@ class Judged:
 def judged_scenes(path: Path) -> list[Judged]:
     """Read the records of a file. Raises ValueError, in one line, if it holds anything else."""
     try:
-        lines = read_text(path, "file", MOST_BYTES).splitlines()
+        lines = read_text(path, "file", MAX_BYTES).splitlines()
         return [Judged(**json.loads(line)) for line in lines]
     except (OSError, TypeError, ValueError) as error:
         reason = " ".join(str(error).split())[:150]
@@ -98,10 +98,8 @@ def judged_scenes(path: Path) -> list[Judged]:
 def judged_findings(path: Path | None) -> dict[Key, Judged]:
     """Return a file's records under the keys of a report's findings; empty without a file."""
     records = [] if path is None else judged_scenes(path)
-    return {
-        ("estimate", record.index): record
-        for record in sorted(records, key=lambda record: record.index)
-    }
+    by_index = sorted(records, key=lambda record: record.index)
+    return {("estimate", record.index): record for record in by_index}
 
 
 @dataclass(frozen=True)
@@ -127,11 +125,10 @@ def estimate_rows(found: Iterable[Judged]) -> list[EstimateRow]:
     waves = sorted({scene.wave for scene in judged})
     groups = {wave: [scene for scene in judged if scene.wave == wave] for wave in waves}
     for engine in sorted({scene.engine for scene in judged} - {""}):
+        of_engine = [scene for scene in judged if scene.engine == engine]
         for selection, requested in (("by name", engine), ("chosen", "")):
-            title = f"{engine}, {selection}"
-            groups[title] = [
-                scene for scene in judged if scene.engine == engine and scene.asked == requested
-            ]
+            chosen = [scene for scene in of_engine if scene.asked == requested]
+            groups[f"{engine}, {selection}"] = chosen
     groups["all"] = judged
     return [_row(name, group) for name, group in groups.items()]
 

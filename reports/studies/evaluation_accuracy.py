@@ -334,22 +334,16 @@ def sample_sites(
     """
     rate = float(wave.normal_form.a) * eps
     centre = float(wave.normal_form.c) * t
-    phase_zeros = [
-        z for z in wave.phase_zeros(t, eps, **transverse_site) if abs(z) <= 2 * FARTHEST_SITE
-    ]
-    centres = [centre, *phase_zeros]
+    zeros = wave.phase_zeros(t, eps, **transverse_site)
+    centres = [centre, *(zero for zero in zeros if abs(zero) <= 2 * FARTHEST_SITE)]
     sharpest = max(1.0, *(abs(float(value)) for value in wave.parameters.values()), 1.0)
     widths = [width / rate / scale for width in WIDTHS for scale in {1.0, sharpest}]
     offsets = np.concatenate([width * np.linspace(-1, 1, grid) for width in widths])
     sites = np.concatenate([centre_of_grid + offsets for centre_of_grid in centres])
     values = [np.abs(part) for part in wave.at(sites, t, eps, **transverse_site)]
     zero_of_rate = _last_zero(wave, t, eps, np.sort(sites), **transverse_site)
-    chosen = (
-        np.argmin(values[1]),
-        np.argmax(values[2]),
-        np.argmin(values[0]),
-        np.argmax(values[0]),
-    )
+    value, slope, rate_of_change = values[:3]
+    chosen = np.argmin(slope), np.argmax(rate_of_change), np.argmin(value), np.argmax(value)
     near = float(rng.choice(sites))
     scattered = near, float(round(near)), centre + float(rng.normal(scale=1e3 / rate))
     far = FARTHEST_SITE * (-1.0) ** rng.integers(2)
@@ -358,9 +352,7 @@ def sample_sites(
 
 def _last_zero(wave: Wave, t: float, eps: float, sites: Array, **transverse_site: float) -> float:
     """Return the site, to the last bit, where Y_T changes sign, or the smallest |Y_T| if none does.
-
-    A complex Y_T is replaced by its real part.
-    """
+    A complex Y_T is replaced by its real part."""
     rates = wave.at(sites, t, eps, **transverse_site).Y_T.real
     turns = np.flatnonzero(rates[1:] * np.sign(rates[:-1]) < 0)
     if turns.size == 0:

@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache, partial
+from itertools import chain
 from typing import Any
 
 import mpmath
@@ -74,11 +75,8 @@ def ordinary_case(name: str) -> WaveCase:
 def evaluation_costs(name: str) -> list[EvaluationCost]:
     """Measure digits and seconds of every arithmetic on one wave."""
     case = ordinary_case(name)
-    costs = []
-    for arithmetic, measure in ARITHMETICS.items():
-        errors, seconds = measure(case)
-        costs.append(EvaluationCost(name, arithmetic, correct_digits(errors), seconds))
-    return costs
+    measured = {arithmetic: measure(case) for arithmetic, measure in ARITHMETICS.items()}
+    return [EvaluationCost(name, a, correct_digits(e), s) for a, (e, s) in measured.items()]
 
 
 def correct_digits(errors: Errors) -> float:
@@ -128,11 +126,8 @@ def measure_balls(digits: int, case: WaveCase) -> tuple[Errors, float]:
 
     def values() -> list[acb]:
         with ctx.workprec(bits):
-            return [
-                ball
-                for point in POINTS
-                for ball in _balls(form.expression, parameter_values, point)
-            ]
+            jets = (_balls(form.expression, parameter_values, point) for point in POINTS)
+            return list(chain.from_iterable(jets))
 
     balls = values()
     errors = [float(ball.real.rad()) / max(1.0, abs(float(ball.real.mid()))) for ball in balls]

@@ -7,21 +7,13 @@ perturbation.
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from longwave.lattice import schemes
 from longwave.lattice.model import Model
-from longwave.lattice.schemes import (
-    KAHAN_LI_8,
-    SCHEMES,
-    STOERMER_VERLET,
-    SUZUKI_UMENO_8,
-    Composition,
-    Scheme,
-    check_step,
-    stability_limit,
-)
 from longwave.lattice.state import State
 from longwave.lattice.stepper import Stepper, advance
 from longwave.reports.studies.doubledouble_ring import advance_doubled, doubled
@@ -36,16 +28,20 @@ from longwave.support.processes import Job, Key
 
 Array = NDArray[np.float64]
 
-LINEAR, HARD = Model(4.0, 0.0, 0.0), Model(1.0, 0.0, 1.0)
+LINEAR, HARDENING = Model(4.0, 0.0, 0.0), Model(1.0, 0.0, 1.0)
+"""Chains with linear springs, and with springs that harden."""
+
 NOISE = 1e-12
+"""Amplitude of noise in strains."""
 
 CN = ("wave_cn", 0.8, 20, 1, 1)
 """Form, k, period in sites, K2, K4 of the unstable background."""
 
-CN_WAVELENGTHS = 16
-CN_SITES = np.arange(float(CN_WAVELENGTHS * CN[2]))
-CN_STEP = 0.25
+CN_WAVELENGTHS, CN_STEP = 16, 0.25
+"""Wavelengths of the ring with the unstable background, and its time step."""
 
+CN_SITES = np.arange(float(CN_WAVELENGTHS * CN[2]))
+"""Sites of that ring."""
 
 Reading = float | tuple[float, str]
 """Number that a hard case is judged by, optionally with the message that it produced."""
@@ -98,22 +94,20 @@ def hard_case(
 )
 def _step_limit() -> Reading:
     """Return the largest relative distance between the stated limit and that of the kernels.
-
-    Infinite unless a step just past the limit is refused; one just below must be accepted.
-    """
+    Infinite unless a step just past the limit is refused; one just below must be accepted."""
     worst, messages = 0.0, []
-    for scheme in SCHEMES:
-        limit = stability_limit(scheme) / LINEAR.highest_frequency(np.zeros(1))
-        check_step(limit * (1.0 - 1e-6), scheme, LINEAR.highest_frequency(np.zeros(1)))
+    for scheme in schemes.SCHEMES:
+        limit = schemes.stability_limit(scheme) / LINEAR.highest_frequency(np.zeros(1))
+        schemes.check_step(limit * (1.0 - 1e-6), scheme, LINEAR.highest_frequency(np.zeros(1)))
         try:
-            check_step(limit * (1.0 + 1e-6), scheme, LINEAR.highest_frequency(np.zeros(1)))
+            schemes.check_step(limit * (1.0 + 1e-6), scheme, LINEAR.highest_frequency(np.zeros(1)))
         except ValueError as error:
             messages.append(str(error))
         worst = max(worst, abs(_observed_limit(scheme, limit) / limit - 1.0))
-    return (worst if len(messages) == len(SCHEMES) else math.inf), messages[0]
+    return (worst if len(messages) == len(schemes.SCHEMES) else math.inf), messages[0]
 
 
-def _observed_limit(scheme: Scheme, limit: float) -> float:
+def _observed_limit(scheme: schemes.Scheme, limit: float) -> float:
     """Return the step at which zone-boundary noise starts to grow in the kernels, by bisection.
 
     Past its limit a scheme may be unstable in a narrow resonance only, so the search ends close
@@ -128,7 +122,7 @@ def _observed_limit(scheme: Scheme, limit: float) -> float:
     return low
 
 
-def _noise_grows(scheme: Scheme, step: float) -> bool:
+def _noise_grows(scheme: schemes.Scheme, step: float) -> bool:
     y, s = np.tile([NOISE, -NOISE], 4), np.zeros(8)
     advance(scheme, y[None], s[None], step, 40_000, LINEAR.lattice)
     return not np.max(np.abs(y)) < 1e3 * NOISE
@@ -136,21 +130,11 @@ def _noise_grows(scheme: Scheme, step: float) -> bool:
 
 def soft_scene() -> Scene:
     """Return a steep sn wave, 7 sites long, with strains near 1/sqrt(3), where V'' = 0."""
-    scene = Scene.of(
-        name="soft",
-        wave="wave_sn",
-        parameters=(("k", 0.9),),
-        eps=0.1,
-        t0=-20.0,
-        snapshots=(-20.0, -10.0, 200.0),
-        K2=1.0,
-        K4=-1.0,
-        step=0.5,
-        domain="ring",
-        sites=1680,
-        compared=50,
-        observables=("strain",),
-    )
+    wave: dict[str, Any] = {"wave": "wave_sn", "parameters": (("k", 0.9),), "eps": 0.1}
+    times: dict[str, Any] = {"t0": -20.0, "snapshots": (-20.0, -10.0, 200.0), "step": 0.5}
+    sites: dict[str, Any] = {"domain": "ring", "sites": 1680, "compared": 50}
+    model = {"K2": 1.0, "K4": -1.0}
+    scene = Scene.of(name="soft", observables=("strain",), **wave, **times, **sites, **model)
     return replace(scene, eps=float(moving_wave(scene).wave.wavelength or math.nan) / 7.0)
 
 
@@ -181,7 +165,7 @@ def _first_soft_site(scene: Scene) -> tuple[float, int]:
     y, s = doubled(ring.f[0]), doubled(ring.v[0])
     h = scene.discretisation.step
     for step in range(1, round((scene.end - scene.t0) / h) + 1):
-        advance_doubled(KAHAN_LI_8, y, s, h, 1, scene.model)
+        advance_doubled(schemes.KAHAN_LI_8, y, s, h, 1, scene.model)
         soft = scene.model.stiffness(y[:, 0]) <= 0.0
         if soft.any():
             return scene.t0 + step * h, int(ring.cells[soft][0])
@@ -198,9 +182,9 @@ def _zone_boundary_noise() -> Reading:
     n = np.arange(float(8 * wave.period))
     alternating = np.where(n % 2 == 0, 1.0, -1.0)
     growths = []
-    for scheme in (scheme for scheme in SCHEMES if isinstance(scheme, Composition)):
+    for scheme in (scheme for scheme in schemes.SCHEMES if isinstance(scheme, schemes.Composition)):
         y, s = wave.strain(n) + NOISE * alternating, wave.velocity(n)
-        h = 0.99 * stability_limit(scheme) / wave.constants.highest_frequency(y)
+        h = 0.99 * schemes.stability_limit(scheme) / wave.constants.highest_frequency(y)
         for _ in range(20):
             advance(scheme, y[None], s[None], h, math.ceil(500.0 / h), wave.constants.lattice)
             growths.append(abs(float(np.mean(alternating * y))) / NOISE)
@@ -236,7 +220,9 @@ def deviations(wave: TravellingWave, y: Array, s: Array, h: float, times: Array)
     """Return sup |y_n(t) - f(n - v t)| / eps at the times (multiples of h) of a run from (y, s)."""
     n, t, results = np.arange(float(y.size)), 0.0, []
     for later in times:
-        advance(KAHAN_LI_8, y[None], s[None], h, round((later - t) / h), wave.constants.lattice)
+        advance(
+            schemes.KAHAN_LI_8, y[None], s[None], h, round((later - t) / h), wave.constants.lattice
+        )
         t = float(later)
         results.append(float(np.max(np.abs(y - wave.strain(n - wave.speed * t)))) / wave.eps)
     return np.array(results)
@@ -297,13 +283,13 @@ def _growth(form: str, K4: int) -> Reading:
     first, _ = wave.shape_deviation(y, 0.0)
     worst = first
     for t in 100.0 * np.arange(1, 101):
-        advance(KAHAN_LI_8, y[None], s[None], 0.5, 200, wave.constants.lattice)
+        advance(schemes.KAHAN_LI_8, y[None], s[None], 0.5, 200, wave.constants.lattice)
         worst = max(worst, wave.shape_deviation(y, float(t))[0])
     return worst / first
 
 
 def energy_errors(
-    scheme: Scheme, h: float, steps: Iterable[int], model: Model, y: Array, s: Array
+    scheme: schemes.Scheme, h: float, steps: Iterable[int], model: Model, y: Array, s: Array
 ) -> Array:
     """Return relative energy errors of the ring (y, s), advanced in place, for each step count."""
     initial_energy, errors = model.energy(State(0.0, y[None], s[None])), []
@@ -313,14 +299,11 @@ def energy_errors(
     return np.array(errors)
 
 
-def drift(scheme: Scheme, h: float, steps: int, sites: int = 32) -> float:
-    """Return the rms energy error in the last tenth of a noisy ring's run over that in the first.
-
-    About 1 if the error stays bounded, about 16 if it grows linearly.
-    """
+def drift(scheme: schemes.Scheme, h: float, steps: int, sites: int = 32) -> float:
+    """Return a late over an early rms energy error: about 1 if bounded, 16 if it grows linearly."""
     y, s = 0.1 * np.random.default_rng(11).standard_normal((2, sites))
     s -= np.mean(s)
-    squares = energy_errors(scheme, h, [steps // 1000] * 1000, HARD, y, s) ** 2
+    squares = energy_errors(scheme, h, [steps // 1000] * 1000, HARDENING, y, s) ** 2
     return float(np.sqrt(np.mean(squares[-100:]) / np.mean(squares[:100])))
 
 
@@ -330,7 +313,7 @@ def drift(scheme: Scheme, h: float, steps: int, sites: int = 32) -> float:
     3.0,
 )
 def _energy_drift_short() -> Reading:
-    return drift(STOERMER_VERLET, 0.2, 1_000_000)
+    return drift(schemes.STOERMER_VERLET, 0.2, 1_000_000)
 
 
 @hard_case(
@@ -340,7 +323,7 @@ def _energy_drift_short() -> Reading:
     slow=True,
 )
 def _energy_drift() -> Reading:
-    steps = {STOERMER_VERLET: 0.2, SUZUKI_UMENO_8: 0.4, KAHAN_LI_8: 0.4}
+    steps = {schemes.STOERMER_VERLET: 0.2, schemes.SUZUKI_UMENO_8: 0.4, schemes.KAHAN_LI_8: 0.4}
     return max(drift(scheme, h, 1_000_000) for scheme, h in steps.items())
 
 
@@ -363,7 +346,7 @@ def _rounding_growth() -> Reading:
         y, s = wave.strain(x), wave.velocity(x)
         s -= np.mean(s)
         steps = np.diff(step_counts, prepend=0)
-        rows.append(energy_errors(KAHAN_LI_8, 0.1, steps, wave.constants, y, s))
+        rows.append(energy_errors(schemes.KAHAN_LI_8, 0.1, steps, wave.constants, y, s))
     errors = np.sqrt(np.mean(np.square(rows), axis=0))
     return float(np.polyfit(np.log(step_counts), np.log(errors), 1)[0])
 
@@ -375,8 +358,8 @@ def _rounding_floor() -> Reading:
     y, s = wave.strain(n), wave.velocity(n)
     exact_y, exact_s = doubled(y), doubled(s)
     for _ in range(5):
-        advance(KAHAN_LI_8, y[None], s[None], 0.5, 200, wave.constants.lattice)
-        advance_doubled(KAHAN_LI_8, exact_y, exact_s, 0.5, 200, wave.constants)
+        advance(schemes.KAHAN_LI_8, y[None], s[None], 0.5, 200, wave.constants.lattice)
+        advance_doubled(schemes.KAHAN_LI_8, exact_y, exact_s, 0.5, 200, wave.constants)
     return float(np.max(np.abs((y - exact_y[:, 0]) - exact_y[:, 1]))) / wave.eps
 
 
@@ -391,7 +374,7 @@ def _time_reversal() -> Reading:
     y, s = measured.state_y.values[0].copy(), measured.state_s.values[0].copy()
     initial_strain = y.copy()
     for _ in range(2):
-        advance(KAHAN_LI_8, y[None], s[None], 0.5, 400, scene.model.lattice)
+        advance(schemes.KAHAN_LI_8, y[None], s[None], 0.5, 400, scene.model.lattice)
         s *= -1.0
     return float(np.max(np.abs(y - initial_strain))) / scene.eps
 

@@ -35,15 +35,20 @@ SHARES = (0.95, 0.6, 0.4, 0.25, 0.15)
 """Time steps as shares of the largest stable one."""
 
 RING_TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
-FINEST_TOLERANCE = 1e-7
-FINEST_SHARE = 0.1
+"""Tolerances of the timed runs on the spectral ring."""
+
+FINEST_TOLERANCE, FINEST_SHARE = 1e-7, 0.1
+"""Tolerance of the ring, and share of the largest stable step, of the reference runs."""
+
 SPECTRAL = "spectral"
+"""Name of the series of runs on the spectral ring."""
+
 REPEATS = 3
 MEDIANS = f"medians of {REPEATS} runs"
 """Number of timed repeats, and how the seconds are summarised."""
 
-COMPARED = 200
-SITES = 3072
+COMPARED, SITES = 200, 3072
+"""Compared sites to either side, and sites of the ring."""
 
 
 @dataclass(frozen=True)
@@ -72,14 +77,8 @@ Y_2 through its peak, and the cn rogue wave through its peak."""
 def problem_scene(problem: str) -> Scene:
     """Return a problem's scene on a ring so long that its seam affects no compared site."""
     name, t0, end = PROBLEMS[problem]
-    return load_scene(name).changed(
-        t0=t0,
-        snapshots=(end,),
-        domain="ring",
-        sites=SITES,
-        compared=COMPARED,
-        observables=("strain",),
-    )
+    scene = load_scene(name).changed(t0=t0, snapshots=(end,), observables=("strain",))
+    return scene.changed(domain="ring", sites=SITES, compared=COMPARED)
 
 
 def work_precision(problem: str) -> list[CostPoint]:
@@ -153,14 +152,16 @@ STEPS = 400
 """Number of steps that are timed if the whole run is too long."""
 
 WINDOW_COMPARED = 400
-COMPARED_X = 10.0
-WINDOW_X = 200.0
+"""Compared sites to either side, in runs of several windows."""
+
+COMPARED_X, WINDOW_X = 10.0, 200.0
 """Half-width compared, and width of a window, in X."""
 
-FITTED = 3
+FITTED_POINTS = 3
 """Number of points, at the small-eps end, through which a law is fitted."""
 
 REDUCTION, TRUE_ERROR = "error of the reduction", "error of the spectral run"
+"""Names of the series of errors."""
 
 
 @dataclass(frozen=True)
@@ -194,7 +195,7 @@ def scaling_laws(points: Iterable[ScalingPoint]) -> dict[str, float]:
         if point.series != TRUE_ERROR:
             series.setdefault(point.series, []).append((point.x, point.value))
     return {
-        name: fit_power(sorted(values, key=lambda pair: max(pair[0], 1 / pair[0]))[-FITTED:])
+        name: fit_power(sorted(values, key=lambda pair: max(pair[0], 1 / pair[0]))[-FITTED_POINTS:])
         for name, values in series.items()
     }
 
@@ -216,12 +217,11 @@ def measure_at_eps(eps: float, with_reference: bool) -> list[ScalingPoint]:
     wide = 2 * round(base.model.sound_speed() * (base.end - base.t0)) + 2 * base.compared
     sites = max(2048, round(WINDOW_X / eps))
     rk4 = _scaled(base, "rk4", RK4_STEP, sites)
+    order_6 = _scaled(base, WINDOW_SCHEME, WINDOW_STEP, sites)
     points = [
         ScalingPoint("RK4, wide lattice", 1 / eps, rk4 * wide / sites, scaled=True),
         ScalingPoint("RK4, window", 1 / eps, rk4, scaled=True),
-        ScalingPoint(
-            "order 6, window", 1 / eps, _scaled(base, WINDOW_SCHEME, WINDOW_STEP, sites), True
-        ),
+        ScalingPoint("order 6, window", 1 / eps, order_6, scaled=True),
         ScalingPoint("spectral", 1 / eps, seconds),
         ScalingPoint(REDUCTION, eps, float(result["error"][-1]), own=_own_error(result, eps)),
     ]
@@ -239,14 +239,9 @@ def _own_error(result: xr.Dataset, eps: float) -> float:
 
 def _scaled(base: Scene, scheme: str, step: float, sites: int) -> float:
     """Return the seconds of the whole run in a window of ``sites``, scaled from STEPS steps."""
-    partial_scene = base.changed(
-        scheme=scheme,
-        step=step,
-        sites=sites,
-        compared=min(base.compared, 200),
-        snapshots=(base.t0 + STEPS * step,),
-    )
-    seconds = float(run(partial_scene).attrs["seconds"])
+    part = base.changed(scheme=scheme, step=step, snapshots=(base.t0 + STEPS * step,))
+    part = part.changed(sites=sites, compared=min(base.compared, 200))
+    seconds = float(run(part).attrs["seconds"])
     return seconds * (base.end - base.t0) / (STEPS * step)
 
 
@@ -339,7 +334,7 @@ def peak_laws(points: Iterable[PeakError]) -> dict[int, float | None]:
     for point in points:
         orders.setdefault(point.order, []).extend([(point.eps, point.value)] * point.resolved)
     return {
-        order: fit_power(sorted(values)[:FITTED]) if len(values) > 1 else None
+        order: fit_power(sorted(values)[:FITTED_POINTS]) if len(values) > 1 else None
         for order, values in sorted(orders.items())
     }
 

@@ -34,37 +34,26 @@ class LatticeModel:
     mean: Expr = S.Zero
 
     def reductions(self) -> tuple[Reduction, ...]:
-        """Return the reductions that have a normal form and conditions that can be met.
-
-        Empty if the lattice has no long wave.
-        """
+        """Return the reductions with a normal form and conditions that can be met, if any."""
         try:
             scalings = find_scaling(self.lattice.with_values(dict(self.values)), self.mean)
         except ValueError:
             return ()
-        return tuple(
-            reduction
-            for reduction in scalings
-            if reduction.has_normal_form and _can_be_met(reduction)
-        )
+        return tuple(r for r in scalings if r.has_normal_form and _can_be_met(r))
 
 
 def _can_be_met(reduction: Reduction) -> bool:
     """Return whether no condition requires a nonzero expression to vanish."""
     defined = dict(reduction.lattice.definitions)
-    return not any(
-        condition.expression.xreplace(defined).is_zero is False
-        for condition in reduction.conditions
-    )
+    expressions = (condition.expression.xreplace(defined) for condition in reduction.conditions)
+    return not any(expression.is_zero is False for expression in expressions)
 
 
 def lattice_models() -> Iterator[LatticeModel]:
     """Yield the lattices of the catalogue, then the special cases."""
     for lattice in LATTICES.values():
         yield LatticeModel(lattice)
-    chain, next_nearest, square = (
-        LATTICES[name] for name in ("fput_strain", "next_nearest", "square")
-    )
+    chain, next_nearest = LATTICES["fput_strain"], LATTICES["next_nearest"]
     yield LatticeModel(chain, "with a small quadratic force", (("K3", eps * SMALL),))
     yield LatticeModel(chain, "about a mean strain", mean=ybar)
     vanishing = (("K2", (4 * C2 - eps**2 * D2) / 3), ("L2", (eps**2 * D2 - C2) / 12))
@@ -72,9 +61,9 @@ def lattice_models() -> Iterator[LatticeModel]:
     yield LatticeModel(next_nearest, "nearly without dispersion", vanishing)
     yield LatticeModel(next_nearest, "nearly without dispersion, odd forces", (*vanishing, *odd))
     further = spring(cubic(L2, L3, L4), ((0, 0), 0), ((2, 0), 0))
-    yield LatticeModel(
-        replace(square, bonds=(*square.bonds, further)), "with springs to the next but one along n"
-    )
+    square = LATTICES["square"]
+    square = replace(square, bonds=(*square.bonds, further))
+    yield LatticeModel(square, "with springs to the next but one along n")
 
 
 def closed_waves(reduction: Reduction) -> tuple[str, ...]:

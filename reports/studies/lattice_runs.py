@@ -32,9 +32,8 @@ class SceneRun:
     @property
     def within_tolerance(self) -> bool:
         """Whether the run finished within its tolerance, by its own estimate."""
-        if self.run is None:
-            return False
-        return float(self.run.attrs["error_estimate"]) <= self.scene.target.tolerance
+        estimate = float("inf") if self.run is None else self.run.attrs["error_estimate"]
+        return float(estimate) <= self.scene.target.tolerance
 
 
 def scene_run(name: str, progress: Progress = lambda _: None) -> SceneRun:

@@ -19,8 +19,8 @@ from longwave.scenes.description.scene import Scene
 from longwave.support.processes import Job, Key
 
 LONG_SCENES = ("breather_sn_k_0.7_long", "rogue_cn_k_0.5_long", "soliton_dn_k_0.7_long")
-
 SPLIT_SCENE = "split_rational_3"
+"""Names of the scenes of long runs, and of the split wave."""
 
 SHARES = (0.6, 0.45)
 """Time steps of the stencil runs, in units of the longest allowed; the second is the reference."""
@@ -47,18 +47,15 @@ class LongRun:
     @property
     def within_tolerance(self) -> bool:
         """Whether the ring meets its tolerance, the reference's error added; False with any NaN."""
-        snapshots = len(scene_of(self.ring).snapshots)
-        complete = all(
-            part.sizes["time"] == snapshots for part in (self.ring, self.coarse, self.fine)
-        )
+        snapshots, runs = len(scene_of(self.ring).snapshots), (self.ring, self.coarse, self.fine)
+        complete = all(run.sizes["time"] == snapshots for run in runs)
         worst = float(self.differences.max(skipna=False)) + self.own
         return complete and worst <= float(self.ring.attrs["tolerance"])
 
     def _difference(self, other: xr.Dataset) -> xr.DataArray:
         eps = scene_of(self.ring).eps
-        difference = abs(other["strain"] - self.fine["strain"])
-        difference_over_eps: xr.DataArray = difference.max("site", skipna=False) / eps
-        return difference_over_eps
+        difference: xr.DataArray = abs(other["strain"] - self.fine["strain"])
+        return difference.max("site", skipna=False) / eps
 
 
 def by_ring(name: str, progress: Progress | None = None) -> xr.Dataset:

@@ -38,10 +38,7 @@ class MeasuredRuns:
     scenes: Mapping[str, Scene]
 
     def discretisation(self, name: str) -> xr.DataArray:
-        """Return the discretisation error of y/eps by step and domain together, at each snapshot.
-
-        If a run measured only one of the two, that one is returned.
-        """
+        """Return the error of y/eps by step and domain, as far as measured, at each snapshot."""
         error = measured_error(self.runs[name])
         assert error is not None, f"{name} measured no error"
         return xr.DataArray(error, {"time": self.runs[name]["time"].values}, "time")
@@ -86,10 +83,9 @@ class MeasuredRuns:
     def peaks(self, name: str, time: float) -> tuple[UncertainNumber, float]:
         """Return the largest y/eps of the lattice and of the wave on the sites at a snapshot."""
         snapshot, eps = self.runs[name].sel(time=time), self.scenes[name].eps
-        lattice = UncertainNumber(
-            float(snapshot["strain"].max()) / eps, float(self.discretisation(name).sel(time=time))
-        )
-        return lattice, float(snapshot["analytic"].max()) / eps
+        lattice, wave = (float(snapshot[key].max()) / eps for key in ("strain", "analytic"))
+        own_error = float(self.discretisation(name).sel(time=time))
+        return UncertainNumber(lattice, own_error), wave
 
 
 def report_scenes() -> dict[str, Scene]:

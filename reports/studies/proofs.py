@@ -43,25 +43,17 @@ def proof_record(name: str) -> ProofRecord:
     verdict = prove_named(name)
     certificate = verdict.certificate
     accepted, seconds = (None, None) if certificate is None else _checked(json.dumps(certificate))
-    return ProofRecord(
-        verdict.name,
-        verdict.method,
-        verdict.outcome,
-        verdict.seconds,
-        verdict.certificate_bytes,
-        seconds,
-        accepted,
-    )
+    proof = verdict.name, verdict.method, verdict.outcome, verdict.seconds
+    return ProofRecord(*proof, verdict.certificate_bytes, seconds, accepted)
 
 
 def _checked(certificate: str) -> tuple[bool, float]:
     """Return whether the checker accepts a certificate's text, and the seconds it took."""
-    start = time.perf_counter()
-    try:
+    start, accepted = time.perf_counter(), False
+    with suppress(CertificateError):
         check_certificate(json.loads(certificate))
-    except CertificateError:
-        return False, time.perf_counter() - start
-    return True, time.perf_counter() - start
+        accepted = True
+    return accepted, time.perf_counter() - start
 
 
 def proof_jobs() -> dict[Key, Job]:

@@ -58,15 +58,13 @@ class TravellingWave:
         """Return the strain f(x)."""
         weights = np.where(np.arange(self.modes.size) == 0, 1.0, 2.0) * self.modes
         waves = np.cos(np.multiply.outer(x, self._wavenumbers))
-        strain: Array = np.sum(waves * weights, axis=-1)
-        return strain
+        return np.asarray(np.sum(waves * weights, axis=-1))
 
     def velocity(self, x: Array) -> Array:
         """Return the velocity dy_n/dt = -v f'(x)."""
         weights = 2.0 * self.modes * self._wavenumbers
         waves = np.sin(np.multiply.outer(x, self._wavenumbers))
-        velocity: Array = self.speed * np.sum(waves * weights, axis=-1)
-        return velocity
+        return np.asarray(self.speed * np.sum(waves * weights, axis=-1))
 
     def shape_deviation(self, y: Array, t: float) -> tuple[float, float]:
         """Return a ring's root mean square deviation from the best shifted wave, and the shift.
@@ -123,8 +121,8 @@ def _cosine_modes(wave: Wave, eps: float, period: int) -> Array:
 def profile(modes: Array) -> Array:
     """Return the profile at OVERSAMPLING * MODES equidistant points of its period."""
     count = OVERSAMPLING * MODES
-    samples: Array = np.fft.irfft(np.pad(modes, (0, count // 2 + 1 - modes.size)), count) * count
-    return samples
+    padded = np.pad(modes, (0, count // 2 + 1 - modes.size))
+    return np.fft.irfft(padded, count) * count
 
 
 def _linearised(

@@ -230,7 +230,7 @@ def test_without_ffmpeg_a_gif_is_the_remedy(monkeypatch: pytest.MonkeyPatch) -> 
 def test_a_gif_that_does_not_fit_the_memory_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("longwave.reports.pictures.film_files.MOST_GIF_PIXELS", 1e4)
+    monkeypatch.setattr("longwave.reports.pictures.film_files.MAX_GIF_PIXELS", 1e4)
     with pytest.raises(ValueError, match=r"^a GIF must have at most 1e\+04 pixels"):
         save_film(chain(), tmp_path / "film.gif", 10.0)
     assert not list(tmp_path.iterdir())

@@ -63,7 +63,7 @@ class Runs:
         return {(SPLIT, 0.0): UncertainNumber(0.10141, 1.4e-5)}[name, time]
 
     def largest_error(self, name: str) -> tuple[UncertainNumber, float]:
-        found = {section.THIRD: (0.18246, 5.4e-5), rk4_name(3): (0.2204, 0.13)}
+        found = {section.THIRD_ORDER_RUN: (0.18246, 5.4e-5), rk4_name(3): (0.2204, 0.13)}
         return UncertainNumber(*found[name]), 400.0
 
     def split(self, name: str, time: float) -> dict[str, UncertainNumber]:

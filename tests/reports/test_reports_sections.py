@@ -4,10 +4,11 @@ from dataclasses import replace
 
 import pytest
 
+from longwave.reports.latex import mathematics
 from longwave.reports.paper import SOURCES, cited
 from longwave.reports.pictures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES
 from longwave.reports.sections.costs import accuracy_table
-from longwave.reports.sections.runs import caption_part, claim_table, mathematics
+from longwave.reports.sections.runs import caption_part, claim_table
 from longwave.reports.sections.theory import (
     derivation,
     equations,

@@ -35,7 +35,7 @@ def fetch(name: str, folder: str, least: str) -> int:
 
 def write(name: str, folder: str, least: str) -> int:
     """Run ``longwave run SCENE.toml --output FOLDER/out.nc``."""
-    run_output.PACE = float(least), 1e9
+    run_output.CHECKPOINT_PACE = float(least), 1e9
     scene = Path(folder) / "scene.toml"
     scene.write_text(SCENES[name].toml(), encoding="utf-8")
     output = str(Path(folder) / "out.nc")

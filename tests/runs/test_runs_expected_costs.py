@@ -99,8 +99,8 @@ def test_stored_cells_cost_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 def test_a_large_sweep_is_estimated_from_a_sample(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(sweep_cost, "SAMPLING_SECONDS", 1e9)
-    monkeypatch.setattr(sweep_cost, "MOST_SAMPLING_SECONDS", 1e9)
+    monkeypatch.setattr(sweep_cost, "FREE_SAMPLING_SECONDS", 1e9)
+    monkeypatch.setattr(sweep_cost, "MAX_SAMPLING_SECONDS", 1e9)
     costing(monkeypatch, {1.0: 0.0, 2.0: 2.0})
     eps = [0.1 + 1e-6 * i for i in range(200_000)]
     found = expected_sweep_cost(

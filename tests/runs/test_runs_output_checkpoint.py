@@ -30,7 +30,7 @@ def saved(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
         write(folder, *memory)
 
     monkeypatch.setattr(CheckpointFolder, "write", counted)
-    monkeypatch.setattr(run_output, "PACE", (0.0, 1e9))
+    monkeypatch.setattr(run_output, "CHECKPOINT_PACE", (0.0, 1e9))
     monkeypatch.setattr("os.fsync", lambda _: None)
     return report
 

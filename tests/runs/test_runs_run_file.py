@@ -209,14 +209,14 @@ def foreign(path: Path) -> None:
             lambda path: xr.Dataset().to_netcdf(path, engine="scipy"),
             "which is netCDF 3 [(]of",
         ),
-        (lambda path: path.write_bytes(b""), "which is no run"),
-        (lambda path: path.write_text("wave = 3"), "which is no run"),
+        (lambda path: path.write_bytes(b""), "which is not a run"),
+        (lambda path: path.write_text("wave = 3"), "which is not a run"),
         (lambda path: path.mkdir(), "regular file"),
         (
             lambda path: path.write_bytes(b"\x89HDF\r\n\x1a\n" + b"x" * 99),
             "whole NetCDF-4",
         ),
-        (foreign, "bytes are claimed by a file"),
+        (foreign, "bytes in memory, got"),
         (
             lambda path: xr.Dataset(attrs={"json_attributes": "[1]"}).to_netcdf(
                 path, engine="h5netcdf"
@@ -227,7 +227,7 @@ def foreign(path: Path) -> None:
             lambda path: xr.Dataset(coords={"time": [0.0, np.inf]}).to_netcdf(
                 path, engine="h5netcdf"
             ),
-            "whole NetCDF-4 file, got [^\n]*: time is not finite",
+            "whole NetCDF-4 file, got [^\n]*: time must be finite",
         ),
     ],
     ids=["netCDF 3", "empty", "text", "folder", "broken", "huge", "attributes", "times"],

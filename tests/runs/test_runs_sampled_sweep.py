@@ -11,7 +11,7 @@ from longwave.runs import sampled_sweep as room
 from longwave.runs import sweep_dataset
 from longwave.runs.run_file import load_run
 from longwave.runs.run_store import RunStore
-from longwave.runs.sampled_sweep import FEWEST_SAMPLES, ObservedNumber, sampled_sweep
+from longwave.runs.sampled_sweep import MIN_SAMPLES, ObservedNumber, sampled_sweep
 
 CHAIN = """
 fields = ["u"]
@@ -75,7 +75,7 @@ def test_samples_have_the_covariance_of_the_lattice_file() -> None:
 
 
 def test_constants_stated_by_the_scene_are_exact() -> None:
-    assert sampled_sweep("wave.toml", FEWEST_SAMPLES).dimensions[0].fields == ("constants.K2",)
+    assert sampled_sweep("wave.toml", MIN_SAMPLES).dimensions[0].fields == ("constants.K2",)
 
 
 def test_intervals_are_those_of_a_mode_in_closed_form(capsys: pytest.CaptureFixture[str]) -> None:
@@ -123,8 +123,8 @@ def test_the_crest_is_measured_from_the_background_at_the_last_time(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """The wave falls from 1.5 to 0.5 on a background of 2; theory is 0.1 too low at sample 3."""
-    sweep = sampled_sweep("wave.toml", FEWEST_SAMPLES)
-    wave = np.zeros((FEWEST_SAMPLES, 2, 5))
+    sweep = sampled_sweep("wave.toml", MIN_SAMPLES)
+    wave = np.zeros((MIN_SAMPLES, 2, 5))
     wave[:, 0, 1], wave[:, 1, 3] = 1.5, -0.5
     theory = wave.copy()
     theory[3, 1, 3] = -0.4
@@ -136,8 +136,8 @@ def test_the_crest_is_measured_from_the_background_at_the_last_time(
             ("background", 0 * wave + 2),
         )
     }
-    status = ("sample", np.array(["refused"] + ["done"] * (FEWEST_SAMPLES - 1), dtype=object))
-    estimates = ("sample", np.where(np.arange(FEWEST_SAMPLES) == 5, 4e-6, 1e-6))
+    status = ("sample", np.array(["refused"] + ["done"] * (MIN_SAMPLES - 1), dtype=object))
+    estimates = ("sample", np.where(np.arange(MIN_SAMPLES) == 5, 4e-6, 1e-6))
     found = xr.Dataset({**data, "status": status, "error_estimate": estimates})
     monkeypatch.setattr(sweep_dataset, "cell_run", lambda *_, **__: xr.Dataset(attrs={"power": 2}))
     [crest] = room.observed_numbers(sweep, RunStore("none"), found)

@@ -109,13 +109,13 @@ def test_with_an_index_only_new_packs_are_opened(
     fill(tmp_path, INDEXED_CHANGES)
     before = pack_index(tmp_path)
     opened: list[Path] = []
-    read = store_packs.read_pack
+    read = run_pack.read_pack
 
     def counted(path: Path, untyped: int) -> Any:
         opened.append(path)
         return read(path, untyped)
 
-    monkeypatch.setattr(store_packs, "read_pack", counted)
+    monkeypatch.setattr(run_pack, "read_pack", counted)
     assert len(pack_index(tmp_path)) == len(before)
     assert opened == []
     fill(tmp_path, 2, first=3 * INDEXED_CHANGES)
@@ -336,7 +336,7 @@ def test_two_concurrent_merges_lose_nothing(
 ) -> None:
     """Without working locks, one finds packs gone, or merges the same ones."""
     monkeypatch.setattr(store_packs, "locked", lambda *_: nullcontext())
-    merged = store_packs.merged_content
+    merged = run_pack.merged_content
     depth: list[int] = []
 
     def slow(packs: Any) -> bytes:
@@ -346,7 +346,7 @@ def test_two_concurrent_merges_lose_nothing(
             merge_packs(tmp_path)
         return content
 
-    monkeypatch.setattr(store_packs, "merged_content", slow)
+    monkeypatch.setattr(run_pack, "merged_content", slow)
     fill(tmp_path, MERGED_COUNT + 2)
     merge_packs(tmp_path)
     check(tmp_path, 3 * (MERGED_COUNT + 2))

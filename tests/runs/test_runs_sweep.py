@@ -19,7 +19,7 @@ from longwave.runs.run_file import load_run
 from longwave.runs.run_pack import CellRecord, load_row, read_pack, write_pack
 from longwave.runs.run_store import RunStore
 from longwave.runs.store_packs import pack_index
-from longwave.runs.sweep import MOST_LOST_WORKERS, SweepState, run_sweep, run_with_progress
+from longwave.runs.sweep import MAX_LOST_WORKERS, SweepState, run_sweep, run_with_progress
 from longwave.runs.sweep_cells import Cell, numbers_of, run_cells
 from longwave.runs.sweep_cost import expected_sweep_cost
 from longwave.runs.sweep_dataset import cell_run, sweep_dataset, write_sweep
@@ -435,7 +435,7 @@ def test_a_cell_that_kills_its_workers_is_given_up(store: RunStore) -> None:
     found = sweep_dataset(sweep, store)
     assert found.status.values.tolist() == ["done", "failed", "done"]
     assert "its worker process ended 3 times" in str(found.message.values[1])
-    assert killed[1:] == [1] * MOST_LOST_WORKERS
+    assert killed[1:] == [1] * MAX_LOST_WORKERS
 
 
 def _run_long(

@@ -104,7 +104,7 @@ def test_a_batch_is_estimated_from_some_of_its_cells_before_they_run(
     cells = [Cell(number, str(number), scene) for number in range(20)]
     batch = run_cells(cells, tmp_path, "elsewhere")
     assert batch.expected == pytest.approx(40.0)
-    assert met.count("judged") == sweep_cells.MOST_ESTIMATED
+    assert met.count("judged") == sweep_cells.MAX_ESTIMATED
     assert all(later == "run" for one, later in pairwise(met) if one == "judged")
 
 

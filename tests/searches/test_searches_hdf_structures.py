@@ -41,7 +41,7 @@ FAULTS = {
     ),
     "links": (hdf_contents, "_check_new", lambda *_: None, "linked_often", r"\d s$", 2),
     "sizes": (hdf_contents, "BASE_BYTES", 10**9, "filled", r"\d MB$", 60),
-    "half precision": (hdf_contents, "LEAST_FLOAT_BYTES", 0, "of_another_kind", "a warning", 200),
+    "half precision": (hdf_contents, "MIN_FLOAT_BYTES", 0, "of_another_kind", "a warning", 200),
 }  # fmt: skip
 """What is put back, the changes that show it, what is said of it, and in how many files.
 

@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 from longwave.reports.pictures.drawing import moving_grid
-from longwave.reports.pictures.plotting import MOST_PANELS, PICTURES, plot, shown_half_width
+from longwave.reports.pictures.plotting import MAX_PANELS, PICTURES, plot, shown_half_width
 from longwave.reports.pictures.run_data import placed, with_theory
 from longwave.runs import save_run
 from longwave.scenes import run
@@ -196,7 +196,7 @@ def test_snapshots_show_the_wave_and_not_all_of_its_background(finished_run: xr.
     )
 
 
-@pytest.mark.parametrize(("count", "panels"), [(1, 1), (4, 4), (40, MOST_PANELS)])
+@pytest.mark.parametrize(("count", "panels"), [(1, 1), (4, 4), (40, MAX_PANELS)])
 def test_many_snapshots_are_thinned_and_the_last_is_kept(
     finished_run: xr.Dataset, count: int, panels: int
 ) -> None:

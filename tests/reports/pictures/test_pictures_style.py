@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from longwave.reports.pictures.drawing import (
-    cheapest_places,
+    cheapest_indices,
     cost_figure,
     crest_track,
     grid_shape,
@@ -322,14 +322,14 @@ def test_lines_of_work_join_the_cheapest_runs_alone() -> None:
     assert title.startswith("points: runs; ")
     assert "monotone envelope" in title
     random = np.random.default_rng(3).uniform(size=(2, 200))
-    chosen = cheapest_places(*random)
+    chosen = cheapest_indices(*random)
     assert np.all(np.diff(random[0][chosen]) > 0.0)
     assert np.all(np.diff(random[1][chosen]) < 0.0)
     for place in set(range(200)) - set(chosen.tolist()):
         beaten = (random[0][chosen] <= random[0][place]) & (random[1][chosen] <= random[1][place])
         assert beaten.any()
-    assert not cheapest_places(np.array([np.nan]), np.array([1.0])).size
-    assert cheapest_places(work, errors).tolist() == [0, 2, 3]
+    assert not cheapest_indices(np.array([np.nan]), np.array([1.0])).size
+    assert cheapest_indices(work, errors).tolist() == [0, 2, 3]
 
 
 def test_a_run_with_a_law_has_it_at_the_times_of_its_map() -> None:
