@@ -25,6 +25,9 @@ class DomainRules(entries.Entry):
     ends_meet: bool = False
 
 
+window, ring, closed_ring = DomainRules(moves=True), DomainRules(), DomainRules(ends_meet=True)
+
+
 @dataclass(frozen=True, kw_only=True)
 class EngineRules(entries.Entry):
     """Rules for scenes that name an engine.
@@ -33,6 +36,9 @@ class EngineRules(entries.Entry):
     """
 
     steps_cells: bool = True
+
+
+stencil, spectral = EngineRules(), EngineRules(steps_cells=False)
 
 
 @dataclass(frozen=True)

@@ -15,13 +15,12 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from longwave.lattice.random_sites import DISTRIBUTIONS, site_deviations
+from longwave.lattice.state import Array
 from longwave.scenes.description.scene_checks import finite, one_of, refuse_unknown, text, whole
 from longwave.support.user_files import shown
-
-Array = NDArray[np.float64]
 
 MASS = "mass"
 """Value of `Disorder.of` if masses deviate."""

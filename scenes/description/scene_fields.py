@@ -35,7 +35,7 @@ ROUNDING = 1e-12
 
 @dataclass(frozen=True, kw_only=True)
 class StartRules(entries.Entry):
-    """Rules for scenes of one start; ``method`` is a key of `engines.methods.METHODS`.
+    """Rules for scenes of one start; ``method`` is a key of `engines.methods.method_of`.
 
     ``measured`` names a quantity that is measured instead of comparing a wave; times and region are
     then computed. ``check`` raises ValueError in one line for an inadmissible scene.
@@ -126,7 +126,7 @@ class SceneFields:
 
     @property
     def method(self) -> str:
-        """Key of the function in `engines.methods.METHODS` that runs the scene."""
+        """Kind of the scene, for which `engines.methods.method_of` returns an engine."""
         return self.start.method
 
     @property

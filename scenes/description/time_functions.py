@@ -8,8 +8,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
+from longwave.lattice.state import Array
 from longwave.lattice.time_integral import ROUNDING
 from longwave.scenes.description.csv_table import number_list
 from longwave.scenes.description.scene_checks import finite
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
     from longwave.lattice.force_program import ForceProgram
 
-Array = NDArray[np.float64]
 Smooth: TypeAlias = "ForceProgram | Samples"
 """Function of an array of times, with a slope."""
 

@@ -11,27 +11,20 @@ from __future__ import annotations
 
 import math
 from time import perf_counter
-from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import t as student
 
-from longwave.lattice.state import State
-from longwave.scenes.description.bench import MEAN_SUFFIXES
+from longwave.lattice.driving import DrivenChain
+from longwave.lattice.refine import Announce
+from longwave.lattice.state import Array, State
+from longwave.lattice.trial import Progress
+from longwave.scenes.description.bench import MEAN_SUFFIXES, Bench
+from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines.bench_readings import BenchReadings, bench_and_chain
+from longwave.scenes.engines.run_record import RunRecord
 from longwave.support.checkpoint import begin_loop
 from longwave.support.request_limits import ExpectedCost, check_request
-
-if TYPE_CHECKING:
-    from longwave.lattice.driving import DrivenChain
-    from longwave.lattice.refine import Announce
-    from longwave.lattice.trial import Progress
-    from longwave.scenes.description.bench import Bench
-    from longwave.scenes.description.scene import Scene
-    from longwave.scenes.engines.run_record import RunRecord
-
-Array = NDArray[np.float64]
 
 FIRST_RUNS, MOST_RUNS = 64, 100_000
 """Minimum and maximum number of runs. The minimum keeps the intervals honest: a small sample that

@@ -7,11 +7,11 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.derive.symbols import number_value
 from longwave.lattice.integration import CellEngine, StateComparison
 from longwave.lattice.schemes import REDUCED_PHASE_6, scheme_named
+from longwave.lattice.state import Array, State
 from longwave.scenes.description.bench import MOST_READINGS, Bench
 from longwave.scenes.description.losses import without_losses
 from longwave.scenes.description.scene import Scene
@@ -27,11 +27,8 @@ from longwave.scenes.starts.bench_chain import (
 if TYPE_CHECKING:
     from longwave.lattice.driving import DrivenChain
     from longwave.lattice.energy_balance import EnergyBalance
-    from longwave.lattice.state import State
     from longwave.lattice.trial import Trial
     from longwave.scenes.engines.recorders import Variables
-
-Array = NDArray[np.float64]
 
 
 @lru_cache(maxsize=4)

@@ -4,26 +4,21 @@ from __future__ import annotations
 
 from dataclasses import replace
 from time import perf_counter
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from longwave.lattice.dynamics import Dynamics
+from longwave.lattice.refine import Announce
 from longwave.lattice.schemes import REDUCED_PHASE_6
-from longwave.lattice.trial import DRIVEN_SHARE
+from longwave.lattice.state import State
+from longwave.lattice.trial import DRIVEN_SHARE, Progress
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import MOST_STEPS
 from longwave.scenes.engines.bench_readings import BenchReadings, bench_and_chain, reading_times
 from longwave.scenes.engines.ring_cost import USUAL_RUNS, search_cost
 from longwave.scenes.engines.run_record import RunRecord, add_error_estimate, refine_scene
 from longwave.scenes.starts.bench_chain import energy_cuts
-from longwave.support.request_limits import OverBudgetError, check_request
-
-if TYPE_CHECKING:
-    from longwave.lattice.refine import Announce
-    from longwave.lattice.state import State
-    from longwave.lattice.trial import Progress
-    from longwave.support.request_limits import ExpectedCost
+from longwave.support.request_limits import ExpectedCost, OverBudgetError, check_request
 
 BALANCE_SECONDS = 4e-4
 """Seconds to stop at a step and update the energy balance; measured on 24 cells."""
@@ -67,10 +62,7 @@ def scene_cost(scene: Scene) -> ExpectedCost:
 
 
 def record_scene(
-    scene: Scene,
-    progress: Progress | None = None,
-    announce: Announce | None = None,
-    restart: State | None = None,
+    scene: Scene, progress: Progress | None, announce: Announce | None, restart: State | None
 ) -> RunRecord:
     """Run the chain so that the error of each reading is within the tolerance.
 

@@ -11,14 +11,14 @@ import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from operator import add, sub
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.schemes import REDUCED_PHASE_6, Scheme, stability_limit
 from longwave.lattice.seam import Fading
-from longwave.lattice.state import GROWTH, BlowUp
+from longwave.lattice.state import GROWTH, Array, BlowUp
 from longwave.lattice.trial import DRIVEN_SHARE
 from longwave.scenes.engines.ring_cost import (
     CELL_SECONDS,
@@ -36,8 +36,6 @@ from longwave.scenes.starts.lattice_wave import (
 )
 from longwave.solutions.pieces import PIECE
 from longwave.support.request_limits import ExpectedCost, check_request
-
-Array = NDArray[np.float64]
 
 SCHEME = REDUCED_PHASE_6
 
@@ -127,14 +125,9 @@ class ComparedCells:
         """
         ends = []
         for axis, (reach, speed) in enumerate(zip(self.reach, signals, strict=True)):
-            rooms = [
-                (
-                    self.middle(t) if axis == 0 else 0,
-                    reach + math.ceil(_signal(speed, t - times[0])),
-                )
-                for t in times
-            ]
-            low, high = (min(m - r for m, r in rooms), max(m + r for m, r in rooms))
+            middles = [self.middle(t) if axis == 0 else 0 for t in times]
+            halves = [reach + math.ceil(_signal(speed, t - times[0])) for t in times]
+            low, high = min(map(sub, middles, halves)), max(map(add, middles, halves))
             ends.append((low - wider // 2, high + wider - wider // 2))
         return ends
 
@@ -174,84 +167,76 @@ def _signal_speeds(lattice: NumericLattice, slopes: list[float]) -> list[float]:
     return [largest_group_velocity(lattice, slopes, axis) for axis in range(lattice.dimension)]
 
 
-def expected_rings(
-    wave: LatticeWave,
-    compared: ComparedCells,
-    times: Sequence[float],
-    tolerance: float | None = None,
-) -> ExpectedCost:
-    """Return the expected cost of a search for step and domain, from the lattice's linear waves.
+class DomainCost:
+    """Domain and expected cost of a search for the step of one wave, for a run over ``times``.
 
-    A window is considered only if a ``tolerance`` is given.
+    The run starts at the first of the times. ``extent`` is the wave's extent (low, high) if it can
+    be run in a window to ``tolerance``; None for any other wave and without a tolerance. ``room``
+    is the number of cells at either end of a ring that are blended to close it; 0 if the domains
+    are not ``closed``.
     """
-    lattice = wave.lattice
-    rest = lattice.rest_slopes()
-    frequency, signals = lattice.highest_frequency(rest), _signal_speeds(lattice, rest)
-    extent = _fed_extent(wave, times, tolerance)
-    window = _window_size(wave, compared, times, signals, extent)
-    room = wave.seam_room(times[0]) if wave.watches_strains else 0  # negligible for other waves
-    return _cost(wave, compared, times, frequency, signals, window, room)[1]
 
+    def __init__(
+        self,
+        wave: LatticeWave,
+        compared: ComparedCells,
+        times: Sequence[float],
+        tolerance: float | None = None,
+        closed: bool = True,
+    ) -> None:
+        self.wave, self.compared, self.times = wave, compared, tuple(times)
+        self.tolerance, self.extent = tolerance, None
+        is_perturbed = wave.disorder is not None or wave.losses is not None
+        if not (tolerance is None or is_perturbed or wave.far_speed is None):
+            self.extent = wave.extent(times, tolerance)
+        self.room = wave.seam_room(self.times[0]) if closed else 0
 
-def _fed_extent(
-    wave: LatticeWave, times: Sequence[float], tolerance: float | None
-) -> tuple[float, float] | None:
-    """Return the extent (low, high) of a wave that can be run in a window; None for any other.
+    def at_rest(self) -> tuple[float, list[float]]:
+        """Return the highest frequency and the fastest signals of linear waves about rest."""
+        lattice, rest = self.wave.lattice, self.wave.lattice.rest_slopes()
+        return lattice.highest_frequency(rest), _signal_speeds(lattice, rest)
 
-    None also without a tolerance.
-    """
-    is_perturbed = wave.disorder is not None or wave.losses is not None
-    if tolerance is None or is_perturbed or wave.far_speed is None:
-        return None
-    return wave.extent(times, tolerance)
+    @property
+    def driven_step(self) -> float:
+        """Longest step tried on a driven lattice; infinite for any other."""
+        return DRIVEN_SHARE * self.wave.lattice.driven_within(self.times[0], self.times[:2][-1])
 
+    def window_size(self, signals: Sequence[float]) -> int | None:
+        """Return the size of the smallest window that holds the wave; None if a ring is smaller.
 
-def _window_size(
-    wave: LatticeWave,
-    compared: ComparedCells,
-    times: Sequence[float],
-    signals: Sequence[float],
-    extent: tuple[float, float] | None,
-) -> int | None:
-    """Return the size of the smallest window that holds the wave; None if a ring is smaller.
+        Signals from the window's rear, which travel through the far field, must not reach the
+        compared cells. A wave that runs ahead of its frame needs so wide a window that a ring is
+        smaller.
+        """
+        if self.extent is None:
+            return None
+        (low, high), fastest, speed = self.extent, self.wave.far_fastest, self.wave.speed
+        reach = max(float(self.compared.reach[0]), -low, high)
+        drift = max(0.0, fastest - speed) * (self.times[-1] - self.times[0])
+        size = round_up(least_window(math.ceil(reach + drift), fastest / speed))
+        return size if size < count_cells(self.compared.ring(self.times, signals, 0)) else None
 
-    Signals from the window's rear, which travel through the far field, must not reach the compared
-    cells. A wave that runs ahead of its frame needs so wide a window that a ring is smaller.
-    """
-    if extent is None:
-        return None
-    (low, high), fastest = extent, wave.far_fastest
-    reach = max(float(compared.reach[0]), -low, high)
-    drift = max(0.0, fastest - wave.speed) * (times[-1] - times[0])
-    size = round_up(least_window(math.ceil(reach + drift), fastest / wave.speed))
-    return size if size < count_cells(compared.ring(times, signals, 0)) else None
+    def cost(
+        self, fastest: float, signals: Sequence[float], window: int | None
+    ) -> tuple[float, ExpectedCost]:
+        """Return the number of cells of the widest ring, or of the window, and the search's cost.
 
-
-def _cost(
-    wave: LatticeWave,
-    compared: ComparedCells,
-    times: Sequence[float],
-    fastest: float,
-    signals: Sequence[float],
-    window: int | None,
-    room: int,
-) -> tuple[float, ExpectedCost]:
-    """Return the number of cells of the widest ring, or of the window, and the search's cost."""
-    more = WIDER + 2 * (wave.lattice.spread_within(times[-1] - times[0]) + room)
-    cells = float(window or count_cells(compared.ring(times, signals, more)))
-    shortest = max(
-        fastest / (LIMIT_SHARE * stability_limit(SCHEME)),
-        1.0 / (DRIVEN_SHARE * wave.lattice.driven_within(times[0], times[:2][-1])),
-    )
-    steps = (times[-1] - times[0]) * shortest
-    values = math.prod(2.0 * reach + 1.0 for reach in compared.reach) * len(times)
-    part = representative_cells(wave, compared, times, signals)
-    share = 1.0
-    if part is not None and window is None:
-        values *= SHOWN
-        share = count_cells(part.ring(times, signals, WIDER)) / cells + 1.0 / USUAL_RUNS
-    cost = search_cost(wave.lattice, cells, steps * share, SCHEME.stages, values)
-    return cells, replace(cost, steps=steps)
+        ``fastest`` is the highest frequency.
+        """
+        wave, compared, times = self.wave, self.compared, self.times
+        duration = times[-1] - times[0]
+        more = WIDER + 2 * (wave.lattice.spread_within(duration) + self.room)
+        cells = float(window or count_cells(compared.ring(times, signals, more)))
+        limit = LIMIT_SHARE * stability_limit(SCHEME)
+        steps = duration * max(fastest / limit, 1.0 / self.driven_step)
+        values = math.prod(2.0 * reach + 1.0 for reach in compared.reach) * len(times)
+        part = representative_cells(wave, compared, times, signals)
+        share = 1.0
+        if part is not None and window is None:
+            values *= SHOWN
+            share = count_cells(part.ring(times, signals, WIDER)) / cells + 1.0 / USUAL_RUNS
+        cost = search_cost(wave.lattice, cells, steps * share, SCHEME.stages, values)
+        return cells, replace(cost, steps=steps)
 
 
 MOST_ADDED = 64
@@ -304,16 +289,14 @@ PERIODS = 20
 """Minimum number of wavelengths of a periodic background among representative cells."""
 
 
-class DomainPlan:
+class DomainPlan(DomainCost):
     """Computational domains, rings and windows, of one wave for a run over ``times``.
 
-    The run starts at the first of the times. ``signals`` are the speeds of the fastest waves along
-    each axis, ``fastest`` is the highest frequency of all waves. ``room`` is the number of cells at
-    either end of a ring that are blended to close it; 0 if the domains are not ``closed``.
-    ``window`` is the size of a window for a run to ``tolerance``, or None if a ring is smaller.
-    ``extent`` is the wave's extent in such a window. With ``is_stated`` the scene itself states the
-    number of cells, and no cost is checked. Raises ValueError for an unstable lattice and, before
-    any large array is made, for a run that would take too long or too much memory.
+    ``signals`` are the speeds of the fastest waves along each axis, ``fastest`` is the highest
+    frequency of all waves. ``window`` is the size of a window, or None if a ring is smaller. With
+    ``is_stated`` the scene itself states the number of cells, and no cost is checked. Raises
+    ValueError for an unstable lattice and, before any large array is made, for a run that would
+    take too long or too much memory.
     """
 
     def __init__(
@@ -325,13 +308,10 @@ class DomainPlan:
         closed: bool = True,
         is_stated: bool = False,
     ) -> None:
-        self.wave, self.compared, self.times = wave, compared, tuple(times)
-        self._is_stated = is_stated
-        self.tolerance, self.extent = tolerance, _fed_extent(wave, times, tolerance)
-        lattice = wave.lattice
-        rest = lattice.rest_slopes()
-        self.room = wave.seam_room(self.times[0]) if closed else 0
-        self._check_cost(lattice.highest_frequency(rest), _signal_speeds(lattice, rest))
+        super().__init__(wave, compared, times, tolerance, closed)
+        self._is_stated, lattice = is_stated, wave.lattice
+        frequency, rest_signals = self.at_rest()
+        self._check_cost(frequency, rest_signals)
         near = wave.ring(compared.cells(self.times[0]), self.times[0])
         stiffest = [stiffest_slopes(near)]
         stretches = wave.stretch_range(self.times)
@@ -339,28 +319,21 @@ class DomainPlan:
             stiffest += map(stiffest_slopes, self._whole_wave())
         else:
             stretches = (1.0 + STRAIN_GROWTH) * stretches
-            stiffest.append([lattice.steepest(i, stretches) for i in range(len(rest))])
+            bonds = range(len(lattice.bonds))
+            stiffest.append([lattice.steepest(i, stretches) for i in bonds])
         slopes = np.max(stiffest, axis=0).tolist()
-        self.signals = [
-            max(pair)
-            for pair in zip(
-                _signal_speeds(lattice, rest), _signal_speeds(lattice, slopes), strict=True
-            )
-        ]
+        self.signals = list(map(max, rest_signals, _signal_speeds(lattice, slopes)))
         if not wave.watches_strains:
             check_rest(near.lattice, wave.rest_slopes(near))
-        self.fastest = max(near.lattice.highest_frequency(slopes), lattice.highest_frequency(rest))
+        self.fastest = max(near.lattice.highest_frequency(slopes), frequency)
         self._check_cost(self.fastest, self.signals)
         self._spread = wave.lattice.spread_within(self.times[-1] - self.times[0])
         self._fitting: dict[int, int] = {}
         self.sizes = self._sizes(near)
 
     def _check_cost(self, fastest: float, signals: Sequence[float]) -> None:
-        wave, compared, times = self.wave, self.compared, self.times
-        self.window = _window_size(wave, compared, times, signals, self.extent)
-        cells, self.expected = _cost(
-            wave, compared, times, fastest, signals, self.window, self.room
-        )
+        self.window = self.window_size(signals)
+        cells, self.expected = self.cost(fastest, signals, self.window)
         if not self._is_stated:
             check_request(
                 f"scene of {cells:.3g} cells, from which signals arrive in time,",
@@ -389,10 +362,7 @@ class DomainPlan:
 
     def check_wider(self, window: int | None) -> None:
         """Raise ValueError if a window of this size, or a ring for None, would cost too much."""
-        cells, expected = _cost(
-            *(self.wave, self.compared, self.times, self.fastest, self.signals),
-            *(window, self.room),
-        )
+        cells, expected = self.cost(self.fastest, self.signals, window)
         check_request(
             f"scene of {cells:.3g} cells, since no smaller window can be fed with its wave,",
             expected,
@@ -425,18 +395,12 @@ class DomainPlan:
         """Return the carrier's mismatch at the seam of each ring, relative to its amplitude."""
         near = np.arange(-SEAM_CELLS, SEAM_CELLS + 1)
         sides = []
-        for firsts in (
-            np.array([low for low, _ in rings]),
-            np.array([high + 1 for _, high in rings]),
-        ):
+        for firsts in np.array([(low, high + 1) for low, high in rings]).T:
             cells = np.arange(firsts.min() - SEAM_CELLS, firsts.max() + SEAM_CELLS + 1)
             f, v = self.wave.state(cells.astype(np.float64), self.times[0])
             indices = firsts[:, np.newaxis] + near - cells[0]
-            sides.append(
-                np.concatenate(
-                    [np.diff(f[:, indices]), v[:, indices] / self.wave.rate_unit], axis=2
-                )
-            )
+            rates = v[:, indices] / self.wave.rate_unit
+            sides.append(np.concatenate([np.diff(f[:, indices]), rates], axis=2))
         size = max(float(np.max(np.abs(sides[0]))), 1e-300)
         return np.asarray(np.abs(sides[0] - sides[1]).max(axis=(0, 2)) / size)
 

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from longwave.lattice.refine import Announce
+from longwave.lattice.refine import Announce, Refined
 from longwave.scenes.description import entries
+from longwave.scenes.description.numerics import EngineRules
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import enough_steps
-from longwave.scenes.engines.domain_plan import STRIDE, ComparedCells, DomainPlan, expected_rings
-from longwave.scenes.engines.entry_kinds import CellDomain, WaveEngine, WaveRuns
+from longwave.scenes.engines.domain_plan import STRIDE, ComparedCells, DomainCost, DomainPlan
 from longwave.scenes.engines.recorders import MOMENT_BYTES, exact_times
 from longwave.scenes.engines.ring_cost import SHOWN, USUAL_RUNS, search_cost
 from longwave.scenes.engines.run_record import (
@@ -30,6 +30,7 @@ from longwave.scenes.engines.run_record import (
 from longwave.scenes.engines.site_engine import SiteEngine
 from longwave.scenes.engines.spectral_run import run_spectral, spectral_cost
 from longwave.scenes.engines.stated_run import run_from, stated_runs
+from longwave.scenes.engines.stepped_cells import SteppedCells, WindowCells
 from longwave.scenes.observed.observables import MAP_CELLS, MEASURED, observable_named
 from longwave.scenes.starts.background_growth import check_trust, trust_attributes
 from longwave.scenes.starts.cached_long_wave import equation_of, scene_lattice_wave
@@ -38,11 +39,9 @@ from longwave.scenes.starts.pulse_meter import PULSE_VARIABLES, crest, pulse_tra
 from longwave.support.request_limits import Announcer, ExpectedCost, check_request
 
 if TYPE_CHECKING:
-    from longwave.lattice.refine import Refined
     from longwave.lattice.state import State
     from longwave.lattice.trial import Progress
     from longwave.scenes.engines.ring_spectral import SpectralRuns
-    from longwave.scenes.engines.stepped_cells import SteppedCells
     from longwave.scenes.starts.lattice_wave import LatticeWave
 
 TRANSVERSE_POWER = 2
@@ -65,11 +64,12 @@ def scene_cost(scene: Scene) -> ExpectedCost:
 
     Raises ValueError, as `record_scene` does, for a scene that is refused before it is run.
     """
-    return cells_cost(scene) if scene.tolerance is None else _runs(scene).cost(scene)
+    cost = cells_cost if scene.tolerance is None or _steps_cells(scene) else rings_cost
+    return cost(scene)
 
 
-def _runs(scene: Scene) -> WaveRuns:
-    return entries.table(WaveEngine)[choose_engine(scene)].runs()
+def _steps_cells(scene: Scene) -> bool:
+    return entries.table(EngineRules)[choose_engine(scene)].steps_cells
 
 
 def rings_cost(scene: Scene) -> ExpectedCost:
@@ -97,9 +97,11 @@ def cells_cost(scene: Scene) -> ExpectedCost:
     if scene.tolerance is None:
         cost = _stated_cost(timed, wave, compared)
     else:
-        cost = expected_rings(
-            wave, compared, (timed.t0, *timed.snapshots), _window_tolerance(timed)
-        )
+        # the cells blended to close a ring are negligible for other waves
+        times, is_closed = (timed.t0, *timed.snapshots), wave.watches_strains
+        domains = DomainCost(wave, compared, times, _window_tolerance(timed), is_closed)
+        frequency, signals = domains.at_rest()
+        cost = domains.cost(frequency, signals, domains.window_size(signals))[1]
     return _with(cost, _observation_cost(timed, compared))
 
 
@@ -272,7 +274,8 @@ def record_scene(
             announce(_stated_cost(timed, domains.wave, domains.compared).seconds)
             record = run_from(stated_cells(timed, domains), restart, progress)
         else:
-            record = _runs(scene).record(scene, progress, announce)
+            by_engine = record_by_cells if _steps_cells(scene) else record_by_rings
+            record = by_engine(scene, progress, announce)
     except UnfinishedRun as stop:
         _add_attributes(stop.record, scene)
         raise
@@ -282,7 +285,7 @@ def record_scene(
 
 def stated_cells(timed: Scene, domains: DomainPlan) -> SteppedCells:
     """Return the cells of the domain, window or ring, that a scene states."""
-    return entries.table(CellDomain)[timed.discretisation.domain].cells(timed, domains)
+    return (WindowCells if timed.discretisation.rules.moves else SteppedCells)(timed, domains)
 
 
 REMEDY = "end earlier, compare fewer sites or take fewer times"

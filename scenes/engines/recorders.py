@@ -8,8 +8,8 @@ from operator import attrgetter
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
+from longwave.lattice.state import Array
 from longwave.scenes.observed.observables import (
     TIME,
     TIME_DIMENSION,
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from longwave.scenes.observed.view import View
     from longwave.support.checkpoint import Memory
 
-Array = NDArray[np.float64]
 
 LOOK_EVALUATIONS = 1088
 """Minimum number of force evaluations per site between two looks; measuring then takes 1 % of the

@@ -25,7 +25,7 @@ from longwave.lattice.energy_balance import EnergyBalance
 from longwave.lattice.integration import CellEngine, StateComparison
 from longwave.lattice.refine import Announce, refine
 from longwave.lattice.schemes import stability_limit
-from longwave.lattice.state import GROWTH, State
+from longwave.lattice.state import GROWTH, Array, State
 from longwave.lattice.trial import Progress
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import positive
@@ -56,7 +56,6 @@ if TYPE_CHECKING:
     from longwave.derive import Envelope
     from longwave.scenes.starts.initial_cells import InitialCells
 
-Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 MOMENTS = 9
@@ -211,10 +210,7 @@ RATE = "1/slow time"
 
 
 def record_scene(
-    scene: Scene,
-    progress: Progress | None = None,
-    announce: Announce | None = None,
-    restart: State | None = None,
+    scene: Scene, progress: Progress | None, announce: Announce | None, restart: State | None
 ) -> RunRecord:
     """Run a growth scene and return the record of `measure_growth`; it cannot be resumed."""
     assert restart is None

@@ -7,11 +7,10 @@ from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.schemes import scheme_named
+from longwave.lattice.state import Array
 from longwave.lattice.trial import (
-    DRIVEN_SHARE,
     Choices,
     Kind,
     Progress,
@@ -54,8 +53,6 @@ from longwave.scenes.engines.window import (
     widened,
     window_moves,
 )
-
-Array = NDArray[np.float64]
 
 STEP_RATIO = 0.8
 """Step of a control run, in units of the run before it."""
@@ -101,9 +98,7 @@ class SiteEngine(StepSearch):
         self.judged = judged or domains.compared
         self.metered: dict[float, Array] = {}
         longest = longest_step(domains.fastest, wave.frequency, self._scheme)
-        longest = min(
-            longest, DRIVEN_SHARE * wave.lattice.driven_within(self.times[0], self.times[:2][-1])
-        )
+        longest = min(longest, domains.driven_step)
         self._ring = float(count_cells(domains.ends()))
         self._uses_rings, self._widened = domains.window is None, 1.0
         allowed = FEED_SHARE * scene.target.tolerance / FEED_SAFETY

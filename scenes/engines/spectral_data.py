@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.model import Model
 from longwave.lattice.seam import (
@@ -16,10 +15,9 @@ from longwave.lattice.seam import (
     rest_at_seam,
 )
 from longwave.lattice.spectral.field_ring import FieldRing, modes_of, values_of
+from longwave.lattice.state import Array
 from longwave.scenes.engines.domain_plan import front
 from longwave.scenes.starts.moving_wave import MovingWave, WaveBounds, find_bounds
-
-Array = NDArray[np.float64]
 
 LEAST = 16
 """Minimum number of wavelengths of a periodic background on a ring."""

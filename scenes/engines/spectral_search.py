@@ -14,7 +14,6 @@ from functools import partial
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.refine import Announce, Refined, refine
 from longwave.lattice.spectral.absorber import ABSORBER_STRENGTH
@@ -29,6 +28,7 @@ from longwave.lattice.spectral.evolution import (
 )
 from longwave.lattice.spectral.field_ring import FieldRing, fast_count
 from longwave.lattice.spectral.ring_search import TAIL_SHARE, SpectralSearch
+from longwave.lattice.state import Array
 from longwave.lattice.trial import (
     NUDGE,
     Choices,
@@ -49,8 +49,6 @@ from longwave.scenes.engines.spectral_data import (
 )
 from longwave.scenes.starts.moving_wave import MovingWave
 from longwave.support.checkpoint import Loop, Memory, begin_loop
-
-Array = NDArray[np.float64]
 
 SIZE_RATIO = 1.5
 """Circumference of a control run, in units of the run before it. If the control's ring would be

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from longwave.lattice.state import Array
 from longwave.scenes.engines.recorders import (
     Observer,
     Recorder,
@@ -23,7 +24,6 @@ from longwave.scenes.engines.recorders import (
 )
 from longwave.scenes.engines.run_record import RunRecord, UnfinishedRun
 from longwave.scenes.observed.observables import observable_named
-from longwave.scenes.observed.view import Array
 from longwave.support.checkpoint import Memory, begin_loop
 
 if TYPE_CHECKING:

@@ -9,12 +9,11 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.schemes import Scheme, check_step
 from longwave.lattice.seam import Fading
-from longwave.lattice.state import BlowUp, Domain, Sites, State
+from longwave.lattice.state import Array, BlowUp, Domain, Sites, State
 from longwave.lattice.stepper import CHUNK, LEAST_CHUNK, FixedDomain, Stepper
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines.domain_plan import ComparedCells, DomainPlan, Ends, count_cells
@@ -26,8 +25,6 @@ from longwave.scenes.observed.view import View
 from longwave.scenes.starts.initial_cells import InitialCells
 from longwave.scenes.starts.lattice_wave import LatticeWave
 from longwave.support.checkpoint import Memory
-
-Array = NDArray[np.float64]
 
 LOOK_SECONDS = 0.02
 """Seconds between two stops, at which the state is checked for NaN and Ctrl-C takes effect."""

@@ -15,9 +15,8 @@ from functools import cached_property
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from numpy.typing import NDArray
 
-from longwave.lattice.state import BlowUp, Domain, Sites, State
+from longwave.lattice.state import Array, BlowUp, Domain, Sites, State
 from longwave.scenes.engines.domain_plan import (
     CHECKED_CELLS,
     STRIDE,
@@ -28,8 +27,6 @@ from longwave.scenes.engines.domain_plan import (
 from longwave.scenes.starts.initial_cells import InitialCells
 from longwave.support.checkpoint import Memory
 from longwave.support.compiled.jit import doubles, njit
-
-Array = NDArray[np.float64]
 
 
 class FedWave:

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy import optimize, stats
 from sympy import Expr
 
@@ -25,6 +25,7 @@ from longwave.lattice.driving import DrivenChain
 from longwave.lattice.force_program import program_of
 from longwave.lattice.integration import integrate
 from longwave.lattice.sensitivities import FreeParameter, Sensor, VariedChain
+from longwave.lattice.state import Array
 from longwave.scenes.description.bench import FORCE_TABLES
 from longwave.scenes.description.losses import Losses, lossy, without_losses
 from longwave.scenes.description.named_scenes import load_scene
@@ -40,8 +41,6 @@ from longwave.scenes.fits.sensor_records import SensorRecord, read_record
 from longwave.scenes.starts.bench_chain import chain_on_bench, start_on_bench
 from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
-
-Array = NDArray[np.float64]
 
 FITTED = ("chain", "start", *FORCE_TABLES, "observables")
 """Tables of a bench that are allowed in a fit; derivatives of readings exist for these."""

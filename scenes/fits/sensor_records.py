@@ -17,10 +17,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.sensitivities import Sensor
+from longwave.lattice.state import Array
 from longwave.scenes.description.bench import SENSOR_QUANTITIES
 from longwave.scenes.description.csv_table import table_columns
 from longwave.scenes.fits.force_data import LARGEST
@@ -28,8 +28,6 @@ from longwave.scenes.starts.bench_chain import READINGS
 from longwave.support.known_names import one_of
 from longwave.support.real_arrays import real_array
 from longwave.support.user_files import read_text, shown, shown_path
-
-Array = NDArray[np.float64]
 
 DEVIATION = "_deviation"
 

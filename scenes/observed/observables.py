@@ -34,8 +34,9 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from longwave.lattice.state import Array
 from longwave.lattice.trial import SAFETY
-from longwave.scenes.observed.view import Array, View
+from longwave.scenes.observed.view import View
 from longwave.support.known_names import one_of
 
 if TYPE_CHECKING:

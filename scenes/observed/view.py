@@ -6,12 +6,9 @@ from abc import ABC, abstractmethod
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from longwave.lattice.state import Sites, State
+from longwave.lattice.state import Array, Sites, State
 from longwave.support.user_files import shown
-
-Array = NDArray[np.float64]
 
 
 def relative_sup_error(numeric: Array, analytic: Array, background: Array) -> float:

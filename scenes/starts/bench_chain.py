@@ -7,20 +7,18 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from longwave.lattice.driving import DrivenChain, End, driven_chain
 from longwave.lattice.energy_balance import Flow
 from longwave.lattice.numeric_lattice import NumericLattice
-from longwave.lattice.state import State
+from longwave.lattice.state import Array, State
 from longwave.lattice.time_integral import Integral
 from longwave.scenes.description.bench import FORCE_TABLES, Bench, Cells, Drive, Impact
 from longwave.scenes.description.losses import LossRates
 from longwave.scenes.description.time_functions import time_function
 from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
-
-Array = NDArray[np.float64]
 
 
 class Moment(NamedTuple):

@@ -11,11 +11,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from longwave.derive import Reduction
+from longwave.lattice.state import Array
 from longwave.scenes.starts.fourier_interval import FourierInterval
 from longwave.scenes.starts.jet_coefficients import with_numbers
 from longwave.solutions import WaveValues
-
-Array = NDArray[np.float64]
 
 TAIL = 36.0
 """The interval ends where the wave has fallen by exp(-TAIL)."""

@@ -7,12 +7,12 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 from sympy import Expr
 
 from longwave.lattice.disordered_lattice import DisorderedLattice, disordered, mass_kind
 from longwave.lattice.force_program import ForceProgram, force_program
 from longwave.lattice.random_sites import mean_inverse
+from longwave.lattice.state import Array
 from longwave.lattice.variation import Variation
 from longwave.scenes.description.scene_disorder import MASS, Disorder
 from longwave.scenes.starts.pulse_meter import PulseMeter
@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from longwave.derive.lattice import Lattice
     from longwave.lattice.numeric_lattice import NumericLattice
     from longwave.scenes.starts.initial_cells import InitialCells
-
-Array = NDArray[np.float64]
 
 
 class WaveDisorder:

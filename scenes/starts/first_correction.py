@@ -19,13 +19,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from longwave.scenes.starts.fourier_interval import FourierInterval
 from longwave.scenes.starts.jet_polynomial import JetPolynomial
-from longwave.solutions import NumericWave
+from longwave.solutions import NumericWave, WaveValues
 
 if TYPE_CHECKING:
     from longwave.scenes.description.scene import Scene
     from longwave.scenes.starts.computed_soliton import ComputedSoliton
     from longwave.scenes.starts.damped_soliton import DampedSoliton
-    from longwave.solutions import WaveValues
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

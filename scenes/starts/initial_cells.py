@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.numeric_lattice import NumericLattice
+from longwave.lattice.state import Array
 from longwave.lattice.trial import nudged
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -14,18 +14,16 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from longwave.lattice.numeric_lattice import NumericLattice, place_text
 from longwave.lattice.seam import Fading
-from longwave.lattice.state import Sites
+from longwave.lattice.state import Array, Sites
 from longwave.scenes.starts.initial_cells import InitialCells
 
 if TYPE_CHECKING:
     from longwave.scenes.description.losses import LossRates
     from longwave.scenes.starts.disordered_wave import WaveDisorder
-
-Array = NDArray[np.float64]
 
 
 class LatticeWave(ABC):

@@ -7,11 +7,11 @@ from functools import cache, lru_cache, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.seam import FADING_DEPTH, Fading, negate_at_seam
-from longwave.lattice.state import Sites, State
+from longwave.lattice.state import Array, Sites, State
 from longwave.scenes.starts.initial_cells import InitialCells
 from longwave.scenes.starts.lattice_wave import LatticeWave, nearest_cell
 from longwave.scenes.starts.wave_extent import extent, sample_points, sampled_times, support_of
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from longwave.scenes.description.scene import Scene
     from longwave.solutions import ClosedForm, Wave
 
-Array = NDArray[np.float64]
 
 FAR_FIELDS: tuple[Side, ...] = ("left", "right")
 

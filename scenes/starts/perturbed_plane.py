@@ -14,10 +14,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from sympy import Expr, Rational, pi
 
-Array = NDArray[np.float64]
+from longwave.lattice.state import Array
 
 SIZE = 1e-5
 """Initial size of the perturbation. Its size at the end of the measurement is 1e-3, which adds 1e-6

@@ -6,13 +6,11 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.disordered_lattice import DisorderedLattice
+from longwave.lattice.state import Array
 from longwave.lattice.trial import SAFETY
 from longwave.scenes.starts.initial_cells import InitialCells
-
-Array = NDArray[np.float64]
 
 ENERGY_SHARE = 0.999
 """Fraction of the energy inside the window about the crest at the start."""

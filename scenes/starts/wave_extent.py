@@ -11,9 +11,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from longwave.lattice.state import Array
 
 TIMES = 17
 """Number of equidistant times at which the wave is sampled, in addition to some snapshots."""
