@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol, cast
+from typing import TYPE_CHECKING, Protocol, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -26,8 +26,10 @@ from longwave.scenes.starts.lattice_wave import (
 )
 from longwave.scenes.starts.wave_extent import extent, sample_points, sampled_times, support_of
 from longwave.solutions import NumericWave
-from longwave.solutions.numeric_wave import PlanarValues
 from longwave.solutions.pieces import PIECE
+
+if TYPE_CHECKING:
+    from longwave.solutions.numeric_wave import PlanarValues
 
 Array = NDArray[np.float64]
 
