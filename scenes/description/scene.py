@@ -13,7 +13,7 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from longwave.scenes.description import entries
+from longwave.scenes.description import entries, scene_file, scene_rules
 from longwave.scenes.description import scene_checks as check
 from longwave.scenes.description.bench import BENCH_TABLES, Bench, bench_of, check_bath
 from longwave.scenes.description.losses import Losses
@@ -21,18 +21,6 @@ from longwave.scenes.description.numerics import NUMERICS, Discretisation, Toler
 from longwave.scenes.description.scene_checks import CHAIN, CHAIN_CONSTANTS, NOT_GIVEN, Value
 from longwave.scenes.description.scene_disorder import Disorder
 from longwave.scenes.description.scene_fields import SceneFields
-from longwave.scenes.description.scene_file import (
-    document_of,
-    lattice_keywords,
-    read_document,
-    scene_fields,
-    toml_text,
-)
-from longwave.scenes.description.scene_rules import (
-    check_any_lattice,
-    check_eps,
-    check_moving_wave,
-)
 from longwave.scenes.description.stated_tables import StatedTables
 from longwave.scenes.observed.observables import OBSERVABLES, observable_named
 from longwave.support.html_tables import html_table
@@ -114,7 +102,7 @@ class Scene(SceneFields):
         known = (*FIELDS, *CHAIN_CONSTANTS, "times", *NUMERICS, *BENCH_TABLES)
         check.refuse_unknown(given, known, what="keywords")
         if not isinstance(given.get("lattice", ""), str):
-            given |= lattice_keywords(given["lattice"])
+            given |= scene_file.lattice_keywords(given["lattice"])
         absent = [key for key in ALTERNATIVE_KEYS if given.get(key) is None]
         values = {key: value for key, value in given.items() if key in FIELDS and key not in absent}
         if bench := bench_of(given):
@@ -143,13 +131,15 @@ class Scene(SceneFields):
     @classmethod
     def from_toml(cls, path: str | Path) -> Scene:
         """Read a scene file, whose format is described in `scene_file.py`."""
-        return cls.of_document(read_document(path), Path(path))
+        return cls.of_document(scene_file.read_document(path), Path(path))
 
     @classmethod
     def of_document(cls, document: Mapping[str, Any], path: Path) -> Scene:
         """Return the scene described by the tables of a file at ``path``."""
         try:
-            return cls.of(**{"name": file_stem(path)} | scene_fields(document, path.parent))
+            return cls.of(
+                **{"name": file_stem(path)} | scene_file.scene_fields(document, path.parent)
+            )
         except ValueError as error:
             raise ValueError(f"{shown_path(path.name)}: {error}") from None
 
@@ -168,7 +158,7 @@ class Scene(SceneFields):
             check.text("wave", self.wave)
         else:
             check.closed_form(self.wave)
-        self._set("eps", check_eps(self.eps))
+        self._set("eps", scene_rules.check_eps(self.eps))
         check.one_of("order", self.order, check.ORDERS)
         for key in ("constants", "parameters"):
             self._set(key, check.pairs(key, getattr(self, key)))
@@ -204,9 +194,9 @@ class Scene(SceneFields):
         names = self.start.observables if has_default else self.observables
         self._set("observables", check.names("observables", names, tuple(OBSERVABLES)))
         if self.has_moving_wave:
-            check_moving_wave(self)
+            scene_rules.check_moving_wave(self)
         else:
-            check_any_lattice(self)
+            scene_rules.check_any_lattice(self)
 
     def _check_bench(self, bench: Bench) -> None:
         """Raise ValueError for fields of a wave, or numerics that a bench does not admit."""
@@ -366,11 +356,11 @@ class Scene(SceneFields):
 
     def toml(self) -> str:
         """Return the scene as the text of a file, with its name and any declared lattice."""
-        return toml_text(self.document())
+        return scene_file.toml_text(self.document())
 
     def document(self) -> dict[str, Any]:
         """Return the tables of its file."""
-        return document_of(self._stated())
+        return scene_file.document_of(self._stated())
 
     def _stated(self) -> dict[str, Any]:
         """Return the keywords of `of`; your own wave is replaced by a text with its name."""

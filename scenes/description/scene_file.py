@@ -28,15 +28,9 @@ from numbers import Integral, Real
 from pathlib import Path
 from typing import Any
 
+from longwave.scenes.description import scene_checks as check
 from longwave.scenes.description.bench import BENCH_TABLES
 from longwave.scenes.description.csv_table import with_columns
-from longwave.scenes.description.scene_checks import (
-    CHAIN,
-    CHAIN_CONSTANTS,
-    refuse_unknown,
-    table,
-    text,
-)
 from longwave.scenes.description.scene_disorder import Disorder
 from longwave.scenes.description.stated_tables import StatedTables
 from longwave.support.user_files import read_toml, shown, shown_path
@@ -90,12 +84,12 @@ def in_one_spelling(document: Mapping[str, Any]) -> dict[str, Any]:
     tables = dict(document)
     lattice = tables.get("lattice")
     if isinstance(lattice, Mapping) and not any(key in lattice for key in LATTICE_KEYS):
-        refuse_unknown(lattice, CHAIN_CONSTANTS, " in [lattice]")
-        if table(document, "constants"):
+        check.refuse_unknown(lattice, check.CHAIN_CONSTANTS, " in [lattice]")
+        if check.table(document, "constants"):
             raise ValueError(
                 "K2, K3 and K4 must be in [constants] or in [lattice], got both (leave one out)"
             )
-        tables |= {"lattice": CHAIN, "constants": dict(lattice)}
+        tables |= {"lattice": check.CHAIN, "constants": dict(lattice)}
     domain = tables.get("domain")
     if isinstance(domain, Mapping) and "compared" in domain:
         if "compared" in tables:
@@ -126,24 +120,24 @@ def scene_fields(given: Mapping[str, Any], folder: Path = Path()) -> dict[str, A
                 f"{key} must be in [{name}], got it at the top of the scene (write it below a line "
                 f"[{name}])"
             )
-    refuse_unknown(document, known)
+    check.refuse_unknown(document, known)
     keywords = {key: document[key] for key in TOP if key in document}
     keywords |= with_columns(
         {key: document[key] for key in BENCH_TABLES if key in document}, folder
     )
     keywords |= _lattice(document.get("lattice"), folder)
-    keywords |= {name: tuple(table(document, name).items()) for name in PAIRS}
+    keywords |= {name: tuple(check.table(document, name).items()) for name in PAIRS}
     declared = keywords.get("declared")
-    of_lattice = table(declared.tables, "constants") if declared else {}
+    of_lattice = check.table(declared.tables, "constants") if declared else {}
     keywords["constants"] = tuple({**of_lattice, **dict(keywords["constants"])}.items())
     for name, fields in TABLES.items():
-        entries = table(document, name)
-        refuse_unknown(entries, fields, f" in [{name}]")
+        entries = check.table(document, name)
+        check.refuse_unknown(entries, fields, f" in [{name}]")
         keywords |= {fields[key]: value for key, value in entries.items()}
     if "losses" in document:
-        keywords["losses"] = table(document, "losses")
+        keywords["losses"] = check.table(document, "losses")
     if "disorder" in document:
-        keywords["disorder"] = Disorder.of_pairs(table(document, "disorder"))
+        keywords["disorder"] = Disorder.of_pairs(check.table(document, "disorder"))
     if "envelope" in document and keywords.get("carrier", "") == "":
         raise ValueError('k in [envelope] must be stated, got nothing (such as k = "pi/2")')
     if "long_wave" in document and "envelope" in document:
@@ -202,7 +196,7 @@ def _declaration(document: Mapping[str, Any], name: str) -> dict[str, Any]:
     """Return the keywords for a declared lattice; ``name`` is used if its tables have none."""
     tables = dict(document)
     lattice_name = tables.pop("name", name)
-    text("name in [lattice]", lattice_name)
+    check.text("name in [lattice]", lattice_name)
     return {"lattice": lattice_name, "declared": StatedTables(tables, "lattice")}
 
 
@@ -212,7 +206,7 @@ def document_of(given: Mapping[str, Any]) -> dict[str, Any]:
     >>> document_of({"wave": "kink", "constants": [["K2", 1]], "step": None, "sites": 8})
     {'lattice': 'fput_strain', 'wave': 'kink', 'constants': {'K2': 1}, 'domain': {'sites': 8}}
     """
-    given = {"lattice": CHAIN} | {k: v for k, v in given.items() if v is not None}
+    given = {"lattice": check.CHAIN} | {k: v for k, v in given.items() if v is not None}
     document = {key: given[key] for key in TOP if key in given}
     if "declared" in given:
         document["lattice"] = {"name": given["lattice"], **given["declared"].tables}
@@ -277,6 +271,6 @@ def _value(value: object) -> str:
     )
 
 
-def _text(text: str) -> str:
+def _text(value: str) -> str:
     """Return a text in quotes: as in JSON, but TOML also requires DEL to be escaped."""
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -16,13 +16,7 @@ from longwave.scenes.description.bench import MOST_READINGS, Bench
 from longwave.scenes.description.losses import without_losses
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines.run_record import RunRecord
-from longwave.scenes.starts.bench_chain import (
-    Moment,
-    bench_variables,
-    chain_on_bench,
-    energy_cuts,
-    start_on_bench,
-)
+from longwave.scenes.starts import bench_chain
 
 if TYPE_CHECKING:
     from longwave.lattice.driving import DrivenChain
@@ -38,7 +32,7 @@ def bench_and_chain(scene: Scene, lossless: bool = False) -> tuple[Bench, Driven
     values = {name: number_value(name, value) for name, value in scene.constants}
     lattice, losses = without_losses(scene.symbolic_lattice, values)
     span = scene.t0, scene.end
-    return bench, chain_on_bench(bench, lattice, span, None if lossless else losses)
+    return bench, bench_chain.chain_on_bench(bench, lattice, span, None if lossless else losses)
 
 
 def reading_times(scene: Scene, bench: Bench) -> Array:
@@ -63,9 +57,9 @@ class BenchReadings:
     def __init__(self, scene: Scene, bench: Bench, chain: DrivenChain) -> None:
         self.bench, self.chain, self.scene = bench, chain, scene
         self.times = reading_times(scene, bench)
-        self.outputs = list(bench_variables(bench, chain))
+        self.outputs = list(bench_chain.bench_variables(bench, chain))
         scheme = scheme_named(scene.target.scheme) if scene.target.scheme else REDUCED_PHASE_6
-        start = chain.with_walls(start_on_bench(bench, chain, scene.t0))
+        start = chain.with_walls(bench_chain.start_on_bench(bench, chain, scene.t0))
         self.engine = CellEngine(
             chain,
             start,
@@ -73,14 +67,14 @@ class BenchReadings:
             scheme,
             StateComparison(self.read),
             stored_times=self.times[:0],
-            cuts=energy_cuts(bench, chain),
+            cuts=bench_chain.energy_cuts(bench, chain),
             tolerance=scene.target.tolerance,
         )
         self.sizes = [part.shape for part in self._parts(start, self.engine.balance(start))]
 
     def _parts(self, state: State, balance: EnergyBalance | None) -> list[Array]:
         flows = () if balance is None else (balance.total, balance.rate)
-        now = Moment(self.chain, *state.arrays, *flows)
+        now = bench_chain.Moment(self.chain, *state.arrays, *flows)
         return [np.asarray(one.read(now)) for one in self.outputs]
 
     def read(self, state: State, balance: EnergyBalance | None = None) -> Array:

@@ -20,14 +20,7 @@ from longwave.lattice.schemes import REDUCED_PHASE_6, Scheme, stability_limit
 from longwave.lattice.seam import Fading
 from longwave.lattice.state import GROWTH, Array, BlowUp
 from longwave.lattice.trial import DRIVEN_SHARE
-from longwave.scenes.engines.ring_cost import (
-    CELL_SECONDS,
-    LARGE,
-    SHARE,
-    SHOWN,
-    USUAL_RUNS,
-    search_cost,
-)
+from longwave.scenes.engines import ring_cost
 from longwave.scenes.starts.initial_cells import InitialCells
 from longwave.scenes.starts.lattice_wave import (
     LatticeWave,
@@ -233,9 +226,11 @@ class DomainCost:
         part = representative_cells(wave, compared, times, signals)
         share = 1.0
         if part is not None and window is None:
-            values *= SHOWN
-            share = count_cells(part.ring(times, signals, WIDER)) / cells + 1.0 / USUAL_RUNS
-        cost = search_cost(wave.lattice, cells, steps * share, SCHEME.stages, values)
+            values *= ring_cost.SHOWN
+            share = (
+                count_cells(part.ring(times, signals, WIDER)) / cells + 1.0 / ring_cost.USUAL_RUNS
+            )
+        cost = ring_cost.search_cost(wave.lattice, cells, steps * share, SCHEME.stages, values)
         return cells, replace(cost, steps=steps)
 
 
@@ -262,7 +257,7 @@ def representative_cells(
     For a wave of finite extent, they contain every cell that the wave can reach.
     """
     [reach, *others] = compared.reach
-    if others or 2 * reach < LARGE or wave.disorder is not None:
+    if others or 2 * reach < ring_cost.LARGE or wave.disorder is not None:
         return None
     ends = wave.support(times[0])
     reach_of_wave = REPEAT_DISTANCE / wave.eps
@@ -278,7 +273,7 @@ def representative_cells(
         reach_of_wave = max(reach_of_wave, PERIODS * wave.seam_room(times[0]))
         reach_of_wave += max(0.0, -low, high) + path
     cells = math.ceil(reach_of_wave)
-    return replace(compared, reach=(cells,)) if SHARE * cells <= reach else None
+    return replace(compared, reach=(cells,)) if ring_cost.SHARE * cells <= reach else None
 
 
 PART_TOLERANCE = 1e-6
@@ -352,7 +347,7 @@ class DomainPlan(DomainCost):
             return
         check_request(
             f"wave that is {high - low:.3g} cells wide",
-            ExpectedCost(CELL_SECONDS * (high - low)),
+            ExpectedCost(ring_cost.CELL_SECONDS * (high - low)),
             "take a larger eps",
         )
         reach = self.wave.lattice.reach

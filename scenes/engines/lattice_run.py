@@ -16,17 +16,10 @@ from longwave.scenes.description import entries
 from longwave.scenes.description.numerics import EngineRules
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import enough_steps
+from longwave.scenes.engines import run_record
 from longwave.scenes.engines.domain_plan import STRIDE, ComparedCells, DomainCost, DomainPlan
 from longwave.scenes.engines.recorders import MOMENT_BYTES, exact_times
 from longwave.scenes.engines.ring_cost import SHOWN, USUAL_RUNS, search_cost
-from longwave.scenes.engines.run_record import (
-    RunRecord,
-    UnfinishedRun,
-    add_error_estimate,
-    error_unit,
-    refine_on_part,
-    refine_scene,
-)
 from longwave.scenes.engines.site_engine import SiteEngine
 from longwave.scenes.engines.spectral_run import run_spectral, spectral_cost
 from longwave.scenes.engines.stated_run import run_from, stated_runs
@@ -257,7 +250,7 @@ def record_scene(
     progress: Progress | None = None,
     announce: Announce | None = None,
     restart: State | None = None,
-) -> RunRecord:
+) -> run_record.RunRecord:
     """Derive the scene's equation, run its lattice from the wave, and compare the two over time.
 
     ``progress`` is called with the completed fraction, ``announce`` with the expected seconds;
@@ -276,7 +269,7 @@ def record_scene(
         else:
             by_engine = record_by_cells if _steps_cells(scene) else record_by_rings
             record = by_engine(scene, progress, announce)
-    except UnfinishedRun as stop:
+    except run_record.UnfinishedRun as stop:
         _add_attributes(stop.record, scene)
         raise
     _add_attributes(record, scene)
@@ -291,7 +284,7 @@ def stated_cells(timed: Scene, domains: DomainPlan) -> SteppedCells:
 REMEDY = "end earlier, compare fewer sites or take fewer times"
 
 
-def record_by_rings(scene: Scene, progress: Progress, announce: Announce) -> RunRecord:
+def record_by_rings(scene: Scene, progress: Progress, announce: Announce) -> run_record.RunRecord:
     """Run a scene on spectral rings, which need not be causal for the paper's waves.
 
     If the spectral engine refuses a scene that does not name it, the scene is run cell by cell.
@@ -300,7 +293,7 @@ def record_by_rings(scene: Scene, progress: Progress, announce: Announce) -> Run
     if not scene.has_moving_wave:
         runs = _spectral_runs(scene)
         announce(runs.expected.seconds)
-        result = refine_scene(runs.engine, scene, progress, announce, runs.record_of)
+        result = run_record.refine_scene(runs.engine, scene, progress, announce, runs.record_of)
         record = _checked_record(runs.record_of(result.trial), result, scene, runs.times[-1], begun)
         record.scene = scene  # a scene file cannot state a spectral ring
         return record
@@ -310,7 +303,9 @@ def record_by_rings(scene: Scene, progress: Progress, announce: Announce) -> Run
     cells = cells_cost(scene.changed(engine="stencil"))
     first = (cells.seconds - cells.once) / USUAL_RUNS
     try:
-        return add_error_estimate(*run_spectral(scene, first, progress, announce), scene, begun)
+        return run_record.add_error_estimate(
+            *run_spectral(scene, first, progress, announce), scene, begun
+        )
     except ValueError:
         if scene.target.engine:
             raise
@@ -339,7 +334,7 @@ def choose_engine(scene: Scene) -> str:
     return "stencil" if is_cheap else "spectral"
 
 
-def _add_attributes(record: RunRecord, scene: Scene) -> None:
+def _add_attributes(record: run_record.RunRecord, scene: Scene) -> None:
     """Add the equation, the frame's speed, units and long names to a record."""
     wave = scene_wave(scene)
     record.attrs |= {"frame_speed": wave.speed, "power": wave.power}
@@ -352,7 +347,9 @@ def _add_attributes(record: RunRecord, scene: Scene) -> None:
         record.variables["quantity"] = ("quantity",), np.array(wave.quantities), attributes
     compares_displacements = has_displacements and not any(" " in q for q in wave.quantities)
     changes = {name: {"long_name": text} for name, text in LONG_NAMES.items()}
-    changes |= {name: {"units": error_unit(wave.power)} for name in ("sup_error", *MEASURED)}
+    changes |= {
+        name: {"units": run_record.error_unit(wave.power)} for name in ("sup_error", *MEASURED)
+    }
     for name in changes.keys() & record.variables.keys():
         dimensions, values, attributes = record.variables[name]
         record.variables[name] = dimensions, values, attributes | changes[name]
@@ -360,7 +357,7 @@ def _add_attributes(record: RunRecord, scene: Scene) -> None:
         _name_displacements(record)
 
 
-def _name_displacements(record: RunRecord) -> None:
+def _name_displacements(record: run_record.RunRecord) -> None:
     """Replace "strain" by "displacement" in all units and long names of a record."""
     record.attrs["field_kind"] = DISPLACEMENT
     for name, (dimensions, values, attributes) in record.variables.items():
@@ -381,13 +378,13 @@ LONG_NAMES = {
 """Long names on lattices other than the paper's; the compared quantity need not be a strain."""
 
 
-def record_by_cells(scene: Scene, progress: Progress, announce: Announce) -> RunRecord:
+def record_by_cells(scene: Scene, progress: Progress, announce: Announce) -> run_record.RunRecord:
     """Run a scene cell by cell to its tolerance."""
     begun, engine = perf_counter(), SiteEngine(*domain_plan(scene))
     announce(engine.expected.seconds)
     parts = engine.parts()
-    result = parts and refine_on_part(*parts, scene, progress, announce)
-    result = result or refine_scene(engine, scene, progress, announce)
+    result = parts and run_record.refine_on_part(*parts, scene, progress, announce)
+    result = result or run_record.refine_scene(engine, scene, progress, announce)
     record = _checked_record(result.trial.payload, result, scene, engine.times[-1], begun)
     _add_pulse(record, engine, result.trial.choices.step)
     if engine.domains.wave.lattice.dimension > 1:
@@ -396,8 +393,8 @@ def record_by_cells(scene: Scene, progress: Progress, announce: Announce) -> Run
 
 
 def _checked_record(
-    record: RunRecord | None, result: Refined, scene: Scene, end: float, begun: float
-) -> RunRecord:
+    record: run_record.RunRecord | None, result: Refined, scene: Scene, end: float, begun: float
+) -> run_record.RunRecord:
     """Return the record with its error estimate; ValueError if no step resolves the lattice."""
     if record is None or (math.isinf(result.error) and not record.attrs["blow_up"]):
         raise ValueError(
@@ -405,10 +402,10 @@ def _checked_record(
             f"down to {result.trial.choices.step:.2g} do not follow it; end earlier or take a "
             "smaller eps)"
         )
-    return add_error_estimate(record, result, scene, begun)
+    return run_record.add_error_estimate(record, result, scene, begun)
 
 
-def _add_pulse(record: RunRecord, engine: SiteEngine, step: float) -> None:
+def _add_pulse(record: run_record.RunRecord, engine: SiteEngine, step: float) -> None:
     """Add the crest, position and energy of a wave in a disordered lattice, if measured."""
     readings, wave = engine.metered.get(step), engine.domains.wave
     if readings is None or not readings.size:

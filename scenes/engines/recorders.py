@@ -10,14 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from longwave.lattice.state import Array
-from longwave.scenes.observed.observables import (
-    TIME,
-    TIME_DIMENSION,
-    Moment,
-    Observable,
-    Variable,
-    observable_named,
-)
+from longwave.scenes.observed import observables
 
 if TYPE_CHECKING:
     from longwave.scenes.description.scene import Scene
@@ -60,7 +53,7 @@ class Moments:
         return True
 
 
-def moments_of(scene: Scene, kind: Moment) -> Moments:
+def moments_of(scene: Scene, kind: observables.Moment) -> Moments:
     """Return the times at which a scene measures observables of one kind."""
     if kind == "snapshots":
         return Moments(scene.snapshots)
@@ -81,12 +74,12 @@ def _equidistant(scene: Scene, points: int) -> tuple[float, ...]:
 
 def exact_times(scene: Scene) -> tuple[float, ...]:
     """Return the times that the scene's observables require exactly, snapshots included."""
-    kinds = {observable_named(name).measured_at for name in scene.observables}
+    kinds = {observables.observable_named(name).measured_at for name in scene.observables}
     times = {t for kind in kinds if _is_exact(scene, kind) for t in moments_of(scene, kind).times}
     return tuple(sorted(times.union(scene.snapshots)))
 
 
-def _is_exact(scene: Scene, kind: Moment) -> bool:
+def _is_exact(scene: Scene, kind: observables.Moment) -> bool:
     """Return whether this kind of observable is measured at exact times."""
     return kind in ("snapshots", "curve") or (kind == "looks" and scene.look_points is not None)
 
@@ -98,7 +91,9 @@ Variables = dict[str, tuple[tuple[str, ...], Any, dict[str, str]]]
 class Recorder:
     """Recorder of the observables that are measured at the same times, on one time dimension."""
 
-    def __init__(self, entries: Sequence[Observable], moments: Moments, dimension: str) -> None:
+    def __init__(
+        self, entries: Sequence[observables.Observable], moments: Moments, dimension: str
+    ) -> None:
         self.entries = tuple(entries)
         self.moments = moments
         self.dimension = dimension
@@ -142,11 +137,11 @@ class Recorder:
                 recorded[variable.name] = (dimensions, values, variable.attributes)
         if self.dimension != "time":
             times = np.array(self.times)
-            recorded[self.dimension] = ((self.dimension,), times, TIME)
+            recorded[self.dimension] = ((self.dimension,), times, observables.TIME)
         return recorded
 
 
-def _dimensions(variable: Variable, count: int) -> tuple[str, ...]:
+def _dimensions(variable: observables.Variable, count: int) -> tuple[str, ...]:
     """Return the dimensions of a variable's values at one time; ``count`` is their number.
 
     Cells of a plane add the dimension "row"; a state with several fields adds "field".
@@ -159,10 +154,10 @@ def _dimensions(variable: Variable, count: int) -> tuple[str, ...]:
 
 def build_recorders(scene: Scene) -> list[Recorder]:
     """Return one recorder for each kind of measurement times that the scene's observables need."""
-    entries = [observable_named(name) for name in scene.observables]
-    kinds: tuple[Moment, ...] = ("snapshots", "curve", "looks")
+    entries = [observables.observable_named(name) for name in scene.observables]
+    kinds: tuple[observables.Moment, ...] = ("snapshots", "curve", "looks")
     return [
-        Recorder(group, moments_of(scene, kind), TIME_DIMENSION[kind])
+        Recorder(group, moments_of(scene, kind), observables.TIME_DIMENSION[kind])
         for kind in kinds
         if (group := [entry for entry in entries if entry.measured_at == kind])
     ]

@@ -39,16 +39,9 @@ from longwave.scenes.engines.domain_plan import (
 from longwave.scenes.engines.recorders import Variables
 from longwave.scenes.engines.ring_cost import search_cost
 from longwave.scenes.engines.run_record import RunRecord
+from longwave.scenes.starts import perturbed_plane
 from longwave.scenes.starts.envelope_data import EnvelopeData
 from longwave.scenes.starts.lattice_derivation import scene_envelope
-from longwave.scenes.starts.perturbed_plane import (
-    MOST_WAVES,
-    SIZE,
-    PerturbedPlane,
-    PlaneDomain,
-    chosen_kappa,
-    plane_domain,
-)
 from longwave.support.checkpoint import restored_seconds
 from longwave.support.request_limits import ExpectedCost, OverBudgetError, check_request
 
@@ -88,8 +81,8 @@ SIGNIFICANT = 3.0
 class GrowthPlan(NamedTuple):
     """Ring, perturbed plane wave, initial data and measurement times of a growth scene."""
 
-    ring: PlaneDomain
-    wave: PerturbedPlane
+    ring: perturbed_plane.PlaneDomain
+    wave: perturbed_plane.PerturbedPlane
     data: EnvelopeData
     moments: Array
 
@@ -275,17 +268,18 @@ def growth_plan(scene: Scene) -> GrowthPlan:
     parameters = plane_wave_numbers(scene)
     a, k = parameters["amplitude"], exact_value("k", scene.carrier)
     p, q = _coefficients(envelope, k, constants)
-    kappa = float(chosen_kappa(p, q, parameters))
+    kappa = float(perturbed_plane.chosen_kappa(p, q, parameters))
     cells = 2 * math.pi / (kappa * scene.eps)
-    if not cells * MOST_WAVES < MOST_CELLS:
+    most = MOST_CELLS / perturbed_plane.MOST_WAVES
+    if not cells < most:
         raise ValueError(
-            f"eps must leave a perturbation of fewer than {MOST_CELLS / MOST_WAVES:.0e} cells, got "
-            f"{cells:.3g} (take a larger eps, amplitude or kappa)"
+            f"eps must leave a perturbation of fewer than {most:.0e} cells, got {cells:.3g} (take "
+            "a larger eps, amplitude or kappa)"
         )
-    ring = plane_domain(k, kappa * scene.eps)
+    ring = perturbed_plane.plane_domain(k, kappa * scene.eps)
     if ring.k != k:
         p, q = _coefficients(envelope, ring.k, constants)
-    wave = PerturbedPlane(a, p, q, ring.perturbation / scene.eps)
+    wave = perturbed_plane.PerturbedPlane(a, p, q, ring.perturbation / scene.eps)
     data = EnvelopeData(
         envelope, constants, wave, scene.eps, scene.order, k=ring.k, mean_square=a**2
     )
@@ -381,7 +375,9 @@ class SidebandRuns:
             State(0.0, self.ring.f, self.ring.v),
             times,
             SCHEME,
-            StateComparison(self._sidebands, self._logarithms, 1.0 / self.scale / SIZE),
+            StateComparison(
+                self._sidebands, self._logarithms, 1.0 / self.scale / perturbed_plane.SIZE
+            ),
             stored_times=times[:0],
             tolerance=scene.target.tolerance,
             longest=longest,

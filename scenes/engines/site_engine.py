@@ -23,6 +23,7 @@ from longwave.lattice.trial import (
 )
 from longwave.scenes.description.numerics import Discretisation
 from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines import window
 from longwave.scenes.engines.domain_plan import (
     OUTER_CELLS,
     SCHEME,
@@ -43,16 +44,7 @@ from longwave.scenes.engines.stepped_cells import (
     add_energy_drift,
     measures_all_cells,
 )
-from longwave.scenes.engines.window import (
-    LARGEST_MISFIT,
-    SIZE_RATIO,
-    WINDOW_DECAY,
-    WINDOW_SAFETY,
-    FedWave,
-    judged_times,
-    widened,
-    window_moves,
-)
+from longwave.scenes.engines.window import LARGEST_MISFIT
 
 STEP_RATIO = 0.8
 """Step of a control run, in units of the run before it."""
@@ -83,7 +75,7 @@ class SiteEngine(StepSearch):
     Runs are compared on the cells ``judged``, by default all compared cells.
     """
 
-    decay = WINDOW_DECAY
+    decay = window.WINDOW_DECAY
 
     def __init__(
         self, scene: Scene, domains: DomainPlan, judged: ComparedCells | None = None
@@ -105,9 +97,11 @@ class SiteEngine(StepSearch):
         self._largest_misfit = min(LARGEST_MISFIT, allowed)
         stops = np.array(self.times)
         if domains.window is not None:
-            self.kinds, self.safety = ("step", "domain"), WINDOW_SAFETY
-            fed = FedWave(domains, domains.window)
-            stops = np.unique([*self.times, *(t for t in window_moves(fed) if t < self.times[-1])])
+            self.kinds, self.safety = ("step", "domain"), window.WINDOW_SAFETY
+            fed = window.FedWave(domains, domains.window)
+            stops = np.unique(
+                [*self.times, *(t for t in window.window_moves(fed) if t < self.times[-1])]
+            )
         super().__init__(self._scheme.order, longest, stops, float(domains.window or self._ring))
         self._first = replace(self._first, causal=domains.window is None)
         self.expected = domains.expected
@@ -190,7 +184,9 @@ class SiteEngine(StepSearch):
         if near >= domains.compared.reach[0]:
             return self
         scene = replace(self.scene, observables=())
-        times = judged_times(FedWave(domains, domains.window), (self.times[0], *exact_times(scene)))
+        times = window.judged_times(
+            window.FedWave(domains, domains.window), (self.times[0], *exact_times(scene))
+        )
         compared = replace(domains.compared, reach=(near,))
         return SiteEngine(scene, DomainPlan(domains.wave, compared, times, domains.tolerance))
 
@@ -253,7 +249,7 @@ class SiteEngine(StepSearch):
                 wider = WIDER if choices.size == self._ring else 0
                 choices = replace(choices, size=self._ring + wider)
         if "domain" in kinds and not choices.causal:
-            choices = self._sized(choices, SIZE_RATIO * choices.size)
+            choices = self._sized(choices, window.SIZE_RATIO * choices.size)
         return choices
 
     def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
@@ -266,7 +262,7 @@ class SiteEngine(StepSearch):
             return replace(shorter, size=self._ring) if choices.causal else shorter
         if choices.causal:
             return choices
-        return self._sized(choices, widened(choices.size, excess, self.decay))
+        return self._sized(choices, window.widened(choices.size, excess, self.decay))
 
     def work(self, choices: Choices) -> float:
         """Return the work of a run, in force evaluations on single fields of cells."""

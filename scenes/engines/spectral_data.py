@@ -6,14 +6,8 @@ from functools import cached_property
 
 import numpy as np
 
+from longwave.lattice import seam
 from longwave.lattice.model import Model
-from longwave.lattice.seam import (
-    BLEND_REACH,
-    blend_seam,
-    close_circumference,
-    negate_at_seam,
-    rest_at_seam,
-)
 from longwave.lattice.spectral.field_ring import FieldRing, modes_of, values_of
 from longwave.lattice.state import Array
 from longwave.scenes.engines.domain_plan import front
@@ -156,11 +150,11 @@ class SpectralStart:
                 - self._middle
                 - ring.lead
             )
-            y, s = negate_at_seam(lambda x: self._data(x + ring.lead), length, round(crest), x)
+            y, s = seam.negate_at_seam(lambda x: self._data(x + ring.lead), length, round(crest), x)
         else:
-            width = self.seam(length) / BLEND_REACH
-            y, s = blend_seam(lambda x: self._data(x + ring.lead), length, width, x)
-            s = rest_at_seam(s, length, width, x)
+            width = self.seam(length) / seam.BLEND_REACH
+            y, s = seam.blend_seam(lambda x: self._data(x + ring.lead), length, width, x)
+            s = seam.rest_at_seam(s, length, width, x)
         return FieldRing(self.moving.t0, (left,), (length,), y[None], s[None])
 
     def seam(self, circumference: float) -> float:
@@ -187,7 +181,7 @@ class SpectralStart:
         if not self.periodic:
             return circumference
         count = round(circumference / self.unit)
-        return close_circumference(lambda x: self._strain(x + lead), self.unit, count)
+        return seam.close_circumference(lambda x: self._strain(x + lead), self.unit, count)
 
     @property
     def _middle(self) -> float:

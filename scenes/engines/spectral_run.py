@@ -18,19 +18,10 @@ from longwave.lattice.spectral.ring_search import ALIKE, resolving_step, run_fac
 from longwave.lattice.state import State, empty_chain
 from longwave.lattice.trial import Progress, Trial
 from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines import spectral_data, spectral_search
 from longwave.scenes.engines.domain_plan import ComparedCells
 from longwave.scenes.engines.recorders import Recorder, Variables, build_recorders
 from longwave.scenes.engines.run_record import RunRecord, search_interrupt
-from longwave.scenes.engines.spectral_data import (
-    SpectralStart,
-    first_density,
-    spectral_start,
-)
-from longwave.scenes.engines.spectral_search import (
-    MOST_POINTS,
-    SpectralCost,
-    solve_on_rings,
-)
 from longwave.scenes.engines.stepped_cells import CellView
 from longwave.scenes.starts.moving_wave import MovingWave, moving_wave
 from longwave.support.request_limits import ExpectedCost, OverBudgetError
@@ -87,7 +78,7 @@ def spectral_cost(scene: Scene) -> ExpectedCost:
     The wave's peak sets the number of points and steps, as in the mKdV limit.
     """
     moving, tolerance = moving_wave(scene), scene.target.tolerance
-    data, numbers = spectral_start(moving, tolerance), moving.wave.numbers
+    data, numbers = spectral_data.spectral_start(moving, tolerance), moving.wave.numbers
     peak = float(np.max(np.abs(data.bounds.strain))) / moving.eps
     turns = numbers.b * moving.eps**3 * moving.duration * peak**3
     evaluations = EVALUATIONS * (1.0 + turns) * tolerance ** (-1.0 / ORDER)
@@ -96,15 +87,15 @@ def spectral_cost(scene: Scene) -> ExpectedCost:
     if lattice_spread > ALIKE * tolerance:
         evaluations = max(evaluations, moving.duration / resolving_step(moving.speed))
     first, *wider = _circumferences(data, tolerance, peak, turns)
-    density = POINTS * peak * first_density(moving)
+    density = POINTS * peak * spectral_data.first_density(moving)
     points = density * np.array([*[first] * round(STEPPING), 2.0 * first, *wider]) + 2.0
     work = evaluations * float(np.sum(points * np.log2(points)))
-    most = min(float(MOST_POINTS), density * max(first, *wider, 0.0))
+    most = min(float(spectral_search.MOST_POINTS), density * max(first, *wider, 0.0))
     return ExpectedCost(START_SECONDS + SECONDS_PER_WORK * work, POINT_BYTES * most)
 
 
 def _circumferences(
-    data: SpectralStart, tolerance: float, peak: float, turns: float
+    data: spectral_data.SpectralStart, tolerance: float, peak: float, turns: float
 ) -> list[float]:
     """Return the circumferences that a search is expected to try, each twice the one before.
 
@@ -141,7 +132,7 @@ def run_spectral(
     moving = replace(moving_wave(scene), times=(scene.t0, *sorted(times)))
     most_work = max(LEAST_BUDGET, MOST_RELATIVE_COST * site_by_site) / SECONDS_PER_WORK
     try:
-        found = solve_on_rings(moving, tolerance, progress, announce, most_work)
+        found = spectral_search.solve_on_rings(moving, tolerance, progress, announce, most_work)
     except StoppedSearch as stop:
         raise _stopped(scene, moving, stop, recorders) from None
     except OverBudgetError as error:
@@ -177,7 +168,7 @@ def _recorded(
 ) -> RunRecord:
     """Return the record of a run: observables of the compared sites, up to a blow-up."""
     assert trial.values is not None
-    cost: SpectralCost = trial.payload
+    cost: spectral_search.SpectralCost = trial.payload
     amplitude, fault = max(map(abs, cost.strain)), None
     reached = tuple(t for t in scene.snapshots if t <= moving.end)
     for t, row in zip(moving.times[1:], trial.values, strict=True):

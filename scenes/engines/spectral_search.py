@@ -16,15 +16,11 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from longwave.lattice.refine import Announce, Refined, refine
+from longwave.lattice.spectral import evolution
 from longwave.lattice.spectral.absorber import ABSORBER_STRENGTH
 from longwave.lattice.spectral.crest_energy import (
     DENSITY,
     crest_energy_spread,
-)
-from longwave.lattice.spectral.evolution import (
-    NotHyperbolicError,
-    RunawayError,
-    SpectralRing,
 )
 from longwave.lattice.spectral.field_ring import FieldRing, fast_count
 from longwave.lattice.spectral.ring_search import TAIL_SHARE, SpectralSearch
@@ -39,14 +35,7 @@ from longwave.lattice.trial import (
     clock_error,
     rounding_error,
 )
-from longwave.scenes.engines.spectral_data import (
-    SpectralDomain,
-    first_density,
-    first_step,
-    rms_wavenumber,
-    spectral_start,
-    turning_time,
-)
+from longwave.scenes.engines import spectral_data
 from longwave.scenes.starts.moving_wave import MovingWave
 from longwave.support.checkpoint import Loop, Memory, begin_loop
 
@@ -132,7 +121,7 @@ class SpectralIntegration:
         moving: MovingWave,
         state: FieldRing,
         stops: Sequence[Stop],
-        make: Callable[[FieldRing, float], SpectralRing],
+        make: Callable[[FieldRing, float], evolution.SpectralRing],
     ) -> None:
         self.rows: list[Array] = []
         self._moving, self._stops, self._make = moving, stops, make
@@ -223,7 +212,7 @@ class SpectralEngine(SpectralSearch):
     def __init__(self, moving: MovingWave, tolerance: float, most_work: float) -> None:
         super().__init__(moving.t0, moving.duration, moving.speed, tolerance)
         self._moving, self.most_work = moving, most_work
-        self._data = spectral_start(moving, tolerance)
+        self._data = spectral_data.spectral_start(moving, tolerance)
         self.decay = 2.0 if self._data.periodic else 3.0
         steepness = self._steepness(self._data.bounds.strain)
         if steepness > LARGEST_STEEPNESS:
@@ -231,19 +220,19 @@ class SpectralEngine(SpectralSearch):
                 f"a wave of width {1.0 / LARGEST_STEEPNESS:.2g} sites or more, this one has "
                 f"{1.0 / steepness:.2g}"
             )
-        self._density = first_density(moving)
+        self._density = spectral_data.first_density(moving)
         self._start_end = moving.t0
-        self._rings: dict[tuple[float, float, bool], SpectralDomain] = {}
-        self._states: dict[tuple[SpectralDomain, int], FieldRing] = {}
-        self._soft: NotHyperbolicError | None = None
+        self._rings: dict[tuple[float, float, bool], spectral_data.SpectralDomain] = {}
+        self._states: dict[tuple[spectral_data.SpectralDomain, int], FieldRing] = {}
+        self._soft: evolution.NotHyperbolicError | None = None
 
     def first(self) -> Choices:
         """Return the first choices: the smallest ring, sampling and step of the wave's scale."""
         choices = self._sized(Choices(1.0, 0.0, density=self._density), self._data.smallest)
         state, c = self._state(choices), self._moving.speed
-        k = rms_wavenumber(state)
-        turning = turning_time(self._moving.constants, state, k)
-        step = first_step(c, self._duration, k, turning)
+        k = spectral_data.rms_wavenumber(state)
+        turning = spectral_data.turning_time(self._moving.constants, state, k)
+        step = spectral_data.first_step(c, self._duration, k, turning)
         self._lattice_spread = self._spread_over(self._duration / turning)
         if self._must_resolve:
             step = min(step, self._resolving)
@@ -291,9 +280,9 @@ class SpectralEngine(SpectralSearch):
         self._density = POINTS_GROWTH * self._dense(choices) / choices.finer
         return True
 
-    def _handle_loss(self, error: RunawayError, step: float) -> None:
+    def _handle_loss(self, error: evolution.RunawayError, step: float) -> None:
         """Raise the error again if the lattice itself stops carrying waves, whatever the step."""
-        self._soft = error if isinstance(error, NotHyperbolicError) else None
+        self._soft = error if isinstance(error, evolution.NotHyperbolicError) else None
         if self._soft and self._lost_again(error, step):
             raise error
 
@@ -402,13 +391,13 @@ class SpectralEngine(SpectralSearch):
             raise StoppedTrial(trial)
         return trial
 
-    def _maker(self, choices: Choices, state: FieldRing) -> Callable[..., SpectralRing]:
+    def _maker(self, choices: Choices, state: FieldRing) -> Callable[..., evolution.SpectralRing]:
         """Return the function that builds the rings of a run from this initial state."""
         cutoff = short = 0.0
         if choices.absorber:
             cutoff, short = self._data.absorbed, self._data.short(*state.circumferences)
         return partial(
-            SpectralRing,
+            evolution.SpectralRing,
             self._moving.constants,
             tail=TAIL_SHARE * self._tolerance * self._moving.eps,
             absorbed=cutoff,
@@ -429,7 +418,7 @@ class SpectralEngine(SpectralSearch):
         late = [(t, choices.step, True) for t in times if t >= began]
         return [*early, (began, choices.start, False), *late]
 
-    def _ring(self, choices: Choices) -> SpectralDomain:
+    def _ring(self, choices: Choices) -> spectral_data.SpectralDomain:
         key = (choices.size, choices.shift, choices.causal)
         if key not in self._rings:
             size = math.inf if choices.causal else choices.size

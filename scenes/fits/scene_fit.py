@@ -30,13 +30,7 @@ from longwave.scenes.description.bench import FORCE_TABLES
 from longwave.scenes.description.losses import Losses, lossy, without_losses
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.fits.least_squares import (
-    DOUBTFUL,
-    SPARE,
-    LeastSquares,
-    estimate_noise,
-    unit_covariance,
-)
+from longwave.scenes.fits import least_squares
 from longwave.scenes.fits.sensor_records import SensorRecord, read_record
 from longwave.scenes.starts.bench_chain import chain_on_bench, start_on_bench
 from longwave.support.known_names import one_of
@@ -150,7 +144,7 @@ class SceneModel:
 
 
 @dataclass(frozen=True, repr=False)
-class SceneFit(LeastSquares):
+class SceneFit(least_squares.LeastSquares):
     """Result of fitting a scene's constants and losses to sensor records.
 
     ``values`` and ``covariance`` are those of ``model.free``. ``left`` holds the weighted residuals
@@ -201,7 +195,7 @@ class SceneFit(LeastSquares):
     def doubts(self) -> list[str]:
         """Reasons, as sentences, to think that the model is wrong or poorly determined."""
         doubts = self.doubts_of_size("the scene", "readings")
-        if self.serial_p_value < DOUBTFUL:
+        if self.serial_p_value < least_squares.DOUBTFUL:
             doubts.append(
                 "the residuals are correlated in time, as for a wrong model: "
                 f"p = {self.serial_p_value:.1g}"
@@ -256,7 +250,7 @@ def fit_scene(
     covariance = problem.unit_covariance(result.jac)
     noise = 1.0
     if not known:
-        covariance, noise = estimate_noise(covariance, result.fun, math.ulp(1.0))
+        covariance, noise = least_squares.estimate_noise(covariance, result.fun, math.ulp(1.0))
     left = tuple(part / noise for part in problem.parts(-result.fun))
     bounds = tuple(name for name, on in zip(model.free, result.active_mask, strict=True) if on)
     estimate = None if known else noise
@@ -277,7 +271,10 @@ def _check_records(model: SceneModel, records: Sequence[SensorRecord]) -> bool:
             "deviations must be given in all records or in none, and always for several "
             f"quantities, got {got} without (add columns such as displacement_0_deviation)"
         )
-    count, least = sum(record.values.size for record in records), len(model.free) + SPARE
+    count, least = (
+        sum(record.values.size for record in records),
+        len(model.free) + least_squares.SPARE,
+    )
     if count < least:
         raise ValueError(
             f"readings must be at least {least} for {len(model.free)} constants, got {count} "
@@ -329,7 +326,7 @@ class _Problem:
         Raises ValueError for constants that the records do not determine.
         """
         remedy = "leave {} out, or place more sensors"
-        return unit_covariance(jacobian, self._model.free, "records", remedy)
+        return least_squares.unit_covariance(jacobian, self._model.free, "records", remedy)
 
     def _evaluate(self, values: Array) -> Array:
         """Return residuals and their derivatives, shape (readings, 1 + free); cached."""
