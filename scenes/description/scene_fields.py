@@ -13,13 +13,7 @@ from longwave.scenes.description import entries
 from longwave.scenes.description.bench import Bench
 from longwave.scenes.description.losses import Losses, lossy
 from longwave.scenes.description.numerics import Discretisation, Tolerance
-from longwave.scenes.description.scene_checks import (
-    CHAIN,
-    CHAIN_CONSTANTS,
-    NOT_GIVEN,
-    Pairs,
-    Value,
-)
+from longwave.scenes.description.scene_checks import CHAIN, CHAIN_CONSTANTS, NOT_GIVEN, Pairs, Value
 from longwave.scenes.description.scene_disorder import Disorder
 from longwave.scenes.description.stated_tables import StatedTables
 from longwave.support.known_names import one_of

@@ -15,7 +15,7 @@ from longwave.lattice.state import Array, State
 from longwave.scenes.description.bench import MOST_READINGS, Bench
 from longwave.scenes.description.losses import without_losses
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.engines.run_record import RunRecord
+from longwave.scenes.engines.run_record import RunRecord, stencil_cost
 from longwave.scenes.starts import bench_chain
 
 if TYPE_CHECKING:
@@ -89,28 +89,26 @@ class BenchReadings:
         variables: Variables = {}
         splits = np.cumsum([math.prod(size) for size in self.sizes])[:-1]
         parts = np.split(readings, splits, axis=1)
-        for one, size, part in zip(self.outputs, self.sizes, parts, strict=True):
-            values = part.reshape(len(part), *size)
-            dimensions = one.dimensions
+        for output, size, part in zip(self.outputs, self.sizes, parts, strict=True):
+            values, dimensions = part.reshape(len(part), *size), output.dimensions
             if dimensions[1:] and size[-1] == 1:
                 values, dimensions = values[..., 0], dimensions[:-1]
-            attributes = {"units": one.units, "long_name": meaning + one.long_name}
-            variables[one.name + ending] = ("time", *dimensions), values, attributes
+            attributes = {"units": output.units, "long_name": meaning + output.long_name}
+            variables[output.name + ending] = ("time", *dimensions), values, attributes
         return variables
 
     def record_of(self, trial: Trial) -> RunRecord:
         """Return the record of a run, without variables if it broke down."""
         blow_up, steps, _, _ = trial.payload
         variables = {} if trial.values is None else self.variables(trial.values)
-        message = "" if blow_up is None else str(blow_up)
-        return self.record(variables, steps, trial.seconds, message)
+        return self.record(variables, steps, trial.seconds, blow_up)
 
     def record(
-        self, variables: Variables, steps: int, seconds: float, blow_up: str = ""
+        self, variables: Variables, steps: int, seconds: float, blow_up: object = None
     ) -> RunRecord:
         """Return a record of ``variables``, with the coordinates of sensors, modes, drivers, cuts.
 
-        ``blow_up`` describes a breakdown; empty if there was none.
+        ``blow_up`` describes a breakdown; None if there was none.
         """
         for name, numbers, long_name in (
             ("sensor", self.bench.sensors, "number of the cell"),
@@ -121,16 +119,6 @@ class BenchReadings:
             if any(name in dimensions for dimensions, _, _ in variables.values()):
                 attributes = {"units": "1", "long_name": long_name}
                 variables[name] = (name,), np.array(numbers), attributes
-        scheme = self.engine.scheme
-        cost = {
-            "engine": "stencil",
-            "scheme": scheme.name,
-            "order": scheme.order,
-            "steps": steps,
-            "force_evaluations": steps * scheme.stages,
-            "sites": self.bench.sites,
-            "seconds": seconds,
-            "blow_up": blow_up,
-        }
+        cost = stencil_cost(self.engine.scheme, steps, self.bench.sites, seconds, blow_up)
         reached = tuple(self.times.tolist()) if variables else ()
         return RunRecord(self.scene, (0,), reached, variables, cost)

@@ -22,11 +22,7 @@ from longwave.lattice.state import GROWTH, Array, BlowUp
 from longwave.lattice.trial import DRIVEN_SHARE
 from longwave.scenes.engines import ring_cost
 from longwave.scenes.starts.initial_cells import InitialCells
-from longwave.scenes.starts.lattice_wave import (
-    LatticeWave,
-    largest_group_velocity,
-    nearest_cell,
-)
+from longwave.scenes.starts.lattice_wave import LatticeWave, largest_group_velocity, nearest_cell
 from longwave.solutions.pieces import PIECE
 from longwave.support.request_limits import ExpectedCost, check_request
 

@@ -61,9 +61,9 @@ def moments_of(scene: Scene, kind: observables.Moment) -> Moments:
         return Moments(_equidistant(scene, scene.curve_points))
     if scene.look_points is not None:
         return Moments(_equidistant(scene, scene.look_points))
-    share = (scene.end - scene.t0) / scene.curve_points
-    least = LOOK_EVALUATIONS / scene.discretisation.table.stages * scene.discretisation.step
-    return Moments((), max(least, share) * (1.0 - 1e-12))
+    spacing = (scene.end - scene.t0) / scene.curve_points
+    shortest = LOOK_EVALUATIONS / scene.discretisation.table.stages * scene.discretisation.step
+    return Moments((), max(shortest, spacing) * (1.0 - 1e-12))
 
 
 def _equidistant(scene: Scene, points: int) -> tuple[float, ...]:
@@ -75,13 +75,9 @@ def _equidistant(scene: Scene, points: int) -> tuple[float, ...]:
 def exact_times(scene: Scene) -> tuple[float, ...]:
     """Return the times that the scene's observables require exactly, snapshots included."""
     kinds = {observables.observable_named(name).measured_at for name in scene.observables}
-    times = {t for kind in kinds if _is_exact(scene, kind) for t in moments_of(scene, kind).times}
+    exact = {"snapshots", "curve"} | ({"looks"} if scene.look_points is not None else set())
+    times = {t for kind in kinds if kind in exact for t in moments_of(scene, kind).times}
     return tuple(sorted(times.union(scene.snapshots)))
-
-
-def _is_exact(scene: Scene, kind: observables.Moment) -> bool:
-    """Return whether this kind of observable is measured at exact times."""
-    return kind in ("snapshots", "curve") or (kind == "looks" and scene.look_points is not None)
 
 
 Variables = dict[str, tuple[tuple[str, ...], Any, dict[str, str]]]
@@ -161,6 +157,11 @@ def build_recorders(scene: Scene) -> list[Recorder]:
         for kind in kinds
         if (group := [entry for entry in entries if entry.measured_at == kind])
     ]
+
+
+def recorded_variables(recorders: Sequence[Recorder]) -> Variables:
+    """Return the variables of all recorders, which give up their rows."""
+    return {name: row for recorder in recorders for name, row in recorder.variables().items()}
 
 
 class Samples:

@@ -21,7 +21,7 @@ from longwave.lattice.state import State
 from longwave.lattice.trial import Trial
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines.domain_plan import OUTER_CELLS, WIDER, DomainPlan, Ends, count_cells
-from longwave.scenes.engines.recorders import Variables, build_recorders
+from longwave.scenes.engines.recorders import build_recorders, recorded_variables
 from longwave.scenes.engines.ring_cost import USUAL_RUNS, search_cost
 from longwave.scenes.engines.run_record import RunRecord
 from longwave.scenes.engines.stepped_cells import CellView, SteppedCells, add_energy_drift
@@ -150,12 +150,11 @@ class SpectralRuns:
             return None
         ring, rows = trial.payload
         recorders = build_recorders(self.scene)
-        variables: Variables = {}
         for recorder in recorders:
             for t, row in zip(self.times, rows, strict=True):
                 if recorder.dimension in row["seen"]:
                     recorder.add(t, row["seen"][recorder.dimension])
-            variables |= recorder.variables()
+        variables = recorded_variables(recorders)
         steps, evaluations = ring.integrator.steps, ring.integrator.evaluations
         attributes = run_facts(trial, steps, evaluations, math.prod(ring.start.counts), "")
         reach = self.domains.compared.reach

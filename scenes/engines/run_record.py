@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from longwave.lattice.refine import Announce, Refined
+    from longwave.lattice.schemes import Scheme
     from longwave.lattice.trial import Engine, Progress
     from longwave.scenes.description.scene import Scene
     from longwave.scenes.engines.recorders import Variables
@@ -104,6 +105,26 @@ class RunRecord:
         data = {n: (v.dims, v.values, v.attrs) for n, v in self.arrays.variables.items()}
         axes = {name: data.pop(name) for name in list(data) if data[name][0] == (name,)}
         return xr.Dataset(data, axes, self.arrays.attrs)
+
+
+def stencil_cost(
+    scheme: Scheme, steps: int, sites: int, seconds: float, blow_up: object, **more: float
+) -> dict[str, Any]:
+    """Return the attributes of a run cell by cell: engine, scheme and cost, and ``more`` of them.
+
+    ``blow_up`` describes a breakdown; None or empty if there was none.
+    """
+    return {
+        "engine": "stencil",
+        "scheme": scheme.name,
+        "order": scheme.order,
+        "steps": steps,
+        "force_evaluations": steps * scheme.stages,
+        "sites": sites,
+        **more,
+        "seconds": seconds,
+        "blow_up": str(blow_up or ""),
+    }
 
 
 def add_error_estimate(

@@ -27,9 +27,7 @@ if TYPE_CHECKING:
 
 
 def run(
-    scene: Scene | str | Path,
-    progress: Progress | None = None,
-    announce: Announce | None = None,
+    scene: Scene | str | Path, progress: Progress | None = None, announce: Announce | None = None
 ) -> xr.Dataset:
     """Run a scene, given as object, name or file path, and return the Dataset of its observables.
 

@@ -20,7 +20,7 @@ from longwave.lattice.trial import Progress, Trial
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines import spectral_data, spectral_search
 from longwave.scenes.engines.domain_plan import ComparedCells
-from longwave.scenes.engines.recorders import Recorder, Variables, build_recorders
+from longwave.scenes.engines.recorders import Recorder, build_recorders, recorded_variables
 from longwave.scenes.engines.run_record import RunRecord, search_interrupt
 from longwave.scenes.engines.stepped_cells import CellView
 from longwave.scenes.starts.moving_wave import MovingWave, moving_wave
@@ -187,9 +187,7 @@ def _recorded(
         trial, cost.steps, cost.evaluations, cost.points, "" if fault is None else str(fault)
     )
     attributes["circumference"] = cost.circumference
-    variables: Variables = {}
-    for recorder in recorders:
-        variables |= recorder.variables()
+    variables = recorded_variables(recorders)
     return RunRecord(scene, (scene.compared,), reached, variables, attributes)
 
 

@@ -18,10 +18,7 @@ import numpy as np
 from longwave.lattice.refine import Announce, Refined, refine
 from longwave.lattice.spectral import evolution
 from longwave.lattice.spectral.absorber import ABSORBER_STRENGTH
-from longwave.lattice.spectral.crest_energy import (
-    DENSITY,
-    crest_energy_spread,
-)
+from longwave.lattice.spectral.crest_energy import DENSITY, crest_energy_spread
 from longwave.lattice.spectral.field_ring import FieldRing, fast_count
 from longwave.lattice.spectral.ring_search import TAIL_SHARE, SpectralSearch
 from longwave.lattice.state import Array

@@ -9,7 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,11 +18,11 @@ from longwave.scenes.engines.recorders import (
     Observer,
     Recorder,
     Samples,
-    Variables,
     build_recorders,
     exact_times,
+    recorded_variables,
 )
-from longwave.scenes.engines.run_record import RunRecord, UnfinishedRun
+from longwave.scenes.engines.run_record import RunRecord, UnfinishedRun, stencil_cost
 from longwave.scenes.observed.observables import observable_named
 from longwave.support.checkpoint import Memory, begin_loop
 
@@ -81,7 +81,7 @@ def record(
             for observer in observers:
                 if observer.moments.is_due(state.t):
                     observer.observe(view)
-            progress(_share(begin, scene.end, state.t))
+            progress((state.t - begin) / (scene.end - begin) if scene.end > begin else 1.0)
             if state.t < scene.end:
                 loop.offer(checkpoint)
     except KeyboardInterrupt:
@@ -89,10 +89,6 @@ def record(
     if times and not stopped and stepper.blow_up is None:
         loop.end(lambda: checkpoint(arrays=False))
     return Recording(stepper, step_limit, time.perf_counter() - loop.begun, stopped)
-
-
-def _share(begin: float, end: float, t: float) -> float:
-    return (t - begin) / (end - begin) if end > begin else 1.0
 
 
 REFINED_COST = 2.0
@@ -162,10 +158,16 @@ def run_from(
     if measures:
         observers.append(samples)
     recording = record(stepped, observers, whole, restart)
-    variables: Variables = {}
-    for recorder in recorders:
-        variables |= recorder.variables()
-    cost = _cost(scene, recording) | stepped.attributes(recording.stepper)
+    variables, stepper = recorded_variables(recorders), recording.stepper
+    cost = stencil_cost(
+        stepper.scheme,
+        stepper.steps,
+        scene.discretisation.sites,
+        recording.seconds,
+        stepper.blow_up,
+        step_limit=recording.step_limit,
+    )
+    cost |= stepped.attributes(stepper)
     run = RunRecord(scene, stepped.reach, _reached(scene, recorders, recording), variables, cost)
     if recording.stopped:
         cost["unfinished"] = f"Ctrl-C after t = {recording.stepper.state.t:g} of {scene.end:g}"
@@ -201,18 +203,3 @@ def _split_progress(progress: Progress, costs: Sequence[float]) -> list[Progress
         return lambda share: progress(min(1.0, (start + share * cost) / sum(costs)))
 
     return [part(sum(costs[:index]), cost) for index, cost in enumerate(costs)]
-
-
-def _cost(scene: Scene, recording: Recording) -> dict[str, Any]:
-    stepper, scheme = recording.stepper, recording.stepper.scheme
-    return {
-        "engine": "stencil",
-        "scheme": scheme.name,
-        "order": scheme.order,
-        "steps": stepper.steps,
-        "force_evaluations": stepper.steps * scheme.stages,
-        "sites": scene.discretisation.sites,
-        "step_limit": recording.step_limit,
-        "seconds": recording.seconds,
-        "blow_up": "" if stepper.blow_up is None else str(stepper.blow_up),
-    }

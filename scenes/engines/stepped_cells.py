@@ -79,6 +79,15 @@ class SteppedCells:
         """
         stated = self.scene.discretisation
         limit = check_step(stated.step, stated.table, self.domains.fastest)
+        state, domain = self._begin(restart)
+        ring, scheme = self.ring, stated.table
+        amplitude = float(np.max(np.abs(ring.f))) if self.domains.wave.watches_strains else None
+        chunk = steps_between_looks(ring.lattice, state, scheme, amplitude is not None)
+        stepper = Stepper(state, scheme, ring.lattice, domain, stated.step, amplitude, chunk)
+        return stepper, limit
+
+    def _begin(self, restart: State | None) -> tuple[State, Domain]:
+        """Return the first state, or the state to resume from, with its domain."""
         if restart is not None:
             self.ends = _ends_of(restart, self.domains.plain_ends(0))
         ring = self.ring
@@ -86,18 +95,8 @@ class SteppedCells:
         if restart is not None:
             shape = state.f.shape
             state = State(restart.t, restart.f.reshape(shape), restart.v.reshape(shape))
-        domain = RingDomain(state, self.ends, self.domains, self._fading)
-        return self._stepper_of(state, domain), limit
-
-    def _stepper_of(self, state: State, domain: Domain) -> Stepper:
-        ring, stated = self.ring, self.scene.discretisation
-        amplitude = float(np.max(np.abs(ring.f))) if self.domains.wave.watches_strains else None
-        return ring_stepper(ring.lattice, state, domain, stated.table, stated.step, amplitude)
-
-    @property
-    def _fading(self) -> Fading | None:
-        """Damping of the cells that can no longer affect a compared cell; None without it."""
-        return self.domains.fading() if self._fades and self.domains.room else None
+        fading = self.domains.fading() if self._fades and self.domains.room else None
+        return state, RingDomain(state, self.ends, self.domains, fading)
 
     def view(self, state: State) -> CellView:
         """Return the view of a state on the compared cells."""
@@ -117,7 +116,7 @@ class SteppedCells:
 
     def refined(self, scene: Scene) -> SteppedCells:
         """Return the cells for a refined scene about the same wave."""
-        return SteppedCells(scene, self.domains)
+        return type(self)(scene, self.domains)
 
     def attributes(self, stepper: Stepper) -> dict[str, Any]:
         """Return run attributes: the number of sites, and the strain range if it is monitored."""
@@ -176,25 +175,18 @@ class RingDomain(FixedDomain):
         return self.domains.with_seam_distance(replace(found, site=site), self.ends)
 
 
-def ring_stepper(
-    lattice: NumericLattice,
-    state: State,
-    domain: Domain,
-    scheme: Scheme,
-    step: float,
-    amplitude: float | None = None,
-) -> Stepper:
-    """Return a stepper of a ring that stops about every ``LOOK_SECONDS`` to check the state.
+def steps_between_looks(
+    lattice: NumericLattice, state: State, scheme: Scheme, watches_strains: bool
+) -> int:
+    """Return the number of steps that a ring takes in about ``LOOK_SECONDS``.
 
-    On a chain it takes at least `LEAST_CHUNK` steps between stops. With the ``amplitude`` of a wave
-    its strains are checked (`blow_up.find_blow_up`) at least every `CHUNK` steps, as often as the
-    seam needs damping.
+    It is at least `LEAST_CHUNK` on a chain. For a wave whose strains are checked
+    (`blow_up.find_blow_up`) it is at most `CHUNK`, as the seam needs damping that often.
     """
     seconds = cell_seconds(lattice) * state.f[0].size
     least = LEAST_CHUNK if lattice.dimension == 1 else 1
     chunk = max(least, int(LOOK_SECONDS / (scheme.stages * seconds)))
-    chunk = chunk if amplitude is None else min(chunk, CHUNK)
-    return Stepper(state, scheme, lattice, domain, step, amplitude, chunk)
+    return min(chunk, CHUNK) if watches_strains else chunk
 
 
 @dataclass(frozen=True)
@@ -237,7 +229,7 @@ class CellView(View):
     @cached_property
     def numerics(self) -> Array:
         """Compared quantities of the run, (quantities, *sites); a copy, as the state changes."""
-        wide, inner = self.wave.with_neighbours(self._places(self.compared))
+        wide, inner = self.wave.with_neighbours(self.compared.slices(self.ends, self.t))
         values = self.wave.quantity_values(self.arrays[0][:, *wide], self.mean_strain)
         return np.array(values[:, *inner], subok=True)
 
@@ -302,17 +294,13 @@ class CellView(View):
 
         The cells are ``compared``, by default those of the view, and ``beyond`` cells around them.
         """
-        places = self._places(compared or self.compared, beyond)
-        return (
-            self.wave.values_and_rates_at(*self.arrays, self.mean_strain, places) / self.wave.scale
-        )
+        cells = (compared or self.compared).slices(self.ends, self.t, beyond)
+        values = self.wave.values_and_rates_at(*self.arrays, self.mean_strain, cells)
+        return values / self.wave.scale
 
     @cached_property
     def _cells(self) -> Array:
         return self.compared.cells(self.t)
-
-    def _places(self, compared: ComparedCells, beyond: int = 0) -> tuple[slice, ...]:
-        return compared.slices(self.ends, self.t, beyond)
 
 
 def add_energy_drift(run: RunRecord, begin: float, end: float) -> None:
@@ -339,19 +327,13 @@ class WindowCells(SteppedCells):
         """Initial data on the window's cells."""
         return self._window.wave.ring
 
-    def stepper(self, restart: State | None) -> tuple[Stepper, float]:
-        """Return the stepper of the cells and the largest stable step.
-
-        Raises ValueError if the scene's step exceeds that limit.
-        """
-        stated = self.scene.discretisation
-        limit = check_step(stated.step, stated.table, self.domains.fastest)
+    def _begin(self, restart: State | None) -> tuple[State, Domain]:
         state = self._window.start()
         if restart is not None:
             shape = state.f.shape
             arrays = (restart.f.reshape(shape), restart.v.reshape(shape))
             state = stored_chain(restart.t, restart.left, *arrays)
-        return self._stepper_of(state, self._window), limit
+        return state, self._window
 
     def ends_at(self, state: State) -> Sequence[Ends]:
         """Return the window's first and last cell at a state's time."""
@@ -360,10 +342,6 @@ class WindowCells(SteppedCells):
     def arrays_at(self, state: State) -> tuple[Array, Array]:
         """Return fields and velocities in the order of the cells."""
         return state.at(state.sites)
-
-    def refined(self, scene: Scene) -> WindowCells:
-        """Return the cells for a refined scene about the same wave."""
-        return WindowCells(scene, self.domains)
 
     def attributes(self, stepper: Stepper) -> dict[str, Any]:
         """Return run attributes: the feed's mismatch, and the strain range if it is monitored."""

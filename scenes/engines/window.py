@@ -134,9 +134,7 @@ def _chebyshev_sums(coefficients: Array, u: Array) -> Array:
 
 
 @njit(
-    cache=True,
-    examples=[(doubles(2), doubles(1), doubles(2), doubles(1))],
-    fastmath={"contract"},
+    cache=True, examples=[(doubles(2), doubles(1), doubles(2), doubles(1))], fastmath={"contract"}
 )
 def _clenshaw(coefficients: Array, u: Array, found: Array, work: Array) -> None:
     """Write Clenshaw's sums to ``found``, looping over points innermost so that SIMD applies."""

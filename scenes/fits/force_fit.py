@@ -370,10 +370,7 @@ def _fit_law(data: ForceData, law: ForceLaw) -> ForceFit:
     problem = _Problem(data, law)
     values = problem.least()
     inverse = unit_covariance(
-        problem.jacobian(values),
-        law.free,
-        "points",
-        "fix one, such as {}=1, or state another law",
+        problem.jacobian(values), law.free, "points", "fix one, such as {}=1, or state another law"
     )
     problem.check_converged(values)
     errors = data.deviation

@@ -16,11 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from longwave.derive import CarrierTerms, Envelope, carrier_fields
 from longwave.derive.algebra.exact_numbers import Number
-from longwave.lattice.numeric_lattice import (
-    NumericLattice,
-    numeric_lattice,
-    stretch_text,
-)
+from longwave.lattice.numeric_lattice import NumericLattice, numeric_lattice, stretch_text
 from longwave.scenes.starts.envelope_flow import EnvelopeFlow
 from longwave.scenes.starts.initial_cells import InitialCells
 from longwave.scenes.starts.lattice_wave import LatticeWave

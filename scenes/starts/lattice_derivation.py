@@ -299,13 +299,7 @@ def _ordered_wave(scene: Scene) -> LatticeWave:
     A = cast(EnvelopeWave, wave)
     far = mean_square_far(cast(Wave, wave)) if scene.order == "leading" else 0.0
     return EnvelopeData(
-        source,
-        derived.numbers,
-        A,
-        scene.eps,
-        scene.order,
-        mean_square=far,
-        interval=interval,
+        source, derived.numbers, A, scene.eps, scene.order, mean_square=far, interval=interval
     )
 
 

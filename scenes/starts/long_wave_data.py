@@ -19,11 +19,7 @@ from longwave.lattice.numeric_lattice import NumericLattice, place_text
 from longwave.scenes.starts.damped_soliton import DampedSoliton
 from longwave.scenes.starts.first_correction import FirstCorrection, JetWave
 from longwave.scenes.starts.jet_polynomial import JetPolynomial
-from longwave.scenes.starts.lattice_wave import (
-    LatticeWave,
-    largest_group_velocity,
-    sound_speed,
-)
+from longwave.scenes.starts.lattice_wave import LatticeWave, largest_group_velocity, sound_speed
 from longwave.scenes.starts.wave_extent import extent, sample_points, sampled_times, support_of
 from longwave.solutions import NumericWave
 from longwave.solutions.pieces import PIECE
