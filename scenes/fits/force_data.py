@@ -90,8 +90,8 @@ class ForceData:
         _check_points(rows)
         _check_order(rows)
         order = np.argsort(rows[:, 0], kind="stable")
-        rows = rows[order]
-        return cls(rows[:, 0], rows[:, 1], rows[:, 2] if deviation is not None else None, order)
+        stretch, force, *others = rows[order].T
+        return cls(stretch, force, others[0] if others else None, order)
 
 
 def _check_sizes(name: str, column: Points) -> None:
@@ -144,12 +144,10 @@ def _check_order(rows: Points) -> None:
             f"stretch must rise or fall from row to row, got {len(turns)} turns in {len(rows)} "
             "rows (sort them by stretch, if their order has no meaning)"
         )
-    # a turning point belongs to the branch that ends there
-    pieces = [
-        rows[start + (index > 0) : end + 1] for index, (start, end) in enumerate(pairwise(ends))
-    ]
     branches: dict[bool, list[Points]] = {True: [], False: []}
-    for piece, (start, end) in zip(pieces, pairwise(ends), strict=True):
+    for index, (start, end) in enumerate(pairwise(ends)):
+        # a turning point belongs to the branch that ends there
+        piece = rows[start + (index > 0) : end + 1]
         branches[bool(rows[end, 0] > rows[start, 0])].append(piece)
     if all(branches.values()):
         _check_loop(np.concatenate(branches[True]), np.concatenate(branches[False]), ends[1])
@@ -175,8 +173,7 @@ def _turns(stretch: Points) -> list[int]:
 
 def _check_loop(rising: Points, falling: Points, turn: int) -> None:
     """Raise ValueError if loading and unloading differ by more than the noise where both exist."""
-    rising = rising[np.argsort(rising[:, 0], kind="stable")]
-    falling = falling[np.argsort(falling[:, 0], kind="stable")]
+    rising, falling = (b[np.argsort(b[:, 0], kind="stable")] for b in (rising, falling))
     common = falling[(falling[:, 0] >= rising[0, 0]) & (falling[:, 0] <= rising[-1, 0])]
     if len(common) < FEWEST:
         return

@@ -13,6 +13,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from itertools import product
+from operator import itemgetter
 from typing import Literal
 
 import numpy as np
@@ -127,17 +128,10 @@ class ForceFit(LeastSquares):
         """Tests of the residuals; none if the residuals are only rounding errors."""
         if self.is_exact:
             return ()
-        weight = 1 / self.errors
-        slopes = self.law.values.slopes(self.data.stretch, self.values)
-        tests = ResidualTests(
-            self.data.stretch,
-            self.residuals,
-            slopes * weight[:, np.newaxis],
-            weight,
-            self.data.rows,
-            self.has_deviations,
-        )
-        return tests.all
+        data, weight = self.data, 1 / self.errors
+        slopes = self.law.values.slopes(data.stretch, self.values) * weight[:, np.newaxis]
+        known = self.has_deviations
+        return ResidualTests(data.stretch, self.residuals, slopes, weight, data.rows, known).all
 
     @property
     def smooth_p_value(self) -> float:
@@ -154,19 +148,15 @@ class ForceFit(LeastSquares):
     def doubts(self) -> list[str]:
         """Reasons, as sentences, to doubt that the law describes the points."""
         doubts = self.doubts_of_size("the law", "points", level(SIZE, self.has_deviations))
-        curves = [test for test in self.tests if test.is_alarm and test.kind != SERIAL]
-        if curves:
-            doubts.append(
-                "the residuals follow a smooth curve along the stretch, as for a wrong law: "
-                f"{_p_values(curves)}"
-            )
-        serial = [test for test in self.tests if test.is_alarm and test.kind == SERIAL]
-        if serial:
-            doubts.append(
-                "the residuals of neighbours are correlated, as for a wrong law or disturbed "
-                f"readings: {_p_values(serial)}"
-            )
-        return doubts + self._doubts_of_choice() + self._doubts_of_constants()
+        for is_serial, finding in (
+            (False, "follow a smooth curve along the stretch, as for a wrong law"),
+            (True, "of neighbours are correlated, as for a wrong law or disturbed readings"),
+        ):
+            alarms = [t for t in self.tests if t.is_alarm and (t.kind == SERIAL) == is_serial]
+            p_values = ", ".join(f"{t.seeks}, {probability(t.p_value, 1)}" for t in alarms)
+            doubts += [f"the residuals {finding}: {p_values}"] if alarms else []
+        is_linear = self.law.values.linear
+        return doubts + self._doubts_of_choice() + self.undetermined_constants(is_linear)
 
     def _doubts_of_choice(self) -> list[str]:
         """Return sentences that say why the intervals of a chosen law may be too narrow."""
@@ -185,15 +175,6 @@ class ForceFit(LeastSquares):
             "the points do not determine the law, and other laws that describe them as well make "
             f"the interval of {self.names[worst]} {self.widening[worst]:.2g} times as wide: state "
             "the law, or measure more"
-        ]
-
-    def _doubts_of_constants(self) -> list[str]:
-        """Return a sentence for each nonlinear constant whose deviation exceeds its value."""
-        rows = zip(self.names, self.law.values.linear, self.values, self.deviations, strict=True)
-        return [
-            f"{name} is not determined: its deviation exceeds its value"
-            for name, linear, value, deviation in rows
-            if not linear and deviation > abs(value)
         ]
 
     @property
@@ -254,7 +235,7 @@ def fit_points(data: ForceData, law: ForceLaw | Literal["table"] | None = None) 
     if isinstance(law, ForceLaw):
         return _fit_law(data, law)
     candidates = _splines(data) if law == TABLE else _polynomials(data)
-    fits = list(_identifiable_fits(data, candidates))
+    fits = _identifiable_fits(data, candidates)
     evidence = [_aicc(fit) for fit in fits]
     good = [f for f, value in zip(fits, evidence, strict=True) if value <= min(evidence) + AS_GOOD]
     names = (" ".join(map(str, fit.law.free)) for fit in fits)
@@ -268,19 +249,17 @@ def fit_points(data: ForceData, law: ForceLaw | Literal["table"] | None = None) 
     )
 
 
-def _identifiable_fits(data: ForceData, laws: Iterable[ForceLaw]) -> Iterator[ForceFit]:
-    """Yield the fits of the laws whose constants the points determine; ValueError if none."""
-    has_fit, reason = False, ""
+def _identifiable_fits(data: ForceData, laws: Iterable[ForceLaw]) -> list[ForceFit]:
+    """Return the fits of the laws whose constants the points determine; ValueError if none."""
+    fits, reason = [], ""
     for law in laws:
         try:
-            fit = _fit_law(data, law)
+            fits.append(_fit_law(data, law))
         except ValueError as error:
             reason = str(error)
-        else:
-            has_fit = True
-            yield fit
-    if not has_fit:
+    if not fits:
         raise ValueError(reason)
+    return fits
 
 
 def _averaged(chosen: ForceFit, fits: list[ForceFit], evidence: list[float]) -> Points:
@@ -297,10 +276,6 @@ def _averaged(chosen: ForceFit, fits: list[ForceFit], evidence: list[float]) -> 
         covariance = np.pad(fit.covariance, (0, 1))[np.ix_(indices, indices)]
         total += weight * (covariance + np.outer(d := values - chosen.values, d))
     return np.asarray((total + total.T) / 2)
-
-
-def _p_values(tests: list[ResidualTest]) -> str:
-    return ", ".join(f"{test.seeks}, {probability(test.p_value, 1)}" for test in tests)
 
 
 @cache
@@ -369,9 +344,8 @@ def _fit_law(data: ForceData, law: ForceLaw) -> ForceFit:
         )
     problem = _Problem(data, law)
     values = problem.least()
-    inverse = unit_covariance(
-        problem.jacobian(values), law.free, "points", "fix one, such as {}=1, or state another law"
-    )
+    remedy = "fix one, such as {}=1, or state another law"
+    inverse = unit_covariance(problem.jacobian(values), law.free, "points", remedy)
     problem.check_converged(values)
     errors = data.deviation
     if errors is None:
@@ -426,14 +400,14 @@ class _Problem:
         Raises ValueError if the law is undefined at all starts.
         """
         with np.errstate(all="ignore"):
-            starts = sorted(self._starts(), key=lambda start: start[0])[:BEST_STARTS]
+            starts = sorted(self._starts(), key=itemgetter(0))[:BEST_STARTS]
             if not starts:
                 raise ValueError(
                     f"law must be defined from stretch {self._data.stretch[0]:g} to "
                     f"{self._data.stretch[-1]:g}, got {self._law.text}, which is undefined for all "
                     "starting values (state another law)"
                 )
-            return min((self._descent(start) for _, start in starts), key=lambda one: one[1])[0]
+            return min((self._descent(start) for _, start in starts), key=itemgetter(1))[0]
 
     def _descent(self, start: Points) -> tuple[Points, float]:
         """Return the constants that a search from ``start`` converges to, and their chi^2."""

@@ -95,6 +95,16 @@ class LeastSquares:
             return math.nan
         return float(stats.chi2.sf(self.chi_squared, self.degrees))
 
+    def undetermined_constants(self, is_linear: Sequence[bool] | None = None) -> list[str]:
+        """Return a sentence for each nonlinear constant whose deviation exceeds its value."""
+        flags = is_linear or [False] * len(self.names)
+        rows = zip(self.names, flags, self.values, self.deviations, strict=True)
+        return [
+            f"{name} is not determined: its deviation exceeds its value"
+            for name, linear, value, deviation in rows
+            if not linear and deviation > abs(value)
+        ]
+
     def doubts_of_size(self, law: str, points: str, level: float = DOUBTFUL) -> list[str]:
         """Return sentences that say whether the residuals are too large or too small.
 

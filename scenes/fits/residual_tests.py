@@ -87,10 +87,13 @@ class ResidualTests:
             for kind, power in ((ODD, self._next_power(1)), (EVEN, self._next_power(2)))
             if power
         ]
-        curves = np.polynomial.legendre.legvander(self._centred, DEGREE)
+        low, high = self.stretch[0], self.stretch[-1]
+        centred = (self.stretch - (low + high) / 2) / ((high - low) / 2)
+        curves = np.polynomial.legendre.legvander(centred, DEGREE)
         results.append((SMOOTH, f"degree {DEGREE}", self._p_value(self._left_over(curves)), 1))
         orders = [("along the stretch", np.arange(self.rows.size))]
-        if not self._is_monotone:
+        steps = np.diff(self.rows)
+        if not ((steps > 0).all() or (steps < 0).all()):
             orders.append(("in the order of measurement", np.argsort(self.rows)))
         results += [(SERIAL, name, self._serial(order), len(orders)) for name, order in orders]
         return tuple(
@@ -102,17 +105,6 @@ class ResidualTests:
     def _scaled(self) -> Points:
         """Stretch divided by its largest magnitude."""
         return self.stretch / np.max(np.abs(self.stretch))
-
-    @property
-    def _centred(self) -> Points:
-        """Stretch mapped to -1 .. 1."""
-        low, high = self.stretch[0], self.stretch[-1]
-        return (self.stretch - (low + high) / 2) / ((high - low) / 2)
-
-    @property
-    def _is_monotone(self) -> bool:
-        steps = np.diff(self.rows)
-        return bool((steps > 0).all() or (steps < 0).all())
 
     def _left_over(self, curves: NDArray[Any]) -> Points:
         """Return an orthonormal basis of the curves after projecting out the constants' effect."""

@@ -67,15 +67,13 @@ class SceneModel:
     """
 
     def __init__(self, scene: Scene, free: Sequence[str]) -> None:
-        bench = scene.own_bench
-        for table in bench.stated.tables:
+        self.scene, self.free, self._bench = scene, tuple(free), scene.own_bench
+        for table in self._bench.stated.tables:
             if table not in FITTED:
                 raise ValueError(
                     f"tables of a scene to fit must be among {', '.join(FITTED)}, got [{table}] "
                     "(leave it out)"
                 )
-        self.scene, self.free = scene, tuple(free)
-        self._bench = bench
         stated = {name: float(number_value(name, value)) for name, value in scene.constants}
         losses = {"site": 0, "bond": 0} | (scene.losses.table if scene.losses else {})
         for key, value in losses.items():
@@ -112,9 +110,8 @@ class SceneModel:
 
     def step(self, values: ArrayLike, times: Array) -> float:
         """Return the step with which displacements and velocities meet the scene's tolerance."""
-        chain = self.chain(values)
+        chain, tolerance = self.chain(values), self.scene.target.tolerance
         start = start_on_bench(self._bench, chain, self.scene.t0)
-        tolerance = self.scene.target.tolerance
         return integrate(chain, start, times, tolerance, judged=lambda f, v, _: [f, v]).step
 
     def readings(
@@ -200,11 +197,7 @@ class SceneFit(least_squares.LeastSquares):
                 "the residuals are correlated in time, as for a wrong model: "
                 f"p = {self.serial_p_value:.1g}"
             )
-        doubts += [
-            f"{name} is not determined: its deviation exceeds its value"
-            for name, value, deviation in zip(self.names, self.values, self.deviations, strict=True)
-            if deviation > abs(value)
-        ]
+        doubts += self.undetermined_constants()
         doubts += [
             f"{name} is at its bound, 0: its interval is unreliable" for name in self.at_bounds
         ]
@@ -271,10 +264,7 @@ def _check_records(model: SceneModel, records: Sequence[SensorRecord]) -> bool:
             "deviations must be given in all records or in none, and always for several "
             f"quantities, got {got} without (add columns such as displacement_0_deviation)"
         )
-    count, least = (
-        sum(record.values.size for record in records),
-        len(model.free) + least_squares.SPARE,
-    )
+    count, least = sum(r.values.size for r in records), len(model.free) + least_squares.SPARE
     if count < least:
         raise ValueError(
             f"readings must be at least {least} for {len(model.free)} constants, got {count} "

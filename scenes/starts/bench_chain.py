@@ -161,7 +161,8 @@ def bench_variables(bench: Bench, chain: DrivenChain) -> Iterator[BenchVariable]
     for name in bench.sensed if bench.sensors else ():
         yield _in_cells(f"sensor_{name}", "sensor", name, bench.sensors)
     if bench.energy:
-        yield BenchVariable("energy", (), _UNIT, "energy of chain and bonds", _energy)
+        name = "energy of chain and bonds"
+        yield BenchVariable("energy", (), _UNIT, name, lambda at: at.chain.energy(at.f, at.v))
     if has_balance(bench, chain):
         yield from _balance(chain)
     if bench.flux:
@@ -170,9 +171,8 @@ def bench_variables(bench: Bench, chain: DrivenChain) -> Iterator[BenchVariable]
         name, unit = "power to the right", "lattice units per lattice time"
         yield BenchVariable("flux", ("cut",), unit, name, lambda at: at.rate.through)
     if bench.modes:
-        what = "energy of the mode of a linear chain"
-        read = _mode_reader(bench, chain)
-        yield BenchVariable("mode_energy", ("mode",), _UNIT, what, read)
+        name, read = "energy of the mode of a linear chain", _mode_reader(bench, chain)
+        yield BenchVariable("mode_energy", ("mode",), _UNIT, name, read)
     for name in ("displacement", "velocity") if bench.state else ():
         yield _in_cells(name, "cell", name, range(bench.sites))
 
@@ -196,10 +196,6 @@ def _in_cells(name: str, dimension: str, what: str, cells: Sequence[int]) -> Ben
         dimensions=(dimension, *whole.dimensions),
         read=lambda now: np.asarray(whole.read(now))[:, indices].T,
     )
-
-
-def _energy(at: Moment) -> float:
-    return at.chain.energy(at.f, at.v)
 
 
 def _mode_reader(bench: Bench, chain: DrivenChain) -> Reader:

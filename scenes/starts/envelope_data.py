@@ -60,15 +60,11 @@ class PlaneBackground:
 
         Each derivative is the same multiple of the one before it.
         """
-        A = self._wave.background(X, T)
-        if self._is_plane(T):
+        A, far = self._wave.background(X, T), np.linspace(-FARTHEST, FARTHEST, SAMPLES)
+        if np.array_equal(self._wave.background(far, T).Y, self._wave.jets(far, T, 0)[0]):
             return np.zeros((highest + 1, *A.Y.shape), np.complex128)
         turn = np.divide(A.Y_X, A.Y, out=np.zeros_like(A.Y), where=A.Y != 0.0)
         return np.stack([A.Y * turn**order for order in range(highest + 1)])
-
-    def _is_plane(self, T: float) -> bool:
-        X = np.linspace(-FARTHEST, FARTHEST, SAMPLES)
-        return np.array_equal(self._wave.background(X, T).Y, self._wave.jets(X, T, 0)[0])
 
 
 SAMPLES = 8001
@@ -186,8 +182,7 @@ class EnvelopeData(LatticeWave):
     def state(self, cells: ArrayLike, t: float) -> tuple[Array, Array]:
         """Return fields and their time derivatives at cells and a time, each (fields, *sites)."""
         n = np.asarray(cells, dtype=np.float64)
-        fields = len(self.carrier.parts)
-        f, v, mean = np.empty((fields, n.size)), np.empty((fields, n.size)), np.empty((3, n.size))
+        (f, v), mean = np.empty((2, len(self.carrier.parts), n.size)), np.empty((3, n.size))
         for piece in _pieces(n):
             jets = _Jets(self, n[piece], t)
             theta = self.carrier.k * n[piece] - self.carrier.omega * t

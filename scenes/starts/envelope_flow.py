@@ -91,12 +91,8 @@ class EnvelopeFlow:
         at = (np.asarray(X, dtype=np.float64) - self._first) / self._length
         spectrum = self._spectrum(max(T - self._T0, 0.0)) / self._waves.size
         phase = np.exp(1j * self._turn * at)
-        return np.stack(
-            [
-                phase * _sum(spectrum * (1j * self._waves) ** m, 2 * np.pi * at)
-                for m in range(highest + 1)
-            ]
-        )
+        modes = [spectrum * (1j * self._waves) ** m for m in range(highest + 1)]
+        return np.stack([phase * _sum(row, 2 * np.pi * at) for row in modes])
 
     def _nonlinear(self, spectrum: Complex) -> Complex:
         """Return the spectrum of the nonlinear terms, with the phase ``turn`` removed."""

@@ -92,7 +92,7 @@ class FirstCorrection:
 
     def jets(self, X: ArrayLike, T: float, highest: int) -> Array:
         """Return Y1 and its X-derivatives up to order ``highest``, (highest + 1, *points)."""
-        modes = self._at(T)
+        modes = self._at(T)  # may replace the interval
         return self._space.jets(modes, X, highest)
 
     def antiderivative(self, X: ArrayLike, T: float) -> Array:

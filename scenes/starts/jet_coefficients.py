@@ -29,7 +29,7 @@ def with_numbers(
     for a constant without a value.
     """
     parts = {0: series} if isinstance(series, DifferentialPolynomial) else series.parts
-    numbers = {symbol: _number(value) for symbol, value in values.items()}
+    numbers = {s: _EXACT.mpf(str(value.evalf(DIGITS))) for s, value in values.items()}
     total: dict[tuple[tuple[int, int], ...], Any] = {}
     for order, part in parts.items():
         for monomial, value in part.terms.items():
@@ -39,22 +39,14 @@ def with_numbers(
                     "with the reduced equation)"
                 )
             key = tuple(sorted(Counter(jet[0] for jet in monomial).items()))
-            term = _at(value, numbers) * _EXACT.mpf(eps) ** order
+            above, below = (_sum(value, line, numbers) for line in (False, True))
+            term = above / below * _EXACT.mpf(eps) ** order
             total[key] = total[key] + term if key in total else term
     return JetPolynomial(tuple((float(value), key) for key, value in sorted(total.items())))
 
 
-def _number(value: Expr) -> Any:
-    return _EXACT.mpf(str(value.evalf(DIGITS)))
-
-
-def _at(element: RationalFunction, numbers: Mapping[Symbol, Any]) -> Any:
-    """Return the value of a rational function at numbers for the constants."""
-    above, below = (_sum(element, line, numbers) for line in (False, True))
-    return above / below
-
-
 def _sum(element: RationalFunction, below: bool, numbers: Mapping[Symbol, Any]) -> Any:
+    """Return the value of an element's numerator, or of its denominator with ``below``."""
     total = _EXACT.mpf(0)
     for exponents, coefficient in element.terms(below=below):
         product = _EXACT.mpf(coefficient)

@@ -272,9 +272,8 @@ def lattice_wave(scene: Scene) -> LatticeWave:
     wave = _ordered_wave(scene)
     if scene.losses:
         wave.losses = loss_rates(derivation(scene).lattice, {"eps": exact("eps", scene.eps)})
-        wave.lattice = (
-            wave.losses.on(wave.lattice, wave.lattice.reach + 2) if wave.losses else wave.lattice
-        )
+        if wave.losses:
+            wave.lattice = wave.losses.on(wave.lattice, wave.lattice.reach + 2)
     if not scene.disorder:
         return wave
     from longwave.scenes.starts.disordered_wave import WaveDisorder

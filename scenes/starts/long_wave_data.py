@@ -98,9 +98,9 @@ class LongWaveData(LatticeWave):
         self.lattice = numbers.lattice
         self._planar: PlanarFields | None = None
         self.correction = self._correction(interval)
-        if not numbers.series:
-            self._planar = PlanarFields(numbers, cast(PlanarWave, wave), eps)
         self._series = numbers.series
+        if not self._series:
+            self._planar = PlanarFields(numbers, cast(PlanarWave, wave), eps)
 
     def strained_lattice(self, mean_strain: tuple[float, ...]) -> NumericLattice:
         """Return the lattice about this uniform strain."""
@@ -172,7 +172,11 @@ class LongWaveData(LatticeWave):
         """
         X, T = position.ravel(), self.slow_time(t)
         highest = max(polynomial.highest for group in groups for polynomial in group)
-        W = self._displacement(X, T) if self._is_displacement else None
+        W = None
+        if self._is_displacement:
+            W = self.wave.antiderivative(X, T)
+            if self.correction is not None:
+                W = W + self._share * self.correction.antiderivative(X, T)
         results = [np.empty((len(group), X.size)) for group in groups]
         for first in range(0, X.size, PIECE):
             piece = slice(first, first + PIECE)
@@ -192,14 +196,13 @@ class LongWaveData(LatticeWave):
         n = np.asarray(cells, dtype=np.float64)
         if n.ndim == 1 and n.size > PIECE and np.all(np.diff(n) == 1.0):
             return np.diff(self._fields(np.append(n, n[-1] + 1.0), t))
-        here = self._fields(cells, t)
+        here = self._fields(n, t)
         rows = []
         for axis in self._axes:
             step = np.zeros(len(self._direction))
             step[axis] = 1.0
-            positions = np.asarray(cells, dtype=np.float64)
-            shift = step.reshape(-1, *(1,) * (positions.ndim - 1)) if step.size > 1 else step[0]
-            rows.append(self._fields(positions + shift, t) - here)
+            shift = step.reshape(-1, *(1,) * (n.ndim - 1)) if step.size > 1 else step[0]
+            rows.append(self._fields(n + shift, t) - here)
         return np.concatenate(rows)
 
     def _fields(self, cells: ArrayLike, t: float) -> Array:
@@ -236,7 +239,8 @@ class LongWaveData(LatticeWave):
 
     def uniform(self) -> Array:
         """Return the uniform strain of each quantity, on which the wave is superposed."""
-        return np.full(self._quantities, self.numbers.background)
+        rows = len(self._axes) if self._is_displacement else 1
+        return np.full(rows * len(self.lattice.fields), self.numbers.background)
 
     def background(self, cells: ArrayLike, t: float) -> Array:
         """Return the uniform strain plus the wave's bare background, to leading order."""
@@ -263,9 +267,8 @@ class LongWaveData(LatticeWave):
         for axis in self._axes:
             first, last = (np.take(positions, [end], 1 + axis) for end in (0, -1))
             last[axis] += 1.0
-            low, high = (
-                self._fields(end if len(slopes) > 1 else end[0], t) for end in (first, last)
-            )
+            ends = (first, last) if len(slopes) > 1 else (first[0], last[0])
+            low, high = (self._fields(end, t) for end in ends)
             growth = float(np.mean(high[leader] - low[leader])) / shares[leader]
             slopes[axis] = growth / positions.shape[1 + axis]
         return tuple(slopes)
@@ -372,10 +375,6 @@ class LongWaveData(LatticeWave):
     def _axes(self) -> list[int]:
         return [axis for axis, step in enumerate(self._direction) if step]
 
-    @property
-    def _quantities(self) -> int:
-        return len(self.lattice.fields) * (len(self._axes) if self._is_displacement else 1)
-
     def _unknown(self, X: Array, T: float, highest: int, W: Array | None) -> Array:
         """Return the unknown and its X-derivatives: those of W if it is given, otherwise of Y."""
         if W is None:
@@ -386,13 +385,6 @@ class LongWaveData(LatticeWave):
             strains = self.wave.jets(X, T, highest - 1)
             jets[1:] = self._corrected(strains, X, T, highest - 1)
         return jets
-
-    def _displacement(self, X: Array, T: float) -> Array:
-        """Return W with ``W_X = Y``, its correction included."""
-        W = self.wave.antiderivative(X, T)
-        if self.correction is not None:
-            W = W + self._share * self.correction.antiderivative(X, T)
-        return W
 
     def _corrected(self, jets: Array, X: Array, T: float, highest: int) -> Array:
         if self.correction is None:

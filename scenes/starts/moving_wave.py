@@ -50,23 +50,20 @@ def build_wave(
     Raises ValueError for a parameter outside its domain, K3 != 0 and K4 of the wrong sign for the
     wave's equation.
     """
+    make = partial(_make_wave, wave, constants, values)
     if not isinstance(wave, str):
-        return _make_wave(wave, constants, values)
-    make = partial(_make_named_wave, wave, constants, values)
+        return make()
     return kept_wave(__name__, f"{wave} {constants} {sorted(values.items())}", make)
 
 
-def _make_named_wave(name: str, constants: "Model", values: Mapping[str, float | str]) -> "Wave":
-    from longwave.solutions import closed_form
-
-    return _make_wave(closed_form(name, values), constants, values)
-
-
-def _make_wave(form: "ClosedForm", constants: "Model", values: Mapping[str, float | str]) -> "Wave":
+def _make_wave(
+    wave: "str | ClosedForm", constants: "Model", values: Mapping[str, float | str]
+) -> "Wave":
     from longwave import derive
     from longwave.scenes.starts.lattice_derivation import exact_parameters
-    from longwave.solutions import Wave
+    from longwave.solutions import Wave, closed_form
 
+    form = closed_form(wave, values) if isinstance(wave, str) else wave
     if constants.K3 != 0:
         raise ValueError(
             f"K3 must be 0 for an mKdV wave, got {constants.K3:g} "
@@ -105,12 +102,11 @@ def _derived_velocity() -> Polynomial:
 
 def _value(polynomial: Polynomial, values: Mapping[str, "Array | float"]) -> Array:
     """Return the value of a polynomial, evaluated term by term, factors from the left."""
-    terms = [
+    first, *others = (
         math.prod((values[name] ** power for name, power in factors), start=coefficient)
         for coefficient, factors in polynomial
-    ]
-    total = sum(terms[1:], start=terms[0])
-    return np.asarray(total, dtype=np.float64)
+    )
+    return np.asarray(sum(others, start=first), dtype=np.float64)
 
 
 KINK_ROOM = 40.0
@@ -229,9 +225,7 @@ class MovingWave(LatticeWave):
         if self.wave.constant_background is not None or self.wave.numbers.is_bare:
             return None
         halves = zip(np.split(sites, [sites.size // 2]), FAR_FIELDS, strict=True)
-        strains = [
-            self._scaled(self.wave.value_at(half, t, self.eps, side)) for half, side in halves
-        ]
+        strains = [self._scaled(self.wave.value_at(n, t, self.eps, side)) for n, side in halves]
         return np.concatenate(strains, axis=1)
 
     def values_and_slopes(self, cells: Array, t: float) -> tuple[Array, Array, Array, Array]:
@@ -276,10 +270,8 @@ class MovingWave(LatticeWave):
 
     def stretch_range(self, times: Sequence[float]) -> Array:
         """Return the smallest and the largest strain of the wave over all times."""
-        values = (
-            _values(self.constants, self.wave, self.eps, t)[1] for t in sampled_times(tuple(times))
-        )
-        strains = [self.eps * value for value in values]
+        key = self.constants, self.wave, self.eps
+        strains = [self.eps * _values(*key, t)[1] for t in sampled_times(tuple(times))]
         return np.array([min(map(np.min, strains)), max(map(np.max, strains))])
 
     def rigid_fields(self, offsets: Array, t: float) -> tuple[Array, Array]:

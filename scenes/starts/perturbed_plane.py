@@ -52,14 +52,11 @@ class PerturbedPlane:
     def rate(self) -> complex:
         """Rate lambda in T: the growth rate, or an imaginary number if the wave is stable."""
         squared = squared_rate(self.p, self.q, self.a, self.kappa)
-        return (
-            complex(np.sqrt(squared)) if squared >= 0 else self._imaginary_rate(np.sqrt(-squared))
-        )
-
-    def _imaginary_rate(self, frequency: float) -> complex:
-        """Return the one of the rates ±i frequency for which |b| > |c|."""
+        if squared >= 0:
+            return complex(np.sqrt(squared))
         linear, steep = self._terms
-        return -1j * frequency if linear > steep else 1j * frequency
+        # the sign for which |b| > |c|
+        return -1j * np.sqrt(-squared) if linear > steep else 1j * np.sqrt(-squared)
 
     @property
     def growth(self) -> float:
