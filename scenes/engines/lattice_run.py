@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
 from time import perf_counter
@@ -191,10 +190,6 @@ def in_lattice_times(scene: Scene, slow: int) -> Scene:
     return timed.changed(look_points=scene.curve_points)  # a spectral run has no stops of its own
 
 
-def _stops(timed: Scene) -> Sequence[float]:
-    return sorted({timed.t0, *exact_times(timed)})
-
-
 def domain_plan(scene: Scene) -> tuple[Scene, DomainPlan]:
     """Return the scene in lattice times and the domains of its wave.
 
@@ -213,7 +208,8 @@ def domain_plan(scene: Scene) -> tuple[Scene, DomainPlan]:
     wave.start(timed.t0)
     tolerance, is_stated = _window_tolerance(timed), scene.tolerance is None
     closed = not (is_stated and scene.has_moving_wave) or scene.discretisation.rules.ends_meet
-    return timed, DomainPlan(wave, compared, _stops(timed), tolerance, closed, is_stated)
+    stops = sorted({timed.t0, *exact_times(timed)})
+    return timed, DomainPlan(wave, compared, stops, tolerance, closed, is_stated)
 
 
 def _window_tolerance(timed: Scene) -> float | None:
@@ -303,9 +299,8 @@ def record_by_rings(scene: Scene, progress: Progress, announce: Announce) -> run
     cells = cells_cost(scene.changed(engine="stencil"))
     first = (cells.seconds - cells.once) / USUAL_RUNS
     try:
-        return run_record.add_error_estimate(
-            *run_spectral(scene, first, progress, announce), scene, begun
-        )
+        record, result = run_spectral(scene, first, progress, announce)
+        return run_record.add_error_estimate(record, result, scene, begun)
     except ValueError:
         if scene.target.engine:
             raise
@@ -346,19 +341,14 @@ def _add_attributes(record: run_record.RunRecord, scene: Scene) -> None:
         attributes = {"units": "name", "long_name": "what is compared"}
         record.variables["quantity"] = ("quantity",), np.array(wave.quantities), attributes
     compares_displacements = has_displacements and not any(" " in q for q in wave.quantities)
+    units = {"units": run_record.error_unit(wave.power)}
     changes = {name: {"long_name": text} for name, text in LONG_NAMES.items()}
-    changes |= {
-        name: {"units": run_record.error_unit(wave.power)} for name in ("sup_error", *MEASURED)
-    }
+    changes |= dict.fromkeys(("sup_error", *MEASURED), units)
     for name in changes.keys() & record.variables.keys():
         dimensions, values, attributes = record.variables[name]
         record.variables[name] = dimensions, values, attributes | changes[name]
-    if compares_displacements:
-        _name_displacements(record)
-
-
-def _name_displacements(record: run_record.RunRecord) -> None:
-    """Replace "strain" by "displacement" in all units and long names of a record."""
+    if not compares_displacements:
+        return
     record.attrs["field_kind"] = DISPLACEMENT
     for name, (dimensions, values, attributes) in record.variables.items():
         words = {
@@ -418,8 +408,7 @@ def _add_pulse(record: run_record.RunRecord, engine: SiteEngine, step: float) ->
     columns, numbers = pulse_track(readings, engine.metered_before(step), theory)
     rows = [engine.times.index(t) for t in record.reached]
     for name, values in columns.items():
-        units, long_name = PULSE_VARIABLES[name]
-        attributes = {"units": units, "long_name": long_name}
+        attributes = dict(zip(("units", "long_name"), PULSE_VARIABLES[name], strict=True))
         record.variables[name] = ("time",), values[rows], attributes
     record.attrs |= numbers
     if not math.isnan(speed := wave.disorder.effective_speed):

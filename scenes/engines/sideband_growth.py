@@ -141,21 +141,17 @@ class SidebandGrowth:
     def verdict(self) -> str:
         """Return measured and theoretical rate in one line of text."""
         ring, wave = self.plan.ring, self.plan.wave
-        measurement = (
-            f"k = {float(ring.k):.6g}, kappa = {wave.kappa:.4g}: growth rate {self.measured:.4g} "
-            f"+- {self.error:.1g} in T"
-        )
+        measurement = f"k = {float(ring.k):.6g}, kappa = {wave.kappa:.4g}: growth rate "
+        measurement += f"{self.measured:.4g} +- {self.error:.1g} in T"
         if self.theory == 0.0:
             reason = "p q < 0" if wave.p * wave.q < 0 else "kappa outside the unstable band"
             growth = "but it grows" if self.grows else "and no growth is measured"
             return f"{measurement}, theory 0: the plane wave is stable ({reason}), {growth}"
+        finding = f"off by {100 * (self.measured / self.theory - 1):.2g} %"
         if not self.grows:
-            return (
-                f"{measurement}, theory {self.theory:.4g}: no significant growth (the sizes do not "
-                "follow an exponential; other waves may grow, too)"
-            )
-        percent = 100 * (self.measured / self.theory - 1)
-        return f"{measurement}, theory {self.theory:.4g}: off by {percent:.2g} %"
+            finding = "no significant growth (the sizes do not follow an exponential; other waves "
+            finding += "may grow, too)"
+        return f"{measurement}, theory {self.theory:.4g}: {finding}"
 
     def numbers(self) -> Mapping[str, tuple[float, str, str]]:
         """Return the scalar results by name, each as value, unit and long name."""
@@ -175,14 +171,13 @@ class SidebandGrowth:
         """Run record with the sideband sizes over time and the rates as scalars."""
         T, wave = self.slow_times, self.plan.wave
         theory = self.sizes[0] * np.exp(wave.growth * (T - T[0]))
-        series = {
-            "sideband_size": (self.sizes, "waves beside the carrier, over the carrier"),
-            "sideband_theory": (theory, "the same, growing as in theory from the first"),
-            "slow_time": (T, "T, the envelope's own time"),
-        }
         data: Variables = {
             name: (("time",), values, {"units": "1", "long_name": long_name})
-            for name, (values, long_name) in series.items()
+            for name, values, long_name in (
+                ("sideband_size", self.sizes, "waves beside the carrier, over the carrier"),
+                ("sideband_theory", theory, "the same, growing as in theory from the first"),
+                ("slow_time", T, "T, the envelope's own time"),
+            )
         }
         for name, (value, unit, long_name) in self.numbers().items():
             data[name] = ((), np.float64(value), {"units": unit, "long_name": long_name})
@@ -287,11 +282,8 @@ def growth_plan(scene: Scene) -> GrowthPlan:
     if wave.growth:
         first, last = (units / wave.growth / scene.eps**2 for units in GROWTH_SPAN)
     else:
-        beats, fastest = (
-            STABLE_BEATS * math.pi / abs(wave.rate),
-            np.ptp(GROWTH_SPAN) / wave.largest_growth,
-        )
-        first, last = 0.0, max(beats, float(fastest)) / scene.eps**2
+        fastest = float(np.ptp(GROWTH_SPAN) / wave.largest_growth)
+        first, last = 0.0, max(STABLE_BEATS * math.pi / abs(wave.rate), fastest) / scene.eps**2
     moments = np.linspace(first, last, MOMENTS)
     return GrowthPlan(ring, wave, data, moments + max(0.0, period - first))
 
@@ -301,10 +293,7 @@ def plane_wave_numbers(scene: Scene) -> dict[str, float]:
 
     Raises ValueError unless all are positive.
     """
-    numbers = {name: float(exact_value(name, value)) for name, value in scene.parameters}
-    for name, value in numbers.items():
-        positive(name, value)
-    return numbers
+    return {name: positive(name, float(exact_value(name, v))) for name, v in scene.parameters}
 
 
 def _coefficients(

@@ -99,9 +99,8 @@ class SiteEngine(StepSearch):
         if domains.window is not None:
             self.kinds, self.safety = ("step", "domain"), window.WINDOW_SAFETY
             fed = window.FedWave(domains, domains.window)
-            stops = np.unique(
-                [*self.times, *(t for t in window.window_moves(fed) if t < self.times[-1])]
-            )
+            moves = (t for t in window.window_moves(fed) if t < self.times[-1])
+            stops = np.unique([*self.times, *moves])
         super().__init__(self._scheme.order, longest, stops, float(domains.window or self._ring))
         self._first = replace(self._first, causal=domains.window is None)
         self.expected = domains.expected
@@ -151,12 +150,11 @@ class SiteEngine(StepSearch):
         values = np.array(judged.samples)
         is_complete = len(values) == len(self.times) or stopped
         is_bounded = is_complete and bool(np.all(np.abs(values) <= limit))
-        largest /= wave.scale
+        evaluations, largest = run.attrs["force_evaluations"], largest / wave.scale
+        rounding = rounding_error(largest, evaluations)
         if is_bounded:
             largest = max(largest, float(np.max(np.abs(values[:, 0]))))
-        rounding = rounding_error(largest, run.attrs["force_evaluations"])
-        if is_bounded:
-            rounding += clock_error(values, wave.speed, (self.times[0], self.times[-1]))
+            rounding = rounding_error(largest, evaluations) + clock_error(values, wave.speed, ends)
         trial = Trial(
             choices,
             values if is_bounded else None,
@@ -184,9 +182,8 @@ class SiteEngine(StepSearch):
         if near >= domains.compared.reach[0]:
             return self
         scene = replace(self.scene, observables=())
-        times = window.judged_times(
-            window.FedWave(domains, domains.window), (self.times[0], *exact_times(scene))
-        )
+        fed, exact = window.FedWave(domains, domains.window), exact_times(scene)
+        times = window.judged_times(fed, (self.times[0], *exact))
         compared = replace(domains.compared, reach=(near,))
         return SiteEngine(scene, DomainPlan(domains.wave, compared, times, domains.tolerance))
 
@@ -209,20 +206,19 @@ class SiteEngine(StepSearch):
         return choices.causal or self._uses_rings
 
     def _cells(self, choices: Choices, records: bool) -> SteppedCells:
-        observables = self.scene.observables if records else ()
-        scheme = self._scheme.name
+        def plan(domain: str, sites: int) -> Scene:
+            stated = Discretisation(choices.step, domain, sites, self._scheme.name)
+            observables = self.scene.observables if records else ()
+            return replace(self.scene, numerics=stated, observables=observables)
+
         if not self._is_ring(choices):
-            size = round_up(self._widened * choices.size)
-            stated = Discretisation(choices.step, "window", size, scheme)
-            plan = replace(self.scene, numerics=stated, observables=observables)
-            return WindowCells(plan, self.domains, choices.nudged)
+            window_plan = plan("window", round_up(self._widened * choices.size))
+            return WindowCells(window_plan, self.domains, choices.nudged)
         least = self._ring if choices.causal else self._first.size
         ends = self.domains.ends(WIDER if choices.size > least else 0)
         closes = self.domains.wave.watches_strains and self.domains.room  # others are always closed
-        domain = "closed_ring" if closes else "ring"
-        stated = Discretisation(choices.step, domain, count_cells(ends), scheme)
-        plan = replace(self.scene, numerics=stated, observables=observables)
-        return SteppedCells(plan, self.domains, ends, choices.nudged, self._fades)
+        ring_plan = plan("closed_ring" if closes else "ring", count_cells(ends))
+        return SteppedCells(ring_plan, self.domains, ends, choices.nudged, self._fades)
 
     def _sized(self, choices: Choices, cells: float) -> Choices:
         """Return the choices with a window of ``cells`` cells, or a ring if that has fewer."""

@@ -144,16 +144,17 @@ class SpectralStart:
         length = ring.circumference
         x = length * (np.arange(points) / points - 0.5)
         left = self._middle + ring.lead - 0.5 * length
+
+        def data(x: Array) -> Array:
+            return self._data(x + ring.lead)
+
         if self.kink:
-            crest = (
-                self.moving.wave.phase_zeros(self.moving.t0, self.moving.eps)[0]
-                - self._middle
-                - ring.lead
-            )
-            y, s = seam.negate_at_seam(lambda x: self._data(x + ring.lead), length, round(crest), x)
+            zero = self.moving.wave.phase_zeros(self.moving.t0, self.moving.eps)[0]
+            crest = round(zero - self._middle - ring.lead)
+            y, s = seam.negate_at_seam(data, length, crest, x)
         else:
             width = self.seam(length) / seam.BLEND_REACH
-            y, s = seam.blend_seam(lambda x: self._data(x + ring.lead), length, width, x)
+            y, s = seam.blend_seam(data, length, width, x)
             s = seam.rest_at_seam(s, length, width, x)
         return FieldRing(self.moving.t0, (left,), (length,), y[None], s[None])
 

@@ -342,7 +342,7 @@ class SpectralEngine(SpectralSearch):
 
         A causal ring is too narrow if the strains met carry faster signals than it was made for.
         """
-        trial = self._march(replace(choices, density=self._dense(choices), finer=1.0), progress)
+        trial = self._integrate(replace(choices, density=self._dense(choices), finer=1.0), progress)
         self._soft = None
         data = self._data
         strain = np.array([*trial.payload.strain, *data.bounds.strain])
@@ -353,37 +353,26 @@ class SpectralEngine(SpectralSearch):
         self._rings.clear()
         return self._run(self._sized(choices, math.inf), progress)
 
-    def _march(self, choices: Choices, progress: Progress) -> Trial:
+    def _integrate(self, choices: Choices, progress: Progress) -> Trial:
         moving = self._moving
         loop = begin_loop(f"spectral {choices}")
         state = self._state(choices)
         if choices.nudged:
             state = replace(state, f=(1.0 + NUDGE) * state.f)
-        march = SpectralIntegration(
-            moving, state, self._stops(choices), self._maker(choices, state)
-        )
-        stopped = False
+        stops, maker, stopped = self._stops(choices), self._maker(choices, state), False
+        integration = SpectralIntegration(moving, state, stops, maker)
         try:
-            march.run(progress, loop)
+            integration.run(progress, loop)
         except KeyboardInterrupt:
-            if not march.rows:
+            if not integration.rows:
                 raise
             stopped = True
-        values = np.array(march.rows)
-        cost = march.cost
+        values, cost = np.array(integration.rows), integration.cost
         rounding = rounding_error(max(map(abs, cost.strain)) / moving.eps, cost.evaluations)
         rounding += clock_error(values, moving.speed, (moving.t0, moving.end))
         work = cost.evaluations * cost.points * math.log2(cost.points)
-        seconds = time.perf_counter() - loop.begun
-        trial = Trial(
-            choices,
-            values,
-            work,
-            seconds,
-            rounding,
-            cost,
-            common_error=self._unresolved_error(choices),
-        )
+        seconds, common = time.perf_counter() - loop.begun, self._unresolved_error(choices)
+        trial = Trial(choices, values, work, seconds, rounding, cost, common_error=common)
         if stopped:
             raise StoppedTrial(trial)
         return trial

@@ -319,7 +319,7 @@ class WindowCells(SteppedCells):
         self.scene, self.domains, self._nudged = scene, domains, nudged
         self.scale, self.reach = domains.wave.scale, domains.compared.reach
         fed = FedWave(domains, scene.discretisation.sites, nudged)
-        self._window, first = Window(fed, fed.size), fed.first(fed.t0)
+        self._window, first = Window(fed), fed.first(fed.t0)
         self.ends = [(first, first + fed.size - 1)]
 
     @cached_property

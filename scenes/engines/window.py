@@ -44,11 +44,6 @@ class FedWave:
         self.compared = domains.compared.reach[0]
         self.speed, self.scale, self.background_speed = wave.speed, wave.scale, wave.far_speed
 
-    @property
-    def fastest(self) -> float:
-        """Largest group velocity in the far field."""
-        return self.domains.wave.far_fastest
-
     def first(self, t: float) -> int:
         """Return the window's first cell after its move at time t."""
         return self.domains.compared.middle(t) - self.size // 2
@@ -170,7 +165,8 @@ class Tail:
         if self._coefficients is None:
             values = self._rows(offsets)
         else:
-            values = _chebyshev_sums(self._coefficients, self._unit(offsets))
+            u = (offsets - 0.5 * (self.low + self.high)) * (2.0 / (self.high - self.low))
+            values = _chebyshev_sums(self._coefficients, u)
         f, v = np.split(values, 2)
         return f + self.wave.uniform(sites, t), v
 
@@ -178,13 +174,9 @@ class Tail:
         """Return fields and velocities at the offsets, stacked along the first axis."""
         return np.concatenate(self.wave.rigid_data(self.speed, offsets))
 
-    def _unit(self, offsets: Array) -> Array:
-        """Map offsets of the interval to -1 .. 1."""
-        return (offsets - 0.5 * (self.low + self.high)) * (2.0 / (self.high - self.low))
-
     def _exact(self, u: Array) -> Array:
-        offsets = 0.5 * (self.low + self.high) + 0.5 * (self.high - self.low) * u
-        return self._rows(offsets)
+        """Return `_rows` at points u of the interval mapped to -1 .. 1."""
+        return self._rows(0.5 * (self.low + self.high) + 0.5 * (self.high - self.low) * u)
 
     @cached_property
     def _coefficients(self) -> Array | None:
@@ -224,7 +216,6 @@ class Window(Domain):
     """
 
     wave: FedWave
-    size: int
     mismatch: float = field(default=0.0, init=False)
 
     def __post_init__(self) -> None:
@@ -234,12 +225,13 @@ class Window(Domain):
                 "(its far field is not that of a closed form on a constant background)"
             )
         self.background_speed = self.wave.background_speed
-        self._ratio = self.wave.fastest / self.wave.speed
-        drift = math.ceil(max(0.0, self.wave.fastest - self.wave.speed) * self.wave.duration)
+        speed, fastest = self.wave.speed, self.wave.domains.wave.far_fastest
+        self._ratio = fastest / speed
+        drift = math.ceil(max(0.0, fastest - speed) * self.wave.duration)
         least = least_window(self.wave.compared + drift, self._ratio)
-        if self.size < least:
+        if self.wave.size < least:
             raise ValueError(
-                f"sites must satisfy sites >= {least} in this window, got {self.size} "
+                f"sites must satisfy sites >= {least} in this window, got {self.wave.size} "
                 "(its ends would touch the compared sites; widen it)"
             )
         self.moves = frozenset(window_moves(self.wave))
@@ -290,7 +282,7 @@ class Window(Domain):
     def _tail(self) -> Tail:
         """Far field on all offsets at which the window's moves fill or check cells."""
         drift = (self.background_speed - self.wave.speed) * self.wave.duration
-        end = (self.size + 1) // 2
+        end = (self.wave.size + 1) // 2
         begin = end - (fed_cells(STRIDE + 1, self._ratio) + CHECKED_CELLS)
         low, high = begin - 1 - max(0.0, drift), end + 1 - min(0.0, drift)
         return Tail(self.wave, self.background_speed, low, high)

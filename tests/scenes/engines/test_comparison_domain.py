@@ -18,7 +18,7 @@ from longwave.scenes.starts.moving_wave import moving_wave
 
 def window_of(scene: Scene) -> Window:
     sites = scene.discretisation.sites
-    return Window(FedWave(domain_plan(scene)[1], sites), sites)
+    return Window(FedWave(domain_plan(scene)[1], sites))
 
 
 def strain(scene: Scene) -> np.ndarray:
