@@ -18,7 +18,7 @@ from longwave.derive import CarrierTerms, Envelope, Lattice, Reduction, carrier_
 from longwave.derive.algebra.exact_numbers import Number
 from longwave.lattice.refine import Announce
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.description.scene_checks import finite, positive
+from longwave.scenes.description.scene_checks import positive
 from longwave.scenes.engines.run_record import RunRecord
 from longwave.scenes.starts.lattice_derivation import derivation
 from longwave.support.html_tables import html_table
@@ -52,9 +52,8 @@ class FittedRate:
     high: float
 
     def __str__(self) -> str:
-        return (
-            f"{self.value:.1f} ({floor(10 * self.low) / 10:.1f} .. {ceil(10 * self.high) / 10:.1f})"
-        )
+        low, high = floor(10 * self.low) / 10, ceil(10 * self.high) / 10
+        return f"{self.value:.1f} ({low:.1f} .. {high:.1f})"
 
     def holds(self, power: float) -> bool:
         """Return whether the interval, with its ends rounded as printed, contains ``power``."""
@@ -197,9 +196,7 @@ def _eps_values(scene: Scene, eps: Sequence[float]) -> list[float]:
 
     Raises ValueError for too few, too many, repeated or invalid values.
     """
-    values = [finite("eps", value) for value in eps or [f * scene.eps for f in DEFAULT_FACTORS]]
-    for value in values:
-        positive("eps", value)
+    values = [positive("eps", value) for value in eps or [f * scene.eps for f in DEFAULT_FACTORS]]
     if not FEWEST <= len(set(values)) == len(values) <= MOST:
         raise ValueError(
             f"eps must be {FEWEST} to {MOST} different values, got {shown(values)} (such as "

@@ -137,9 +137,8 @@ class Scene(SceneFields):
     def of_document(cls, document: Mapping[str, Any], path: Path) -> Scene:
         """Return the scene described by the tables of a file at ``path``."""
         try:
-            return cls.of(
-                **{"name": file_stem(path)} | scene_file.scene_fields(document, path.parent)
-            )
+            fields = scene_file.scene_fields(document, path.parent)
+            return cls.of(**{"name": file_stem(path)} | fields)
         except ValueError as error:
             raise ValueError(f"{shown_path(path.name)}: {error}") from None
 
@@ -299,9 +298,8 @@ class Scene(SceneFields):
         name, times = "T", self.slow_times
         if not times:
             name, times = "t", (self.t0, *self.snapshots[-1:])
-        region = f"{2 * self.compared + 1} sites"
-        if self.half_width is not None:
-            region = f"|X| <= {self.half_width:g}"
+        width = self.half_width
+        region = f"{2 * self.compared + 1} sites" if width is None else f"|X| <= {width:g}"
         if self.bench:
             span = f"t = {times[0]:g} .. {times[-1]:g}"
             return f"<Scene {self.name}: {self.lattice} on a bench, {span}, {self.numerics}>"
@@ -344,15 +342,21 @@ class Scene(SceneFields):
 
     def with_tolerance(self, tolerance: float) -> Scene:
         """Return the scene with a tolerance instead of its step, domain and refinement runs."""
-        names = (
-            name for name in self.observables if observable_named(name).measured_at != "refinement"
-        )
+        kinds = {name: observable_named(name).measured_at for name in self.observables}
+        names = tuple(name for name, kind in kinds.items() if kind != "refinement")
         stated = dict.fromkeys(NUMERICS) if isinstance(self.numerics, Discretisation) else {}
-        return self.changed(**stated | {"tolerance": tolerance, "observables": tuple(names)})
+        return self.changed(**stated | {"tolerance": tolerance, "observables": names})
 
     def json(self) -> str:
         """Return the keywords of `of` as sorted JSON; your own wave is marked as not shipped."""
-        return json.dumps(self._stated() | self._texts(), sort_keys=True)
+        texts = {
+            "disorder": self.disorder and self.disorder.pairs,
+            "declared": self.declared and self.declared.json,
+            "losses": self.losses and str(self.losses),
+            "bench": self.bench and self.bench.stated.json,
+        }
+        texts = {key: text for key, text in texts.items() if text is not None}
+        return json.dumps(self._stated() | texts, sort_keys=True)
 
     def toml(self) -> str:
         """Return the scene as the text of a file, with its name and any declared lattice."""
@@ -367,16 +371,6 @@ class Scene(SceneFields):
         if isinstance(self.wave, str):
             return self._keywords()
         return self._keywords() | {"wave": f"{self.wave.name} (a closed form that is not shipped)"}
-
-    def _texts(self) -> dict[str, Any]:
-        """Return the keywords whose values are records, in a form for JSON."""
-        texts = {
-            "disorder": self.disorder and self.disorder.pairs,
-            "declared": self.declared and self.declared.json,
-            "losses": self.losses and str(self.losses),
-            "bench": self.bench and self.bench.stated.json,
-        }
-        return {key: text for key, text in texts.items() if text is not None}
 
     def _keywords(self) -> dict[str, Any]:
         """Return the keywords of `of` whose values are not the defaults."""

@@ -267,31 +267,31 @@ def value(name: str, given: object) -> Value:
     return int(number) if abs(number) < FARTHEST_SITE and number.is_integer() else number
 
 
-def pairs(name: str, given: object) -> Pairs:
-    """Return checked pairs of name and value from a mapping or from pairs."""
+def as_pairs(name: str, given: object, example: str) -> list[tuple[str, Any]]:
+    """Return pairs of name and value from a mapping or from pairs; ValueError for others."""
     entries = list(given.items()) if isinstance(given, Mapping) else given
     if not isinstance(entries, list | tuple) or not all(
         isinstance(pair, list | tuple) and len(pair) == 2 for pair in entries
     ):
-        example = '{"k": 0.5}' if name == "parameters" else '{"K2": 1}'
         raise ValueError(
             f"{name} must be pairs of names and values, got {shown(given)} (such as {example})"
         )
-    checked = tuple((str(key), value(str(key), entry)) for key, entry in entries)
-    _check_names(name, checked)
-    return checked
+    return [(str(key), entry) for key, entry in entries]
 
 
-def _check_names(where: str, pairs: Iterable[tuple[str, object]]) -> None:
-    """Raise ValueError for a repeated name, or for a text that cannot be written to a file."""
-    previous = set()
-    for name, value in pairs:
-        if name in previous:
+def pairs(where: str, given: object) -> Pairs:
+    """Return checked pairs of name and value from a mapping or from pairs.
+
+    Raises ValueError for a repeated name, or for a text that cannot be written to a file.
+    """
+    entries = as_pairs(where, given, '{"k": 0.5}' if where == "parameters" else '{"K2": 1}')
+    checked: dict[str, Value] = {}
+    for name, entry in entries:
+        number = value(name, entry)
+        if name in checked:
             raise ValueError(f"{where} must have each name once, got {name} twice (leave one)")
-        previous.add(name)
-        text(f"name in {where}", name)
-        if isinstance(value, str):
-            text(name, value)
+        checked[text(f"name in {where}", name)] = number
+    return tuple(checked.items())
 
 
 def plain(key: object) -> str:

@@ -29,6 +29,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -167,9 +168,8 @@ def axis_values(
         values = 2.0 * np.pi * np.fft.rfftfreq(offsets.size)
         return values, {"units": "1/site", "long_name": "wavenumber along the compared sites"}
     if dimension == "map_site":
-        starts = offsets[:: cell_width(compared)]
-        named = {"long_name": "first site of the cell, from the site nearest c t"}
-        return starts, {"units": SITES} | named
+        name = "first site of the cell, from the site nearest c t"
+        return offsets[:: cell_width(compared)], {"units": SITES, "long_name": name}
     return None
 
 
@@ -197,13 +197,9 @@ def strain(view: View) -> Mapping[str, Any]:
 
     Errors are NaN if the wave equals its background on all compared sites.
     """
-    rows = {
-        "strain": view.numeric,
-        "analytic": view.analytic,
-        "background": view.background,
-        "n": view.sites,
-    }
-    if not view.is_background:
+    rows = {"strain": view.numeric, "analytic": view.analytic, "background": view.background}
+    rows["n"] = view.sites
+    if not np.array_equal(view.analytics, view.backgrounds):
         return rows | _errors(view, "error") | view.extra_variables
     far = {} if view.far_field is None else {"error_far_field": np.nan}
     return rows | {"error": np.nan} | far | view.extra_variables
@@ -394,14 +390,9 @@ def fit(view: View) -> tuple[float, float]:
 
     run, wave = view.numeric - view.background, view.analytic - view.background
     crests = float(np.argmax(np.abs(run)) - np.argmax(np.abs(wave)))
+    residual, slopes = partial(_residual, view), partial(_slopes, view)
     fits = [
-        least_squares(
-            lambda unknown: _residual(view, unknown),
-            [start, 1.0],
-            lambda unknown: _slopes(view, unknown),
-            method="lm",
-            xtol=1e-12,
-        )
+        least_squares(residual, [start, 1.0], slopes, method="lm", xtol=1e-12)
         for start in sorted({0.0, crests})
     ]
     best = min(fits, key=lambda result: float(result.cost))

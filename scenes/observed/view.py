@@ -141,11 +141,6 @@ class View(ABC):
         """Leftmost computed site, and copies of positions and velocities of all sites."""
 
     @property
-    def is_background(self) -> bool:
-        """Whether the wave equals its background on all compared sites."""
-        return np.array_equal(self.analytics, self.backgrounds)
-
-    @property
     def error(self) -> float:
         """Relative sup error against the bare background."""
         return relative_sup_error(self.numerics, self.analytics, self.backgrounds)
