@@ -99,10 +99,8 @@ def read_table(
     values = {}
     for key in dict.fromkeys((*stated, *entries)):
         entry = entries[key]
-        label, value = (
-            entry.name or key + (where or f" in [{name}]"),
-            stated.get(key, entry.default),
-        )
+        label = entry.name or key + (where or f" in [{name}]")
+        value = stated.get(key, entry.default)
         if value is REQUIRED:
             raise ValueError(f"{label} must be stated, got nothing ({entry.remedy})")
         is_read = key in stated or value is None

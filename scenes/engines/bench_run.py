@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from time import perf_counter
 
 import numpy as np
@@ -15,7 +14,7 @@ from longwave.lattice.trial import DRIVEN_SHARE, Progress
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import MOST_STEPS
 from longwave.scenes.engines.bench_readings import BenchReadings, bench_and_chain, reading_times
-from longwave.scenes.engines.ring_cost import USUAL_RUNS, search_cost
+from longwave.scenes.engines.ring_cost import USUAL_RUNS, enlarged, search_cost
 from longwave.scenes.engines.run_record import RunRecord, add_error_estimate, refine_scene
 from longwave.scenes.starts.bench_chain import energy_cuts
 from longwave.support.request_limits import ExpectedCost, OverBudgetError, check_request
@@ -40,9 +39,8 @@ def scene_cost(scene: Scene) -> ExpectedCost:
     highest = Dynamics(chain).highest_frequency(np.zeros((len(chain.bonds) + len(chain.fields), 2)))
     duration = float(times[-1] - scene.t0)
     longest = FIRST_STEP / highest if highest > 0.0 else duration
-    driven = chain.drive_steps(
-        scene.t0, scene.end, longest, REDUCED_PHASE_6, scene.target.tolerance
-    )
+    tolerance = scene.target.tolerance
+    driven = chain.drive_steps(scene.t0, scene.end, longest, REDUCED_PHASE_6, tolerance)
     steps = max(duration / driven.step, float(times.size)) + driven.stops.size
     if steps > MOST_STEPS and driven.step >= longest:
         raise ValueError(
@@ -58,7 +56,7 @@ def scene_cost(scene: Scene) -> ExpectedCost:
     cost = search_cost(chain, bench.sites, steps, REDUCED_PHASE_6.stages, float(readings))
     balance = steps * BALANCE_SECONDS if energy_cuts(bench, chain) is not None else 0.0
     reading = times.size * READING_SECONDS
-    return replace(cost, seconds=cost.seconds + USUAL_RUNS * (reading + balance))
+    return enlarged(cost, USUAL_RUNS * (reading + balance))
 
 
 def record_scene(

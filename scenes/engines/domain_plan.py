@@ -58,6 +58,9 @@ SIZE_MULTIPLE = 64
 STRIDE = 64
 """Maximum number of cells by which a window moves at once."""
 
+REMEDY = "take a larger eps, end earlier or compare fewer cells"
+"""Remedy for a request that would cost too much."""
+
 CHECKED_CELLS = 8
 """Number of cells next to the fed ones in which feed and lattice are compared."""
 
@@ -220,13 +223,12 @@ class DomainCost:
         steps = duration * max(fastest / limit, 1.0 / self.driven_step)
         values = math.prod(2.0 * reach + 1.0 for reach in compared.reach) * len(times)
         part = representative_cells(wave, compared, times, signals)
-        share = 1.0
+        ratio = 1.0
         if part is not None and window is None:
             values *= ring_cost.SHOWN
-            share = (
-                count_cells(part.ring(times, signals, WIDER)) / cells + 1.0 / ring_cost.USUAL_RUNS
-            )
-        cost = ring_cost.search_cost(wave.lattice, cells, steps * share, SCHEME.stages, values)
+            ratio = count_cells(part.ring(times, signals, WIDER)) / cells
+            ratio += 1.0 / ring_cost.USUAL_RUNS
+        cost = ring_cost.search_cost(wave.lattice, cells, steps * ratio, SCHEME.stages, values)
         return cells, replace(cost, steps=steps)
 
 
@@ -258,11 +260,8 @@ def representative_cells(
     ends = wave.support(times[0])
     reach_of_wave = REPEAT_DISTANCE / wave.eps
     if math.isfinite(ends[1] - ends[0]):
-        reach_of_wave = max(
-            abs(end - wave.speed * t) + _signal(signals[0], t - times[0])
-            for end in ends
-            for t in times
-        )
+        paths = [(wave.speed * t, _signal(signals[0], t - times[0])) for t in times]
+        reach_of_wave = max(abs(end - x) + signal for end in ends for x, signal in paths)
     elif wave.watches_strains:
         low, high = wave.extent(times, PART_TOLERANCE)
         path = _signal(wave.speed + signals[0], times[-1] - times[0])
@@ -326,11 +325,8 @@ class DomainPlan(DomainCost):
         self.window = self.window_size(signals)
         cells, self.expected = self.cost(fastest, signals, self.window)
         if not self._is_stated:
-            check_request(
-                f"scene of {cells:.3g} cells, from which signals arrive in time,",
-                self.expected,
-                "take a larger eps, end earlier or compare fewer cells",
-            )
+            scene = f"scene of {cells:.3g} cells, from which signals arrive in time,"
+            check_request(scene, self.expected, REMEDY)
 
     def _whole_wave(self) -> Iterator[InitialCells]:
         """Yield the initial data of the whole wave on a chain, piece by piece.
@@ -341,11 +337,8 @@ class DomainPlan(DomainCost):
         low, high = self.wave.support(self.times[0])
         if self.wave.lattice.dimension > 1 or not math.isfinite(high - low):
             return
-        check_request(
-            f"wave that is {high - low:.3g} cells wide",
-            ExpectedCost(ring_cost.CELL_SECONDS * (high - low)),
-            "take a larger eps",
-        )
+        cost = ExpectedCost(ring_cost.CELL_SECONDS * (high - low))
+        check_request(f"wave that is {high - low:.3g} cells wide", cost, "take a larger eps")
         reach = self.wave.lattice.reach
         for first in range(math.floor(low), math.ceil(high) + 1, PIECE):
             last = min(first + PIECE, math.ceil(high)) + 2 * reach + 2
@@ -354,11 +347,8 @@ class DomainPlan(DomainCost):
     def check_wider(self, window: int | None) -> None:
         """Raise ValueError if a window of this size, or a ring for None, would cost too much."""
         cells, expected = self.cost(self.fastest, self.signals, window)
-        check_request(
-            f"scene of {cells:.3g} cells, since no smaller window can be fed with its wave,",
-            expected,
-            "take a larger eps, end earlier or compare fewer cells",
-        )
+        scene = f"scene of {cells:.3g} cells, since no smaller window can be fed with its wave,"
+        check_request(scene, expected, REMEDY)
 
     def ends(self, wider: int = 0) -> list[Ends]:
         """Return the ends, along each axis, of a causal ring with ``wider`` additional cells.

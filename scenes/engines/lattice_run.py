@@ -15,10 +15,9 @@ from longwave.scenes.description import entries
 from longwave.scenes.description.numerics import EngineRules
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import enough_steps
-from longwave.scenes.engines import run_record
+from longwave.scenes.engines import ring_cost, run_record
 from longwave.scenes.engines.domain_plan import STRIDE, ComparedCells, DomainCost, DomainPlan
 from longwave.scenes.engines.recorders import MOMENT_BYTES, exact_times
-from longwave.scenes.engines.ring_cost import SHOWN, USUAL_RUNS, search_cost
 from longwave.scenes.engines.site_engine import SiteEngine
 from longwave.scenes.engines.spectral_run import run_spectral, spectral_cost
 from longwave.scenes.engines.stated_run import run_from, stated_runs
@@ -68,11 +67,12 @@ def rings_cost(scene: Scene) -> ExpectedCost:
     """Return the expected cost of a scene on spectral rings."""
     if not scene.has_moving_wave:
         return _spectral_runs(scene).expected
-    domains = spectral_cost(scene)
+    domains, wave = spectral_cost(scene), moving_wave(scene)
     values = (2.0 * scene.compared + 1.0) * len({scene.t0, *exact_times(scene)})
-    cost = search_cost(moving_wave(scene).lattice, 0.0, 0.0, 1, values)
-    cost = _with(cost, replace(domains, seconds=RING_SEARCH_COST * domains.seconds))
-    return _with(cost, _observation_cost(scene, compared_cells(scene, moving_wave(scene))))
+    cost = ring_cost.search_cost(wave.lattice, 0.0, 0.0, 1, values)
+    cost = ring_cost.enlarged(cost, RING_SEARCH_COST * domains.seconds, domains.memory_bytes)
+    observation = _observation_cost(scene, compared_cells(scene, wave))
+    return ring_cost.enlarged(cost, observation.seconds, observation.memory_bytes)
 
 
 RING_SEARCH_COST = 4.0
@@ -94,16 +94,8 @@ def cells_cost(scene: Scene) -> ExpectedCost:
         domains = DomainCost(wave, compared, times, _window_tolerance(timed), is_closed)
         frequency, signals = domains.at_rest()
         cost = domains.cost(frequency, signals, domains.window_size(signals))[1]
-    return _with(cost, _observation_cost(timed, compared))
-
-
-def _with(cost: ExpectedCost, more: ExpectedCost) -> ExpectedCost:
-    """Return ``cost`` with the seconds and the memory of ``more`` added."""
-    return replace(
-        cost,
-        seconds=cost.seconds + more.seconds,
-        memory_bytes=cost.memory_bytes + more.memory_bytes,
-    )
+    observation = _observation_cost(timed, compared)
+    return ring_cost.enlarged(cost, observation.seconds, observation.memory_bytes)
 
 
 def _stated_cost(timed: Scene, wave: LatticeWave, compared: ComparedCells) -> ExpectedCost:
@@ -112,17 +104,13 @@ def _stated_cost(timed: Scene, wave: LatticeWave, compared: ComparedCells) -> Ex
     duration = timed.end - timed.t0
     enough_steps(stated.step, duration)
     sites = stated.sites * (2.0 if "domain_error" in timed.observables else 1.0)
-    values = SHOWN * (2.0 * compared.reach[0] + 1.0) * len(timed.snapshots)
-    steps = duration / stated.step
-    share = runs / USUAL_RUNS * stated.sites / sites
-    cost = search_cost(wave.lattice, sites, steps * share, stated.table.stages, values)
+    values = ring_cost.SHOWN * (2.0 * compared.reach[0] + 1.0) * len(timed.snapshots)
+    steps, stages = duration / stated.step, stated.table.stages
+    searched_steps = steps * (runs / ring_cost.USUAL_RUNS * stated.sites / sites)
+    cost = ring_cost.search_cost(wave.lattice, sites, searched_steps, stages, values)
     moves = duration * abs(wave.speed) / STRIDE if stated.rules.moves else 0.0
-    return replace(
-        cost,
-        seconds=cost.seconds + MOVE_SECONDS * moves * runs,
-        memory_bytes=cost.memory_bytes + MOVE_BYTES * moves,
-        steps=steps * runs,
-    )
+    cost = ring_cost.enlarged(cost, MOVE_SECONDS * moves * runs, MOVE_BYTES * moves)
+    return replace(cost, steps=steps * runs)
 
 
 MOVE_SECONDS, MOVE_BYTES = 4e-5, 250.0
@@ -297,7 +285,7 @@ def record_by_rings(scene: Scene, progress: Progress, announce: Announce) -> run
     check_request(scene.name, expected, REMEDY)
     announce(expected.seconds)
     cells = cells_cost(scene.changed(engine="stencil"))
-    first = (cells.seconds - cells.once) / USUAL_RUNS
+    first = (cells.seconds - cells.once) / ring_cost.USUAL_RUNS
     try:
         record, result = run_spectral(scene, first, progress, announce)
         return run_record.add_error_estimate(record, result, scene, begun)

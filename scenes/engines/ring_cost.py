@@ -7,6 +7,8 @@ is known only when its search for step and domain has ended.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from longwave.lattice.force_program import UNARY, ForceProgram
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.support.request_limits import ExpectedCost
@@ -94,6 +96,12 @@ def _force_seconds(force: ForceProgram) -> float:
     return total
 
 
+def enlarged(cost: ExpectedCost, seconds: float, memory_bytes: float = 0.0) -> ExpectedCost:
+    """Return the cost with these seconds and bytes added."""
+    memory_bytes += cost.memory_bytes
+    return replace(cost, seconds=cost.seconds + seconds, memory_bytes=memory_bytes)
+
+
 def search_cost(
     lattice: NumericLattice, cells: float, steps: float, stages: int, compared: float
 ) -> ExpectedCost:
@@ -105,9 +113,6 @@ def search_cost(
     fields = len(lattice.fields)
     overhead = DRIVEN_STEP_SECONDS if lattice.is_driven else STEP_SECONDS
     first = steps * (overhead + stages * cells * cell_seconds(lattice))
-    return ExpectedCost(
-        BEGIN_SECONDS + CELL_SECONDS * cells + USUAL_RUNS * first,
-        PROCESS_BYTES + (BYTES_PER_CELL * cells + BYTES_PER_VALUE * compared) * fields,
-        steps,
-        BEGIN_SECONDS,
-    )
+    seconds = BEGIN_SECONDS + CELL_SECONDS * cells + USUAL_RUNS * first
+    memory = PROCESS_BYTES + (BYTES_PER_CELL * cells + BYTES_PER_VALUE * compared) * fields
+    return ExpectedCost(seconds, memory, steps, BEGIN_SECONDS)

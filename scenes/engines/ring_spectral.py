@@ -9,7 +9,6 @@ series there.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
@@ -20,9 +19,16 @@ from longwave.lattice.spectral.spectral_integration import FieldComparison, Fiel
 from longwave.lattice.state import State
 from longwave.lattice.trial import Trial
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.engines.domain_plan import OUTER_CELLS, WIDER, DomainPlan, Ends, count_cells
+from longwave.scenes.engines.domain_plan import (
+    OUTER_CELLS,
+    REMEDY,
+    WIDER,
+    DomainPlan,
+    Ends,
+    count_cells,
+)
 from longwave.scenes.engines.recorders import build_recorders, recorded_variables
-from longwave.scenes.engines.ring_cost import USUAL_RUNS, search_cost
+from longwave.scenes.engines.ring_cost import USUAL_RUNS, enlarged, search_cost
 from longwave.scenes.engines.run_record import RunRecord
 from longwave.scenes.engines.stepped_cells import CellView, SteppedCells, add_energy_drift
 from longwave.support.checkpoint import Memory
@@ -64,22 +70,15 @@ class SpectralRuns:
             limit=domains.limit(ring),
             wider=self._wider,
         )
+        times, speeds = np.array(domains.times), (wave.speed, *(0.0,) * (lattice.dimension - 1))
+        tolerance, factor = scene.target.tolerance, CARRIER_STEP_FACTOR if wave.frequency else 1.0
         self.engine = FieldRingEngine(
-            ring.lattice,
-            state,
-            np.array(domains.times),
-            (wave.speed, *(0.0,) * (lattice.dimension - 1)),
-            scene.target.tolerance,
-            comparison,
-            CARRIER_STEP_FACTOR if wave.frequency else 1.0,
+            ring.lattice, state, times, speeds, tolerance, comparison, factor
         )
         self.engine.amplifies_rounding = wave.amplifies_rounding(self.times[0])
         self.expected = self._expected()
-        check_request(
-            f"scene of {count_cells(self._ends(wider=True)):.3g} cells on a spectral ring",
-            self.expected,
-            "take a larger eps, end earlier or compare fewer cells",
-        )
+        cells = count_cells(self._ends(wider=True))
+        check_request(f"scene of {cells:.3g} cells on a spectral ring", self.expected, REMEDY)
 
     def _expected(self) -> ExpectedCost:
         """Return the expected cost of the search, extrapolated from its first run."""
@@ -88,11 +87,8 @@ class SpectralRuns:
         compared = math.prod(2.0 * reach + 1.0 for reach in self.domains.compared.reach)
         cost = search_cost(self.domains.wave.lattice, cells, 0.0, 1, compared * len(self.times))
         work, points = engine.work(engine.first()), engine.points(engine.first())
-        return replace(
-            cost,
-            seconds=cost.seconds + USUAL_RUNS * SECONDS_PER_WORK * fields * work,
-            memory_bytes=cost.memory_bytes + BYTES_PER_POINT * fields * points,
-        )
+        seconds = USUAL_RUNS * SECONDS_PER_WORK * fields * work
+        return enlarged(cost, seconds, BYTES_PER_POINT * fields * points)
 
     def _wider(self) -> tuple[NumericLattice, FieldRing]:
         state = self._state_of(wider=True)

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -37,7 +37,7 @@ from longwave.scenes.engines.domain_plan import (
     stiffest_slopes,
 )
 from longwave.scenes.engines.recorders import Variables
-from longwave.scenes.engines.ring_cost import search_cost
+from longwave.scenes.engines.ring_cost import enlarged, search_cost
 from longwave.scenes.engines.run_record import RunRecord
 from longwave.scenes.starts import perturbed_plane
 from longwave.scenes.starts.envelope_data import EnvelopeData
@@ -326,8 +326,7 @@ def expected_growth_cost(plan: GrowthPlan, fastest: float | None = None) -> Expe
     fastest = fastest or lattice.highest_frequency(lattice.rest_slopes())
     steps = float(plan.moments[-1]) * fastest / (LIMIT_SHARE * stability_limit(SCHEME))
     cost = search_cost(lattice, float(plan.ring.cells), steps, SCHEME.stages, 0.0)
-    planning = PLAN_SECONDS * len(lattice.fields) ** 3
-    return replace(cost, seconds=cost.seconds + planning)
+    return enlarged(cost, PLAN_SECONDS * len(lattice.fields) ** 3)
 
 
 class SidebandRuns:
@@ -359,14 +358,13 @@ class SidebandRuns:
         self._initial_size = self._largest(self.ring.f)
         longest = longest_step(fastest, abs(omega))
         evaluations = times[-1] / longest * SCHEME.stages
+        unit = 1.0 / self.scale / perturbed_plane.SIZE
         self.engine = CellEngine(
             lattice,
             State(0.0, self.ring.f, self.ring.v),
             times,
             SCHEME,
-            StateComparison(
-                self._sidebands, self._logarithms, 1.0 / self.scale / perturbed_plane.SIZE
-            ),
+            StateComparison(self._sidebands, self._logarithms, unit),
             stored_times=times[:0],
             tolerance=scene.target.tolerance,
             longest=longest,
@@ -375,11 +373,9 @@ class SidebandRuns:
 
     def _check_cost(self, times: Array, fastest: float | None = None) -> None:
         self.expected = expected_growth_cost(self.plan, fastest)
-        check_request(
-            f"scene of {self.plan.ring.cells} cells until t = {times[-1]:.3g}",
-            self.expected,
-            "take a larger eps or amplitude, or another k or kappa with faster growth",
-        )
+        scene = f"scene of {self.plan.ring.cells} cells until t = {times[-1]:.3g}"
+        remedy = "take a larger eps or amplitude, or another k or kappa with faster growth"
+        check_request(scene, self.expected, remedy)
 
     def _largest(self, f: Array) -> float:
         return float(np.max(np.abs(self.plan.data.quantity_values(f, self.ring.mean_strain))))

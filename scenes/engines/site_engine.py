@@ -155,16 +155,10 @@ class SiteEngine(StepSearch):
         if is_bounded:
             largest = max(largest, float(np.max(np.abs(values[:, 0]))))
             rounding = rounding_error(largest, evaluations) + clock_error(values, wave.speed, ends)
-        trial = Trial(
-            choices,
-            values if is_bounded else None,
-            self.work(choices),
-            float(run.attrs["seconds"]),
-            rounding,
-            run,
-            records,
-            around=around.samples[0] if is_bounded and not stopped else None,
-        )
+        outer = around.samples[0] if is_bounded and not stopped else None
+        compared, work = values if is_bounded else None, self.work(choices)
+        seconds = float(run.attrs["seconds"])
+        trial = Trial(choices, compared, work, seconds, rounding, run, records, around=outer)
         if stopped:
             raise StoppedTrial(trial)
         return trial

@@ -379,17 +379,12 @@ class SpectralEngine(SpectralSearch):
 
     def _maker(self, choices: Choices, state: FieldRing) -> Callable[..., evolution.SpectralRing]:
         """Return the function that builds the rings of a run from this initial state."""
-        cutoff = short = 0.0
-        if choices.absorber:
-            cutoff, short = self._data.absorbed, self._data.short(*state.circumferences)
-        return partial(
-            evolution.SpectralRing,
-            self._moving.constants,
-            tail=TAIL_SHARE * self._tolerance * self._moving.eps,
-            absorbed=cutoff,
-            strength=choices.absorber,
-            short=short,
-        )
+        tail = TAIL_SHARE * self._tolerance * self._moving.eps
+        make = partial(evolution.SpectralRing, self._moving.constants, tail=tail)
+        if not choices.absorber:
+            return partial(make, absorbed=0.0, strength=choices.absorber, short=0.0)
+        cutoff, short = self._data.absorbed, self._data.short(*state.circumferences)
+        return partial(make, absorbed=cutoff, strength=choices.absorber, short=short)
 
     def _stops(self, choices: Choices) -> list[Stop]:
         """Return the stops of a run: its times, and the end of a start phase with shorter steps.

@@ -159,15 +159,9 @@ def run_from(
         observers.append(samples)
     recording = record(stepped, observers, whole, restart)
     variables, stepper = recorded_variables(recorders), recording.stepper
-    cost = stencil_cost(
-        stepper.scheme,
-        stepper.steps,
-        scene.discretisation.sites,
-        recording.seconds,
-        stepper.blow_up,
-        step_limit=recording.step_limit,
-    )
-    cost |= stepped.attributes(stepper)
+    sites, limit = scene.discretisation.sites, recording.step_limit
+    facts = stepper.scheme, stepper.steps, sites, recording.seconds, stepper.blow_up
+    cost = stencil_cost(*facts, step_limit=limit) | stepped.attributes(stepper)
     run = RunRecord(scene, stepped.reach, _reached(scene, recorders, recording), variables, cost)
     if recording.stopped:
         cost["unfinished"] = f"Ctrl-C after t = {recording.stepper.state.t:g} of {scene.end:g}"

@@ -241,12 +241,8 @@ def fit_points(data: ForceData, law: ForceLaw | Literal["table"] | None = None) 
     names = (" ".join(map(str, fit.law.free)) for fit in fits)
     chosen = min(good, key=lambda fit: (fit.values.size, _aicc(fit)))
     covariance = chosen.covariance if law == TABLE else _averaged(chosen, fits, evidence)
-    return replace(
-        chosen,
-        evidence=tuple(zip(names, evidence, strict=True)),
-        covariance=covariance,
-        alone=chosen.covariance,
-    )
+    named = tuple(zip(names, evidence, strict=True))
+    return replace(chosen, evidence=named, covariance=covariance, alone=chosen.covariance)
 
 
 def _identifiable_fits(data: ForceData, laws: Iterable[ForceLaw]) -> list[ForceFit]:

@@ -45,19 +45,16 @@ class BenchVariable:
     read: Reader
 
 
-_UNIT, _NEXT = "lattice units", "the bond to the next cell"
+_UNIT = "lattice units"
+_STRETCH, _FORCE = "stretch of the bond to the next cell", "force in the bond to the next cell"
 
 READINGS = {
     variable.name: variable
     for variable in (
         BenchVariable("displacement", ("field",), _UNIT, "displacement", lambda at: at.f),
         BenchVariable("velocity", ("field",), "per lattice time", "velocity", lambda at: at.v),
-        BenchVariable(
-            "strain", ("bond",), _UNIT, f"stretch of {_NEXT}", lambda at: at.chain.stretches(at.f)
-        ),
-        BenchVariable(
-            "force", ("bond",), _UNIT, f"force in {_NEXT}", lambda at: at.chain.forces(at.f)
-        ),
+        BenchVariable("strain", ("bond",), _UNIT, _STRETCH, lambda at: at.chain.stretches(at.f)),
+        BenchVariable("force", ("bond",), _UNIT, _FORCE, lambda at: at.chain.forces(at.f)),
     )
 }
 """Quantities that sensors read, in all cells; the cells are the last axis."""
@@ -76,14 +73,17 @@ def chain_on_bench(
     left, right = (
         _end(side, given, *span) for side, given in zip(("left", "right"), bench.ends, strict=True)
     )
-    forces = [
-        FORCE_TABLES[push.kind](
-            push.site,
-            time_function(f"value in [[{push.kind}]]", push.value),
-            _field(lattice, push.field, f"[[{push.kind}]]"),
-        )
-        for push in bench.forces
-    ]
+    forces = []
+    for push in bench.forces:
+        drive = time_function(f"value in [[{push.kind}]]", push.value)
+        index = _field(lattice, push.field, f"[[{push.kind}]]")
+        forces.append(FORCE_TABLES[push.kind](push.site, drive, index))
+    mass_factors = {
+        cell: [given.get(name, 1.0) for name in lattice.fields]
+        if isinstance(given, Mapping)
+        else given
+        for cell, given in bench.masses.items()
+    }
     return driven_chain(
         lattice,
         bench.sites,
@@ -92,12 +92,7 @@ def chain_on_bench(
         losses=losses.sites if losses else 0.0,
         dashpots=losses.bonds if losses else 0.0,
         forces=forces,
-        mass_factors={
-            cell: [given.get(name, 1.0) for name in lattice.fields]
-            if isinstance(given, Mapping)
-            else given
-            for cell, given in bench.masses.items()
-        },
+        mass_factors=mass_factors,
         spring_factors=bench.springs,
     )
 
@@ -179,7 +174,7 @@ def bench_variables(bench: Bench, chain: DrivenChain) -> Iterator[BenchVariable]
 
 def _balance(chain: DrivenChain) -> Iterator[BenchVariable]:
     """Yield the variables of the energy balance: work and heat since the start."""
-    unit, since = "lattice units", "since the start"
+    unit, since = _UNIT, "since the start"
     yield BenchVariable("work", (), unit, f"work done {since}", lambda at: at.total.work.sum())
     yield BenchVariable("heat", (), unit, f"energy lost {since}", lambda at: at.total.heat.sum())
     if len(chain.drivers) > 1:

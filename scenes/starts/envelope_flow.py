@@ -71,13 +71,8 @@ class EnvelopeFlow:
         values = np.asarray(start(first + length * positions), dtype=np.complex128)
         rate = sum(abs(value) for value, _ in self._products) * float(np.max(np.abs(values))) ** 2
         spectrum = np.fft.fft(np.exp(-1j * turn * positions) * values)
-        self._new_integrator = partial(
-            ExponentialAdams,
-            linear[np.newaxis],
-            self._nonlinear,
-            spectrum[np.newaxis],
-            STEP / max(rate, 1e-300),
-        )
+        data = linear[np.newaxis], self._nonlinear, spectrum[np.newaxis]
+        self._new_integrator = partial(ExponentialAdams, *data, STEP / max(rate, 1e-300))
         self._integrator = self._new_integrator()
         self._spectra: dict[float, Complex] = {}
 

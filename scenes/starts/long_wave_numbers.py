@@ -60,14 +60,11 @@ def long_wave_numbers(
     """Return the numeric form of a reduction for `long_wave`, which raises the same errors."""
     values: Values = {**reduction.values(constants), EPS: exact("eps", eps)}
     shares = [share.as_expr().xreplace(values) for share, _ in reduction.slaved.values()]
-    frames = [
-        SlowFrame(
-            variable.exponent,
-            tuple(float(step.xreplace(values)) for step in variable.direction),
-            float(variable.speed.xreplace(values)),
-        )
-        for variable in reduction.scaling.space
-    ]
+    frames = []
+    for variable in reduction.scaling.space:
+        direction = tuple(float(step.xreplace(values)) for step in variable.direction)
+        speed = float(variable.speed.xreplace(values))
+        frames.append(SlowFrame(variable.exponent, direction, speed))
     background = sum(
         eps**power * float(value.xreplace(values)) for power, value in reduction.scaling.background
     )
@@ -138,11 +135,8 @@ def _correction(reduction: Reduction, values: Values) -> tuple[int, JetPolynomia
             f"order must be leading or slaved for {reduction.lattice.name}, got 'corrected' "
             f"({reason})"
         )
-    flow, further = (
-        with_numbers(polynomial, values)
-        for polynomial in (reduction.pde.flow, reduction.corrections[powers[0]])
-    )
-    return powers[0], flow, further
+    flow = with_numbers(reduction.pde.flow, values)
+    return powers[0], flow, with_numbers(reduction.corrections[powers[0]], values)
 
 
 class FieldSeries:

@@ -202,11 +202,8 @@ class MovingWave(LatticeWave):
     def state(self, cells: ArrayLike, t: float) -> tuple[Array, Array]:
         """Return strain y_n = eps Y and velocity s_n of the ansatz, at real sites and time t."""
         value = self.wave.at(cells, t, self.eps)
-        velocity = _value(
-            _initial_velocity(),
-            {"Y_X": value.Y_X, "Y_T": value.Y_T, "c": self.speed, "eps": self.eps},
-        )
-        return self._scaled(value.Y), velocity[np.newaxis]
+        values = {"Y_X": value.Y_X, "Y_T": value.Y_T, "c": self.speed, "eps": self.eps}
+        return self._scaled(value.Y), _value(_initial_velocity(), values)[np.newaxis]
 
     def strain(self, cells: ArrayLike, t: float) -> Array:
         """Return the strains eps Y of the wave, (1, *sites)."""
