@@ -192,10 +192,7 @@ def fitted_rate(
 
 
 def _eps_values(scene: Scene, eps: Sequence[float]) -> list[float]:
-    """Return the values of eps, largest first, by default `DEFAULT_FACTORS` times the scene's.
-
-    Raises ValueError for too few, too many, repeated or invalid values.
-    """
+    """Return the values of eps, largest first; ValueError if invalid, repeated, too few or many."""
     values = [positive("eps", value) for value in eps or [f * scene.eps for f in DEFAULT_FACTORS]]
     if not FEWEST <= len(set(values)) == len(values) <= MOST:
         raise ValueError(

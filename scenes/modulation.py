@@ -77,10 +77,7 @@ def modulation_grid(
 
 
 def scene_modulation(scene: Scene, k: Array, amplitude: float) -> ModulationGrid:
-    """Return p, q and growth rates of a scene's lattice and branch, at wavenumbers in 0 < k <= pi.
-
-    Raises ValueError as the scene's derivation does.
-    """
+    """Return p, q and growth rates of a scene at 0 < k <= pi; ValueError as its derivation."""
     from longwave.scenes.starts.lattice_derivation import scene_envelope
 
     derived, numbers = scene_envelope(scene.changed(carrier=1))

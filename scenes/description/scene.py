@@ -326,10 +326,7 @@ class Scene(SceneFields):
         return entries.run(self, progress, announce)
 
     def changed(self, **changes: Any) -> Scene:
-        """Return the scene with other values for some keywords of `of`.
-
-        A changed keyword replaces its alternatives: slow_times replace t0 and snapshots.
-        """
+        """Return the scene with some keywords of `of` changed; they replace their alternatives."""
         given = self._keywords()
         for other in alternatives_of([key for key in changes if _is_given(changes, key)]):
             given.pop(other, None)

@@ -278,10 +278,7 @@ def as_pairs(name: str, given: object, example: str) -> list[tuple[str, Any]]:
 
 
 def pairs(where: str, given: object) -> Pairs:
-    """Return checked pairs of name and value from a mapping or from pairs.
-
-    Raises ValueError for a repeated name, or for a text that cannot be written to a file.
-    """
+    """Return checked pairs from a mapping or pairs; ValueError for a repeated or invalid name."""
     entries = as_pairs(where, given, '{"k": 0.5}' if where == "parameters" else '{"K2": 1}')
     checked: dict[str, Value] = {}
     for name, entry in entries:

@@ -85,10 +85,7 @@ class Disorder:
         return tuple((name, value) for name, value in values if value != defaults[name])
 
     def deviations(self, cells: ArrayLike, row: int = 0) -> Array:
-        """Return the deviations of consecutive cells.
-
-        ``row`` is the index of the deviating quantity if several in a cell deviate independently.
-        """
+        """Return the deviations of consecutive cells; independent ones for each ``row``."""
         n = np.asarray(cells)
         deviations = self.spread * site_deviations(n, self.seed, row, self.distribution)
         if self.sites is None:

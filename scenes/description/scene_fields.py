@@ -102,10 +102,7 @@ class SceneFields:
 
     @property
     def has_moving_wave(self) -> bool:
-        """Whether the wave is of the paper's kind: leading long-wave data on its chain, K3 = 0.
-
-        The reduced equation is then the mKdV equation.
-        """
+        """Whether the scene has a leading mKdV long wave on the paper's chain, with K3 = 0."""
         values = dict(self.constants)
         ansatz = (self.order, self.background, self.amplitude, self.time, self.carrier)
         return (

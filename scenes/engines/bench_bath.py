@@ -109,9 +109,9 @@ class Bath:
         return None if self.shorten_step(None) else values
 
     def shorten_step(self, broken: BrokenRunError | None) -> bool:
-        """Shorten the step after a breakdown or if it is too long for the strains met.
+        """Shorten a step that broke down or is too long; return whether it was shortened.
 
-        Returns whether the step was shortened. Raises ValueError if repeated shortening fails.
+        Raises ValueError if repeated shortening fails.
         """
         longest = LONGEST_STEP / self.engine.dynamics.highest_frequency(self.ranges)
         if broken is None and self.step <= MOST_EXCESS * longest:
@@ -131,10 +131,7 @@ class Bath:
         return True
 
     def _widen_ranges(self, f: Array, v: Array, t: float) -> None:
-        """Widen the recorded strain ranges by those of a state.
-
-        Raises BrokenRunError if they are not finite.
-        """
+        """Widen the strain ranges by those of a state; BrokenRunError if not finite."""
         met = self.engine.dynamics.ranges(State(t, f, v))
         if not np.isfinite(met).all():
             raise BrokenRunError(t)

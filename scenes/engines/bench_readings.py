@@ -36,10 +36,7 @@ def bench_and_chain(scene: Scene, lossless: bool = False) -> tuple[Bench, Driven
 
 
 def reading_times(scene: Scene, bench: Bench) -> Array:
-    """Return the times at which sensors are read: the snapshots and every ``every`` between them.
-
-    Raises ValueError for more than `MOST_READINGS` times.
-    """
+    """Return the snapshots and every ``every`` between; ValueError beyond `MOST_READINGS` times."""
     begin, end, every = scene.t0, scene.end, bench.every
     if not (end - begin) / every <= MOST_READINGS:
         raise ValueError(

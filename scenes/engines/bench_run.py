@@ -30,10 +30,7 @@ FIRST_STEP = 4.0
 
 
 def scene_cost(scene: Scene) -> ExpectedCost:
-    """Return the expected cost of a bench scene, from the chain's linear frequencies at rest.
-
-    Raises ValueError if a run would need more than `MOST_STEPS` steps.
-    """
+    """Return the expected cost of a bench scene; ValueError beyond `MOST_STEPS` steps."""
     bench, chain = bench_and_chain(scene)
     times = reading_times(scene, bench)
     highest = Dynamics(chain).highest_frequency(np.zeros((len(chain.bonds) + len(chain.fields), 2)))

@@ -81,9 +81,9 @@ def fed_cells(moved: int, ratio: float) -> int:
 
 
 def least_window(reach: int, ratio: float = 1.0) -> int:
-    """Return the fewest cells of a window whose ends do not affect the cells within ``reach``.
+    """Return the fewest cells of a window whose ends do not affect those within ``reach``.
 
-    ``ratio`` is the speed of the fastest signal over that of the window.
+    ``ratio`` is the speed of the fastest signal over the window's.
     """
     return 2 * (reach + max(2 * (STRIDE + MARGIN), fed_cells(STRIDE + 1, ratio) + CHECKED_CELLS))
 
@@ -386,10 +386,7 @@ class DomainPlan(DomainCost):
         return np.asarray(np.abs(sides[0] - sides[1]).max(axis=(0, 2)) / size)
 
     def with_seam_distance(self, blow_up: BlowUp, ends: Sequence[Ends]) -> BlowUp:
-        """Return a blow-up with its distance from an open seam, if the seam can have caused it.
-
-        The distance is left out if no signal from the seam can have arrived in time.
-        """
+        """Return a blow-up with its distance from an open seam that can have caused it."""
         if len(ends) > 1 or not self._is_open(ends):
             return blow_up
         [(low, high)] = ends
@@ -404,10 +401,7 @@ class DomainPlan(DomainCost):
         return not self.room and self.wave.seam_room(self.times[0]) > 0
 
     def plain_ends(self, wider: int) -> list[Ends]:
-        """Return the ends of a causal ring with ``wider`` additional cells, whether or not closed.
-
-        Unlike `ends`, the size is not adjusted for a periodic wave to close on the ring.
-        """
+        """Return `ends` without the cells that close a periodic wave on the ring."""
         more = 2 * (self.room + self._spread) + wider
         return self.compared.ring(self.times, self.signals, more)
 
@@ -425,9 +419,9 @@ class DomainPlan(DomainCost):
         return GROWTH * largest / self.wave.scale
 
     def _sizes(self, ring: InitialCells) -> Array:
-        """Return the largest values and cell-to-cell differences of each quantity and its rate.
+        """Return the largest values and cell-to-cell differences, (2, 2, quantities).
 
-        Shape (2, 2, quantities): value or difference, then quantity or rate.
+        The second axis is the quantity and its rate.
         """
         cells, reach = ring.f.shape[-1], self.wave.lattice.reach
         if ring.cells.ndim > 1 or cells <= PIECE:
@@ -469,10 +463,7 @@ def check_rest(lattice: NumericLattice, slopes: Sequence[float]) -> None:
 
 
 def stiffest_slopes(ring: InitialCells) -> list[float]:
-    """Return the largest slope of each bond's force over the stretches of a state.
-
-    Raises ValueError where a force is undefined or a contact is open.
-    """
+    """Return each bond's largest slope of force; ValueError if undefined or a contact is open."""
     stretches = ring.lattice.stretches(ring.f)
     slopes = [ring.lattice.steepest(i, x) for i, x in enumerate(stretches)]
     is_open = any(

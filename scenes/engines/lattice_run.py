@@ -51,10 +51,7 @@ def compared_cells(scene: Scene, wave: LatticeWave) -> ComparedCells:
 
 
 def scene_cost(scene: Scene) -> ExpectedCost:
-    """Return the expected cost of a scene, from its lattice's linear waves about rest.
-
-    Raises ValueError, as `record_scene` does, for a scene that is refused before it is run.
-    """
+    """Return the expected cost; ValueError, as in `record_scene`, for a scene that is refused."""
     cost = cells_cost if scene.tolerance is None or _steps_cells(scene) else rings_cost
     return cost(scene)
 
@@ -152,10 +149,7 @@ def _spectral_runs(scene: Scene) -> SpectralRuns:
 
 
 def wave_size(scene: Scene, t: float, far_field: bool) -> float:
-    """Return the wave's largest deviation from its background or far field at time t.
-
-    NaN if the wave has no far field of its own (see `methods.wave_size`).
-    """
+    """Return `methods.wave_size` for a scene with a wave that is compared."""
     wave = _started_wave(scene)
     cells = compared_cells(scene, wave).cells(t)
     far = wave.far_field(cells.astype(np.int64), t) if far_field else wave.background(cells, t)
@@ -296,10 +290,7 @@ def record_by_rings(scene: Scene, progress: Progress, announce: Announce) -> run
 
 
 def choose_engine(scene: Scene) -> str:
-    """Return the engine that a scene names or its observables need, otherwise the cheaper one.
-
-    Raises ValueError if the named one cannot compute an observable.
-    """
+    """Return the engine that is named, needed by observables, or cheaper; ValueError if at odds."""
     named = scene.target
     if named.engine and (named.steps_cells or not scene.has_moving_wave):
         return named.engine

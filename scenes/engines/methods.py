@@ -65,10 +65,7 @@ def run_scene(
 
 
 def expected_cost(scene: Scene) -> ExpectedCost:
-    """Return the expected cost of a scene in a new process.
-
-    Raises ValueError, as a run does, for a scene that is refused before it is run.
-    """
+    """Return the expected cost in a new process; ValueError for a scene that a run refuses."""
     return method_of(scene).scene_cost(scene)
 
 

@@ -110,10 +110,7 @@ class RunRecord:
 def stencil_cost(
     scheme: Scheme, steps: int, sites: int, seconds: float, blow_up: object, **more: float
 ) -> dict[str, Any]:
-    """Return the attributes of a run cell by cell: engine, scheme and cost, and ``more`` of them.
-
-    ``blow_up`` describes a breakdown; None or empty if there was none.
-    """
+    """Return engine, scheme and cost of a run cell by cell; ``blow_up`` describes a breakdown."""
     return {
         "engine": "stencil",
         "scheme": scheme.name,

@@ -206,10 +206,7 @@ def record_scene(
 
 
 def scene_cost(scene: Scene) -> ExpectedCost:
-    """Return the expected cost of a growth scene.
-
-    Raises ValueError, as `measure_growth` does, for a scene that is refused before it is run.
-    """
+    """Return the expected cost; ValueError, as in `measure_growth`, for a scene that is refused."""
     return expected_growth_cost(growth_plan(scene))
 
 

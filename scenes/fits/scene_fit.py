@@ -284,10 +284,7 @@ class _Problem:
         self.step = math.nan
 
     def least(self, start: Array) -> optimize.OptimizeResult:
-        """Fit the model from ``start``, and again if the result needs a shorter step.
-
-        Raises ValueError if the fit does not converge.
-        """
+        """Fit from ``start``, and again if a shorter step is needed; ValueError if it diverges."""
         result, self.step = None, math.inf
         while (step := self._model.step(start, self._times)) < STEP_SHARE * self.step:
             self.step, self._cached = step, None
@@ -311,10 +308,7 @@ class _Problem:
         return result
 
     def unit_covariance(self, jacobian: Array) -> Array:
-        """Return the covariance of the constants for residuals of deviation 1.
-
-        Raises ValueError for constants that the records do not determine.
-        """
+        """Return the covariance for residuals of deviation 1; ValueError if undetermined."""
         remedy = "leave {} out, or place more sensors"
         return least_squares.unit_covariance(jacobian, self._model.free, "records", remedy)
 

@@ -193,10 +193,7 @@ RELATIVE_FAR = "relative sup error against the true far field"
     Variable("slow_time", (), "slow time", "T, the wave's own time", optional=True),
 )
 def strain(view: View) -> Mapping[str, Any]:
-    """Return strains of run, wave and bare background, the site numbers, and the errors.
-
-    Errors are NaN if the wave equals its background on all compared sites.
-    """
+    """Return strains, site numbers and errors, which are NaN if the wave is its background."""
     rows = {"strain": view.numeric, "analytic": view.analytic, "background": view.background}
     rows["n"] = view.sites
     if not np.array_equal(view.analytics, view.backgrounds):
@@ -244,10 +241,7 @@ def energy(view: View) -> Mapping[str, float]:
     all_sites=True,
 )
 def momentum(view: View) -> Mapping[str, float]:
-    """Return mean strain and mean velocity over the ring.
-
-    The forces sum to zero over a ring, so the exact flow conserves the mean velocity.
-    """
+    """Return mean strain and velocity of the ring; the exact flow conserves the velocity."""
     strain, velocity = view.means
     return {"mean_strain": strain, "mean_velocity": velocity}
 

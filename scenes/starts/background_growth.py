@@ -70,10 +70,7 @@ def resolving_modes(U: Array) -> int:
 
 
 def mkdv_rate(U: Array, wavelength: float, speed: float, s: int, kappa: float, modes: int) -> float:
-    """Return the largest growth rate per tau at Bloch wavenumber ``kappa``.
-
-    Perturbations have 2 ``modes`` + 1 Fourier modes.
-    """
+    """Return the largest rate per tau at wavenumber ``kappa``, with 2 ``modes`` + 1 modes."""
     j = np.arange(-modes, modes + 1)
     q = kappa + 2.0 * np.pi * j / wavelength
     potential = 6.0 * s * multiplication(U * U, j)

@@ -168,10 +168,7 @@ class EnvelopeData(LatticeWave):
 
     @property
     def amplitude(self) -> EnvelopeWave:
-        """Envelope A: the wave or, for corrected data, the solution with the next order.
-
-        Raises ValueError for corrected data before `start`.
-        """
+        """Envelope A, with the next order if corrected; ValueError for that before `start`."""
         if self._flow is None:
             raise ValueError(
                 "start must be called before corrected data are used, got no start time (the next "

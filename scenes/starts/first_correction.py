@@ -101,10 +101,7 @@ class FirstCorrection:
         return self._space.antiderivative(modes, X)
 
     def _at(self, T: float) -> Complex:
-        """Return the modes at T, integrated from the nearest solved T.
-
-        Raises ValueError before `start`, and if the correction cannot be resolved.
-        """
+        """Return the modes at T; ValueError before `start`, and for an unresolved correction."""
         if not self._solved:
             raise ValueError(
                 f"start must be called before the corrected wave is evaluated, got T = {T}"

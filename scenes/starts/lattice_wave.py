@@ -49,10 +49,7 @@ class LatticeWave(ABC):
 
     @abstractmethod
     def state(self, cells: ArrayLike, t: float) -> tuple[Array, Array]:
-        """Return fields and their time derivatives, each (fields, *sites).
-
-        Displacements include the part that grows with the cell.
-        """
+        """Return fields, growing displacements included, and rates, each (fields, *sites)."""
 
     @abstractmethod
     def strain(self, cells: ArrayLike, t: float) -> Array:
@@ -104,10 +101,7 @@ class LatticeWave(ABC):
         """Return the lattice about a uniform strain, one entry for each axis."""
 
     def start(self, t: float) -> None:
-        """Start the correction of the next order from 0 at a time; does nothing unless overridden.
-
-        Call it before the other methods.
-        """
+        """Start the next order's correction from 0 at t, before other calls; nothing by default."""
         return
 
     def crest(self, t: float) -> float | None:
@@ -198,10 +192,7 @@ class LatticeWave(ABC):
         return replace(ring, f=f, v=v)
 
     def fading(self, t: float, speed: float) -> Fading | None:
-        """Return the damping of a ring where signals from its seam, at ``speed`` since t, arrive.
-
-        None unless overridden.
-        """
+        """Return the damping where signals from the seam arrive, at ``speed``; None by default."""
         return None
 
     def amplifies_rounding(self, t: float) -> bool:
@@ -219,10 +210,7 @@ class LatticeWave(ABC):
             return lattice.energy(f, v)
 
     def far_field(self, sites: Sites, t: float) -> Array | None:
-        """Return the compared quantities of the true far field, (quantities, sites).
-
-        None if the far field equals the background.
-        """
+        """Return the true far field, (quantities, sites); None if it equals the background."""
         return None
 
     def values_and_slopes(self, cells: Array, t: float) -> tuple[Array, Array, Array, Array]:
@@ -235,18 +223,12 @@ class LatticeWave(ABC):
         return results[0], results[2], results[1], results[3]
 
     def stretch_range(self, times: Sequence[float]) -> Array | None:
-        """Return the smallest and largest stretch of a chain's bonds over all times.
-
-        None unless overridden; the range is then taken from the initial data.
-        """
+        """Return the range of a chain's stretches over all times; None for that at the start."""
         return None
 
     @property
     def far_speed(self) -> float | None:
-        """Speed of sound far from the wave, at which its far field moves.
-
-        None unless overridden; a moving window can then not be fed with the far field.
-        """
+        """Speed of sound far from the wave; None, the default, if a window cannot be fed."""
         return None
 
     @property
@@ -267,10 +249,7 @@ class LatticeWave(ABC):
         raise NotImplementedError
 
     def rigid_fields(self, offsets: Array, t: float) -> tuple[Array, Array]:
-        """Return fields without the far field's growth, and their slopes per cell, (fields, cells).
-
-        ``offsets`` are cells from the frame's origin at that time.
-        """
+        """Return fields and slopes per cell at ``offsets`` from the frame, less the far growth."""
         raise NotImplementedError
 
     def rest_slopes(self, ring: InitialCells) -> list[float]:

@@ -325,10 +325,7 @@ class LongWaveData(LatticeWave):
         return f, v
 
     def extent(self, times: Sequence[float], tolerance: float) -> tuple[float, float]:
-        """Return the ends of the wave, in cells relative to the frame, over all times.
-
-        Between them it deviates from its background; (inf, -inf) if it deviates nowhere.
-        """
+        """Return the ends of the wave relative to the frame over all times; (inf, -inf) if flat."""
         wave, supports = cast(NumericWave, self.wave), []
         level = wave.constant_background or 0.0
         for T in map(self.slow_time, sampled_times(times)):

@@ -99,10 +99,7 @@ def _lattice_at_rest(
 def _series(
     reduction: Reduction, order: str, values: Values, eps: float
 ) -> tuple[tuple[JetPolynomial, JetPolynomial], ...]:
-    """Return each field and its time derivative as polynomials; () with a transverse variable.
-
-    Raises ValueError for several fields or several transverse variables.
-    """
+    """Return fields and rates as polynomials; () with a transverse variable, or a ValueError."""
     if not reduction.pde.transverse:
         return tuple(
             (with_numbers(field, values, eps), with_numbers(rate, values, eps))
@@ -118,10 +115,7 @@ def _series(
 
 
 def _correction(reduction: Reduction, values: Values) -> tuple[int, JetPolynomial, JetPolynomial]:
-    """Return the first correction's power, the equation's flow and the correction's flow.
-
-    Raises ValueError if the reduction has no correction.
-    """
+    """Return the correction's power, the equation's flow and its own; ValueError without one."""
     powers = sorted(reduction.corrections)
     if not powers:
         obstruction = reduction.obstruction

@@ -31,10 +31,7 @@ FLAT = 1e-9
 
 @lru_cache(maxsize=8)
 def moving_wave(scene: "Scene") -> "MovingWave":
-    """Return the scene's wave on the paper's chain; its closed form is ``moving_wave(scene).wave``.
-
-    Raises ValueError for constants and parameters that the wave does not admit.
-    """
+    """Return the scene's wave on the paper's chain; ValueError for inadmissible parameters."""
     numbers = {
         name: value if isinstance(value, str) else float(value) for name, value in scene.parameters
     }
@@ -189,10 +186,7 @@ class MovingWave(LatticeWave):
         return np.zeros(1), np.zeros(1)
 
     def frame(self, t: float) -> int:
-        """Return the site nearest to c t, the middle of the compared sites.
-
-        Raises ValueError if it is too far for exact integers.
-        """
+        """Return the site nearest to c t; ValueError if too far for exact integers."""
         return nearest_cell(self.speed, t)
 
     def compared_sites(self, t: float) -> Sites:
@@ -258,10 +252,7 @@ class MovingWave(LatticeWave):
         return self.speed * t + low, self.speed * t + high
 
     def extent(self, times: Sequence[float], tolerance: float) -> tuple[float, float]:
-        """Return the ends of the wave, in sites relative to c t, over all times.
-
-        Between them it deviates from its background; (inf, -inf) if it deviates nowhere.
-        """
+        """Return the ends of the wave relative to c t over all times; (inf, -inf) if it is flat."""
         key = self.constants, self.wave, self.eps, tuple(times)
         return extent([support_of(*profile, tolerance) for profile in _deviations(*key)])
 
@@ -307,10 +298,7 @@ class MovingWave(LatticeWave):
         return replace(ring, f=f, v=v)
 
     def fading(self, t: float, speed: float) -> Fading | None:
-        """Return the damping of a closed ring where signals from its seam, at ``speed``, arrive.
-
-        None for a wave that needs no blending at the seam.
-        """
+        """Return the damping where seam signals arrive, at ``speed``; None without blending."""
         if not self.seam_room(t) or self.duration == 0.0:
             return None
         depth = max(float(FADING_DEPTH), (self.wave.wavelength or 0.0) / self.eps)

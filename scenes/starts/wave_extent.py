@@ -35,10 +35,7 @@ DRIFT_SHARE = 0.1
 
 
 def sampled_times(times: Sequence[float]) -> list[float]:
-    """Return the times at which to sample a wave: equidistant ones, some of ``times``, and t = 0.
-
-    t = 0, where rogue waves peak, is included if it lies within the run.
-    """
+    """Return equidistant times, some of ``times``, and t = 0, where rogue waves peak, if inside."""
     t0, end = times[0], times[-1]
     crest = {0.0} if t0 < 0.0 < end else set()
     subset = times[:: max(1, len(times) // TIMES)]
