@@ -252,10 +252,7 @@ def measure_growth(
 
 @lru_cache(maxsize=4)
 def growth_plan(scene: Scene) -> GrowthPlan:
-    """Return ring, wave, data and measurement times of a growth scene.
-
-    Raises ValueError if the scene admits no such plane wave or its perturbation is too long.
-    """
+    """Return ring, wave, data and times of a growth scene; ValueError for an inadmissible wave."""
     envelope, constants = scene_envelope(scene)
     parameters = plane_wave_numbers(scene)
     a, k = parameters["amplitude"], exact_value("k", scene.carrier)
@@ -286,10 +283,7 @@ def growth_plan(scene: Scene) -> GrowthPlan:
 
 
 def plane_wave_numbers(scene: Scene) -> dict[str, float]:
-    """Return the parameters of a scene's perturbed plane wave as floats.
-
-    Raises ValueError unless all are positive.
-    """
+    """Return the perturbed plane wave's parameters as floats; ValueError unless all positive."""
     return {name: positive(name, float(exact_value(name, v))) for name, v in scene.parameters}
 
 
@@ -315,10 +309,7 @@ cubed: 0.02 s on a chain and 0.21 s on a dimer."""
 
 
 def expected_growth_cost(plan: GrowthPlan, fastest: float | None = None) -> ExpectedCost:
-    """Return the expected cost of a growth scene.
-
-    ``fastest`` is the highest frequency of the lattice, by default that about rest.
-    """
+    """Return the expected cost; ``fastest`` is the highest frequency, by default about rest."""
     lattice = plan.data.lattice
     fastest = fastest or lattice.highest_frequency(lattice.rest_slopes())
     steps = float(plan.moments[-1]) * fastest / (LIMIT_SHARE * stability_limit(SCHEME))

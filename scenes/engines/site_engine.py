@@ -164,10 +164,7 @@ class SiteEngine(StepSearch):
         return trial
 
     def coarse_engine(self) -> SiteEngine:
-        """Return an engine of smaller windows about the wave alone, for a cheaper search.
-
-        It compares at fewer times. Returns this engine if no smaller window suffices.
-        """
+        """Return a cheaper engine: smaller windows, fewer times; this one if none suffices."""
         domains = self.domains
         if domains.window is None or domains.extent is None:
             return self
@@ -243,10 +240,7 @@ class SiteEngine(StepSearch):
         return choices
 
     def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
-        """Return choices that reduce one kind of error: a shorter step or a wider window.
-
-        With a shorter step a causal ring has its least size.
-        """
+        """Return choices with a shorter step (a ring then has its least size) or wider window."""
         if kind == "step":
             shorter = super().improved(choices, kind, excess)
             return replace(shorter, size=self._ring) if choices.causal else shorter

@@ -107,10 +107,7 @@ class SpectralStart:
         return max(SMOOTH / circumference, 4.0 * math.asin(math.sqrt(lag)))
 
     def ring(self, circumference: float, shift: float = 0.0) -> SpectralDomain:
-        """Return a ring of about this circumference, or the causal ring if that is not wider.
-
-        The ring's middle is moved from its usual place by ``shift`` circumferences.
-        """
+        """Return a ring of this circumference, moved by ``shift`` of it, or the causal ring."""
         if circumference >= self.causal.circumference:
             return self.causal
         lead = self.bounds.middle + shift * circumference

@@ -73,10 +73,7 @@ POINT_BYTES = 530.0
 
 @lru_cache(maxsize=4)
 def spectral_cost(scene: Scene) -> ExpectedCost:
-    """Return the expected cost of a scene on spectral rings.
-
-    The wave's peak sets the number of points and steps, as in the mKdV limit.
-    """
+    """Return the expected cost on spectral rings; the wave's peak sets points and steps."""
     moving, tolerance = moving_wave(scene), scene.target.tolerance
     data, numbers = spectral_data.spectral_start(moving, tolerance), moving.wave.numbers
     peak = float(np.max(np.abs(data.bounds.strain))) / moving.eps

@@ -141,10 +141,7 @@ class SpectralIntegration:
         return SpectralCost(sum(steps), points, sum(evaluations), length, (min(least), max(most)))
 
     def run(self, progress: Progress, loop: Loop) -> None:
-        """Integrate to the last stop, from the start or from the loop's checkpoint.
-
-        Raises the errors of the rings, such as RunawayError.
-        """
+        """Integrate to the last stop, from the start or the loop's checkpoint, or raise a ring's error."""
         if loop.memory is not None:
             self._recall(loop.memory)
         moving, state = self._moving, self._state
@@ -260,10 +257,7 @@ class SpectralEngine(SpectralSearch):
         return self._moving.wave.numbers.a * float(np.max(np.abs(strain)))
 
     def _spread_over(self, turns: float) -> float:
-        """Return a bound on how far the ring's interleaved lattices diverge, in y/eps.
-
-        See `crest_energy.py`.
-        """
+        """Return a bound, in y/eps, on how far interleaved lattices diverge (`crest_energy.py`)."""
         data, bounds = self._data, self._data.bounds
         if self._steepness(bounds.strain) <= SMALL_STEEPNESS:
             return 0.0
@@ -320,10 +314,7 @@ class SpectralEngine(SpectralSearch):
         return choices.finer * max(choices.density, self._density, least)
 
     def _fast_points(self, points: float) -> int:
-        """Return the next larger number of points that suits the FFT.
-
-        Raises ValueError beyond `MOST_POINTS`.
-        """
+        """Return the next number of points that suits the FFT; ValueError beyond `MOST_POINTS`."""
         if points > MOST_POINTS:
             raise ValueError(
                 f"tolerance must be larger than {self._tolerance:g}: it needs a ring of more than "

@@ -73,10 +73,7 @@ class SteppedCells:
         return ring.nudged() if self._nudged else ring
 
     def stepper(self, restart: State | None) -> tuple[Stepper, float]:
-        """Return the stepper of the cells and the largest stable step.
-
-        Raises ValueError if the scene's step exceeds that limit.
-        """
+        """Return the stepper and the largest stable step; ValueError if the scene's is larger."""
         stated = self.scene.discretisation
         limit = check_step(stated.step, stated.table, self.domains.fastest)
         state, domain = self._begin(restart)
@@ -251,10 +248,7 @@ class CellView(View):
 
     @property
     def extra_variables(self) -> dict[str, Any]:
-        """Sup error in units of the scale, slow time, and all quantities if there are several.
-
-        Empty for the paper's wave.
-        """
+        """Sup error, slow time and all quantities if several; empty for the paper's wave."""
         if self.wave.watches_strains:
             return {}
         error = float(np.max(np.abs(self.numerics - self.analytics))) / self.wave.scale
@@ -282,10 +276,7 @@ class CellView(View):
 
     @property
     def stored(self) -> tuple[int, Array, Array]:
-        """Leftmost cell, and copies of the fields' periodic parts and the velocities.
-
-        A single field has no axis for the fields.
-        """
+        """Leftmost cell, and copies of fields and velocities, without axis for a single field."""
         f, v = (values[0] if len(values) == 1 else values for values in self.arrays)
         return self.ends[0][0], f.copy(), v.copy()
 

@@ -61,10 +61,7 @@ class FedWave:
         return np.asarray((sites - begin) - speed * (t - self.t0), dtype=np.float64)
 
     def rigid_data(self, speed: float, offsets: Array) -> tuple[Array, Array]:
-        """Return fields and velocities of the initial wave moving rigidly at ``speed``.
-
-        The uniform far field is subtracted (see `uniform`).
-        """
+        """Return the initial wave moved rigidly at ``speed``, less its `uniform` far field."""
         wave = self.domains.wave
         f, slopes = wave.rigid_fields(offsets, self.t0)
         return f, wave.far_rates[1][:, np.newaxis] - speed * slopes
@@ -250,10 +247,7 @@ class Window(Domain):
         return stored_chain(t, self.wave.first(t), ring.f, ring.v)
 
     def follow(self, state: State) -> BlowUp | None:
-        """Move the window to the state's time and fill its front cells.
-
-        Returns a fault if the feed does not match the lattice, otherwise None.
-        """
+        """Move to the state's time and fill front cells; return a fault if the feed is wrong."""
         left, cells = self.wave.first(state.t), state.f.shape[1]
         fed = fed_cells(left - state.left, self._ratio)
         state.left = left
@@ -289,8 +283,5 @@ class Window(Domain):
 
 
 def stored_chain(t: float, left: int, f: Array, v: Array) -> State:
-    """Return a state of the cells from ``left`` on, stored cyclically as a window stores them.
-
-    ``f`` and ``v`` are (fields, cells).
-    """
+    """Return a state of (fields, cells) from ``left`` on, stored cyclically as in a window."""
     return State(t, np.roll(f, left, axis=1), np.roll(v, left, axis=1), left)

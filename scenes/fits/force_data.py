@@ -234,10 +234,7 @@ _UNIT = re.compile(r"[A-Za-z\u00b5\u03bc]{1,30}")
 
 
 def _factors(units: str) -> tuple[float, float]:
-    """Return the factors from units such as "mm,N" to metres and newtons.
-
-    Raises ValueError for other units, and without the package pint.
-    """
+    """Return the factors from units such as "mm,N" to m and N; ValueError for other units."""
     parts = [part.strip() for part in units.split(",")]
     if len(parts) != 2 or not all(map(_UNIT.fullmatch, parts)):
         raise ValueError(f"--units must be a length and a force, got {shown(units)} (such as mm,N)")

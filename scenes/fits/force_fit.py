@@ -328,10 +328,7 @@ def _rounding(data: ForceData) -> float:
 
 
 def _fit_law(data: ForceData, law: ForceLaw) -> ForceFit:
-    """Fit the constants of a law to points by least squares.
-
-    Raises ValueError for too few points and for constants that the points do not determine.
-    """
+    """Fit a law to points; ValueError for too few points or constants they do not determine."""
     count, points = len(law.free), data.stretch.size
     if points < count + SPARE:
         raise ValueError(
@@ -373,10 +370,7 @@ class _Problem:
         return slopes * np.reshape(self._weight, (-1, 1))
 
     def completed(self, nonlinear: Points) -> Points:
-        """Return all constants: the given nonlinear ones and the best linear ones for them.
-
-        All are NaN if the law or a derivative is undefined.
-        """
+        """Return the nonlinear constants with the best linear ones; all NaN if undefined."""
         constants = np.zeros(self._linear.size)
         constants[~self._linear] = nonlinear
         undefined = np.full(constants.size, math.nan)
@@ -391,10 +385,7 @@ class _Problem:
         return constants if np.isfinite(self.jacobian(constants)).all() else undefined
 
     def least(self) -> Points:
-        """Return the constants of least chi^2 from the best starts.
-
-        Raises ValueError if the law is undefined at all starts.
-        """
+        """Return the constants of least chi^2; ValueError if the law is undefined at all starts."""
         with np.errstate(all="ignore"):
             starts = sorted(self._starts(), key=itemgetter(0))[:BEST_STARTS]
             if not starts:
@@ -446,10 +437,7 @@ class _Problem:
         return np.asarray(others - basis @ (basis.T @ others))
 
     def _starts(self) -> Iterable[tuple[float, Points]]:
-        """Yield starting values of the nonlinear constants, each with its chi^2.
-
-        chi^2 is that with the best linear constants.
-        """
+        """Yield chi^2, with the best linear constants, and starts of the nonlinear ones."""
         reach = float(np.max(np.abs(self._data.stretch)))
         sizes = sorted({scale * reach**power for scale in SCALES for power in (-1, 0, 1)})
         choices = [

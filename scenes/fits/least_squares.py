@@ -87,10 +87,7 @@ class LeastSquares:
 
     @property
     def p_value(self) -> float:
-        """p-value of chi^2: probability of one as large if the law is right.
-
-        NaN if the deviations were not measured.
-        """
+        """Probability of so large a chi^2 if the law is right; NaN without measured deviations."""
         if not self.has_deviations:
             return math.nan
         return float(stats.chi2.sf(self.chi_squared, self.degrees))
