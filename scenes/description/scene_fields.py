@@ -28,7 +28,7 @@ ROUNDING = 1e-12
 
 
 @dataclass(frozen=True, kw_only=True)
-class StartRules(entries.Entry):
+class StartRules:
     """Rules for scenes of one start; ``method`` is a key of `engines.methods.method_of`.
 
     ``measured`` names a quantity that is measured instead of comparing a wave; times and region are
@@ -86,7 +86,7 @@ class SceneFields:
     @property
     def named_start(self) -> StartRules | None:
         """Entry of a wave that is not a closed form; None for a closed form."""
-        return entries.table(StartRules).get(self.wave) if isinstance(self.wave, str) else None
+        return entries.starts().get(self.wave) if isinstance(self.wave, str) else None
 
     @property
     def start(self) -> StartRules:

@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from longwave.lattice.refine import Announce, Refined
-from longwave.scenes.description import entries
-from longwave.scenes.description.numerics import EngineRules
+from longwave.scenes.description.numerics import ENGINES
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import enough_steps
 from longwave.scenes.engines import ring_cost, run_record
@@ -57,7 +56,7 @@ def scene_cost(scene: Scene) -> ExpectedCost:
 
 
 def _steps_cells(scene: Scene) -> bool:
-    return entries.table(EngineRules)[choose_engine(scene)].steps_cells
+    return ENGINES[choose_engine(scene)].steps_cells
 
 
 def rings_cost(scene: Scene) -> ExpectedCost:

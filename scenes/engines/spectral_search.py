@@ -141,7 +141,7 @@ class SpectralIntegration:
         return SpectralCost(sum(steps), points, sum(evaluations), length, (min(least), max(most)))
 
     def run(self, progress: Progress, loop: Loop) -> None:
-        """Integrate to the last stop, from the start or the loop's checkpoint, or raise a ring's error."""
+        """Integrate to the last stop from the start or a checkpoint; may raise a ring's error."""
         if loop.memory is not None:
             self._recall(loop.memory)
         moving, state = self._moving, self._state

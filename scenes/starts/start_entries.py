@@ -59,9 +59,6 @@ def _solve_soliton(
     return ComputedSoliton(reduction, float(parameters["speed"]))
 
 
-computed_soliton = ReducedStart(solve=_solve_soliton)
-"""Soliton, of a ``speed`` in X/T, of an equation without a soliton in closed form."""
-
 PERTURBATION = ("amplitude", "kappa", "share")
 """Parameters of a perturbed plane wave: |A|, and the perturbation's wavenumber in X or its ratio to
 the wavenumber that grows fastest, 1 by default."""
@@ -102,5 +99,9 @@ def _check_growth(scene: SceneFields) -> None:
         )
 
 
-perturbed_plane = StartRules(method="sidebands", measured="growth rate", check=_check_growth)
-"""Plane wave of a carrier, with a perturbation that grows."""
+STARTS: Mapping[str, StartRules] = {
+    "computed_soliton": ReducedStart(solve=_solve_soliton),
+    "perturbed_plane": StartRules(method="sidebands", measured="growth rate", check=_check_growth),
+}
+"""Waves that are not closed forms: the soliton, of a ``speed`` in X/T, of an equation without one
+in closed form; the plane wave of a carrier with a perturbation that grows."""
