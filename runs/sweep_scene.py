@@ -9,15 +9,15 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from longwave.scenes.description.bench import KEYS
-from longwave.scenes.description.losses import KINDS
+from longwave.scenes.description.losses import EPS_POWERS
 from longwave.scenes.description.named_scenes import load_scene, names_a_file
 from longwave.scenes.description.scene import Scene, alternatives_of
 from longwave.scenes.description.scene_checks import CHAIN_CONSTANTS
 from longwave.scenes.description.scene_disorder import Disorder
 from longwave.scenes.description.scene_file import (
-    PAIRS,
-    TABLES,
-    TOP,
+    PAIR_TABLES,
+    TABLE_FIELDS,
+    TOP_KEYS,
     in_one_spelling,
     read_document,
     scene_fields,
@@ -32,10 +32,10 @@ UNVARIED = ("name", "title")
 """Fields that do not affect a run."""
 
 VARIED = {
-    **{key: () for key in TOP if key not in UNVARIED},
-    **{name: tuple(keys) for name, keys in TABLES.items()},
+    **{key: () for key in TOP_KEYS if key not in UNVARIED},
+    **{name: tuple(keys) for name, keys in TABLE_FIELDS.items()},
     "disorder": tuple(field.name for field in fields(Disorder)),
-    "losses": KINDS,
+    "losses": EPS_POWERS,
     **{name: KEYS[name] for name in ("chain", "start", "defects")},
 }
 """Fields that may vary: those at the top, and tables with their keys."""
@@ -108,7 +108,7 @@ def canonical_field(field: str) -> str:
 def check_field(field: str, document: Document | None = None) -> None:
     """Raise ValueError for an unknown field; a key of a table in ``document`` is named in full."""
     top, _, key = field.partition(".")
-    if top in PAIRS:
+    if top in PAIR_TABLES:
         return  # these tables may have any key, and may be replaced as a whole
     if top in VARIED and (key in VARIED[top] if key else not VARIED[top]):
         return
@@ -127,7 +127,7 @@ def check_field(field: str, document: Document | None = None) -> None:
             for name, keys in VARIED.items()
             for inner in keys or [""]
         ),
-        *(f"{name}.NAME" for name in PAIRS),
+        *(f"{name}.NAME" for name in PAIR_TABLES),
     ]
     raise ValueError(f"fields must be known ones, got {shown(field)} ({one_of(field, known)})")
 

@@ -26,13 +26,13 @@ from longwave.support.user_files import shown
 
 Array = NDArray[Any]
 
-FEWEST = 3
+MIN_ERRORS = 3
 """Minimum number of errors from which a rate and its uncertainty can be fitted."""
 
-MOST = 20
+MAX_EPS_VALUES = 20
 """Maximum number of values of eps."""
 
-SHARE = 0.05
+DISCRETISATION_FRACTION = 0.05
 """Largest discretisation error of a run, as a fraction of the error that it measures."""
 
 DEFAULT_FACTORS = (2.0, 1.4, 1.0, 0.7)
@@ -165,9 +165,9 @@ def fitted_rate(
     >>> fitted_rate([0.1, 0.2, 0.4], [0.01, 0.04, 0.16]).value
     2.0
     """
-    if len(eps) != len(errors) or len(errors) < FEWEST or len({*eps}) < len(eps):
+    if len(eps) != len(errors) or len(errors) < MIN_ERRORS or len({*eps}) < len(eps):
         raise ValueError(
-            f"errors must be at least {FEWEST}, each at its own eps, got {len(errors)} at "
+            f"errors must be at least {MIN_ERRORS}, each at its own eps, got {len(errors)} at "
             f"{len({*eps})} (take more values of eps)"
         )
     if not (min(eps) > 0.0 and 0.0 < min(errors) <= max(errors) < np.inf):
@@ -194,10 +194,10 @@ def fitted_rate(
 def _eps_values(scene: Scene, eps: Sequence[float]) -> list[float]:
     """Return the values of eps, largest first; ValueError if invalid, repeated, too few or many."""
     values = [positive("eps", value) for value in eps or [f * scene.eps for f in DEFAULT_FACTORS]]
-    if not FEWEST <= len(set(values)) == len(values) <= MOST:
+    if not MIN_ERRORS <= len(set(values)) == len(values) <= MAX_EPS_VALUES:
         raise ValueError(
-            f"eps must be {FEWEST} to {MOST} different values, got {shown(values)} (such as "
-            "0.1,0.07,0.05,0.035)"
+            f"eps must be {MIN_ERRORS} to {MAX_EPS_VALUES} different values, got {shown(values)} "
+            "(such as 0.1,0.07,0.05,0.035)"
         )
     return sorted(values, reverse=True)
 
@@ -218,7 +218,7 @@ def _run(scene: Scene, progress: Callable[[float], None], announce: Announce) ->
     from longwave.scenes.engines.lattice_run import record_scene
 
     run = record_scene(scene, progress, announce)
-    allowed = SHARE * float(np.max(_sup_errors(run)))
+    allowed = DISCRETISATION_FRACTION * float(np.max(_sup_errors(run)))
     if run.attrs["error_estimate"] <= allowed or allowed == 0.0:
         return run
     return record_scene(scene.changed(tolerance=allowed), progress, announce)
@@ -265,7 +265,7 @@ SEARCHED_ORDERS = 4
 """Orders beyond the reduced equation that are searched for its next two corrections; mirror
 symmetric cells have even orders only."""
 
-ZERO = 1e-12
+ZERO_COEFFICIENT = 1e-12
 """Size below which a coefficient counts as 0; coefficients are of order one, from 60 digits."""
 
 
@@ -313,7 +313,7 @@ def envelope_rate(envelope: Envelope, numbers: Mapping[str, Number], order: str)
 
 def _has(terms: CarrierTerms, power: int) -> bool:
     """Return whether there is a nonzero term with this power of eps."""
-    return any(term.power == power and abs(term.value) > ZERO for term in terms)
+    return any(term.power == power and abs(term.value) > ZERO_COEFFICIENT for term in terms)
 
 
 def scene_rate(scene: Scene) -> int | None:

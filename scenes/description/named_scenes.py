@@ -88,10 +88,10 @@ def _of_document(document: Mapping[str, Any], path: Path) -> Scene:
     return Scene.of_document(document, path)
 
 
-KINDS = ("paper", "further", "lattices", "bench")
+FOLDER_NAMES = ("paper", "further", "lattices", "bench")
 """Folders of shipped scenes: of the paper, beyond it, on other lattices, on a bench."""
 
-FOLDERS = {name: f"longwave.scenes.shipped.{name}" for name in KINDS}
+FOLDERS = {name: f"longwave.scenes.shipped.{name}" for name in FOLDER_NAMES}
 """Package of the files of each folder."""
 
 

@@ -56,13 +56,13 @@ EXAMPLES: Mapping[str, str] = {
 LEAST_TOLERANCE = 1e-11
 """Least sup error of y/eps distinguishable from rounding errors (Y2 over t = 15000)."""
 
-SMALLEST = 1e-50
+SMALLEST_NUMBER = 1e-50
 """Smallest nonzero size of a number; below it or above its reciprocal computations may overflow."""
 
 FARTHEST_SITE = 2.0**52
 """Largest site number accepted; up to it, multiples of 1/2 are exact doubles."""
 
-LARGEST = 1e9
+LARGEST_WHOLE = 1e9
 """Largest whole number accepted; more cells would exceed any memory."""
 
 REQUIRED = object()
@@ -137,10 +137,10 @@ def finite(name: str, value: object) -> float:
     number = value if isinstance(value, int) else float(value)
     if not isinstance(number, int) and not math.isfinite(number):
         raise ValueError(f"{name} must be finite, got {value}{_remedy(name)}")
-    if number != 0 and not SMALLEST <= abs(number) <= 1 / SMALLEST:
+    if number != 0 and not SMALLEST_NUMBER <= abs(number) <= 1 / SMALLEST_NUMBER:
         raise ValueError(
-            f"{name} must be 0 or satisfy {SMALLEST:g} <= |{name}| <= {1 / SMALLEST:g}, "
-            f"got {shown(value)}{_remedy(name)}"
+            f"{name} must be 0 or satisfy {SMALLEST_NUMBER:g} <= |{name}| <= "
+            f"{1 / SMALLEST_NUMBER:g}, got {shown(value)}{_remedy(name)}"
         )
     return float(number)
 
@@ -164,7 +164,7 @@ def tolerance(given: object) -> float:
     return value
 
 
-def whole(name: str, value: object, least: int = 1, most: float = LARGEST) -> int:
+def whole(name: str, value: object, least: int = 1, most: float = LARGEST_WHOLE) -> int:
     """Return a whole number from ``least`` to ``most`` as an int; ValueError for other values."""
     is_whole = isinstance(value, Integral) and not isinstance(value, bool)
     if not is_whole or not least <= int(value) <= most:  # type: ignore[call-overload]

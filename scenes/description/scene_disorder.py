@@ -25,7 +25,7 @@ from longwave.support.user_files import shown
 MASS = "mass"
 """Value of `Disorder.of` if masses deviate."""
 
-FARTHEST = 2**53
+FARTHEST_CELL = 2**53
 """Largest number of a cell that is an exact double."""
 
 LARGEST_SEED = 2**63 - 1
@@ -100,7 +100,9 @@ def _ends(given: object) -> tuple[int, int]:
             f"sites in [disorder] must be the first and the last cell that deviate, got "
             f"{shown(given)} (such as [0, 999])"
         )
-    first, last = (check.whole("sites in [disorder]", end, -FARTHEST, FARTHEST) for end in given)
+    first, last = (
+        check.whole("sites in [disorder]", end, -FARTHEST_CELL, FARTHEST_CELL) for end in given
+    )
     if first > last:
         raise ValueError(
             f"sites in [disorder] must have first <= last, got {first} and {last} (swap them)"

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from longwave.derive import Lattice
     from longwave.solutions import ClosedForm
 
-ROUNDING = 1e-12
+HALF_WIDTH_ROUNDING = 1e-12
 """Relative rounding error by which a half-width may exceed a whole number of cells."""
 
 
@@ -212,7 +212,7 @@ class SceneFields:
         """Return the number of cells compared on either side along an axis with X = eps^power n."""
         if self.half_width is None:
             return self.compared
-        return max(1, math.ceil(self.half_width / self.eps**power * (1.0 - ROUNDING)))
+        return max(1, math.ceil(self.half_width / self.eps**power * (1.0 - HALF_WIDTH_ROUNDING)))
 
     def check_compared(self) -> None:
         """Raise ValueError for a scene without a comparison: a bench, or a growth rate."""

@@ -35,15 +35,15 @@ from longwave.scenes.description.scene_disorder import Disorder
 from longwave.scenes.description.stated_tables import StatedTables
 from longwave.support.user_files import read_toml, shown, shown_path
 
-TOP = (
+TOP_KEYS = (
     *("name", "title", "lattice", "wave", "eps", "order", "t0", "snapshots", "times"),
     *("slow_times", "compared", "half_width", "observables", "curve_points", "look_points"),
     *("tolerance", "engine"),
 )
-PAIRS = ("constants", "parameters")
+PAIR_TABLES = ("constants", "parameters")
 """Tables whose keys depend on the lattice or the wave."""
 
-TABLES = {
+TABLE_FIELDS = {
     "long_wave": {"amplitude": "amplitude", "time": "time", "background": "background"},
     "envelope": {"k": "carrier", "branch": "branch"},
     "scheme": {"name": "scheme", "step": "step"},
@@ -54,10 +54,14 @@ TABLES = {
 LATTICE_KEYS = ("fields", "masses", "positive", "spring", "site", "bond")
 """Keys of a table that declares a lattice, which has at least one of them."""
 
-NEEDED = {"step": "step in [scheme]", "domain": "kind in [domain]", "sites": "sites in [domain]"}
+NEEDED_FIELDS = {
+    "step": "step in [scheme]",
+    "domain": "kind in [domain]",
+    "sites": "sites in [domain]",
+}
 """Fields required without a tolerance, and their places in a file."""
 
-LARGEST_FILE = 1_000_000
+MAX_SCENE_BYTES = 1_000_000
 """Maximum size of a scene's file, in bytes."""
 
 
@@ -67,7 +71,7 @@ def read_document(path: str | Path, what: str = "scene") -> Mapping[str, Any]:
     Raises ValueError in one line for a file that cannot be read; ``what`` names its kind there.
     """
     try:
-        return read_toml(path, what, LARGEST_FILE)
+        return read_toml(path, what, MAX_SCENE_BYTES)
     except OSError as error:
         raise ValueError(
             f"{what} must be a file that can be read, got {shown_path(path)}: {error.strerror} "
@@ -113,24 +117,24 @@ def scene_fields(given: Mapping[str, Any], folder: Path = Path()) -> dict[str, A
     ValueError: step must be in [scheme], got it at the top of the scene (write it below a line ...)
     """
     document = in_one_spelling(given)
-    known = (*TOP, *PAIRS, *TABLES, "disorder", "losses", *BENCH_TABLES)
-    for name, fields in TABLES.items():
+    known = (*TOP_KEYS, *PAIR_TABLES, *TABLE_FIELDS, "disorder", "losses", *BENCH_TABLES)
+    for name, fields in TABLE_FIELDS.items():
         for key in sorted(document.keys() & fields.keys() - set(known)):
             raise ValueError(
                 f"{key} must be in [{name}], got it at the top of the scene (write it below a line "
                 f"[{name}])"
             )
     check.refuse_unknown(document, known)
-    keywords = {key: document[key] for key in TOP if key in document}
+    keywords = {key: document[key] for key in TOP_KEYS if key in document}
     keywords |= with_columns(
         {key: document[key] for key in BENCH_TABLES if key in document}, folder
     )
     keywords |= _lattice(document.get("lattice"), folder)
-    keywords |= {name: tuple(check.table(document, name).items()) for name in PAIRS}
+    keywords |= {name: tuple(check.table(document, name).items()) for name in PAIR_TABLES}
     declared = keywords.get("declared")
     of_lattice = check.table(declared.tables, "constants") if declared else {}
     keywords["constants"] = tuple({**of_lattice, **dict(keywords["constants"])}.items())
-    for name, fields in TABLES.items():
+    for name, fields in TABLE_FIELDS.items():
         entries = check.table(document, name)
         check.refuse_unknown(entries, fields, f" in [{name}]")
         keywords |= {fields[key]: value for key, value in entries.items()}
@@ -146,7 +150,7 @@ def scene_fields(given: Mapping[str, Any], folder: Path = Path()) -> dict[str, A
         raise ValueError(
             "tolerance must be stated, got nothing (such as tolerance = 1e-8, for the observables)"
         )
-    missing = [where for key, where in NEEDED.items() if key not in keywords]
+    missing = [where for key, where in NEEDED_FIELDS.items() if key not in keywords]
     if missing and "tolerance" not in keywords:
         raise ValueError(f"{missing[0]} must be stated, got nothing (state it or a tolerance)")
     return keywords
@@ -207,14 +211,14 @@ def document_of(given: Mapping[str, Any]) -> dict[str, Any]:
     {'lattice': 'fput_strain', 'wave': 'kink', 'constants': {'K2': 1}, 'domain': {'sites': 8}}
     """
     given = {"lattice": check.CHAIN} | {k: v for k, v in given.items() if v is not None}
-    document = {key: given[key] for key in TOP if key in given}
+    document = {key: given[key] for key in TOP_KEYS if key in given}
     if "declared" in given:
         document["lattice"] = {"name": given["lattice"], **given["declared"].tables}
-    document |= {name: dict(given[name]) for name in PAIRS if name in given}
+    document |= {name: dict(given[name]) for name in PAIR_TABLES if name in given}
     document |= {"disorder": dict(given["disorder"].pairs)} if "disorder" in given else {}
     document |= {"losses": given["losses"].table} if "losses" in given else {}
     document |= given["bench"].stated.tables if "bench" in given else {}
-    for name, fields in TABLES.items():
+    for name, fields in TABLE_FIELDS.items():
         entries = {k: given[field] for k, field in fields.items() if field in given}
         entries.pop("compared", None)
         document |= {name: entries} if entries else {}

@@ -28,14 +28,14 @@ from longwave.support.request_limits import ExpectedCost, check_request
 
 SCHEME = REDUCED_PHASE_6
 
-LIMIT_SHARE = 0.9
+LIMIT_FRACTION = 0.9
 """Longest step tried, in units of the stability limit at the stiffest bonds of the data."""
 
-LAWFUL_TURN = 3.3
+MAX_CARRIER_TURN = 3.3
 """Longest step tried, in radians of the carrier's phase. Up to this step the error of a linear wave
 follows the scheme's order to within a tenth; at 4.7 the amplitude error changes its sign."""
 
-WIDER = 64
+EXTRA_CELLS = 64
 """Additional cells along each axis on the ring of a control run."""
 
 STRAIN_GROWTH = 0.05
@@ -45,17 +45,17 @@ cells and for a short time, so their faster signals do not travel far."""
 OUTER_CELLS = 32
 """Cells beyond the compared ones that are inspected for growth of rounding errors."""
 
-MARGIN = 64
+FRONT_CELLS = 64
 """Sites that a window leaves for a signal's dispersive front, beyond the distance that sound
 travels."""
 
-FRONT = 12.0
+FRONT_AIRY_LENGTHS = 12.0
 """Distance by which a signal's front leads the sound, in Airy lengths: Ai(12) is 1e-13."""
 
 SIZE_MULTIPLE = 64
 """Divisor of all window sizes, chosen to suit the kernels."""
 
-STRIDE = 64
+MOVE_CELLS = 64
 """Maximum number of cells by which a window moves at once."""
 
 REMEDY = "take a larger eps, end earlier or compare fewer cells"
@@ -67,7 +67,7 @@ CHECKED_CELLS = 8
 
 def front(speed: float, duration: float) -> float:
     """Return the distance in sites by which a signal's dispersive front leads the signal."""
-    return max(MARGIN, FRONT * (speed * duration / 8.0) ** (1.0 / 3.0))
+    return max(FRONT_CELLS, FRONT_AIRY_LENGTHS * (speed * duration / 8.0) ** (1.0 / 3.0))
 
 
 def fed_cells(moved: int, ratio: float) -> int:
@@ -76,8 +76,10 @@ def fed_cells(moved: int, ratio: float) -> int:
     Signals from the seam, ``ratio`` times as fast as the window, can have reached these cells since
     the last move.
     """
-    faster = math.ceil(ratio * moved) - MARGIN // 2  # the dispersive front takes the other half
-    return moved + max(moved, faster) + MARGIN
+    faster = (
+        math.ceil(ratio * moved) - FRONT_CELLS // 2
+    )  # the dispersive front takes the other half
+    return moved + max(moved, faster) + FRONT_CELLS
 
 
 def least_window(reach: int, ratio: float = 1.0) -> int:
@@ -85,7 +87,10 @@ def least_window(reach: int, ratio: float = 1.0) -> int:
 
     ``ratio`` is the speed of the fastest signal over the window's.
     """
-    return 2 * (reach + max(2 * (STRIDE + MARGIN), fed_cells(STRIDE + 1, ratio) + CHECKED_CELLS))
+    return 2 * (
+        reach
+        + max(2 * (MOVE_CELLS + FRONT_CELLS), fed_cells(MOVE_CELLS + 1, ratio) + CHECKED_CELLS)
+    )
 
 
 def round_up(sites: float) -> int:
@@ -217,26 +222,26 @@ class DomainCost:
         """
         wave, compared, times = self.wave, self.compared, self.times
         duration = times[-1] - times[0]
-        more = WIDER + 2 * (wave.lattice.spread_within(duration) + self.room)
+        more = EXTRA_CELLS + 2 * (wave.lattice.spread_within(duration) + self.room)
         cells = float(window or count_cells(compared.ring(times, signals, more)))
-        limit = LIMIT_SHARE * stability_limit(SCHEME)
+        limit = LIMIT_FRACTION * stability_limit(SCHEME)
         steps = duration * max(fastest / limit, 1.0 / self.driven_step)
         values = math.prod(2.0 * reach + 1.0 for reach in compared.reach) * len(times)
         part = representative_cells(wave, compared, times, signals)
         ratio = 1.0
         if part is not None and window is None:
-            values *= ring_cost.SHOWN
-            ratio = count_cells(part.ring(times, signals, WIDER)) / cells
+            values *= ring_cost.SINGLE_RUN_FRACTION
+            ratio = count_cells(part.ring(times, signals, EXTRA_CELLS)) / cells
             ratio += 1.0 / ring_cost.USUAL_RUNS
         cost = ring_cost.search_cost(wave.lattice, cells, steps * ratio, SCHEME.stages, values)
         return cells, replace(cost, steps=steps)
 
 
-MOST_ADDED = 64
+MAX_ADDED_CELLS = 64
 """Maximum number of cells added to a ring so that a periodic wave closes on it; a wavelength if
 that is more."""
 
-MOST_SIZES = 4096
+MAX_RING_SIZES = 4096
 """Maximum number of ring sizes tried for a periodic wave to close on the ring."""
 
 SEAM_TOLERANCE, SEAM_CELLS = 1e-6, 4
@@ -255,7 +260,7 @@ def representative_cells(
     For a wave of finite extent, they contain every cell that the wave can reach.
     """
     [reach, *others] = compared.reach
-    if others or 2 * reach < ring_cost.LARGE or wave.disorder is not None:
+    if others or 2 * reach < ring_cost.LARGE_CELLS or wave.disorder is not None:
         return None
     ends = wave.support(times[0])
     reach_of_wave = REPEAT_DISTANCE / wave.eps
@@ -265,17 +270,17 @@ def representative_cells(
     elif wave.watches_strains:
         low, high = wave.extent(times, PART_TOLERANCE)
         path = _signal(wave.speed + signals[0], times[-1] - times[0])
-        reach_of_wave = max(reach_of_wave, PERIODS * wave.seam_room(times[0]))
+        reach_of_wave = max(reach_of_wave, MIN_PERIODS * wave.seam_room(times[0]))
         reach_of_wave += max(0.0, -low, high) + path
     cells = math.ceil(reach_of_wave)
-    return replace(compared, reach=(cells,)) if ring_cost.SHARE * cells <= reach else None
+    return replace(compared, reach=(cells,)) if ring_cost.MIN_PART_RATIO * cells <= reach else None
 
 
 PART_TOLERANCE = 1e-6
 """Deviation from a periodic background above which a cell belongs to the wave, in
 `representative_cells`."""
 
-PERIODS = 20
+MIN_PERIODS = 20
 """Minimum number of wavelengths of a periodic background among representative cells."""
 
 
@@ -356,8 +361,8 @@ class DomainPlan(DomainCost):
         For an infinite periodic wave a few more cells are added, so that it closes on the ring.
         """
         if self._fills_line and wider not in self._fitting:
-            most = max(MOST_ADDED, self.room)
-            tried = np.unique(np.linspace(0.0, most - 1.0, min(most, MOST_SIZES)).astype(int))
+            most = max(MAX_ADDED_CELLS, self.room)
+            tried = np.unique(np.linspace(0.0, most - 1.0, min(most, MAX_RING_SIZES)).astype(int))
             rings = [self.plain_ends(wider + more)[0] for more in tried.tolist()]
             mismatches = self.seam_mismatch(rings)
             closed = np.flatnonzero(mismatches <= SEAM_TOLERANCE)
@@ -444,13 +449,13 @@ def _largest(values: Array) -> Array:
 def longest_step(fastest: float, carrier: float, scheme: Scheme = SCHEME) -> float:
     """Return the longest step tried, from the highest frequency and that of the carrier.
 
-    >>> longest_step(2.0, 0.5) == LIMIT_SHARE * stability_limit(SCHEME) / 2.0
+    >>> longest_step(2.0, 0.5) == LIMIT_FRACTION * stability_limit(SCHEME) / 2.0
     True
-    >>> longest_step(2.0, 2.0) == LAWFUL_TURN / 2.0
+    >>> longest_step(2.0, 2.0) == MAX_CARRIER_TURN / 2.0
     True
     """
-    stable = LIMIT_SHARE * stability_limit(scheme) / fastest
-    return min(stable, LAWFUL_TURN / carrier) if carrier else stable
+    stable = LIMIT_FRACTION * stability_limit(scheme) / fastest
+    return min(stable, MAX_CARRIER_TURN / carrier) if carrier else stable
 
 
 def check_rest(lattice: NumericLattice, slopes: Sequence[float]) -> None:

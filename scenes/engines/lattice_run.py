@@ -15,7 +15,7 @@ from longwave.scenes.description.numerics import ENGINES
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import enough_steps
 from longwave.scenes.engines import ring_cost, run_record
-from longwave.scenes.engines.domain_plan import STRIDE, ComparedCells, DomainCost, DomainPlan
+from longwave.scenes.engines.domain_plan import MOVE_CELLS, ComparedCells, DomainCost, DomainPlan
 from longwave.scenes.engines.recorders import MOMENT_BYTES, exact_times
 from longwave.scenes.engines.site_engine import SiteEngine
 from longwave.scenes.engines.spectral_run import run_spectral, spectral_cost
@@ -100,11 +100,11 @@ def _stated_cost(timed: Scene, wave: LatticeWave, compared: ComparedCells) -> Ex
     duration = timed.end - timed.t0
     enough_steps(stated.step, duration)
     sites = stated.sites * (2.0 if "domain_error" in timed.observables else 1.0)
-    values = ring_cost.SHOWN * (2.0 * compared.reach[0] + 1.0) * len(timed.snapshots)
+    values = ring_cost.SINGLE_RUN_FRACTION * (2.0 * compared.reach[0] + 1.0) * len(timed.snapshots)
     steps, stages = duration / stated.step, stated.table.stages
     searched_steps = steps * (runs / ring_cost.USUAL_RUNS * stated.sites / sites)
     cost = ring_cost.search_cost(wave.lattice, sites, searched_steps, stages, values)
-    moves = duration * abs(wave.speed) / STRIDE if stated.rules.moves else 0.0
+    moves = duration * abs(wave.speed) / MOVE_CELLS if stated.rules.moves else 0.0
     cost = ring_cost.enlarged(cost, MOVE_SECONDS * moves * runs, MOVE_BYTES * moves)
     return replace(cost, steps=steps * runs)
 

@@ -133,7 +133,7 @@ class Recorder:
                 recorded[variable.name] = (dimensions, values, variable.attributes)
         if self.dimension != "time":
             times = np.array(self.times)
-            recorded[self.dimension] = ((self.dimension,), times, observables.TIME)
+            recorded[self.dimension] = ((self.dimension,), times, observables.TIME_ATTRIBUTES)
         return recorded
 
 

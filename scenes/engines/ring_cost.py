@@ -52,17 +52,17 @@ PROCESS_BYTES = 3e8
 BYTES_PER_VALUE = 100.0
 """Bytes per compared value at a time, over all runs of a search and their results."""
 
-SHOWN = 0.4
+SINGLE_RUN_FRACTION = 0.4
 """Fraction of `BYTES_PER_VALUE` needed without a search: 34 bytes at ten million cells of two
 fields."""
 
 BYTES_PER_CELL = 160.0
 """Bytes per field of a cell in a run: state, initial data and compared values."""
 
-LARGE = 100_000
+LARGE_CELLS = 100_000
 """Number of compared cells above which the step is searched for on a part of them."""
 
-SHARE = 8
+MIN_PART_RATIO = 8
 """Minimum ratio of all compared cells to those of a part on which the step is searched for."""
 
 

@@ -20,9 +20,9 @@ from longwave.lattice.state import State
 from longwave.lattice.trial import Trial
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines.domain_plan import (
+    EXTRA_CELLS,
     OUTER_CELLS,
     REMEDY,
-    WIDER,
     DomainPlan,
     Ends,
     count_cells,
@@ -49,7 +49,7 @@ class SpectralRuns:
     """Runs of a scene's wave on spectral rings: the engine and the records of its runs.
 
     The scene is in lattice times and states the times of its looks. The ring is the smallest causal
-    one; that of a control run has `WIDER` more cells along each axis. Raises ValueError, before any
+    one; a control run's has `EXTRA_CELLS` more cells along each axis. Raises ValueError, before any
     large array is made, for a run that would take too much memory or time, and for a lattice whose
     cells differ.
     """
@@ -106,8 +106,8 @@ class SpectralRuns:
         counts = [fast_count(high + 1 - low) for low, high in ends]
         firsts = [low for low, _ in ends]
         if wider:
-            counts = [fast_count(count + WIDER) for count in counts]
-            firsts = [low - WIDER // 2 for low in firsts]
+            counts = [fast_count(count + EXTRA_CELLS) for count in counts]
+            firsts = [low - EXTRA_CELLS // 2 for low in firsts]
         return [(low, low + count - 1) for low, count in zip(firsts, counts, strict=True)]
 
     def _state_of(self, wider: bool) -> FieldRing:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from longwave.lattice.refine import USUAL_WORK, StoppedSearch, refine
 from longwave.lattice.trial import StoppedTrial, Trial, difference
-from longwave.scenes.observed.observables import TIME, axis_values
+from longwave.scenes.observed.observables import TIME_ATTRIBUTES, axis_values
 from longwave.support.checkpoint import restored_seconds
 from longwave.support.html_tables import html_table
 from longwave.support.labelled_arrays import LabelledArray, LabelledArrays
@@ -80,7 +80,7 @@ class RunRecord:
         """Run as labelled arrays, with coordinates, scene and provenance."""
         used = {name for dimensions, _, _ in self.variables.values() for name in dimensions}
         axes = {name: axis_values(name, self.reach) for name in used}
-        entries: Variables = {"time": (("time",), list(self.reached), dict(TIME))}
+        entries: Variables = {"time": (("time",), list(self.reached), dict(TIME_ATTRIBUTES))}
         entries |= {name: ((name,), *axis) for name, axis in axes.items() if axis is not None}
         entries |= self.variables
         requested = self.requested or self.scene

@@ -2,9 +2,9 @@
 
 The lattice is run on a ring that fits the plane wave and its perturbation. The run starts from the
 eigenmode of the envelope equation that grows, or oscillates if the plane wave is stable. The two
-sidebands of the carrier are measured at `MOMENTS` times, each averaged over a carrier period. The
-slope of a line through the logarithms of their size is the growth rate. A stable plane wave thus
-also has a measured rate, with an error.
+sidebands of the carrier are measured at `MEASUREMENTS` times, each averaged over a carrier period.
+The slope of a line through the logarithms of their size is the growth rate. A stable plane wave
+thus also has a measured rate, with an error.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from longwave.lattice.trial import Progress
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import positive
 from longwave.scenes.engines.domain_plan import (
-    LIMIT_SHARE,
+    LIMIT_FRACTION,
     SCHEME,
     check_rest,
     longest_step,
@@ -51,10 +51,10 @@ if TYPE_CHECKING:
 
 Complex = NDArray[np.complex128]
 
-MOMENTS = 9
+MEASUREMENTS = 9
 """Number of evenly spaced times at which the sidebands are measured."""
 
-SAMPLES = 8
+SAMPLES_PER_PERIOD = 8
 """Samples averaged at each measurement, over one carrier period, so that harmonics cancel."""
 
 GROWTH_SPAN = (1.5, 5.0)
@@ -68,13 +68,13 @@ changes of the plane wave would look like growth."""
 
 SLOPE_FACTOR = 2.5 / (15.0 / 16.0)
 """Largest error of the fitted slope, times the time span, per error of the measured values:
-``sum |x| / sum x^2`` over `MOMENTS` points x from -1/2 to 1/2."""
+``sum |x| / sum x^2`` over `MEASUREMENTS` points x from -1/2 to 1/2."""
 
 GROWTH_EVALUATIONS = 32.0
 """One in so many rounding errors matters: a mode that grows G-fold amplifies those of the first
 1/(2 ln G) of a run, a 32nd for G = 1e7."""
 
-SIGNIFICANT = 3.0
+SIGNIFICANT_ERRORS = 3.0
 """A growth rate is significant if it exceeds this many times its error."""
 
 
@@ -127,7 +127,7 @@ class SidebandGrowth:
     @property
     def grows(self) -> bool:
         """Whether the measured rate is significantly above 0."""
-        return self.measured > SIGNIFICANT * self.error
+        return self.measured > SIGNIFICANT_ERRORS * self.error
 
     @cached_property
     def _line(self) -> Array:
@@ -157,9 +157,13 @@ class SidebandGrowth:
         """Return the scalar results by name, each as value, unit and long name."""
         ring, wave = self.plan.ring, self.plan.wave
         return {
-            "growth_rate": (self.measured, RATE, "growth rate in T, on the lattice"),
-            "growth_rate_error": (self.error, RATE, "what the measured rate may be off"),
-            "growth_rate_theory": (self.theory, RATE, "growth rate in T, by the envelope equation"),
+            "growth_rate": (self.measured, RATE_UNIT, "growth rate in T, on the lattice"),
+            "growth_rate_error": (self.error, RATE_UNIT, "what the measured rate may be off"),
+            "growth_rate_theory": (
+                self.theory,
+                RATE_UNIT,
+                "growth rate in T, by the envelope equation",
+            ),
             "carrier_k": (float(ring.k), "1/site", "wavenumber of the carrier on the ring"),
             "perturbation_kappa": (wave.kappa, "1/X", "wavenumber of the perturbation, in X"),
             "p": (wave.p, "1", "p of the envelope equation"),
@@ -194,7 +198,7 @@ class SidebandGrowth:
         return RunRecord(self.scene, (0,), moments, data, attributes)
 
 
-RATE = "1/slow time"
+RATE_UNIT = "1/slow time"
 
 
 def record_scene(
@@ -259,7 +263,7 @@ def growth_plan(scene: Scene) -> GrowthPlan:
     p, q = _coefficients(envelope, k, constants)
     kappa = float(perturbed_plane.chosen_kappa(p, q, parameters))
     cells = 2 * math.pi / (kappa * scene.eps)
-    most = MOST_CELLS / perturbed_plane.MOST_WAVES
+    most = MAX_WAVELENGTH_CELLS / perturbed_plane.MAX_WAVES
     if not cells < most:
         raise ValueError(
             f"eps must leave a perturbation of fewer than {most:.0e} cells, got {cells:.3g} (take "
@@ -278,7 +282,7 @@ def growth_plan(scene: Scene) -> GrowthPlan:
     else:
         fastest = float(np.ptp(GROWTH_SPAN) / wave.largest_growth)
         first, last = 0.0, max(STABLE_BEATS * math.pi / abs(wave.rate), fastest) / scene.eps**2
-    moments = np.linspace(first, last, MOMENTS)
+    moments = np.linspace(first, last, MEASUREMENTS)
     return GrowthPlan(ring, wave, data, moments + max(0.0, period - first))
 
 
@@ -299,7 +303,7 @@ def _coefficients(
     return numbers.p, numbers.q
 
 
-MOST_CELLS = 1e9
+MAX_WAVELENGTH_CELLS = 1e9
 """Maximum number of cells in one wavelength of a perturbation; more than any machine can store."""
 
 
@@ -312,7 +316,7 @@ def expected_growth_cost(plan: GrowthPlan, fastest: float | None = None) -> Expe
     """Return the expected cost; ``fastest`` is the highest frequency, by default about rest."""
     lattice = plan.data.lattice
     fastest = fastest or lattice.highest_frequency(lattice.rest_slopes())
-    steps = float(plan.moments[-1]) * fastest / (LIMIT_SHARE * stability_limit(SCHEME))
+    steps = float(plan.moments[-1]) * fastest / (LIMIT_FRACTION * stability_limit(SCHEME))
     cost = search_cost(lattice, float(plan.ring.cells), steps, SCHEME.stages, 0.0)
     return enlarged(cost, PLAN_SECONDS * len(lattice.fields) ** 3)
 
@@ -332,7 +336,7 @@ class SidebandRuns:
         span = float(np.ptp(plan.moments)) * scene.eps**2
         self.scale = SLOPE_FACTOR / span / plan.wave.largest_growth
         omega = plan.data.carrier.omega
-        phases = (np.arange(SAMPLES) - (SAMPLES - 1) / 2) / SAMPLES
+        phases = (np.arange(SAMPLES_PER_PERIOD) - (SAMPLES_PER_PERIOD - 1) / 2) / SAMPLES_PER_PERIOD
         samples = np.add.outer(plan.moments, phases * 2 * np.pi / omega)
         times, rows = np.unique(samples, return_inverse=True)
         self._rows = rows.reshape(samples.shape)
@@ -346,7 +350,7 @@ class SidebandRuns:
         self._initial_size = self._largest(self.ring.f)
         longest = longest_step(fastest, abs(omega))
         evaluations = times[-1] / longest * SCHEME.stages
-        unit = 1.0 / self.scale / perturbed_plane.SIZE
+        unit = 1.0 / self.scale / perturbed_plane.PERTURBATION_SIZE
         self.engine = CellEngine(
             lattice,
             State(0.0, self.ring.f, self.ring.v),

@@ -25,9 +25,9 @@ from longwave.scenes.description.numerics import Discretisation
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines import window
 from longwave.scenes.engines.domain_plan import (
+    EXTRA_CELLS,
     OUTER_CELLS,
     SCHEME,
-    WIDER,
     ComparedCells,
     DomainPlan,
     count_cells,
@@ -49,13 +49,13 @@ from longwave.scenes.engines.window import LARGEST_MISFIT
 STEP_RATIO = 0.8
 """Step of a control run, in units of the run before it."""
 
-SIMILARITY = 1e-3
+SIMILARITY_FRACTION = 1e-3
 """Fraction by which the whole wave's data may exceed those of a representative part."""
 
-CLEARANCE = 128
+CLEARANCE_CELLS = 128
 """Cells beyond the wave's extent that the coarse engine compares."""
 
-FEED_SHARE = 0.3
+FEED_FRACTION = 0.3
 """Largest fraction of the tolerance allowed for the error of a window's feed."""
 
 MISFIT_GROWTH = 1.4
@@ -93,7 +93,7 @@ class SiteEngine(StepSearch):
         longest = min(longest, domains.driven_step)
         self._ring = float(count_cells(domains.ends()))
         self._uses_rings, self._widened = domains.window is None, 1.0
-        allowed = FEED_SHARE * scene.target.tolerance / FEED_SAFETY
+        allowed = FEED_FRACTION * scene.target.tolerance / FEED_SAFETY
         self._largest_misfit = min(LARGEST_MISFIT, allowed)
         stops = np.array(self.times)
         if domains.window is not None:
@@ -169,7 +169,7 @@ class SiteEngine(StepSearch):
         if domains.window is None or domains.extent is None:
             return self
         low, high = domains.extent
-        near = math.ceil(max(-low, high, 0.0)) + CLEARANCE
+        near = math.ceil(max(-low, high, 0.0)) + CLEARANCE_CELLS
         if near >= domains.compared.reach[0]:
             return self
         scene = replace(self.scene, observables=())
@@ -188,7 +188,7 @@ class SiteEngine(StepSearch):
         if part is None:
             return None
         inner = DomainPlan(domains.wave, part, domains.times, domains.tolerance)
-        if not np.all(domains.sizes <= (1.0 + SIMILARITY) * inner.sizes):
+        if not np.all(domains.sizes <= (1.0 + SIMILARITY_FRACTION) * inner.sizes):
             return None
         within = SiteEngine(replace(self.scene, observables=()), inner)
         return within, SiteEngine(self.scene, domains, part)
@@ -206,7 +206,7 @@ class SiteEngine(StepSearch):
             window_plan = plan("window", round_up(self._widened * choices.size))
             return WindowCells(window_plan, self.domains, choices.nudged)
         least = self._ring if choices.causal else self._first.size
-        ends = self.domains.ends(WIDER if choices.size > least else 0)
+        ends = self.domains.ends(EXTRA_CELLS if choices.size > least else 0)
         closes = self.domains.wave.watches_strains and self.domains.room  # others are always closed
         ring_plan = plan("closed_ring" if closes else "ring", count_cells(ends))
         return SteppedCells(ring_plan, self.domains, ends, choices.nudged, self._fades)
@@ -233,7 +233,7 @@ class SiteEngine(StepSearch):
             step = shorter_step(self._stops, choices.step, self.order, STEP_RATIO)
             choices = replace(choices, step=step)
             if choices.causal:
-                wider = WIDER if choices.size == self._ring else 0
+                wider = EXTRA_CELLS if choices.size == self._ring else 0
                 choices = replace(choices, size=self._ring + wider)
         if "domain" in kinds and not choices.causal:
             choices = self._sized(choices, window.SIZE_RATIO * choices.size)

@@ -13,28 +13,28 @@ from longwave.lattice.state import Array
 from longwave.scenes.engines.domain_plan import front
 from longwave.scenes.starts.moving_wave import MovingWave, WaveBounds, find_bounds
 
-LEAST = 16
+MIN_WAVELENGTHS = 16
 """Minimum number of wavelengths of a periodic background on a ring."""
 
-ROOM = 1.5
+WIDTH_FACTOR = 1.5
 """Least circumference without its blended parts, in units of the width it must contain."""
 
-BLEND = 32.0
+BLEND_DIVISOR = 32.0
 """On a constant background the data are blended within circumference/BLEND of the seam."""
 
-SCALES = 6.0
+MIN_BLEND_WIDTH = 6.0
 """Least width of the blended part, in units of the wave's variable xi."""
 
-SAMPLES = 4096
+SPEED_SAMPLES = 4096
 """Points at which the largest speed of sound is sought."""
 
-ABSORBED = 2.0
+ABSORBED_WAVENUMBER = 2.0
 """Wavenumber below which left-going waves are absorbed."""
 
-PASSED = 0.125
+ABSORBED_LAG = 0.125
 """Distance behind c t, in circumferences, beyond which right-going waves are absorbed."""
 
-SMOOTH = 48.0
+SMOOTH_EDGE = 48.0
 """Least wavenumber of absorbed short waves, times the circumference. The edge of the absorber is
 smooth on the scale of such a wave."""
 
@@ -80,9 +80,9 @@ class SpectralStart:
     @property
     def smallest(self) -> float:
         """Smallest circumference that contains the wave and the compared sites at all times."""
-        least = ROOM * self.bounds.width
+        least = WIDTH_FACTOR * self.bounds.width
         if self.periodic:
-            return max(LEAST * self.unit, least + 2.0 * self.unit)
+            return max(MIN_WAVELENGTHS * self.unit, least + 2.0 * self.unit)
         return least + 2.0 * self.seam(least)
 
     @property
@@ -92,7 +92,7 @@ class SpectralStart:
         A periodic background contains such waves itself, and so does the step in strain that closes
         the ring of a kink.
         """
-        return 0.0 if self.moving.wave.constant_background is None else ABSORBED
+        return 0.0 if self.moving.wave.constant_background is None else ABSORBED_WAVENUMBER
 
     def short(self, circumference: float) -> float:
         """Return the wavenumber above which right-going waves may be absorbed; 0 if none need be.
@@ -101,10 +101,10 @@ class SpectralStart:
         time.
         """
         distance = 2.0 * self.moving.speed * self.moving.duration
-        lag = PASSED * circumference / distance if distance > 0.0 else math.inf
+        lag = ABSORBED_LAG * circumference / distance if distance > 0.0 else math.inf
         if not self.absorbed or lag >= math.sin(math.pi / 4.0) ** 2:
             return 0.0
-        return max(SMOOTH / circumference, 4.0 * math.asin(math.sqrt(lag)))
+        return max(SMOOTH_EDGE / circumference, 4.0 * math.asin(math.sqrt(lag)))
 
     def ring(self, circumference: float, shift: float = 0.0) -> SpectralDomain:
         """Return a ring of this circumference, moved by ``shift`` of it, or the causal ring."""
@@ -132,7 +132,7 @@ class SpectralStart:
     @property
     def fastest(self) -> float:
         """Largest speed of sound over the strains of the bounds and of the data."""
-        x = self.smallest * (np.arange(SAMPLES) / SAMPLES - 0.5) + self.bounds.middle
+        x = self.smallest * (np.arange(SPEED_SAMPLES) / SPEED_SAMPLES - 0.5) + self.bounds.middle
         strain = np.concatenate([self._strain(x), self.bounds.strain])
         return self.moving.constants.highest_frequency(strain) / 2.0
 
@@ -161,8 +161,8 @@ class SpectralStart:
             return self.unit
         if self.kink:
             return float(self.moving.seam_room(self.moving.t0))
-        least = SCALES / self.steepness
-        return max(min(circumference, 4.0 * self.bounds.width) / BLEND, least)
+        least = MIN_BLEND_WIDTH / self.steepness
+        return max(min(circumference, 4.0 * self.bounds.width) / BLEND_DIVISOR, least)
 
     @property
     def kink(self) -> bool:
@@ -198,16 +198,16 @@ def spectral_start(moving: MovingWave, tolerance: float) -> SpectralStart:
     return SpectralStart(moving, find_bounds(moving, tolerance))
 
 
-PER_RADIAN = 2.0
+POINTS_PER_RADIAN = 2.0
 """First sampling: points per unit of the wave's own variable xi."""
 
 
 def first_density(moving: MovingWave) -> float:
     """Return the number of points per site of a search's first run."""
-    return PER_RADIAN * moving.wave.numbers.a * moving.eps
+    return POINTS_PER_RADIAN * moving.wave.numbers.a * moving.eps
 
 
-FEWEST = 16
+MIN_STEPS = 16
 """Minimum number of steps of the first run. With fewer, the differences between runs do not show
 the order of the scheme: the error of two solitons was 1.9e-5 with 4 steps and 1.6e-5 with 7."""
 
@@ -219,7 +219,7 @@ def first_step(speed: float, duration: float, k: float, turning: float) -> float
     long-wave limit both scales are fixed fractions of the slow time T, so the number of steps does
     not depend on eps. Dispersion is the faster for weak, short waves.
     """
-    longest = duration / FEWEST if duration > 0 else 1.0
+    longest = duration / MIN_STEPS if duration > 0 else 1.0
     return min(longest, turning, 24.0 / (speed * k**3))
 
 

@@ -40,13 +40,13 @@ SIZE_RATIO = 1.5
 """Circumference of a control run, in units of the run before it. If the control's ring would be
 causal, the first one is made causal, too; a kink's ring always is."""
 
-SHIFT = 0.07
+RING_SHIFT = 0.07
 """Shift of a control run's ring, in circumferences."""
 
 ABSORBER_RATIO = 0.5
 """Strength of a control run's absorber, in units of the run before it."""
 
-LARGEST_FACTOR = 3.0
+MAX_SIZE_FACTOR = 3.0
 """Largest factor on a size, from one choice to the next."""
 
 POINTS_GROWTH = 1.5
@@ -66,18 +66,18 @@ width in sites is 1/(a |y|)), and no long step is possible."""
 SMALL_STEEPNESS = 0.2
 """Value of a |y| up to which the energies of the ring's interleaved lattices agree to rounding."""
 
-SPREAD = 2.2
+ENERGY_SPREAD_FACTOR = 2.2
 """Largest measured energy spread, in units of `crest_energy_spread`, of solitons with a |y| from
 0.35 to 0.6."""
 
 STEEP_DENSITY = 2.5
 """Points per site that a steep wave needs."""
 
-MOST_WORK = 4e9
+MAX_STEEP_WORK = 4e9
 """Largest work of a run with such short steps, about ten seconds on the causal ring. A steep wave
 radiates all the time, so no smaller ring suffices."""
 
-SHORTEST = 0.02
+SHORTEST_STEP = 0.02
 """Shortest step, in units of the time in which sound travels one site. Below it a run site by site
 is cheaper."""
 
@@ -243,7 +243,7 @@ class SpectralEngine(SpectralSearch):
         """Raise ValueError if steps are so short that a run site by site is much cheaper."""
         limit = self._data.causal
         widest = replace(Choices(step, limit.circumference), density=STEEP_DENSITY)
-        if self.work(widest) > MOST_WORK:
+        if self.work(widest) > MAX_STEEP_WORK:
             raise self._too_short(f"steps below {step:.2g} for so long")
 
     def _too_short(self, needed: str) -> ValueError:
@@ -264,7 +264,7 @@ class SpectralEngine(SpectralSearch):
         ring = data.ring(data.smallest)
         state = data.state(ring, self._fast_points(DENSITY * ring.circumference))
         chain = data.moving.constants.lattice
-        spread = SPREAD * crest_energy_spread(chain, state, 0)
+        spread = ENERGY_SPREAD_FACTOR * crest_energy_spread(chain, state, 0)
         return (1.0 + turns) * spread * float(np.max(np.abs(bounds.strain))) / data.moving.eps
 
     def _add_points(self, choices: Choices) -> bool:
@@ -287,21 +287,21 @@ class SpectralEngine(SpectralSearch):
         if "domain" in kinds and not choices.causal:
             weaker = replace(choices, absorber=ABSORBER_RATIO * choices.absorber)
             wider = self._sized(weaker, SIZE_RATIO * choices.size)
-            choices = replace(wider, shift=choices.shift + SHIFT)
+            choices = replace(wider, shift=choices.shift + RING_SHIFT)
         return choices
 
     def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
         """Return choices that reduce one kind of error by ``excess``, from its scaling law."""
         if kind == "step":
             shorter = self._shorter(choices, excess)
-            if shorter.step * self._moving.speed < SHORTEST < self._duration:
+            if shorter.step * self._moving.speed < SHORTEST_STEP < self._duration:
                 raise self._soft or self._too_short(f"steps below {choices.step:.2g}")
             return shorter
         if kind == "sampling":
             return replace(choices, density=1.4 * self._dense(choices))
         if choices.causal:
             return choices
-        factor = min(LARGEST_FACTOR, max(1.3, excess ** (1.0 / self.decay)))
+        factor = min(MAX_SIZE_FACTOR, max(1.3, excess ** (1.0 / self.decay)))
         return self._sized(choices, factor * choices.size)
 
     def points(self, choices: Choices) -> float:

@@ -19,7 +19,7 @@ from numpy.polynomial import chebyshev
 from longwave.lattice.state import Array, BlowUp, Domain, Sites, State
 from longwave.scenes.engines.domain_plan import (
     CHECKED_CELLS,
-    STRIDE,
+    MOVE_CELLS,
     DomainPlan,
     fed_cells,
     least_window,
@@ -86,7 +86,7 @@ WINDOW_SAFETY = 3.0
 The slowest decay met was by a fifth for a size factor of 1.25, in a window hardly larger than its
 wave (rational, order 5)."""
 
-LARGEST_GROWTH = 4.0
+MAX_SIZE_GROWTH = 4.0
 """Largest factor on a size from one choice to the next."""
 
 COMPARED_MOVES = 16
@@ -95,7 +95,7 @@ COMPARED_MOVES = 16
 
 def widened(sites: float, excess: float, decay: float) -> float:
     """Return the window size that reduces the error by ``excess``, if it falls like size^-decay."""
-    return sites * min(LARGEST_GROWTH, max(1.2, 1.05 * excess ** (1.0 / decay)))
+    return sites * min(MAX_SIZE_GROWTH, max(1.2, 1.05 * excess ** (1.0 / decay)))
 
 
 def judged_times(wave: FedWave, exact: Sequence[float]) -> tuple[float, ...]:
@@ -105,13 +105,13 @@ def judged_times(wave: FedWave, exact: Sequence[float]) -> tuple[float, ...]:
 
 
 def window_moves(wave: FedWave) -> tuple[float, ...]:
-    """Return the times of the window's moves: each time the wave has travelled ``STRIDE`` sites."""
-    stay = STRIDE / wave.speed
+    """Return the times of the window's moves, each ``MOVE_CELLS`` sites after the one before."""
+    stay = MOVE_CELLS / wave.speed
     count = math.ceil(wave.duration / stay)
     return tuple(wave.t0 + stay * move for move in range(1, count + 1))
 
 
-DEGREES = (16, 32, 64, 128)
+CHEBYSHEV_DEGREES = (16, 32, 64, 128)
 """Degrees tried for the interpolation; the far field of Y2 needs the first."""
 
 INTERPOLATION_ERROR = 1e-14
@@ -178,7 +178,7 @@ class Tail:
     @cached_property
     def _coefficients(self) -> Array | None:
         """Chebyshev coefficients of fields and velocities; None if no degree is accurate enough."""
-        for degree in DEGREES:
+        for degree in CHEBYSHEV_DEGREES:
             points = chebyshev.chebpts1(degree + 1)
             values = self._exact(points)
             level = values[:, 0]  # subtracted so that small coefficients have small rounding errors
@@ -277,7 +277,7 @@ class Window(Domain):
         """Far field on all offsets at which the window's moves fill or check cells."""
         drift = (self.background_speed - self.wave.speed) * self.wave.duration
         end = (self.wave.size + 1) // 2
-        begin = end - (fed_cells(STRIDE + 1, self._ratio) + CHECKED_CELLS)
+        begin = end - (fed_cells(MOVE_CELLS + 1, self._ratio) + CHECKED_CELLS)
         low, high = begin - 1 - max(0.0, drift), end + 1 - min(0.0, drift)
         return Tail(self.wave, self.background_speed, low, high)
 

@@ -12,17 +12,17 @@ from scipy import linalg, stats
 from longwave.scenes.fits.force_data import Points
 from longwave.support.html_tables import html_table
 
-DOUBTFUL = 0.01
+DOUBT_LEVEL = 0.01
 """Significance level: p-values below it cast doubt on a fit."""
 
-SAME = 1e-8
+RANK_TOLERANCE = 1e-8
 """Smallest singular value of the scaled Jacobian, relative to the largest, below which constants
 are not identifiable."""
 
 LEAST_P_VALUE = 1e-300
 """Smallest probability that is reported as a number."""
 
-SPARE = 3
+MIN_DEGREES = 3
 """Minimum number of degrees of freedom (points minus constants) for which Student's distribution
 has a variance."""
 
@@ -102,7 +102,7 @@ class LeastSquares:
             if not linear and deviation > abs(value)
         ]
 
-    def doubts_of_size(self, law: str, points: str, level: float = DOUBTFUL) -> list[str]:
+    def doubts_of_size(self, law: str, points: str, level: float = DOUBT_LEVEL) -> list[str]:
         """Return sentences that say whether the residuals are too large or too small.
 
         ``law`` and ``points`` are the words for the model and its data, ``level`` is the
@@ -131,7 +131,7 @@ def unit_covariance(jacobian: Points, names: Sequence[object], data: str, remedy
     scales = norms(jacobian)
     _, singular, rows = linalg.svd(jacobian / scales, full_matrices=False)
     dependent = [str(n) for n, part in zip(names, rows[-1], strict=True) if abs(part) > 0.1]
-    if singular[-1] > SAME * singular[0]:
+    if singular[-1] > RANK_TOLERANCE * singular[0]:
         with np.errstate(all="ignore"):
             inverse = rows.T / singular**2 @ rows / np.outer(scales, scales)
         overflows = ~np.isfinite(np.diag(inverse))

@@ -36,43 +36,43 @@ from longwave.scenes.starts.bench_chain import chain_on_bench, start_on_bench
 from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
 
-FITTED = ("chain", "start", *FORCE_TABLES, "observables")
+FITTED_TABLES = ("chain", "start", *FORCE_TABLES, "observables")
 """Tables of a bench that are allowed in a fit; derivatives of readings exist for these."""
 
-LOSSES = {"siteloss": "losses.site", "bondloss": "losses.bond"}
+LOSS_NAMES = {"siteloss": "losses.site", "bondloss": "losses.bond"}
 """Names of numeric losses by the names of their symbols."""
 
-EVALUATIONS, CLOSE = 200, 1e-10
+MAX_RUNS, CONVERGED_CHANGE = 200, 1e-10
 """Maximum number of runs, and the relative change of constants and chi^2 at which a fit has
 converged."""
 
-STEP_SHARE = 0.9
+STEP_FRACTION = 0.9
 """Fraction of a fit's step: if its result needs a step shorter than this, the fit is continued."""
 
-LAGS = 5
+MAX_LAG = 5
 """Largest lag, in readings, at which the correlation of residuals is tested."""
 
-ROUNDED = 1e-300
+TINY_SQUARES = 1e-300
 """Smallest sum of squares; avoids division by 0."""
 
-SMALL = 0.1
+TOLERANCE_FRACTION = 0.1
 """Largest tolerance of the scene, as a fraction of a reading's deviation, without a warning."""
 
 
 class SceneModel:
     """Model of a scene's sensor readings as a function of its free constants and losses.
 
-    Raises ValueError for a scene with other tables than `FITTED`, and for unknown names in
+    Raises ValueError for a scene with other tables than `FITTED_TABLES`, and for unknown names in
     ``free``.
     """
 
     def __init__(self, scene: Scene, free: Sequence[str]) -> None:
         self.scene, self.free, self._bench = scene, tuple(free), scene.own_bench
         for table in self._bench.stated.tables:
-            if table not in FITTED:
+            if table not in FITTED_TABLES:
                 raise ValueError(
-                    f"tables of a scene to fit must be among {', '.join(FITTED)}, got [{table}] "
-                    "(leave it out)"
+                    f"tables of a scene to fit must be among {', '.join(FITTED_TABLES)}, got "
+                    f"[{table}] (leave it out)"
                 )
         stated = {name: float(number_value(name, value)) for name, value in scene.constants}
         losses = {"site": 0, "bond": 0} | (scene.losses.table if scene.losses else {})
@@ -81,7 +81,7 @@ class SceneModel:
                 stated[f"losses.{key}"] = float(value)
                 losses[key] = f"{key}loss"
         self._lattice = lossy(scene.symbolic_lattice.with_losses(), Losses.of(losses))
-        self._symbols = {LOSSES.get(str(s), str(s)): s for s in self._lattice.constants}
+        self._symbols = {LOSS_NAMES.get(str(s), str(s)): s for s in self._lattice.constants}
         self.stated = stated
         for name in self.free:
             if name not in self.stated or self.free.count(name) > 1:
@@ -92,7 +92,7 @@ class SceneModel:
         if not self.free:
             raise ValueError("free must name the constants to fit, got nothing (such as K4)")
         self.start = np.array([self.stated[name] for name in self.free])
-        loss_names = LOSSES.values()
+        loss_names = LOSS_NAMES.values()
         positive = [name in loss_names or self._symbols[name].is_positive for name in self.free]
         self.least = np.where(positive, 0.0, -math.inf)
 
@@ -177,22 +177,22 @@ class SceneFit(least_squares.LeastSquares):
     def serial_p_value(self) -> float:
         """p-value of the residuals' correlation in time, by a test like Box and Pierce's.
 
-        For each lag from 1 to `LAGS` readings, the products of residuals are summed over all
-        sensors; the squared sums over their variances add up to a chi^2 of `LAGS` degrees. The
+        For each lag from 1 to `MAX_LAG` readings, the products of residuals are summed over all
+        sensors; the squared sums over their variances add up to a chi^2 of `MAX_LAG` degrees. The
         variances are estimated from the products. The theoretical ones give p < 0.01 in 3 of 100
         cases for sensors with 10 readings.
         """
         total = 0.0
-        for lag in range(1, LAGS + 1):
+        for lag in range(1, MAX_LAG + 1):
             products = np.concatenate([(part[lag:] * part[:-lag]).ravel() for part in self.left])
-            total += float(products.sum()) ** 2 / max(float(products @ products), ROUNDED)
-        return float(stats.chi2.sf(total, LAGS))
+            total += float(products.sum()) ** 2 / max(float(products @ products), TINY_SQUARES)
+        return float(stats.chi2.sf(total, MAX_LAG))
 
     @property
     def doubts(self) -> list[str]:
         """Reasons, as sentences, to think that the model is wrong or poorly determined."""
         doubts = self.doubts_of_size("the scene", "readings")
-        if self.serial_p_value < least_squares.DOUBTFUL:
+        if self.serial_p_value < least_squares.DOUBT_LEVEL:
             doubts.append(
                 "the residuals are correlated in time, as for a wrong model: "
                 f"p = {self.serial_p_value:.1g}"
@@ -202,7 +202,7 @@ class SceneFit(least_squares.LeastSquares):
             f"{name} is at its bound, 0: its interval is unreliable" for name in self.at_bounds
         ]
         smallest = self.noise or min(float(np.min(r.deviations)) for r in self.records)  # type: ignore[arg-type]
-        if self.model.scene.target.tolerance > SMALL * smallest:
+        if self.model.scene.target.tolerance > TOLERANCE_FRACTION * smallest:
             doubts.append(
                 f"the scene's tolerance, {self.model.scene.target.tolerance:g}, is not small "
                 f"compared with the deviation of a reading, {smallest:.2g}: lower the tolerance"
@@ -264,7 +264,7 @@ def _check_records(model: SceneModel, records: Sequence[SensorRecord]) -> bool:
             "deviations must be given in all records or in none, and always for several "
             f"quantities, got {got} without (add columns such as displacement_0_deviation)"
         )
-    count, least = sum(r.values.size for r in records), len(model.free) + least_squares.SPARE
+    count, least = sum(r.values.size for r in records), len(model.free) + least_squares.MIN_DEGREES
     if count < least:
         raise ValueError(
             f"readings must be at least {least} for {len(model.free)} constants, got {count} "
@@ -286,7 +286,7 @@ class _Problem:
     def least(self, start: Array) -> optimize.OptimizeResult:
         """Fit from ``start``, and again if a shorter step is needed; ValueError if it diverges."""
         result, self.step = None, math.inf
-        while (step := self._model.step(start, self._times)) < STEP_SHARE * self.step:
+        while (step := self._model.step(start, self._times)) < STEP_FRACTION * self.step:
             self.step, self._cached = step, None
             self.unit_covariance(self._evaluate(start)[:, 1:])
             result = optimize.least_squares(
@@ -295,15 +295,15 @@ class _Problem:
                 lambda values: self._evaluate(values)[:, 1:],
                 bounds=(self._model.least, np.inf),
                 x_scale="jac",
-                max_nfev=EVALUATIONS,
-                xtol=CLOSE,
-                ftol=CLOSE,
+                max_nfev=MAX_RUNS,
+                xtol=CONVERGED_CHANGE,
+                ftol=CONVERGED_CHANGE,
             )
             start = result.x
         if result is None or not result.success:
             raise ValueError(
                 "scene must converge to constants of least chi^2, got some that still change "
-                f"after {EVALUATIONS} runs (start nearer, or fit fewer)"
+                f"after {MAX_RUNS} runs (start nearer, or fit fewer)"
             )
         return result
 

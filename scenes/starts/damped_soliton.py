@@ -21,10 +21,10 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-LAWFUL = ("kdv_soliton", "soliton_sech")
+DAMPED_WAVES = ("kdv_soliton", "soliton_sech")
 """Closed forms that have such an amplitude law."""
 
-FLANK = 0.1
+FLANK_POSITION = 0.1
 """Position on the soliton's flank, in widths, from which its speed is computed."""
 
 
@@ -44,7 +44,7 @@ class DampedSoliton(DecayingWave):
     def __init__(self, wave: Wave, law: AmplitudeLaw) -> None:
         self._wave, self._power = wave, law.power
         self._first = float(wave(0.0, 0.0).Y)
-        flank = wave(FLANK / wave.numbers.a, 0.0)
+        flank = wave(FLANK_POSITION / wave.numbers.a, 0.0)
         self._drift = float(wave.normal_form.drift)
         self._speed = float(-flank.Y_T / flank.Y_X) - self._drift
         self._linear = law.power * float(law.linear)

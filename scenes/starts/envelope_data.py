@@ -28,17 +28,17 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-POWERS = {"leading": 1, "slaved": 2, "corrected": 3}
+HIGHEST_POWERS = {"leading": 1, "slaved": 2, "corrected": 3}
 """Highest power of eps in the fields, by the order of the data."""
 
 
-FLAT = 1e-9
+END_LEVEL = 1e-9
 """Size, relative to the largest, below which a wave has ended."""
 
-FARTHEST = 400.0
+FARTHEST_X = 400.0
 """Distance in X at which a wave that has not ended counts as infinite."""
 
-WIDER = 2.0
+INTERVAL_WIDTHS = 2.0
 """Length of the interval on which the next order is solved, in units of the wave's width."""
 
 
@@ -60,14 +60,14 @@ class PlaneBackground:
 
         Each derivative is the same multiple of the one before it.
         """
-        A, far = self._wave.background(X, T), np.linspace(-FARTHEST, FARTHEST, SAMPLES)
+        A, far = self._wave.background(X, T), np.linspace(-FARTHEST_X, FARTHEST_X, END_SAMPLES)
         if np.array_equal(self._wave.background(far, T).Y, self._wave.jets(far, T, 0)[0]):
             return np.zeros((highest + 1, *A.Y.shape), np.complex128)
         turn = np.divide(A.Y_X, A.Y, out=np.zeros_like(A.Y), where=A.Y != 0.0)
         return np.stack([A.Y * turn**order for order in range(highest + 1)])
 
 
-SAMPLES = 8001
+END_SAMPLES = 8001
 """Number of points in X at which a wave's ends are searched for."""
 
 
@@ -148,7 +148,7 @@ class EnvelopeData(LatticeWave):
         if self.order != "corrected":
             return
         T = self.eps**2 * t
-        first, last = self._interval or _ends(self.wave, T, WIDER)
+        first, last = self._interval or _ends(self.wave, T, INTERVAL_WIDTHS)
         if not np.isfinite(last - first):
             raise ValueError(
                 "interval must be given for a wave that does not end, got None (two ends in X that "
@@ -243,7 +243,7 @@ class EnvelopeData(LatticeWave):
 
     def _terms(self, terms: CarrierTerms) -> CarrierTerms:
         """Return the terms up to the power of eps of the data's order."""
-        return tuple(term for term in terms if term.power <= POWERS[self.order])
+        return tuple(term for term in terms if term.power <= HIGHEST_POWERS[self.order])
 
     def _field(self, terms: CarrierTerms, jets: _Jets, theta: Array) -> tuple[Array, Array]:
         """Return a field without the mean, and its time derivative."""
@@ -295,10 +295,10 @@ def _integral(values: Array, slopes: Array, n: Array) -> Array:
 
 def _ends(wave: EnvelopeWave, T: float, wider: float = 1.0) -> tuple[float, float]:
     """Return the X between which there is a wave, widened by a factor; infinite if it fills X."""
-    X = np.linspace(-FARTHEST, FARTHEST, SAMPLES)
+    X = np.linspace(-FARTHEST_X, FARTHEST_X, END_SAMPLES)
     size = np.abs(wave.jets(X, T, 0)[0])
-    inside = X[size > FLAT * np.max(size)]
-    if abs(inside[0]) == FARTHEST or abs(inside[-1]) == FARTHEST:
+    inside = X[size > END_LEVEL * np.max(size)]
+    if abs(inside[0]) == FARTHEST_X or abs(inside[-1]) == FARTHEST_X:
         return -np.inf, np.inf
     middle, half = (inside[0] + inside[-1]) / 2, (inside[-1] - inside[0]) / 2
     return float(middle - wider * half), float(middle + wider * half)

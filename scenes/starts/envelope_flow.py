@@ -20,14 +20,14 @@ from longwave.lattice.spectral.exponential import ExponentialAdams
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-STEP = 0.005
+LONGEST_TURN = 0.005
 """Longest step, in units of the time in which the largest amplitude shifts the phase by 1 rad. The
 Peregrine wave, three times as high at its crest as at its start, is then accurate to 1e-6."""
 
-EARLY = 1e-12
+TIME_ROUNDING = 1e-12
 """Relative rounding by which a requested time may precede the start."""
 
-INTERPOLATION = 1e-13
+SUM_ERROR = 1e-13
 """Error of a nonuniform Fourier sum, relative to its terms."""
 
 
@@ -72,7 +72,7 @@ class EnvelopeFlow:
         rate = sum(abs(value) for value, _ in self._products) * float(np.max(np.abs(values))) ** 2
         spectrum = np.fft.fft(np.exp(-1j * turn * positions) * values)
         data = linear[np.newaxis], self._nonlinear, spectrum[np.newaxis]
-        self._new_integrator = partial(ExponentialAdams, *data, STEP / max(rate, 1e-300))
+        self._new_integrator = partial(ExponentialAdams, *data, LONGEST_TURN / max(rate, 1e-300))
         self._integrator = self._new_integrator()
         self._spectra: dict[float, Complex] = {}
 
@@ -81,7 +81,7 @@ class EnvelopeFlow:
 
         Raises ValueError for T before ``T0``.
         """
-        if self._T0 - EARLY * abs(self._T0) > T:
+        if self._T0 - TIME_ROUNDING * abs(self._T0) > T:
             raise ValueError(f"T must satisfy T >= {self._T0:g}, got {T:g} (the flow starts there)")
         at = (np.asarray(X, dtype=np.float64) - self._first) / self._length
         spectrum = self._spectrum(max(T - self._T0, 0.0)) / self._waves.size
@@ -120,7 +120,7 @@ def _sum(modes: Complex, phases: Array) -> Complex:
         grid=np.fft.fftshift(modes),
         coord=np.mod(phases, 2 * np.pi).reshape(-1, 1),
         forward=False,
-        epsilon=INTERPOLATION,
+        epsilon=SUM_ERROR,
         periodicity=2 * np.pi,
     )
     return np.asarray(total).reshape(phases.shape)

@@ -29,14 +29,14 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-TOLERANCE = 1e-8
+CORRECTION_TOLERANCE = 1e-8
 """Tolerance on Y1, in units of the largest change that F_p causes per unit of T."""
 
-POINTS, MOST_POINTS = 384, 24576
+FIRST_POINTS, MAX_POINTS = 384, 24576
 """First and largest number of points on the interval; doubled while the truncated modes are too
 large."""
 
-RESOLVED = 3e-7
+MAX_TRUNCATED = 3e-7
 """Largest accepted truncated mode, in units of the largest mode. The errors of steps to TOLERANCE
 contribute less there (1.3e-7 in scene 1:108 of `searches/soak.py`)."""
 
@@ -76,7 +76,7 @@ class FirstCorrection:
         self._interval, self._repeats = interval, repeats
         self._constant = flow.linear
         self._solved: dict[float, Complex] = {}
-        self._sample(POINTS)
+        self._sample(FIRST_POINTS)
 
     def _sample(self, points: int) -> None:
         self._space = FourierInterval(self._interval, points, self._repeats)
@@ -109,10 +109,10 @@ class FirstCorrection:
         while T not in self._solved:
             nearest = min(self._solved, key=lambda time: abs(time - T))
             modes = self._advanced(self._solved[nearest], nearest, T)
-            if self._truncated <= RESOLVED:
+            if self._truncated <= MAX_TRUNCATED:
                 self._solved[T] = modes
                 continue
-            if 2 * self._space.points > MOST_POINTS:
+            if 2 * self._space.points > MAX_POINTS:
                 raise ValueError(
                     "interval must be shorter, or the wave smoother, for a correction, got "
                     f"{self._interval} ({self._space.points} points do not resolve the correction)"
@@ -135,10 +135,10 @@ class FirstCorrection:
         size = float(np.max(np.abs(self._further(self._jets(begin)))))
         # Y1_X needs small errors of short modes, too. This weight, a compromise between Y1 and
         # Y1_X, takes 1.4 times the steps instead of twice as many.
-        absolute = TOLERANCE * size / np.sqrt(1.0 + np.abs(self._space.k))
-        solver = DOP853(slope, begin, modes, end, rtol=TOLERANCE, atol=absolute)
+        absolute = CORRECTION_TOLERANCE * size / np.sqrt(1.0 + np.abs(self._space.k))
+        solver = DOP853(slope, begin, modes, end, rtol=CORRECTION_TOLERANCE, atol=absolute)
         self._update_truncated(begin, modes)
-        while solver.status == "running" and self._truncated <= RESOLVED:
+        while solver.status == "running" and self._truncated <= MAX_TRUNCATED:
             message = solver.step()
             if solver.status == "failed":
                 raise ValueError(f"T must be reached by the corrected wave, got {end} ({message})")
@@ -163,15 +163,15 @@ class FirstCorrection:
     def _update_truncated(self, T: float, modes: Complex) -> None:
         """Raise ``_truncated`` to the largest truncated mode of Y1_T, relative to the largest."""
         sizes = np.abs(np.fft.rfft(self._varying(T, modes)))
-        share = float(np.max(sizes[self._space.k.size :]) / max(float(np.max(sizes)), TINY))
-        self._truncated = max(self._truncated, share)
+        largest = max(float(np.max(sizes)), TINY_DENOMINATOR)
+        self._truncated = max(self._truncated, float(np.max(sizes[self._space.k.size :]) / largest))
 
 
-TINY = 1e-300
+TINY_DENOMINATOR = 1e-300
 """Smallest denominator; avoids division by 0."""
 
 
-INTERVAL = {True: 8.0, False: 2.0}
+HALF_LENGTHS = {True: 8.0, False: 2.0}
 """Half-length of the interval for the next order of an infinite wave, in half-widths of the
 compared region, for envelopes (True) and long waves (False). With 6 the Peregrine wave's errors
 change by less than 1 %; on a longer interval the crest of a rogue wave would not be resolved
@@ -191,6 +191,6 @@ def correction_interval(
     assert isinstance(wave, NumericWave)
     compared = scene.half_width or scene.compared * scene.eps
     period = wave.numbers.wavelength
-    half = INTERVAL[scene.is_envelope] * compared
+    half = HALF_LENGTHS[scene.is_envelope] * compared
     half = half if period is None else math.ceil(half / period) * period
     return -half, half

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-MOST_AT_ONCE = 2048
+MAX_POINTS_AT_ONCE = 2048
 """Maximum number of points at which a series is summed in one array operation."""
 
 
@@ -63,8 +63,8 @@ class FourierInterval:
         """Return the Fourier sums of several rows of modes at X, (rows, *X)."""
         flat = X.ravel() - self.interval[0]
         doubled = rows * np.where(self.k > 0.0, 2.0, 1.0)
-        starts = range(0, max(flat.size, 1), MOST_AT_ONCE)
-        waves = (np.exp(1j * np.outer(self.k, flat[i : i + MOST_AT_ONCE])) for i in starts)
+        starts = range(0, max(flat.size, 1), MAX_POINTS_AT_ONCE)
+        waves = (np.exp(1j * np.outer(self.k, flat[i : i + MAX_POINTS_AT_ONCE])) for i in starts)
         # not `@`, because the last digits of a BLAS product depend on the number of threads
         parts = [np.einsum("rk,kx->rx", doubled, wave).real for wave in waves]
         return np.concatenate(parts, axis=1).reshape(-1, *X.shape)

@@ -13,11 +13,11 @@ from longwave.derive.algebra.jets import DifferentialPolynomial, EpsSeries
 from longwave.derive.algebra.rational_functions import RationalFunction
 from longwave.scenes.starts.jet_polynomial import JetPolynomial
 
-DIGITS = 40
+DECIMAL_DIGITS = 40
 """Decimal digits of the constants, because terms of a coefficient may cancel."""
 
 _EXACT = mpmath.MPContext()
-_EXACT.dps = DIGITS
+_EXACT.dps = DECIMAL_DIGITS
 
 
 def with_numbers(
@@ -29,7 +29,7 @@ def with_numbers(
     for a constant without a value.
     """
     parts = {0: series} if isinstance(series, DifferentialPolynomial) else series.parts
-    numbers = {s: _EXACT.mpf(str(value.evalf(DIGITS))) for s, value in values.items()}
+    numbers = {s: _EXACT.mpf(str(value.evalf(DECIMAL_DIGITS))) for s, value in values.items()}
     total: dict[tuple[tuple[int, int], ...], Any] = {}
     for order, part in parts.items():
         for monomial, value in part.terms.items():

@@ -261,25 +261,25 @@ class LatticeWave(ABC):
         return [float(slopes[corner]) for slopes in ring.slopes]
 
 
-FARTHEST = 2.0**53
+FARTHEST_CELL = 2.0**53
 """Largest number of a cell that is an exact double."""
 
 
 def nearest_cell(speed: float, t: float) -> int:
-    """Return the cell nearest to a frame's origin at time t; ValueError beyond `FARTHEST`.
+    """Return the cell nearest to a frame's origin at time t; ValueError beyond `FARTHEST_CELL`.
 
     >>> nearest_cell(2.0, -0.25), nearest_cell(2.0, 0.25)
     (0, 1)
     """
     position = speed * t + 0.5
-    if not abs(position) < FARTHEST:
+    if not abs(position) < FARTHEST_CELL:
         raise ValueError(f"t must leave c t within 2^53 sites, got t = {t:g}")
     return math.floor(position)
 
 
 def largest_group_velocity(lattice: NumericLattice, slopes: list[float], axis: int = 0) -> float:
     """Return max |dw/dk| along an axis over all branches, for forces with these slopes."""
-    k = np.linspace(0.0, np.pi, WAVENUMBERS)
+    k = np.linspace(0.0, np.pi, WAVENUMBER_COUNT)
     waves = np.zeros((k.size, lattice.dimension))
     waves[:, axis] = k
     squares = lattice.squared_frequencies(waves, slopes)
@@ -292,7 +292,7 @@ def sound_speed(lattice: NumericLattice, slopes: Sequence[float], near: float) -
 
     Forces have these slopes. The speed is extrapolated from waves of three lengths.
     """
-    k = LONG_WAVE * np.array([1.0, 2.0, 4.0])
+    k = LONG_WAVENUMBER * np.array([1.0, 2.0, 4.0])
     waves = np.zeros((k.size, lattice.dimension))
     waves[:, 0] = k
     squares = lattice.squared_frequencies(waves, slopes)
@@ -306,8 +306,8 @@ def sound_speed(lattice: NumericLattice, slopes: Sequence[float], near: float) -
 SLOPE_STEP = 1e-3
 """Half step, in cells, of the difference quotients for slopes; waves are much longer."""
 
-LONG_WAVE = 0.02
+LONG_WAVENUMBER = 0.02
 """Smallest wavenumber for the speed of sound; dispersion errors are below 1e-11, rounding 1e-12."""
 
-WAVENUMBERS = 1025
+WAVENUMBER_COUNT = 1025
 """Number of wavenumbers in 0 .. pi between which group velocities are difference quotients."""

@@ -29,10 +29,10 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-FLAT = 1e-9
+END_LEVEL = 1e-9
 """Relative change below which a wave has ended."""
 
-FARTHEST = 400.0
+FARTHEST_X = 400.0
 """Distance in X at which a wave that has not ended counts as infinite."""
 
 
@@ -128,7 +128,7 @@ class LongWaveData(LatticeWave):
                 f"wave must be wide enough for its correction, got one between X = {low:g} and "
                 f"{high:g} (take a smaller kappa)"
             )
-        middle, half = (low + high) / 2.0, MARGIN * (high - low) / 2.0
+        middle, half = (low + high) / 2.0, INTERVAL_FACTOR * (high - low) / 2.0
         return FirstCorrection(flow, further, self.wave, power, (middle - half, middle + half))
 
     def crest(self, t: float) -> float | None:
@@ -360,7 +360,7 @@ class LongWaveData(LatticeWave):
         if not self._is_displacement or len(self._direction) > 1 or math.isinf(high - low):
             return 0
         left, right = self.strain(np.array([low, high]), t)[0]
-        return math.ceil((high - low) / 2.0) if abs(right - left) > FLAT * self.scale else 0
+        return math.ceil((high - low) / 2.0) if abs(right - left) > END_LEVEL * self.scale else 0
 
     def _profile(self, X: Array, T: float) -> Array:
         """Return the wave's Y along X at T; on a plane at Z = 0."""
@@ -394,21 +394,21 @@ class LongWaveData(LatticeWave):
         return float(self.eps**self.correction.power)
 
 
-SAMPLES = 4097
+END_SAMPLES = 4097
 """Number of points in X at which a wave's ends are searched for."""
 
-MARGIN = 3.0
+INTERVAL_FACTOR = 3.0
 """Length of a correction's interval, in units of the wave's."""
 
 
 def wave_ends(profile: Callable[[Array], Array]) -> tuple[float, float]:
-    """Return the X between which a profile varies; infinite if it varies beyond `FARTHEST`."""
+    """Return the X between which a profile varies; infinite if it varies beyond `FARTHEST_X`."""
     reach = 1.0
-    while reach <= FARTHEST:
-        X = np.linspace(-2.0 * reach, 2.0 * reach, SAMPLES)
+    while reach <= FARTHEST_X:
+        X = np.linspace(-2.0 * reach, 2.0 * reach, END_SAMPLES)
         Y = profile(X)
         left, right = np.abs(Y - Y[0]), np.abs(Y - Y[-1])
-        level = FLAT * max(float(left.max()), float(right.max()))
+        level = END_LEVEL * max(float(left.max()), float(right.max()))
         risen, fallen = np.flatnonzero(left > level), np.flatnonzero(right > level)
         if risen.size and fallen.size and -reach <= X[risen[0]] and X[fallen[-1]] <= reach:
             return float(X[risen[0]]), float(X[fallen[-1]])

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 FAR_FIELDS: tuple[Side, ...] = ("left", "right")
 
-FLAT = 1e-9
+END_LEVEL = 1e-9
 """Deviation from the far fields, in units of eps, below which the wave has ended."""
 
 
@@ -106,7 +106,7 @@ def _value(polynomial: Polynomial, values: Mapping[str, "Array | float"]) -> Arr
     return np.asarray(sum(others, start=first), dtype=np.float64)
 
 
-KINK_ROOM = 40.0
+KINK_BLEND_WIDTHS = 40.0
 """Blended cells for a kink at either end of a ring, in units of its width."""
 
 
@@ -248,7 +248,7 @@ class MovingWave(LatticeWave):
         if self.wave.wavelength is not None:
             return -math.inf, math.inf
         x, deviation = _deviation(self.constants, self.wave, self.eps, t)
-        low, high = support_of(x, deviation, FLAT) or (0.0, 0.0)
+        low, high = support_of(x, deviation, END_LEVEL) or (0.0, 0.0)
         return self.speed * t + low, self.speed * t + high
 
     def extent(self, times: Sequence[float], tolerance: float) -> tuple[float, float]:
@@ -278,7 +278,7 @@ class MovingWave(LatticeWave):
         if wave.wavelength is not None:
             return math.ceil(wave.wavelength / self.eps)
         height = float(np.max(np.abs(wave.far_field(0.0, 0.0, "right").Y)))
-        return math.ceil(KINK_ROOM / (wave.numbers.a * self.eps * height))
+        return math.ceil(KINK_BLEND_WIDTHS / (wave.numbers.a * self.eps * height))
 
     def closed_ring(self, ring: InitialCells, room: int) -> InitialCells:
         """Return the ring with its ends blended into each other within ``room`` sites of the seam.

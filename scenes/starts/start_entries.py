@@ -59,7 +59,7 @@ def _solve_soliton(
     return ComputedSoliton(reduction, float(parameters["speed"]))
 
 
-PERTURBATION = ("amplitude", "kappa", "share")
+PERTURBATION_PARAMETERS = ("amplitude", "kappa", "share")
 """Parameters of a perturbed plane wave: |A|, and the perturbation's wavenumber in X or its ratio to
 the wavenumber that grows fastest, 1 by default."""
 
@@ -86,7 +86,7 @@ def _check_growth(scene: SceneFields) -> None:
             f"{shown(dict(scene.disorder.pairs))} (its waves would be scattered into all others)"
         )
     names = [name for name, _ in scene.parameters]
-    unknown = [name for name in names if name not in PERTURBATION]
+    unknown = [name for name in names if name not in PERTURBATION_PARAMETERS]
     if unknown or "amplitude" not in names or {"kappa", "share"} <= {*names}:
         raise ValueError(
             f"parameters of {scene.wave_name} must be amplitude, and kappa or share or "
