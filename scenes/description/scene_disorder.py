@@ -100,9 +100,8 @@ def _ends(given: object) -> tuple[int, int]:
             f"sites in [disorder] must be the first and the last cell that deviate, got "
             f"{shown(given)} (such as [0, 999])"
         )
-    first, last = (
-        check.whole("sites in [disorder]", end, -FARTHEST_CELL, FARTHEST_CELL) for end in given
-    )
+    ends = -FARTHEST_CELL, FARTHEST_CELL
+    first, last = (check.whole("sites in [disorder]", cell, *ends) for cell in given)
     if first > last:
         raise ValueError(
             f"sites in [disorder] must have first <= last, got {first} and {last} (swap them)"

@@ -54,11 +54,7 @@ TABLE_FIELDS = {
 LATTICE_KEYS = ("fields", "masses", "positive", "spring", "site", "bond")
 """Keys of a table that declares a lattice, which has at least one of them."""
 
-NEEDED_FIELDS = {
-    "step": "step in [scheme]",
-    "domain": "kind in [domain]",
-    "sites": "sites in [domain]",
-}
+NEEDED = {"step": "step in [scheme]", "domain": "kind in [domain]", "sites": "sites in [domain]"}
 """Fields required without a tolerance, and their places in a file."""
 
 MAX_SCENE_BYTES = 1_000_000
@@ -150,7 +146,7 @@ def scene_fields(given: Mapping[str, Any], folder: Path = Path()) -> dict[str, A
         raise ValueError(
             "tolerance must be stated, got nothing (such as tolerance = 1e-8, for the observables)"
         )
-    missing = [where for key, where in NEEDED_FIELDS.items() if key not in keywords]
+    missing = [where for key, where in NEEDED.items() if key not in keywords]
     if missing and "tolerance" not in keywords:
         raise ValueError(f"{missing[0]} must be stated, got nothing (state it or a tolerance)")
     return keywords

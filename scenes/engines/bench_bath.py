@@ -49,8 +49,7 @@ CHECK_INTERVAL = 8
 """Steps between two checks of the strains; on 8 cells a check takes a third of a step's time."""
 
 STEP_REDUCTION, MOST_REDUCTIONS = 0.25, 4
-"""Factor on the step after a breakdown, and number of such reductions before the chain is reported
-to fly apart."""
+"""Factor on the step after a breakdown, and maximum number of such reductions."""
 
 SIGNIFICANT_ERRORS = 3.0
 """Number of standard errors beyond which a difference is significant."""

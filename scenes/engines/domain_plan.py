@@ -46,8 +46,7 @@ OUTER_CELLS = 32
 """Cells beyond the compared ones that are inspected for growth of rounding errors."""
 
 FRONT_CELLS = 64
-"""Sites that a window leaves for a signal's dispersive front, beyond the distance that sound
-travels."""
+"""Cells that a window leaves for a signal's dispersive front, beyond the path of sound."""
 
 FRONT_AIRY_LENGTHS = 12.0
 """Distance by which a signal's front leads the sound, in Airy lengths: Ai(12) is 1e-13."""
@@ -73,12 +72,10 @@ def front(speed: float, duration: float) -> float:
 def fed_cells(moved: int, ratio: float) -> int:
     """Return the number of front cells that a window fills after it has ``moved`` by some cells.
 
-    Signals from the seam, ``ratio`` times as fast as the window, can have reached these cells since
-    the last move.
+    Signals from the seam, ``ratio`` times as fast as the window, can have reached them since.
     """
-    faster = (
-        math.ceil(ratio * moved) - FRONT_CELLS // 2
-    )  # the dispersive front takes the other half
+    # the dispersive front takes the other half
+    faster = math.ceil(ratio * moved) - FRONT_CELLS // 2
     return moved + max(moved, faster) + FRONT_CELLS
 
 
@@ -87,10 +84,8 @@ def least_window(reach: int, ratio: float = 1.0) -> int:
 
     ``ratio`` is the speed of the fastest signal over the window's.
     """
-    return 2 * (
-        reach
-        + max(2 * (MOVE_CELLS + FRONT_CELLS), fed_cells(MOVE_CELLS + 1, ratio) + CHECKED_CELLS)
-    )
+    front_part = fed_cells(MOVE_CELLS + 1, ratio) + CHECKED_CELLS
+    return 2 * (reach + max(2 * (MOVE_CELLS + FRONT_CELLS), front_part))
 
 
 def round_up(sites: float) -> int:
@@ -131,8 +126,7 @@ class ComparedCells:
     def slices(self, ring: Sequence[Ends], t: float, beyond: int = 0) -> tuple[slice, ...]:
         """Return the slices of the compared cells on a ring, one an axis.
 
-        ``ring`` holds the ring's first and last cell along each axis; ``beyond`` cells are added
-        on every side.
+        ``ring`` holds its ends along each axis; ``beyond`` cells are added on every side.
         """
         middles = (self.middle(t), *(0 for _ in self.reach[1:]))
         return tuple(
@@ -238,8 +232,7 @@ class DomainCost:
 
 
 MAX_ADDED_CELLS = 64
-"""Maximum number of cells added to a ring so that a periodic wave closes on it; a wavelength if
-that is more."""
+"""Maximum number of cells, or one wavelength, added to close a periodic wave on a ring."""
 
 MAX_RING_SIZES = 4096
 """Maximum number of ring sizes tried for a periodic wave to close on the ring."""
@@ -277,8 +270,7 @@ def representative_cells(
 
 
 PART_TOLERANCE = 1e-6
-"""Deviation from a periodic background above which a cell belongs to the wave, in
-`representative_cells`."""
+"""Deviation from a periodic background above which a cell belongs to the wave."""
 
 MIN_PERIODS = 20
 """Minimum number of wavelengths of a periodic background among representative cells."""

@@ -134,8 +134,7 @@ def _observation_cost(timed: Scene, compared: ComparedCells) -> ExpectedCost:
 
 
 VIEW_SECONDS, CELL_SECONDS = 4e-4, 1e-6
-"""Seconds to evaluate wave and lattice at one time: fixed, and per compared cell (5e-7 to
-1.6e-6)."""
+"""Seconds to evaluate wave and lattice once: fixed, and per cell (5e-7 to 1.6e-6)."""
 
 VALUE_BYTES = 20.0
 """Bytes for each stored number: in the recorder's rows, in an array and in the file."""

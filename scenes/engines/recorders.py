@@ -19,8 +19,7 @@ if TYPE_CHECKING:
 
 
 LOOK_EVALUATIONS = 1088
-"""Minimum number of force evaluations per site between two looks; measuring then takes 1 % of the
-run."""
+"""Minimum number of force evaluations per site between looks, which then take 1 % of a run."""
 
 
 MOMENT_BYTES = 1000.0

@@ -23,8 +23,7 @@ STEP_SECONDS = 3e-7
 """Seconds per step on a small ring: 2.6e-7 to 3.3e-7 on chains of 100 cells."""
 
 DRIVEN_STEP_SECONDS = 2.5e-5
-"""Seconds per step of a driven lattice, whose stages have time-dependent weights: 2.8e-5 to 4e-5 on
-a busy machine."""
+"""Seconds per step of a driven lattice with time-dependent weights; up to 4e-5 if busy."""
 
 SECONDS_PER_DASHPOT = 3e-9
 """Seconds per dashpot and stage; a dashpot needs the rate of its bond."""
@@ -53,8 +52,7 @@ BYTES_PER_VALUE = 100.0
 """Bytes per compared value at a time, over all runs of a search and their results."""
 
 SINGLE_RUN_FRACTION = 0.4
-"""Fraction of `BYTES_PER_VALUE` needed without a search: 34 bytes at ten million cells of two
-fields."""
+"""Fraction of `BYTES_PER_VALUE` without a search: 34 bytes at 1e7 cells of two fields."""
 
 BYTES_PER_CELL = 160.0
 """Bytes per field of a cell in a run: state, initial data and compared values."""

@@ -155,15 +155,11 @@ class SidebandGrowth:
 
     def numbers(self) -> Mapping[str, tuple[float, str, str]]:
         """Return the scalar results by name, each as value, unit and long name."""
-        ring, wave = self.plan.ring, self.plan.wave
+        ring, wave, unit = self.plan.ring, self.plan.wave, "1/slow time"
         return {
-            "growth_rate": (self.measured, RATE_UNIT, "growth rate in T, on the lattice"),
-            "growth_rate_error": (self.error, RATE_UNIT, "what the measured rate may be off"),
-            "growth_rate_theory": (
-                self.theory,
-                RATE_UNIT,
-                "growth rate in T, by the envelope equation",
-            ),
+            "growth_rate": (self.measured, unit, "growth rate in T, on the lattice"),
+            "growth_rate_error": (self.error, unit, "what the measured rate may be off"),
+            "growth_rate_theory": (self.theory, unit, "growth rate in T, by the envelope equation"),
             "carrier_k": (float(ring.k), "1/site", "wavenumber of the carrier on the ring"),
             "perturbation_kappa": (wave.kappa, "1/X", "wavenumber of the perturbation, in X"),
             "p": (wave.p, "1", "p of the envelope equation"),
@@ -196,9 +192,6 @@ class SidebandGrowth:
         }
         moments = self.plan.moments.tolist()
         return RunRecord(self.scene, (0,), moments, data, attributes)
-
-
-RATE_UNIT = "1/slow time"
 
 
 def record_scene(

@@ -97,8 +97,7 @@ class SpectralStart:
     def short(self, circumference: float) -> float:
         """Return the wavenumber above which right-going waves may be absorbed; 0 if none need be.
 
-        Their group velocity is c cos(k/2), so they fall behind c t by 2 c sin^2(k/4) per unit of
-        time.
+        Their group velocity is c cos(k/2): they lag behind c t by 2 c sin^2(k/4) per time.
         """
         distance = 2.0 * self.moving.speed * self.moving.duration
         lag = ABSORBED_LAG * circumference / distance if distance > 0.0 else math.inf

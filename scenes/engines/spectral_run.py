@@ -43,8 +43,7 @@ TAIL_CHANGE = 20.0
 (eps L/2)^3 and per unit of the peak; law of a ring with absorber (measured)."""
 
 PERIODIC_CHANGE = 0.1
-"""Same change on a periodic background, times (eps L/2)^2 and per unit of b eps^3 t times peak^3
-(measured)."""
+"""Same on a periodic background, times (eps L/2)^2 per b eps^3 t peak^3 (measured)."""
 
 LATTICE_SPREAD = 400.0
 """Variation of a wave's energy with its position between two sites, in units of exp(-pi^2/s) for

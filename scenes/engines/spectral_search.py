@@ -67,8 +67,7 @@ SMALL_STEEPNESS = 0.2
 """Value of a |y| up to which the energies of the ring's interleaved lattices agree to rounding."""
 
 ENERGY_SPREAD_FACTOR = 2.2
-"""Largest measured energy spread, in units of `crest_energy_spread`, of solitons with a |y| from
-0.35 to 0.6."""
+"""Largest energy spread over `crest_energy_spread`; solitons with a |y| from 0.35 to 0.6."""
 
 STEEP_DENSITY = 2.5
 """Points per site that a steep wave needs."""
@@ -78,8 +77,7 @@ MAX_STEEP_WORK = 4e9
 radiates all the time, so no smaller ring suffices."""
 
 SHORTEST_STEP = 0.02
-"""Shortest step, in units of the time in which sound travels one site. Below it a run site by site
-is cheaper."""
+"""Shortest step, in units of a site over the speed of sound; below it the stencil is cheaper."""
 
 LEAST_POINTS = 256
 """Minimum number of points on a ring. From here on the sizes that suit the FFT lie so close

@@ -1,7 +1,6 @@
 """Run a scene cell by cell with given step and domain, and measure its observables.
 
-Discretisation errors are measured on request, by a second run with half the step or twice the
-sites.
+Discretisation errors are measured by a second run with half the step or twice the sites.
 """
 
 from __future__ import annotations

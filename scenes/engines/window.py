@@ -194,8 +194,7 @@ class Tail:
 
 
 LARGEST_MISFIT = 1e-5
-"""Largest accepted difference of feed and lattice, in units of the scale; a correct feed is far
-below."""
+"""Largest accepted difference of feed and lattice, in units of the wave's scale."""
 
 
 @dataclass

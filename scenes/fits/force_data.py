@@ -43,12 +43,10 @@ SMALLEST_SIZE = 1e-20
 largest. The squares of their sixth powers are then within the range of doubles."""
 
 TURN_FRACTION = 0.1
-"""Least reversal of the stretch that counts as a turn, as a fraction of its range; smaller ones are
-noise."""
+"""Least reversal of the stretch that is a turn and not noise, as a fraction of its range."""
 
 MIN_BRANCH_POINTS = 4
-"""Minimum number of points between two turns on average; with fewer, the points count as
-unordered."""
+"""Minimum mean number of points between two turns; with fewer, points are unordered."""
 
 LOOP_FRACTION, LOOP_DEVIATIONS = 0.005, 4.0
 """Width above which loading and unloading form a loop: a fraction of the range of forces, which
@@ -90,8 +88,8 @@ class ForceData:
         _check_points(rows)
         _check_order(rows)
         order = np.argsort(rows[:, 0], kind="stable")
-        stretch, force, *others = rows[order].T
-        return cls(stretch, force, others[0] if others else None, order)
+        sorted_stretch, sorted_force, *others = rows[order].T
+        return cls(sorted_stretch, sorted_force, others[0] if others else None, order)
 
 
 def _check_sizes(name: str, column: Points) -> None:

@@ -57,8 +57,7 @@ AICC_MARGIN = 2.0
 """Difference of AICc up to which two laws count as equally good (Burnham and Anderson)."""
 
 MIN_POINTS_TO_CHOOSE = 12
-"""Minimum number of points to choose a law by without a warning; the docs list the coverage by
-points."""
+"""Minimum number of points to choose a law by without a warning (coverage: see the docs)."""
 
 MAX_WIDENING = 1.3
 """Largest ratio, without a warning, by which the choice of law widens a constant's interval."""
@@ -73,8 +72,7 @@ MAX_STARTS, BEST_STARTS = 1000, 3
 """Maximum number of starting points evaluated, and the number of best ones from which to fit."""
 
 MAX_EVALUATIONS, CONVERGED_DEVIATIONS = 300, 0.01
-"""Maximum number of evaluations of a search, and the standard deviations by which another step may
-move the converged law."""
+"""Maximum number of evaluations; standard deviations that a further step may move the law."""
 
 ROUNDING_FRACTION = 1e-13
 """Least noise, as a fraction of the largest force; smaller residuals are rounding errors."""
@@ -237,9 +235,8 @@ def fit_points(data: ForceData, law: ForceLaw | Literal["table"] | None = None) 
     candidates = _splines(data) if law == TABLE else _polynomials(data)
     fits = _identifiable_fits(data, candidates)
     evidence = [_aicc(fit) for fit in fits]
-    good = [
-        f for f, value in zip(fits, evidence, strict=True) if value <= min(evidence) + AICC_MARGIN
-    ]
+    limit = min(evidence) + AICC_MARGIN
+    good = [fit for fit, value in zip(fits, evidence, strict=True) if value <= limit]
     names = (" ".join(map(str, fit.law.free)) for fit in fits)
     chosen = min(good, key=lambda fit: (fit.values.size, _aicc(fit)))
     covariance = chosen.covariance if law == TABLE else _averaged(chosen, fits, evidence)
@@ -288,9 +285,8 @@ def _polynomials(data: ForceData) -> Iterator[ForceLaw]:
     for highest in range(1, HIGHEST_POWER + 1):
         for step in (1, 2) if has_both_signs and highest % 2 and highest > 1 else (1,):
             powers = range(1, highest + 1, step)
-            if min(data.stretch.size - MIN_DEGREES, len(np.unique(data.stretch)) - 1) >= len(
-                powers
-            ):
+            most = min(data.stretch.size - MIN_DEGREES, len(np.unique(data.stretch)) - 1)
+            if len(powers) <= most:
                 yield _polynomial(powers)
 
 

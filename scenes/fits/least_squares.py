@@ -16,15 +16,13 @@ DOUBT_LEVEL = 0.01
 """Significance level: p-values below it cast doubt on a fit."""
 
 RANK_TOLERANCE = 1e-8
-"""Smallest singular value of the scaled Jacobian, relative to the largest, below which constants
-are not identifiable."""
+"""Least ratio of the scaled Jacobian's singular values for identifiable constants."""
 
 LEAST_P_VALUE = 1e-300
 """Smallest probability that is reported as a number."""
 
 MIN_DEGREES = 3
-"""Minimum number of degrees of freedom (points minus constants) for which Student's distribution
-has a variance."""
+"""Minimum number of degrees of freedom for which Student's distribution has a variance."""
 
 
 class LeastSquares:

@@ -43,8 +43,7 @@ LOSS_NAMES = {"siteloss": "losses.site", "bondloss": "losses.bond"}
 """Names of numeric losses by the names of their symbols."""
 
 MAX_RUNS, CONVERGED_CHANGE = 200, 1e-10
-"""Maximum number of runs, and the relative change of constants and chi^2 at which a fit has
-converged."""
+"""Maximum number of runs; relative change of constants and chi^2 of a converged fit."""
 
 STEP_FRACTION = 0.9
 """Fraction of a fit's step: if its result needs a step shorter than this, the fit is continued."""
@@ -62,8 +61,7 @@ TOLERANCE_FRACTION = 0.1
 class SceneModel:
     """Model of a scene's sensor readings as a function of its free constants and losses.
 
-    Raises ValueError for a scene with other tables than `FITTED_TABLES`, and for unknown names in
-    ``free``.
+    Raises ValueError for tables other than `FITTED_TABLES` and unknown names in ``free``.
     """
 
     def __init__(self, scene: Scene, free: Sequence[str]) -> None:

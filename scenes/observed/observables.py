@@ -194,8 +194,8 @@ RELATIVE_FAR = "relative sup error against the true far field"
 )
 def strain(view: View) -> Mapping[str, Any]:
     """Return strains, site numbers and errors, which are NaN if the wave is its background."""
-    rows = {"strain": view.numeric, "analytic": view.analytic, "background": view.background}
-    rows["n"] = view.sites
+    rows: dict[str, Any] = {"strain": view.numeric, "analytic": view.analytic}
+    rows |= {"background": view.background, "n": view.sites}
     if not np.array_equal(view.analytics, view.backgrounds):
         return rows | _errors(view, "error") | view.extra_variables
     far = {} if view.far_field is None else {"error_far_field": np.nan}

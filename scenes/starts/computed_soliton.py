@@ -20,8 +20,7 @@ DECAY_EXPONENT = 36.0
 """The interval ends where the wave has fallen by exp(-DECAY_EXPONENT)."""
 
 LEAST_DECAY = 1e-6
-"""Smallest decay rate of the wave's flanks, in units of the largest; a slower one is an oscillation
-that does not decay."""
+"""Smallest decay rate of a localised wave's flanks, in units of the largest."""
 
 POINTS = 1024
 """Number of points on the interval."""

@@ -84,8 +84,7 @@ class EnvelopeData(LatticeWave):
     mean strain only: that of ``mean_square``, the mean of |A|^2 over the ring, or far away on an
     infinite chain.  Without it the frequency of a wave on a background is off by order eps^2.
 
-    On a lattice of displacements, cells must be consecutive, and displacements are determined up to
-    a common constant.
+    On a lattice of displacements, cells must be consecutive; a common constant is arbitrary.
     """
 
     power = 1
@@ -281,8 +280,7 @@ def _pieces(n: Array) -> list[slice]:
 def _integral(values: Array, slopes: Array, n: Array) -> Array:
     """Integrate over consecutive cells, by the trapezoidal rule with its end correction.
 
-    The error is values'''/720, whatever the number of cells. Raises ValueError for cells that are
-    not consecutive.
+    The error is values'''/720 for any length. Raises ValueError unless cells are consecutive.
     """
     if n.ndim != 1 or not np.allclose(np.diff(n), 1.0):
         raise ValueError(

@@ -33,8 +33,7 @@ CORRECTION_TOLERANCE = 1e-8
 """Tolerance on Y1, in units of the largest change that F_p causes per unit of T."""
 
 FIRST_POINTS, MAX_POINTS = 384, 24576
-"""First and largest number of points on the interval; doubled while the truncated modes are too
-large."""
+"""First and largest number of points on the interval; doubled while modes are too large."""
 
 MAX_TRUNCATED = 3e-7
 """Largest accepted truncated mode, in units of the largest mode. The errors of steps to TOLERANCE

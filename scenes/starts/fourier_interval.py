@@ -17,8 +17,7 @@ MAX_POINTS_AT_ONCE = 2048
 class FourierInterval:
     """Interval with equidistant ``points``; the lower two thirds of the Fourier modes are used.
 
-    Functions are real and represented by their modes.  Outside the interval they are 0, or periodic
-    if it ``repeats``.
+    Functions are real, given by modes, and 0 outside the interval, or periodic if it ``repeats``.
     """
 
     def __init__(self, interval: tuple[float, float], points: int, repeats: bool = False) -> None:

@@ -267,8 +267,7 @@ def wave_of(scene: Scene) -> Wave | ComputedSoliton | DampedSoliton:
 def lattice_wave(scene: Scene) -> LatticeWave:
     """Return the wave on the scene's lattice, with initial data, theory and compared quantities.
 
-    Raises ValueError as `derivation` and `wave_of` do, and for a disorder that the lattice does not
-    admit.
+    Raises ValueError as `derivation` and `wave_of` do, and for an inadmissible disorder.
     """
     wave = _ordered_wave(scene)
     if scene.losses:

@@ -353,8 +353,7 @@ class LongWaveData(LatticeWave):
     def seam_room(self, t: float) -> int:
         """Return the number of blended cells at either end of a ring: half a kink's width, else 0.
 
-        Without blending, the different strains left and right of a kink would overshoot at the
-        seam.
+        Without blending, the strains on both sides of a kink would overshoot at the seam.
         """
         low, high = self.support(t)
         if not self._is_displacement or len(self._direction) > 1 or math.isinf(high - low):

@@ -44,8 +44,7 @@ def build_wave(
 ) -> NumericWave:
     """Return a closed form, given as such or by name, with numeric parameters and constants.
 
-    Raises ValueError for a parameter outside its domain, K3 != 0 and K4 of the wrong sign for the
-    wave's equation.
+    Raises ValueError for a parameter outside its domain, K3 != 0 and K4 of the wrong sign.
     """
     make = partial(_make_wave, wave, constants, values)
     if not isinstance(wave, str):
@@ -196,7 +195,8 @@ class MovingWave(LatticeWave):
     def state(self, cells: ArrayLike, t: float) -> tuple[Array, Array]:
         """Return strain y_n = eps Y and velocity s_n of the ansatz, at real sites and time t."""
         value = self.wave.at(cells, t, self.eps)
-        values = {"Y_X": value.Y_X, "Y_T": value.Y_T, "c": self.speed, "eps": self.eps}
+        values: dict[str, Array | float] = {"Y_X": value.Y_X, "Y_T": value.Y_T}
+        values |= {"c": self.speed, "eps": self.eps}
         return self._scaled(value.Y), _value(_initial_velocity(), values)[np.newaxis]
 
     def strain(self, cells: ArrayLike, t: float) -> Array:
