@@ -4,8 +4,6 @@ In theory the error is that of the first neglected term: in the equation, the ne
 not vanish; in the initial data, the fields slaved to the wave.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import ceil, floor

@@ -3,8 +3,6 @@
 Columns are separated by commas, semicolons or tabs.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path

@@ -19,8 +19,6 @@ stated are taken from the lattice's file. ``compared`` may also be in [domain]. 
 tolerance states no step, kind or sites. The default name is that of the file.
 """
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """Tables of a scene's file as they were stated, for keys that other modules interpret."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from functools import cached_property

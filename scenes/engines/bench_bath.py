@@ -7,8 +7,6 @@ steps h and h / 2 and the same noise. The means are taken over the finer runs; a
 difference between the two estimates the finer run's step-size error.
 """
 
-from __future__ import annotations
-
 import math
 from time import perf_counter
 

@@ -1,7 +1,5 @@
 """Runs of a chain on a bench, to a tolerance on its readings, and their expected cost."""
 
-from __future__ import annotations
-
 from time import perf_counter
 
 import numpy as np

@@ -5,8 +5,6 @@ The constants are CPU times measured on one core of a 3 GHz server, with rings t
 is known only when its search for step and domain has ended.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from longwave.lattice.force_program import UNARY, ForceProgram

@@ -6,8 +6,6 @@ spectral ring is exactly the lattice. Values are compared at the cells, by evalu
 series there.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -5,8 +5,6 @@ points is estimated from the residuals; the covariance is then that of Student's
 that 1.96 standard deviations are 95 % for few points, too.
 """
 
-from __future__ import annotations
-
 import math
 import random
 from collections.abc import Iterable, Iterator, Mapping

@@ -1,7 +1,5 @@
 """Results of least-squares fits: deviations, correlations, chi^2 and unidentifiable constants."""
 
-from __future__ import annotations
-
 import math
 from abc import abstractmethod
 from collections.abc import Sequence

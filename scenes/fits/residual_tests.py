@@ -5,8 +5,6 @@ goes to the next odd term, such as x**5 after K2*x + K4*x**3: a test for this te
 powerful one and detects a term of 3 standard deviations in 85 of 100 cases.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import cached_property

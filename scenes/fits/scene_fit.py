@@ -4,8 +4,6 @@ Each evaluation runs the lattice with exact derivatives by the fitted constants
 (`lattice.sensitivities`). The step is the one with which the chain meets the scene's tolerance.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass

@@ -9,8 +9,6 @@ fields or bonds the field's name or the bond's number, from 1, follows: ``veloci
 ``strain_7_2``.  Standard deviations are given for all columns or for none.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """View of lattice and wave on the compared cells at one time, and the paper's relative error."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from typing import Any
 

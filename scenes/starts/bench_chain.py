@@ -1,7 +1,5 @@
 """Chain of a bench on its lattice: driven chain, initial state and recorded variables."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple

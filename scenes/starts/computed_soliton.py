@@ -5,8 +5,6 @@ A wave ``Y = V(X - v T)`` of ``Y_T = F_X``, F = linear terms and one power of Y,
 the power of ``<V, (v + l) V> / <V, P(V)>`` that keeps the size of V bounded.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 

@@ -5,8 +5,6 @@ method.  The carrier times A is periodic on the ring of cells, so A itself is pe
 constant phase.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 

@@ -1,7 +1,5 @@
 """Fourier series on an interval: values and derivatives at its points and between them."""
 
-from __future__ import annotations
-
 from functools import cached_property
 
 import numpy as np

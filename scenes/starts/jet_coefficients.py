@@ -1,7 +1,5 @@
 """Numeric coefficients of differential polynomials, at values of the constants."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Mapping
 from typing import Any

@@ -5,8 +5,6 @@ replaced by the reduced equation.  Both are series in eps of polynomials in X-de
 wave.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 

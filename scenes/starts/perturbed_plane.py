@@ -6,8 +6,6 @@ perturbation ``b exp(i kappa X + lambda T) + conj(c) exp(-i kappa X + conj(lambd
 Fluid Mech. 27 (1967) 417) and moves otherwise. On a lattice b and c are the carrier's sidebands.
 """
 
-from __future__ import annotations
-
 import cmath
 from collections.abc import Mapping
 from dataclasses import dataclass

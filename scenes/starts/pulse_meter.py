@@ -1,7 +1,5 @@
 """Measurement of a wave in a disordered lattice: largest force, crest position, energy."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import NamedTuple
 

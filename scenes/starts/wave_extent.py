@@ -6,8 +6,6 @@ whose spacing grows with the distance. A domain that contains the extent contain
 times, so no part of it can go round a ring or be cut off by a window.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np
