@@ -144,8 +144,8 @@ def scene_convergence(
         run = _run(at_eps(scene, value), run_progress, announce)
         power = run.attrs["power"]
         points.append(_point(run))
-    errors, own = [p.error for p in points], [p.discretisation for p in points]
-    rate, equation = fitted_rate(values, errors, own), derivation(scene).equation
+    rate = fitted_rate(values, [p.error for p in points], [p.discretisation for p in points])
+    equation = derivation(scene).equation
     return SceneConvergence(scene, equation, power, tuple(points), rate, scene_rate(scene))
 
 
@@ -204,12 +204,10 @@ def at_eps(scene: Scene, eps: float) -> Scene:
     """Return the scene at another eps, with the same slow times and the same region in X."""
     slow = derivation(scene).slow
     times = tuple(t * scene.eps**slow for t in scene.lattice_times(slow))
-    return scene.changed(
-        eps=eps,
-        slow_times=scene.slow_times or times,
-        half_width=scene.half_width or scene.compared * scene.eps,
-        losses=scene.losses and scene.losses.as_eps_formulas(scene.eps),
-    )
+    width = scene.half_width or scene.compared * scene.eps
+    losses, times = scene.losses, scene.slow_times or times
+    losses = losses and losses.as_eps_formulas(scene.eps)
+    return scene.changed(eps=eps, slow_times=times, half_width=width, losses=losses)
 
 
 def _run(scene: Scene, progress: Callable[[float], None], announce: Announce) -> RunRecord:

@@ -105,15 +105,11 @@ class SceneFields:
         """Whether the scene has a leading mKdV long wave on the paper's chain, with K3 = 0."""
         values = dict(self.constants)
         ansatz = (self.order, self.background, self.amplitude, self.time, self.carrier)
-        return (
-            self.lattice == CHAIN
-            and not (
-                self.declared or self.disorder or self.losses or self.named_start or self.bench
-            )
-            and ansatz == ("leading", 0, None, None, "")
-            and not any(isinstance(value, str) for value in values.values())
-            and values.get("K3", 0) == 0
-        )
+        effects = self.declared or self.disorder or self.losses or self.named_start or self.bench
+        if self.lattice != CHAIN or effects or ansatz != ("leading", 0, None, None, ""):
+            return False
+        is_numeric = not any(isinstance(value, str) for value in values.values())
+        return is_numeric and values.get("K3", 0) == 0
 
     @property
     def method(self) -> str:
@@ -169,9 +165,7 @@ class SceneFields:
     @property
     def form(self) -> ClosedForm:
         """Closed form of the wave; a ValueError for an unknown name lists the known ones."""
-        from longwave.solutions import (
-            closed_form,  # slow import, not needed to read, list or show scenes
-        )
+        from longwave.solutions import closed_form  # slow, not needed to read or show scenes
 
         if isinstance(self.wave, str):
             return closed_form(self.wave, dict(self.parameters))

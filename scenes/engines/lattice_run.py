@@ -257,9 +257,6 @@ def stated_cells(timed: Scene, domains: DomainPlan) -> SteppedCells:
     return (WindowCells if timed.discretisation.rules.moves else SteppedCells)(timed, domains)
 
 
-REMEDY = "end earlier, compare fewer sites or take fewer times"
-
-
 def record_by_rings(scene: Scene, progress: Progress, announce: Announce) -> run_record.RunRecord:
     """Run a scene on spectral rings, which need not be causal for the paper's waves.
 
@@ -274,7 +271,7 @@ def record_by_rings(scene: Scene, progress: Progress, announce: Announce) -> run
         record.scene = scene  # a scene file cannot state a spectral ring
         return record
     expected = rings_cost(scene)
-    check_request(scene.name, expected, REMEDY)
+    check_request(scene.name, expected, "end earlier, compare fewer sites or take fewer times")
     announce(expected.seconds)
     cells = cells_cost(scene.changed(engine="stencil"))
     first = (cells.seconds - cells.once) / ring_cost.USUAL_RUNS
@@ -326,16 +323,14 @@ def _add_attributes(record: run_record.RunRecord, scene: Scene) -> None:
         record.variables[name] = dimensions, values, attributes | changes[name]
     if not compares_displacements:
         return
-    record.attrs["field_kind"] = DISPLACEMENT
+    record.attrs["field_kind"] = word = "displacement"
     for name, (dimensions, values, attributes) in record.variables.items():
-        words = {
-            key: text.replace("strain", DISPLACEMENT).replace("what is compared", DISPLACEMENT)
+        texts = {
+            key: text.replace("strain", word).replace("what is compared", word)
             for key, text in attributes.items()
         }
-        record.variables[name] = dimensions, values, words
+        record.variables[name] = dimensions, values, texts
 
-
-DISPLACEMENT = "displacement"
 
 LONG_NAMES = {
     "strain": "what is compared, on the lattice",

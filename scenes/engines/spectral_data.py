@@ -185,8 +185,7 @@ class SpectralStart:
         return self.moving.speed * self.moving.t0
 
     def _strain(self, x: Array) -> Array:
-        strain: Array = self._data(x)[0]
-        return strain
+        return np.asarray(self._data(x)[0])
 
     def _data(self, x: Array) -> Array:
         return np.concatenate(self.moving.state(self._middle + x, self.moving.t0))

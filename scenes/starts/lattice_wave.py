@@ -5,7 +5,6 @@ Cells are real numbers: an array (sites,) on a chain, (axes, *sites) on a lattic
 
 from __future__ import annotations
 
-import itertools
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
@@ -280,11 +279,15 @@ def nearest_cell(speed: float, t: float) -> int:
 def largest_group_velocity(lattice: NumericLattice, slopes: list[float], axis: int = 0) -> float:
     """Return max |dw/dk| along an axis over all branches, for forces with these slopes."""
     k = np.linspace(0.0, np.pi, WAVENUMBER_COUNT)
+    w = _frequencies(lattice, slopes, k, axis)
+    return float(np.max(np.abs(np.diff(w, axis=0)))) / float(k[1])
+
+
+def _frequencies(lattice: NumericLattice, slopes: Sequence[float], k: Array, axis: int) -> Array:
+    """Return the frequencies of waves along an axis, (wavenumbers, branches); 0 if imaginary."""
     waves = np.zeros((k.size, lattice.dimension))
     waves[:, axis] = k
-    squares = lattice.squared_frequencies(waves, slopes)
-    w = np.sqrt(np.maximum(squares, 0.0))
-    return float(np.max(np.abs(np.diff(w, axis=0)))) / float(k[1])
+    return np.sqrt(np.maximum(lattice.squared_frequencies(waves, slopes), 0.0))
 
 
 def sound_speed(lattice: NumericLattice, slopes: Sequence[float], near: float) -> float:
@@ -293,11 +296,8 @@ def sound_speed(lattice: NumericLattice, slopes: Sequence[float], near: float) -
     Forces have these slopes. The speed is extrapolated from waves of three lengths.
     """
     k = LONG_WAVENUMBER * np.array([1.0, 2.0, 4.0])
-    waves = np.zeros((k.size, lattice.dimension))
-    waves[:, 0] = k
-    squares = lattice.squared_frequencies(waves, slopes)
-    speeds = np.sqrt(np.maximum(squares, 0.0)) / k[:, np.newaxis]
-    (one, two), (_, four) = itertools.pairwise(speeds)
+    speeds = _frequencies(lattice, slopes, k, 0) / k[:, np.newaxis]
+    one, two, four = speeds
     finer, coarser = (4.0 * one - two) / 3.0, (4.0 * two - four) / 3.0
     limits = (16.0 * finer - coarser) / 15.0
     return float(limits[np.argmin(np.abs(limits - near))])

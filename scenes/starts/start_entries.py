@@ -66,10 +66,9 @@ the wavenumber that grows fastest, 1 by default."""
 
 def _check_growth(scene: SceneFields) -> None:
     """Raise ValueError for fields that are computed, or not in the theory, for a growth rate."""
-    given: dict[str, object] = {"times": scene.snapshots, "compared": scene.compared or None}
-    given |= {"t0": None if scene.t0 == NOT_GIVEN else scene.t0}
-    given |= {"slow_times": scene.slow_times, "half_width": scene.half_width}
-    for key, value in given.items():
+    t0 = None if scene.t0 == NOT_GIVEN else scene.t0
+    given = ("times", scene.snapshots), ("compared", scene.compared or None), ("t0", t0)
+    for key, value in (*given, *((k, getattr(scene, k)) for k in ("slow_times", "half_width"))):
         if value not in ((), None):
             raise ValueError(
                 f"{key} must not be given with the wave {scene.wave_name}, got {shown(value)} "
