@@ -57,7 +57,8 @@ def rate_cases() -> Mapping[str, RateCase]:
 def _case(name: str, table: dict[str, Any]) -> RateCase:
     orders, eps, is_long = table.pop("orders"), table.pop("at"), table.pop("long", False)
     if "late" in table:
-        late = np.linspace(*table.pop("late"), LATE_TIMES).tolist()
+        first, last = table.pop("late")
+        late = np.linspace(first, last, LATE_TIMES).tolist()
         table["slow_times"] = [*table["slow_times"], *late]
     scene = Scene.of_document(table | {"name": name, "eps": eps[0]}, Path(RATES_FILE))
     return RateCase(scene, tuple(orders), tuple(eps), is_long)

@@ -112,11 +112,6 @@ class SceneFields:
         return is_numeric and values.get("K3", 0) == 0
 
     @property
-    def method(self) -> str:
-        """Kind of the scene, for which `engines.methods.method_of` returns an engine."""
-        return self.start.method
-
-    @property
     def wave_name(self) -> str:
         """Name of the wave."""
         return self.wave if isinstance(self.wave, str) else self.wave.name
@@ -190,11 +185,6 @@ class SceneFields:
     def end(self) -> float:
         """Last time of the run."""
         return self.snapshots[-1]
-
-    @property
-    def keeps_start(self) -> bool:
-        """Whether the initial state is one of the snapshots."""
-        return bool(self.slow_times) or self.t0 in self.snapshots
 
     def lattice_times(self, slow: int) -> tuple[float, ...]:
         """Return the start and the snapshots in lattice time t, where ``T = eps**slow t``."""

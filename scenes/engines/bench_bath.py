@@ -237,8 +237,7 @@ def record_means(
 ) -> RunRecord:
     """Run the chain until each mean's confidence interval is within the tolerance.
 
-    Raises ValueError in one line for a chain that flies apart or a tolerance that needs too many
-    runs, and OverBudgetError for runs that would take too long.
+    Raises ValueError for a diverging chain or too many runs, OverBudgetError for too long ones.
     """
     loop, allowed = begin_loop("means of a bath"), scene.target.tolerance
     bath, means, target = Bath(scene, bench, chain), Means(), FIRST_RUNS

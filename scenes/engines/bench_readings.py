@@ -79,10 +79,7 @@ class BenchReadings:
         return np.concatenate([part.ravel() for part in self._parts(state, balance)])
 
     def variables(self, readings: Array, ending: str = "", meaning: str = "") -> Variables:
-        """Return dataset variables from flattened readings, (times, values).
-
-        ``ending`` is appended to each name, ``meaning`` is put before each long name.
-        """
+        """Return variables of readings (times, values); names get ``meaning`` and ``ending``."""
         variables: Variables = {}
         splits = np.cumsum([math.prod(size) for size in self.sizes])[:-1]
         parts = np.split(readings, splits, axis=1)
@@ -103,10 +100,7 @@ class BenchReadings:
     def record(
         self, variables: Variables, steps: int, seconds: float, blow_up: object = None
     ) -> RunRecord:
-        """Return a record of ``variables``, with the coordinates of sensors, modes, drivers, cuts.
-
-        ``blow_up`` describes a breakdown; None if there was none.
-        """
+        """Return a record with coordinates; ``blow_up`` describes a breakdown, None without one."""
         for name, numbers, long_name in (
             ("sensor", self.bench.sensors, "number of the cell"),
             ("mode", self.bench.modes, "number of the mode"),

@@ -59,8 +59,7 @@ def record_scene(
 ) -> RunRecord:
     """Run the chain so that the error of each reading is within the tolerance.
 
-    Raises ValueError in one line for a request the lattice does not admit, for one that would take
-    too long, and for a chain that flies apart.
+    Raises ValueError for an inadmissible request, one that takes too long, and a diverging chain.
     """
     begun = perf_counter()
     if restart is not None:

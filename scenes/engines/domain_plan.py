@@ -17,7 +17,6 @@ import numpy as np
 
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.schemes import REDUCED_PHASE_6, Scheme, stability_limit
-from longwave.lattice.seam import Fading
 from longwave.lattice.state import GROWTH, Array, BlowUp
 from longwave.lattice.trial import DRIVEN_SHARE
 from longwave.scenes.engines import ring_cost
@@ -210,10 +209,7 @@ class DomainCost:
     def cost(
         self, fastest: float, signals: Sequence[float], window: int | None
     ) -> tuple[float, ExpectedCost]:
-        """Return the number of cells of the widest ring, or of the window, and the search's cost.
-
-        ``fastest`` is the highest frequency.
-        """
+        """Return cells of the largest ring or window, and cost; ``fastest`` is a frequency."""
         wave, compared, times = self.wave, self.compared, self.times
         duration = times[-1] - times[0]
         more = EXTRA_CELLS + 2 * (wave.lattice.spread_within(duration) + self.room)
@@ -348,10 +344,7 @@ class DomainPlan(DomainCost):
         check_request(scene, expected, REMEDY)
 
     def ends(self, wider: int = 0) -> list[Ends]:
-        """Return the ends, along each axis, of a causal ring with ``wider`` additional cells.
-
-        For an infinite periodic wave a few more cells are added, so that it closes on the ring.
-        """
+        """Return a causal ring's ends with ``wider`` more cells, and more to close a wave."""
         if self._fills_line and wider not in self._fitting:
             most = max(MAX_ADDED_CELLS, self.room)
             tried = np.unique(np.linspace(0.0, most - 1.0, min(most, MAX_RING_SIZES)).astype(int))
@@ -405,10 +398,6 @@ class DomainPlan(DomainCost):
     def ring(self, ends: Sequence[Ends]) -> InitialCells:
         """Return the wave's initial data on the ring with these ends, blended at its seam."""
         return self.wave.closed_ring(self.wave.ring(_grid(ends), self.times[0]), self.room)
-
-    def fading(self) -> Fading | None:
-        """Return the damping of cells that can no longer affect a compared one; None without it."""
-        return self.wave.fading(self.times[0], self.signals[0])
 
     def limit(self, ring: InitialCells) -> float:
         """Return the largest compared value accepted in a run from ``ring``, in units of scale."""

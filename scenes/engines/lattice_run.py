@@ -19,7 +19,7 @@ from longwave.scenes.engines.domain_plan import MOVE_CELLS, ComparedCells, Domai
 from longwave.scenes.engines.recorders import MOMENT_BYTES, exact_times
 from longwave.scenes.engines.site_engine import SiteEngine
 from longwave.scenes.engines.spectral_run import run_spectral, spectral_cost
-from longwave.scenes.engines.stated_run import run_from, stated_runs
+from longwave.scenes.engines.stated_run import REFINED_COST, refinements, run_from
 from longwave.scenes.engines.stepped_cells import SteppedCells, WindowCells
 from longwave.scenes.observed.observables import MAP_CELLS, MEASURED, observable_named
 from longwave.scenes.starts.background_growth import check_trust, trust_attributes
@@ -96,7 +96,8 @@ def cells_cost(scene: Scene) -> ExpectedCost:
 
 def _stated_cost(timed: Scene, wave: LatticeWave, compared: ComparedCells) -> ExpectedCost:
     """Return the expected cost of a scene with stated step and sites, refinement runs included."""
-    stated, runs = timed.discretisation, stated_runs(timed)
+    # a refined run has half the step or twice the sites
+    stated, runs = timed.discretisation, 1.0 + REFINED_COST * len(refinements(timed))
     duration = timed.end - timed.t0
     enough_steps(stated.step, duration)
     sites = stated.sites * (2.0 if "domain_error" in timed.observables else 1.0)
@@ -164,7 +165,8 @@ def _started_wave(scene: Scene) -> LatticeWave:
 def in_lattice_times(scene: Scene, slow: int) -> Scene:
     """Return the scene with slow times converted to lattice times, ``T = eps**slow t``."""
     times = scene.lattice_times(slow)
-    timed = scene.changed(t0=times[0], snapshots=times if scene.keeps_start else times[1:])
+    keeps_start = scene.slow_times or scene.t0 in scene.snapshots
+    timed = scene.changed(t0=times[0], snapshots=times if keeps_start else times[1:])
     if scene.tolerance is None or scene.target.steps_cells or scene.look_points is not None:
         return timed
     return timed.changed(look_points=scene.curve_points)  # a spectral run has no stops of its own

@@ -33,12 +33,12 @@ class Method(Protocol):
 
 
 def method_of(scene: Scene) -> Method:
-    """Return the module for `Scene.method`: a bench, sidebands, or any other wave."""
-    if scene.method == "bench":
+    """Return the module for the method of its start: a bench, sidebands, or any other wave."""
+    if scene.start.method == "bench":
         from longwave.scenes.engines import bench_run
 
         return bench_run
-    if scene.method == "sidebands":
+    if scene.start.method == "sidebands":
         from longwave.scenes.engines import sideband_growth
 
         return sideband_growth

@@ -93,10 +93,7 @@ class SpectralRuns:
         return self._cells[state.circumferences].ring.lattice, state
 
     def _ends(self, wider: bool) -> list[Ends]:
-        """Return the first and last cell along each axis; the number of cells suits the FFT.
-
-        The ring contains the whole of a finite wave, so that its data are smooth across the seam.
-        """
+        """Return the ends along each axis of an FFT-sized ring that contains a finite wave."""
         ends = self.domains.ends()
         low, high = self.domains.wave.support(self.times[0])
         if math.isfinite(high - low):
@@ -124,10 +121,7 @@ class SpectralRuns:
         return cells.view(State(state.t, whole.f, whole.v))
 
     def _observed(self, state: FieldRing) -> Memory:
-        """Return the observables due at a state's time, and the energy at the first and last time.
-
-        The values of each recorder are stored under its time dimension.
-        """
+        """Return the observables due, by time dimension, and the first and last energy."""
         view = self._view(state)
         rows = {
             recorder.dimension: recorder.measure(view)

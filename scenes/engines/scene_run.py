@@ -1,6 +1,6 @@
 """Public entry points: run a scene, given as object, name or file, and resume a run.
 
-`Scene.method` decides which module runs the scene.
+`methods.method_of` decides which module runs the scene.
 """
 
 from __future__ import annotations

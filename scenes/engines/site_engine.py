@@ -225,10 +225,7 @@ class SiteEngine(StepSearch):
         return previous if previous.shape == current.shape else np.full_like(current, np.nan)
 
     def control(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
-        """Return the choices of a control run: a shorter step, a wider window.
-
-        A causal ring changes together with the step: from its least size to a wider one and back.
-        """
+        """Return a control run's choices: shorter step, wider window; rings alternate in size."""
         if "step" in kinds:
             step = shorter_step(self._stops, choices.step, self.order, STEP_RATIO)
             choices = replace(choices, step=step)

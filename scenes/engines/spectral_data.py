@@ -73,11 +73,6 @@ class SpectralStart:
         return 1.0 if wavelength is None else wavelength / self.moving.eps
 
     @property
-    def steepness(self) -> float:
-        """Change of the wave's variable xi per site."""
-        return self.moving.wave.numbers.a * self.moving.eps
-
-    @property
     def smallest(self) -> float:
         """Smallest circumference that contains the wave and the compared sites at all times."""
         least = WIDTH_FACTOR * self.bounds.width
@@ -160,7 +155,7 @@ class SpectralStart:
             return self.unit
         if self.kink:
             return float(self.moving.seam_room(self.moving.t0))
-        least = MIN_BLEND_WIDTH / self.steepness
+        least = MIN_BLEND_WIDTH / (self.moving.wave.numbers.a * self.moving.eps)
         return max(min(circumference, 4.0 * self.bounds.width) / BLEND_DIVISOR, least)
 
     @property

@@ -327,10 +327,7 @@ class SpectralEngine(SpectralSearch):
         return replace(choices, size=size)
 
     def _run(self, choices: Choices, progress: Progress) -> Trial:
-        """Run with these choices; again on a wider ring if a causal one was too narrow.
-
-        A causal ring is too narrow if the strains met carry faster signals than it was made for.
-        """
+        """Run; again on a wider ring if the strains met carry too fast signals for a causal one."""
         trial = self._integrate(replace(choices, density=self._dense(choices), finer=1.0), progress)
         self._soft = None
         data = self._data

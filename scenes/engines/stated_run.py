@@ -101,11 +101,6 @@ def refinements(scene: Scene) -> list[str]:
     ]
 
 
-def stated_runs(scene: Scene) -> float:
-    """Return the work of a scene including its refined runs, in units of the run alone."""
-    return 1.0 + REFINED_COST * len(refinements(scene))
-
-
 def refined_scene(scene: Scene, measure: str) -> Scene:
     """Return the scene refined: half the step (``time_step_error``), twice the sites otherwise."""
     stated = scene.discretisation

@@ -92,8 +92,10 @@ class SteppedCells:
         if restart is not None:
             shape = state.f.shape
             state = State(restart.t, restart.f.reshape(shape), restart.v.reshape(shape))
-        fading = self.domains.fading() if self._fades and self.domains.room else None
-        return state, RingDomain(state, self.ends, self.domains, fading)
+        domains, fading = self.domains, None
+        if self._fades and domains.room:
+            fading = domains.wave.fading(domains.times[0], domains.signals[0])
+        return state, RingDomain(state, self.ends, domains, fading)
 
     def view(self, state: State) -> CellView:
         """Return the view of a state on the compared cells."""

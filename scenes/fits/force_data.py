@@ -195,9 +195,8 @@ def _check_loop(rising: Points, falling: Points, turn: int) -> None:
 def read_force(path: str | Path, units: str | None = None) -> ForceData:
     """Read the points of a CSV file, or of the standard input for ``-``.
 
-    With ``units`` of stretch and force, such as ``"mm,N"``, they are converted to metres and
-    newtons. Raises ValueError, with file and line, for an invalid table, and OSError if the file
-    cannot be read.
+    ``units`` of stretch and force, such as ``"mm,N"``, are converted to metres and newtons. Raises
+    ValueError, with file and line, for an invalid table, and OSError for an unreadable file.
     """
     length, force = (1.0, 1.0) if units is None else _factors(units)
     text = read_text(path, "force law", MAX_FILE_BYTES)

@@ -157,7 +157,13 @@ def bench_variables(bench: Bench, chain: DrivenChain) -> Iterator[BenchVariable]
         name = "energy of chain and bonds"
         yield BenchVariable("energy", (), _UNIT, name, lambda at: at.chain.energy(at.f, at.v))
     if has_balance(bench, chain):
-        yield from _balance(chain)
+        since = "since the start"
+        yield BenchVariable("work", (), _UNIT, f"work done {since}", lambda at: at.total.work.sum())
+        name = f"energy lost {since}"
+        yield BenchVariable("heat", (), _UNIT, name, lambda at: at.total.heat.sum())
+        if len(chain.drivers) > 1:
+            name = f"work done by a wall or force {since}"
+            yield BenchVariable("driver_work", ("driver",), _UNIT, name, lambda at: at.total.work)
     if bench.flux:
         name = "energy sent to the right"
         yield BenchVariable("transmitted", ("cut",), _UNIT, name, lambda at: at.total.through)
@@ -168,16 +174,6 @@ def bench_variables(bench: Bench, chain: DrivenChain) -> Iterator[BenchVariable]
         yield BenchVariable("mode_energy", ("mode",), _UNIT, name, read)
     for name in ("displacement", "velocity") if bench.state else ():
         yield _in_cells(name, "cell", name, range(bench.sites))
-
-
-def _balance(chain: DrivenChain) -> Iterator[BenchVariable]:
-    """Yield the variables of the energy balance: work and heat since the start."""
-    unit, since = _UNIT, "since the start"
-    yield BenchVariable("work", (), unit, f"work done {since}", lambda at: at.total.work.sum())
-    yield BenchVariable("heat", (), unit, f"energy lost {since}", lambda at: at.total.heat.sum())
-    if len(chain.drivers) > 1:
-        name = f"work done by a wall or force {since}"
-        yield BenchVariable("driver_work", ("driver",), unit, name, lambda at: at.total.work)
 
 
 def _in_cells(name: str, dimension: str, what: str, cells: Sequence[int]) -> BenchVariable:

@@ -33,10 +33,7 @@ class InitialCells:
         return self.lattice.slopes(self.lattice.stretches(self.f))
 
     def smoothed(self, room: int) -> InitialCells:
-        """Return a chain of displacements with strain and velocity blended across the seam.
-
-        Cells within ``room`` of the seam change; the mean strain stays.
-        """
+        """Return a chain of equal mean strain, blended within ``room`` cells of the seam."""
         if not room:
             return self
         share = np.sin(np.pi / 4 * (np.arange(room) + 0.5) / room) ** 2

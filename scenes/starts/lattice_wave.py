@@ -252,10 +252,7 @@ class LatticeWave(ABC):
         raise NotImplementedError
 
     def rest_slopes(self, ring: InitialCells) -> list[float]:
-        """Return the slope of each bond's force far from the wave.
-
-        It is taken from the ring's first cell, since a long wave is almost uniform there.
-        """
+        """Return each bond's slope of force far from the wave, taken from the first cell."""
         corner = (0,) * ring.lattice.dimension
         return [float(slopes[corner]) for slopes in ring.slopes]
 

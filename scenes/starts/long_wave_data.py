@@ -335,10 +335,7 @@ class LongWaveData(LatticeWave):
         return low / self._unit, high / self._unit
 
     def rigid_fields(self, offsets: Array, t: float) -> tuple[Array, Array]:
-        """Return fields at offsets from the frame and their slopes from cell to cell.
-
-        The growth of the background is subtracted from both.
-        """
+        """Return fields at offsets and slopes per cell, less the growth of the background."""
         fields = [field for field, _ in self._series]
         derivatives = [field.slope() for field in fields]
         f, slopes = self._evaluate([fields, derivatives], self._unit * offsets, t)

@@ -184,13 +184,9 @@ class MovingWave(LatticeWave):
         """Growth from cell to cell and velocity of the far field, both 0 for strains."""
         return np.zeros(1), np.zeros(1)
 
-    def frame(self, t: float) -> int:
-        """Return the site nearest to c t; ValueError if too far for exact integers."""
-        return nearest_cell(self.speed, t)
-
     def compared_sites(self, t: float) -> Sites:
-        """Return the sites within ``compared`` of c t."""
-        return self.frame(t) + np.arange(-self.compared, self.compared + 1)
+        """Return the sites within ``compared`` of c t; ValueError if too far for exact integers."""
+        return nearest_cell(self.speed, t) + np.arange(-self.compared, self.compared + 1)
 
     def state(self, cells: ArrayLike, t: float) -> tuple[Array, Array]:
         """Return strain y_n = eps Y and velocity s_n of the ansatz, at real sites and time t."""
@@ -268,10 +264,7 @@ class MovingWave(LatticeWave):
         return self._scaled(value.Y), self.eps**2 * value.Y_X[np.newaxis]
 
     def seam_room(self, t: float) -> int:
-        """Return the number of blended cells at either end of a ring.
-
-        A wavelength of a periodic background, many widths of a kink, 0 on a constant background.
-        """
+        """Return the cells blended at a ring's ends: a wavelength, a kink's widths, or 0."""
         wave = self.wave
         if wave.constant_background is not None:
             return 0
