@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 
 from longwave.scenes.description import scene_file
 from longwave.scenes.description.bench import KEYS
-from longwave.scenes.description.losses import KINDS
+from longwave.scenes.description.losses import EPS_POWERS
 from longwave.scenes.description.named_scenes import load_scene, names_a_file
 from longwave.scenes.description.scene import Scene, alternatives_of
 from longwave.scenes.description.scene_checks import CHAIN_CONSTANTS
@@ -25,10 +25,10 @@ UNVARIED = ("name", "title")
 """Fields that do not affect a run."""
 
 VARIED = {
-    **{key: () for key in scene_file.TOP if key not in UNVARIED},
-    **{name: tuple(keys) for name, keys in scene_file.TABLES.items()},
+    **{key: () for key in scene_file.TOP_KEYS if key not in UNVARIED},
+    **{name: tuple(keys) for name, keys in scene_file.TABLE_FIELDS.items()},
     "disorder": tuple(field.name for field in fields(Disorder)),
-    "losses": KINDS,
+    "losses": EPS_POWERS,
     **{name: KEYS[name] for name in ("chain", "start", "defects")},
 }
 """Fields that may vary: those at the top, and tables with their keys."""
@@ -98,7 +98,7 @@ def canonical_field(field: str) -> str:
 def check_field(field: str, document: Document | None = None) -> None:
     """Raise ValueError for an unknown field; a key of a table in ``document`` is named in full."""
     top, _, key = field.partition(".")
-    if top in scene_file.PAIRS:
+    if top in scene_file.PAIR_TABLES:
         return  # these tables may have any key, and may be replaced as a whole
     if top in VARIED and (key in VARIED[top] if key else not VARIED[top]):
         return
@@ -112,7 +112,7 @@ def check_field(field: str, document: Document | None = None) -> None:
             f"fields must be named with their table, got {field} (write {' or '.join(qualified)})"
         )
     known = [f"{name}.{key}".strip(".") for name, keys in VARIED.items() for key in keys or [""]]
-    known += [f"{name}.NAME" for name in scene_file.PAIRS]
+    known += [f"{name}.NAME" for name in scene_file.PAIR_TABLES]
     raise ValueError(f"fields must be known ones, got {shown(field)} ({one_of(field, known)})")
 
 

@@ -4,8 +4,6 @@ In theory the error is that of the first neglected term: in the equation, the ne
 not vanish; in the initial data, the fields slaved to the wave.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import ceil, floor
@@ -18,7 +16,7 @@ from longwave.derive import CarrierTerms, Envelope, Lattice, Reduction, carrier_
 from longwave.derive.algebra.exact_numbers import Number
 from longwave.lattice.refine import Announce
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.description.scene_checks import finite, positive
+from longwave.scenes.description.scene_checks import positive
 from longwave.scenes.engines.run_record import RunRecord
 from longwave.scenes.starts.lattice_derivation import derivation
 from longwave.support.html_tables import html_table
@@ -26,13 +24,13 @@ from longwave.support.user_files import shown
 
 Array = NDArray[Any]
 
-FEWEST = 3
+MIN_ERRORS = 3
 """Minimum number of errors from which a rate and its uncertainty can be fitted."""
 
-MOST = 20
+MAX_EPS_VALUES = 20
 """Maximum number of values of eps."""
 
-SHARE = 0.05
+DISCRETISATION_FRACTION = 0.05
 """Largest discretisation error of a run, as a fraction of the error that it measures."""
 
 DEFAULT_FACTORS = (2.0, 1.4, 1.0, 0.7)
@@ -52,9 +50,8 @@ class FittedRate:
     high: float
 
     def __str__(self) -> str:
-        return (
-            f"{self.value:.1f} ({floor(10 * self.low) / 10:.1f} .. {ceil(10 * self.high) / 10:.1f})"
-        )
+        low, high = floor(10 * self.low) / 10, ceil(10 * self.high) / 10
+        return f"{self.value:.1f} ({low:.1f} .. {high:.1f})"
 
     def holds(self, power: float) -> bool:
         """Return whether the interval, with its ends rounded as printed, contains ``power``."""
@@ -147,8 +144,8 @@ def scene_convergence(
         run = _run(at_eps(scene, value), run_progress, announce)
         power = run.attrs["power"]
         points.append(_point(run))
-    errors, own = [p.error for p in points], [p.discretisation for p in points]
-    rate, equation = fitted_rate(values, errors, own), derivation(scene).equation
+    rate = fitted_rate(values, [p.error for p in points], [p.discretisation for p in points])
+    equation = derivation(scene).equation
     return SceneConvergence(scene, equation, power, tuple(points), rate, scene_rate(scene))
 
 
@@ -166,9 +163,9 @@ def fitted_rate(
     >>> fitted_rate([0.1, 0.2, 0.4], [0.01, 0.04, 0.16]).value
     2.0
     """
-    if len(eps) != len(errors) or len(errors) < FEWEST or len({*eps}) < len(eps):
+    if len(eps) != len(errors) or len(errors) < MIN_ERRORS or len({*eps}) < len(eps):
         raise ValueError(
-            f"errors must be at least {FEWEST}, each at its own eps, got {len(errors)} at "
+            f"errors must be at least {MIN_ERRORS}, each at its own eps, got {len(errors)} at "
             f"{len({*eps})} (take more values of eps)"
         )
     if not (min(eps) > 0.0 and 0.0 < min(errors) <= max(errors) < np.inf):
@@ -193,17 +190,12 @@ def fitted_rate(
 
 
 def _eps_values(scene: Scene, eps: Sequence[float]) -> list[float]:
-    """Return the values of eps, largest first, by default `DEFAULT_FACTORS` times the scene's.
-
-    Raises ValueError for too few, too many, repeated or invalid values.
-    """
-    values = [finite("eps", value) for value in eps or [f * scene.eps for f in DEFAULT_FACTORS]]
-    for value in values:
-        positive("eps", value)
-    if not FEWEST <= len(set(values)) == len(values) <= MOST:
+    """Return the values of eps, largest first; ValueError if invalid, repeated, too few or many."""
+    values = [positive("eps", value) for value in eps or [f * scene.eps for f in DEFAULT_FACTORS]]
+    if not MIN_ERRORS <= len(set(values)) == len(values) <= MAX_EPS_VALUES:
         raise ValueError(
-            f"eps must be {FEWEST} to {MOST} different values, got {shown(values)} (such as "
-            "0.1,0.07,0.05,0.035)"
+            f"eps must be {MIN_ERRORS} to {MAX_EPS_VALUES} different values, got {shown(values)} "
+            "(such as 0.1,0.07,0.05,0.035)"
         )
     return sorted(values, reverse=True)
 
@@ -212,19 +204,17 @@ def at_eps(scene: Scene, eps: float) -> Scene:
     """Return the scene at another eps, with the same slow times and the same region in X."""
     slow = derivation(scene).slow
     times = tuple(t * scene.eps**slow for t in scene.lattice_times(slow))
-    return scene.changed(
-        eps=eps,
-        slow_times=scene.slow_times or times,
-        half_width=scene.half_width or scene.compared * scene.eps,
-        losses=scene.losses and scene.losses.as_eps_formulas(scene.eps),
-    )
+    width = scene.half_width or scene.compared * scene.eps
+    losses, times = scene.losses, scene.slow_times or times
+    losses = losses and losses.as_eps_formulas(scene.eps)
+    return scene.changed(eps=eps, slow_times=times, half_width=width, losses=losses)
 
 
 def _run(scene: Scene, progress: Callable[[float], None], announce: Announce) -> RunRecord:
     from longwave.scenes.engines.lattice_run import record_scene
 
     run = record_scene(scene, progress, announce)
-    allowed = SHARE * float(np.max(_sup_errors(run)))
+    allowed = DISCRETISATION_FRACTION * float(np.max(_sup_errors(run)))
     if run.attrs["error_estimate"] <= allowed or allowed == 0.0:
         return run
     return record_scene(scene.changed(tolerance=allowed), progress, announce)
@@ -271,7 +261,7 @@ SEARCHED_ORDERS = 4
 """Orders beyond the reduced equation that are searched for its next two corrections; mirror
 symmetric cells have even orders only."""
 
-ZERO = 1e-12
+ZERO_COEFFICIENT = 1e-12
 """Size below which a coefficient counts as 0; coefficients are of order one, from 60 digits."""
 
 
@@ -319,7 +309,7 @@ def envelope_rate(envelope: Envelope, numbers: Mapping[str, Number], order: str)
 
 def _has(terms: CarrierTerms, power: int) -> bool:
     """Return whether there is a nonzero term with this power of eps."""
-    return any(term.power == power and abs(term.value) > ZERO for term in terms)
+    return any(term.power == power and abs(term.value) > ZERO_COEFFICIENT for term in terms)
 
 
 def scene_rate(scene: Scene) -> int | None:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-VANISHING = 1e-13
+ZERO_DENOMINATOR = 1e-13
 """Size below which a denominator counts as 0, relative to the sum of its terms' moduli."""
 
 
@@ -77,10 +77,7 @@ def modulation_grid(
 
 
 def scene_modulation(scene: Scene, k: Array, amplitude: float) -> ModulationGrid:
-    """Return p, q and growth rates of a scene's lattice and branch, at wavenumbers in 0 < k <= pi.
-
-    Raises ValueError as the scene's derivation does.
-    """
+    """Return p, q and growth rates of a scene at 0 < k <= pi; ValueError as its derivation."""
     from longwave.scenes.starts.lattice_derivation import scene_envelope
 
     derived, numbers = scene_envelope(scene.changed(carrier=1))
@@ -150,7 +147,7 @@ def _at(element: RationalFunction, point: Mapping[str, Any]) -> Any:
     names = [str(symbol) for symbol in element.field.symbols]
     above, _ = _sum(element.terms(), names, point)
     below, size = _sum(element.terms(below=True), names, point)
-    return above / np.where(np.abs(below) <= VANISHING * size, np.nan, below)
+    return above / np.where(np.abs(below) <= ZERO_DENOMINATOR * size, np.nan, below)
 
 
 def _frequency_squared(derived: Envelope, point: Mapping[str, Any], shape: tuple[int, ...]) -> Any:

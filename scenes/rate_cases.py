@@ -20,9 +20,9 @@ from longwave.support.user_files import parse_toml
 if TYPE_CHECKING:
     from longwave.scenes.convergence import SceneConvergence
 
-FILE = "rates.toml"
+RATES_FILE = "rates.toml"
 
-LATE = 61
+LATE_TIMES = 61
 """Number of times at which an envelope is compared, because its errors beat with the carrier."""
 
 
@@ -48,8 +48,8 @@ class RateCase:
 @cache
 def rate_cases() -> Mapping[str, RateCase]:
     """Return the cases by name, in the order of `rates.toml`."""
-    text = files("longwave.scenes").joinpath(FILE).read_bytes()
-    tables = dict(parse_toml(text, FILE, "scene"))
+    text = files("longwave.scenes").joinpath(RATES_FILE).read_bytes()
+    tables = dict(parse_toml(text, RATES_FILE, "scene"))
     defaults = tables.pop("usual")
     return {name: _case(name, defaults | table) for name, table in tables.items()}
 
@@ -58,7 +58,7 @@ def _case(name: str, table: dict[str, Any]) -> RateCase:
     orders, eps, is_long = table.pop("orders"), table.pop("at"), table.pop("long", False)
     if "late" in table:
         first, last = table.pop("late")
-        late = np.linspace(first, last, LATE).tolist()
+        late = np.linspace(first, last, LATE_TIMES).tolist()
         table["slow_times"] = [*table["slow_times"], *late]
-    scene = Scene.of_document(table | {"name": name, "eps": eps[0]}, Path(FILE))
+    scene = Scene.of_document(table | {"name": name, "eps": eps[0]}, Path(RATES_FILE))
     return RateCase(scene, tuple(orders), tuple(eps), is_long)

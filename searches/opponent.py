@@ -443,7 +443,7 @@ def begin(unmended: bool) -> None:
     if unmended:
         search: Any = longwave.lattice.refine._Search
         search.is_lawful, search.lawful_change = lambda *_: True, lambda *_: 0.0
-        longwave.scenes.engines.domain_plan.LAWFUL_TURN = math.inf
+        longwave.scenes.engines.domain_plan.MAX_CARRIER_TURN = math.inf
 
 
 def main() -> int:

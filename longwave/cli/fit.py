@@ -15,11 +15,11 @@ from rich.table import Table
 from longwave.derive.intervals import HALF_WIDTH, rounded
 from longwave.scenes.description.scene_file import toml_text
 from longwave.scenes.fits.force_data import read_force
-from longwave.scenes.fits.force_fit import AS_GOOD, ForceFit, fit_points
+from longwave.scenes.fits.force_fit import AICC_MARGIN, ForceFit, fit_points
 from longwave.scenes.fits.force_law import stated_law
 from longwave.scenes.fits.least_squares import LeastSquares, probability
 from longwave.scenes.fits.residual_tests import EVEN, ODD, SERIAL, SMOOTH
-from longwave.scenes.fits.scene_fit import LAGS, SceneFit, fit_scene
+from longwave.scenes.fits.scene_fit import MAX_LAG, SceneFit, fit_scene
 from longwave.support.atomic_file import write_atomically
 from longwave.support.console import (
     SUFFIXES,
@@ -176,7 +176,7 @@ def fit_scene_and_print(
 def _scene_quality_lines(fit: SceneFit) -> Iterator[str]:
     yield _residual_size(fit, "a reading", fit.noise)
     serial = probability(fit.serial_p_value)
-    yield f"residuals against those up to {LAGS} readings later: {serial}"
+    yield f"residuals against those up to {MAX_LAG} readings later: {serial}"
 
 
 def _order_lines(fit: ForceFit) -> Iterator[str]:
@@ -184,7 +184,8 @@ def _order_lines(fit: ForceFit) -> Iterator[str]:
     if fit.evidence:
         least = min(value for _, value in fit.evidence)
         above = ", ".join(f"{names} {value - least:.1f}" for names, value in fit.evidence)
-        yield f"AICc above the least: {above}; the fewest constants within {AS_GOOD:g} are taken"
+        limit = f"{AICC_MARGIN:g}"
+        yield f"AICc above the least: {above}; the fewest constants within {limit} are taken"
         if fit.widening.max() > 1.0:
             yield "the deviations include those of the other laws, weighted by exp(-AICc/2)"
 

@@ -205,7 +205,7 @@ def _wrong_feed() -> Reading:
     ends, settings = [], scene.discretisation
     for factor in (1.0, 1.001):
         _, domains = domain_plan(scene)
-        window = Window(FedWave(domains, settings.sites), settings.sites)
+        window = Window(FedWave(domains, settings.sites))
         state = window.start()
         amplitude = float(np.max(np.abs(state.f)))
         domains.wave = replace(moving_wave(scene), eps=factor * scene.eps)

@@ -3,8 +3,6 @@
 Columns are separated by commas, semicolons or tabs.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -18,10 +16,10 @@ from longwave.support.user_files import read_text, shown, shown_path
 
 Numbers = NDArray[np.float64]
 
-LARGEST = 1e50
+LARGEST_NUMBER = 1e50
 """Largest number accepted; computations with larger ones may overflow."""
 
-LARGEST_FILE = 1_000_000
+MAX_TABLE_BYTES = 1_000_000
 """Maximum size in bytes of a table that a scene stores."""
 
 
@@ -41,7 +39,7 @@ def with_columns(given: Any, folder: Path) -> Any:
     if not isinstance(file, str):
         raise ValueError(f"file must be a name, got {shown(file)} (such as 'drive.csv')")
     try:
-        return columns | table_columns(read_text(folder / file, "file", LARGEST_FILE))
+        return columns | table_columns(read_text(folder / file, "file", MAX_TABLE_BYTES))
     except (OSError, ValueError) as error:
         raise ValueError(f"{shown_path(file)}: {getattr(error, 'strerror', error)}") from None
 
@@ -82,7 +80,7 @@ def _numbers(line: str, separator: str, names: Sequence[str], row: int) -> list[
         numbers = [float(part) for part in parts]
     except ValueError:
         numbers = [math.nan]
-    if not all(abs(number) <= LARGEST for number in numbers):
+    if not all(abs(number) <= LARGEST_NUMBER for number in numbers):
         raise ValueError(
             f"line {row} must hold finite numbers, got {shown(line)} (with a point, as 0.5; "
             "correct the line or leave it out)"
@@ -97,7 +95,7 @@ def number_list(label: str, given: ArrayLike) -> Numbers:
         raise ValueError(
             f"{label} must be a list of numbers, got {shown(given)} (such as [0, 0.1])"
         )
-    for row in np.flatnonzero(~(abs(numbers) <= LARGEST)):
+    for row in np.flatnonzero(~(abs(numbers) <= LARGEST_NUMBER)):
         raise ValueError(
             f"{label} must be finite, got {numbers[row]:g} in row {row + 1} (leave the row out)"
         )

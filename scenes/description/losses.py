@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from longwave.lattice.driving import DrivenChain
     from longwave.lattice.numeric_lattice import NumericLattice
 
-KINDS = {"site": 3, "bond": 1}
+EPS_POWERS = {"site": 3, "bond": 1}
 """Keys of the table, and the power of eps by which numbers under a long wave are scaled."""
 
 
@@ -49,7 +49,7 @@ class Losses:
         if isinstance(given, str | None):
             given = json.loads(given or "{}")
         stated = check.as_table("losses", given)
-        check.refuse_unknown(stated, KINDS, " in [losses]")
+        check.refuse_unknown(stated, EPS_POWERS, " in [losses]")
         return cls.of_rates(stated, _check_rate) if stated else None
 
     @classmethod
@@ -87,7 +87,7 @@ class Losses:
         def formula(key: str, given: Value) -> str:
             if isinstance(given, str):
                 return given
-            return f"eps**{KINDS[key]}*({given!r}/{eps!r}**{KINDS[key]})"
+            return f"eps**{EPS_POWERS[key]}*({given!r}/{eps!r}**{EPS_POWERS[key]})"
 
         return self.of_rates(self.table, formula)
 

@@ -88,10 +88,10 @@ def _of_document(document: Mapping[str, Any], path: Path) -> Scene:
     return Scene.of_document(document, path)
 
 
-KINDS = ("paper", "further", "lattices", "bench")
+FOLDER_NAMES = ("paper", "further", "lattices", "bench")
 """Folders of shipped scenes: of the paper, beyond it, on other lattices, on a bench."""
 
-FOLDERS = {name: f"longwave.scenes.shipped.{name}" for name in KINDS}
+FOLDERS = {name: f"longwave.scenes.shipped.{name}" for name in FOLDER_NAMES}
 """Package of the files of each folder."""
 
 
@@ -128,21 +128,18 @@ def rational_family_scenes(
 
 
 def _member(order: int, eps: float, tolerance: float) -> Scene:
+    """Return the scene of one order and eps; lattice times are rounded to whole numbers."""
+    t0, *snapshots = (float(round(T / eps**3)) for T in (SLOW_START, *SLOW_SNAPSHOTS))
     return Scene.of(
         name=f"Y{order}_eps_{eps:g}",
         title=f"Rational solution of order {order}, eps = {eps:g}",
         wave=f"rational_{order}",
         eps=eps,
-        t0=_time(SLOW_START, eps),
-        snapshots=tuple(_time(T, eps) for T in SLOW_SNAPSHOTS),
+        t0=t0,
+        snapshots=tuple(snapshots),
         K2=4.0,
         K4=1.0,
         compared=round(HALF_WIDTH / eps),
         tolerance=tolerance,
         observables=("strain",),
     )
-
-
-def _time(T: float, eps: float) -> float:
-    """Return the lattice time of a slow time, rounded to a whole number."""
-    return float(round(T / eps**3))

@@ -13,7 +13,7 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from longwave.scenes.description import entries
+from longwave.scenes.description import entries, scene_file, scene_rules
 from longwave.scenes.description import scene_checks as check
 from longwave.scenes.description.bench import BENCH_TABLES, Bench, bench_of, check_bath
 from longwave.scenes.description.losses import Losses
@@ -21,18 +21,6 @@ from longwave.scenes.description.numerics import NUMERICS, Discretisation, Toler
 from longwave.scenes.description.scene_checks import CHAIN, CHAIN_CONSTANTS, NOT_GIVEN, Value
 from longwave.scenes.description.scene_disorder import Disorder
 from longwave.scenes.description.scene_fields import SceneFields
-from longwave.scenes.description.scene_file import (
-    document_of,
-    lattice_keywords,
-    read_document,
-    scene_fields,
-    toml_text,
-)
-from longwave.scenes.description.scene_rules import (
-    check_any_lattice,
-    check_eps,
-    check_moving_wave,
-)
 from longwave.scenes.description.stated_tables import StatedTables
 from longwave.scenes.observed.observables import OBSERVABLES, observable_named
 from longwave.support.html_tables import html_table
@@ -114,7 +102,7 @@ class Scene(SceneFields):
         known = (*FIELDS, *CHAIN_CONSTANTS, "times", *NUMERICS, *BENCH_TABLES)
         check.refuse_unknown(given, known, what="keywords")
         if not isinstance(given.get("lattice", ""), str):
-            given |= lattice_keywords(given["lattice"])
+            given |= scene_file.lattice_keywords(given["lattice"])
         absent = [key for key in ALTERNATIVE_KEYS if given.get(key) is None]
         values = {key: value for key, value in given.items() if key in FIELDS and key not in absent}
         if bench := bench_of(given):
@@ -143,13 +131,14 @@ class Scene(SceneFields):
     @classmethod
     def from_toml(cls, path: str | Path) -> Scene:
         """Read a scene file, whose format is described in `scene_file.py`."""
-        return cls.of_document(read_document(path), Path(path))
+        return cls.of_document(scene_file.read_document(path), Path(path))
 
     @classmethod
     def of_document(cls, document: Mapping[str, Any], path: Path) -> Scene:
         """Return the scene described by the tables of a file at ``path``."""
         try:
-            return cls.of(**{"name": file_stem(path)} | scene_fields(document, path.parent))
+            fields = scene_file.scene_fields(document, path.parent)
+            return cls.of(**{"name": file_stem(path)} | fields)
         except ValueError as error:
             raise ValueError(f"{shown_path(path.name)}: {error}") from None
 
@@ -168,7 +157,7 @@ class Scene(SceneFields):
             check.text("wave", self.wave)
         else:
             check.closed_form(self.wave)
-        self._set("eps", check_eps(self.eps))
+        self._set("eps", scene_rules.check_eps(self.eps))
         check.one_of("order", self.order, check.ORDERS)
         for key in ("constants", "parameters"):
             self._set(key, check.pairs(key, getattr(self, key)))
@@ -204,9 +193,9 @@ class Scene(SceneFields):
         names = self.start.observables if has_default else self.observables
         self._set("observables", check.names("observables", names, tuple(OBSERVABLES)))
         if self.has_moving_wave:
-            check_moving_wave(self)
+            scene_rules.check_moving_wave(self)
         else:
-            check_any_lattice(self)
+            scene_rules.check_any_lattice(self)
 
     def _check_bench(self, bench: Bench) -> None:
         """Raise ValueError for fields of a wave, or numerics that a bench does not admit."""
@@ -309,9 +298,8 @@ class Scene(SceneFields):
         name, times = "T", self.slow_times
         if not times:
             name, times = "t", (self.t0, *self.snapshots[-1:])
-        region = f"{2 * self.compared + 1} sites"
-        if self.half_width is not None:
-            region = f"|X| <= {self.half_width:g}"
+        width = self.half_width
+        region = f"{2 * self.compared + 1} sites" if width is None else f"|X| <= {width:g}"
         if self.bench:
             span = f"t = {times[0]:g} .. {times[-1]:g}"
             return f"<Scene {self.name}: {self.lattice} on a bench, {span}, {self.numerics}>"
@@ -338,10 +326,7 @@ class Scene(SceneFields):
         return entries.run(self, progress, announce)
 
     def changed(self, **changes: Any) -> Scene:
-        """Return the scene with other values for some keywords of `of`.
-
-        A changed keyword replaces its alternatives: slow_times replace t0 and snapshots.
-        """
+        """Return the scene with some keywords of `of` changed; they replace their alternatives."""
         given = self._keywords()
         for other in alternatives_of([key for key in changes if _is_given(changes, key)]):
             given.pop(other, None)
@@ -354,39 +339,35 @@ class Scene(SceneFields):
 
     def with_tolerance(self, tolerance: float) -> Scene:
         """Return the scene with a tolerance instead of its step, domain and refinement runs."""
-        names = (
-            name for name in self.observables if observable_named(name).measured_at != "refinement"
-        )
+        kinds = {name: observable_named(name).measured_at for name in self.observables}
+        names = tuple(name for name, kind in kinds.items() if kind != "refinement")
         stated = dict.fromkeys(NUMERICS) if isinstance(self.numerics, Discretisation) else {}
-        return self.changed(**stated | {"tolerance": tolerance, "observables": tuple(names)})
+        return self.changed(**stated | {"tolerance": tolerance, "observables": names})
 
     def json(self) -> str:
         """Return the keywords of `of` as sorted JSON; your own wave is marked as not shipped."""
-        return json.dumps(self._stated() | self._texts(), sort_keys=True)
-
-    def toml(self) -> str:
-        """Return the scene as the text of a file, with its name and any declared lattice."""
-        return toml_text(self.document())
-
-    def document(self) -> dict[str, Any]:
-        """Return the tables of its file."""
-        return document_of(self._stated())
-
-    def _stated(self) -> dict[str, Any]:
-        """Return the keywords of `of`; your own wave is replaced by a text with its name."""
-        if isinstance(self.wave, str):
-            return self._keywords()
-        return self._keywords() | {"wave": f"{self.wave.name} (a closed form that is not shipped)"}
-
-    def _texts(self) -> dict[str, Any]:
-        """Return the keywords whose values are records, in a form for JSON."""
         texts = {
             "disorder": self.disorder and self.disorder.pairs,
             "declared": self.declared and self.declared.json,
             "losses": self.losses and str(self.losses),
             "bench": self.bench and self.bench.stated.json,
         }
-        return {key: text for key, text in texts.items() if text is not None}
+        texts = {key: text for key, text in texts.items() if text is not None}
+        return json.dumps(self._stated() | texts, sort_keys=True)
+
+    def toml(self) -> str:
+        """Return the scene as the text of a file, with its name and any declared lattice."""
+        return scene_file.toml_text(self.document())
+
+    def document(self) -> dict[str, Any]:
+        """Return the tables of its file."""
+        return scene_file.document_of(self._stated())
+
+    def _stated(self) -> dict[str, Any]:
+        """Return the keywords of `of`; your own wave is replaced by a text with its name."""
+        if isinstance(self.wave, str):
+            return self._keywords()
+        return self._keywords() | {"wave": f"{self.wave.name} (a closed form that is not shipped)"}
 
     def _keywords(self) -> dict[str, Any]:
         """Return the keywords of `of` whose values are not the defaults."""

@@ -56,13 +56,13 @@ EXAMPLES: Mapping[str, str] = {
 LEAST_TOLERANCE = 1e-11
 """Least sup error of y/eps distinguishable from rounding errors (Y2 over t = 15000)."""
 
-SMALLEST = 1e-50
+SMALLEST_NUMBER = 1e-50
 """Smallest nonzero size of a number; below it or above its reciprocal computations may overflow."""
 
 FARTHEST_SITE = 2.0**52
 """Largest site number accepted; up to it, multiples of 1/2 are exact doubles."""
 
-LARGEST = 1e9
+LARGEST_WHOLE = 1e9
 """Largest whole number accepted; more cells would exceed any memory."""
 
 REQUIRED = object()
@@ -99,10 +99,8 @@ def read_table(
     values = {}
     for key in dict.fromkeys((*stated, *entries)):
         entry = entries[key]
-        label, value = (
-            entry.name or key + (where or f" in [{name}]"),
-            stated.get(key, entry.default),
-        )
+        label = entry.name or key + (where or f" in [{name}]")
+        value = stated.get(key, entry.default)
         if value is REQUIRED:
             raise ValueError(f"{label} must be stated, got nothing ({entry.remedy})")
         is_read = key in stated or value is None
@@ -139,10 +137,10 @@ def finite(name: str, value: object) -> float:
     number = value if isinstance(value, int) else float(value)
     if not isinstance(number, int) and not math.isfinite(number):
         raise ValueError(f"{name} must be finite, got {value}{_remedy(name)}")
-    if number != 0 and not SMALLEST <= abs(number) <= 1 / SMALLEST:
+    if number != 0 and not SMALLEST_NUMBER <= abs(number) <= 1 / SMALLEST_NUMBER:
         raise ValueError(
-            f"{name} must be 0 or satisfy {SMALLEST:g} <= |{name}| <= {1 / SMALLEST:g}, "
-            f"got {shown(value)}{_remedy(name)}"
+            f"{name} must be 0 or satisfy {SMALLEST_NUMBER:g} <= |{name}| <= "
+            f"{1 / SMALLEST_NUMBER:g}, got {shown(value)}{_remedy(name)}"
         )
     return float(number)
 
@@ -166,7 +164,7 @@ def tolerance(given: object) -> float:
     return value
 
 
-def whole(name: str, value: object, least: int = 1, most: float = LARGEST) -> int:
+def whole(name: str, value: object, least: int = 1, most: float = LARGEST_WHOLE) -> int:
     """Return a whole number from ``least`` to ``most`` as an int; ValueError for other values."""
     is_whole = isinstance(value, Integral) and not isinstance(value, bool)
     if not is_whole or not least <= int(value) <= most:  # type: ignore[call-overload]
@@ -267,31 +265,28 @@ def value(name: str, given: object) -> Value:
     return int(number) if abs(number) < FARTHEST_SITE and number.is_integer() else number
 
 
-def pairs(name: str, given: object) -> Pairs:
-    """Return checked pairs of name and value from a mapping or from pairs."""
+def as_pairs(name: str, given: object, example: str) -> list[tuple[str, Any]]:
+    """Return pairs of name and value from a mapping or from pairs; ValueError for others."""
     entries = list(given.items()) if isinstance(given, Mapping) else given
     if not isinstance(entries, list | tuple) or not all(
         isinstance(pair, list | tuple) and len(pair) == 2 for pair in entries
     ):
-        example = '{"k": 0.5}' if name == "parameters" else '{"K2": 1}'
         raise ValueError(
             f"{name} must be pairs of names and values, got {shown(given)} (such as {example})"
         )
-    checked = tuple((str(key), value(str(key), entry)) for key, entry in entries)
-    _check_names(name, checked)
-    return checked
+    return [(str(key), entry) for key, entry in entries]
 
 
-def _check_names(where: str, pairs: Iterable[tuple[str, object]]) -> None:
-    """Raise ValueError for a repeated name, or for a text that cannot be written to a file."""
-    previous = set()
-    for name, value in pairs:
-        if name in previous:
+def pairs(where: str, given: object) -> Pairs:
+    """Return checked pairs from a mapping or pairs; ValueError for a repeated or invalid name."""
+    entries = as_pairs(where, given, '{"k": 0.5}' if where == "parameters" else '{"K2": 1}')
+    checked: dict[str, Value] = {}
+    for name, entry in entries:
+        number = value(name, entry)
+        if name in checked:
             raise ValueError(f"{where} must have each name once, got {name} twice (leave one)")
-        previous.add(name)
-        text(f"name in {where}", name)
-        if isinstance(value, str):
-            text(name, value)
+        checked[text(f"name in {where}", name)] = number
+    return tuple(checked.items())
 
 
 def plain(key: object) -> str:

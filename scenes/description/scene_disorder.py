@@ -10,23 +10,22 @@ sites = [0, 999]            # the first and the last cell that deviate; all with
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from longwave.lattice.random_sites import DISTRIBUTIONS, site_deviations
-from longwave.scenes.description.scene_checks import finite, one_of, refuse_unknown, text, whole
+from longwave.scenes.description import scene_checks as check
+from longwave.support.array_types import Array
 from longwave.support.user_files import shown
-
-Array = NDArray[np.float64]
 
 MASS = "mass"
 """Value of `Disorder.of` if masses deviate."""
 
-FARTHEST = 2**53
+FARTHEST_CELL = 2**53
 """Largest number of a cell that is an exact double."""
 
 LARGEST_SEED = 2**63 - 1
@@ -51,16 +50,18 @@ class Disorder:
     sites: tuple[int, int] | None = None
 
     def __post_init__(self) -> None:
-        text("of in [disorder]", self.of)
-        spread = finite("spread in [disorder]", self.spread)
+        check.text("of in [disorder]", self.of)
+        spread = check.finite("spread in [disorder]", self.spread)
         if not 0.0 <= spread < 1.0:
             raise ValueError(
                 f"spread in [disorder] must satisfy 0 <= spread < 1, got {spread:g} (it is the "
                 "largest deviation as a share: with 1 a mass or a spring may vanish)"
             )
         object.__setattr__(self, "spread", spread)
-        object.__setattr__(self, "seed", whole("seed in [disorder]", self.seed, 0, LARGEST_SEED))
-        one_of("distribution in [disorder]", self.distribution, DISTRIBUTIONS)
+        object.__setattr__(
+            self, "seed", check.whole("seed in [disorder]", self.seed, 0, LARGEST_SEED)
+        )
+        check.one_of("distribution in [disorder]", self.distribution, DISTRIBUTIONS)
         if self.sites is not None:
             object.__setattr__(self, "sites", _ends(self.sites))
 
@@ -69,17 +70,8 @@ class Disorder:
         """Return the disorder from a record, or from names and values as a mapping or pairs."""
         if isinstance(given, Disorder):
             return given
-        pairs = list(given.items()) if isinstance(given, Mapping) else given
-        if not isinstance(pairs, list | tuple) or not all(
-            isinstance(pair, list | tuple) and len(pair) == 2 and isinstance(pair[0], str)
-            for pair in pairs
-        ):
-            raise ValueError(
-                f"disorder must be pairs of names and values, got {shown(given)} (such as "
-                '{"of": "mass", "spread": 0.1, "seed": 1})'
-            )
-        values: dict[str, Any] = {str(name): value for name, value in pairs}
-        refuse_unknown(values, [field.name for field in fields(cls)], " in [disorder]")
+        values = dict(check.as_pairs("disorder", given, '{"of": "mass", "spread": 0.1, "seed": 1}'))
+        check.refuse_unknown(values, [field.name for field in fields(cls)], " in [disorder]")
         for name in ("of", "spread", "seed"):
             if name not in values:
                 raise ValueError(f"{name} in [disorder] must be stated, got nothing (state it)")
@@ -93,10 +85,7 @@ class Disorder:
         return tuple((name, value) for name, value in values if value != defaults[name])
 
     def deviations(self, cells: ArrayLike, row: int = 0) -> Array:
-        """Return the deviations of consecutive cells.
-
-        ``row`` is the index of the deviating quantity if several in a cell deviate independently.
-        """
+        """Return the deviations of consecutive cells; independent ones for each ``row``."""
         n = np.asarray(cells)
         deviations = self.spread * site_deviations(n, self.seed, row, self.distribution)
         if self.sites is None:
@@ -111,7 +100,8 @@ def _ends(given: object) -> tuple[int, int]:
             f"sites in [disorder] must be the first and the last cell that deviate, got "
             f"{shown(given)} (such as [0, 999])"
         )
-    first, last = (whole("sites in [disorder]", end, -FARTHEST, FARTHEST) for end in given)
+    ends = -FARTHEST_CELL, FARTHEST_CELL
+    first, last = (check.whole("sites in [disorder]", cell, *ends) for cell in given)
     if first > last:
         raise ValueError(
             f"sites in [disorder] must have first <= last, got {first} and {last} (swap them)"

@@ -13,13 +13,7 @@ from longwave.scenes.description import entries
 from longwave.scenes.description.bench import Bench
 from longwave.scenes.description.losses import Losses, lossy
 from longwave.scenes.description.numerics import Discretisation, Tolerance
-from longwave.scenes.description.scene_checks import (
-    CHAIN,
-    CHAIN_CONSTANTS,
-    NOT_GIVEN,
-    Pairs,
-    Value,
-)
+from longwave.scenes.description.scene_checks import CHAIN, CHAIN_CONSTANTS, NOT_GIVEN, Pairs, Value
 from longwave.scenes.description.scene_disorder import Disorder
 from longwave.scenes.description.stated_tables import StatedTables
 from longwave.support.known_names import one_of
@@ -29,13 +23,13 @@ if TYPE_CHECKING:
     from longwave.derive import Lattice
     from longwave.solutions import ClosedForm
 
-ROUNDING = 1e-12
+HALF_WIDTH_ROUNDING = 1e-12
 """Relative rounding error by which a half-width may exceed a whole number of cells."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class StartRules(entries.Entry):
-    """Rules for scenes of one start; ``method`` is a key of `engines.methods.METHODS`.
+class StartRules:
+    """Rules for scenes of one start; ``method`` is a key of `engines.methods.method_of`.
 
     ``measured`` names a quantity that is measured instead of comparing a wave; times and region are
     then computed. ``check`` raises ValueError in one line for an inadmissible scene.
@@ -92,7 +86,7 @@ class SceneFields:
     @property
     def named_start(self) -> StartRules | None:
         """Entry of a wave that is not a closed form; None for a closed form."""
-        return entries.table(StartRules).get(self.wave) if isinstance(self.wave, str) else None
+        return entries.starts().get(self.wave) if isinstance(self.wave, str) else None
 
     @property
     def start(self) -> StartRules:
@@ -108,26 +102,14 @@ class SceneFields:
 
     @property
     def has_moving_wave(self) -> bool:
-        """Whether the wave is of the paper's kind: leading long-wave data on its chain, K3 = 0.
-
-        The reduced equation is then the mKdV equation.
-        """
+        """Whether the scene has a leading mKdV long wave on the paper's chain, with K3 = 0."""
         values = dict(self.constants)
         ansatz = (self.order, self.background, self.amplitude, self.time, self.carrier)
-        return (
-            self.lattice == CHAIN
-            and not (
-                self.declared or self.disorder or self.losses or self.named_start or self.bench
-            )
-            and ansatz == ("leading", 0, None, None, "")
-            and not any(isinstance(value, str) for value in values.values())
-            and values.get("K3", 0) == 0
-        )
-
-    @property
-    def method(self) -> str:
-        """Key of the function in `engines.methods.METHODS` that runs the scene."""
-        return self.start.method
+        effects = self.declared or self.disorder or self.losses or self.named_start or self.bench
+        if self.lattice != CHAIN or effects or ansatz != ("leading", 0, None, None, ""):
+            return False
+        is_numeric = not any(isinstance(value, str) for value in values.values())
+        return is_numeric and values.get("K3", 0) == 0
 
     @property
     def wave_name(self) -> str:
@@ -178,9 +160,7 @@ class SceneFields:
     @property
     def form(self) -> ClosedForm:
         """Closed form of the wave; a ValueError for an unknown name lists the known ones."""
-        from longwave.solutions import (
-            closed_form,  # slow import, not needed to read, list or show scenes
-        )
+        from longwave.solutions import closed_form  # slow, not needed to read or show scenes
 
         if isinstance(self.wave, str):
             return closed_form(self.wave, dict(self.parameters))
@@ -206,11 +186,6 @@ class SceneFields:
         """Last time of the run."""
         return self.snapshots[-1]
 
-    @property
-    def keeps_start(self) -> bool:
-        """Whether the initial state is one of the snapshots."""
-        return bool(self.slow_times) or self.t0 in self.snapshots
-
     def lattice_times(self, slow: int) -> tuple[float, ...]:
         """Return the start and the snapshots in lattice time t, where ``T = eps**slow t``."""
         if self.slow_times:
@@ -221,7 +196,7 @@ class SceneFields:
         """Return the number of cells compared on either side along an axis with X = eps^power n."""
         if self.half_width is None:
             return self.compared
-        return max(1, math.ceil(self.half_width / self.eps**power * (1.0 - ROUNDING)))
+        return max(1, math.ceil(self.half_width / self.eps**power * (1.0 - HALF_WIDTH_ROUNDING)))
 
     def check_compared(self) -> None:
         """Raise ValueError for a scene without a comparison: a bench, or a growth rate."""

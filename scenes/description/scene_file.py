@@ -19,8 +19,6 @@ stated are taken from the lattice's file. ``compared`` may also be in [domain]. 
 tolerance states no step, kind or sites. The default name is that of the file.
 """
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Mapping
@@ -28,28 +26,22 @@ from numbers import Integral, Real
 from pathlib import Path
 from typing import Any
 
+from longwave.scenes.description import scene_checks as check
 from longwave.scenes.description.bench import BENCH_TABLES
 from longwave.scenes.description.csv_table import with_columns
-from longwave.scenes.description.scene_checks import (
-    CHAIN,
-    CHAIN_CONSTANTS,
-    refuse_unknown,
-    table,
-    text,
-)
 from longwave.scenes.description.scene_disorder import Disorder
 from longwave.scenes.description.stated_tables import StatedTables
 from longwave.support.user_files import read_toml, shown, shown_path
 
-TOP = (
+TOP_KEYS = (
     *("name", "title", "lattice", "wave", "eps", "order", "t0", "snapshots", "times"),
     *("slow_times", "compared", "half_width", "observables", "curve_points", "look_points"),
     *("tolerance", "engine"),
 )
-PAIRS = ("constants", "parameters")
+PAIR_TABLES = ("constants", "parameters")
 """Tables whose keys depend on the lattice or the wave."""
 
-TABLES = {
+TABLE_FIELDS = {
     "long_wave": {"amplitude": "amplitude", "time": "time", "background": "background"},
     "envelope": {"k": "carrier", "branch": "branch"},
     "scheme": {"name": "scheme", "step": "step"},
@@ -63,7 +55,7 @@ LATTICE_KEYS = ("fields", "masses", "positive", "spring", "site", "bond")
 NEEDED = {"step": "step in [scheme]", "domain": "kind in [domain]", "sites": "sites in [domain]"}
 """Fields required without a tolerance, and their places in a file."""
 
-LARGEST_FILE = 1_000_000
+MAX_SCENE_BYTES = 1_000_000
 """Maximum size of a scene's file, in bytes."""
 
 
@@ -73,7 +65,7 @@ def read_document(path: str | Path, what: str = "scene") -> Mapping[str, Any]:
     Raises ValueError in one line for a file that cannot be read; ``what`` names its kind there.
     """
     try:
-        return read_toml(path, what, LARGEST_FILE)
+        return read_toml(path, what, MAX_SCENE_BYTES)
     except OSError as error:
         raise ValueError(
             f"{what} must be a file that can be read, got {shown_path(path)}: {error.strerror} "
@@ -90,12 +82,12 @@ def in_one_spelling(document: Mapping[str, Any]) -> dict[str, Any]:
     tables = dict(document)
     lattice = tables.get("lattice")
     if isinstance(lattice, Mapping) and not any(key in lattice for key in LATTICE_KEYS):
-        refuse_unknown(lattice, CHAIN_CONSTANTS, " in [lattice]")
-        if table(document, "constants"):
+        check.refuse_unknown(lattice, check.CHAIN_CONSTANTS, " in [lattice]")
+        if check.table(document, "constants"):
             raise ValueError(
                 "K2, K3 and K4 must be in [constants] or in [lattice], got both (leave one out)"
             )
-        tables |= {"lattice": CHAIN, "constants": dict(lattice)}
+        tables |= {"lattice": check.CHAIN, "constants": dict(lattice)}
     domain = tables.get("domain")
     if isinstance(domain, Mapping) and "compared" in domain:
         if "compared" in tables:
@@ -119,31 +111,31 @@ def scene_fields(given: Mapping[str, Any], folder: Path = Path()) -> dict[str, A
     ValueError: step must be in [scheme], got it at the top of the scene (write it below a line ...)
     """
     document = in_one_spelling(given)
-    known = (*TOP, *PAIRS, *TABLES, "disorder", "losses", *BENCH_TABLES)
-    for name, fields in TABLES.items():
+    known = (*TOP_KEYS, *PAIR_TABLES, *TABLE_FIELDS, "disorder", "losses", *BENCH_TABLES)
+    for name, fields in TABLE_FIELDS.items():
         for key in sorted(document.keys() & fields.keys() - set(known)):
             raise ValueError(
                 f"{key} must be in [{name}], got it at the top of the scene (write it below a line "
                 f"[{name}])"
             )
-    refuse_unknown(document, known)
-    keywords = {key: document[key] for key in TOP if key in document}
+    check.refuse_unknown(document, known)
+    keywords = {key: document[key] for key in TOP_KEYS if key in document}
     keywords |= with_columns(
         {key: document[key] for key in BENCH_TABLES if key in document}, folder
     )
     keywords |= _lattice(document.get("lattice"), folder)
-    keywords |= {name: tuple(table(document, name).items()) for name in PAIRS}
+    keywords |= {name: tuple(check.table(document, name).items()) for name in PAIR_TABLES}
     declared = keywords.get("declared")
-    of_lattice = table(declared.tables, "constants") if declared else {}
+    of_lattice = check.table(declared.tables, "constants") if declared else {}
     keywords["constants"] = tuple({**of_lattice, **dict(keywords["constants"])}.items())
-    for name, fields in TABLES.items():
-        entries = table(document, name)
-        refuse_unknown(entries, fields, f" in [{name}]")
+    for name, fields in TABLE_FIELDS.items():
+        entries = check.table(document, name)
+        check.refuse_unknown(entries, fields, f" in [{name}]")
         keywords |= {fields[key]: value for key, value in entries.items()}
     if "losses" in document:
-        keywords["losses"] = table(document, "losses")
+        keywords["losses"] = check.table(document, "losses")
     if "disorder" in document:
-        keywords["disorder"] = Disorder.of_pairs(table(document, "disorder"))
+        keywords["disorder"] = Disorder.of_pairs(check.table(document, "disorder"))
     if "envelope" in document and keywords.get("carrier", "") == "":
         raise ValueError('k in [envelope] must be stated, got nothing (such as k = "pi/2")')
     if "long_wave" in document and "envelope" in document:
@@ -202,7 +194,7 @@ def _declaration(document: Mapping[str, Any], name: str) -> dict[str, Any]:
     """Return the keywords for a declared lattice; ``name`` is used if its tables have none."""
     tables = dict(document)
     lattice_name = tables.pop("name", name)
-    text("name in [lattice]", lattice_name)
+    check.text("name in [lattice]", lattice_name)
     return {"lattice": lattice_name, "declared": StatedTables(tables, "lattice")}
 
 
@@ -212,15 +204,15 @@ def document_of(given: Mapping[str, Any]) -> dict[str, Any]:
     >>> document_of({"wave": "kink", "constants": [["K2", 1]], "step": None, "sites": 8})
     {'lattice': 'fput_strain', 'wave': 'kink', 'constants': {'K2': 1}, 'domain': {'sites': 8}}
     """
-    given = {"lattice": CHAIN} | {k: v for k, v in given.items() if v is not None}
-    document = {key: given[key] for key in TOP if key in given}
+    given = {"lattice": check.CHAIN} | {k: v for k, v in given.items() if v is not None}
+    document = {key: given[key] for key in TOP_KEYS if key in given}
     if "declared" in given:
         document["lattice"] = {"name": given["lattice"], **given["declared"].tables}
-    document |= {name: dict(given[name]) for name in PAIRS if name in given}
+    document |= {name: dict(given[name]) for name in PAIR_TABLES if name in given}
     document |= {"disorder": dict(given["disorder"].pairs)} if "disorder" in given else {}
     document |= {"losses": given["losses"].table} if "losses" in given else {}
     document |= given["bench"].stated.tables if "bench" in given else {}
-    for name, fields in TABLES.items():
+    for name, fields in TABLE_FIELDS.items():
         entries = {k: given[field] for k, field in fields.items() if field in given}
         entries.pop("compared", None)
         document |= {name: entries} if entries else {}
@@ -277,6 +269,6 @@ def _value(value: object) -> str:
     )
 
 
-def _text(text: str) -> str:
+def _text(value: str) -> str:
     """Return a text in quotes: as in JSON, but TOML also requires DEL to be escaped."""
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -1,7 +1,5 @@
 """Tables of a scene's file as they were stated, for keys that other modules interpret."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from functools import cached_property
@@ -13,8 +11,7 @@ import numpy as np
 class StatedTables:
     """Hashable tables; they are equal if their entries are, in the same order.
 
-    Raises ValueError in one line for values that JSON cannot represent; ``what`` names the tables
-    in the message.
+    Raises ValueError for values that JSON cannot represent; ``what`` names the tables there.
 
     >>> StatedTables({"sites": 8}) == StatedTables({"sites": 8}), StatedTables({"sites": 8}).json
     (True, '{"sites": 8}')

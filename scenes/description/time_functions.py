@@ -8,11 +8,11 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.time_integral import ROUNDING
 from longwave.scenes.description.csv_table import number_list
 from longwave.scenes.description.scene_checks import finite
+from longwave.support.array_types import Array
 from longwave.support.user_files import shown
 
 if TYPE_CHECKING:
@@ -20,22 +20,21 @@ if TYPE_CHECKING:
 
     from longwave.lattice.force_program import ForceProgram
 
-Array = NDArray[np.float64]
 Smooth: TypeAlias = "ForceProgram | Samples"
 """Function of an array of times, with a slope."""
 
-DEGREE = 5
+SPLINE_DEGREE = 5
 """Degree of the spline through measured values. Its first four derivatives are continuous, so a
 scheme of order 6 keeps its order; a cubic spline gives order 4, a monotone one order 3."""
 
-OUTSIDE = 0.5
+OVERSHOOT = 0.5
 """Fraction of the range of measured values by which a spline may exceed it; between values sampled
 densely enough it does by a few hundredths."""
 
 
 @dataclass(frozen=True)
 class Samples:
-    """Values at increasing times, interpolated by a spline of degree `DEGREE`."""
+    """Values at increasing times, interpolated by a spline of degree `SPLINE_DEGREE`."""
 
     times: tuple[float, ...]
     values: tuple[float, ...]
@@ -54,9 +53,9 @@ class Samples:
                 "(such as { t = [...], value = [...] })"
             )
         times, values = (number_list(f"{name} of {label}", given[name]) for name in ("t", "value"))
-        if times.size != values.size or times.size <= DEGREE:
+        if times.size != values.size or times.size <= SPLINE_DEGREE:
             raise ValueError(
-                f"{label} must have at least {DEGREE + 1} times and as many values, got "
+                f"{label} must have at least {SPLINE_DEGREE + 1} times and as many values, got "
                 f"{times.size} and {values.size} (measure more)"
             )
         for row in np.flatnonzero(np.diff(times) <= 0.0)[:1]:
@@ -68,15 +67,15 @@ class Samples:
 
     @cached_property
     def _spline(self) -> BSpline:
-        """Spline through the values; ValueError if it leaves their range by over `OUTSIDE`."""
+        """Spline through the values; ValueError if it leaves their range by over `OVERSHOOT`."""
         from scipy.interpolate import make_interp_spline
 
-        spline: BSpline = make_interp_spline(self.times, self.values, k=DEGREE)
+        spline: BSpline = make_interp_spline(self.times, self.values, k=SPLINE_DEGREE)
         rows = np.arange(8 * len(self.times)) / 8
         times = np.interp(rows, np.arange(len(self.times)), self.times)
         values = spline(times)
         beyond = np.abs(values - np.clip(values, min(self.values), max(self.values)))
-        allowed = OUTSIDE * np.ptp(self.values) + ROUNDING * max(map(abs, self.values))
+        allowed = OVERSHOOT * np.ptp(self.values) + ROUNDING * max(map(abs, self.values))
         if not beyond.max() <= allowed:
             raise ValueError(
                 "measured values must be dense and even, got a spline that leaves their range by "

@@ -7,38 +7,30 @@ steps h and h / 2 and the same noise. The means are taken over the finer runs; a
 difference between the two estimates the finer run's step-size error.
 """
 
-from __future__ import annotations
-
 import math
 from time import perf_counter
-from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import t as student
 
+from longwave.lattice.driving import DrivenChain
+from longwave.lattice.refine import Announce
 from longwave.lattice.state import State
-from longwave.scenes.description.bench import MEAN_SUFFIXES
+from longwave.lattice.trial import Progress
+from longwave.scenes.description.bench import MEAN_SUFFIXES, Bench
+from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines.bench_readings import BenchReadings, bench_and_chain
+from longwave.scenes.engines.run_record import RunRecord
+from longwave.support.array_types import Array
 from longwave.support.checkpoint import begin_loop
 from longwave.support.request_limits import ExpectedCost, check_request
-
-if TYPE_CHECKING:
-    from longwave.lattice.driving import DrivenChain
-    from longwave.lattice.refine import Announce
-    from longwave.lattice.trial import Progress
-    from longwave.scenes.description.bench import Bench
-    from longwave.scenes.description.scene import Scene
-    from longwave.scenes.engines.run_record import RunRecord
-
-Array = NDArray[np.float64]
 
 FIRST_RUNS, MOST_RUNS = 64, 100_000
 """Minimum and maximum number of runs. The minimum keeps the intervals honest: a small sample that
 is low by chance also has a small spread. With a minimum of 8 runs only 86 of 100 intervals of 95 %
 contained the true mean energy of a mode, which is distributed exponentially."""
 
-CONFIDENCE, NOMINAL = 0.95, 0.97
+CONFIDENCE, QUANTILE_CONFIDENCE = 0.95, 0.97
 """Stated confidence of each interval, and the larger one used for Student's quantile. After 64 runs
 or more, intervals of 0.95 contained the true mode energy in 92 to 94 of 100 cases, intervals of
 0.97 in 93 to 97."""
@@ -46,23 +38,22 @@ or more, intervals of 0.95 contained the true mode energy in 92 to 94 of 100 cas
 LONGEST_STEP = 0.5
 """Longest step, in units of the inverse highest frequency or of the inverse damping rate."""
 
-MOST_EXCESS = 2.0
+MAX_STEP_EXCESS = 2.0
 """Factor by which a step may exceed the longest one for the strains met; beyond it is shortened."""
 
-HOT = 4.0
+HOT_BOND_ENERGY = 4.0
 """Bond energy, in units of the temperature, up to which the first step resolves the bond."""
 
 CHECK_INTERVAL = 8
 """Steps between two checks of the strains; on 8 cells a check takes a third of a step's time."""
 
 STEP_REDUCTION, MOST_REDUCTIONS = 0.25, 4
-"""Factor on the step after a breakdown, and number of such reductions before the chain is reported
-to fly apart."""
+"""Factor on the step after a breakdown, and maximum number of such reductions."""
 
-SIGNIFICANT = 3.0
+SIGNIFICANT_ERRORS = 3.0
 """Number of standard errors beyond which a difference is significant."""
 
-SAFETY = 1.1
+RUNS_SAFETY = 1.1
 """Safety factor on the number of runs predicted from the spread so far."""
 
 
@@ -90,7 +81,7 @@ class Bath:
         self.steps = self.reductions = 0
         self.ranges = self._warm_ranges()
         warm = LONGEST_STEP / self.engine.dynamics.highest_frequency(self.ranges)
-        self.step = warm if self.step > MOST_EXCESS * warm else self.step
+        self.step = warm if self.step > MAX_STEP_EXCESS * warm else self.step
 
     def _warm_ranges(self) -> Array:
         """Return the initial strain ranges, widened to the bond energies expected in the bath."""
@@ -100,7 +91,7 @@ class Bath:
             for end, sign in enumerate((-1.0, 1.0)):
                 with np.errstate(all="ignore"):
                     stored = bond.force.potential(sign * sizes)
-                few = (stored >= 0.0) & (stored < HOT * self.noise.temperature)
+                few = (stored >= 0.0) & (stored < HOT_BOND_ENERGY * self.noise.temperature)
                 whole = int(np.argmin(few)) if not few.all() else 0
                 if whole and stored[whole] >= 0.0:
                     row[end] += sign * sizes[whole - 1]
@@ -116,12 +107,12 @@ class Bath:
         return None if self.shorten_step(None) else values
 
     def shorten_step(self, broken: BrokenRunError | None) -> bool:
-        """Shorten the step after a breakdown or if it is too long for the strains met.
+        """Shorten a step that broke down or is too long; return whether it was shortened.
 
-        Returns whether the step was shortened. Raises ValueError if repeated shortening fails.
+        Raises ValueError if repeated shortening fails.
         """
         longest = LONGEST_STEP / self.engine.dynamics.highest_frequency(self.ranges)
-        if broken is None and self.step <= MOST_EXCESS * longest:
+        if broken is None and self.step <= MAX_STEP_EXCESS * longest:
             return False
         if broken is not None or longest < STEP_REDUCTION * self.step:
             self.reductions += 1
@@ -138,10 +129,7 @@ class Bath:
         return True
 
     def _widen_ranges(self, f: Array, v: Array, t: float) -> None:
-        """Widen the recorded strain ranges by those of a state.
-
-        Raises BrokenRunError if they are not finite.
-        """
+        """Widen the strain ranges by those of a state; BrokenRunError if not finite."""
         met = self.engine.dynamics.ranges(State(t, f, v))
         if not np.isfinite(met).all():
             raise BrokenRunError(t)
@@ -230,7 +218,7 @@ class Means:
     @property
     def by_chance(self) -> Array:
         """Half-width of each mean's confidence interval."""
-        quantile = student.ppf(0.5 * (1.0 + NOMINAL), self.runs - 1)
+        quantile = student.ppf(0.5 * (1.0 + QUANTILE_CONFIDENCE), self.runs - 1)
         return np.asarray(quantile * self.spread / math.sqrt(self.runs))
 
     @property
@@ -241,7 +229,7 @@ class Means:
     def asks_for_shorter_steps(self, allowed: float) -> bool:
         """Return whether the step-size error is significant and exceeds half of ``allowed``."""
         chance = np.sqrt(self._squares[1] / (self.runs - 1) / self.runs)
-        significant = np.abs(self._mean[1]) > SIGNIFICANT * chance
+        significant = np.abs(self._mean[1]) > SIGNIFICANT_ERRORS * chance
         return bool((significant & (self.by_steps > 0.5 * allowed)).any())
 
 
@@ -250,8 +238,7 @@ def record_means(
 ) -> RunRecord:
     """Run the chain until each mean's confidence interval is within the tolerance.
 
-    Raises ValueError in one line for a chain that flies apart or a tolerance that needs too many
-    runs, and OverBudgetError for runs that would take too long.
+    Raises ValueError for a diverging chain or too many runs, OverBudgetError for too long ones.
     """
     loop, allowed = begin_loop("means of a bath"), scene.target.tolerance
     bath, means, target = Bath(scene, bench, chain), Means(), FIRST_RUNS
@@ -275,7 +262,7 @@ def record_means(
         if float((means.by_chance + means.by_steps).max()) <= allowed:
             break
         halved = means.asks_for_shorter_steps(allowed)
-        needed = SAFETY * (chance / (allowed - min(steps, 0.5 * allowed))) ** 2 * means.runs
+        needed = RUNS_SAFETY * (chance / (allowed - min(steps, 0.5 * allowed))) ** 2 * means.runs
         if needed > MOST_RUNS:
             raise ValueError(
                 f"tolerance must be one that {MOST_RUNS} runs reach, got {allowed:g} (after "

@@ -7,31 +7,23 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.derive.symbols import number_value
 from longwave.lattice.integration import CellEngine, StateComparison
 from longwave.lattice.schemes import REDUCED_PHASE_6, scheme_named
+from longwave.lattice.state import State
 from longwave.scenes.description.bench import MOST_READINGS, Bench
 from longwave.scenes.description.losses import without_losses
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.engines.run_record import RunRecord
-from longwave.scenes.starts.bench_chain import (
-    Moment,
-    bench_variables,
-    chain_on_bench,
-    energy_cuts,
-    start_on_bench,
-)
+from longwave.scenes.engines.run_record import RunRecord, stencil_cost
+from longwave.scenes.starts import bench_chain
+from longwave.support.array_types import Array
 
 if TYPE_CHECKING:
     from longwave.lattice.driving import DrivenChain
     from longwave.lattice.energy_balance import EnergyBalance
-    from longwave.lattice.state import State
     from longwave.lattice.trial import Trial
     from longwave.scenes.engines.recorders import Variables
-
-Array = NDArray[np.float64]
 
 
 @lru_cache(maxsize=4)
@@ -41,14 +33,11 @@ def bench_and_chain(scene: Scene, lossless: bool = False) -> tuple[Bench, Driven
     values = {name: number_value(name, value) for name, value in scene.constants}
     lattice, losses = without_losses(scene.symbolic_lattice, values)
     span = scene.t0, scene.end
-    return bench, chain_on_bench(bench, lattice, span, None if lossless else losses)
+    return bench, bench_chain.chain_on_bench(bench, lattice, span, None if lossless else losses)
 
 
 def reading_times(scene: Scene, bench: Bench) -> Array:
-    """Return the times at which sensors are read: the snapshots and every ``every`` between them.
-
-    Raises ValueError for more than `MOST_READINGS` times.
-    """
+    """Return the snapshots and every ``every`` between; ValueError beyond `MOST_READINGS` times."""
     begin, end, every = scene.t0, scene.end, bench.every
     if not (end - begin) / every <= MOST_READINGS:
         raise ValueError(
@@ -66,9 +55,9 @@ class BenchReadings:
     def __init__(self, scene: Scene, bench: Bench, chain: DrivenChain) -> None:
         self.bench, self.chain, self.scene = bench, chain, scene
         self.times = reading_times(scene, bench)
-        self.outputs = list(bench_variables(bench, chain))
+        self.outputs = list(bench_chain.bench_variables(bench, chain))
         scheme = scheme_named(scene.target.scheme) if scene.target.scheme else REDUCED_PHASE_6
-        start = chain.with_walls(start_on_bench(bench, chain, scene.t0))
+        start = chain.with_walls(bench_chain.start_on_bench(bench, chain, scene.t0))
         self.engine = CellEngine(
             chain,
             start,
@@ -76,14 +65,14 @@ class BenchReadings:
             scheme,
             StateComparison(self.read),
             stored_times=self.times[:0],
-            cuts=energy_cuts(bench, chain),
+            cuts=bench_chain.energy_cuts(bench, chain),
             tolerance=scene.target.tolerance,
         )
         self.sizes = [part.shape for part in self._parts(start, self.engine.balance(start))]
 
     def _parts(self, state: State, balance: EnergyBalance | None) -> list[Array]:
         flows = () if balance is None else (balance.total, balance.rate)
-        now = Moment(self.chain, *state.arrays, *flows)
+        now = bench_chain.Moment(self.chain, *state.arrays, *flows)
         return [np.asarray(one.read(now)) for one in self.outputs]
 
     def read(self, state: State, balance: EnergyBalance | None = None) -> Array:
@@ -91,36 +80,28 @@ class BenchReadings:
         return np.concatenate([part.ravel() for part in self._parts(state, balance)])
 
     def variables(self, readings: Array, ending: str = "", meaning: str = "") -> Variables:
-        """Return dataset variables from flattened readings, (times, values).
-
-        ``ending`` is appended to each name, ``meaning`` is put before each long name.
-        """
+        """Return variables of readings (times, values); names get ``meaning`` and ``ending``."""
         variables: Variables = {}
         splits = np.cumsum([math.prod(size) for size in self.sizes])[:-1]
         parts = np.split(readings, splits, axis=1)
-        for one, size, part in zip(self.outputs, self.sizes, parts, strict=True):
-            values = part.reshape(len(part), *size)
-            dimensions = one.dimensions
+        for output, size, part in zip(self.outputs, self.sizes, parts, strict=True):
+            values, dimensions = part.reshape(len(part), *size), output.dimensions
             if dimensions[1:] and size[-1] == 1:
                 values, dimensions = values[..., 0], dimensions[:-1]
-            attributes = {"units": one.units, "long_name": meaning + one.long_name}
-            variables[one.name + ending] = ("time", *dimensions), values, attributes
+            attributes = {"units": output.units, "long_name": meaning + output.long_name}
+            variables[output.name + ending] = ("time", *dimensions), values, attributes
         return variables
 
     def record_of(self, trial: Trial) -> RunRecord:
         """Return the record of a run, without variables if it broke down."""
         blow_up, steps, _, _ = trial.payload
         variables = {} if trial.values is None else self.variables(trial.values)
-        message = "" if blow_up is None else str(blow_up)
-        return self.record(variables, steps, trial.seconds, message)
+        return self.record(variables, steps, trial.seconds, blow_up)
 
     def record(
-        self, variables: Variables, steps: int, seconds: float, blow_up: str = ""
+        self, variables: Variables, steps: int, seconds: float, blow_up: object = None
     ) -> RunRecord:
-        """Return a record of ``variables``, with the coordinates of sensors, modes, drivers, cuts.
-
-        ``blow_up`` describes a breakdown; empty if there was none.
-        """
+        """Return a record with coordinates; ``blow_up`` describes a breakdown, None without one."""
         for name, numbers, long_name in (
             ("sensor", self.bench.sensors, "number of the cell"),
             ("mode", self.bench.modes, "number of the mode"),
@@ -130,16 +111,6 @@ class BenchReadings:
             if any(name in dimensions for dimensions, _, _ in variables.values()):
                 attributes = {"units": "1", "long_name": long_name}
                 variables[name] = (name,), np.array(numbers), attributes
-        scheme = self.engine.scheme
-        cost = {
-            "engine": "stencil",
-            "scheme": scheme.name,
-            "order": scheme.order,
-            "steps": steps,
-            "force_evaluations": steps * scheme.stages,
-            "sites": self.bench.sites,
-            "seconds": seconds,
-            "blow_up": blow_up,
-        }
+        cost = stencil_cost(self.engine.scheme, steps, self.bench.sites, seconds, blow_up)
         reached = tuple(self.times.tolist()) if variables else ()
         return RunRecord(self.scene, (0,), reached, variables, cost)

@@ -1,29 +1,21 @@
 """Runs of a chain on a bench, to a tolerance on its readings, and their expected cost."""
 
-from __future__ import annotations
-
-from dataclasses import replace
 from time import perf_counter
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from longwave.lattice.dynamics import Dynamics
+from longwave.lattice.refine import Announce
 from longwave.lattice.schemes import REDUCED_PHASE_6
-from longwave.lattice.trial import DRIVEN_SHARE
+from longwave.lattice.state import State
+from longwave.lattice.trial import DRIVEN_SHARE, Progress
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import MOST_STEPS
 from longwave.scenes.engines.bench_readings import BenchReadings, bench_and_chain, reading_times
-from longwave.scenes.engines.ring_cost import USUAL_RUNS, search_cost
+from longwave.scenes.engines.ring_cost import USUAL_RUNS, enlarged, search_cost
 from longwave.scenes.engines.run_record import RunRecord, add_error_estimate, refine_scene
 from longwave.scenes.starts.bench_chain import energy_cuts
-from longwave.support.request_limits import OverBudgetError, check_request
-
-if TYPE_CHECKING:
-    from longwave.lattice.refine import Announce
-    from longwave.lattice.state import State
-    from longwave.lattice.trial import Progress
-    from longwave.support.request_limits import ExpectedCost
+from longwave.support.request_limits import ExpectedCost, OverBudgetError, check_request
 
 BALANCE_SECONDS = 4e-4
 """Seconds to stop at a step and update the energy balance; measured on 24 cells."""
@@ -36,18 +28,14 @@ FIRST_STEP = 4.0
 
 
 def scene_cost(scene: Scene) -> ExpectedCost:
-    """Return the expected cost of a bench scene, from the chain's linear frequencies at rest.
-
-    Raises ValueError if a run would need more than `MOST_STEPS` steps.
-    """
+    """Return the expected cost of a bench scene; ValueError beyond `MOST_STEPS` steps."""
     bench, chain = bench_and_chain(scene)
     times = reading_times(scene, bench)
     highest = Dynamics(chain).highest_frequency(np.zeros((len(chain.bonds) + len(chain.fields), 2)))
     duration = float(times[-1] - scene.t0)
     longest = FIRST_STEP / highest if highest > 0.0 else duration
-    driven = chain.drive_steps(
-        scene.t0, scene.end, longest, REDUCED_PHASE_6, scene.target.tolerance
-    )
+    tolerance = scene.target.tolerance
+    driven = chain.drive_steps(scene.t0, scene.end, longest, REDUCED_PHASE_6, tolerance)
     steps = max(duration / driven.step, float(times.size)) + driven.stops.size
     if steps > MOST_STEPS and driven.step >= longest:
         raise ValueError(
@@ -63,19 +51,15 @@ def scene_cost(scene: Scene) -> ExpectedCost:
     cost = search_cost(chain, bench.sites, steps, REDUCED_PHASE_6.stages, float(readings))
     balance = steps * BALANCE_SECONDS if energy_cuts(bench, chain) is not None else 0.0
     reading = times.size * READING_SECONDS
-    return replace(cost, seconds=cost.seconds + USUAL_RUNS * (reading + balance))
+    return enlarged(cost, USUAL_RUNS * (reading + balance))
 
 
 def record_scene(
-    scene: Scene,
-    progress: Progress | None = None,
-    announce: Announce | None = None,
-    restart: State | None = None,
+    scene: Scene, progress: Progress | None, announce: Announce | None, restart: State | None
 ) -> RunRecord:
     """Run the chain so that the error of each reading is within the tolerance.
 
-    Raises ValueError in one line for a request the lattice does not admit, for one that would take
-    too long, and for a chain that flies apart.
+    Raises ValueError for an inadmissible request, one that takes too long, and a diverging chain.
     """
     begun = perf_counter()
     if restart is not None:

@@ -11,44 +11,31 @@ import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from operator import add, sub
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.schemes import REDUCED_PHASE_6, Scheme, stability_limit
-from longwave.lattice.seam import Fading
 from longwave.lattice.state import GROWTH, BlowUp
 from longwave.lattice.trial import DRIVEN_SHARE
-from longwave.scenes.engines.ring_cost import (
-    CELL_SECONDS,
-    LARGE,
-    SHARE,
-    SHOWN,
-    USUAL_RUNS,
-    search_cost,
-)
+from longwave.scenes.engines import ring_cost
 from longwave.scenes.starts.initial_cells import InitialCells
-from longwave.scenes.starts.lattice_wave import (
-    LatticeWave,
-    largest_group_velocity,
-    nearest_cell,
-)
+from longwave.scenes.starts.lattice_wave import LatticeWave, largest_group_velocity, nearest_cell
 from longwave.solutions.pieces import PIECE
+from longwave.support.array_types import Array
 from longwave.support.request_limits import ExpectedCost, check_request
-
-Array = NDArray[np.float64]
 
 SCHEME = REDUCED_PHASE_6
 
-LIMIT_SHARE = 0.9
+LIMIT_FRACTION = 0.9
 """Longest step tried, in units of the stability limit at the stiffest bonds of the data."""
 
-LAWFUL_TURN = 3.3
+MAX_CARRIER_TURN = 3.3
 """Longest step tried, in radians of the carrier's phase. Up to this step the error of a linear wave
 follows the scheme's order to within a tenth; at 4.7 the amplitude error changes its sign."""
 
-WIDER = 64
+EXTRA_CELLS = 64
 """Additional cells along each axis on the ring of a control run."""
 
 STRAIN_GROWTH = 0.05
@@ -58,18 +45,20 @@ cells and for a short time, so their faster signals do not travel far."""
 OUTER_CELLS = 32
 """Cells beyond the compared ones that are inspected for growth of rounding errors."""
 
-MARGIN = 64
-"""Sites that a window leaves for a signal's dispersive front, beyond the distance that sound
-travels."""
+FRONT_CELLS = 64
+"""Cells that a window leaves for a signal's dispersive front, beyond the path of sound."""
 
-FRONT = 12.0
+FRONT_AIRY_LENGTHS = 12.0
 """Distance by which a signal's front leads the sound, in Airy lengths: Ai(12) is 1e-13."""
 
 SIZE_MULTIPLE = 64
 """Divisor of all window sizes, chosen to suit the kernels."""
 
-STRIDE = 64
+MOVE_CELLS = 64
 """Maximum number of cells by which a window moves at once."""
+
+REMEDY = "take a larger eps, end earlier or compare fewer cells"
+"""Remedy for a request that would cost too much."""
 
 CHECKED_CELLS = 8
 """Number of cells next to the fed ones in which feed and lattice are compared."""
@@ -77,25 +66,26 @@ CHECKED_CELLS = 8
 
 def front(speed: float, duration: float) -> float:
     """Return the distance in sites by which a signal's dispersive front leads the signal."""
-    return max(MARGIN, FRONT * (speed * duration / 8.0) ** (1.0 / 3.0))
+    return max(FRONT_CELLS, FRONT_AIRY_LENGTHS * (speed * duration / 8.0) ** (1.0 / 3.0))
 
 
 def fed_cells(moved: int, ratio: float) -> int:
     """Return the number of front cells that a window fills after it has ``moved`` by some cells.
 
-    Signals from the seam, ``ratio`` times as fast as the window, can have reached these cells since
-    the last move.
+    Signals from the seam, ``ratio`` times as fast as the window, can have reached them since.
     """
-    faster = math.ceil(ratio * moved) - MARGIN // 2  # the dispersive front takes the other half
-    return moved + max(moved, faster) + MARGIN
+    # the dispersive front takes the other half
+    faster = math.ceil(ratio * moved) - FRONT_CELLS // 2
+    return moved + max(moved, faster) + FRONT_CELLS
 
 
 def least_window(reach: int, ratio: float = 1.0) -> int:
-    """Return the fewest cells of a window whose ends do not affect the cells within ``reach``.
+    """Return the fewest cells of a window whose ends do not affect those within ``reach``.
 
-    ``ratio`` is the speed of the fastest signal over that of the window.
+    ``ratio`` is the speed of the fastest signal over the window's.
     """
-    return 2 * (reach + max(2 * (STRIDE + MARGIN), fed_cells(STRIDE + 1, ratio) + CHECKED_CELLS))
+    front_part = fed_cells(MOVE_CELLS + 1, ratio) + CHECKED_CELLS
+    return 2 * (reach + max(2 * (MOVE_CELLS + FRONT_CELLS), front_part))
 
 
 def round_up(sites: float) -> int:
@@ -127,22 +117,16 @@ class ComparedCells:
         """
         ends = []
         for axis, (reach, speed) in enumerate(zip(self.reach, signals, strict=True)):
-            rooms = [
-                (
-                    self.middle(t) if axis == 0 else 0,
-                    reach + math.ceil(_signal(speed, t - times[0])),
-                )
-                for t in times
-            ]
-            low, high = (min(m - r for m, r in rooms), max(m + r for m, r in rooms))
+            middles = [self.middle(t) if axis == 0 else 0 for t in times]
+            halves = [reach + math.ceil(_signal(speed, t - times[0])) for t in times]
+            low, high = min(map(sub, middles, halves)), max(map(add, middles, halves))
             ends.append((low - wider // 2, high + wider - wider // 2))
         return ends
 
     def slices(self, ring: Sequence[Ends], t: float, beyond: int = 0) -> tuple[slice, ...]:
         """Return the slices of the compared cells on a ring, one an axis.
 
-        ``ring`` holds the ring's first and last cell along each axis; ``beyond`` cells are added
-        on every side.
+        ``ring`` holds its ends along each axis; ``beyond`` cells are added on every side.
         """
         middles = (self.middle(t), *(0 for _ in self.reach[1:]))
         return tuple(
@@ -174,91 +158,80 @@ def _signal_speeds(lattice: NumericLattice, slopes: list[float]) -> list[float]:
     return [largest_group_velocity(lattice, slopes, axis) for axis in range(lattice.dimension)]
 
 
-def expected_rings(
-    wave: LatticeWave,
-    compared: ComparedCells,
-    times: Sequence[float],
-    tolerance: float | None = None,
-) -> ExpectedCost:
-    """Return the expected cost of a search for step and domain, from the lattice's linear waves.
+class DomainCost:
+    """Domain and expected cost of a search for the step of one wave, for a run over ``times``.
 
-    A window is considered only if a ``tolerance`` is given.
+    The run starts at the first of the times. ``extent`` is the wave's extent (low, high) if it can
+    be run in a window to ``tolerance``; None for any other wave and without a tolerance. ``room``
+    is the number of cells at either end of a ring that are blended to close it; 0 if the domains
+    are not ``closed``.
     """
-    lattice = wave.lattice
-    rest = lattice.rest_slopes()
-    frequency, signals = lattice.highest_frequency(rest), _signal_speeds(lattice, rest)
-    extent = _fed_extent(wave, times, tolerance)
-    window = _window_size(wave, compared, times, signals, extent)
-    room = wave.seam_room(times[0]) if wave.watches_strains else 0  # negligible for other waves
-    return _cost(wave, compared, times, frequency, signals, window, room)[1]
+
+    def __init__(
+        self,
+        wave: LatticeWave,
+        compared: ComparedCells,
+        times: Sequence[float],
+        tolerance: float | None = None,
+        closed: bool = True,
+    ) -> None:
+        self.wave, self.compared, self.times = wave, compared, tuple(times)
+        self.tolerance, self.extent = tolerance, None
+        is_perturbed = wave.disorder is not None or wave.losses is not None
+        if not (tolerance is None or is_perturbed or wave.far_speed is None):
+            self.extent = wave.extent(times, tolerance)
+        self.room = wave.seam_room(self.times[0]) if closed else 0
+
+    def at_rest(self) -> tuple[float, list[float]]:
+        """Return the highest frequency and the fastest signals of linear waves about rest."""
+        lattice, rest = self.wave.lattice, self.wave.lattice.rest_slopes()
+        return lattice.highest_frequency(rest), _signal_speeds(lattice, rest)
+
+    @property
+    def driven_step(self) -> float:
+        """Longest step tried on a driven lattice; infinite for any other."""
+        return DRIVEN_SHARE * self.wave.lattice.driven_within(self.times[0], self.times[:2][-1])
+
+    def window_size(self, signals: Sequence[float]) -> int | None:
+        """Return the size of the smallest window that holds the wave; None if a ring is smaller.
+
+        Signals from the window's rear, which travel through the far field, must not reach the
+        compared cells. A wave that runs ahead of its frame needs so wide a window that a ring is
+        smaller.
+        """
+        if self.extent is None:
+            return None
+        (low, high), fastest, speed = self.extent, self.wave.far_fastest, self.wave.speed
+        reach = max(float(self.compared.reach[0]), -low, high)
+        drift = max(0.0, fastest - speed) * (self.times[-1] - self.times[0])
+        size = round_up(least_window(math.ceil(reach + drift), fastest / speed))
+        return size if size < count_cells(self.compared.ring(self.times, signals, 0)) else None
+
+    def cost(
+        self, fastest: float, signals: Sequence[float], window: int | None
+    ) -> tuple[float, ExpectedCost]:
+        """Return cells of the largest ring or window, and cost; ``fastest`` is a frequency."""
+        wave, compared, times = self.wave, self.compared, self.times
+        duration = times[-1] - times[0]
+        more = EXTRA_CELLS + 2 * (wave.lattice.spread_within(duration) + self.room)
+        cells = float(window or count_cells(compared.ring(times, signals, more)))
+        limit = LIMIT_FRACTION * stability_limit(SCHEME)
+        steps = duration * max(fastest / limit, 1.0 / self.driven_step)
+        values = math.prod(2.0 * reach + 1.0 for reach in compared.reach) * len(times)
+        part = representative_cells(wave, compared, times, signals)
+        ratio = 1.0
+        if part is not None and window is None:
+            values *= ring_cost.SINGLE_RUN_FRACTION
+            ratio = count_cells(part.ring(times, signals, EXTRA_CELLS)) / cells
+            ratio += 1.0 / ring_cost.USUAL_RUNS
+        cost = ring_cost.search_cost(wave.lattice, cells, steps * ratio, SCHEME.stages, values)
+        return cells, replace(cost, steps=steps)
 
 
-def _fed_extent(
-    wave: LatticeWave, times: Sequence[float], tolerance: float | None
-) -> tuple[float, float] | None:
-    """Return the extent (low, high) of a wave that can be run in a window; None for any other.
+MAX_ADDED_CELLS = 64
+"""Maximum number of cells, or one wavelength, added to close a periodic wave on a ring."""
 
-    None also without a tolerance.
-    """
-    is_perturbed = wave.disorder is not None or wave.losses is not None
-    if tolerance is None or is_perturbed or wave.far_speed is None:
-        return None
-    return wave.extent(times, tolerance)
-
-
-def _window_size(
-    wave: LatticeWave,
-    compared: ComparedCells,
-    times: Sequence[float],
-    signals: Sequence[float],
-    extent: tuple[float, float] | None,
-) -> int | None:
-    """Return the size of the smallest window that holds the wave; None if a ring is smaller.
-
-    Signals from the window's rear, which travel through the far field, must not reach the compared
-    cells. A wave that runs ahead of its frame needs so wide a window that a ring is smaller.
-    """
-    if extent is None:
-        return None
-    (low, high), fastest = extent, wave.far_fastest
-    reach = max(float(compared.reach[0]), -low, high)
-    drift = max(0.0, fastest - wave.speed) * (times[-1] - times[0])
-    size = round_up(least_window(math.ceil(reach + drift), fastest / wave.speed))
-    return size if size < count_cells(compared.ring(times, signals, 0)) else None
-
-
-def _cost(
-    wave: LatticeWave,
-    compared: ComparedCells,
-    times: Sequence[float],
-    fastest: float,
-    signals: Sequence[float],
-    window: int | None,
-    room: int,
-) -> tuple[float, ExpectedCost]:
-    """Return the number of cells of the widest ring, or of the window, and the search's cost."""
-    more = WIDER + 2 * (wave.lattice.spread_within(times[-1] - times[0]) + room)
-    cells = float(window or count_cells(compared.ring(times, signals, more)))
-    shortest = max(
-        fastest / (LIMIT_SHARE * stability_limit(SCHEME)),
-        1.0 / (DRIVEN_SHARE * wave.lattice.driven_within(times[0], times[:2][-1])),
-    )
-    steps = (times[-1] - times[0]) * shortest
-    values = math.prod(2.0 * reach + 1.0 for reach in compared.reach) * len(times)
-    part = representative_cells(wave, compared, times, signals)
-    share = 1.0
-    if part is not None and window is None:
-        values *= SHOWN
-        share = count_cells(part.ring(times, signals, WIDER)) / cells + 1.0 / USUAL_RUNS
-    cost = search_cost(wave.lattice, cells, steps * share, SCHEME.stages, values)
-    return cells, replace(cost, steps=steps)
-
-
-MOST_ADDED = 64
-"""Maximum number of cells added to a ring so that a periodic wave closes on it; a wavelength if
-that is more."""
-
-MOST_SIZES = 4096
+MAX_RING_SIZES = 4096
 """Maximum number of ring sizes tried for a periodic wave to close on the ring."""
 
 SEAM_TOLERANCE, SEAM_CELLS = 1e-6, 4
@@ -277,43 +250,37 @@ def representative_cells(
     For a wave of finite extent, they contain every cell that the wave can reach.
     """
     [reach, *others] = compared.reach
-    if others or 2 * reach < LARGE or wave.disorder is not None:
+    if others or 2 * reach < ring_cost.LARGE_CELLS or wave.disorder is not None:
         return None
     ends = wave.support(times[0])
     reach_of_wave = REPEAT_DISTANCE / wave.eps
     if math.isfinite(ends[1] - ends[0]):
-        reach_of_wave = max(
-            abs(end - wave.speed * t) + _signal(signals[0], t - times[0])
-            for end in ends
-            for t in times
-        )
+        paths = [(wave.speed * t, _signal(signals[0], t - times[0])) for t in times]
+        reach_of_wave = max(abs(end - x) + signal for end in ends for x, signal in paths)
     elif wave.watches_strains:
         low, high = wave.extent(times, PART_TOLERANCE)
         path = _signal(wave.speed + signals[0], times[-1] - times[0])
-        reach_of_wave = max(reach_of_wave, PERIODS * wave.seam_room(times[0]))
+        reach_of_wave = max(reach_of_wave, MIN_PERIODS * wave.seam_room(times[0]))
         reach_of_wave += max(0.0, -low, high) + path
     cells = math.ceil(reach_of_wave)
-    return replace(compared, reach=(cells,)) if SHARE * cells <= reach else None
+    return replace(compared, reach=(cells,)) if ring_cost.MIN_PART_RATIO * cells <= reach else None
 
 
 PART_TOLERANCE = 1e-6
-"""Deviation from a periodic background above which a cell belongs to the wave, in
-`representative_cells`."""
+"""Deviation from a periodic background above which a cell belongs to the wave."""
 
-PERIODS = 20
+MIN_PERIODS = 20
 """Minimum number of wavelengths of a periodic background among representative cells."""
 
 
-class DomainPlan:
+class DomainPlan(DomainCost):
     """Computational domains, rings and windows, of one wave for a run over ``times``.
 
-    The run starts at the first of the times. ``signals`` are the speeds of the fastest waves along
-    each axis, ``fastest`` is the highest frequency of all waves. ``room`` is the number of cells at
-    either end of a ring that are blended to close it; 0 if the domains are not ``closed``.
-    ``window`` is the size of a window for a run to ``tolerance``, or None if a ring is smaller.
-    ``extent`` is the wave's extent in such a window. With ``is_stated`` the scene itself states the
-    number of cells, and no cost is checked. Raises ValueError for an unstable lattice and, before
-    any large array is made, for a run that would take too long or too much memory.
+    ``signals`` are the speeds of the fastest waves along each axis, ``fastest`` is the highest
+    frequency of all waves. ``window`` is the size of a window, or None if a ring is smaller. With
+    ``is_stated`` the scene itself states the number of cells, and no cost is checked. Raises
+    ValueError for an unstable lattice and, before any large array is made, for a run that would
+    take too long or too much memory.
     """
 
     def __init__(
@@ -325,13 +292,10 @@ class DomainPlan:
         closed: bool = True,
         is_stated: bool = False,
     ) -> None:
-        self.wave, self.compared, self.times = wave, compared, tuple(times)
-        self._is_stated = is_stated
-        self.tolerance, self.extent = tolerance, _fed_extent(wave, times, tolerance)
-        lattice = wave.lattice
-        rest = lattice.rest_slopes()
-        self.room = wave.seam_room(self.times[0]) if closed else 0
-        self._check_cost(lattice.highest_frequency(rest), _signal_speeds(lattice, rest))
+        super().__init__(wave, compared, times, tolerance, closed)
+        self._is_stated, lattice = is_stated, wave.lattice
+        frequency, rest_signals = self.at_rest()
+        self._check_cost(frequency, rest_signals)
         near = wave.ring(compared.cells(self.times[0]), self.times[0])
         stiffest = [stiffest_slopes(near)]
         stretches = wave.stretch_range(self.times)
@@ -339,34 +303,24 @@ class DomainPlan:
             stiffest += map(stiffest_slopes, self._whole_wave())
         else:
             stretches = (1.0 + STRAIN_GROWTH) * stretches
-            stiffest.append([lattice.steepest(i, stretches) for i in range(len(rest))])
+            bonds = range(len(lattice.bonds))
+            stiffest.append([lattice.steepest(i, stretches) for i in bonds])
         slopes = np.max(stiffest, axis=0).tolist()
-        self.signals = [
-            max(pair)
-            for pair in zip(
-                _signal_speeds(lattice, rest), _signal_speeds(lattice, slopes), strict=True
-            )
-        ]
+        self.signals = list(map(max, rest_signals, _signal_speeds(lattice, slopes)))
         if not wave.watches_strains:
             check_rest(near.lattice, wave.rest_slopes(near))
-        self.fastest = max(near.lattice.highest_frequency(slopes), lattice.highest_frequency(rest))
+        self.fastest = max(near.lattice.highest_frequency(slopes), frequency)
         self._check_cost(self.fastest, self.signals)
         self._spread = wave.lattice.spread_within(self.times[-1] - self.times[0])
         self._fitting: dict[int, int] = {}
         self.sizes = self._sizes(near)
 
     def _check_cost(self, fastest: float, signals: Sequence[float]) -> None:
-        wave, compared, times = self.wave, self.compared, self.times
-        self.window = _window_size(wave, compared, times, signals, self.extent)
-        cells, self.expected = _cost(
-            wave, compared, times, fastest, signals, self.window, self.room
-        )
+        self.window = self.window_size(signals)
+        cells, self.expected = self.cost(fastest, signals, self.window)
         if not self._is_stated:
-            check_request(
-                f"scene of {cells:.3g} cells, from which signals arrive in time,",
-                self.expected,
-                "take a larger eps, end earlier or compare fewer cells",
-            )
+            scene = f"scene of {cells:.3g} cells, from which signals arrive in time,"
+            check_request(scene, self.expected, REMEDY)
 
     def _whole_wave(self) -> Iterator[InitialCells]:
         """Yield the initial data of the whole wave on a chain, piece by piece.
@@ -377,11 +331,8 @@ class DomainPlan:
         low, high = self.wave.support(self.times[0])
         if self.wave.lattice.dimension > 1 or not math.isfinite(high - low):
             return
-        check_request(
-            f"wave that is {high - low:.3g} cells wide",
-            ExpectedCost(CELL_SECONDS * (high - low)),
-            "take a larger eps",
-        )
+        cost = ExpectedCost(ring_cost.CELL_SECONDS * (high - low))
+        check_request(f"wave that is {high - low:.3g} cells wide", cost, "take a larger eps")
         reach = self.wave.lattice.reach
         for first in range(math.floor(low), math.ceil(high) + 1, PIECE):
             last = min(first + PIECE, math.ceil(high)) + 2 * reach + 2
@@ -389,24 +340,15 @@ class DomainPlan:
 
     def check_wider(self, window: int | None) -> None:
         """Raise ValueError if a window of this size, or a ring for None, would cost too much."""
-        cells, expected = _cost(
-            *(self.wave, self.compared, self.times, self.fastest, self.signals),
-            *(window, self.room),
-        )
-        check_request(
-            f"scene of {cells:.3g} cells, since no smaller window can be fed with its wave,",
-            expected,
-            "take a larger eps, end earlier or compare fewer cells",
-        )
+        cells, expected = self.cost(self.fastest, self.signals, window)
+        scene = f"scene of {cells:.3g} cells, since no smaller window can be fed with its wave,"
+        check_request(scene, expected, REMEDY)
 
     def ends(self, wider: int = 0) -> list[Ends]:
-        """Return the ends, along each axis, of a causal ring with ``wider`` additional cells.
-
-        For an infinite periodic wave a few more cells are added, so that it closes on the ring.
-        """
+        """Return a causal ring's ends with ``wider`` more cells, and more to close a wave."""
         if self._fills_line and wider not in self._fitting:
-            most = max(MOST_ADDED, self.room)
-            tried = np.unique(np.linspace(0.0, most - 1.0, min(most, MOST_SIZES)).astype(int))
+            most = max(MAX_ADDED_CELLS, self.room)
+            tried = np.unique(np.linspace(0.0, most - 1.0, min(most, MAX_RING_SIZES)).astype(int))
             rings = [self.plain_ends(wider + more)[0] for more in tried.tolist()]
             mismatches = self.seam_mismatch(rings)
             closed = np.flatnonzero(mismatches <= SEAM_TOLERANCE)
@@ -425,26 +367,17 @@ class DomainPlan:
         """Return the carrier's mismatch at the seam of each ring, relative to its amplitude."""
         near = np.arange(-SEAM_CELLS, SEAM_CELLS + 1)
         sides = []
-        for firsts in (
-            np.array([low for low, _ in rings]),
-            np.array([high + 1 for _, high in rings]),
-        ):
+        for firsts in np.array([(low, high + 1) for low, high in rings]).T:
             cells = np.arange(firsts.min() - SEAM_CELLS, firsts.max() + SEAM_CELLS + 1)
             f, v = self.wave.state(cells.astype(np.float64), self.times[0])
             indices = firsts[:, np.newaxis] + near - cells[0]
-            sides.append(
-                np.concatenate(
-                    [np.diff(f[:, indices]), v[:, indices] / self.wave.rate_unit], axis=2
-                )
-            )
+            rates = v[:, indices] / self.wave.rate_unit
+            sides.append(np.concatenate([np.diff(f[:, indices]), rates], axis=2))
         size = max(float(np.max(np.abs(sides[0]))), 1e-300)
         return np.asarray(np.abs(sides[0] - sides[1]).max(axis=(0, 2)) / size)
 
     def with_seam_distance(self, blow_up: BlowUp, ends: Sequence[Ends]) -> BlowUp:
-        """Return a blow-up with its distance from an open seam, if the seam can have caused it.
-
-        The distance is left out if no signal from the seam can have arrived in time.
-        """
+        """Return a blow-up with its distance from an open seam that can have caused it."""
         if len(ends) > 1 or not self._is_open(ends):
             return blow_up
         [(low, high)] = ends
@@ -459,10 +392,7 @@ class DomainPlan:
         return not self.room and self.wave.seam_room(self.times[0]) > 0
 
     def plain_ends(self, wider: int) -> list[Ends]:
-        """Return the ends of a causal ring with ``wider`` additional cells, whether or not closed.
-
-        Unlike `ends`, the size is not adjusted for a periodic wave to close on the ring.
-        """
+        """Return `ends` without the cells that close a periodic wave on the ring."""
         more = 2 * (self.room + self._spread) + wider
         return self.compared.ring(self.times, self.signals, more)
 
@@ -470,19 +400,15 @@ class DomainPlan:
         """Return the wave's initial data on the ring with these ends, blended at its seam."""
         return self.wave.closed_ring(self.wave.ring(_grid(ends), self.times[0]), self.room)
 
-    def fading(self) -> Fading | None:
-        """Return the damping of cells that can no longer affect a compared one; None without it."""
-        return self.wave.fading(self.times[0], self.signals[0])
-
     def limit(self, ring: InitialCells) -> float:
         """Return the largest compared value accepted in a run from ``ring``, in units of scale."""
         largest = max(float(np.max(sizes[0])) for sizes in (self.sizes, self._sizes(ring)))
         return GROWTH * largest / self.wave.scale
 
     def _sizes(self, ring: InitialCells) -> Array:
-        """Return the largest values and cell-to-cell differences of each quantity and its rate.
+        """Return the largest values and cell-to-cell differences, (2, 2, quantities).
 
-        Shape (2, 2, quantities): value or difference, then quantity or rate.
+        The second axis is the quantity and its rate.
         """
         cells, reach = ring.f.shape[-1], self.wave.lattice.reach
         if ring.cells.ndim > 1 or cells <= PIECE:
@@ -505,13 +431,13 @@ def _largest(values: Array) -> Array:
 def longest_step(fastest: float, carrier: float, scheme: Scheme = SCHEME) -> float:
     """Return the longest step tried, from the highest frequency and that of the carrier.
 
-    >>> longest_step(2.0, 0.5) == LIMIT_SHARE * stability_limit(SCHEME) / 2.0
+    >>> longest_step(2.0, 0.5) == LIMIT_FRACTION * stability_limit(SCHEME) / 2.0
     True
-    >>> longest_step(2.0, 2.0) == LAWFUL_TURN / 2.0
+    >>> longest_step(2.0, 2.0) == MAX_CARRIER_TURN / 2.0
     True
     """
-    stable = LIMIT_SHARE * stability_limit(scheme) / fastest
-    return min(stable, LAWFUL_TURN / carrier) if carrier else stable
+    stable = LIMIT_FRACTION * stability_limit(scheme) / fastest
+    return min(stable, MAX_CARRIER_TURN / carrier) if carrier else stable
 
 
 def check_rest(lattice: NumericLattice, slopes: Sequence[float]) -> None:
@@ -524,10 +450,7 @@ def check_rest(lattice: NumericLattice, slopes: Sequence[float]) -> None:
 
 
 def stiffest_slopes(ring: InitialCells) -> list[float]:
-    """Return the largest slope of each bond's force over the stretches of a state.
-
-    Raises ValueError where a force is undefined or a contact is open.
-    """
+    """Return each bond's largest slope of force; ValueError if undefined or a contact is open."""
     stretches = ring.lattice.stretches(ring.f)
     slopes = [ring.lattice.steepest(i, x) for i, x in enumerate(stretches)]
     is_open = any(

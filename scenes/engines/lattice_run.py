@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
 from time import perf_counter
@@ -11,25 +10,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from longwave.lattice.refine import Announce
-from longwave.scenes.description import entries
+from longwave.lattice.refine import Announce, Refined
+from longwave.scenes.description.numerics import ENGINES
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import enough_steps
-from longwave.scenes.engines.domain_plan import STRIDE, ComparedCells, DomainPlan, expected_rings
-from longwave.scenes.engines.entry_kinds import CellDomain, WaveEngine, WaveRuns
+from longwave.scenes.engines import ring_cost, run_record
+from longwave.scenes.engines.domain_plan import MOVE_CELLS, ComparedCells, DomainCost, DomainPlan
 from longwave.scenes.engines.recorders import MOMENT_BYTES, exact_times
-from longwave.scenes.engines.ring_cost import SHOWN, USUAL_RUNS, search_cost
-from longwave.scenes.engines.run_record import (
-    RunRecord,
-    UnfinishedRun,
-    add_error_estimate,
-    error_unit,
-    refine_on_part,
-    refine_scene,
-)
 from longwave.scenes.engines.site_engine import SiteEngine
 from longwave.scenes.engines.spectral_run import run_spectral, spectral_cost
-from longwave.scenes.engines.stated_run import run_from, stated_runs
+from longwave.scenes.engines.stated_run import REFINED_COST, refinements, run_from
+from longwave.scenes.engines.stepped_cells import SteppedCells, WindowCells
 from longwave.scenes.observed.observables import MAP_CELLS, MEASURED, observable_named
 from longwave.scenes.starts.background_growth import check_trust, trust_attributes
 from longwave.scenes.starts.cached_long_wave import equation_of, scene_lattice_wave
@@ -38,11 +29,9 @@ from longwave.scenes.starts.pulse_meter import PULSE_VARIABLES, crest, pulse_tra
 from longwave.support.request_limits import Announcer, ExpectedCost, check_request
 
 if TYPE_CHECKING:
-    from longwave.lattice.refine import Refined
     from longwave.lattice.state import State
     from longwave.lattice.trial import Progress
     from longwave.scenes.engines.ring_spectral import SpectralRuns
-    from longwave.scenes.engines.stepped_cells import SteppedCells
     from longwave.scenes.starts.lattice_wave import LatticeWave
 
 TRANSVERSE_POWER = 2
@@ -61,26 +50,25 @@ def compared_cells(scene: Scene, wave: LatticeWave) -> ComparedCells:
 
 
 def scene_cost(scene: Scene) -> ExpectedCost:
-    """Return the expected cost of a scene, from its lattice's linear waves about rest.
-
-    Raises ValueError, as `record_scene` does, for a scene that is refused before it is run.
-    """
-    return cells_cost(scene) if scene.tolerance is None else _runs(scene).cost(scene)
+    """Return the expected cost; ValueError, as in `record_scene`, for a scene that is refused."""
+    cost = cells_cost if scene.tolerance is None or _steps_cells(scene) else rings_cost
+    return cost(scene)
 
 
-def _runs(scene: Scene) -> WaveRuns:
-    return entries.table(WaveEngine)[choose_engine(scene)].runs()
+def _steps_cells(scene: Scene) -> bool:
+    return ENGINES[choose_engine(scene)].steps_cells
 
 
 def rings_cost(scene: Scene) -> ExpectedCost:
     """Return the expected cost of a scene on spectral rings."""
     if not scene.has_moving_wave:
         return _spectral_runs(scene).expected
-    domains = spectral_cost(scene)
+    domains, wave = spectral_cost(scene), moving_wave(scene)
     values = (2.0 * scene.compared + 1.0) * len({scene.t0, *exact_times(scene)})
-    cost = search_cost(moving_wave(scene).lattice, 0.0, 0.0, 1, values)
-    cost = _with(cost, replace(domains, seconds=RING_SEARCH_COST * domains.seconds))
-    return _with(cost, _observation_cost(scene, compared_cells(scene, moving_wave(scene))))
+    cost = ring_cost.search_cost(wave.lattice, 0.0, 0.0, 1, values)
+    cost = ring_cost.enlarged(cost, RING_SEARCH_COST * domains.seconds, domains.memory_bytes)
+    observation = _observation_cost(scene, compared_cells(scene, wave))
+    return ring_cost.enlarged(cost, observation.seconds, observation.memory_bytes)
 
 
 RING_SEARCH_COST = 4.0
@@ -97,38 +85,29 @@ def cells_cost(scene: Scene) -> ExpectedCost:
     if scene.tolerance is None:
         cost = _stated_cost(timed, wave, compared)
     else:
-        cost = expected_rings(
-            wave, compared, (timed.t0, *timed.snapshots), _window_tolerance(timed)
-        )
-    return _with(cost, _observation_cost(timed, compared))
-
-
-def _with(cost: ExpectedCost, more: ExpectedCost) -> ExpectedCost:
-    """Return ``cost`` with the seconds and the memory of ``more`` added."""
-    return replace(
-        cost,
-        seconds=cost.seconds + more.seconds,
-        memory_bytes=cost.memory_bytes + more.memory_bytes,
-    )
+        # the cells blended to close a ring are negligible for other waves
+        times, is_closed = (timed.t0, *timed.snapshots), wave.watches_strains
+        domains = DomainCost(wave, compared, times, _window_tolerance(timed), is_closed)
+        frequency, signals = domains.at_rest()
+        cost = domains.cost(frequency, signals, domains.window_size(signals))[1]
+    observation = _observation_cost(timed, compared)
+    return ring_cost.enlarged(cost, observation.seconds, observation.memory_bytes)
 
 
 def _stated_cost(timed: Scene, wave: LatticeWave, compared: ComparedCells) -> ExpectedCost:
     """Return the expected cost of a scene with stated step and sites, refinement runs included."""
-    stated, runs = timed.discretisation, stated_runs(timed)
+    # a refined run has half the step or twice the sites
+    stated, runs = timed.discretisation, 1.0 + REFINED_COST * len(refinements(timed))
     duration = timed.end - timed.t0
     enough_steps(stated.step, duration)
     sites = stated.sites * (2.0 if "domain_error" in timed.observables else 1.0)
-    values = SHOWN * (2.0 * compared.reach[0] + 1.0) * len(timed.snapshots)
-    steps = duration / stated.step
-    share = runs / USUAL_RUNS * stated.sites / sites
-    cost = search_cost(wave.lattice, sites, steps * share, stated.table.stages, values)
-    moves = duration * abs(wave.speed) / STRIDE if stated.rules.moves else 0.0
-    return replace(
-        cost,
-        seconds=cost.seconds + MOVE_SECONDS * moves * runs,
-        memory_bytes=cost.memory_bytes + MOVE_BYTES * moves,
-        steps=steps * runs,
-    )
+    values = ring_cost.SINGLE_RUN_FRACTION * (2.0 * compared.reach[0] + 1.0) * len(timed.snapshots)
+    steps, stages = duration / stated.step, stated.table.stages
+    searched_steps = steps * (runs / ring_cost.USUAL_RUNS * stated.sites / sites)
+    cost = ring_cost.search_cost(wave.lattice, sites, searched_steps, stages, values)
+    moves = duration * abs(wave.speed) / MOVE_CELLS if stated.rules.moves else 0.0
+    cost = ring_cost.enlarged(cost, MOVE_SECONDS * moves * runs, MOVE_BYTES * moves)
+    return replace(cost, steps=steps * runs)
 
 
 MOVE_SECONDS, MOVE_BYTES = 4e-5, 250.0
@@ -156,8 +135,7 @@ def _observation_cost(timed: Scene, compared: ComparedCells) -> ExpectedCost:
 
 
 VIEW_SECONDS, CELL_SECONDS = 4e-4, 1e-6
-"""Seconds to evaluate wave and lattice at one time: fixed, and per compared cell (5e-7 to
-1.6e-6)."""
+"""Seconds to evaluate wave and lattice once: fixed, and per cell (5e-7 to 1.6e-6)."""
 
 VALUE_BYTES = 20.0
 """Bytes for each stored number: in the recorder's rows, in an array and in the file."""
@@ -170,10 +148,7 @@ def _spectral_runs(scene: Scene) -> SpectralRuns:
 
 
 def wave_size(scene: Scene, t: float, far_field: bool) -> float:
-    """Return the wave's largest deviation from its background or far field at time t.
-
-    NaN if the wave has no far field of its own (see `methods.wave_size`).
-    """
+    """Return `methods.wave_size` for a scene with a wave that is compared."""
     wave = _started_wave(scene)
     cells = compared_cells(scene, wave).cells(t)
     far = wave.far_field(cells.astype(np.int64), t) if far_field else wave.background(cells, t)
@@ -190,14 +165,11 @@ def _started_wave(scene: Scene) -> LatticeWave:
 def in_lattice_times(scene: Scene, slow: int) -> Scene:
     """Return the scene with slow times converted to lattice times, ``T = eps**slow t``."""
     times = scene.lattice_times(slow)
-    timed = scene.changed(t0=times[0], snapshots=times if scene.keeps_start else times[1:])
+    keeps_start = scene.slow_times or scene.t0 in scene.snapshots
+    timed = scene.changed(t0=times[0], snapshots=times if keeps_start else times[1:])
     if scene.tolerance is None or scene.target.steps_cells or scene.look_points is not None:
         return timed
     return timed.changed(look_points=scene.curve_points)  # a spectral run has no stops of its own
-
-
-def _stops(timed: Scene) -> Sequence[float]:
-    return sorted({timed.t0, *exact_times(timed)})
 
 
 def domain_plan(scene: Scene) -> tuple[Scene, DomainPlan]:
@@ -218,7 +190,8 @@ def domain_plan(scene: Scene) -> tuple[Scene, DomainPlan]:
     wave.start(timed.t0)
     tolerance, is_stated = _window_tolerance(timed), scene.tolerance is None
     closed = not (is_stated and scene.has_moving_wave) or scene.discretisation.rules.ends_meet
-    return timed, DomainPlan(wave, compared, _stops(timed), tolerance, closed, is_stated)
+    stops = sorted({timed.t0, *exact_times(timed)})
+    return timed, DomainPlan(wave, compared, stops, tolerance, closed, is_stated)
 
 
 def _window_tolerance(timed: Scene) -> float | None:
@@ -255,7 +228,7 @@ def record_scene(
     progress: Progress | None = None,
     announce: Announce | None = None,
     restart: State | None = None,
-) -> RunRecord:
+) -> run_record.RunRecord:
     """Derive the scene's equation, run its lattice from the wave, and compare the two over time.
 
     ``progress`` is called with the completed fraction, ``announce`` with the expected seconds;
@@ -272,8 +245,9 @@ def record_scene(
             announce(_stated_cost(timed, domains.wave, domains.compared).seconds)
             record = run_from(stated_cells(timed, domains), restart, progress)
         else:
-            record = _runs(scene).record(scene, progress, announce)
-    except UnfinishedRun as stop:
+            by_engine = record_by_cells if _steps_cells(scene) else record_by_rings
+            record = by_engine(scene, progress, announce)
+    except run_record.UnfinishedRun as stop:
         _add_attributes(stop.record, scene)
         raise
     _add_attributes(record, scene)
@@ -282,13 +256,10 @@ def record_scene(
 
 def stated_cells(timed: Scene, domains: DomainPlan) -> SteppedCells:
     """Return the cells of the domain, window or ring, that a scene states."""
-    return entries.table(CellDomain)[timed.discretisation.domain].cells(timed, domains)
+    return (WindowCells if timed.discretisation.rules.moves else SteppedCells)(timed, domains)
 
 
-REMEDY = "end earlier, compare fewer sites or take fewer times"
-
-
-def record_by_rings(scene: Scene, progress: Progress, announce: Announce) -> RunRecord:
+def record_by_rings(scene: Scene, progress: Progress, announce: Announce) -> run_record.RunRecord:
     """Run a scene on spectral rings, which need not be causal for the paper's waves.
 
     If the spectral engine refuses a scene that does not name it, the scene is run cell by cell.
@@ -297,17 +268,18 @@ def record_by_rings(scene: Scene, progress: Progress, announce: Announce) -> Run
     if not scene.has_moving_wave:
         runs = _spectral_runs(scene)
         announce(runs.expected.seconds)
-        result = refine_scene(runs.engine, scene, progress, announce, runs.record_of)
+        result = run_record.refine_scene(runs.engine, scene, progress, announce, runs.record_of)
         record = _checked_record(runs.record_of(result.trial), result, scene, runs.times[-1], begun)
         record.scene = scene  # a scene file cannot state a spectral ring
         return record
     expected = rings_cost(scene)
-    check_request(scene.name, expected, REMEDY)
+    check_request(scene.name, expected, "end earlier, compare fewer sites or take fewer times")
     announce(expected.seconds)
     cells = cells_cost(scene.changed(engine="stencil"))
-    first = (cells.seconds - cells.once) / USUAL_RUNS
+    first = (cells.seconds - cells.once) / ring_cost.USUAL_RUNS
     try:
-        return add_error_estimate(*run_spectral(scene, first, progress, announce), scene, begun)
+        record, result = run_spectral(scene, first, progress, announce)
+        return run_record.add_error_estimate(record, result, scene, begun)
     except ValueError:
         if scene.target.engine:
             raise
@@ -315,10 +287,7 @@ def record_by_rings(scene: Scene, progress: Progress, announce: Announce) -> Run
 
 
 def choose_engine(scene: Scene) -> str:
-    """Return the engine that a scene names or its observables need, otherwise the cheaper one.
-
-    Raises ValueError if the named one cannot compute an observable.
-    """
+    """Return the engine that is named, needed by observables, or cheaper; ValueError if at odds."""
     named = scene.target
     if named.engine and (named.steps_cells or not scene.has_moving_wave):
         return named.engine
@@ -336,7 +305,7 @@ def choose_engine(scene: Scene) -> str:
     return "stencil" if is_cheap else "spectral"
 
 
-def _add_attributes(record: RunRecord, scene: Scene) -> None:
+def _add_attributes(record: run_record.RunRecord, scene: Scene) -> None:
     """Add the equation, the frame's speed, units and long names to a record."""
     wave = scene_wave(scene)
     record.attrs |= {"frame_speed": wave.speed, "power": wave.power}
@@ -348,27 +317,22 @@ def _add_attributes(record: RunRecord, scene: Scene) -> None:
         attributes = {"units": "name", "long_name": "what is compared"}
         record.variables["quantity"] = ("quantity",), np.array(wave.quantities), attributes
     compares_displacements = has_displacements and not any(" " in q for q in wave.quantities)
+    units = {"units": run_record.error_unit(wave.power)}
     changes = {name: {"long_name": text} for name, text in LONG_NAMES.items()}
-    changes |= {name: {"units": error_unit(wave.power)} for name in ("sup_error", *MEASURED)}
+    changes |= dict.fromkeys(("sup_error", *MEASURED), units)
     for name in changes.keys() & record.variables.keys():
         dimensions, values, attributes = record.variables[name]
         record.variables[name] = dimensions, values, attributes | changes[name]
-    if compares_displacements:
-        _name_displacements(record)
-
-
-def _name_displacements(record: RunRecord) -> None:
-    """Replace "strain" by "displacement" in all units and long names of a record."""
-    record.attrs["field_kind"] = DISPLACEMENT
+    if not compares_displacements:
+        return
+    record.attrs["field_kind"] = word = "displacement"
     for name, (dimensions, values, attributes) in record.variables.items():
-        words = {
-            key: text.replace("strain", DISPLACEMENT).replace("what is compared", DISPLACEMENT)
+        texts = {
+            key: text.replace("strain", word).replace("what is compared", word)
             for key, text in attributes.items()
         }
-        record.variables[name] = dimensions, values, words
+        record.variables[name] = dimensions, values, texts
 
-
-DISPLACEMENT = "displacement"
 
 LONG_NAMES = {
     "strain": "what is compared, on the lattice",
@@ -378,13 +342,13 @@ LONG_NAMES = {
 """Long names on lattices other than the paper's; the compared quantity need not be a strain."""
 
 
-def record_by_cells(scene: Scene, progress: Progress, announce: Announce) -> RunRecord:
+def record_by_cells(scene: Scene, progress: Progress, announce: Announce) -> run_record.RunRecord:
     """Run a scene cell by cell to its tolerance."""
     begun, engine = perf_counter(), SiteEngine(*domain_plan(scene))
     announce(engine.expected.seconds)
     parts = engine.parts()
-    result = parts and refine_on_part(*parts, scene, progress, announce)
-    result = result or refine_scene(engine, scene, progress, announce)
+    result = parts and run_record.refine_on_part(*parts, scene, progress, announce)
+    result = result or run_record.refine_scene(engine, scene, progress, announce)
     record = _checked_record(result.trial.payload, result, scene, engine.times[-1], begun)
     _add_pulse(record, engine, result.trial.choices.step)
     if engine.domains.wave.lattice.dimension > 1:
@@ -393,8 +357,8 @@ def record_by_cells(scene: Scene, progress: Progress, announce: Announce) -> Run
 
 
 def _checked_record(
-    record: RunRecord | None, result: Refined, scene: Scene, end: float, begun: float
-) -> RunRecord:
+    record: run_record.RunRecord | None, result: Refined, scene: Scene, end: float, begun: float
+) -> run_record.RunRecord:
     """Return the record with its error estimate; ValueError if no step resolves the lattice."""
     if record is None or (math.isinf(result.error) and not record.attrs["blow_up"]):
         raise ValueError(
@@ -402,10 +366,10 @@ def _checked_record(
             f"down to {result.trial.choices.step:.2g} do not follow it; end earlier or take a "
             "smaller eps)"
         )
-    return add_error_estimate(record, result, scene, begun)
+    return run_record.add_error_estimate(record, result, scene, begun)
 
 
-def _add_pulse(record: RunRecord, engine: SiteEngine, step: float) -> None:
+def _add_pulse(record: run_record.RunRecord, engine: SiteEngine, step: float) -> None:
     """Add the crest, position and energy of a wave in a disordered lattice, if measured."""
     readings, wave = engine.metered.get(step), engine.domains.wave
     if readings is None or not readings.size:
@@ -418,8 +382,7 @@ def _add_pulse(record: RunRecord, engine: SiteEngine, step: float) -> None:
     columns, numbers = pulse_track(readings, engine.metered_before(step), theory)
     rows = [engine.times.index(t) for t in record.reached]
     for name, values in columns.items():
-        units, long_name = PULSE_VARIABLES[name]
-        attributes = {"units": units, "long_name": long_name}
+        attributes = dict(zip(("units", "long_name"), PULSE_VARIABLES[name], strict=True))
         record.variables[name] = ("time",), values[rows], attributes
     record.attrs |= numbers
     if not math.isnan(speed := wave.disorder.effective_speed):

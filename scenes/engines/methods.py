@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -15,46 +14,37 @@ if TYPE_CHECKING:
     from longwave.scenes.engines.run_record import RunRecord
     from longwave.support.request_limits import ExpectedCost
 
-    Record: TypeAlias = Callable[[Scene, Progress | None, Announce | None, State | None], RunRecord]
+
+class Method(Protocol):
+    """Module that runs one kind of scene and predicts the cost."""
+
+    def record_scene(
+        self,
+        scene: Scene,
+        /,
+        progress: Progress | None,
+        announce: Announce | None,
+        restart: State | None,
+    ) -> RunRecord:
+        """Run a scene, or resume it from the state ``restart``, and return its record."""
+
+    def scene_cost(self, scene: Scene, /) -> ExpectedCost:
+        """Return the expected cost of a scene in a new process."""
 
 
-class Method(NamedTuple):
-    """Functions for one kind of scene: run it, predict its cost, return the size of its wave.
+def method_of(scene: Scene) -> Method:
+    """Return the module for the method of its start: a bench, sidebands, or any other wave."""
+    if scene.start.method == "bench":
+        from longwave.scenes.engines import bench_run
 
-    ``size`` takes the scene, a time and whether to use the far field instead of the background. It
-    is None for scenes without a wave.
-    """
+        return bench_run
+    if scene.start.method == "sidebands":
+        from longwave.scenes.engines import sideband_growth
 
-    record: Record
-    cost: Callable[[Scene], ExpectedCost]
-    size: Callable[[Scene, float, bool], float] | None = None
-
-
-def _bench() -> Method:
-    from longwave.scenes.engines import bench_run
-
-    return Method(bench_run.record_scene, bench_run.scene_cost)
-
-
-def _ring() -> Method:
+        return sideband_growth
     from longwave.scenes.engines import lattice_run
 
-    return Method(lattice_run.record_scene, lattice_run.scene_cost, lattice_run.wave_size)
-
-
-def _sidebands() -> Method:
-    from longwave.scenes.engines import sideband_growth
-
-    return Method(sideband_growth.record_scene, sideband_growth.scene_cost)
-
-
-METHODS: Mapping[str, Callable[[], Method]] = {
-    "bench": _bench,
-    "moving_wave": _ring,
-    "ring": _ring,
-    "sidebands": _sidebands,
-}
-"""Function that imports and returns the `Method` for each value of `Scene.method`."""
+    return lattice_run
 
 
 def record_scene(
@@ -64,7 +54,7 @@ def record_scene(
     restart: State | None = None,
 ) -> RunRecord:
     """Run a scene and return its record; ``restart`` is a state of an earlier run to resume."""
-    return METHODS[scene.method]().record(scene, progress, announce, restart)
+    return method_of(scene).record_scene(scene, progress, announce, restart)
 
 
 def run_scene(
@@ -75,11 +65,8 @@ def run_scene(
 
 
 def expected_cost(scene: Scene) -> ExpectedCost:
-    """Return the expected cost of a scene in a new process.
-
-    Raises ValueError, as a run does, for a scene that is refused before it is run.
-    """
-    return METHODS[scene.method]().cost(scene)
+    """Return the expected cost in a new process; ValueError for a scene that a run refuses."""
+    return method_of(scene).scene_cost(scene)
 
 
 def wave_size(scene: Scene, t: float, far_field: bool = False) -> float:
@@ -87,7 +74,7 @@ def wave_size(scene: Scene, t: float, far_field: bool = False) -> float:
 
     The maximum is over the compared cells and quantities. NaN if the wave has no such far field.
     """
+    from longwave.scenes.engines import lattice_run
+
     scene.check_compared()
-    size = METHODS[scene.method]().size
-    assert size is not None
-    return size(scene, t, far_field)
+    return lattice_run.wave_size(scene, t, far_field)

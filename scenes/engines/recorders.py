@@ -8,27 +8,18 @@ from operator import attrgetter
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
-from longwave.scenes.observed.observables import (
-    TIME,
-    TIME_DIMENSION,
-    Moment,
-    Observable,
-    Variable,
-    observable_named,
-)
+from longwave.scenes.observed import observables
+from longwave.support.array_types import Array
 
 if TYPE_CHECKING:
     from longwave.scenes.description.scene import Scene
     from longwave.scenes.observed.view import View
     from longwave.support.checkpoint import Memory
 
-Array = NDArray[np.float64]
 
 LOOK_EVALUATIONS = 1088
-"""Minimum number of force evaluations per site between two looks; measuring then takes 1 % of the
-run."""
+"""Minimum number of force evaluations per site between looks, which then take 1 % of a run."""
 
 
 MOMENT_BYTES = 1000.0
@@ -61,7 +52,7 @@ class Moments:
         return True
 
 
-def moments_of(scene: Scene, kind: Moment) -> Moments:
+def moments_of(scene: Scene, kind: observables.Moment) -> Moments:
     """Return the times at which a scene measures observables of one kind."""
     if kind == "snapshots":
         return Moments(scene.snapshots)
@@ -69,9 +60,9 @@ def moments_of(scene: Scene, kind: Moment) -> Moments:
         return Moments(_equidistant(scene, scene.curve_points))
     if scene.look_points is not None:
         return Moments(_equidistant(scene, scene.look_points))
-    share = (scene.end - scene.t0) / scene.curve_points
-    least = LOOK_EVALUATIONS / scene.discretisation.table.stages * scene.discretisation.step
-    return Moments((), max(least, share) * (1.0 - 1e-12))
+    spacing = (scene.end - scene.t0) / scene.curve_points
+    shortest = LOOK_EVALUATIONS / scene.discretisation.table.stages * scene.discretisation.step
+    return Moments((), max(shortest, spacing) * (1.0 - 1e-12))
 
 
 def _equidistant(scene: Scene, points: int) -> tuple[float, ...]:
@@ -82,14 +73,10 @@ def _equidistant(scene: Scene, points: int) -> tuple[float, ...]:
 
 def exact_times(scene: Scene) -> tuple[float, ...]:
     """Return the times that the scene's observables require exactly, snapshots included."""
-    kinds = {observable_named(name).measured_at for name in scene.observables}
-    times = {t for kind in kinds if _is_exact(scene, kind) for t in moments_of(scene, kind).times}
+    kinds = {observables.observable_named(name).measured_at for name in scene.observables}
+    exact = {"snapshots", "curve"} | ({"looks"} if scene.look_points is not None else set())
+    times = {t for kind in kinds if kind in exact for t in moments_of(scene, kind).times}
     return tuple(sorted(times.union(scene.snapshots)))
-
-
-def _is_exact(scene: Scene, kind: Moment) -> bool:
-    """Return whether this kind of observable is measured at exact times."""
-    return kind in ("snapshots", "curve") or (kind == "looks" and scene.look_points is not None)
 
 
 Variables = dict[str, tuple[tuple[str, ...], Any, dict[str, str]]]
@@ -99,7 +86,9 @@ Variables = dict[str, tuple[tuple[str, ...], Any, dict[str, str]]]
 class Recorder:
     """Recorder of the observables that are measured at the same times, on one time dimension."""
 
-    def __init__(self, entries: Sequence[Observable], moments: Moments, dimension: str) -> None:
+    def __init__(
+        self, entries: Sequence[observables.Observable], moments: Moments, dimension: str
+    ) -> None:
         self.entries = tuple(entries)
         self.moments = moments
         self.dimension = dimension
@@ -143,11 +132,11 @@ class Recorder:
                 recorded[variable.name] = (dimensions, values, variable.attributes)
         if self.dimension != "time":
             times = np.array(self.times)
-            recorded[self.dimension] = ((self.dimension,), times, TIME)
+            recorded[self.dimension] = ((self.dimension,), times, observables.TIME_ATTRIBUTES)
         return recorded
 
 
-def _dimensions(variable: Variable, count: int) -> tuple[str, ...]:
+def _dimensions(variable: observables.Variable, count: int) -> tuple[str, ...]:
     """Return the dimensions of a variable's values at one time; ``count`` is their number.
 
     Cells of a plane add the dimension "row"; a state with several fields adds "field".
@@ -160,13 +149,18 @@ def _dimensions(variable: Variable, count: int) -> tuple[str, ...]:
 
 def build_recorders(scene: Scene) -> list[Recorder]:
     """Return one recorder for each kind of measurement times that the scene's observables need."""
-    entries = [observable_named(name) for name in scene.observables]
-    kinds: tuple[Moment, ...] = ("snapshots", "curve", "looks")
+    entries = [observables.observable_named(name) for name in scene.observables]
+    kinds: tuple[observables.Moment, ...] = ("snapshots", "curve", "looks")
     return [
-        Recorder(group, moments_of(scene, kind), TIME_DIMENSION[kind])
+        Recorder(group, moments_of(scene, kind), observables.TIME_DIMENSION[kind])
         for kind in kinds
         if (group := [entry for entry in entries if entry.measured_at == kind])
     ]
+
+
+def recorded_variables(recorders: Sequence[Recorder]) -> Variables:
+    """Return the variables of all recorders, which give up their rows."""
+    return {name: row for recorder in recorders for name, row in recorder.variables().items()}
 
 
 class Samples:

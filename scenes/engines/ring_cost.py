@@ -5,7 +5,7 @@ The constants are CPU times measured on one core of a 3 GHz server, with rings t
 is known only when its search for step and domain has ended.
 """
 
-from __future__ import annotations
+from dataclasses import replace
 
 from longwave.lattice.force_program import UNARY, ForceProgram
 from longwave.lattice.numeric_lattice import NumericLattice
@@ -21,8 +21,7 @@ STEP_SECONDS = 3e-7
 """Seconds per step on a small ring: 2.6e-7 to 3.3e-7 on chains of 100 cells."""
 
 DRIVEN_STEP_SECONDS = 2.5e-5
-"""Seconds per step of a driven lattice, whose stages have time-dependent weights: 2.8e-5 to 4e-5 on
-a busy machine."""
+"""Seconds per step of a driven lattice with time-dependent weights; up to 4e-5 if busy."""
 
 SECONDS_PER_DASHPOT = 3e-9
 """Seconds per dashpot and stage; a dashpot needs the rate of its bond."""
@@ -50,17 +49,16 @@ PROCESS_BYTES = 3e8
 BYTES_PER_VALUE = 100.0
 """Bytes per compared value at a time, over all runs of a search and their results."""
 
-SHOWN = 0.4
-"""Fraction of `BYTES_PER_VALUE` needed without a search: 34 bytes at ten million cells of two
-fields."""
+SINGLE_RUN_FRACTION = 0.4
+"""Fraction of `BYTES_PER_VALUE` without a search: 34 bytes at 1e7 cells of two fields."""
 
 BYTES_PER_CELL = 160.0
 """Bytes per field of a cell in a run: state, initial data and compared values."""
 
-LARGE = 100_000
+LARGE_CELLS = 100_000
 """Number of compared cells above which the step is searched for on a part of them."""
 
-SHARE = 8
+MIN_PART_RATIO = 8
 """Minimum ratio of all compared cells to those of a part on which the step is searched for."""
 
 
@@ -94,6 +92,12 @@ def _force_seconds(force: ForceProgram) -> float:
     return total
 
 
+def enlarged(cost: ExpectedCost, seconds: float, memory_bytes: float = 0.0) -> ExpectedCost:
+    """Return the cost with these seconds and bytes added."""
+    memory_bytes += cost.memory_bytes
+    return replace(cost, seconds=cost.seconds + seconds, memory_bytes=memory_bytes)
+
+
 def search_cost(
     lattice: NumericLattice, cells: float, steps: float, stages: int, compared: float
 ) -> ExpectedCost:
@@ -105,9 +109,6 @@ def search_cost(
     fields = len(lattice.fields)
     overhead = DRIVEN_STEP_SECONDS if lattice.is_driven else STEP_SECONDS
     first = steps * (overhead + stages * cells * cell_seconds(lattice))
-    return ExpectedCost(
-        BEGIN_SECONDS + CELL_SECONDS * cells + USUAL_RUNS * first,
-        PROCESS_BYTES + (BYTES_PER_CELL * cells + BYTES_PER_VALUE * compared) * fields,
-        steps,
-        BEGIN_SECONDS,
-    )
+    seconds = BEGIN_SECONDS + CELL_SECONDS * cells + USUAL_RUNS * first
+    memory = PROCESS_BYTES + (BYTES_PER_CELL * cells + BYTES_PER_VALUE * compared) * fields
+    return ExpectedCost(seconds, memory, steps, BEGIN_SECONDS)

@@ -6,10 +6,7 @@ spectral ring is exactly the lattice. Values are compared at the cells, by evalu
 series there.
 """
 
-from __future__ import annotations
-
 import math
-from dataclasses import replace
 
 import numpy as np
 
@@ -20,9 +17,16 @@ from longwave.lattice.spectral.spectral_integration import FieldComparison, Fiel
 from longwave.lattice.state import State
 from longwave.lattice.trial import Trial
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.engines.domain_plan import OUTER_CELLS, WIDER, DomainPlan, Ends, count_cells
-from longwave.scenes.engines.recorders import Variables, build_recorders
-from longwave.scenes.engines.ring_cost import USUAL_RUNS, search_cost
+from longwave.scenes.engines.domain_plan import (
+    EXTRA_CELLS,
+    OUTER_CELLS,
+    REMEDY,
+    DomainPlan,
+    Ends,
+    count_cells,
+)
+from longwave.scenes.engines.recorders import build_recorders, recorded_variables
+from longwave.scenes.engines.ring_cost import USUAL_RUNS, enlarged, search_cost
 from longwave.scenes.engines.run_record import RunRecord
 from longwave.scenes.engines.stepped_cells import CellView, SteppedCells, add_energy_drift
 from longwave.support.checkpoint import Memory
@@ -43,7 +47,7 @@ class SpectralRuns:
     """Runs of a scene's wave on spectral rings: the engine and the records of its runs.
 
     The scene is in lattice times and states the times of its looks. The ring is the smallest causal
-    one; that of a control run has `WIDER` more cells along each axis. Raises ValueError, before any
+    one; a control run's has `EXTRA_CELLS` more cells along each axis. Raises ValueError, before any
     large array is made, for a run that would take too much memory or time, and for a lattice whose
     cells differ.
     """
@@ -64,22 +68,15 @@ class SpectralRuns:
             limit=domains.limit(ring),
             wider=self._wider,
         )
+        times, speeds = np.array(domains.times), (wave.speed, *(0.0,) * (lattice.dimension - 1))
+        tolerance, factor = scene.target.tolerance, CARRIER_STEP_FACTOR if wave.frequency else 1.0
         self.engine = FieldRingEngine(
-            ring.lattice,
-            state,
-            np.array(domains.times),
-            (wave.speed, *(0.0,) * (lattice.dimension - 1)),
-            scene.target.tolerance,
-            comparison,
-            CARRIER_STEP_FACTOR if wave.frequency else 1.0,
+            ring.lattice, state, times, speeds, tolerance, comparison, factor
         )
         self.engine.amplifies_rounding = wave.amplifies_rounding(self.times[0])
         self.expected = self._expected()
-        check_request(
-            f"scene of {count_cells(self._ends(wider=True)):.3g} cells on a spectral ring",
-            self.expected,
-            "take a larger eps, end earlier or compare fewer cells",
-        )
+        cells = count_cells(self._ends(wider=True))
+        check_request(f"scene of {cells:.3g} cells on a spectral ring", self.expected, REMEDY)
 
     def _expected(self) -> ExpectedCost:
         """Return the expected cost of the search, extrapolated from its first run."""
@@ -88,21 +85,15 @@ class SpectralRuns:
         compared = math.prod(2.0 * reach + 1.0 for reach in self.domains.compared.reach)
         cost = search_cost(self.domains.wave.lattice, cells, 0.0, 1, compared * len(self.times))
         work, points = engine.work(engine.first()), engine.points(engine.first())
-        return replace(
-            cost,
-            seconds=cost.seconds + USUAL_RUNS * SECONDS_PER_WORK * fields * work,
-            memory_bytes=cost.memory_bytes + BYTES_PER_POINT * fields * points,
-        )
+        seconds = USUAL_RUNS * SECONDS_PER_WORK * fields * work
+        return enlarged(cost, seconds, BYTES_PER_POINT * fields * points)
 
     def _wider(self) -> tuple[NumericLattice, FieldRing]:
         state = self._state_of(wider=True)
         return self._cells[state.circumferences].ring.lattice, state
 
     def _ends(self, wider: bool) -> list[Ends]:
-        """Return the first and last cell along each axis; the number of cells suits the FFT.
-
-        The ring contains the whole of a finite wave, so that its data are smooth across the seam.
-        """
+        """Return the ends along each axis of an FFT-sized ring that contains a finite wave."""
         ends = self.domains.ends()
         low, high = self.domains.wave.support(self.times[0])
         if math.isfinite(high - low):
@@ -110,8 +101,8 @@ class SpectralRuns:
         counts = [fast_count(high + 1 - low) for low, high in ends]
         firsts = [low for low, _ in ends]
         if wider:
-            counts = [fast_count(count + WIDER) for count in counts]
-            firsts = [low - WIDER // 2 for low in firsts]
+            counts = [fast_count(count + EXTRA_CELLS) for count in counts]
+            firsts = [low - EXTRA_CELLS // 2 for low in firsts]
         return [(low, low + count - 1) for low, count in zip(firsts, counts, strict=True)]
 
     def _state_of(self, wider: bool) -> FieldRing:
@@ -130,10 +121,7 @@ class SpectralRuns:
         return cells.view(State(state.t, whole.f, whole.v))
 
     def _observed(self, state: FieldRing) -> Memory:
-        """Return the observables due at a state's time, and the energy at the first and last time.
-
-        The values of each recorder are stored under its time dimension.
-        """
+        """Return the observables due, by time dimension, and the first and last energy."""
         view = self._view(state)
         rows = {
             recorder.dimension: recorder.measure(view)
@@ -150,12 +138,11 @@ class SpectralRuns:
             return None
         ring, rows = trial.payload
         recorders = build_recorders(self.scene)
-        variables: Variables = {}
         for recorder in recorders:
             for t, row in zip(self.times, rows, strict=True):
                 if recorder.dimension in row["seen"]:
                     recorder.add(t, row["seen"][recorder.dimension])
-            variables |= recorder.variables()
+        variables = recorded_variables(recorders)
         steps, evaluations = ring.integrator.steps, ring.integrator.evaluations
         attributes = run_facts(trial, steps, evaluations, math.prod(ring.start.counts), "")
         reach = self.domains.compared.reach

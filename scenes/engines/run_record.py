@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from longwave.lattice.refine import USUAL_WORK, StoppedSearch, refine
 from longwave.lattice.trial import StoppedTrial, Trial, difference
-from longwave.scenes.observed.observables import TIME, axis_values
+from longwave.scenes.observed.observables import TIME_ATTRIBUTES, axis_values
 from longwave.support.checkpoint import restored_seconds
 from longwave.support.html_tables import html_table
 from longwave.support.labelled_arrays import LabelledArray, LabelledArrays
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from longwave.lattice.refine import Announce, Refined
+    from longwave.lattice.schemes import Scheme
     from longwave.lattice.trial import Engine, Progress
     from longwave.scenes.description.scene import Scene
     from longwave.scenes.engines.recorders import Variables
@@ -79,7 +80,7 @@ class RunRecord:
         """Run as labelled arrays, with coordinates, scene and provenance."""
         used = {name for dimensions, _, _ in self.variables.values() for name in dimensions}
         axes = {name: axis_values(name, self.reach) for name in used}
-        entries: Variables = {"time": (("time",), list(self.reached), dict(TIME))}
+        entries: Variables = {"time": (("time",), list(self.reached), dict(TIME_ATTRIBUTES))}
         entries |= {name: ((name,), *axis) for name, axis in axes.items() if axis is not None}
         entries |= self.variables
         requested = self.requested or self.scene
@@ -104,6 +105,23 @@ class RunRecord:
         data = {n: (v.dims, v.values, v.attrs) for n, v in self.arrays.variables.items()}
         axes = {name: data.pop(name) for name in list(data) if data[name][0] == (name,)}
         return xr.Dataset(data, axes, self.arrays.attrs)
+
+
+def stencil_cost(
+    scheme: Scheme, steps: int, sites: int, seconds: float, blow_up: object, **more: float
+) -> dict[str, Any]:
+    """Return engine, scheme and cost of a run cell by cell; ``blow_up`` describes a breakdown."""
+    return {
+        "engine": "stencil",
+        "scheme": scheme.name,
+        "order": scheme.order,
+        "steps": steps,
+        "force_evaluations": steps * scheme.stages,
+        "sites": sites,
+        **more,
+        "seconds": seconds,
+        "blow_up": str(blow_up or ""),
+    }
 
 
 def add_error_estimate(

@@ -1,6 +1,6 @@
 """Public entry points: run a scene, given as object, name or file, and resume a run.
 
-`Scene.method` decides which module runs the scene.
+`methods.method_of` decides which module runs the scene.
 """
 
 from __future__ import annotations
@@ -27,9 +27,7 @@ if TYPE_CHECKING:
 
 
 def run(
-    scene: Scene | str | Path,
-    progress: Progress | None = None,
-    announce: Announce | None = None,
+    scene: Scene | str | Path, progress: Progress | None = None, announce: Announce | None = None
 ) -> xr.Dataset:
     """Run a scene, given as object, name or file path, and return the Dataset of its observables.
 
@@ -78,10 +76,7 @@ EXAMPLE = "such as 'rogue_cn_k_0.5'"
 
 
 def state_at(run: xr.Dataset, t: float) -> State:
-    """Return a copy of the lattice state at snapshot ``t`` of a run with observable ``state``.
-
-    Raises ValueError if the run holds no states or has no snapshot at ``t``.
-    """
+    """Return a copy of the state at snapshot ``t``; ValueError if the run has no such state."""
     if "state_y" not in run:
         raise ValueError(
             "run must hold its states to be resumed, got none (ask for the observable 'state')"

@@ -2,16 +2,16 @@
 
 The lattice is run on a ring that fits the plane wave and its perturbation. The run starts from the
 eigenmode of the envelope equation that grows, or oscillates if the plane wave is stable. The two
-sidebands of the carrier are measured at `MOMENTS` times, each averaged over a carrier period. The
-slope of a line through the logarithms of their size is the growth rate. A stable plane wave thus
-also has a measured rate, with an error.
+sidebands of the carrier are measured at `MEASUREMENTS` times, each averaged over a carrier period.
+The slope of a line through the logarithms of their size is the growth rate. A stable plane wave
+thus also has a measured rate, with an error.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -30,25 +30,19 @@ from longwave.lattice.trial import Progress
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import positive
 from longwave.scenes.engines.domain_plan import (
-    LIMIT_SHARE,
+    LIMIT_FRACTION,
     SCHEME,
     check_rest,
     longest_step,
     stiffest_slopes,
 )
 from longwave.scenes.engines.recorders import Variables
-from longwave.scenes.engines.ring_cost import search_cost
+from longwave.scenes.engines.ring_cost import enlarged, search_cost
 from longwave.scenes.engines.run_record import RunRecord
+from longwave.scenes.starts import perturbed_plane
 from longwave.scenes.starts.envelope_data import EnvelopeData
 from longwave.scenes.starts.lattice_derivation import scene_envelope
-from longwave.scenes.starts.perturbed_plane import (
-    MOST_WAVES,
-    SIZE,
-    PerturbedPlane,
-    PlaneDomain,
-    chosen_kappa,
-    plane_domain,
-)
+from longwave.support.array_types import Array
 from longwave.support.checkpoint import restored_seconds
 from longwave.support.request_limits import ExpectedCost, OverBudgetError, check_request
 
@@ -56,13 +50,12 @@ if TYPE_CHECKING:
     from longwave.derive import Envelope
     from longwave.scenes.starts.initial_cells import InitialCells
 
-Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-MOMENTS = 9
+MEASUREMENTS = 9
 """Number of evenly spaced times at which the sidebands are measured."""
 
-SAMPLES = 8
+SAMPLES_PER_PERIOD = 8
 """Samples averaged at each measurement, over one carrier period, so that harmonics cancel."""
 
 GROWTH_SPAN = (1.5, 5.0)
@@ -76,21 +69,21 @@ changes of the plane wave would look like growth."""
 
 SLOPE_FACTOR = 2.5 / (15.0 / 16.0)
 """Largest error of the fitted slope, times the time span, per error of the measured values:
-``sum |x| / sum x^2`` over `MOMENTS` points x from -1/2 to 1/2."""
+``sum |x| / sum x^2`` over `MEASUREMENTS` points x from -1/2 to 1/2."""
 
 GROWTH_EVALUATIONS = 32.0
 """One in so many rounding errors matters: a mode that grows G-fold amplifies those of the first
 1/(2 ln G) of a run, a 32nd for G = 1e7."""
 
-SIGNIFICANT = 3.0
+SIGNIFICANT_ERRORS = 3.0
 """A growth rate is significant if it exceeds this many times its error."""
 
 
 class GrowthPlan(NamedTuple):
     """Ring, perturbed plane wave, initial data and measurement times of a growth scene."""
 
-    ring: PlaneDomain
-    wave: PerturbedPlane
+    ring: perturbed_plane.PlaneDomain
+    wave: perturbed_plane.PerturbedPlane
     data: EnvelopeData
     moments: Array
 
@@ -135,7 +128,7 @@ class SidebandGrowth:
     @property
     def grows(self) -> bool:
         """Whether the measured rate is significantly above 0."""
-        return self.measured > SIGNIFICANT * self.error
+        return self.measured > SIGNIFICANT_ERRORS * self.error
 
     @cached_property
     def _line(self) -> Array:
@@ -149,29 +142,25 @@ class SidebandGrowth:
     def verdict(self) -> str:
         """Return measured and theoretical rate in one line of text."""
         ring, wave = self.plan.ring, self.plan.wave
-        measurement = (
-            f"k = {float(ring.k):.6g}, kappa = {wave.kappa:.4g}: growth rate {self.measured:.4g} "
-            f"+- {self.error:.1g} in T"
-        )
+        measurement = f"k = {float(ring.k):.6g}, kappa = {wave.kappa:.4g}: growth rate "
+        measurement += f"{self.measured:.4g} +- {self.error:.1g} in T"
         if self.theory == 0.0:
             reason = "p q < 0" if wave.p * wave.q < 0 else "kappa outside the unstable band"
             growth = "but it grows" if self.grows else "and no growth is measured"
             return f"{measurement}, theory 0: the plane wave is stable ({reason}), {growth}"
+        finding = f"off by {100 * (self.measured / self.theory - 1):.2g} %"
         if not self.grows:
-            return (
-                f"{measurement}, theory {self.theory:.4g}: no significant growth (the sizes do not "
-                "follow an exponential; other waves may grow, too)"
-            )
-        percent = 100 * (self.measured / self.theory - 1)
-        return f"{measurement}, theory {self.theory:.4g}: off by {percent:.2g} %"
+            finding = "no significant growth (the sizes do not follow an exponential; other waves "
+            finding += "may grow, too)"
+        return f"{measurement}, theory {self.theory:.4g}: {finding}"
 
     def numbers(self) -> Mapping[str, tuple[float, str, str]]:
         """Return the scalar results by name, each as value, unit and long name."""
-        ring, wave = self.plan.ring, self.plan.wave
+        ring, wave, unit = self.plan.ring, self.plan.wave, "1/slow time"
         return {
-            "growth_rate": (self.measured, RATE, "growth rate in T, on the lattice"),
-            "growth_rate_error": (self.error, RATE, "what the measured rate may be off"),
-            "growth_rate_theory": (self.theory, RATE, "growth rate in T, by the envelope equation"),
+            "growth_rate": (self.measured, unit, "growth rate in T, on the lattice"),
+            "growth_rate_error": (self.error, unit, "what the measured rate may be off"),
+            "growth_rate_theory": (self.theory, unit, "growth rate in T, by the envelope equation"),
             "carrier_k": (float(ring.k), "1/site", "wavenumber of the carrier on the ring"),
             "perturbation_kappa": (wave.kappa, "1/X", "wavenumber of the perturbation, in X"),
             "p": (wave.p, "1", "p of the envelope equation"),
@@ -183,14 +172,13 @@ class SidebandGrowth:
         """Run record with the sideband sizes over time and the rates as scalars."""
         T, wave = self.slow_times, self.plan.wave
         theory = self.sizes[0] * np.exp(wave.growth * (T - T[0]))
-        series = {
-            "sideband_size": (self.sizes, "waves beside the carrier, over the carrier"),
-            "sideband_theory": (theory, "the same, growing as in theory from the first"),
-            "slow_time": (T, "T, the envelope's own time"),
-        }
         data: Variables = {
             name: (("time",), values, {"units": "1", "long_name": long_name})
-            for name, (values, long_name) in series.items()
+            for name, values, long_name in (
+                ("sideband_size", self.sizes, "waves beside the carrier, over the carrier"),
+                ("sideband_theory", theory, "the same, growing as in theory from the first"),
+                ("slow_time", T, "T, the envelope's own time"),
+            )
         }
         for name, (value, unit, long_name) in self.numbers().items():
             data[name] = ((), np.float64(value), {"units": unit, "long_name": long_name})
@@ -207,14 +195,8 @@ class SidebandGrowth:
         return RunRecord(self.scene, (0,), moments, data, attributes)
 
 
-RATE = "1/slow time"
-
-
 def record_scene(
-    scene: Scene,
-    progress: Progress | None = None,
-    announce: Announce | None = None,
-    restart: State | None = None,
+    scene: Scene, progress: Progress | None, announce: Announce | None, restart: State | None
 ) -> RunRecord:
     """Run a growth scene and return the record of `measure_growth`; it cannot be resumed."""
     assert restart is None
@@ -222,10 +204,7 @@ def record_scene(
 
 
 def scene_cost(scene: Scene) -> ExpectedCost:
-    """Return the expected cost of a growth scene.
-
-    Raises ValueError, as `measure_growth` does, for a scene that is refused before it is run.
-    """
+    """Return the expected cost; ValueError, as in `measure_growth`, for a scene that is refused."""
     return expected_growth_cost(growth_plan(scene))
 
 
@@ -271,25 +250,23 @@ def measure_growth(
 
 @lru_cache(maxsize=4)
 def growth_plan(scene: Scene) -> GrowthPlan:
-    """Return ring, wave, data and measurement times of a growth scene.
-
-    Raises ValueError if the scene admits no such plane wave or its perturbation is too long.
-    """
+    """Return ring, wave, data and times of a growth scene; ValueError for an inadmissible wave."""
     envelope, constants = scene_envelope(scene)
     parameters = plane_wave_numbers(scene)
     a, k = parameters["amplitude"], exact_value("k", scene.carrier)
     p, q = _coefficients(envelope, k, constants)
-    kappa = float(chosen_kappa(p, q, parameters))
+    kappa = float(perturbed_plane.chosen_kappa(p, q, parameters))
     cells = 2 * math.pi / (kappa * scene.eps)
-    if not cells * MOST_WAVES < MOST_CELLS:
+    most = MAX_WAVELENGTH_CELLS / perturbed_plane.MAX_WAVES
+    if not cells < most:
         raise ValueError(
-            f"eps must leave a perturbation of fewer than {MOST_CELLS / MOST_WAVES:.0e} cells, got "
-            f"{cells:.3g} (take a larger eps, amplitude or kappa)"
+            f"eps must leave a perturbation of fewer than {most:.0e} cells, got {cells:.3g} (take "
+            "a larger eps, amplitude or kappa)"
         )
-    ring = plane_domain(k, kappa * scene.eps)
+    ring = perturbed_plane.plane_domain(k, kappa * scene.eps)
     if ring.k != k:
         p, q = _coefficients(envelope, ring.k, constants)
-    wave = PerturbedPlane(a, p, q, ring.perturbation / scene.eps)
+    wave = perturbed_plane.PerturbedPlane(a, p, q, ring.perturbation / scene.eps)
     data = EnvelopeData(
         envelope, constants, wave, scene.eps, scene.order, k=ring.k, mean_square=a**2
     )
@@ -297,24 +274,15 @@ def growth_plan(scene: Scene) -> GrowthPlan:
     if wave.growth:
         first, last = (units / wave.growth / scene.eps**2 for units in GROWTH_SPAN)
     else:
-        beats, fastest = (
-            STABLE_BEATS * math.pi / abs(wave.rate),
-            np.ptp(GROWTH_SPAN) / wave.largest_growth,
-        )
-        first, last = 0.0, max(beats, float(fastest)) / scene.eps**2
-    moments = np.linspace(first, last, MOMENTS)
+        fastest = float(np.ptp(GROWTH_SPAN) / wave.largest_growth)
+        first, last = 0.0, max(STABLE_BEATS * math.pi / abs(wave.rate), fastest) / scene.eps**2
+    moments = np.linspace(first, last, MEASUREMENTS)
     return GrowthPlan(ring, wave, data, moments + max(0.0, period - first))
 
 
 def plane_wave_numbers(scene: Scene) -> dict[str, float]:
-    """Return the parameters of a scene's perturbed plane wave as floats.
-
-    Raises ValueError unless all are positive.
-    """
-    numbers = {name: float(exact_value(name, value)) for name, value in scene.parameters}
-    for name, value in numbers.items():
-        positive(name, value)
-    return numbers
+    """Return the perturbed plane wave's parameters as floats; ValueError unless all positive."""
+    return {name: positive(name, float(exact_value(name, v))) for name, v in scene.parameters}
 
 
 def _coefficients(
@@ -329,7 +297,7 @@ def _coefficients(
     return numbers.p, numbers.q
 
 
-MOST_CELLS = 1e9
+MAX_WAVELENGTH_CELLS = 1e9
 """Maximum number of cells in one wavelength of a perturbation; more than any machine can store."""
 
 
@@ -339,16 +307,12 @@ cubed: 0.02 s on a chain and 0.21 s on a dimer."""
 
 
 def expected_growth_cost(plan: GrowthPlan, fastest: float | None = None) -> ExpectedCost:
-    """Return the expected cost of a growth scene.
-
-    ``fastest`` is the highest frequency of the lattice, by default that about rest.
-    """
+    """Return the expected cost; ``fastest`` is the highest frequency, by default about rest."""
     lattice = plan.data.lattice
     fastest = fastest or lattice.highest_frequency(lattice.rest_slopes())
-    steps = float(plan.moments[-1]) * fastest / (LIMIT_SHARE * stability_limit(SCHEME))
+    steps = float(plan.moments[-1]) * fastest / (LIMIT_FRACTION * stability_limit(SCHEME))
     cost = search_cost(lattice, float(plan.ring.cells), steps, SCHEME.stages, 0.0)
-    planning = PLAN_SECONDS * len(lattice.fields) ** 3
-    return replace(cost, seconds=cost.seconds + planning)
+    return enlarged(cost, PLAN_SECONDS * len(lattice.fields) ** 3)
 
 
 class SidebandRuns:
@@ -366,7 +330,7 @@ class SidebandRuns:
         span = float(np.ptp(plan.moments)) * scene.eps**2
         self.scale = SLOPE_FACTOR / span / plan.wave.largest_growth
         omega = plan.data.carrier.omega
-        phases = (np.arange(SAMPLES) - (SAMPLES - 1) / 2) / SAMPLES
+        phases = (np.arange(SAMPLES_PER_PERIOD) - (SAMPLES_PER_PERIOD - 1) / 2) / SAMPLES_PER_PERIOD
         samples = np.add.outer(plan.moments, phases * 2 * np.pi / omega)
         times, rows = np.unique(samples, return_inverse=True)
         self._rows = rows.reshape(samples.shape)
@@ -380,12 +344,13 @@ class SidebandRuns:
         self._initial_size = self._largest(self.ring.f)
         longest = longest_step(fastest, abs(omega))
         evaluations = times[-1] / longest * SCHEME.stages
+        unit = 1.0 / self.scale / perturbed_plane.PERTURBATION_SIZE
         self.engine = CellEngine(
             lattice,
             State(0.0, self.ring.f, self.ring.v),
             times,
             SCHEME,
-            StateComparison(self._sidebands, self._logarithms, 1.0 / self.scale / SIZE),
+            StateComparison(self._sidebands, self._logarithms, unit),
             stored_times=times[:0],
             tolerance=scene.target.tolerance,
             longest=longest,
@@ -394,11 +359,9 @@ class SidebandRuns:
 
     def _check_cost(self, times: Array, fastest: float | None = None) -> None:
         self.expected = expected_growth_cost(self.plan, fastest)
-        check_request(
-            f"scene of {self.plan.ring.cells} cells until t = {times[-1]:.3g}",
-            self.expected,
-            "take a larger eps or amplitude, or another k or kappa with faster growth",
-        )
+        scene = f"scene of {self.plan.ring.cells} cells until t = {times[-1]:.3g}"
+        remedy = "take a larger eps or amplitude, or another k or kappa with faster growth"
+        check_request(scene, self.expected, remedy)
 
     def _largest(self, f: Array) -> float:
         return float(np.max(np.abs(self.plan.data.quantity_values(f, self.ring.mean_strain))))

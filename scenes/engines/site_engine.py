@@ -7,11 +7,9 @@ from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.schemes import scheme_named
 from longwave.lattice.trial import (
-    DRIVEN_SHARE,
     Choices,
     Kind,
     Progress,
@@ -24,10 +22,11 @@ from longwave.lattice.trial import (
 )
 from longwave.scenes.description.numerics import Discretisation
 from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines import window
 from longwave.scenes.engines.domain_plan import (
+    EXTRA_CELLS,
     OUTER_CELLS,
     SCHEME,
-    WIDER,
     ComparedCells,
     DomainPlan,
     count_cells,
@@ -44,29 +43,19 @@ from longwave.scenes.engines.stepped_cells import (
     add_energy_drift,
     measures_all_cells,
 )
-from longwave.scenes.engines.window import (
-    LARGEST_MISFIT,
-    SIZE_RATIO,
-    WINDOW_DECAY,
-    WINDOW_SAFETY,
-    FedWave,
-    judged_times,
-    widened,
-    window_moves,
-)
-
-Array = NDArray[np.float64]
+from longwave.scenes.engines.window import LARGEST_MISFIT
+from longwave.support.array_types import Array
 
 STEP_RATIO = 0.8
 """Step of a control run, in units of the run before it."""
 
-SIMILARITY = 1e-3
+SIMILARITY_FRACTION = 1e-3
 """Fraction by which the whole wave's data may exceed those of a representative part."""
 
-CLEARANCE = 128
+CLEARANCE_CELLS = 128
 """Cells beyond the wave's extent that the coarse engine compares."""
 
-FEED_SHARE = 0.3
+FEED_FRACTION = 0.3
 """Largest fraction of the tolerance allowed for the error of a window's feed."""
 
 MISFIT_GROWTH = 1.4
@@ -86,7 +75,7 @@ class SiteEngine(StepSearch):
     Runs are compared on the cells ``judged``, by default all compared cells.
     """
 
-    decay = WINDOW_DECAY
+    decay = window.WINDOW_DECAY
 
     def __init__(
         self, scene: Scene, domains: DomainPlan, judged: ComparedCells | None = None
@@ -101,18 +90,17 @@ class SiteEngine(StepSearch):
         self.judged = judged or domains.compared
         self.metered: dict[float, Array] = {}
         longest = longest_step(domains.fastest, wave.frequency, self._scheme)
-        longest = min(
-            longest, DRIVEN_SHARE * wave.lattice.driven_within(self.times[0], self.times[:2][-1])
-        )
+        longest = min(longest, domains.driven_step)
         self._ring = float(count_cells(domains.ends()))
         self._uses_rings, self._widened = domains.window is None, 1.0
-        allowed = FEED_SHARE * scene.target.tolerance / FEED_SAFETY
+        allowed = FEED_FRACTION * scene.target.tolerance / FEED_SAFETY
         self._largest_misfit = min(LARGEST_MISFIT, allowed)
         stops = np.array(self.times)
         if domains.window is not None:
-            self.kinds, self.safety = ("step", "domain"), WINDOW_SAFETY
-            fed = FedWave(domains, domains.window)
-            stops = np.unique([*self.times, *(t for t in window_moves(fed) if t < self.times[-1])])
+            self.kinds, self.safety = ("step", "domain"), window.WINDOW_SAFETY
+            fed = window.FedWave(domains, domains.window)
+            moves = (t for t in window.window_moves(fed) if t < self.times[-1])
+            stops = np.unique([*self.times, *moves])
         super().__init__(self._scheme.order, longest, stops, float(domains.window or self._ring))
         self._first = replace(self._first, causal=domains.window is None)
         self.expected = domains.expected
@@ -162,40 +150,31 @@ class SiteEngine(StepSearch):
         values = np.array(judged.samples)
         is_complete = len(values) == len(self.times) or stopped
         is_bounded = is_complete and bool(np.all(np.abs(values) <= limit))
-        largest /= wave.scale
+        evaluations, largest = run.attrs["force_evaluations"], largest / wave.scale
+        rounding = rounding_error(largest, evaluations)
         if is_bounded:
             largest = max(largest, float(np.max(np.abs(values[:, 0]))))
-        rounding = rounding_error(largest, run.attrs["force_evaluations"])
-        if is_bounded:
-            rounding += clock_error(values, wave.speed, (self.times[0], self.times[-1]))
-        trial = Trial(
-            choices,
-            values if is_bounded else None,
-            self.work(choices),
-            float(run.attrs["seconds"]),
-            rounding,
-            run,
-            records,
-            around=around.samples[0] if is_bounded and not stopped else None,
-        )
+            rounding = rounding_error(largest, evaluations) + clock_error(values, wave.speed, ends)
+        outer = around.samples[0] if is_bounded and not stopped else None
+        compared, work = values if is_bounded else None, self.work(choices)
+        seconds = float(run.attrs["seconds"])
+        trial = Trial(choices, compared, work, seconds, rounding, run, records, around=outer)
         if stopped:
             raise StoppedTrial(trial)
         return trial
 
     def coarse_engine(self) -> SiteEngine:
-        """Return an engine of smaller windows about the wave alone, for a cheaper search.
-
-        It compares at fewer times. Returns this engine if no smaller window suffices.
-        """
+        """Return a cheaper engine: smaller windows, fewer times; this one if none suffices."""
         domains = self.domains
         if domains.window is None or domains.extent is None:
             return self
         low, high = domains.extent
-        near = math.ceil(max(-low, high, 0.0)) + CLEARANCE
+        near = math.ceil(max(-low, high, 0.0)) + CLEARANCE_CELLS
         if near >= domains.compared.reach[0]:
             return self
         scene = replace(self.scene, observables=())
-        times = judged_times(FedWave(domains, domains.window), (self.times[0], *exact_times(scene)))
+        fed, exact = window.FedWave(domains, domains.window), exact_times(scene)
+        times = window.judged_times(fed, (self.times[0], *exact))
         compared = replace(domains.compared, reach=(near,))
         return SiteEngine(scene, DomainPlan(domains.wave, compared, times, domains.tolerance))
 
@@ -209,7 +188,7 @@ class SiteEngine(StepSearch):
         if part is None:
             return None
         inner = DomainPlan(domains.wave, part, domains.times, domains.tolerance)
-        if not np.all(domains.sizes <= (1.0 + SIMILARITY) * inner.sizes):
+        if not np.all(domains.sizes <= (1.0 + SIMILARITY_FRACTION) * inner.sizes):
             return None
         within = SiteEngine(replace(self.scene, observables=()), inner)
         return within, SiteEngine(self.scene, domains, part)
@@ -218,20 +197,19 @@ class SiteEngine(StepSearch):
         return choices.causal or self._uses_rings
 
     def _cells(self, choices: Choices, records: bool) -> SteppedCells:
-        observables = self.scene.observables if records else ()
-        scheme = self._scheme.name
+        def plan(domain: str, sites: int) -> Scene:
+            stated = Discretisation(choices.step, domain, sites, self._scheme.name)
+            observables = self.scene.observables if records else ()
+            return replace(self.scene, numerics=stated, observables=observables)
+
         if not self._is_ring(choices):
-            size = round_up(self._widened * choices.size)
-            stated = Discretisation(choices.step, "window", size, scheme)
-            plan = replace(self.scene, numerics=stated, observables=observables)
-            return WindowCells(plan, self.domains, choices.nudged)
+            window_plan = plan("window", round_up(self._widened * choices.size))
+            return WindowCells(window_plan, self.domains, choices.nudged)
         least = self._ring if choices.causal else self._first.size
-        ends = self.domains.ends(WIDER if choices.size > least else 0)
+        ends = self.domains.ends(EXTRA_CELLS if choices.size > least else 0)
         closes = self.domains.wave.watches_strains and self.domains.room  # others are always closed
-        domain = "closed_ring" if closes else "ring"
-        stated = Discretisation(choices.step, domain, count_cells(ends), scheme)
-        plan = replace(self.scene, numerics=stated, observables=observables)
-        return SteppedCells(plan, self.domains, ends, choices.nudged, self._fades)
+        ring_plan = plan("closed_ring" if closes else "ring", count_cells(ends))
+        return SteppedCells(ring_plan, self.domains, ends, choices.nudged, self._fades)
 
     def _sized(self, choices: Choices, cells: float) -> Choices:
         """Return the choices with a window of ``cells`` cells, or a ring if that has fewer."""
@@ -247,31 +225,25 @@ class SiteEngine(StepSearch):
         return previous if previous.shape == current.shape else np.full_like(current, np.nan)
 
     def control(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
-        """Return the choices of a control run: a shorter step, a wider window.
-
-        A causal ring changes together with the step: from its least size to a wider one and back.
-        """
+        """Return a control run's choices: shorter step, wider window; rings alternate in size."""
         if "step" in kinds:
             step = shorter_step(self._stops, choices.step, self.order, STEP_RATIO)
             choices = replace(choices, step=step)
             if choices.causal:
-                wider = WIDER if choices.size == self._ring else 0
+                wider = EXTRA_CELLS if choices.size == self._ring else 0
                 choices = replace(choices, size=self._ring + wider)
         if "domain" in kinds and not choices.causal:
-            choices = self._sized(choices, SIZE_RATIO * choices.size)
+            choices = self._sized(choices, window.SIZE_RATIO * choices.size)
         return choices
 
     def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
-        """Return choices that reduce one kind of error: a shorter step or a wider window.
-
-        With a shorter step a causal ring has its least size.
-        """
+        """Return choices with a shorter step (a ring then has its least size) or wider window."""
         if kind == "step":
             shorter = super().improved(choices, kind, excess)
             return replace(shorter, size=self._ring) if choices.causal else shorter
         if choices.causal:
             return choices
-        return self._sized(choices, widened(choices.size, excess, self.decay))
+        return self._sized(choices, window.widened(choices.size, excess, self.decay))
 
     def work(self, choices: Choices) -> float:
         """Return the work of a run, in force evaluations on single fields of cells."""

@@ -5,44 +5,36 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from longwave.lattice import seam
 from longwave.lattice.model import Model
-from longwave.lattice.seam import (
-    BLEND_REACH,
-    blend_seam,
-    close_circumference,
-    negate_at_seam,
-    rest_at_seam,
-)
 from longwave.lattice.spectral.field_ring import FieldRing, modes_of, values_of
 from longwave.scenes.engines.domain_plan import front
 from longwave.scenes.starts.moving_wave import MovingWave, WaveBounds, find_bounds
+from longwave.support.array_types import Array
 
-Array = NDArray[np.float64]
-
-LEAST = 16
+MIN_WAVELENGTHS = 16
 """Minimum number of wavelengths of a periodic background on a ring."""
 
-ROOM = 1.5
+WIDTH_FACTOR = 1.5
 """Least circumference without its blended parts, in units of the width it must contain."""
 
-BLEND = 32.0
+BLEND_DIVISOR = 32.0
 """On a constant background the data are blended within circumference/BLEND of the seam."""
 
-SCALES = 6.0
+MIN_BLEND_WIDTH = 6.0
 """Least width of the blended part, in units of the wave's variable xi."""
 
-SAMPLES = 4096
+SPEED_SAMPLES = 4096
 """Points at which the largest speed of sound is sought."""
 
-ABSORBED = 2.0
+ABSORBED_WAVENUMBER = 2.0
 """Wavenumber below which left-going waves are absorbed."""
 
-PASSED = 0.125
+ABSORBED_LAG = 0.125
 """Distance behind c t, in circumferences, beyond which right-going waves are absorbed."""
 
-SMOOTH = 48.0
+SMOOTH_EDGE = 48.0
 """Least wavenumber of absorbed short waves, times the circumference. The edge of the absorber is
 smooth on the scale of such a wave."""
 
@@ -81,16 +73,11 @@ class SpectralStart:
         return 1.0 if wavelength is None else wavelength / self.moving.eps
 
     @property
-    def steepness(self) -> float:
-        """Change of the wave's variable xi per site."""
-        return self.moving.wave.numbers.a * self.moving.eps
-
-    @property
     def smallest(self) -> float:
         """Smallest circumference that contains the wave and the compared sites at all times."""
-        least = ROOM * self.bounds.width
+        least = WIDTH_FACTOR * self.bounds.width
         if self.periodic:
-            return max(LEAST * self.unit, least + 2.0 * self.unit)
+            return max(MIN_WAVELENGTHS * self.unit, least + 2.0 * self.unit)
         return least + 2.0 * self.seam(least)
 
     @property
@@ -100,25 +87,21 @@ class SpectralStart:
         A periodic background contains such waves itself, and so does the step in strain that closes
         the ring of a kink.
         """
-        return 0.0 if self.moving.wave.constant_background is None else ABSORBED
+        return 0.0 if self.moving.wave.constant_background is None else ABSORBED_WAVENUMBER
 
     def short(self, circumference: float) -> float:
         """Return the wavenumber above which right-going waves may be absorbed; 0 if none need be.
 
-        Their group velocity is c cos(k/2), so they fall behind c t by 2 c sin^2(k/4) per unit of
-        time.
+        Their group velocity is c cos(k/2): they lag behind c t by 2 c sin^2(k/4) per time.
         """
         distance = 2.0 * self.moving.speed * self.moving.duration
-        lag = PASSED * circumference / distance if distance > 0.0 else math.inf
+        lag = ABSORBED_LAG * circumference / distance if distance > 0.0 else math.inf
         if not self.absorbed or lag >= math.sin(math.pi / 4.0) ** 2:
             return 0.0
-        return max(SMOOTH / circumference, 4.0 * math.asin(math.sqrt(lag)))
+        return max(SMOOTH_EDGE / circumference, 4.0 * math.asin(math.sqrt(lag)))
 
     def ring(self, circumference: float, shift: float = 0.0) -> SpectralDomain:
-        """Return a ring of about this circumference, or the causal ring if that is not wider.
-
-        The ring's middle is moved from its usual place by ``shift`` circumferences.
-        """
+        """Return a ring of this circumference, moved by ``shift`` of it, or the causal ring."""
         if circumference >= self.causal.circumference:
             return self.causal
         lead = self.bounds.middle + shift * circumference
@@ -143,7 +126,7 @@ class SpectralStart:
     @property
     def fastest(self) -> float:
         """Largest speed of sound over the strains of the bounds and of the data."""
-        x = self.smallest * (np.arange(SAMPLES) / SAMPLES - 0.5) + self.bounds.middle
+        x = self.smallest * (np.arange(SPEED_SAMPLES) / SPEED_SAMPLES - 0.5) + self.bounds.middle
         strain = np.concatenate([self._strain(x), self.bounds.strain])
         return self.moving.constants.highest_frequency(strain) / 2.0
 
@@ -152,17 +135,18 @@ class SpectralStart:
         length = ring.circumference
         x = length * (np.arange(points) / points - 0.5)
         left = self._middle + ring.lead - 0.5 * length
+
+        def data(x: Array) -> Array:
+            return self._data(x + ring.lead)
+
         if self.kink:
-            crest = (
-                self.moving.wave.phase_zeros(self.moving.t0, self.moving.eps)[0]
-                - self._middle
-                - ring.lead
-            )
-            y, s = negate_at_seam(lambda x: self._data(x + ring.lead), length, round(crest), x)
+            zero = self.moving.wave.phase_zeros(self.moving.t0, self.moving.eps)[0]
+            crest = round(zero - self._middle - ring.lead)
+            y, s = seam.negate_at_seam(data, length, crest, x)
         else:
-            width = self.seam(length) / BLEND_REACH
-            y, s = blend_seam(lambda x: self._data(x + ring.lead), length, width, x)
-            s = rest_at_seam(s, length, width, x)
+            width = self.seam(length) / seam.BLEND_REACH
+            y, s = seam.blend_seam(data, length, width, x)
+            s = seam.rest_at_seam(s, length, width, x)
         return FieldRing(self.moving.t0, (left,), (length,), y[None], s[None])
 
     def seam(self, circumference: float) -> float:
@@ -171,8 +155,8 @@ class SpectralStart:
             return self.unit
         if self.kink:
             return float(self.moving.seam_room(self.moving.t0))
-        least = SCALES / self.steepness
-        return max(min(circumference, 4.0 * self.bounds.width) / BLEND, least)
+        least = MIN_BLEND_WIDTH / (self.moving.wave.numbers.a * self.moving.eps)
+        return max(min(circumference, 4.0 * self.bounds.width) / BLEND_DIVISOR, least)
 
     @property
     def kink(self) -> bool:
@@ -189,15 +173,14 @@ class SpectralStart:
         if not self.periodic:
             return circumference
         count = round(circumference / self.unit)
-        return close_circumference(lambda x: self._strain(x + lead), self.unit, count)
+        return seam.close_circumference(lambda x: self._strain(x + lead), self.unit, count)
 
     @property
     def _middle(self) -> float:
         return self.moving.speed * self.moving.t0
 
     def _strain(self, x: Array) -> Array:
-        strain: Array = self._data(x)[0]
-        return strain
+        return np.asarray(self._data(x)[0])
 
     def _data(self, x: Array) -> Array:
         return np.concatenate(self.moving.state(self._middle + x, self.moving.t0))
@@ -208,16 +191,16 @@ def spectral_start(moving: MovingWave, tolerance: float) -> SpectralStart:
     return SpectralStart(moving, find_bounds(moving, tolerance))
 
 
-PER_RADIAN = 2.0
+POINTS_PER_RADIAN = 2.0
 """First sampling: points per unit of the wave's own variable xi."""
 
 
 def first_density(moving: MovingWave) -> float:
     """Return the number of points per site of a search's first run."""
-    return PER_RADIAN * moving.wave.numbers.a * moving.eps
+    return POINTS_PER_RADIAN * moving.wave.numbers.a * moving.eps
 
 
-FEWEST = 16
+MIN_STEPS = 16
 """Minimum number of steps of the first run. With fewer, the differences between runs do not show
 the order of the scheme: the error of two solitons was 1.9e-5 with 4 steps and 1.6e-5 with 7."""
 
@@ -229,7 +212,7 @@ def first_step(speed: float, duration: float, k: float, turning: float) -> float
     long-wave limit both scales are fixed fractions of the slow time T, so the number of steps does
     not depend on eps. Dispersion is the faster for weak, short waves.
     """
-    longest = duration / FEWEST if duration > 0 else 1.0
+    longest = duration / MIN_STEPS if duration > 0 else 1.0
     return min(longest, turning, 24.0 / (speed * k**3))
 
 

@@ -18,19 +18,10 @@ from longwave.lattice.spectral.ring_search import ALIKE, resolving_step, run_fac
 from longwave.lattice.state import State, empty_chain
 from longwave.lattice.trial import Progress, Trial
 from longwave.scenes.description.scene import Scene
+from longwave.scenes.engines import spectral_data, spectral_search
 from longwave.scenes.engines.domain_plan import ComparedCells
-from longwave.scenes.engines.recorders import Recorder, Variables, build_recorders
+from longwave.scenes.engines.recorders import Recorder, build_recorders, recorded_variables
 from longwave.scenes.engines.run_record import RunRecord, search_interrupt
-from longwave.scenes.engines.spectral_data import (
-    SpectralStart,
-    first_density,
-    spectral_start,
-)
-from longwave.scenes.engines.spectral_search import (
-    MOST_POINTS,
-    SpectralCost,
-    solve_on_rings,
-)
 from longwave.scenes.engines.stepped_cells import CellView
 from longwave.scenes.starts.moving_wave import MovingWave, moving_wave
 from longwave.support.request_limits import ExpectedCost, OverBudgetError
@@ -41,38 +32,37 @@ START_SECONDS = 0.08
 SECONDS_PER_WORK = 2.2e-9
 """Seconds per point, log2(points) and evaluation, measured with the planning."""
 
-EVALUATIONS = 11.0
+EVALUATION_FACTOR = 11.0
 """Evaluations per unit of b eps^3 t times peak^3, at tolerance 1 (measured)."""
 
-POINTS = 1.7
+POINT_FACTOR = 1.7
 """Points per site in units of the first density times the peak (measured)."""
 
-TAIL = 20.0
+TAIL_CHANGE = 20.0
 """Change of the result when a ring on a constant background is doubled to circumference L, times
 (eps L/2)^3 and per unit of the peak; law of a ring with absorber (measured)."""
 
-PHASE = 0.1
-"""Same change on a periodic background, times (eps L/2)^2 and per unit of b eps^3 t times peak^3
-(measured)."""
+PERIODIC_CHANGE = 0.1
+"""Same on a periodic background, times (eps L/2)^2 per b eps^3 t peak^3 (measured)."""
 
 LATTICE_SPREAD = 400.0
 """Variation of a wave's energy with its position between two sites, in units of exp(-pi^2/s) for
 steepness s = a |y|; 250 to 520 for solitons of s from 0.35 to 0.6."""
 
-STEPPING = 2.0
+FIRST_RING_RUNS = 2.0
 """Cost of the runs on the first ring with all steps tried, in units of the last of them."""
 
 MOST_RELATIVE_COST = 300.0
-"""Cost at which the spectral engine gives up, in units of the stencil's; at least `LEAST_BUDGET`.
+"""Cost at which the spectral engine gives up, in units of the stencil's; at least `MIN_BUDGET`.
 
 On a ring that short waves circle forever, a larger ring improves the result ever more slowly. Then
 the stencil in a moving window is much cheaper.
 """
 
-LEAST_BUDGET = 10.0
+MIN_BUDGET = 10.0
 """Seconds that the spectral engine may use in any case."""
 
-SHARE = 0.6
+CHANGE_FRACTION = 0.6
 """Largest change from doubling the last ring, as a fraction of the tolerance."""
 
 
@@ -82,29 +72,26 @@ POINT_BYTES = 530.0
 
 @lru_cache(maxsize=4)
 def spectral_cost(scene: Scene) -> ExpectedCost:
-    """Return the expected cost of a scene on spectral rings.
-
-    The wave's peak sets the number of points and steps, as in the mKdV limit.
-    """
+    """Return the expected cost on spectral rings; the wave's peak sets points and steps."""
     moving, tolerance = moving_wave(scene), scene.target.tolerance
-    data, numbers = spectral_start(moving, tolerance), moving.wave.numbers
+    data, numbers = spectral_data.spectral_start(moving, tolerance), moving.wave.numbers
     peak = float(np.max(np.abs(data.bounds.strain))) / moving.eps
     turns = numbers.b * moving.eps**3 * moving.duration * peak**3
-    evaluations = EVALUATIONS * (1.0 + turns) * tolerance ** (-1.0 / ORDER)
+    evaluations = EVALUATION_FACTOR * (1.0 + turns) * tolerance ** (-1.0 / ORDER)
     steepness = numbers.a * moving.eps * peak
     lattice_spread = LATTICE_SPREAD * math.exp(-(math.pi**2) / steepness) * (1.0 + turns) * peak
     if lattice_spread > ALIKE * tolerance:
         evaluations = max(evaluations, moving.duration / resolving_step(moving.speed))
     first, *wider = _circumferences(data, tolerance, peak, turns)
-    density = POINTS * peak * first_density(moving)
-    points = density * np.array([*[first] * round(STEPPING), 2.0 * first, *wider]) + 2.0
+    density = POINT_FACTOR * peak * spectral_data.first_density(moving)
+    points = density * np.array([*[first] * round(FIRST_RING_RUNS), 2.0 * first, *wider]) + 2.0
     work = evaluations * float(np.sum(points * np.log2(points)))
-    most = min(float(MOST_POINTS), density * max(first, *wider, 0.0))
+    most = min(float(spectral_search.MOST_POINTS), density * max(first, *wider, 0.0))
     return ExpectedCost(START_SECONDS + SECONDS_PER_WORK * work, POINT_BYTES * most)
 
 
 def _circumferences(
-    data: SpectralStart, tolerance: float, peak: float, turns: float
+    data: spectral_data.SpectralStart, tolerance: float, peak: float, turns: float
 ) -> list[float]:
     """Return the circumferences that a search is expected to try, each twice the one before.
 
@@ -114,12 +101,12 @@ def _circumferences(
     """
     if data.kink:
         return [data.causal.circumference]
-    level, power = (PHASE * turns, 2) if data.periodic else (TAIL * peak, 3)
+    level, power = (PERIODIC_CHANGE * turns, 2) if data.periodic else (TAIL_CHANGE * peak, 3)
     tried = [data.smallest]
     while tried[-1] < data.causal.circumference:
         change = level / (data.moving.eps * tried[-1]) ** power
         tried.append(2.0 * tried[-1])
-        if change <= SHARE * tolerance:
+        if change <= CHANGE_FRACTION * tolerance:
             break
     return [min(length, data.causal.circumference) for length in tried]
 
@@ -139,9 +126,9 @@ def run_spectral(
     recorders = build_recorders(replace(scene, look_points=looks))
     times = {t for recorder in recorders for t in recorder.moments.times} | {scene.end}
     moving = replace(moving_wave(scene), times=(scene.t0, *sorted(times)))
-    most_work = max(LEAST_BUDGET, MOST_RELATIVE_COST * site_by_site) / SECONDS_PER_WORK
+    most_work = max(MIN_BUDGET, MOST_RELATIVE_COST * site_by_site) / SECONDS_PER_WORK
     try:
-        found = solve_on_rings(moving, tolerance, progress, announce, most_work)
+        found = spectral_search.solve_on_rings(moving, tolerance, progress, announce, most_work)
     except StoppedSearch as stop:
         raise _stopped(scene, moving, stop, recorders) from None
     except OverBudgetError as error:
@@ -177,7 +164,7 @@ def _recorded(
 ) -> RunRecord:
     """Return the record of a run: observables of the compared sites, up to a blow-up."""
     assert trial.values is not None
-    cost: SpectralCost = trial.payload
+    cost: spectral_search.SpectralCost = trial.payload
     amplitude, fault = max(map(abs, cost.strain)), None
     reached = tuple(t for t in scene.snapshots if t <= moving.end)
     for t, row in zip(moving.times[1:], trial.values, strict=True):
@@ -196,9 +183,7 @@ def _recorded(
         trial, cost.steps, cost.evaluations, cost.points, "" if fault is None else str(fault)
     )
     attributes["circumference"] = cost.circumference
-    variables: Variables = {}
-    for recorder in recorders:
-        variables |= recorder.variables()
+    variables = recorded_variables(recorders)
     return RunRecord(scene, (scene.compared,), reached, variables, attributes)
 
 

@@ -14,19 +14,11 @@ from functools import partial
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.refine import Announce, Refined, refine
+from longwave.lattice.spectral import evolution
 from longwave.lattice.spectral.absorber import ABSORBER_STRENGTH
-from longwave.lattice.spectral.crest_energy import (
-    DENSITY,
-    crest_energy_spread,
-)
-from longwave.lattice.spectral.evolution import (
-    NotHyperbolicError,
-    RunawayError,
-    SpectralRing,
-)
+from longwave.lattice.spectral.crest_energy import DENSITY, crest_energy_spread
 from longwave.lattice.spectral.field_ring import FieldRing, fast_count
 from longwave.lattice.spectral.ring_search import TAIL_SHARE, SpectralSearch
 from longwave.lattice.trial import (
@@ -39,30 +31,22 @@ from longwave.lattice.trial import (
     clock_error,
     rounding_error,
 )
-from longwave.scenes.engines.spectral_data import (
-    SpectralDomain,
-    first_density,
-    first_step,
-    rms_wavenumber,
-    spectral_start,
-    turning_time,
-)
+from longwave.scenes.engines import spectral_data
 from longwave.scenes.starts.moving_wave import MovingWave
+from longwave.support.array_types import Array
 from longwave.support.checkpoint import Loop, Memory, begin_loop
-
-Array = NDArray[np.float64]
 
 SIZE_RATIO = 1.5
 """Circumference of a control run, in units of the run before it. If the control's ring would be
 causal, the first one is made causal, too; a kink's ring always is."""
 
-SHIFT = 0.07
+RING_SHIFT = 0.07
 """Shift of a control run's ring, in circumferences."""
 
 ABSORBER_RATIO = 0.5
 """Strength of a control run's absorber, in units of the run before it."""
 
-LARGEST_FACTOR = 3.0
+MAX_SIZE_FACTOR = 3.0
 """Largest factor on a size, from one choice to the next."""
 
 POINTS_GROWTH = 1.5
@@ -82,20 +66,18 @@ width in sites is 1/(a |y|)), and no long step is possible."""
 SMALL_STEEPNESS = 0.2
 """Value of a |y| up to which the energies of the ring's interleaved lattices agree to rounding."""
 
-SPREAD = 2.2
-"""Largest measured energy spread, in units of `crest_energy_spread`, of solitons with a |y| from
-0.35 to 0.6."""
+ENERGY_SPREAD_FACTOR = 2.2
+"""Largest energy spread over `crest_energy_spread`; solitons with a |y| from 0.35 to 0.6."""
 
 STEEP_DENSITY = 2.5
 """Points per site that a steep wave needs."""
 
-MOST_WORK = 4e9
+MAX_STEEP_WORK = 4e9
 """Largest work of a run with such short steps, about ten seconds on the causal ring. A steep wave
 radiates all the time, so no smaller ring suffices."""
 
-SHORTEST = 0.02
-"""Shortest step, in units of the time in which sound travels one site. Below it a run site by site
-is cheaper."""
+SHORTEST_STEP = 0.02
+"""Shortest step, in units of a site over the speed of sound; below it the stencil is cheaper."""
 
 LEAST_POINTS = 256
 """Minimum number of points on a ring. From here on the sizes that suit the FFT lie so close
@@ -134,7 +116,7 @@ class SpectralIntegration:
         moving: MovingWave,
         state: FieldRing,
         stops: Sequence[Stop],
-        make: Callable[[FieldRing, float], SpectralRing],
+        make: Callable[[FieldRing, float], evolution.SpectralRing],
     ) -> None:
         self.rows: list[Array] = []
         self._moving, self._stops, self._make = moving, stops, make
@@ -157,10 +139,7 @@ class SpectralIntegration:
         return SpectralCost(sum(steps), points, sum(evaluations), length, (min(least), max(most)))
 
     def run(self, progress: Progress, loop: Loop) -> None:
-        """Integrate to the last stop, from the start or from the loop's checkpoint.
-
-        Raises the errors of the rings, such as RunawayError.
-        """
+        """Integrate to the last stop from the start or a checkpoint; may raise a ring's error."""
         if loop.memory is not None:
             self._recall(loop.memory)
         moving, state = self._moving, self._state
@@ -225,7 +204,7 @@ class SpectralEngine(SpectralSearch):
     def __init__(self, moving: MovingWave, tolerance: float, most_work: float) -> None:
         super().__init__(moving.t0, moving.duration, moving.speed, tolerance)
         self._moving, self.most_work = moving, most_work
-        self._data = spectral_start(moving, tolerance)
+        self._data = spectral_data.spectral_start(moving, tolerance)
         self.decay = 2.0 if self._data.periodic else 3.0
         steepness = self._steepness(self._data.bounds.strain)
         if steepness > LARGEST_STEEPNESS:
@@ -233,19 +212,19 @@ class SpectralEngine(SpectralSearch):
                 f"a wave of width {1.0 / LARGEST_STEEPNESS:.2g} sites or more, this one has "
                 f"{1.0 / steepness:.2g}"
             )
-        self._density = first_density(moving)
+        self._density = spectral_data.first_density(moving)
         self._start_end = moving.t0
-        self._rings: dict[tuple[float, float, bool], SpectralDomain] = {}
-        self._states: dict[tuple[SpectralDomain, int], FieldRing] = {}
-        self._soft: NotHyperbolicError | None = None
+        self._rings: dict[tuple[float, float, bool], spectral_data.SpectralDomain] = {}
+        self._states: dict[tuple[spectral_data.SpectralDomain, int], FieldRing] = {}
+        self._soft: evolution.NotHyperbolicError | None = None
 
     def first(self) -> Choices:
         """Return the first choices: the smallest ring, sampling and step of the wave's scale."""
         choices = self._sized(Choices(1.0, 0.0, density=self._density), self._data.smallest)
         state, c = self._state(choices), self._moving.speed
-        k = rms_wavenumber(state)
-        turning = turning_time(self._moving.constants, state, k)
-        step = first_step(c, self._duration, k, turning)
+        k = spectral_data.rms_wavenumber(state)
+        turning = spectral_data.turning_time(self._moving.constants, state, k)
+        step = spectral_data.first_step(c, self._duration, k, turning)
         self._lattice_spread = self._spread_over(self._duration / turning)
         if self._must_resolve:
             step = min(step, self._resolving)
@@ -262,7 +241,7 @@ class SpectralEngine(SpectralSearch):
         """Raise ValueError if steps are so short that a run site by site is much cheaper."""
         limit = self._data.causal
         widest = replace(Choices(step, limit.circumference), density=STEEP_DENSITY)
-        if self.work(widest) > MOST_WORK:
+        if self.work(widest) > MAX_STEEP_WORK:
             raise self._too_short(f"steps below {step:.2g} for so long")
 
     def _too_short(self, needed: str) -> ValueError:
@@ -276,26 +255,23 @@ class SpectralEngine(SpectralSearch):
         return self._moving.wave.numbers.a * float(np.max(np.abs(strain)))
 
     def _spread_over(self, turns: float) -> float:
-        """Return a bound on how far the ring's interleaved lattices diverge, in y/eps.
-
-        See `crest_energy.py`.
-        """
+        """Return a bound, in y/eps, on how far interleaved lattices diverge (`crest_energy.py`)."""
         data, bounds = self._data, self._data.bounds
         if self._steepness(bounds.strain) <= SMALL_STEEPNESS:
             return 0.0
         ring = data.ring(data.smallest)
         state = data.state(ring, self._fast_points(DENSITY * ring.circumference))
         chain = data.moving.constants.lattice
-        spread = SPREAD * crest_energy_spread(chain, state, 0)
+        spread = ENERGY_SPREAD_FACTOR * crest_energy_spread(chain, state, 0)
         return (1.0 + turns) * spread * float(np.max(np.abs(bounds.strain))) / data.moving.eps
 
     def _add_points(self, choices: Choices) -> bool:
         self._density = POINTS_GROWTH * self._dense(choices) / choices.finer
         return True
 
-    def _handle_loss(self, error: RunawayError, step: float) -> None:
+    def _handle_loss(self, error: evolution.RunawayError, step: float) -> None:
         """Raise the error again if the lattice itself stops carrying waves, whatever the step."""
-        self._soft = error if isinstance(error, NotHyperbolicError) else None
+        self._soft = error if isinstance(error, evolution.NotHyperbolicError) else None
         if self._soft and self._lost_again(error, step):
             raise error
 
@@ -309,21 +285,21 @@ class SpectralEngine(SpectralSearch):
         if "domain" in kinds and not choices.causal:
             weaker = replace(choices, absorber=ABSORBER_RATIO * choices.absorber)
             wider = self._sized(weaker, SIZE_RATIO * choices.size)
-            choices = replace(wider, shift=choices.shift + SHIFT)
+            choices = replace(wider, shift=choices.shift + RING_SHIFT)
         return choices
 
     def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
         """Return choices that reduce one kind of error by ``excess``, from its scaling law."""
         if kind == "step":
             shorter = self._shorter(choices, excess)
-            if shorter.step * self._moving.speed < SHORTEST < self._duration:
+            if shorter.step * self._moving.speed < SHORTEST_STEP < self._duration:
                 raise self._soft or self._too_short(f"steps below {choices.step:.2g}")
             return shorter
         if kind == "sampling":
             return replace(choices, density=1.4 * self._dense(choices))
         if choices.causal:
             return choices
-        factor = min(LARGEST_FACTOR, max(1.3, excess ** (1.0 / self.decay)))
+        factor = min(MAX_SIZE_FACTOR, max(1.3, excess ** (1.0 / self.decay)))
         return self._sized(choices, factor * choices.size)
 
     def points(self, choices: Choices) -> float:
@@ -336,10 +312,7 @@ class SpectralEngine(SpectralSearch):
         return choices.finer * max(choices.density, self._density, least)
 
     def _fast_points(self, points: float) -> int:
-        """Return the next larger number of points that suits the FFT.
-
-        Raises ValueError beyond `MOST_POINTS`.
-        """
+        """Return the next number of points that suits the FFT; ValueError beyond `MOST_POINTS`."""
         if points > MOST_POINTS:
             raise ValueError(
                 f"tolerance must be larger than {self._tolerance:g}: it needs a ring of more than "
@@ -354,11 +327,8 @@ class SpectralEngine(SpectralSearch):
         return replace(choices, size=size)
 
     def _run(self, choices: Choices, progress: Progress) -> Trial:
-        """Run with these choices; again on a wider ring if a causal one was too narrow.
-
-        A causal ring is too narrow if the strains met carry faster signals than it was made for.
-        """
-        trial = self._march(replace(choices, density=self._dense(choices), finer=1.0), progress)
+        """Run; again on a wider ring if the strains met carry too fast signals for a causal one."""
+        trial = self._integrate(replace(choices, density=self._dense(choices), finer=1.0), progress)
         self._soft = None
         data = self._data
         strain = np.array([*trial.payload.strain, *data.bounds.strain])
@@ -369,54 +339,38 @@ class SpectralEngine(SpectralSearch):
         self._rings.clear()
         return self._run(self._sized(choices, math.inf), progress)
 
-    def _march(self, choices: Choices, progress: Progress) -> Trial:
+    def _integrate(self, choices: Choices, progress: Progress) -> Trial:
         moving = self._moving
         loop = begin_loop(f"spectral {choices}")
         state = self._state(choices)
         if choices.nudged:
             state = replace(state, f=(1.0 + NUDGE) * state.f)
-        march = SpectralIntegration(
-            moving, state, self._stops(choices), self._maker(choices, state)
-        )
-        stopped = False
+        stops, maker, stopped = self._stops(choices), self._maker(choices, state), False
+        integration = SpectralIntegration(moving, state, stops, maker)
         try:
-            march.run(progress, loop)
+            integration.run(progress, loop)
         except KeyboardInterrupt:
-            if not march.rows:
+            if not integration.rows:
                 raise
             stopped = True
-        values = np.array(march.rows)
-        cost = march.cost
+        values, cost = np.array(integration.rows), integration.cost
         rounding = rounding_error(max(map(abs, cost.strain)) / moving.eps, cost.evaluations)
         rounding += clock_error(values, moving.speed, (moving.t0, moving.end))
         work = cost.evaluations * cost.points * math.log2(cost.points)
-        seconds = time.perf_counter() - loop.begun
-        trial = Trial(
-            choices,
-            values,
-            work,
-            seconds,
-            rounding,
-            cost,
-            common_error=self._unresolved_error(choices),
-        )
+        seconds, common = time.perf_counter() - loop.begun, self._unresolved_error(choices)
+        trial = Trial(choices, values, work, seconds, rounding, cost, common_error=common)
         if stopped:
             raise StoppedTrial(trial)
         return trial
 
-    def _maker(self, choices: Choices, state: FieldRing) -> Callable[..., SpectralRing]:
+    def _maker(self, choices: Choices, state: FieldRing) -> Callable[..., evolution.SpectralRing]:
         """Return the function that builds the rings of a run from this initial state."""
-        cutoff = short = 0.0
-        if choices.absorber:
-            cutoff, short = self._data.absorbed, self._data.short(*state.circumferences)
-        return partial(
-            SpectralRing,
-            self._moving.constants,
-            tail=TAIL_SHARE * self._tolerance * self._moving.eps,
-            absorbed=cutoff,
-            strength=choices.absorber,
-            short=short,
-        )
+        tail = TAIL_SHARE * self._tolerance * self._moving.eps
+        make = partial(evolution.SpectralRing, self._moving.constants, tail=tail)
+        if not choices.absorber:
+            return partial(make, absorbed=0.0, strength=choices.absorber, short=0.0)
+        cutoff, short = self._data.absorbed, self._data.short(*state.circumferences)
+        return partial(make, absorbed=cutoff, strength=choices.absorber, short=short)
 
     def _stops(self, choices: Choices) -> list[Stop]:
         """Return the stops of a run: its times, and the end of a start phase with shorter steps.
@@ -431,7 +385,7 @@ class SpectralEngine(SpectralSearch):
         late = [(t, choices.step, True) for t in times if t >= began]
         return [*early, (began, choices.start, False), *late]
 
-    def _ring(self, choices: Choices) -> SpectralDomain:
+    def _ring(self, choices: Choices) -> spectral_data.SpectralDomain:
         key = (choices.size, choices.shift, choices.causal)
         if key not in self._rings:
             size = math.inf if choices.causal else choices.size

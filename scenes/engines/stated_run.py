@@ -1,7 +1,6 @@
 """Run a scene cell by cell with given step and domain, and measure its observables.
 
-Discretisation errors are measured on request, by a second run with half the step or twice the
-sites.
+Discretisation errors are measured by a second run with half the step or twice the sites.
 """
 
 from __future__ import annotations
@@ -9,7 +8,7 @@ from __future__ import annotations
 import time
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,13 +16,13 @@ from longwave.scenes.engines.recorders import (
     Observer,
     Recorder,
     Samples,
-    Variables,
     build_recorders,
     exact_times,
+    recorded_variables,
 )
-from longwave.scenes.engines.run_record import RunRecord, UnfinishedRun
+from longwave.scenes.engines.run_record import RunRecord, UnfinishedRun, stencil_cost
 from longwave.scenes.observed.observables import observable_named
-from longwave.scenes.observed.view import Array
+from longwave.support.array_types import Array
 from longwave.support.checkpoint import Memory, begin_loop
 
 if TYPE_CHECKING:
@@ -81,7 +80,7 @@ def record(
             for observer in observers:
                 if observer.moments.is_due(state.t):
                     observer.observe(view)
-            progress(_share(begin, scene.end, state.t))
+            progress((state.t - begin) / (scene.end - begin) if scene.end > begin else 1.0)
             if state.t < scene.end:
                 loop.offer(checkpoint)
     except KeyboardInterrupt:
@@ -89,10 +88,6 @@ def record(
     if times and not stopped and stepper.blow_up is None:
         loop.end(lambda: checkpoint(arrays=False))
     return Recording(stepper, step_limit, time.perf_counter() - loop.begun, stopped)
-
-
-def _share(begin: float, end: float, t: float) -> float:
-    return (t - begin) / (end - begin) if end > begin else 1.0
 
 
 REFINED_COST = 2.0
@@ -104,11 +99,6 @@ def refinements(scene: Scene) -> list[str]:
     return [
         name for name in scene.observables if observable_named(name).measured_at == "refinement"
     ]
-
-
-def stated_runs(scene: Scene) -> float:
-    """Return the work of a scene including its refined runs, in units of the run alone."""
-    return 1.0 + REFINED_COST * len(refinements(scene))
 
 
 def refined_scene(scene: Scene, measure: str) -> Scene:
@@ -162,10 +152,10 @@ def run_from(
     if measures:
         observers.append(samples)
     recording = record(stepped, observers, whole, restart)
-    variables: Variables = {}
-    for recorder in recorders:
-        variables |= recorder.variables()
-    cost = _cost(scene, recording) | stepped.attributes(recording.stepper)
+    variables, stepper = recorded_variables(recorders), recording.stepper
+    sites, limit = scene.discretisation.sites, recording.step_limit
+    facts = stepper.scheme, stepper.steps, sites, recording.seconds, stepper.blow_up
+    cost = stencil_cost(*facts, step_limit=limit) | stepped.attributes(stepper)
     run = RunRecord(scene, stepped.reach, _reached(scene, recorders, recording), variables, cost)
     if recording.stopped:
         cost["unfinished"] = f"Ctrl-C after t = {recording.stepper.state.t:g} of {scene.end:g}"
@@ -201,18 +191,3 @@ def _split_progress(progress: Progress, costs: Sequence[float]) -> list[Progress
         return lambda share: progress(min(1.0, (start + share * cost) / sum(costs)))
 
     return [part(sum(costs[:index]), cost) for index, cost in enumerate(costs)]
-
-
-def _cost(scene: Scene, recording: Recording) -> dict[str, Any]:
-    stepper, scheme = recording.stepper, recording.stepper.scheme
-    return {
-        "engine": "stencil",
-        "scheme": scheme.name,
-        "order": scheme.order,
-        "steps": stepper.steps,
-        "force_evaluations": stepper.steps * scheme.stages,
-        "sites": scene.discretisation.sites,
-        "step_limit": recording.step_limit,
-        "seconds": recording.seconds,
-        "blow_up": "" if stepper.blow_up is None else str(stepper.blow_up),
-    }

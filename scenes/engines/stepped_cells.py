@@ -9,7 +9,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.schemes import Scheme, check_step
@@ -25,9 +24,8 @@ from longwave.scenes.observed.observables import observable_named
 from longwave.scenes.observed.view import View
 from longwave.scenes.starts.initial_cells import InitialCells
 from longwave.scenes.starts.lattice_wave import LatticeWave
+from longwave.support.array_types import Array
 from longwave.support.checkpoint import Memory
-
-Array = NDArray[np.float64]
 
 LOOK_SECONDS = 0.02
 """Seconds between two stops, at which the state is checked for NaN and Ctrl-C takes effect."""
@@ -76,12 +74,18 @@ class SteppedCells:
         return ring.nudged() if self._nudged else ring
 
     def stepper(self, restart: State | None) -> tuple[Stepper, float]:
-        """Return the stepper of the cells and the largest stable step.
-
-        Raises ValueError if the scene's step exceeds that limit.
-        """
+        """Return the stepper and the largest stable step; ValueError if the scene's is larger."""
         stated = self.scene.discretisation
         limit = check_step(stated.step, stated.table, self.domains.fastest)
+        state, domain = self._begin(restart)
+        ring, scheme = self.ring, stated.table
+        amplitude = float(np.max(np.abs(ring.f))) if self.domains.wave.watches_strains else None
+        chunk = steps_between_looks(ring.lattice, state, scheme, amplitude is not None)
+        stepper = Stepper(state, scheme, ring.lattice, domain, stated.step, amplitude, chunk)
+        return stepper, limit
+
+    def _begin(self, restart: State | None) -> tuple[State, Domain]:
+        """Return the first state, or the state to resume from, with its domain."""
         if restart is not None:
             self.ends = _ends_of(restart, self.domains.plain_ends(0))
         ring = self.ring
@@ -89,18 +93,10 @@ class SteppedCells:
         if restart is not None:
             shape = state.f.shape
             state = State(restart.t, restart.f.reshape(shape), restart.v.reshape(shape))
-        domain = RingDomain(state, self.ends, self.domains, self._fading)
-        return self._stepper_of(state, domain), limit
-
-    def _stepper_of(self, state: State, domain: Domain) -> Stepper:
-        ring, stated = self.ring, self.scene.discretisation
-        amplitude = float(np.max(np.abs(ring.f))) if self.domains.wave.watches_strains else None
-        return ring_stepper(ring.lattice, state, domain, stated.table, stated.step, amplitude)
-
-    @property
-    def _fading(self) -> Fading | None:
-        """Damping of the cells that can no longer affect a compared cell; None without it."""
-        return self.domains.fading() if self._fades and self.domains.room else None
+        domains, fading = self.domains, None
+        if self._fades and domains.room:
+            fading = domains.wave.fading(domains.times[0], domains.signals[0])
+        return state, RingDomain(state, self.ends, domains, fading)
 
     def view(self, state: State) -> CellView:
         """Return the view of a state on the compared cells."""
@@ -120,7 +116,7 @@ class SteppedCells:
 
     def refined(self, scene: Scene) -> SteppedCells:
         """Return the cells for a refined scene about the same wave."""
-        return SteppedCells(scene, self.domains)
+        return type(self)(scene, self.domains)
 
     def attributes(self, stepper: Stepper) -> dict[str, Any]:
         """Return run attributes: the number of sites, and the strain range if it is monitored."""
@@ -179,25 +175,18 @@ class RingDomain(FixedDomain):
         return self.domains.with_seam_distance(replace(found, site=site), self.ends)
 
 
-def ring_stepper(
-    lattice: NumericLattice,
-    state: State,
-    domain: Domain,
-    scheme: Scheme,
-    step: float,
-    amplitude: float | None = None,
-) -> Stepper:
-    """Return a stepper of a ring that stops about every ``LOOK_SECONDS`` to check the state.
+def steps_between_looks(
+    lattice: NumericLattice, state: State, scheme: Scheme, watches_strains: bool
+) -> int:
+    """Return the number of steps that a ring takes in about ``LOOK_SECONDS``.
 
-    On a chain it takes at least `LEAST_CHUNK` steps between stops. With the ``amplitude`` of a wave
-    its strains are checked (`blow_up.find_blow_up`) at least every `CHUNK` steps, as often as the
-    seam needs damping.
+    It is at least `LEAST_CHUNK` on a chain. For a wave whose strains are checked
+    (`blow_up.find_blow_up`) it is at most `CHUNK`, as the seam needs damping that often.
     """
     seconds = cell_seconds(lattice) * state.f[0].size
     least = LEAST_CHUNK if lattice.dimension == 1 else 1
     chunk = max(least, int(LOOK_SECONDS / (scheme.stages * seconds)))
-    chunk = chunk if amplitude is None else min(chunk, CHUNK)
-    return Stepper(state, scheme, lattice, domain, step, amplitude, chunk)
+    return min(chunk, CHUNK) if watches_strains else chunk
 
 
 @dataclass(frozen=True)
@@ -240,7 +229,7 @@ class CellView(View):
     @cached_property
     def numerics(self) -> Array:
         """Compared quantities of the run, (quantities, *sites); a copy, as the state changes."""
-        wide, inner = self.wave.with_neighbours(self._places(self.compared))
+        wide, inner = self.wave.with_neighbours(self.compared.slices(self.ends, self.t))
         values = self.wave.quantity_values(self.arrays[0][:, *wide], self.mean_strain)
         return np.array(values[:, *inner], subok=True)
 
@@ -262,10 +251,7 @@ class CellView(View):
 
     @property
     def extra_variables(self) -> dict[str, Any]:
-        """Sup error in units of the scale, slow time, and all quantities if there are several.
-
-        Empty for the paper's wave.
-        """
+        """Sup error, slow time and all quantities if several; empty for the paper's wave."""
         if self.wave.watches_strains:
             return {}
         error = float(np.max(np.abs(self.numerics - self.analytics))) / self.wave.scale
@@ -293,10 +279,7 @@ class CellView(View):
 
     @property
     def stored(self) -> tuple[int, Array, Array]:
-        """Leftmost cell, and copies of the fields' periodic parts and the velocities.
-
-        A single field has no axis for the fields.
-        """
+        """Leftmost cell, and copies of fields and velocities, without axis for a single field."""
         f, v = (values[0] if len(values) == 1 else values for values in self.arrays)
         return self.ends[0][0], f.copy(), v.copy()
 
@@ -305,17 +288,13 @@ class CellView(View):
 
         The cells are ``compared``, by default those of the view, and ``beyond`` cells around them.
         """
-        places = self._places(compared or self.compared, beyond)
-        return (
-            self.wave.values_and_rates_at(*self.arrays, self.mean_strain, places) / self.wave.scale
-        )
+        cells = (compared or self.compared).slices(self.ends, self.t, beyond)
+        values = self.wave.values_and_rates_at(*self.arrays, self.mean_strain, cells)
+        return values / self.wave.scale
 
     @cached_property
     def _cells(self) -> Array:
         return self.compared.cells(self.t)
-
-    def _places(self, compared: ComparedCells, beyond: int = 0) -> tuple[slice, ...]:
-        return compared.slices(self.ends, self.t, beyond)
 
 
 def add_energy_drift(run: RunRecord, begin: float, end: float) -> None:
@@ -334,7 +313,7 @@ class WindowCells(SteppedCells):
         self.scene, self.domains, self._nudged = scene, domains, nudged
         self.scale, self.reach = domains.wave.scale, domains.compared.reach
         fed = FedWave(domains, scene.discretisation.sites, nudged)
-        self._window, first = Window(fed, fed.size), fed.first(fed.t0)
+        self._window, first = Window(fed), fed.first(fed.t0)
         self.ends = [(first, first + fed.size - 1)]
 
     @cached_property
@@ -342,19 +321,13 @@ class WindowCells(SteppedCells):
         """Initial data on the window's cells."""
         return self._window.wave.ring
 
-    def stepper(self, restart: State | None) -> tuple[Stepper, float]:
-        """Return the stepper of the cells and the largest stable step.
-
-        Raises ValueError if the scene's step exceeds that limit.
-        """
-        stated = self.scene.discretisation
-        limit = check_step(stated.step, stated.table, self.domains.fastest)
+    def _begin(self, restart: State | None) -> tuple[State, Domain]:
         state = self._window.start()
         if restart is not None:
             shape = state.f.shape
             arrays = (restart.f.reshape(shape), restart.v.reshape(shape))
             state = stored_chain(restart.t, restart.left, *arrays)
-        return self._stepper_of(state, self._window), limit
+        return state, self._window
 
     def ends_at(self, state: State) -> Sequence[Ends]:
         """Return the window's first and last cell at a state's time."""
@@ -363,10 +336,6 @@ class WindowCells(SteppedCells):
     def arrays_at(self, state: State) -> tuple[Array, Array]:
         """Return fields and velocities in the order of the cells."""
         return state.at(state.sites)
-
-    def refined(self, scene: Scene) -> WindowCells:
-        """Return the cells for a refined scene about the same wave."""
-        return WindowCells(scene, self.domains)
 
     def attributes(self, stepper: Stepper) -> dict[str, Any]:
         """Return run attributes: the feed's mismatch, and the strain range if it is monitored."""

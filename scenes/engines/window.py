@@ -15,21 +15,19 @@ from functools import cached_property
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from numpy.typing import NDArray
 
 from longwave.lattice.state import BlowUp, Domain, Sites, State
 from longwave.scenes.engines.domain_plan import (
     CHECKED_CELLS,
-    STRIDE,
+    MOVE_CELLS,
     DomainPlan,
     fed_cells,
     least_window,
 )
 from longwave.scenes.starts.initial_cells import InitialCells
+from longwave.support.array_types import Array
 from longwave.support.checkpoint import Memory
 from longwave.support.compiled.jit import doubles, njit
-
-Array = NDArray[np.float64]
 
 
 class FedWave:
@@ -46,11 +44,6 @@ class FedWave:
         self.t0, self.duration = times[0], times[-1] - times[0]
         self.compared = domains.compared.reach[0]
         self.speed, self.scale, self.background_speed = wave.speed, wave.scale, wave.far_speed
-
-    @property
-    def fastest(self) -> float:
-        """Largest group velocity in the far field."""
-        return self.domains.wave.far_fastest
 
     def first(self, t: float) -> int:
         """Return the window's first cell after its move at time t."""
@@ -69,10 +62,7 @@ class FedWave:
         return np.asarray((sites - begin) - speed * (t - self.t0), dtype=np.float64)
 
     def rigid_data(self, speed: float, offsets: Array) -> tuple[Array, Array]:
-        """Return fields and velocities of the initial wave moving rigidly at ``speed``.
-
-        The uniform far field is subtracted (see `uniform`).
-        """
+        """Return the initial wave moved rigidly at ``speed``, less its `uniform` far field."""
         wave = self.domains.wave
         f, slopes = wave.rigid_fields(offsets, self.t0)
         return f, wave.far_rates[1][:, np.newaxis] - speed * slopes
@@ -97,7 +87,7 @@ WINDOW_SAFETY = 3.0
 The slowest decay met was by a fifth for a size factor of 1.25, in a window hardly larger than its
 wave (rational, order 5)."""
 
-LARGEST_GROWTH = 4.0
+MAX_SIZE_GROWTH = 4.0
 """Largest factor on a size from one choice to the next."""
 
 COMPARED_MOVES = 16
@@ -106,7 +96,7 @@ COMPARED_MOVES = 16
 
 def widened(sites: float, excess: float, decay: float) -> float:
     """Return the window size that reduces the error by ``excess``, if it falls like size^-decay."""
-    return sites * min(LARGEST_GROWTH, max(1.2, 1.05 * excess ** (1.0 / decay)))
+    return sites * min(MAX_SIZE_GROWTH, max(1.2, 1.05 * excess ** (1.0 / decay)))
 
 
 def judged_times(wave: FedWave, exact: Sequence[float]) -> tuple[float, ...]:
@@ -116,13 +106,13 @@ def judged_times(wave: FedWave, exact: Sequence[float]) -> tuple[float, ...]:
 
 
 def window_moves(wave: FedWave) -> tuple[float, ...]:
-    """Return the times of the window's moves: each time the wave has travelled ``STRIDE`` sites."""
-    stay = STRIDE / wave.speed
+    """Return the times of the window's moves, each ``MOVE_CELLS`` sites after the one before."""
+    stay = MOVE_CELLS / wave.speed
     count = math.ceil(wave.duration / stay)
     return tuple(wave.t0 + stay * move for move in range(1, count + 1))
 
 
-DEGREES = (16, 32, 64, 128)
+CHEBYSHEV_DEGREES = (16, 32, 64, 128)
 """Degrees tried for the interpolation; the far field of Y2 needs the first."""
 
 INTERPOLATION_ERROR = 1e-14
@@ -137,9 +127,7 @@ def _chebyshev_sums(coefficients: Array, u: Array) -> Array:
 
 
 @njit(
-    cache=True,
-    examples=[(doubles(2), doubles(1), doubles(2), doubles(1))],
-    fastmath={"contract"},
+    cache=True, examples=[(doubles(2), doubles(1), doubles(2), doubles(1))], fastmath={"contract"}
 )
 def _clenshaw(coefficients: Array, u: Array, found: Array, work: Array) -> None:
     """Write Clenshaw's sums to ``found``, looping over points innermost so that SIMD applies."""
@@ -175,7 +163,8 @@ class Tail:
         if self._coefficients is None:
             values = self._rows(offsets)
         else:
-            values = _chebyshev_sums(self._coefficients, self._unit(offsets))
+            u = (offsets - 0.5 * (self.low + self.high)) * (2.0 / (self.high - self.low))
+            values = _chebyshev_sums(self._coefficients, u)
         f, v = np.split(values, 2)
         return f + self.wave.uniform(sites, t), v
 
@@ -183,18 +172,14 @@ class Tail:
         """Return fields and velocities at the offsets, stacked along the first axis."""
         return np.concatenate(self.wave.rigid_data(self.speed, offsets))
 
-    def _unit(self, offsets: Array) -> Array:
-        """Map offsets of the interval to -1 .. 1."""
-        return (offsets - 0.5 * (self.low + self.high)) * (2.0 / (self.high - self.low))
-
     def _exact(self, u: Array) -> Array:
-        offsets = 0.5 * (self.low + self.high) + 0.5 * (self.high - self.low) * u
-        return self._rows(offsets)
+        """Return `_rows` at points u of the interval mapped to -1 .. 1."""
+        return self._rows(0.5 * (self.low + self.high) + 0.5 * (self.high - self.low) * u)
 
     @cached_property
     def _coefficients(self) -> Array | None:
         """Chebyshev coefficients of fields and velocities; None if no degree is accurate enough."""
-        for degree in DEGREES:
+        for degree in CHEBYSHEV_DEGREES:
             points = chebyshev.chebpts1(degree + 1)
             values = self._exact(points)
             level = values[:, 0]  # subtracted so that small coefficients have small rounding errors
@@ -210,8 +195,7 @@ class Tail:
 
 
 LARGEST_MISFIT = 1e-5
-"""Largest accepted difference of feed and lattice, in units of the scale; a correct feed is far
-below."""
+"""Largest accepted difference of feed and lattice, in units of the wave's scale."""
 
 
 @dataclass
@@ -229,7 +213,6 @@ class Window(Domain):
     """
 
     wave: FedWave
-    size: int
     mismatch: float = field(default=0.0, init=False)
 
     def __post_init__(self) -> None:
@@ -239,12 +222,13 @@ class Window(Domain):
                 "(its far field is not that of a closed form on a constant background)"
             )
         self.background_speed = self.wave.background_speed
-        self._ratio = self.wave.fastest / self.wave.speed
-        drift = math.ceil(max(0.0, self.wave.fastest - self.wave.speed) * self.wave.duration)
+        speed, fastest = self.wave.speed, self.wave.domains.wave.far_fastest
+        self._ratio = fastest / speed
+        drift = math.ceil(max(0.0, fastest - speed) * self.wave.duration)
         least = least_window(self.wave.compared + drift, self._ratio)
-        if self.size < least:
+        if self.wave.size < least:
             raise ValueError(
-                f"sites must satisfy sites >= {least} in this window, got {self.size} "
+                f"sites must satisfy sites >= {least} in this window, got {self.wave.size} "
                 "(its ends would touch the compared sites; widen it)"
             )
         self.moves = frozenset(window_moves(self.wave))
@@ -263,10 +247,7 @@ class Window(Domain):
         return stored_chain(t, self.wave.first(t), ring.f, ring.v)
 
     def follow(self, state: State) -> BlowUp | None:
-        """Move the window to the state's time and fill its front cells.
-
-        Returns a fault if the feed does not match the lattice, otherwise None.
-        """
+        """Move to the state's time and fill front cells; return a fault if the feed is wrong."""
         left, cells = self.wave.first(state.t), state.f.shape[1]
         fed = fed_cells(left - state.left, self._ratio)
         state.left = left
@@ -295,15 +276,12 @@ class Window(Domain):
     def _tail(self) -> Tail:
         """Far field on all offsets at which the window's moves fill or check cells."""
         drift = (self.background_speed - self.wave.speed) * self.wave.duration
-        end = (self.size + 1) // 2
-        begin = end - (fed_cells(STRIDE + 1, self._ratio) + CHECKED_CELLS)
+        end = (self.wave.size + 1) // 2
+        begin = end - (fed_cells(MOVE_CELLS + 1, self._ratio) + CHECKED_CELLS)
         low, high = begin - 1 - max(0.0, drift), end + 1 - min(0.0, drift)
         return Tail(self.wave, self.background_speed, low, high)
 
 
 def stored_chain(t: float, left: int, f: Array, v: Array) -> State:
-    """Return a state of the cells from ``left`` on, stored cyclically as a window stores them.
-
-    ``f`` and ``v`` are (fields, cells).
-    """
+    """Return a state of (fields, cells) from ``left`` on, stored cyclically as in a window."""
     return State(t, np.roll(f, left, axis=1), np.roll(v, left, axis=1), left)

@@ -29,28 +29,26 @@ COLUMNS = ("stretch", "force", "deviation")
 COMMENT, LENGTHS = "#", ("m", "in", "inch")
 """Prefix of comment lines; suffixes of unit names by which units of length are recognised."""
 
-LARGEST = 10_000_000
+MAX_FILE_BYTES = 10_000_000
 """Largest file in bytes."""
 
-FEWEST = 4
+MIN_POINTS = 4
 """Minimum number of points, so that some remain to test a law by."""
 
-MOST = 100_000
+MAX_POINTS = 100_000
 """Maximum number of measured points."""
 
-SMALLEST = 1e-20
+SMALLEST_SIZE = 1e-20
 """Least size of the largest stretch, of the largest force and of each deviation; 1/SMALLEST is the
 largest. The squares of their sixth powers are then within the range of doubles."""
 
-TURN = 0.1
-"""Least reversal of the stretch that counts as a turn, as a fraction of its range; smaller ones are
-noise."""
+TURN_FRACTION = 0.1
+"""Least reversal of the stretch that is a turn and not noise, as a fraction of its range."""
 
-FEWEST_OF_BRANCH = 4
-"""Minimum number of points between two turns on average; with fewer, the points count as
-unordered."""
+MIN_BRANCH_POINTS = 4
+"""Minimum mean number of points between two turns; with fewer, points are unordered."""
 
-LOOP_SHARE, LOOP_DEVIATIONS = 0.005, 4.0
+LOOP_FRACTION, LOOP_DEVIATIONS = 0.005, 4.0
 """Width above which loading and unloading form a loop: a fraction of the range of forces, which
 allows for interpolation between points, and a number of standard deviations of the mean width. It
 must also exceed the noise of a point."""
@@ -90,26 +88,27 @@ class ForceData:
         _check_points(rows)
         _check_order(rows)
         order = np.argsort(rows[:, 0], kind="stable")
-        rows = rows[order]
-        return cls(rows[:, 0], rows[:, 1], rows[:, 2] if deviation is not None else None, order)
+        sorted_stretch, sorted_force, *others = rows[order].T
+        return cls(sorted_stretch, sorted_force, others[0] if others else None, order)
 
 
 def _check_sizes(name: str, column: Points) -> None:
     """Raise ValueError for a column whose powers and squares would leave the range of doubles."""
     sizes = np.abs(column)
     largest, least = float(np.max(sizes)), float(np.min(sizes) if name == COLUMNS[2] else 1.0)
-    if not (SMALLEST <= largest <= 1 / SMALLEST and least >= SMALLEST):
-        got = largest if least >= SMALLEST else least
+    if not (SMALLEST_SIZE <= largest <= 1 / SMALLEST_SIZE and least >= SMALLEST_SIZE):
+        got = largest if least >= SMALLEST_SIZE else least
         raise ValueError(
-            f"{name} must be of a size from {SMALLEST:g} to {1 / SMALLEST:g}, got {got:g} (take "
-            "other units)"
+            f"{name} must be of a size from {SMALLEST_SIZE:g} to {1 / SMALLEST_SIZE:g}, got "
+            f"{got:g} (take other units)"
         )
 
 
 def _check_points(rows: Points) -> None:
-    if not FEWEST <= len(rows) <= MOST:
+    if not MIN_POINTS <= len(rows) <= MAX_POINTS:
         raise ValueError(
-            f"points must be {FEWEST} to {MOST}, got {len(rows)} (measure more, or take means)"
+            f"points must be {MIN_POINTS} to {MAX_POINTS}, got {len(rows)} (measure more, or take "
+            "means)"
         )
     if rows.shape[1] > 2:
         for row in np.flatnonzero(rows[:, 2] <= 0):
@@ -139,17 +138,15 @@ def _check_order(rows: Points) -> None:
     """Raise ValueError for unordered points and for a hysteresis loop."""
     turns = _turns(rows[:, 0])
     ends = [0, *turns, len(rows) - 1]
-    if turns and len(rows) < FEWEST_OF_BRANCH * (len(turns) + 1):
+    if turns and len(rows) < MIN_BRANCH_POINTS * (len(turns) + 1):
         raise ValueError(
             f"stretch must rise or fall from row to row, got {len(turns)} turns in {len(rows)} "
             "rows (sort them by stretch, if their order has no meaning)"
         )
-    # a turning point belongs to the branch that ends there
-    pieces = [
-        rows[start + (index > 0) : end + 1] for index, (start, end) in enumerate(pairwise(ends))
-    ]
     branches: dict[bool, list[Points]] = {True: [], False: []}
-    for piece, (start, end) in zip(pieces, pairwise(ends), strict=True):
+    for index, (start, end) in enumerate(pairwise(ends)):
+        # a turning point belongs to the branch that ends there
+        piece = rows[start + (index > 0) : end + 1]
         branches[bool(rows[end, 0] > rows[start, 0])].append(piece)
     if all(branches.values()):
         _check_loop(np.concatenate(branches[True]), np.concatenate(branches[False]), ends[1])
@@ -157,7 +154,7 @@ def _check_order(rows: Points) -> None:
 
 def _turns(stretch: Points) -> list[int]:
     """Return the rows at which the stretch reverses by more than noise."""
-    least = TURN * float(np.ptp(stretch))
+    least = TURN_FRACTION * float(np.ptp(stretch))
     turns: list[int] = []
     lowest = highest = 0
     rising: bool | None = None
@@ -175,10 +172,9 @@ def _turns(stretch: Points) -> list[int]:
 
 def _check_loop(rising: Points, falling: Points, turn: int) -> None:
     """Raise ValueError if loading and unloading differ by more than the noise where both exist."""
-    rising = rising[np.argsort(rising[:, 0], kind="stable")]
-    falling = falling[np.argsort(falling[:, 0], kind="stable")]
+    rising, falling = (b[np.argsort(b[:, 0], kind="stable")] for b in (rising, falling))
     common = falling[(falling[:, 0] >= rising[0, 0]) & (falling[:, 0] <= rising[-1, 0])]
-    if len(common) < FEWEST:
+    if len(common) < MIN_POINTS:
         return
     gap = np.interp(common[:, 0], rising[:, 0], rising[:, 1]) - common[:, 1]
     if rising.shape[1] > 2:
@@ -189,7 +185,7 @@ def _check_loop(rising: Points, falling: Points, turn: int) -> None:
     force = np.concatenate([rising[:, 1], falling[:, 1]])
     width = float(abs(np.mean(gap)))
     allowed = noise * max(1.0, LOOP_DEVIATIONS / np.sqrt(len(common)))
-    if width > max(allowed, LOOP_SHARE * float(np.ptp(force))):
+    if width > max(allowed, LOOP_FRACTION * float(np.ptp(force))):
         raise ValueError(
             f"loading and unloading must agree within the noise, {noise:.2g}, got a difference of "
             f"{width:.2g} (hysteresis: fit one branch alone, such as rows 1 to {turn + 1})"
@@ -199,12 +195,11 @@ def _check_loop(rising: Points, falling: Points, turn: int) -> None:
 def read_force(path: str | Path, units: str | None = None) -> ForceData:
     """Read the points of a CSV file, or of the standard input for ``-``.
 
-    With ``units`` of stretch and force, such as ``"mm,N"``, they are converted to metres and
-    newtons. Raises ValueError, with file and line, for an invalid table, and OSError if the file
-    cannot be read.
+    ``units`` of stretch and force, such as ``"mm,N"``, are converted to metres and newtons. Raises
+    ValueError, with file and line, for an invalid table, and OSError for an unreadable file.
     """
     length, force = (1.0, 1.0) if units is None else _factors(units)
-    text = read_text(path, "force law", LARGEST)
+    text = read_text(path, "force law", MAX_FILE_BYTES)
     try:
         _check_header(text)
         columns = {name.lower(): column for name, column in table_columns(text).items()}
@@ -237,10 +232,7 @@ _UNIT = re.compile(r"[A-Za-z\u00b5\u03bc]{1,30}")
 
 
 def _factors(units: str) -> tuple[float, float]:
-    """Return the factors from units such as "mm,N" to metres and newtons.
-
-    Raises ValueError for other units, and without the package pint.
-    """
+    """Return the factors from units such as "mm,N" to m and N; ValueError for other units."""
     parts = [part.strip() for part in units.split(",")]
     if len(parts) != 2 or not all(map(_UNIT.fullmatch, parts)):
         raise ValueError(f"--units must be a length and a force, got {shown(units)} (such as mm,N)")

@@ -5,14 +5,13 @@ points is estimated from the residuals; the covariance is then that of Student's
 that 1.96 standard deviations are 95 % for few points, too.
 """
 
-from __future__ import annotations
-
 import math
 import random
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from itertools import product
+from operator import itemgetter
 from typing import Literal
 
 import numpy as np
@@ -29,7 +28,7 @@ from longwave.derive.symbols import x
 from longwave.scenes.fits.force_data import ForceData, Points
 from longwave.scenes.fits.force_law import TABLE, ForceLaw, stated_law
 from longwave.scenes.fits.least_squares import (
-    SPARE,
+    MIN_DEGREES,
     LeastSquares,
     estimate_noise,
     norms,
@@ -45,37 +44,35 @@ from longwave.scenes.fits.residual_tests import (
     level,
 )
 
-HIGHEST = 6
+HIGHEST_POWER = 6
 """Highest power of the stretch in the polynomials tried."""
 
-KNOTS, NEAR = 12, 0.1
+MAX_KNOTS, KNOT_FREE = 12, 0.1
 """Maximum number of knots of a spline, and the distance from stretch 0, as a fraction of the
 largest stretch, within which there are none."""
 
-AS_GOOD = 2.0
+AICC_MARGIN = 2.0
 """Difference of AICc up to which two laws count as equally good (Burnham and Anderson)."""
 
-FEWEST_TO_CHOOSE = 12
-"""Minimum number of points to choose a law by without a warning; the docs list the coverage by
-points."""
+MIN_POINTS_TO_CHOOSE = 12
+"""Minimum number of points to choose a law by without a warning (coverage: see the docs)."""
 
-WIDENED = 1.3
+MAX_WIDENING = 1.3
 """Largest ratio, without a warning, by which the choice of law widens a constant's interval."""
 
-CERTAIN = 5.0
+POSITIVE_DEVIATIONS = 5.0
 """Number of standard deviations above 0 from which a constant is declared positive."""
 
-SCALES = (0.1, 1.0, 10.0)
+START_FACTORS = (0.1, 1.0, 10.0)
 """Factors on powers of the largest stretch, as starting values of nonlinear constants."""
 
-MOST_STARTS, BEST_STARTS = 1000, 3
+MAX_STARTS, BEST_STARTS = 1000, 3
 """Maximum number of starting points evaluated, and the number of best ones from which to fit."""
 
-EVALUATIONS, CONVERGED = 300, 0.01
-"""Maximum number of evaluations of a search, and the standard deviations by which another step may
-move the converged law."""
+MAX_EVALUATIONS, CONVERGED_DEVIATIONS = 300, 0.01
+"""Maximum number of evaluations; standard deviations that a further step may move the law."""
 
-ROUNDING = 1e-13
+ROUNDING_FRACTION = 1e-13
 """Least noise, as a fraction of the largest force; smaller residuals are rounding errors."""
 
 
@@ -127,17 +124,10 @@ class ForceFit(LeastSquares):
         """Tests of the residuals; none if the residuals are only rounding errors."""
         if self.is_exact:
             return ()
-        weight = 1 / self.errors
-        slopes = self.law.values.slopes(self.data.stretch, self.values)
-        tests = ResidualTests(
-            self.data.stretch,
-            self.residuals,
-            slopes * weight[:, np.newaxis],
-            weight,
-            self.data.rows,
-            self.has_deviations,
-        )
-        return tests.all
+        data, weight = self.data, 1 / self.errors
+        slopes = self.law.values.slopes(data.stretch, self.values) * weight[:, np.newaxis]
+        known = self.has_deviations
+        return ResidualTests(data.stretch, self.residuals, slopes, weight, data.rows, known).all
 
     @property
     def smooth_p_value(self) -> float:
@@ -154,46 +144,33 @@ class ForceFit(LeastSquares):
     def doubts(self) -> list[str]:
         """Reasons, as sentences, to doubt that the law describes the points."""
         doubts = self.doubts_of_size("the law", "points", level(SIZE, self.has_deviations))
-        curves = [test for test in self.tests if test.is_alarm and test.kind != SERIAL]
-        if curves:
-            doubts.append(
-                "the residuals follow a smooth curve along the stretch, as for a wrong law: "
-                f"{_p_values(curves)}"
-            )
-        serial = [test for test in self.tests if test.is_alarm and test.kind == SERIAL]
-        if serial:
-            doubts.append(
-                "the residuals of neighbours are correlated, as for a wrong law or disturbed "
-                f"readings: {_p_values(serial)}"
-            )
-        return doubts + self._doubts_of_choice() + self._doubts_of_constants()
+        for is_serial, finding in (
+            (False, "follow a smooth curve along the stretch, as for a wrong law"),
+            (True, "of neighbours are correlated, as for a wrong law or disturbed readings"),
+        ):
+            alarms = [t for t in self.tests if t.is_alarm and (t.kind == SERIAL) == is_serial]
+            p_values = ", ".join(f"{t.seeks}, {probability(t.p_value, 1)}" for t in alarms)
+            doubts += [f"the residuals {finding}: {p_values}"] if alarms else []
+        is_linear = self.law.values.linear
+        return doubts + self._doubts_of_choice() + self.undetermined_constants(is_linear)
 
     def _doubts_of_choice(self) -> list[str]:
         """Return sentences that say why the intervals of a chosen law may be too narrow."""
         points = self.data.stretch.size
         if not self.evidence or self.is_exact:
             return []
-        if points < FEWEST_TO_CHOOSE:
+        if points < MIN_POINTS_TO_CHOOSE:
             return [
                 f"{points} points are too few to choose a law by, and the intervals may not hold: "
-                f"measure {FEWEST_TO_CHOOSE} or more, or state the law"
+                f"measure {MIN_POINTS_TO_CHOOSE} or more, or state the law"
             ]
         worst = int(np.argmax(self.widening))
-        if self.widening[worst] <= WIDENED:
+        if self.widening[worst] <= MAX_WIDENING:
             return []
         return [
             "the points do not determine the law, and other laws that describe them as well make "
             f"the interval of {self.names[worst]} {self.widening[worst]:.2g} times as wide: state "
             "the law, or measure more"
-        ]
-
-    def _doubts_of_constants(self) -> list[str]:
-        """Return a sentence for each nonlinear constant whose deviation exceeds its value."""
-        rows = zip(self.names, self.law.values.linear, self.values, self.deviations, strict=True)
-        return [
-            f"{name} is not determined: its deviation exceeds its value"
-            for name, linear, value, deviation in rows
-            if not linear and deviation > abs(value)
         ]
 
     @property
@@ -207,7 +184,7 @@ class ForceFit(LeastSquares):
 
     def document(self) -> dict[str, object]:
         """Return the tables of a lattice file for a chain of unit masses with this force."""
-        certain = self.values > CERTAIN * self.deviations
+        certain = self.values > POSITIVE_DEVIATIONS * self.deviations
         free = zip(self.law.free, certain, strict=True)
         positive = [str(s) for s, sure in free if sure or s.is_positive]
         positive += [str(s) for s, value in self.law.fixed.items() if value > 0]
@@ -239,8 +216,8 @@ def fit_force(
     ``law`` is a formula in the stretch x and constants, some of them ``fixed`` to values, or
     "hertz", or "table" for a cubic spline.  By default it is a polynomial K2 x + K3 x^2 + ..., or
     an odd one.  Among polynomials, or splines, the one with the fewest constants is chosen whose
-    AICc is within `AS_GOOD` of the least.  Raises ValueError for invalid points or laws, and for
-    constants that the points do not determine.
+    AICc is within `AICC_MARGIN` of the least.  Raises ValueError for invalid points or laws, and
+    for constants that the points do not determine.
 
     >>> fitted = fit_force([-2, -1, 0, 1, 2], [-2.1, -0.9, 0.1, 1.0, 1.9], law="K2*x")
     >>> f"{fitted.values[0]:.2f} +- {fitted.deviations[0]:.2f}"
@@ -254,33 +231,28 @@ def fit_points(data: ForceData, law: ForceLaw | Literal["table"] | None = None) 
     if isinstance(law, ForceLaw):
         return _fit_law(data, law)
     candidates = _splines(data) if law == TABLE else _polynomials(data)
-    fits = list(_identifiable_fits(data, candidates))
+    fits = _identifiable_fits(data, candidates)
     evidence = [_aicc(fit) for fit in fits]
-    good = [f for f, value in zip(fits, evidence, strict=True) if value <= min(evidence) + AS_GOOD]
+    limit = min(evidence) + AICC_MARGIN
+    good = [fit for fit, value in zip(fits, evidence, strict=True) if value <= limit]
     names = (" ".join(map(str, fit.law.free)) for fit in fits)
     chosen = min(good, key=lambda fit: (fit.values.size, _aicc(fit)))
     covariance = chosen.covariance if law == TABLE else _averaged(chosen, fits, evidence)
-    return replace(
-        chosen,
-        evidence=tuple(zip(names, evidence, strict=True)),
-        covariance=covariance,
-        alone=chosen.covariance,
-    )
+    named = tuple(zip(names, evidence, strict=True))
+    return replace(chosen, evidence=named, covariance=covariance, alone=chosen.covariance)
 
 
-def _identifiable_fits(data: ForceData, laws: Iterable[ForceLaw]) -> Iterator[ForceFit]:
-    """Yield the fits of the laws whose constants the points determine; ValueError if none."""
-    has_fit, reason = False, ""
+def _identifiable_fits(data: ForceData, laws: Iterable[ForceLaw]) -> list[ForceFit]:
+    """Return the fits of the laws whose constants the points determine; ValueError if none."""
+    fits, reason = [], ""
     for law in laws:
         try:
-            fit = _fit_law(data, law)
+            fits.append(_fit_law(data, law))
         except ValueError as error:
             reason = str(error)
-        else:
-            has_fit = True
-            yield fit
-    if not has_fit:
+    if not fits:
         raise ValueError(reason)
+    return fits
 
 
 def _averaged(chosen: ForceFit, fits: list[ForceFit], evidence: list[float]) -> Points:
@@ -299,10 +271,6 @@ def _averaged(chosen: ForceFit, fits: list[ForceFit], evidence: list[float]) -> 
     return np.asarray((total + total.T) / 2)
 
 
-def _p_values(tests: list[ResidualTest]) -> str:
-    return ", ".join(f"{test.seeks}, {probability(test.p_value, 1)}" for test in tests)
-
-
 @cache
 def _polynomial(powers: range) -> ForceLaw:
     """Return the polynomial law with these powers of the stretch."""
@@ -312,28 +280,29 @@ def _polynomial(powers: range) -> ForceLaw:
 def _polynomials(data: ForceData) -> Iterator[ForceLaw]:
     """Yield polynomials with few enough constants; odd ones too if both signs were measured."""
     has_both_signs = data.stretch[0] < 0 < data.stretch[-1]
-    for highest in range(1, HIGHEST + 1):
+    for highest in range(1, HIGHEST_POWER + 1):
         for step in (1, 2) if has_both_signs and highest % 2 and highest > 1 else (1,):
             powers = range(1, highest + 1, step)
-            if min(data.stretch.size - SPARE, len(np.unique(data.stretch)) - 1) >= len(powers):
+            most = min(data.stretch.size - MIN_DEGREES, len(np.unique(data.stretch)) - 1)
+            if len(powers) <= most:
                 yield _polynomial(powers)
 
 
 def _splines(data: ForceData) -> Iterator[ForceLaw]:
-    """Yield cubic splines with up to `KNOTS` knots at quantiles of the stretch.
+    """Yield cubic splines with up to `MAX_KNOTS` knots at quantiles of the stretch.
 
-    Within `NEAR` of stretch 0 there are no knots, so the law is given by K2, K3 and K4 alone.
+    Within `KNOT_FREE` of stretch 0 there are no knots, so the law is given by K2, K3 and K4 alone.
     Raises ValueError for too few points.
     """
-    if data.stretch.size < 3 + SPARE:
+    if data.stretch.size < 3 + MIN_DEGREES:
         raise ValueError(
-            f"points must be at least {3 + SPARE} for a table, got {data.stretch.size} (measure "
-            "more, or state a law)"
+            f"points must be at least {3 + MIN_DEGREES} for a table, got {data.stretch.size} "
+            "(measure more, or state a law)"
         )
-    near = NEAR * float(np.max(np.abs(data.stretch)))
+    near = KNOT_FREE * float(np.max(np.abs(data.stretch)))
     cubic = _polynomial(range(1, 4)).force
     candidates = set()
-    for count in range(min(KNOTS, data.stretch.size - SPARE - 3) + 1):
+    for count in range(min(MAX_KNOTS, data.stretch.size - MIN_DEGREES - 3) + 1):
         quantiles = np.quantile(data.stretch, np.arange(1, count + 1) / (count + 1))
         far = quantiles[abs(quantiles) > near].tolist()
         candidates.add(tuple(sorted({Rational(f"{knot:.3g}") for knot in far})))
@@ -353,28 +322,21 @@ def _aicc(fit: ForceFit) -> float:
 
 
 def _rounding(data: ForceData) -> float:
-    return ROUNDING * float(np.max(np.abs(data.force)))
+    return ROUNDING_FRACTION * float(np.max(np.abs(data.force)))
 
 
 def _fit_law(data: ForceData, law: ForceLaw) -> ForceFit:
-    """Fit the constants of a law to points by least squares.
-
-    Raises ValueError for too few points and for constants that the points do not determine.
-    """
+    """Fit a law to points; ValueError for too few points or constants they do not determine."""
     count, points = len(law.free), data.stretch.size
-    if points < count + SPARE:
+    if points < count + MIN_DEGREES:
         raise ValueError(
-            f"points must be at least {count + SPARE} for the {count} constants of {law.text}, got "
-            f"{points} (measure more, or state a law with fewer)"
+            f"points must be at least {count + MIN_DEGREES} for the {count} constants of "
+            f"{law.text}, got {points} (measure more, or state a law with fewer)"
         )
     problem = _Problem(data, law)
     values = problem.least()
-    inverse = unit_covariance(
-        problem.jacobian(values),
-        law.free,
-        "points",
-        "fix one, such as {}=1, or state another law",
-    )
+    remedy = "fix one, such as {}=1, or state another law"
+    inverse = unit_covariance(problem.jacobian(values), law.free, "points", remedy)
     problem.check_converged(values)
     errors = data.deviation
     if errors is None:
@@ -406,10 +368,7 @@ class _Problem:
         return slopes * np.reshape(self._weight, (-1, 1))
 
     def completed(self, nonlinear: Points) -> Points:
-        """Return all constants: the given nonlinear ones and the best linear ones for them.
-
-        All are NaN if the law or a derivative is undefined.
-        """
+        """Return the nonlinear constants with the best linear ones; all NaN if undefined."""
         constants = np.zeros(self._linear.size)
         constants[~self._linear] = nonlinear
         undefined = np.full(constants.size, math.nan)
@@ -424,19 +383,16 @@ class _Problem:
         return constants if np.isfinite(self.jacobian(constants)).all() else undefined
 
     def least(self) -> Points:
-        """Return the constants of least chi^2 from the best starts.
-
-        Raises ValueError if the law is undefined at all starts.
-        """
+        """Return the constants of least chi^2; ValueError if the law is undefined at all starts."""
         with np.errstate(all="ignore"):
-            starts = sorted(self._starts(), key=lambda start: start[0])[:BEST_STARTS]
+            starts = sorted(self._starts(), key=itemgetter(0))[:BEST_STARTS]
             if not starts:
                 raise ValueError(
                     f"law must be defined from stretch {self._data.stretch[0]:g} to "
                     f"{self._data.stretch[-1]:g}, got {self._law.text}, which is undefined for all "
                     "starting values (state another law)"
                 )
-            return min((self._descent(start) for _, start in starts), key=lambda one: one[1])[0]
+            return min((self._descent(start) for _, start in starts), key=itemgetter(1))[0]
 
     def _descent(self, start: Points) -> tuple[Points, float]:
         """Return the constants that a search from ``start`` converges to, and their chi^2."""
@@ -446,7 +402,7 @@ class _Problem:
                 start,
                 self._projected_jacobian,
                 x_scale="jac",
-                max_nfev=EVALUATIONS,
+                max_nfev=MAX_EVALUATIONS,
                 xtol=1e-13,
                 ftol=1e-13,
             ).x
@@ -462,7 +418,7 @@ class _Problem:
             noise = float(linalg.norm(residuals)) / math.sqrt(residuals.size - constants.size)
         weights = np.ones(residuals.size) * self._weight
         rounding = _rounding(self._data) * float(linalg.norm(weights))
-        if not float(linalg.norm(basis.T @ residuals)) <= CONVERGED * noise + rounding:
+        if not float(linalg.norm(basis.T @ residuals)) <= CONVERGED_DEVIATIONS * noise + rounding:
             raise ValueError(
                 f"law must have constants of least chi^2, got {self._law.text}, whose constants "
                 "have not converged at the end of the search (fix one, or state another law)"
@@ -479,21 +435,18 @@ class _Problem:
         return np.asarray(others - basis @ (basis.T @ others))
 
     def _starts(self) -> Iterable[tuple[float, Points]]:
-        """Yield starting values of the nonlinear constants, each with its chi^2.
-
-        chi^2 is that with the best linear constants.
-        """
+        """Yield chi^2, with the best linear constants, and starts of the nonlinear ones."""
         reach = float(np.max(np.abs(self._data.stretch)))
-        sizes = sorted({scale * reach**power for scale in SCALES for power in (-1, 0, 1)})
+        sizes = sorted({scale * reach**power for scale in START_FACTORS for power in (-1, 0, 1)})
         choices = [
             sizes if positive else [sign * size for size in sizes for sign in (1, -1)]
             for positive, linear in zip(self._law.values.positive, self._linear, strict=True)
             if not linear
         ]
         starts: Iterable[tuple[float, ...]] = product(*choices)
-        if math.prod(map(len, choices)) > MOST_STARTS:
+        if math.prod(map(len, choices)) > MAX_STARTS:
             draw = random.Random(0).choice
-            starts = [tuple(map(draw, choices)) for _ in range(MOST_STARTS)]
+            starts = [tuple(map(draw, choices)) for _ in range(MAX_STARTS)]
         for start in map(np.array, starts):
             residuals = self.residuals(self.completed(start))
             if np.isfinite(residuals).all():

@@ -58,14 +58,11 @@ class ForceLaw:
         """
         terms = self.force.as_ordered_terms()
         contacts = [term for term in terms if term.has(contact)]
-        smooth = (
-            [sum(term for term in terms if term not in contacts)]
-            if len(contacts) < len(terms)
-            else []
-        )
         if len(contacts) < 2:
             return [self.text]
-        return [formula_as_text(part) for part in (*smooth, *contacts)]
+        smooth = [term for term in terms if term not in contacts]
+        forces = (sum(smooth), *contacts) if smooth else contacts
+        return [formula_as_text(force) for force in forces]
 
     @property
     def free(self) -> tuple[Symbol, ...]:

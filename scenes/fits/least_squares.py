@@ -1,7 +1,5 @@
 """Results of least-squares fits: deviations, correlations, chi^2 and unidentifiable constants."""
 
-from __future__ import annotations
-
 import math
 from abc import abstractmethod
 from collections.abc import Sequence
@@ -12,19 +10,17 @@ from scipy import linalg, stats
 from longwave.scenes.fits.force_data import Points
 from longwave.support.html_tables import html_table
 
-DOUBTFUL = 0.01
+DOUBT_LEVEL = 0.01
 """Significance level: p-values below it cast doubt on a fit."""
 
-SAME = 1e-8
-"""Smallest singular value of the scaled Jacobian, relative to the largest, below which constants
-are not identifiable."""
+RANK_TOLERANCE = 1e-8
+"""Least ratio of the scaled Jacobian's singular values for identifiable constants."""
 
 LEAST_P_VALUE = 1e-300
 """Smallest probability that is reported as a number."""
 
-SPARE = 3
-"""Minimum number of degrees of freedom (points minus constants) for which Student's distribution
-has a variance."""
+MIN_DEGREES = 3
+"""Minimum number of degrees of freedom for which Student's distribution has a variance."""
 
 
 class LeastSquares:
@@ -87,15 +83,22 @@ class LeastSquares:
 
     @property
     def p_value(self) -> float:
-        """p-value of chi^2: probability of one as large if the law is right.
-
-        NaN if the deviations were not measured.
-        """
+        """Probability of so large a chi^2 if the law is right; NaN without measured deviations."""
         if not self.has_deviations:
             return math.nan
         return float(stats.chi2.sf(self.chi_squared, self.degrees))
 
-    def doubts_of_size(self, law: str, points: str, level: float = DOUBTFUL) -> list[str]:
+    def undetermined_constants(self, is_linear: Sequence[bool] | None = None) -> list[str]:
+        """Return a sentence for each nonlinear constant whose deviation exceeds its value."""
+        flags = is_linear or [False] * len(self.names)
+        rows = zip(self.names, flags, self.values, self.deviations, strict=True)
+        return [
+            f"{name} is not determined: its deviation exceeds its value"
+            for name, linear, value, deviation in rows
+            if not linear and deviation > abs(value)
+        ]
+
+    def doubts_of_size(self, law: str, points: str, level: float = DOUBT_LEVEL) -> list[str]:
         """Return sentences that say whether the residuals are too large or too small.
 
         ``law`` and ``points`` are the words for the model and its data, ``level`` is the
@@ -124,7 +127,7 @@ def unit_covariance(jacobian: Points, names: Sequence[object], data: str, remedy
     scales = norms(jacobian)
     _, singular, rows = linalg.svd(jacobian / scales, full_matrices=False)
     dependent = [str(n) for n, part in zip(names, rows[-1], strict=True) if abs(part) > 0.1]
-    if singular[-1] > SAME * singular[0]:
+    if singular[-1] > RANK_TOLERANCE * singular[0]:
         with np.errstate(all="ignore"):
             inverse = rows.T / singular**2 @ rows / np.outer(scales, scales)
         overflows = ~np.isfinite(np.diag(inverse))

@@ -1,11 +1,9 @@
 """Tests of a fit's residuals for signs of a wrong law: missing terms, trends, correlation.
 
-Together they raise false alarms at the rate `RATE`; each test has a share of it.  The largest share
+Together they raise false alarms at the rate `ALARM_RATE`; each test has a share of it.  Most of it
 goes to the next odd term, such as x**5 after K2*x + K4*x**3: a test for this term alone is the most
 powerful one and detects a term of 3 standard deviations in 85 of 100 cases.
 """
-
-from __future__ import annotations
 
 import math
 from dataclasses import dataclass
@@ -17,30 +15,30 @@ from numpy.typing import NDArray
 from scipy import linalg, stats
 
 from longwave.scenes.fits.force_data import Points
-from longwave.scenes.fits.least_squares import SAME, norms
+from longwave.scenes.fits.least_squares import RANK_TOLERANCE, norms
 
-RATE = 0.05
+ALARM_RATE = 0.05
 """Rate of false alarms: fraction of fits of a right law that are doubted."""
 
-OVERLAP = 1.06
-"""Factor by which the levels may sum to more than `RATE`, because some alarms coincide."""
+OVERLAP_FACTOR = 1.06
+"""Factor by which the levels may sum to more than `ALARM_RATE`, because some alarms coincide."""
 
 ODD, EVEN, SMOOTH, SERIAL, SIZE = "odd", "even", "smooth", "serial", "size"
 
-SHARES = {ODD: 18.0, EVEN: 0.5, SMOOTH: 0.5, SERIAL: 2.0, SIZE: 1.5}
+ALARM_SHARES = {ODD: 18.0, EVEN: 0.5, SMOOTH: 0.5, SERIAL: 2.0, SIZE: 1.5}
 """Relative shares of the false alarm rate by test; `SIZE`, chi^2, applies to known deviations."""
 
 HIGHEST_TERM = 8
 """Highest power of the stretch tested as a missing term."""
 
-DEGREE = 5
+TREND_DEGREE = 5
 """Degree of the polynomial trend tested."""
 
 
 def level(kind: str, known: bool) -> float:
     """Return the significance level of a kind of test; ``known`` if deviations are known."""
-    total = sum(share for name, share in SHARES.items() if known or name != SIZE)
-    return OVERLAP * RATE * SHARES[kind] / total
+    total = sum(share for name, share in ALARM_SHARES.items() if known or name != SIZE)
+    return OVERLAP_FACTOR * ALARM_RATE * ALARM_SHARES[kind] / total
 
 
 @dataclass(frozen=True)
@@ -87,10 +85,15 @@ class ResidualTests:
             for kind, power in ((ODD, self._next_power(1)), (EVEN, self._next_power(2)))
             if power
         ]
-        curves = np.polynomial.legendre.legvander(self._centred, DEGREE)
-        results.append((SMOOTH, f"degree {DEGREE}", self._p_value(self._left_over(curves)), 1))
+        low, high = self.stretch[0], self.stretch[-1]
+        centred = (self.stretch - (low + high) / 2) / ((high - low) / 2)
+        curves = np.polynomial.legendre.legvander(centred, TREND_DEGREE)
+        results.append(
+            (SMOOTH, f"degree {TREND_DEGREE}", self._p_value(self._left_over(curves)), 1)
+        )
         orders = [("along the stretch", np.arange(self.rows.size))]
-        if not self._is_monotone:
+        steps = np.diff(self.rows)
+        if not ((steps > 0).all() or (steps < 0).all()):
             orders.append(("in the order of measurement", np.argsort(self.rows)))
         results += [(SERIAL, name, self._serial(order), len(orders)) for name, order in orders]
         return tuple(
@@ -103,17 +106,6 @@ class ResidualTests:
         """Stretch divided by its largest magnitude."""
         return self.stretch / np.max(np.abs(self.stretch))
 
-    @property
-    def _centred(self) -> Points:
-        """Stretch mapped to -1 .. 1."""
-        low, high = self.stretch[0], self.stretch[-1]
-        return (self.stretch - (low + high) / 2) / ((high - low) / 2)
-
-    @property
-    def _is_monotone(self) -> bool:
-        steps = np.diff(self.rows)
-        return bool((steps > 0).all() or (steps < 0).all())
-
     def _left_over(self, curves: NDArray[Any]) -> Points:
         """Return an orthonormal basis of the curves after projecting out the constants' effect."""
         weighted = np.reshape(curves.T, (-1, self.weight.size)).T * self.weight[:, np.newaxis]
@@ -121,7 +113,7 @@ class ResidualTests:
         for _ in range(2):  # twice is enough (Kahan and Parlett)
             weighted = weighted - self._basis @ (self._basis.T @ weighted)
         basis, sizes, _ = linalg.svd(weighted, full_matrices=False)
-        return np.asarray(basis[:, sizes > SAME])
+        return np.asarray(basis[:, sizes > RANK_TOLERANCE])
 
     def _next_power(self, least: int) -> int:
         """Return the lowest power, from ``least`` in steps of 2, that the law lacks; 0 if none."""

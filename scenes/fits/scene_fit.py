@@ -4,8 +4,6 @@ Each evaluation runs the lattice with exact derivatives by the fitted constants
 (`lattice.sensitivities`). The step is the one with which the chain meets the scene's tolerance.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -14,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy import optimize, stats
 from sympy import Expr
 
@@ -29,60 +27,49 @@ from longwave.scenes.description.bench import FORCE_TABLES
 from longwave.scenes.description.losses import Losses, lossy, without_losses
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.fits.least_squares import (
-    DOUBTFUL,
-    SPARE,
-    LeastSquares,
-    estimate_noise,
-    unit_covariance,
-)
+from longwave.scenes.fits import least_squares
 from longwave.scenes.fits.sensor_records import SensorRecord, read_record
 from longwave.scenes.starts.bench_chain import chain_on_bench, start_on_bench
+from longwave.support.array_types import Array
 from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
 
-Array = NDArray[np.float64]
-
-FITTED = ("chain", "start", *FORCE_TABLES, "observables")
+FITTED_TABLES = ("chain", "start", *FORCE_TABLES, "observables")
 """Tables of a bench that are allowed in a fit; derivatives of readings exist for these."""
 
-LOSSES = {"siteloss": "losses.site", "bondloss": "losses.bond"}
+LOSS_NAMES = {"siteloss": "losses.site", "bondloss": "losses.bond"}
 """Names of numeric losses by the names of their symbols."""
 
-EVALUATIONS, CLOSE = 200, 1e-10
-"""Maximum number of runs, and the relative change of constants and chi^2 at which a fit has
-converged."""
+MAX_RUNS, CONVERGED_CHANGE = 200, 1e-10
+"""Maximum number of runs; relative change of constants and chi^2 of a converged fit."""
 
-STEP_SHARE = 0.9
+STEP_FRACTION = 0.9
 """Fraction of a fit's step: if its result needs a step shorter than this, the fit is continued."""
 
-LAGS = 5
+MAX_LAG = 5
 """Largest lag, in readings, at which the correlation of residuals is tested."""
 
-ROUNDED = 1e-300
+TINY_SQUARES = 1e-300
 """Smallest sum of squares; avoids division by 0."""
 
-SMALL = 0.1
+TOLERANCE_FRACTION = 0.1
 """Largest tolerance of the scene, as a fraction of a reading's deviation, without a warning."""
 
 
 class SceneModel:
     """Model of a scene's sensor readings as a function of its free constants and losses.
 
-    Raises ValueError for a scene with other tables than `FITTED`, and for unknown names in
-    ``free``.
+    Raises ValueError for tables other than `FITTED_TABLES` and unknown names in ``free``.
     """
 
     def __init__(self, scene: Scene, free: Sequence[str]) -> None:
-        bench = scene.own_bench
-        for table in bench.stated.tables:
-            if table not in FITTED:
+        self.scene, self.free, self._bench = scene, tuple(free), scene.own_bench
+        for table in self._bench.stated.tables:
+            if table not in FITTED_TABLES:
                 raise ValueError(
-                    f"tables of a scene to fit must be among {', '.join(FITTED)}, got [{table}] "
-                    "(leave it out)"
+                    f"tables of a scene to fit must be among {', '.join(FITTED_TABLES)}, got "
+                    f"[{table}] (leave it out)"
                 )
-        self.scene, self.free = scene, tuple(free)
-        self._bench = bench
         stated = {name: float(number_value(name, value)) for name, value in scene.constants}
         losses = {"site": 0, "bond": 0} | (scene.losses.table if scene.losses else {})
         for key, value in losses.items():
@@ -90,7 +77,7 @@ class SceneModel:
                 stated[f"losses.{key}"] = float(value)
                 losses[key] = f"{key}loss"
         self._lattice = lossy(scene.symbolic_lattice.with_losses(), Losses.of(losses))
-        self._symbols = {LOSSES.get(str(s), str(s)): s for s in self._lattice.constants}
+        self._symbols = {LOSS_NAMES.get(str(s), str(s)): s for s in self._lattice.constants}
         self.stated = stated
         for name in self.free:
             if name not in self.stated or self.free.count(name) > 1:
@@ -101,7 +88,7 @@ class SceneModel:
         if not self.free:
             raise ValueError("free must name the constants to fit, got nothing (such as K4)")
         self.start = np.array([self.stated[name] for name in self.free])
-        loss_names = LOSSES.values()
+        loss_names = LOSS_NAMES.values()
         positive = [name in loss_names or self._symbols[name].is_positive for name in self.free]
         self.least = np.where(positive, 0.0, -math.inf)
 
@@ -119,9 +106,8 @@ class SceneModel:
 
     def step(self, values: ArrayLike, times: Array) -> float:
         """Return the step with which displacements and velocities meet the scene's tolerance."""
-        chain = self.chain(values)
+        chain, tolerance = self.chain(values), self.scene.target.tolerance
         start = start_on_bench(self._bench, chain, self.scene.t0)
-        tolerance = self.scene.target.tolerance
         return integrate(chain, start, times, tolerance, judged=lambda f, v, _: [f, v]).step
 
     def readings(
@@ -151,7 +137,7 @@ class SceneModel:
 
 
 @dataclass(frozen=True, repr=False)
-class SceneFit(LeastSquares):
+class SceneFit(least_squares.LeastSquares):
     """Result of fitting a scene's constants and losses to sensor records.
 
     ``values`` and ``covariance`` are those of ``model.free``. ``left`` holds the weighted residuals
@@ -187,36 +173,32 @@ class SceneFit(LeastSquares):
     def serial_p_value(self) -> float:
         """p-value of the residuals' correlation in time, by a test like Box and Pierce's.
 
-        For each lag from 1 to `LAGS` readings, the products of residuals are summed over all
-        sensors; the squared sums over their variances add up to a chi^2 of `LAGS` degrees. The
+        For each lag from 1 to `MAX_LAG` readings, the products of residuals are summed over all
+        sensors; the squared sums over their variances add up to a chi^2 of `MAX_LAG` degrees. The
         variances are estimated from the products. The theoretical ones give p < 0.01 in 3 of 100
         cases for sensors with 10 readings.
         """
         total = 0.0
-        for lag in range(1, LAGS + 1):
+        for lag in range(1, MAX_LAG + 1):
             products = np.concatenate([(part[lag:] * part[:-lag]).ravel() for part in self.left])
-            total += float(products.sum()) ** 2 / max(float(products @ products), ROUNDED)
-        return float(stats.chi2.sf(total, LAGS))
+            total += float(products.sum()) ** 2 / max(float(products @ products), TINY_SQUARES)
+        return float(stats.chi2.sf(total, MAX_LAG))
 
     @property
     def doubts(self) -> list[str]:
         """Reasons, as sentences, to think that the model is wrong or poorly determined."""
         doubts = self.doubts_of_size("the scene", "readings")
-        if self.serial_p_value < DOUBTFUL:
+        if self.serial_p_value < least_squares.DOUBT_LEVEL:
             doubts.append(
                 "the residuals are correlated in time, as for a wrong model: "
                 f"p = {self.serial_p_value:.1g}"
             )
-        doubts += [
-            f"{name} is not determined: its deviation exceeds its value"
-            for name, value, deviation in zip(self.names, self.values, self.deviations, strict=True)
-            if deviation > abs(value)
-        ]
+        doubts += self.undetermined_constants()
         doubts += [
             f"{name} is at its bound, 0: its interval is unreliable" for name in self.at_bounds
         ]
         smallest = self.noise or min(float(np.min(r.deviations)) for r in self.records)  # type: ignore[arg-type]
-        if self.model.scene.target.tolerance > SMALL * smallest:
+        if self.model.scene.target.tolerance > TOLERANCE_FRACTION * smallest:
             doubts.append(
                 f"the scene's tolerance, {self.model.scene.target.tolerance:g}, is not small "
                 f"compared with the deviation of a reading, {smallest:.2g}: lower the tolerance"
@@ -257,7 +239,7 @@ def fit_scene(
     covariance = problem.unit_covariance(result.jac)
     noise = 1.0
     if not known:
-        covariance, noise = estimate_noise(covariance, result.fun, math.ulp(1.0))
+        covariance, noise = least_squares.estimate_noise(covariance, result.fun, math.ulp(1.0))
     left = tuple(part / noise for part in problem.parts(-result.fun))
     bounds = tuple(name for name, on in zip(model.free, result.active_mask, strict=True) if on)
     estimate = None if known else noise
@@ -278,7 +260,7 @@ def _check_records(model: SceneModel, records: Sequence[SensorRecord]) -> bool:
             "deviations must be given in all records or in none, and always for several "
             f"quantities, got {got} without (add columns such as displacement_0_deviation)"
         )
-    count, least = sum(record.values.size for record in records), len(model.free) + SPARE
+    count, least = sum(r.values.size for r in records), len(model.free) + least_squares.MIN_DEGREES
     if count < least:
         raise ValueError(
             f"readings must be at least {least} for {len(model.free)} constants, got {count} "
@@ -298,12 +280,9 @@ class _Problem:
         self.step = math.nan
 
     def least(self, start: Array) -> optimize.OptimizeResult:
-        """Fit the model from ``start``, and again if the result needs a shorter step.
-
-        Raises ValueError if the fit does not converge.
-        """
+        """Fit from ``start``, and again if a shorter step is needed; ValueError if it diverges."""
         result, self.step = None, math.inf
-        while (step := self._model.step(start, self._times)) < STEP_SHARE * self.step:
+        while (step := self._model.step(start, self._times)) < STEP_FRACTION * self.step:
             self.step, self._cached = step, None
             self.unit_covariance(self._evaluate(start)[:, 1:])
             result = optimize.least_squares(
@@ -312,25 +291,22 @@ class _Problem:
                 lambda values: self._evaluate(values)[:, 1:],
                 bounds=(self._model.least, np.inf),
                 x_scale="jac",
-                max_nfev=EVALUATIONS,
-                xtol=CLOSE,
-                ftol=CLOSE,
+                max_nfev=MAX_RUNS,
+                xtol=CONVERGED_CHANGE,
+                ftol=CONVERGED_CHANGE,
             )
             start = result.x
         if result is None or not result.success:
             raise ValueError(
                 "scene must converge to constants of least chi^2, got some that still change "
-                f"after {EVALUATIONS} runs (start nearer, or fit fewer)"
+                f"after {MAX_RUNS} runs (start nearer, or fit fewer)"
             )
         return result
 
     def unit_covariance(self, jacobian: Array) -> Array:
-        """Return the covariance of the constants for residuals of deviation 1.
-
-        Raises ValueError for constants that the records do not determine.
-        """
+        """Return the covariance for residuals of deviation 1; ValueError if undetermined."""
         remedy = "leave {} out, or place more sensors"
-        return unit_covariance(jacobian, self._model.free, "records", remedy)
+        return least_squares.unit_covariance(jacobian, self._model.free, "records", remedy)
 
     def _evaluate(self, values: Array) -> Array:
         """Return residuals and their derivatives, shape (readings, 1 + free); cached."""

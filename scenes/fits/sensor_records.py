@@ -9,31 +9,27 @@ fields or bonds the field's name or the bond's number, from 1, follows: ``veloci
 ``strain_7_2``.  Standard deviations are given for all columns or for none.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.sensitivities import Sensor
 from longwave.scenes.description.bench import SENSOR_QUANTITIES
 from longwave.scenes.description.csv_table import table_columns
-from longwave.scenes.fits.force_data import LARGEST
+from longwave.scenes.fits.force_data import MAX_FILE_BYTES
 from longwave.scenes.starts.bench_chain import READINGS
+from longwave.support.array_types import Array
 from longwave.support.known_names import one_of
 from longwave.support.real_arrays import real_array
 from longwave.support.user_files import read_text, shown, shown_path
 
-Array = NDArray[np.float64]
+DEVIATION_SUFFIX = "_deviation"
 
-DEVIATION = "_deviation"
-
-COLUMN = re.compile(
+COLUMN_PATTERN = re.compile(
     rf"({'|'.join(SENSOR_QUANTITIES)})_(\d{{1,7}})(?:_([A-Za-z]+|\d{{1,3}}))?", re.ASCII
 )
 
@@ -72,7 +68,7 @@ def read_record(
     ``span`` is the interval in which the times must lie. Raises ValueError, with file and line, for
     an invalid table, and OSError if the file cannot be read.
     """
-    text = read_text(path, "record of sensors", LARGEST)
+    text = read_text(path, "record of sensors", MAX_FILE_BYTES)
     try:
         columns = {name: np.array(column) for name, column in table_columns(text).items()}
         return _record(columns, lattice, cells, span)
@@ -83,7 +79,7 @@ def read_record(
 def _record(
     columns: Mapping[str, Array], lattice: NumericLattice, cells: int, span: tuple[float, float]
 ) -> SensorRecord:
-    given = [name for name in columns if name.endswith(DEVIATION)]
+    given = [name for name in columns if name.endswith(DEVIATION_SUFFIX)]
     names = [name for name in columns if name != "time" and name not in given]
     if "time" not in columns or not names:
         raise ValueError(
@@ -91,15 +87,15 @@ def _record(
             f"{shown(','.join(columns))} (such as time,displacement_0,velocity_7)"
         )
     sensors = tuple(_sensor(name, lattice, cells) for name in names)
-    if given and {*given} != {name + DEVIATION for name in names}:
+    if given and {*given} != {name + DEVIATION_SUFFIX for name in names}:
         raise ValueError(
             f"deviations must be given for all sensors or for none, got {', '.join(given)} for "
-            f"{', '.join(names)} (the deviations of a column NAME are in NAME{DEVIATION})"
+            f"{', '.join(names)} (the deviations of a column NAME are in NAME{DEVIATION_SUFFIX})"
         )
     _check_times(columns["time"], span)
     deviations = None
     if given:
-        deviations = np.stack([columns[name + DEVIATION] for name in names], axis=1)
+        deviations = np.stack([columns[name + DEVIATION_SUFFIX] for name in names], axis=1)
         for row in np.flatnonzero((deviations <= 0.0).any(axis=1)):
             raise ValueError(
                 f"deviations must be above 0, got {deviations[row].min():g} in line {row + 2} "
@@ -110,7 +106,7 @@ def _record(
 
 
 def _sensor(name: str, lattice: NumericLattice, cells: int) -> Sensor:
-    match = COLUMN.fullmatch(name)
+    match = COLUMN_PATTERN.fullmatch(name)
     if match is None:
         raise ValueError(
             f"columns must be time, or {', '.join(SENSOR_QUANTITIES)} with a cell, got "

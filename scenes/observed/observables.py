@@ -29,13 +29,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from longwave.lattice.trial import SAFETY
-from longwave.scenes.observed.view import Array, View
+from longwave.scenes.observed.view import View
+from longwave.support.array_types import Array
 from longwave.support.known_names import one_of
 
 if TYPE_CHECKING:
@@ -129,10 +131,10 @@ def observable_named(name: str) -> Observable:
     return OBSERVABLES[name]
 
 
-SITES, RATIO = "sites", "1"
+SITE_UNIT, RATIO_UNIT = "sites", "1"
 """Units of lengths and of dimensionless variables."""
 
-TIME = {"units": "lattice time", "long_name": "time on the lattice"}
+TIME_ATTRIBUTES = {"units": "lattice time", "long_name": "time on the lattice"}
 """Dataset attributes of every time axis."""
 
 MAP_CELLS = 256
@@ -158,21 +160,20 @@ def axis_values(
     compared = reach[0]
     offsets = np.arange(-compared, compared + 1)
     if dimension == "site":
-        return offsets, {"units": SITES, "long_name": "offset from the site nearest c t"}
+        return offsets, {"units": SITE_UNIT, "long_name": "offset from the site nearest c t"}
     if dimension == "row":
         rows = np.arange(-reach[1], reach[1] + 1)
-        return rows, {"units": SITES, "long_name": "cell along the second axis"}
+        return rows, {"units": SITE_UNIT, "long_name": "cell along the second axis"}
     if dimension == "wavenumber":
         values = 2.0 * np.pi * np.fft.rfftfreq(offsets.size)
         return values, {"units": "1/site", "long_name": "wavenumber along the compared sites"}
     if dimension == "map_site":
-        starts = offsets[:: cell_width(compared)]
-        named = {"long_name": "first site of the cell, from the site nearest c t"}
-        return starts, {"units": SITES} | named
+        name = "first site of the cell, from the site nearest c t"
+        return offsets[:: cell_width(compared)], {"units": SITE_UNIT, "long_name": name}
     return None
 
 
-STRAIN, PER_TIME = "strain (lattice units)", "strain per lattice time"
+STRAIN_UNIT, VELOCITY_UNIT = "strain (lattice units)", "strain per lattice time"
 RELATIVE = "relative sup error against the bare background"
 RELATIVE_FAR = "relative sup error against the true far field"
 
@@ -180,29 +181,22 @@ RELATIVE_FAR = "relative sup error against the true far field"
 @observable(
     "strains of run, wave and background at the snapshots, and the error there",
     "snapshots",
-    Variable("strain", ("site",), STRAIN, "strain of the lattice"),
-    Variable("analytic", ("site",), STRAIN, "strain of the closed-form wave"),
-    Variable("background", ("site",), STRAIN, "strain of the bare background"),
-    Variable("n", ("site",), SITES, "site on the lattice"),
-    Variable("error", (), RATIO, RELATIVE),
-    Variable("error_far_field", (), RATIO, RELATIVE_FAR, optional=True),
-    Variable("strains", ("quantity", "site"), STRAIN, "all that is compared", optional=True),
-    Variable("analytics", ("quantity", "site"), STRAIN, "the same of the wave", optional=True),
+    Variable("strain", ("site",), STRAIN_UNIT, "strain of the lattice"),
+    Variable("analytic", ("site",), STRAIN_UNIT, "strain of the closed-form wave"),
+    Variable("background", ("site",), STRAIN_UNIT, "strain of the bare background"),
+    Variable("n", ("site",), SITE_UNIT, "site on the lattice"),
+    Variable("error", (), RATIO_UNIT, RELATIVE),
+    Variable("error_far_field", (), RATIO_UNIT, RELATIVE_FAR, optional=True),
+    Variable("strains", ("quantity", "site"), STRAIN_UNIT, "all that is compared", optional=True),
+    Variable("analytics", ("quantity", "site"), STRAIN_UNIT, "the same of the wave", optional=True),
     Variable("sup_error", (), "", "sup error", optional=True),
     Variable("slow_time", (), "slow time", "T, the wave's own time", optional=True),
 )
 def strain(view: View) -> Mapping[str, Any]:
-    """Return strains of run, wave and bare background, the site numbers, and the errors.
-
-    Errors are NaN if the wave equals its background on all compared sites.
-    """
-    rows = {
-        "strain": view.numeric,
-        "analytic": view.analytic,
-        "background": view.background,
-        "n": view.sites,
-    }
-    if not view.is_background:
+    """Return strains, site numbers and errors, which are NaN if the wave is its background."""
+    rows: dict[str, Any] = {"strain": view.numeric, "analytic": view.analytic}
+    rows |= {"background": view.background, "n": view.sites}
+    if not np.array_equal(view.analytics, view.backgrounds):
         return rows | _errors(view, "error") | view.extra_variables
     far = {} if view.far_field is None else {"error_far_field": np.nan}
     return rows | {"error": np.nan} | far | view.extra_variables
@@ -211,8 +205,8 @@ def strain(view: View) -> Mapping[str, Any]:
 @observable(
     "the relative sup error against time",
     "curve",
-    Variable("error_curve", (), RATIO, RELATIVE),
-    Variable("error_curve_far_field", (), RATIO, RELATIVE_FAR, optional=True),
+    Variable("error_curve", (), RATIO_UNIT, RELATIVE),
+    Variable("error_curve_far_field", (), RATIO_UNIT, RELATIVE_FAR, optional=True),
 )
 def error_curve(view: View) -> Mapping[str, Any]:
     """Return the relative sup errors against background and far field, without strains."""
@@ -241,16 +235,13 @@ def energy(view: View) -> Mapping[str, float]:
 @observable(
     "mean strain and mean velocity of the ring against time",
     "looks",
-    Variable("mean_strain", (), STRAIN, "mean strain of the ring"),
-    Variable("mean_velocity", (), PER_TIME, "mean velocity, conserved by the exact flow"),
+    Variable("mean_strain", (), STRAIN_UNIT, "mean strain of the ring"),
+    Variable("mean_velocity", (), VELOCITY_UNIT, "mean velocity, conserved by the exact flow"),
     needs_ring=True,
     all_sites=True,
 )
 def momentum(view: View) -> Mapping[str, float]:
-    """Return mean strain and mean velocity over the ring.
-
-    The forces sum to zero over a ring, so the exact flow conserves the mean velocity.
-    """
+    """Return mean strain and velocity of the ring; the exact flow conserves the velocity."""
     strain, velocity = view.means
     return {"mean_strain": strain, "mean_velocity": velocity}
 
@@ -258,7 +249,7 @@ def momentum(view: View) -> Mapping[str, float]:
 @observable(
     "Fourier amplitudes of the compared strains at the snapshots",
     "snapshots",
-    Variable("spectrum", ("wavenumber",), STRAIN, "Fourier amplitude of the strain"),
+    Variable("spectrum", ("wavenumber",), STRAIN_UNIT, "Fourier amplitude of the strain"),
     one_axis=True,
 )
 def spectrum(view: View) -> Mapping[str, Array]:
@@ -289,9 +280,9 @@ NEWTON_STEPS = 4
 @observable(
     "position and strain of the crest against time",
     "looks",
-    Variable("crest_position", (), SITES, "position of the crest less c t"),
-    Variable("crest_strain", (), STRAIN, "strain at the crest"),
-    Variable("crest_law", (), STRAIN, "the same by the law of the losses", optional=True),
+    Variable("crest_position", (), SITE_UNIT, "position of the crest less c t"),
+    Variable("crest_strain", (), STRAIN_UNIT, "strain at the crest"),
+    Variable("crest_law", (), STRAIN_UNIT, "the same by the law of the losses", optional=True),
     one_axis=True,
 )
 def crest_track(view: View) -> Mapping[str, float]:
@@ -338,7 +329,7 @@ def extremum(f: Array) -> tuple[float, float]:
 @observable(
     "a map of the strain over time and cells of sites",
     "looks",
-    Variable("space_time", ("map_site",), STRAIN, "strain farthest from the background"),
+    Variable("space_time", ("map_site",), STRAIN_UNIT, "strain farthest from the background"),
     one_axis=True,
 )
 def space_time(view: View) -> Mapping[str, Array]:
@@ -352,7 +343,7 @@ def space_time(view: View) -> Mapping[str, Array]:
 @observable(
     "strain of the run less the bare background at the snapshots",
     "snapshots",
-    Variable("background_difference", ("site",), STRAIN, "strain less the bare background"),
+    Variable("background_difference", ("site",), STRAIN_UNIT, "strain less the bare background"),
 )
 def background_difference(view: View) -> Mapping[str, Any]:
     """Return the strain of the run minus the bare background of the same phase."""
@@ -362,11 +353,11 @@ def background_difference(view: View) -> Mapping[str, Any]:
 @observable(
     "the error at the snapshots as shift in position, amplitude and shape",
     "snapshots",
-    Variable("shift", (), SITES, "fitted shift of the run"),
-    Variable("scale", (), RATIO, "fitted amplitude over the wave's"),
-    Variable("error_position", (), RATIO, "relative sup of the shift's part"),
-    Variable("error_amplitude", (), RATIO, "relative sup of the amplitude's part"),
-    Variable("error_shape", (), RATIO, "relative sup of what is left"),
+    Variable("shift", (), SITE_UNIT, "fitted shift of the run"),
+    Variable("scale", (), RATIO_UNIT, "fitted amplitude over the wave's"),
+    Variable("error_position", (), RATIO_UNIT, "relative sup of the shift's part"),
+    Variable("error_amplitude", (), RATIO_UNIT, "relative sup of the amplitude's part"),
+    Variable("error_shape", (), RATIO_UNIT, "relative sup of what is left"),
     one_axis=True,
 )
 def error_split(view: View) -> Mapping[str, float]:
@@ -393,14 +384,9 @@ def fit(view: View) -> tuple[float, float]:
 
     run, wave = view.numeric - view.background, view.analytic - view.background
     crests = float(np.argmax(np.abs(run)) - np.argmax(np.abs(wave)))
+    residual, slopes = partial(_residual, view), partial(_slopes, view)
     fits = [
-        least_squares(
-            lambda unknown: _residual(view, unknown),
-            [start, 1.0],
-            lambda unknown: _slopes(view, unknown),
-            method="lm",
-            xtol=1e-12,
-        )
+        least_squares(residual, [start, 1.0], slopes, method="lm", xtol=1e-12)
         for start in sorted({0.0, crests})
     ]
     best = min(fits, key=lambda result: float(result.cost))
@@ -421,9 +407,9 @@ def _slopes(view: View, unknown: Array) -> Array:
 @observable(
     "strains and velocities of all computed sites at the snapshots, for a restart",
     "snapshots",
-    Variable("state_y", ("cell",), STRAIN, "strain, or fields, of every computed site"),
-    Variable("state_s", ("cell",), PER_TIME, "velocity of every computed site"),
-    Variable("state_left", (), SITES, "leftmost site held"),
+    Variable("state_y", ("cell",), STRAIN_UNIT, "strain, or fields, of every computed site"),
+    Variable("state_s", ("cell",), VELOCITY_UNIT, "velocity of every computed site"),
+    Variable("state_left", (), SITE_UNIT, "leftmost site held"),
     all_sites=True,
     one_axis=True,
 )

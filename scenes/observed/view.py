@@ -1,17 +1,13 @@
 """View of lattice and wave on the compared cells at one time, and the paper's relative error."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.state import Sites, State
+from longwave.support.array_types import Array
 from longwave.support.user_files import shown
-
-Array = NDArray[np.float64]
 
 
 def relative_sup_error(numeric: Array, analytic: Array, background: Array) -> float:
@@ -142,11 +138,6 @@ class View(ABC):
     @abstractmethod
     def stored(self) -> tuple[int, Array, Array]:
         """Leftmost computed site, and copies of positions and velocities of all sites."""
-
-    @property
-    def is_background(self) -> bool:
-        """Whether the wave equals its background on all compared sites."""
-        return np.array_equal(self.analytics, self.backgrounds)
 
     @property
     def error(self) -> float:

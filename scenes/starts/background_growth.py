@@ -25,7 +25,7 @@ Complex = NDArray[np.complex128]
 BLOCH_POINTS = 25
 """Bloch wavenumbers on the initial grid, before the best is refined to 1e-3 of the zone's edge."""
 
-DIGITS = 8
+RATE_DIGITS = 8
 """Significant digits kept of a rate. LAPACK's results vary from the twelfth digit on with the
 number of threads (measured)."""
 
@@ -35,12 +35,12 @@ LEAST_MODES = 12
 MOST_MODES = 96
 """Maximum number of Fourier modes used on either side of 0."""
 
-TAIL = 1e-7
+NEGLECTED_MODE = 1e-7
 """Modes of the wave smaller than this fraction of the largest are neglected."""
 
 
 def fastest_rate(U: Array, wavelength: float, speed: float, s: int) -> float:
-    """Return the largest growth rate per tau over all perturbations, to `DIGITS` digits.
+    """Return the largest growth rate per tau over all perturbations, to `RATE_DIGITS` digits.
 
     ``U`` are samples of the wave over one wavelength, several for each significant mode. NaN if
     there are more than `MOST_MODES`, as for a train of very distant crests.
@@ -59,21 +59,18 @@ def fastest_rate(U: Array, wavelength: float, speed: float, s: int) -> float:
         best, spacing = max(rates, key=rates.__getitem__), 0.5 * spacing
         neighbours = (best - spacing, best + spacing)
         rates |= {kappa: rate(kappa) for kappa in neighbours if kappa <= edge}
-    return float(f"{max(rates.values()):.{DIGITS}g}")
+    return float(f"{max(rates.values()):.{RATE_DIGITS}g}")
 
 
 def resolving_modes(U: Array) -> int:
     """Return the number of Fourier modes needed for perturbations of a wave with samples ``U``."""
     sizes = np.abs(np.fft.rfft(U))
-    last = int(np.flatnonzero(sizes > TAIL * np.max(sizes))[-1])
+    last = int(np.flatnonzero(sizes > NEGLECTED_MODE * np.max(sizes))[-1])
     return max(last, LEAST_MODES)
 
 
 def mkdv_rate(U: Array, wavelength: float, speed: float, s: int, kappa: float, modes: int) -> float:
-    """Return the largest growth rate per tau at Bloch wavenumber ``kappa``.
-
-    Perturbations have 2 ``modes`` + 1 Fourier modes.
-    """
+    """Return the largest rate per tau at wavenumber ``kappa``, with 2 ``modes`` + 1 modes."""
     j = np.arange(-modes, modes + 1)
     q = kappa + 2.0 * np.pi * j / wavelength
     potential = 6.0 * s * multiplication(U * U, j)
@@ -94,11 +91,10 @@ UNIT_ROUNDOFF = 2.0**-53
 USUAL_TOLERANCE = 1e-4
 """Largest accepted rounding error of y/eps in a scene without a tolerance."""
 
-FLOOR = 1e-6
-"""Growth rate per tau below which a background counts as stable: rounding of a multiple eigenvalue
-alone gives such rates."""
+STABLE_RATE = 1e-6
+"""Growth rate per tau below which a background counts as stable, as rounding gives such."""
 
-SAMPLES = 8 * MOST_MODES
+WAVE_SAMPLES = 8 * MOST_MODES
 """Samples of a wave over one wavelength."""
 
 
@@ -123,7 +119,7 @@ def trust_in(scene: Scene, tolerance: float) -> Trust:
     if wave.wavelength is None:
         return Trust(0.0, math.inf)
     per_tau = _fastest_rate(wave)
-    rate = 0.0 if per_tau <= FLOOR else per_tau * wave.numbers.b * scene.eps**3
+    rate = 0.0 if per_tau <= STABLE_RATE else per_tau * wave.numbers.b * scene.eps**3
     return Trust(rate, predictability_time(rate, tolerance, UNIT_ROUNDOFF))
 
 
@@ -170,7 +166,7 @@ def _fastest_rate(wave: NumericWave) -> float:
     """
     period = float(wave.wavelength or 0.0)
     a, b, s = wave.numbers.a, wave.numbers.b, wave.numbers.s
-    bare = wave.far_field(period * np.arange(SAMPLES) / SAMPLES, 0.0, "left")
+    bare = wave.far_field(period * np.arange(WAVE_SAMPLES) / WAVE_SAMPLES, 0.0, "left")
     steepest = int(np.argmax(np.abs(bare.Y_X)))
     speed = -(bare.Y_T[steepest] / b) / (bare.Y_X[steepest] / a)
     return fastest_rate(bare.Y, a * period, float(speed), s)

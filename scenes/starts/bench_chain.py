@@ -1,13 +1,11 @@
 """Chain of a bench on its lattice: driven chain, initial state and recorded variables."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from longwave.lattice.driving import DrivenChain, End, driven_chain
 from longwave.lattice.energy_balance import Flow
@@ -17,10 +15,9 @@ from longwave.lattice.time_integral import Integral
 from longwave.scenes.description.bench import FORCE_TABLES, Bench, Cells, Drive, Impact
 from longwave.scenes.description.losses import LossRates
 from longwave.scenes.description.time_functions import time_function
+from longwave.support.array_types import Array
 from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
-
-Array = NDArray[np.float64]
 
 
 class Moment(NamedTuple):
@@ -47,19 +44,16 @@ class BenchVariable:
     read: Reader
 
 
-_UNIT, _NEXT = "lattice units", "the bond to the next cell"
+_UNIT = "lattice units"
+_STRETCH, _FORCE = "stretch of the bond to the next cell", "force in the bond to the next cell"
 
 READINGS = {
     variable.name: variable
     for variable in (
         BenchVariable("displacement", ("field",), _UNIT, "displacement", lambda at: at.f),
         BenchVariable("velocity", ("field",), "per lattice time", "velocity", lambda at: at.v),
-        BenchVariable(
-            "strain", ("bond",), _UNIT, f"stretch of {_NEXT}", lambda at: at.chain.stretches(at.f)
-        ),
-        BenchVariable(
-            "force", ("bond",), _UNIT, f"force in {_NEXT}", lambda at: at.chain.forces(at.f)
-        ),
+        BenchVariable("strain", ("bond",), _UNIT, _STRETCH, lambda at: at.chain.stretches(at.f)),
+        BenchVariable("force", ("bond",), _UNIT, _FORCE, lambda at: at.chain.forces(at.f)),
     )
 }
 """Quantities that sensors read, in all cells; the cells are the last axis."""
@@ -78,14 +72,17 @@ def chain_on_bench(
     left, right = (
         _end(side, given, *span) for side, given in zip(("left", "right"), bench.ends, strict=True)
     )
-    forces = [
-        FORCE_TABLES[push.kind](
-            push.site,
-            time_function(f"value in [[{push.kind}]]", push.value),
-            _field(lattice, push.field, f"[[{push.kind}]]"),
-        )
-        for push in bench.forces
-    ]
+    forces = []
+    for push in bench.forces:
+        drive = time_function(f"value in [[{push.kind}]]", push.value)
+        index = _field(lattice, push.field, f"[[{push.kind}]]")
+        forces.append(FORCE_TABLES[push.kind](push.site, drive, index))
+    mass_factors = {
+        cell: [given.get(name, 1.0) for name in lattice.fields]
+        if isinstance(given, Mapping)
+        else given
+        for cell, given in bench.masses.items()
+    }
     return driven_chain(
         lattice,
         bench.sites,
@@ -94,12 +91,7 @@ def chain_on_bench(
         losses=losses.sites if losses else 0.0,
         dashpots=losses.bonds if losses else 0.0,
         forces=forces,
-        mass_factors={
-            cell: [given.get(name, 1.0) for name in lattice.fields]
-            if isinstance(given, Mapping)
-            else given
-            for cell, given in bench.masses.items()
-        },
+        mass_factors=mass_factors,
         spring_factors=bench.springs,
     )
 
@@ -163,30 +155,26 @@ def bench_variables(bench: Bench, chain: DrivenChain) -> Iterator[BenchVariable]
     for name in bench.sensed if bench.sensors else ():
         yield _in_cells(f"sensor_{name}", "sensor", name, bench.sensors)
     if bench.energy:
-        yield BenchVariable("energy", (), _UNIT, "energy of chain and bonds", _energy)
+        name = "energy of chain and bonds"
+        yield BenchVariable("energy", (), _UNIT, name, lambda at: at.chain.energy(at.f, at.v))
     if has_balance(bench, chain):
-        yield from _balance(chain)
+        since = "since the start"
+        yield BenchVariable("work", (), _UNIT, f"work done {since}", lambda at: at.total.work.sum())
+        name = f"energy lost {since}"
+        yield BenchVariable("heat", (), _UNIT, name, lambda at: at.total.heat.sum())
+        if len(chain.drivers) > 1:
+            name = f"work done by a wall or force {since}"
+            yield BenchVariable("driver_work", ("driver",), _UNIT, name, lambda at: at.total.work)
     if bench.flux:
         name = "energy sent to the right"
         yield BenchVariable("transmitted", ("cut",), _UNIT, name, lambda at: at.total.through)
         name, unit = "power to the right", "lattice units per lattice time"
         yield BenchVariable("flux", ("cut",), unit, name, lambda at: at.rate.through)
     if bench.modes:
-        what = "energy of the mode of a linear chain"
-        read = _mode_reader(bench, chain)
-        yield BenchVariable("mode_energy", ("mode",), _UNIT, what, read)
+        name, read = "energy of the mode of a linear chain", _mode_reader(bench, chain)
+        yield BenchVariable("mode_energy", ("mode",), _UNIT, name, read)
     for name in ("displacement", "velocity") if bench.state else ():
         yield _in_cells(name, "cell", name, range(bench.sites))
-
-
-def _balance(chain: DrivenChain) -> Iterator[BenchVariable]:
-    """Yield the variables of the energy balance: work and heat since the start."""
-    unit, since = "lattice units", "since the start"
-    yield BenchVariable("work", (), unit, f"work done {since}", lambda at: at.total.work.sum())
-    yield BenchVariable("heat", (), unit, f"energy lost {since}", lambda at: at.total.heat.sum())
-    if len(chain.drivers) > 1:
-        name = f"work done by a wall or force {since}"
-        yield BenchVariable("driver_work", ("driver",), unit, name, lambda at: at.total.work)
 
 
 def _in_cells(name: str, dimension: str, what: str, cells: Sequence[int]) -> BenchVariable:
@@ -198,10 +186,6 @@ def _in_cells(name: str, dimension: str, what: str, cells: Sequence[int]) -> Ben
         dimensions=(dimension, *whole.dimensions),
         read=lambda now: np.asarray(whole.read(now))[:, indices].T,
     )
-
-
-def _energy(at: Moment) -> float:
-    return at.chain.energy(at.f, at.v)
 
 
 def _mode_reader(bench: Bench, chain: DrivenChain) -> Reader:

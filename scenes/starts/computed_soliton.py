@@ -1,51 +1,50 @@
-"""The soliton of a reduced equation that has none in closed form.
+"""Numerical soliton of a reduced equation that has none in closed form.
 
 A wave ``Y = V(X - v T)`` of ``Y_T = F_X``, F = linear terms and one power of Y, has
-``(v + l(k)) V = P(V)`` in Fourier's modes.  Petviashvili's iteration multiplies ``P(V)/(v + l)`` by
-the power of ``<V, (v + l) V> / <V, P(V)>`` that keeps the size of V from running away.
+``(v + l(k)) V = P(V)`` in Fourier modes.  Petviashvili's iteration multiplies ``P(V)/(v + l)`` by
+the power of ``<V, (v + l) V> / <V, P(V)>`` that keeps the size of V bounded.
 """
-
-from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from longwave.derive import Reduction
+from longwave.scenes.starts.damped_soliton import DecayingWave
 from longwave.scenes.starts.fourier_interval import FourierInterval
 from longwave.scenes.starts.jet_coefficients import with_numbers
-from longwave.solutions import WaveValues
+from longwave.support.array_types import Array
 
-Array = NDArray[np.float64]
+DECAY_EXPONENT = 36.0
+"""The interval ends where the wave has fallen by exp(-DECAY_EXPONENT)."""
 
-TAIL = 36.0
-"""The interval ends where the wave has fallen by exp(-TAIL)."""
-
-RUNNING = 1e-6
-"""A tail that falls so slowly, in units of the fastest, is a wave that runs."""
+LEAST_DECAY = 1e-6
+"""Smallest decay rate of a localised wave's flanks, in units of the largest."""
 
 POINTS = 1024
-"""Of the interval."""
+"""Number of points on the interval."""
 
-CONVERGED = 1e-14
-"""Change of the modes in a step, in units of the largest."""
+CONVERGED_CHANGE = 1e-14
+"""Change of the modes in an iteration, relative to the largest mode, at which it has converged."""
 
-MOST_STEPS = 1000
+MAX_ITERATIONS = 1000
+"""Maximum number of iterations."""
 
 
-class ComputedSoliton:
-    """The soliton of ``Y_T = F_0``, the equation of a reduction with numbers, with one speed in X.
+class ComputedSoliton(DecayingWave):
+    """Soliton of given ``speed`` in X/T of a reduction's equation; implements `JetWave`.
 
-    It has jets and antiderivative as closed forms have.  Raises ValueError for an equation with
-    other terms, and for a speed at which waves of some length run.
+    Raises ValueError for an equation with other terms than those above, and for a speed at which
+    linear waves of some wavelength propagate.
     """
-
-    constant_background = 0.0
 
     def __init__(self, reduction: Reduction, speed: float) -> None:
         self.speed = speed
         flux = reduction.pde.flow.antiderivative()
         if flux is None:
-            raise ValueError("the reduced equation must be a conservation law, got another")
+            raise ValueError(
+                f"the reduced equation must be a conservation law, got {reduction.pde.text()} "
+                "(take another wave)"
+            )
         terms = with_numbers(flux, reduction.values({}))
         powers = [(value, f) for value, f in terms.terms if f and f[0][1] > 1]
         linear = terms.linear
@@ -61,44 +60,41 @@ class ComputedSoliton:
         self._modes = self._iterated()
 
     def _interval(self, linear: dict[int, float]) -> tuple[float, float]:
-        """As long as the slowest decay of the tail asks for."""
-        highest = max(linear)
-        roots = np.roots(
-            [linear.get(n, 0.0) + self.speed * (n == 0) for n in range(highest, -1, -1)]
-        )
+        """Return the interval of X; its length follows from the wave's slowest decay."""
+        orders = range(max(linear), -1, -1)
+        roots = np.roots([linear.get(n, 0.0) + self.speed * (n == 0) for n in orders])
         slowest = float(np.min(np.abs(roots.real)))
-        if slowest < RUNNING * float(np.max(np.abs(roots))):
+        if slowest < LEAST_DECAY * float(np.max(np.abs(roots))):
             raise ValueError(
-                f"speed must be that of no wave of small amplitude, got {self.speed} (take another "
-                "sign)"
+                f"speed must not be that of a linear wave, got {self.speed} (take another sign)"
             )
-        return -TAIL / slowest, TAIL / slowest
+        return -DECAY_EXPONENT / slowest, DECAY_EXPONENT / slowest
 
     def _iterated(self) -> NDArray[np.complex128]:
+        """Return the modes of the soliton; ValueError if the iteration does not converge."""
         space, degree = self._space, self._degree
-        width = space.length / TAIL / 2.0
+        width = space.length / DECAY_EXPONENT / 2.0
         V = space.modes(np.exp(-((space.X / width) ** 2)))
-        for _ in range(MOST_STEPS):
+        for _ in range(MAX_ITERATIONS):
             force = space.modes(-self._factor * space.values(V) ** degree)
-            share = float(np.vdot(V, self._inertia * V).real / np.vdot(V, force).real)
-            sign = np.sign(share) if degree % 2 == 0 else 1.0
-            if share < 0.0 and degree % 2:
-                raise ValueError("the nonlinearity must focus at this speed, got the other sign")
-            found = sign * abs(share) ** (degree / (degree - 1)) * force / self._inertia
-            change = float(np.max(np.abs(found - V)) / np.max(np.abs(found)))
-            V = found
-            if change < CONVERGED:
+            ratio = float(np.vdot(V, self._inertia * V).real / np.vdot(V, force).real)
+            sign = np.sign(ratio) if degree % 2 == 0 else 1.0
+            if ratio < 0.0 and degree % 2:
+                raise ValueError(
+                    f"the nonlinearity must focus at speed {self.speed}, got the other sign "
+                    "(change the sign of the speed)"
+                )
+            V, before = sign * abs(ratio) ** (degree / (degree - 1)) * force / self._inertia, V
+            if float(np.max(np.abs(V - before)) / np.max(np.abs(V))) < CONVERGED_CHANGE:
                 return V
-        raise ValueError(f"speed must be one at which the soliton is found, got {self.speed}")
+        raise ValueError(
+            f"speed must be one at which the iteration converges, got {self.speed} (try another)"
+        )
 
     def jets(self, X: ArrayLike, T: float, highest: int) -> Array:
-        """Y, Y_X, Y_XX, ...: an array (highest + 1, *points)."""
+        """Return Y and its X-derivatives up to order ``highest``, (highest + 1, *points)."""
         return self._space.jets(self._modes, np.asarray(X) - self.speed * T, highest)
 
     def antiderivative(self, X: ArrayLike, T: float) -> Array:
-        """W with ``W_X = Y``."""
+        """Return W with ``W_X = Y``."""
         return self._space.antiderivative(self._modes, np.asarray(X) - self.speed * T)
-
-    def background(self, X: ArrayLike, T: float) -> WaveValues:
-        """None: the soliton deviates from 0."""
-        return WaveValues(*np.zeros((3, *np.shape(X))))

@@ -21,24 +21,32 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-LAWFUL = ("kdv_soliton", "soliton_sech")
+DAMPED_WAVES = ("kdv_soliton", "soliton_sech")
 """Closed forms that have such an amplitude law."""
 
-FLANK = 0.1
+FLANK_POSITION = 0.1
 """Position on the soliton's flank, in widths, from which its speed is computed."""
 
 
-class DampedSoliton:
-    """Soliton ``wave`` damped from T = 0 on by an amplitude law; implements `JetWave`."""
+class DecayingWave:
+    """Wave that deviates from 0."""
 
     constant_background = 0.0
+
+    def background(self, X: ArrayLike, T: float) -> WaveValues:
+        """Return the background and its derivatives, all 0."""
+        return WaveValues(*np.zeros((3, *np.shape(X))))
+
+
+class DampedSoliton(DecayingWave):
+    """Soliton ``wave`` damped from T = 0 on by an amplitude law; implements `JetWave`."""
 
     def __init__(self, wave: Wave, law: AmplitudeLaw) -> None:
         self._wave, self._power = wave, law.power
         self._first = float(wave(0.0, 0.0).Y)
-        flank = wave(FLANK / wave.numbers.a, 0.0)
-        drift = float(wave.normal_form.drift)
-        self._drift, self._speed = drift, float(-flank.Y_T / flank.Y_X) - drift
+        flank = wave(FLANK_POSITION / wave.numbers.a, 0.0)
+        self._drift = float(wave.normal_form.drift)
+        self._speed = float(-flank.Y_T / flank.Y_X) - self._drift
         self._linear = law.power * float(law.linear)
         self._quadratic = law.power * float(law.further) * self._first**law.power
 
@@ -74,7 +82,3 @@ class DampedSoliton:
         r, position = self._scale_and_position(T)
         values = self._wave.antiderivative(r * (np.asarray(X) - position), 0.0)
         return np.asarray(values * r ** (2.0 / self._power - 1.0))
-
-    def background(self, X: ArrayLike, T: float) -> WaveValues:
-        """Return the background and its derivatives, all 0."""
-        return WaveValues(*np.zeros((3, *np.shape(X))))

@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 from sympy import Expr
 
 from longwave.lattice.disordered_lattice import DisorderedLattice, disordered, mass_kind
@@ -16,6 +15,7 @@ from longwave.lattice.random_sites import mean_inverse
 from longwave.lattice.variation import Variation
 from longwave.scenes.description.scene_disorder import MASS, Disorder
 from longwave.scenes.starts.pulse_meter import PulseMeter
+from longwave.support.array_types import Array
 from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
 
@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from longwave.derive.lattice import Lattice
     from longwave.lattice.numeric_lattice import NumericLattice
     from longwave.scenes.starts.initial_cells import InitialCells
-
-Array = NDArray[np.float64]
 
 
 class WaveDisorder:

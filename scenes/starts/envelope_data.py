@@ -16,11 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from longwave.derive import CarrierTerms, Envelope, carrier_fields
 from longwave.derive.algebra.exact_numbers import Number
-from longwave.lattice.numeric_lattice import (
-    NumericLattice,
-    numeric_lattice,
-    stretch_text,
-)
+from longwave.lattice.numeric_lattice import NumericLattice, numeric_lattice, stretch_text
 from longwave.scenes.starts.envelope_flow import EnvelopeFlow
 from longwave.scenes.starts.initial_cells import InitialCells
 from longwave.scenes.starts.lattice_wave import LatticeWave
@@ -32,17 +28,17 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-POWERS = {"leading": 1, "slaved": 2, "corrected": 3}
+HIGHEST_POWERS = {"leading": 1, "slaved": 2, "corrected": 3}
 """Highest power of eps in the fields, by the order of the data."""
 
 
-FLAT = 1e-9
+END_LEVEL = 1e-9
 """Size, relative to the largest, below which a wave has ended."""
 
-FARTHEST = 400.0
+FARTHEST_X = 400.0
 """Distance in X at which a wave that has not ended counts as infinite."""
 
-WIDER = 2.0
+INTERVAL_WIDTHS = 2.0
 """Length of the interval on which the next order is solved, in units of the wave's width."""
 
 
@@ -64,18 +60,14 @@ class PlaneBackground:
 
         Each derivative is the same multiple of the one before it.
         """
-        A = self._wave.background(X, T)
-        if self._is_plane(T):
+        A, far = self._wave.background(X, T), np.linspace(-FARTHEST_X, FARTHEST_X, END_SAMPLES)
+        if np.array_equal(self._wave.background(far, T).Y, self._wave.jets(far, T, 0)[0]):
             return np.zeros((highest + 1, *A.Y.shape), np.complex128)
         turn = np.divide(A.Y_X, A.Y, out=np.zeros_like(A.Y), where=A.Y != 0.0)
         return np.stack([A.Y * turn**order for order in range(highest + 1)])
 
-    def _is_plane(self, T: float) -> bool:
-        X = np.linspace(-FARTHEST, FARTHEST, SAMPLES)
-        return np.array_equal(self._wave.background(X, T).Y, self._wave.jets(X, T, 0)[0])
 
-
-SAMPLES = 8001
+END_SAMPLES = 8001
 """Number of points in X at which a wave's ends are searched for."""
 
 
@@ -92,8 +84,7 @@ class EnvelopeData(LatticeWave):
     mean strain only: that of ``mean_square``, the mean of |A|^2 over the ring, or far away on an
     infinite chain.  Without it the frequency of a wave on a background is off by order eps^2.
 
-    On a lattice of displacements, cells must be consecutive, and displacements are determined up to
-    a common constant.
+    On a lattice of displacements, cells must be consecutive; a common constant is arbitrary.
     """
 
     power = 1
@@ -156,7 +147,7 @@ class EnvelopeData(LatticeWave):
         if self.order != "corrected":
             return
         T = self.eps**2 * t
-        first, last = self._interval or _ends(self.wave, T, WIDER)
+        first, last = self._interval or _ends(self.wave, T, INTERVAL_WIDTHS)
         if not np.isfinite(last - first):
             raise ValueError(
                 "interval must be given for a wave that does not end, got None (two ends in X that "
@@ -176,10 +167,7 @@ class EnvelopeData(LatticeWave):
 
     @property
     def amplitude(self) -> EnvelopeWave:
-        """Envelope A: the wave or, for corrected data, the solution with the next order.
-
-        Raises ValueError for corrected data before `start`.
-        """
+        """Envelope A, with the next order if corrected; ValueError for that before `start`."""
         if self._flow is None:
             raise ValueError(
                 "start must be called before corrected data are used, got no start time (the next "
@@ -190,8 +178,7 @@ class EnvelopeData(LatticeWave):
     def state(self, cells: ArrayLike, t: float) -> tuple[Array, Array]:
         """Return fields and their time derivatives at cells and a time, each (fields, *sites)."""
         n = np.asarray(cells, dtype=np.float64)
-        fields = len(self.carrier.parts)
-        f, v, mean = np.empty((fields, n.size)), np.empty((fields, n.size)), np.empty((3, n.size))
+        (f, v), mean = np.empty((2, len(self.carrier.parts), n.size)), np.empty((3, n.size))
         for piece in _pieces(n):
             jets = _Jets(self, n[piece], t)
             theta = self.carrier.k * n[piece] - self.carrier.omega * t
@@ -255,7 +242,7 @@ class EnvelopeData(LatticeWave):
 
     def _terms(self, terms: CarrierTerms) -> CarrierTerms:
         """Return the terms up to the power of eps of the data's order."""
-        return tuple(term for term in terms if term.power <= POWERS[self.order])
+        return tuple(term for term in terms if term.power <= HIGHEST_POWERS[self.order])
 
     def _field(self, terms: CarrierTerms, jets: _Jets, theta: Array) -> tuple[Array, Array]:
         """Return a field without the mean, and its time derivative."""
@@ -293,8 +280,7 @@ def _pieces(n: Array) -> list[slice]:
 def _integral(values: Array, slopes: Array, n: Array) -> Array:
     """Integrate over consecutive cells, by the trapezoidal rule with its end correction.
 
-    The error is values'''/720, whatever the number of cells. Raises ValueError for cells that are
-    not consecutive.
+    The error is values'''/720 for any length. Raises ValueError unless cells are consecutive.
     """
     if n.ndim != 1 or not np.allclose(np.diff(n), 1.0):
         raise ValueError(
@@ -307,10 +293,10 @@ def _integral(values: Array, slopes: Array, n: Array) -> Array:
 
 def _ends(wave: EnvelopeWave, T: float, wider: float = 1.0) -> tuple[float, float]:
     """Return the X between which there is a wave, widened by a factor; infinite if it fills X."""
-    X = np.linspace(-FARTHEST, FARTHEST, SAMPLES)
+    X = np.linspace(-FARTHEST_X, FARTHEST_X, END_SAMPLES)
     size = np.abs(wave.jets(X, T, 0)[0])
-    inside = X[size > FLAT * np.max(size)]
-    if abs(inside[0]) == FARTHEST or abs(inside[-1]) == FARTHEST:
+    inside = X[size > END_LEVEL * np.max(size)]
+    if abs(inside[0]) == FARTHEST_X or abs(inside[-1]) == FARTHEST_X:
         return -np.inf, np.inf
     middle, half = (inside[0] + inside[-1]) / 2, (inside[-1] - inside[0]) / 2
     return float(middle - wider * half), float(middle + wider * half)

@@ -5,8 +5,6 @@ method.  The carrier times A is periodic on the ring of cells, so A itself is pe
 constant phase.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 
@@ -20,14 +18,14 @@ from longwave.lattice.spectral.exponential import ExponentialAdams
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-STEP = 0.005
+LONGEST_TURN = 0.005
 """Longest step, in units of the time in which the largest amplitude shifts the phase by 1 rad. The
 Peregrine wave, three times as high at its crest as at its start, is then accurate to 1e-6."""
 
-EARLY = 1e-12
+TIME_ROUNDING = 1e-12
 """Relative rounding by which a requested time may precede the start."""
 
-INTERPOLATION = 1e-13
+SUM_ERROR = 1e-13
 """Error of a nonuniform Fourier sum, relative to its terms."""
 
 
@@ -71,13 +69,8 @@ class EnvelopeFlow:
         values = np.asarray(start(first + length * positions), dtype=np.complex128)
         rate = sum(abs(value) for value, _ in self._products) * float(np.max(np.abs(values))) ** 2
         spectrum = np.fft.fft(np.exp(-1j * turn * positions) * values)
-        self._new_integrator = partial(
-            ExponentialAdams,
-            linear[np.newaxis],
-            self._nonlinear,
-            spectrum[np.newaxis],
-            STEP / max(rate, 1e-300),
-        )
+        data = linear[np.newaxis], self._nonlinear, spectrum[np.newaxis]
+        self._new_integrator = partial(ExponentialAdams, *data, LONGEST_TURN / max(rate, 1e-300))
         self._integrator = self._new_integrator()
         self._spectra: dict[float, Complex] = {}
 
@@ -86,17 +79,13 @@ class EnvelopeFlow:
 
         Raises ValueError for T before ``T0``.
         """
-        if self._T0 - EARLY * abs(self._T0) > T:
+        if self._T0 - TIME_ROUNDING * abs(self._T0) > T:
             raise ValueError(f"T must satisfy T >= {self._T0:g}, got {T:g} (the flow starts there)")
         at = (np.asarray(X, dtype=np.float64) - self._first) / self._length
         spectrum = self._spectrum(max(T - self._T0, 0.0)) / self._waves.size
         phase = np.exp(1j * self._turn * at)
-        return np.stack(
-            [
-                phase * _sum(spectrum * (1j * self._waves) ** m, 2 * np.pi * at)
-                for m in range(highest + 1)
-            ]
-        )
+        modes = [spectrum * (1j * self._waves) ** m for m in range(highest + 1)]
+        return np.stack([phase * _sum(row, 2 * np.pi * at) for row in modes])
 
     def _nonlinear(self, spectrum: Complex) -> Complex:
         """Return the spectrum of the nonlinear terms, with the phase ``turn`` removed."""
@@ -129,7 +118,7 @@ def _sum(modes: Complex, phases: Array) -> Complex:
         grid=np.fft.fftshift(modes),
         coord=np.mod(phases, 2 * np.pi).reshape(-1, 1),
         forward=False,
-        epsilon=INTERPOLATION,
+        epsilon=SUM_ERROR,
         periodicity=2 * np.pi,
     )
     return np.asarray(total).reshape(phases.shape)

@@ -19,25 +19,23 @@ from numpy.typing import ArrayLike, NDArray
 
 from longwave.scenes.starts.fourier_interval import FourierInterval
 from longwave.scenes.starts.jet_polynomial import JetPolynomial
-from longwave.solutions import NumericWave
+from longwave.solutions import NumericWave, WaveValues
 
 if TYPE_CHECKING:
     from longwave.scenes.description.scene import Scene
     from longwave.scenes.starts.computed_soliton import ComputedSoliton
     from longwave.scenes.starts.damped_soliton import DampedSoliton
-    from longwave.solutions import WaveValues
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-TOLERANCE = 1e-8
+CORRECTION_TOLERANCE = 1e-8
 """Tolerance on Y1, in units of the largest change that F_p causes per unit of T."""
 
-POINTS, MOST_POINTS = 384, 24576
-"""First and largest number of points on the interval; doubled while the truncated modes are too
-large."""
+FIRST_POINTS, MAX_POINTS = 384, 24576
+"""First and largest number of points on the interval; doubled while modes are too large."""
 
-RESOLVED = 3e-7
+MAX_TRUNCATED = 3e-7
 """Largest accepted truncated mode, in units of the largest mode. The errors of steps to TOLERANCE
 contribute less there (1.3e-7 in scene 1:108 of `searches/soak.py`)."""
 
@@ -77,7 +75,7 @@ class FirstCorrection:
         self._interval, self._repeats = interval, repeats
         self._constant = flow.linear
         self._solved: dict[float, Complex] = {}
-        self._sample(POINTS)
+        self._sample(FIRST_POINTS)
 
     def _sample(self, points: int) -> None:
         self._space = FourierInterval(self._interval, points, self._repeats)
@@ -93,7 +91,7 @@ class FirstCorrection:
 
     def jets(self, X: ArrayLike, T: float, highest: int) -> Array:
         """Return Y1 and its X-derivatives up to order ``highest``, (highest + 1, *points)."""
-        modes = self._at(T)
+        modes = self._at(T)  # may replace the interval
         return self._space.jets(modes, X, highest)
 
     def antiderivative(self, X: ArrayLike, T: float) -> Array:
@@ -102,10 +100,7 @@ class FirstCorrection:
         return self._space.antiderivative(modes, X)
 
     def _at(self, T: float) -> Complex:
-        """Return the modes at T, integrated from the nearest solved T.
-
-        Raises ValueError before `start`, and if the correction cannot be resolved.
-        """
+        """Return the modes at T; ValueError before `start`, and for an unresolved correction."""
         if not self._solved:
             raise ValueError(
                 f"start must be called before the corrected wave is evaluated, got T = {T}"
@@ -113,10 +108,10 @@ class FirstCorrection:
         while T not in self._solved:
             nearest = min(self._solved, key=lambda time: abs(time - T))
             modes = self._advanced(self._solved[nearest], nearest, T)
-            if self._truncated <= RESOLVED:
+            if self._truncated <= MAX_TRUNCATED:
                 self._solved[T] = modes
                 continue
-            if 2 * self._space.points > MOST_POINTS:
+            if 2 * self._space.points > MAX_POINTS:
                 raise ValueError(
                     "interval must be shorter, or the wave smoother, for a correction, got "
                     f"{self._interval} ({self._space.points} points do not resolve the correction)"
@@ -139,10 +134,10 @@ class FirstCorrection:
         size = float(np.max(np.abs(self._further(self._jets(begin)))))
         # Y1_X needs small errors of short modes, too. This weight, a compromise between Y1 and
         # Y1_X, takes 1.4 times the steps instead of twice as many.
-        absolute = TOLERANCE * size / np.sqrt(1.0 + np.abs(self._space.k))
-        solver = DOP853(slope, begin, modes, end, rtol=TOLERANCE, atol=absolute)
+        absolute = CORRECTION_TOLERANCE * size / np.sqrt(1.0 + np.abs(self._space.k))
+        solver = DOP853(slope, begin, modes, end, rtol=CORRECTION_TOLERANCE, atol=absolute)
         self._update_truncated(begin, modes)
-        while solver.status == "running" and self._truncated <= RESOLVED:
+        while solver.status == "running" and self._truncated <= MAX_TRUNCATED:
             message = solver.step()
             if solver.status == "failed":
                 raise ValueError(f"T must be reached by the corrected wave, got {end} ({message})")
@@ -167,15 +162,15 @@ class FirstCorrection:
     def _update_truncated(self, T: float, modes: Complex) -> None:
         """Raise ``_truncated`` to the largest truncated mode of Y1_T, relative to the largest."""
         sizes = np.abs(np.fft.rfft(self._varying(T, modes)))
-        share = float(np.max(sizes[self._space.k.size :]) / max(float(np.max(sizes)), TINY))
-        self._truncated = max(self._truncated, share)
+        largest = max(float(np.max(sizes)), TINY_DENOMINATOR)
+        self._truncated = max(self._truncated, float(np.max(sizes[self._space.k.size :]) / largest))
 
 
-TINY = 1e-300
+TINY_DENOMINATOR = 1e-300
 """Smallest denominator; avoids division by 0."""
 
 
-INTERVAL = {True: 8.0, False: 2.0}
+HALF_LENGTHS = {True: 8.0, False: 2.0}
 """Half-length of the interval for the next order of an infinite wave, in half-widths of the
 compared region, for envelopes (True) and long waves (False). With 6 the Peregrine wave's errors
 change by less than 1 %; on a longer interval the crest of a rogue wave would not be resolved
@@ -195,6 +190,6 @@ def correction_interval(
     assert isinstance(wave, NumericWave)
     compared = scene.half_width or scene.compared * scene.eps
     period = wave.numbers.wavelength
-    half = INTERVAL[scene.is_envelope] * compared
+    half = HALF_LENGTHS[scene.is_envelope] * compared
     half = half if period is None else math.ceil(half / period) * period
     return -half, half

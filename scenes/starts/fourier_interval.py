@@ -1,7 +1,5 @@
 """Fourier series on an interval: values and derivatives at its points and between them."""
 
-from __future__ import annotations
-
 from functools import cached_property
 
 import numpy as np
@@ -10,15 +8,14 @@ from numpy.typing import ArrayLike, NDArray
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-MOST_AT_ONCE = 2048
+MAX_POINTS_AT_ONCE = 2048
 """Maximum number of points at which a series is summed in one array operation."""
 
 
 class FourierInterval:
     """Interval with equidistant ``points``; the lower two thirds of the Fourier modes are used.
 
-    Functions are real and represented by their modes.  Outside the interval they are 0, or periodic
-    if it ``repeats``.
+    Functions are real, given by modes, and 0 outside the interval, or periodic if it ``repeats``.
     """
 
     def __init__(self, interval: tuple[float, float], points: int, repeats: bool = False) -> None:
@@ -63,8 +60,8 @@ class FourierInterval:
         """Return the Fourier sums of several rows of modes at X, (rows, *X)."""
         flat = X.ravel() - self.interval[0]
         doubled = rows * np.where(self.k > 0.0, 2.0, 1.0)
-        starts = range(0, max(flat.size, 1), MOST_AT_ONCE)
-        waves = (np.exp(1j * np.outer(self.k, flat[i : i + MOST_AT_ONCE])) for i in starts)
+        starts = range(0, max(flat.size, 1), MAX_POINTS_AT_ONCE)
+        waves = (np.exp(1j * np.outer(self.k, flat[i : i + MAX_POINTS_AT_ONCE])) for i in starts)
         # not `@`, because the last digits of a BLAS product depend on the number of threads
         parts = [np.einsum("rk,kx->rx", doubled, wave).real for wave in waves]
         return np.concatenate(parts, axis=1).reshape(-1, *X.shape)

@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.trial import nudged
-
-Array = NDArray[np.float64]
+from longwave.support.array_types import Array
 
 
 @dataclass(frozen=True)
@@ -35,10 +33,7 @@ class InitialCells:
         return self.lattice.slopes(self.lattice.stretches(self.f))
 
     def smoothed(self, room: int) -> InitialCells:
-        """Return a chain of displacements with strain and velocity blended across the seam.
-
-        Cells within ``room`` of the seam change; the mean strain stays.
-        """
+        """Return a chain of equal mean strain, blended within ``room`` cells of the seam."""
         if not room:
             return self
         share = np.sin(np.pi / 4 * (np.arange(room) + 0.5) / room) ** 2

@@ -1,7 +1,5 @@
 """Numeric coefficients of differential polynomials, at values of the constants."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Mapping
 from typing import Any
@@ -13,11 +11,11 @@ from longwave.derive.algebra.jets import DifferentialPolynomial, EpsSeries
 from longwave.derive.algebra.rational_functions import RationalFunction
 from longwave.scenes.starts.jet_polynomial import JetPolynomial
 
-DIGITS = 40
+DECIMAL_DIGITS = 40
 """Decimal digits of the constants, because terms of a coefficient may cancel."""
 
 _EXACT = mpmath.MPContext()
-_EXACT.dps = DIGITS
+_EXACT.dps = DECIMAL_DIGITS
 
 
 def with_numbers(
@@ -29,7 +27,7 @@ def with_numbers(
     for a constant without a value.
     """
     parts = {0: series} if isinstance(series, DifferentialPolynomial) else series.parts
-    numbers = {symbol: _number(value) for symbol, value in values.items()}
+    numbers = {s: _EXACT.mpf(str(value.evalf(DECIMAL_DIGITS))) for s, value in values.items()}
     total: dict[tuple[tuple[int, int], ...], Any] = {}
     for order, part in parts.items():
         for monomial, value in part.terms.items():
@@ -39,22 +37,14 @@ def with_numbers(
                     "with the reduced equation)"
                 )
             key = tuple(sorted(Counter(jet[0] for jet in monomial).items()))
-            term = _at(value, numbers) * _EXACT.mpf(eps) ** order
+            above, below = (_sum(value, line, numbers) for line in (False, True))
+            term = above / below * _EXACT.mpf(eps) ** order
             total[key] = total[key] + term if key in total else term
     return JetPolynomial(tuple((float(value), key) for key, value in sorted(total.items())))
 
 
-def _number(value: Expr) -> Any:
-    return _EXACT.mpf(str(value.evalf(DIGITS)))
-
-
-def _at(element: RationalFunction, numbers: Mapping[Symbol, Any]) -> Any:
-    """Return the value of a rational function at numbers for the constants."""
-    above, below = (_sum(element, line, numbers) for line in (False, True))
-    return above / below
-
-
 def _sum(element: RationalFunction, below: bool, numbers: Mapping[Symbol, Any]) -> Any:
+    """Return the value of an element's numerator, or of its denominator with ``below``."""
     total = _EXACT.mpf(0)
     for exponents, coefficient in element.terms(below=below):
         product = _EXACT.mpf(coefficient)

@@ -7,9 +7,8 @@ from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from longwave.support.array_types import Array
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from longwave.scenes.description.losses import loss_rates
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import Pairs, Value
 from longwave.scenes.starts.computed_soliton import ComputedSoliton
-from longwave.scenes.starts.damped_soliton import LAWFUL, DampedSoliton
+from longwave.scenes.starts.damped_soliton import DAMPED_WAVES, DampedSoliton
 from longwave.scenes.starts.first_correction import correction_interval
 from longwave.scenes.starts.lattice_wave import LatticeWave
 from longwave.scenes.starts.long_wave_numbers import long_wave
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from longwave.derive import Envelope
     from longwave.derive.amplitude_law import AmplitudeLaw
 
-FURTHER = 2
+FURTHER_ORDERS = 2
 """Number of orders beyond the reduced equation that initial data of the next order need."""
 
 
@@ -146,7 +146,7 @@ def equation_of_form(form: ClosedForm) -> str:
 def _fits(form: ClosedForm, derived: LatticeDerivation) -> bool:
     """Return whether the form solves the derived equation, and follows its law if it has one."""
     equation, normal = form.equation, derived.normal_form
-    if normal is None or (derived.law is not None and form.name not in LAWFUL):
+    if normal is None or (derived.law is not None and form.name not in DAMPED_WAVES):
         return False
     signs = ((equation.s, normal.s), (equation.r, normal.r))
     return equation.normal == normal.equation and all(
@@ -162,7 +162,8 @@ def _reductions(scene: Scene, lattice: Lattice, mean: Expr) -> Iterator[LatticeD
             "mean has no effect; declare the lattice in its strain)"
         )
     refusal, has_any = "", False
-    for reduction in find_scaling(lattice, mean, scene.amplitude, scene.time, further=FURTHER):
+    ansatz = scene.amplitude, scene.time
+    for reduction in find_scaling(lattice, mean, *ansatz, further=FURTHER_ORDERS):
         if scene.named_start:
             yield LatticeDerivation(lattice, reduction, None, {})
             has_any = True
@@ -266,15 +267,13 @@ def wave_of(scene: Scene) -> Wave | ComputedSoliton | DampedSoliton:
 def lattice_wave(scene: Scene) -> LatticeWave:
     """Return the wave on the scene's lattice, with initial data, theory and compared quantities.
 
-    Raises ValueError as `derivation` and `wave_of` do, and for a disorder that the lattice does not
-    admit.
+    Raises ValueError as `derivation` and `wave_of` do, and for an inadmissible disorder.
     """
     wave = _ordered_wave(scene)
     if scene.losses:
         wave.losses = loss_rates(derivation(scene).lattice, {"eps": exact("eps", scene.eps)})
-        wave.lattice = (
-            wave.losses.on(wave.lattice, wave.lattice.reach + 2) if wave.losses else wave.lattice
-        )
+        if wave.losses:
+            wave.lattice = wave.losses.on(wave.lattice, wave.lattice.reach + 2)
     if not scene.disorder:
         return wave
     from longwave.scenes.starts.disordered_wave import WaveDisorder
@@ -299,22 +298,17 @@ def _ordered_wave(scene: Scene) -> LatticeWave:
     A = cast(EnvelopeWave, wave)
     far = mean_square_far(cast(Wave, wave)) if scene.order == "leading" else 0.0
     return EnvelopeData(
-        source,
-        derived.numbers,
-        A,
-        scene.eps,
-        scene.order,
-        mean_square=far,
-        interval=interval,
+        source, derived.numbers, A, scene.eps, scene.order, mean_square=far, interval=interval
     )
 
 
-FAR, SAMPLES = 200.0, 4096
+FAR_WIDTHS, MEAN_SAMPLES = 200.0, 4096
 """Distance of an envelope's far field from its middle, in widths; number of points of a mean."""
 
 
 def mean_square_far(wave: Wave) -> float:
     """Return the mean of |A|^2 in the far field, which sets the uniform strain of initial data."""
-    reach = FAR / float(wave.normal_form.a)
-    X = np.concatenate([sign * np.linspace(reach, 2.0 * reach, SAMPLES) for sign in (-1.0, 1.0)])
+    reach = FAR_WIDTHS / float(wave.normal_form.a)
+    right = np.linspace(reach, 2.0 * reach, MEAN_SAMPLES)
+    X = np.concatenate([-right, right])
     return float(np.mean(np.abs(wave(X, 0.0).Y) ** 2))

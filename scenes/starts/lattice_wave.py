@@ -5,7 +5,6 @@ Cells are real numbers: an array (sites,) on a chain, (axes, *sites) on a lattic
 
 from __future__ import annotations
 
-import itertools
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
@@ -14,18 +13,17 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from longwave.lattice.numeric_lattice import NumericLattice, place_text
 from longwave.lattice.seam import Fading
 from longwave.lattice.state import Sites
 from longwave.scenes.starts.initial_cells import InitialCells
+from longwave.support.array_types import Array
 
 if TYPE_CHECKING:
     from longwave.scenes.description.losses import LossRates
     from longwave.scenes.starts.disordered_wave import WaveDisorder
-
-Array = NDArray[np.float64]
 
 
 class LatticeWave(ABC):
@@ -51,10 +49,7 @@ class LatticeWave(ABC):
 
     @abstractmethod
     def state(self, cells: ArrayLike, t: float) -> tuple[Array, Array]:
-        """Return fields and their time derivatives, each (fields, *sites).
-
-        Displacements include the part that grows with the cell.
-        """
+        """Return fields, growing displacements included, and rates, each (fields, *sites)."""
 
     @abstractmethod
     def strain(self, cells: ArrayLike, t: float) -> Array:
@@ -106,10 +101,7 @@ class LatticeWave(ABC):
         """Return the lattice about a uniform strain, one entry for each axis."""
 
     def start(self, t: float) -> None:
-        """Start the correction of the next order from 0 at a time; does nothing unless overridden.
-
-        Call it before the other methods.
-        """
+        """Start the next order's correction from 0 at t, before other calls; nothing by default."""
         return
 
     def crest(self, t: float) -> float | None:
@@ -200,10 +192,7 @@ class LatticeWave(ABC):
         return replace(ring, f=f, v=v)
 
     def fading(self, t: float, speed: float) -> Fading | None:
-        """Return the damping of a ring where signals from its seam, at ``speed`` since t, arrive.
-
-        None unless overridden.
-        """
+        """Return the damping where signals from the seam arrive, at ``speed``; None by default."""
         return None
 
     def amplifies_rounding(self, t: float) -> bool:
@@ -221,10 +210,7 @@ class LatticeWave(ABC):
             return lattice.energy(f, v)
 
     def far_field(self, sites: Sites, t: float) -> Array | None:
-        """Return the compared quantities of the true far field, (quantities, sites).
-
-        None if the far field equals the background.
-        """
+        """Return the true far field, (quantities, sites); None if it equals the background."""
         return None
 
     def values_and_slopes(self, cells: Array, t: float) -> tuple[Array, Array, Array, Array]:
@@ -237,18 +223,12 @@ class LatticeWave(ABC):
         return results[0], results[2], results[1], results[3]
 
     def stretch_range(self, times: Sequence[float]) -> Array | None:
-        """Return the smallest and largest stretch of a chain's bonds over all times.
-
-        None unless overridden; the range is then taken from the initial data.
-        """
+        """Return the range of a chain's stretches over all times; None for that at the start."""
         return None
 
     @property
     def far_speed(self) -> float | None:
-        """Speed of sound far from the wave, at which its far field moves.
-
-        None unless overridden; a moving window can then not be fed with the far field.
-        """
+        """Speed of sound far from the wave; None, the default, if a window cannot be fed."""
         return None
 
     @property
@@ -269,45 +249,43 @@ class LatticeWave(ABC):
         raise NotImplementedError
 
     def rigid_fields(self, offsets: Array, t: float) -> tuple[Array, Array]:
-        """Return fields without the far field's growth, and their slopes per cell, (fields, cells).
-
-        ``offsets`` are cells from the frame's origin at that time.
-        """
+        """Return fields and slopes per cell at ``offsets`` from the frame, less the far growth."""
         raise NotImplementedError
 
     def rest_slopes(self, ring: InitialCells) -> list[float]:
-        """Return the slope of each bond's force far from the wave.
-
-        It is taken from the ring's first cell, since a long wave is almost uniform there.
-        """
+        """Return each bond's slope of force far from the wave, taken from the first cell."""
         corner = (0,) * ring.lattice.dimension
         return [float(slopes[corner]) for slopes in ring.slopes]
 
 
-FARTHEST = 2.0**53
+FARTHEST_CELL = 2.0**53
 """Largest number of a cell that is an exact double."""
 
 
 def nearest_cell(speed: float, t: float) -> int:
-    """Return the cell nearest to a frame's origin at time t; ValueError beyond `FARTHEST`.
+    """Return the cell nearest to a frame's origin at time t; ValueError beyond `FARTHEST_CELL`.
 
     >>> nearest_cell(2.0, -0.25), nearest_cell(2.0, 0.25)
     (0, 1)
     """
     position = speed * t + 0.5
-    if not abs(position) < FARTHEST:
+    if not abs(position) < FARTHEST_CELL:
         raise ValueError(f"t must leave c t within 2^53 sites, got t = {t:g}")
     return math.floor(position)
 
 
 def largest_group_velocity(lattice: NumericLattice, slopes: list[float], axis: int = 0) -> float:
     """Return max |dw/dk| along an axis over all branches, for forces with these slopes."""
-    k = np.linspace(0.0, np.pi, WAVENUMBERS)
+    k = np.linspace(0.0, np.pi, WAVENUMBER_COUNT)
+    w = _frequencies(lattice, slopes, k, axis)
+    return float(np.max(np.abs(np.diff(w, axis=0)))) / float(k[1])
+
+
+def _frequencies(lattice: NumericLattice, slopes: Sequence[float], k: Array, axis: int) -> Array:
+    """Return the frequencies of waves along an axis, (wavenumbers, branches); 0 if imaginary."""
     waves = np.zeros((k.size, lattice.dimension))
     waves[:, axis] = k
-    squares = lattice.squared_frequencies(waves, slopes)
-    w = np.sqrt(np.maximum(squares, 0.0))
-    return float(np.max(np.abs(np.diff(w, axis=0)))) / float(k[1])
+    return np.sqrt(np.maximum(lattice.squared_frequencies(waves, slopes), 0.0))
 
 
 def sound_speed(lattice: NumericLattice, slopes: Sequence[float], near: float) -> float:
@@ -315,12 +293,9 @@ def sound_speed(lattice: NumericLattice, slopes: Sequence[float], near: float) -
 
     Forces have these slopes. The speed is extrapolated from waves of three lengths.
     """
-    k = LONG_WAVE * np.array([1.0, 2.0, 4.0])
-    waves = np.zeros((k.size, lattice.dimension))
-    waves[:, 0] = k
-    squares = lattice.squared_frequencies(waves, slopes)
-    speeds = np.sqrt(np.maximum(squares, 0.0)) / k[:, np.newaxis]
-    (one, two), (_, four) = itertools.pairwise(speeds)
+    k = LONG_WAVENUMBER * np.array([1.0, 2.0, 4.0])
+    speeds = _frequencies(lattice, slopes, k, 0) / k[:, np.newaxis]
+    one, two, four = speeds
     finer, coarser = (4.0 * one - two) / 3.0, (4.0 * two - four) / 3.0
     limits = (16.0 * finer - coarser) / 15.0
     return float(limits[np.argmin(np.abs(limits - near))])
@@ -329,8 +304,8 @@ def sound_speed(lattice: NumericLattice, slopes: Sequence[float], near: float) -
 SLOPE_STEP = 1e-3
 """Half step, in cells, of the difference quotients for slopes; waves are much longer."""
 
-LONG_WAVE = 0.02
+LONG_WAVENUMBER = 0.02
 """Smallest wavenumber for the speed of sound; dispersion errors are below 1e-11, rounding 1e-12."""
 
-WAVENUMBERS = 1025
+WAVENUMBER_COUNT = 1025
 """Number of wavenumbers in 0 .. pi between which group velocities are difference quotients."""

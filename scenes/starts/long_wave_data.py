@@ -19,11 +19,7 @@ from longwave.lattice.numeric_lattice import NumericLattice, place_text
 from longwave.scenes.starts.damped_soliton import DampedSoliton
 from longwave.scenes.starts.first_correction import FirstCorrection, JetWave
 from longwave.scenes.starts.jet_polynomial import JetPolynomial
-from longwave.scenes.starts.lattice_wave import (
-    LatticeWave,
-    largest_group_velocity,
-    sound_speed,
-)
+from longwave.scenes.starts.lattice_wave import LatticeWave, largest_group_velocity, sound_speed
 from longwave.scenes.starts.wave_extent import extent, sample_points, sampled_times, support_of
 from longwave.solutions import NumericWave
 from longwave.solutions.pieces import PIECE
@@ -33,10 +29,10 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-FLAT = 1e-9
+END_LEVEL = 1e-9
 """Relative change below which a wave has ended."""
 
-FARTHEST = 400.0
+FARTHEST_X = 400.0
 """Distance in X at which a wave that has not ended counts as infinite."""
 
 
@@ -102,9 +98,9 @@ class LongWaveData(LatticeWave):
         self.lattice = numbers.lattice
         self._planar: PlanarFields | None = None
         self.correction = self._correction(interval)
-        if not numbers.series:
-            self._planar = PlanarFields(numbers, cast(PlanarWave, wave), eps)
         self._series = numbers.series
+        if not self._series:
+            self._planar = PlanarFields(numbers, cast(PlanarWave, wave), eps)
 
     def strained_lattice(self, mean_strain: tuple[float, ...]) -> NumericLattice:
         """Return the lattice about this uniform strain."""
@@ -132,7 +128,7 @@ class LongWaveData(LatticeWave):
                 f"wave must be wide enough for its correction, got one between X = {low:g} and "
                 f"{high:g} (take a smaller kappa)"
             )
-        middle, half = (low + high) / 2.0, MARGIN * (high - low) / 2.0
+        middle, half = (low + high) / 2.0, INTERVAL_FACTOR * (high - low) / 2.0
         return FirstCorrection(flow, further, self.wave, power, (middle - half, middle + half))
 
     def crest(self, t: float) -> float | None:
@@ -176,7 +172,11 @@ class LongWaveData(LatticeWave):
         """
         X, T = position.ravel(), self.slow_time(t)
         highest = max(polynomial.highest for group in groups for polynomial in group)
-        W = self._displacement(X, T) if self._is_displacement else None
+        W = None
+        if self._is_displacement:
+            W = self.wave.antiderivative(X, T)
+            if self.correction is not None:
+                W = W + self._share * self.correction.antiderivative(X, T)
         results = [np.empty((len(group), X.size)) for group in groups]
         for first in range(0, X.size, PIECE):
             piece = slice(first, first + PIECE)
@@ -196,14 +196,13 @@ class LongWaveData(LatticeWave):
         n = np.asarray(cells, dtype=np.float64)
         if n.ndim == 1 and n.size > PIECE and np.all(np.diff(n) == 1.0):
             return np.diff(self._fields(np.append(n, n[-1] + 1.0), t))
-        here = self._fields(cells, t)
+        here = self._fields(n, t)
         rows = []
         for axis in self._axes:
             step = np.zeros(len(self._direction))
             step[axis] = 1.0
-            positions = np.asarray(cells, dtype=np.float64)
-            shift = step.reshape(-1, *(1,) * (positions.ndim - 1)) if step.size > 1 else step[0]
-            rows.append(self._fields(positions + shift, t) - here)
+            shift = step.reshape(-1, *(1,) * (n.ndim - 1)) if step.size > 1 else step[0]
+            rows.append(self._fields(n + shift, t) - here)
         return np.concatenate(rows)
 
     def _fields(self, cells: ArrayLike, t: float) -> Array:
@@ -240,7 +239,8 @@ class LongWaveData(LatticeWave):
 
     def uniform(self) -> Array:
         """Return the uniform strain of each quantity, on which the wave is superposed."""
-        return np.full(self._quantities, self.numbers.background)
+        rows = len(self._axes) if self._is_displacement else 1
+        return np.full(rows * len(self.lattice.fields), self.numbers.background)
 
     def background(self, cells: ArrayLike, t: float) -> Array:
         """Return the uniform strain plus the wave's bare background, to leading order."""
@@ -267,9 +267,8 @@ class LongWaveData(LatticeWave):
         for axis in self._axes:
             first, last = (np.take(positions, [end], 1 + axis) for end in (0, -1))
             last[axis] += 1.0
-            low, high = (
-                self._fields(end if len(slopes) > 1 else end[0], t) for end in (first, last)
-            )
+            ends = (first, last) if len(slopes) > 1 else (first[0], last[0])
+            low, high = (self._fields(end, t) for end in ends)
             growth = float(np.mean(high[leader] - low[leader])) / shares[leader]
             slopes[axis] = growth / positions.shape[1 + axis]
         return tuple(slopes)
@@ -326,10 +325,7 @@ class LongWaveData(LatticeWave):
         return f, v
 
     def extent(self, times: Sequence[float], tolerance: float) -> tuple[float, float]:
-        """Return the ends of the wave, in cells relative to the frame, over all times.
-
-        Between them it deviates from its background; (inf, -inf) if it deviates nowhere.
-        """
+        """Return the ends of the wave relative to the frame over all times; (inf, -inf) if flat."""
         wave, supports = cast(NumericWave, self.wave), []
         level = wave.constant_background or 0.0
         for T in map(self.slow_time, sampled_times(times)):
@@ -339,10 +335,7 @@ class LongWaveData(LatticeWave):
         return low / self._unit, high / self._unit
 
     def rigid_fields(self, offsets: Array, t: float) -> tuple[Array, Array]:
-        """Return fields at offsets from the frame and their slopes from cell to cell.
-
-        The growth of the background is subtracted from both.
-        """
+        """Return fields at offsets and slopes per cell, less the growth of the background."""
         fields = [field for field, _ in self._series]
         derivatives = [field.slope() for field in fields]
         f, slopes = self._evaluate([fields, derivatives], self._unit * offsets, t)
@@ -357,14 +350,13 @@ class LongWaveData(LatticeWave):
     def seam_room(self, t: float) -> int:
         """Return the number of blended cells at either end of a ring: half a kink's width, else 0.
 
-        Without blending, the different strains left and right of a kink would overshoot at the
-        seam.
+        Without blending, the strains on both sides of a kink would overshoot at the seam.
         """
         low, high = self.support(t)
         if not self._is_displacement or len(self._direction) > 1 or math.isinf(high - low):
             return 0
         left, right = self.strain(np.array([low, high]), t)[0]
-        return math.ceil((high - low) / 2.0) if abs(right - left) > FLAT * self.scale else 0
+        return math.ceil((high - low) / 2.0) if abs(right - left) > END_LEVEL * self.scale else 0
 
     def _profile(self, X: Array, T: float) -> Array:
         """Return the wave's Y along X at T; on a plane at Z = 0."""
@@ -375,10 +367,6 @@ class LongWaveData(LatticeWave):
     @cached_property
     def _axes(self) -> list[int]:
         return [axis for axis, step in enumerate(self._direction) if step]
-
-    @property
-    def _quantities(self) -> int:
-        return len(self.lattice.fields) * (len(self._axes) if self._is_displacement else 1)
 
     def _unknown(self, X: Array, T: float, highest: int, W: Array | None) -> Array:
         """Return the unknown and its X-derivatives: those of W if it is given, otherwise of Y."""
@@ -391,13 +379,6 @@ class LongWaveData(LatticeWave):
             jets[1:] = self._corrected(strains, X, T, highest - 1)
         return jets
 
-    def _displacement(self, X: Array, T: float) -> Array:
-        """Return W with ``W_X = Y``, its correction included."""
-        W = self.wave.antiderivative(X, T)
-        if self.correction is not None:
-            W = W + self._share * self.correction.antiderivative(X, T)
-        return W
-
     def _corrected(self, jets: Array, X: Array, T: float, highest: int) -> Array:
         if self.correction is None:
             return jets
@@ -409,21 +390,21 @@ class LongWaveData(LatticeWave):
         return float(self.eps**self.correction.power)
 
 
-SAMPLES = 4097
+END_SAMPLES = 4097
 """Number of points in X at which a wave's ends are searched for."""
 
-MARGIN = 3.0
+INTERVAL_FACTOR = 3.0
 """Length of a correction's interval, in units of the wave's."""
 
 
 def wave_ends(profile: Callable[[Array], Array]) -> tuple[float, float]:
-    """Return the X between which a profile varies; infinite if it varies beyond `FARTHEST`."""
+    """Return the X between which a profile varies; infinite if it varies beyond `FARTHEST_X`."""
     reach = 1.0
-    while reach <= FARTHEST:
-        X = np.linspace(-2.0 * reach, 2.0 * reach, SAMPLES)
+    while reach <= FARTHEST_X:
+        X = np.linspace(-2.0 * reach, 2.0 * reach, END_SAMPLES)
         Y = profile(X)
         left, right = np.abs(Y - Y[0]), np.abs(Y - Y[-1])
-        level = FLAT * max(float(left.max()), float(right.max()))
+        level = END_LEVEL * max(float(left.max()), float(right.max()))
         risen, fallen = np.flatnonzero(left > level), np.flatnonzero(right > level)
         if risen.size and fallen.size and -reach <= X[risen[0]] and X[fallen[-1]] <= reach:
             return float(X[risen[0]]), float(X[fallen[-1]])

@@ -5,8 +5,6 @@ replaced by the reduced equation.  Both are series in eps of polynomials in X-de
 wave.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -60,14 +58,11 @@ def long_wave_numbers(
     """Return the numeric form of a reduction for `long_wave`, which raises the same errors."""
     values: Values = {**reduction.values(constants), EPS: exact("eps", eps)}
     shares = [share.as_expr().xreplace(values) for share, _ in reduction.slaved.values()]
-    frames = [
-        SlowFrame(
-            variable.exponent,
-            tuple(float(step.xreplace(values)) for step in variable.direction),
-            float(variable.speed.xreplace(values)),
-        )
-        for variable in reduction.scaling.space
-    ]
+    frames = []
+    for variable in reduction.scaling.space:
+        direction = tuple(float(step.xreplace(values)) for step in variable.direction)
+        speed = float(variable.speed.xreplace(values))
+        frames.append(SlowFrame(variable.exponent, direction, speed))
     background = sum(
         eps**power * float(value.xreplace(values)) for power, value in reduction.scaling.background
     )
@@ -102,10 +97,7 @@ def _lattice_at_rest(
 def _series(
     reduction: Reduction, order: str, values: Values, eps: float
 ) -> tuple[tuple[JetPolynomial, JetPolynomial], ...]:
-    """Return each field and its time derivative as polynomials; () with a transverse variable.
-
-    Raises ValueError for several fields or several transverse variables.
-    """
+    """Return fields and rates as polynomials; () with a transverse variable, or a ValueError."""
     if not reduction.pde.transverse:
         return tuple(
             (with_numbers(field, values, eps), with_numbers(rate, values, eps))
@@ -121,10 +113,7 @@ def _series(
 
 
 def _correction(reduction: Reduction, values: Values) -> tuple[int, JetPolynomial, JetPolynomial]:
-    """Return the first correction's power, the equation's flow and the correction's flow.
-
-    Raises ValueError if the reduction has no correction.
-    """
+    """Return the correction's power, the equation's flow and its own; ValueError without one."""
     powers = sorted(reduction.corrections)
     if not powers:
         obstruction = reduction.obstruction
@@ -138,11 +127,8 @@ def _correction(reduction: Reduction, values: Values) -> tuple[int, JetPolynomia
             f"order must be leading or slaved for {reduction.lattice.name}, got 'corrected' "
             f"({reason})"
         )
-    flow, further = (
-        with_numbers(polynomial, values)
-        for polynomial in (reduction.pde.flow, reduction.corrections[powers[0]])
-    )
-    return powers[0], flow, further
+    flow = with_numbers(reduction.pde.flow, values)
+    return powers[0], flow, with_numbers(reduction.corrections[powers[0]], values)
 
 
 class FieldSeries:

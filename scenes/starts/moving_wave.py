@@ -7,7 +7,7 @@ from functools import cache, lru_cache, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.seam import FADING_DEPTH, Fading, negate_at_seam
@@ -16,26 +16,23 @@ from longwave.scenes.starts.initial_cells import InitialCells
 from longwave.scenes.starts.lattice_wave import LatticeWave, nearest_cell
 from longwave.scenes.starts.wave_extent import extent, sample_points, sampled_times, support_of
 from longwave.solutions import NumericWave, Side, kept_data, kept_wave
+from longwave.support.array_types import Array
 
 if TYPE_CHECKING:
     from longwave.lattice.model import Model
     from longwave.scenes.description.scene import Scene
     from longwave.solutions import ClosedForm, Wave
 
-Array = NDArray[np.float64]
 
 FAR_FIELDS: tuple[Side, ...] = ("left", "right")
 
-FLAT = 1e-9
+END_LEVEL = 1e-9
 """Deviation from the far fields, in units of eps, below which the wave has ended."""
 
 
 @lru_cache(maxsize=8)
 def moving_wave(scene: "Scene") -> "MovingWave":
-    """Return the scene's wave on the paper's chain; its closed form is ``moving_wave(scene).wave``.
-
-    Raises ValueError for constants and parameters that the wave does not admit.
-    """
+    """Return the scene's wave on the paper's chain; ValueError for inadmissible parameters."""
     numbers = {
         name: value if isinstance(value, str) else float(value) for name, value in scene.parameters
     }
@@ -48,26 +45,22 @@ def build_wave(
 ) -> NumericWave:
     """Return a closed form, given as such or by name, with numeric parameters and constants.
 
-    Raises ValueError for a parameter outside its domain, K3 != 0 and K4 of the wrong sign for the
-    wave's equation.
+    Raises ValueError for a parameter outside its domain, K3 != 0 and K4 of the wrong sign.
     """
+    make = partial(_make_wave, wave, constants, values)
     if not isinstance(wave, str):
-        return _make_wave(wave, constants, values)
-    make = partial(_make_named_wave, wave, constants, values)
+        return make()
     return kept_wave(__name__, f"{wave} {constants} {sorted(values.items())}", make)
 
 
-def _make_named_wave(name: str, constants: "Model", values: Mapping[str, float | str]) -> "Wave":
-    from longwave.solutions import closed_form
-
-    return _make_wave(closed_form(name, values), constants, values)
-
-
-def _make_wave(form: "ClosedForm", constants: "Model", values: Mapping[str, float | str]) -> "Wave":
+def _make_wave(
+    wave: "str | ClosedForm", constants: "Model", values: Mapping[str, float | str]
+) -> "Wave":
     from longwave import derive
     from longwave.scenes.starts.lattice_derivation import exact_parameters
-    from longwave.solutions import Wave
+    from longwave.solutions import Wave, closed_form
 
+    form = closed_form(wave, values) if isinstance(wave, str) else wave
     if constants.K3 != 0:
         raise ValueError(
             f"K3 must be 0 for an mKdV wave, got {constants.K3:g} "
@@ -106,15 +99,14 @@ def _derived_velocity() -> Polynomial:
 
 def _value(polynomial: Polynomial, values: Mapping[str, "Array | float"]) -> Array:
     """Return the value of a polynomial, evaluated term by term, factors from the left."""
-    terms = [
+    first, *others = (
         math.prod((values[name] ** power for name, power in factors), start=coefficient)
         for coefficient, factors in polynomial
-    ]
-    total = sum(terms[1:], start=terms[0])
-    return np.asarray(total, dtype=np.float64)
+    )
+    return np.asarray(sum(others, start=first), dtype=np.float64)
 
 
-KINK_ROOM = 40.0
+KINK_BLEND_WIDTHS = 40.0
 """Blended cells for a kink at either end of a ring, in units of its width."""
 
 
@@ -193,25 +185,16 @@ class MovingWave(LatticeWave):
         """Growth from cell to cell and velocity of the far field, both 0 for strains."""
         return np.zeros(1), np.zeros(1)
 
-    def frame(self, t: float) -> int:
-        """Return the site nearest to c t, the middle of the compared sites.
-
-        Raises ValueError if it is too far for exact integers.
-        """
-        return nearest_cell(self.speed, t)
-
     def compared_sites(self, t: float) -> Sites:
-        """Return the sites within ``compared`` of c t."""
-        return self.frame(t) + np.arange(-self.compared, self.compared + 1)
+        """Return the sites within ``compared`` of c t; ValueError if too far for exact integers."""
+        return nearest_cell(self.speed, t) + np.arange(-self.compared, self.compared + 1)
 
     def state(self, cells: ArrayLike, t: float) -> tuple[Array, Array]:
         """Return strain y_n = eps Y and velocity s_n of the ansatz, at real sites and time t."""
         value = self.wave.at(cells, t, self.eps)
-        velocity = _value(
-            _initial_velocity(),
-            {"Y_X": value.Y_X, "Y_T": value.Y_T, "c": self.speed, "eps": self.eps},
-        )
-        return self._scaled(value.Y), velocity[np.newaxis]
+        values: dict[str, Array | float] = {"Y_X": value.Y_X, "Y_T": value.Y_T}
+        values |= {"c": self.speed, "eps": self.eps}
+        return self._scaled(value.Y), _value(_initial_velocity(), values)[np.newaxis]
 
     def strain(self, cells: ArrayLike, t: float) -> Array:
         """Return the strains eps Y of the wave, (1, *sites)."""
@@ -230,9 +213,7 @@ class MovingWave(LatticeWave):
         if self.wave.constant_background is not None or self.wave.numbers.is_bare:
             return None
         halves = zip(np.split(sites, [sites.size // 2]), FAR_FIELDS, strict=True)
-        strains = [
-            self._scaled(self.wave.value_at(half, t, self.eps, side)) for half, side in halves
-        ]
+        strains = [self._scaled(self.wave.value_at(n, t, self.eps, side)) for n, side in halves]
         return np.concatenate(strains, axis=1)
 
     def values_and_slopes(self, cells: Array, t: float) -> tuple[Array, Array, Array, Array]:
@@ -264,23 +245,18 @@ class MovingWave(LatticeWave):
         if self.wave.wavelength is not None:
             return -math.inf, math.inf
         x, deviation = _deviation(self.constants, self.wave, self.eps, t)
-        low, high = support_of(x, deviation, FLAT) or (0.0, 0.0)
+        low, high = support_of(x, deviation, END_LEVEL) or (0.0, 0.0)
         return self.speed * t + low, self.speed * t + high
 
     def extent(self, times: Sequence[float], tolerance: float) -> tuple[float, float]:
-        """Return the ends of the wave, in sites relative to c t, over all times.
-
-        Between them it deviates from its background; (inf, -inf) if it deviates nowhere.
-        """
+        """Return the ends of the wave relative to c t over all times; (inf, -inf) if it is flat."""
         key = self.constants, self.wave, self.eps, tuple(times)
         return extent([support_of(*profile, tolerance) for profile in _deviations(*key)])
 
     def stretch_range(self, times: Sequence[float]) -> Array:
         """Return the smallest and the largest strain of the wave over all times."""
-        values = (
-            _values(self.constants, self.wave, self.eps, t)[1] for t in sampled_times(tuple(times))
-        )
-        strains = [self.eps * value for value in values]
+        key = self.constants, self.wave, self.eps
+        strains = [self.eps * _values(*key, t)[1] for t in sampled_times(tuple(times))]
         return np.array([min(map(np.min, strains)), max(map(np.max, strains))])
 
     def rigid_fields(self, offsets: Array, t: float) -> tuple[Array, Array]:
@@ -289,17 +265,14 @@ class MovingWave(LatticeWave):
         return self._scaled(value.Y), self.eps**2 * value.Y_X[np.newaxis]
 
     def seam_room(self, t: float) -> int:
-        """Return the number of blended cells at either end of a ring.
-
-        A wavelength of a periodic background, many widths of a kink, 0 on a constant background.
-        """
+        """Return the cells blended at a ring's ends: a wavelength, a kink's widths, or 0."""
         wave = self.wave
         if wave.constant_background is not None:
             return 0
         if wave.wavelength is not None:
             return math.ceil(wave.wavelength / self.eps)
         height = float(np.max(np.abs(wave.far_field(0.0, 0.0, "right").Y)))
-        return math.ceil(KINK_ROOM / (wave.numbers.a * self.eps * height))
+        return math.ceil(KINK_BLEND_WIDTHS / (wave.numbers.a * self.eps * height))
 
     def closed_ring(self, ring: InitialCells, room: int) -> InitialCells:
         """Return the ring with its ends blended into each other within ``room`` sites of the seam.
@@ -319,10 +292,7 @@ class MovingWave(LatticeWave):
         return replace(ring, f=f, v=v)
 
     def fading(self, t: float, speed: float) -> Fading | None:
-        """Return the damping of a closed ring where signals from its seam, at ``speed``, arrive.
-
-        None for a wave that needs no blending at the seam.
-        """
+        """Return the damping where seam signals arrive, at ``speed``; None without blending."""
         if not self.seam_room(t) or self.duration == 0.0:
             return None
         depth = max(float(FADING_DEPTH), (self.wave.wavelength or 0.0) / self.eps)

@@ -6,20 +6,17 @@ perturbation ``b exp(i kappa X + lambda T) + conj(c) exp(-i kappa X + conj(lambd
 Fluid Mech. 27 (1967) 417) and moves otherwise. On a lattice b and c are the carrier's sidebands.
 """
 
-from __future__ import annotations
-
 import cmath
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from sympy import Expr, Rational, pi
 
-Array = NDArray[np.float64]
+from longwave.support.array_types import Array
 
-SIZE = 1e-5
+PERTURBATION_SIZE = 1e-5
 """Initial size of the perturbation. Its size at the end of the measurement is 1e-3, which adds 1e-6
 to the rate; rounding errors are as much smaller."""
 
@@ -53,14 +50,11 @@ class PerturbedPlane:
     def rate(self) -> complex:
         """Rate lambda in T: the growth rate, or an imaginary number if the wave is stable."""
         squared = squared_rate(self.p, self.q, self.a, self.kappa)
-        return (
-            complex(np.sqrt(squared)) if squared >= 0 else self._imaginary_rate(np.sqrt(-squared))
-        )
-
-    def _imaginary_rate(self, frequency: float) -> complex:
-        """Return the one of the rates ±i frequency for which |b| > |c|."""
+        if squared >= 0:
+            return complex(np.sqrt(squared))
         linear, steep = self._terms
-        return -1j * frequency if linear > steep else 1j * frequency
+        # the sign for which |b| > |c|
+        return -1j * np.sqrt(-squared) if linear > steep else 1j * np.sqrt(-squared)
 
     @property
     def growth(self) -> float:
@@ -80,7 +74,7 @@ class PerturbedPlane:
         """Return A and its X-derivatives, complex, (highest + 1, *points)."""
         linear, steep = self._terms
         c = -1j * steep / (self.rate + 1j * (steep - linear))
-        size = SIZE / abs(complex(1.0, abs(c)))
+        size = PERTURBATION_SIZE / abs(complex(1.0, abs(c)))
         upper = size * cmath.exp(self.rate * T) * np.exp(1j * self.kappa * np.asarray(X))
         lower = np.conj(c * upper)
         powers = (1j * self.kappa) ** np.arange(highest + 1)
@@ -111,10 +105,10 @@ class PlaneDomain:
 NEAR_K, NEAR_KAPPA = 1e-3, 1e-2
 """Largest deviation of the carrier's wavenumber, and relative deviation of the perturbation's."""
 
-CLOSED = 1e-9
+CLOSED_MISMATCH = 1e-9
 """Largest mismatch, in wavelengths, of a carrier that closes on its ring."""
 
-MOST_WAVES = 100
+MAX_WAVES = 100
 """Maximum number of perturbation wavelengths on a ring."""
 
 LARGEST_DENOMINATOR = 200
@@ -141,14 +135,14 @@ def plane_domain(k: Expr, perturbation: float) -> PlaneDomain:
             f"and k = {angle:.4g} (take a smaller kappa, eps or amplitude)"
         )
     is_exact = bool(ratio.is_Rational and ratio.q <= LARGEST_DENOMINATOR)
-    for waves in range(1, MOST_WAVES + 1):
+    for waves in range(1, MAX_WAVES + 1):
         middle = 2 * np.pi * waves / perturbation
         reach = int(min(NEAR_KAPPA * middle, 2 * LARGEST_DENOMINATOR)) + 1
         cells = round(middle) + np.arange(-reach, reach + 1)
         cells = cells[(cells > 2 * waves) & (np.abs(middle / cells - 1) <= NEAR_KAPPA)]
         turns = np.rint(angle * cells / (2 * np.pi))
         mismatch = np.abs(angle * cells / (2 * np.pi) - turns)
-        fits = mismatch <= CLOSED if is_exact else 2 * np.pi * mismatch <= NEAR_K * cells
+        fits = mismatch <= CLOSED_MISMATCH if is_exact else 2 * np.pi * mismatch <= NEAR_K * cells
         fits &= (turns > waves) & (2 * turns <= cells)
         if np.any(fits):
             nearest = np.argmin(np.where(fits, np.abs(cells - middle), np.inf))

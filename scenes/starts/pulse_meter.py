@@ -1,23 +1,19 @@
 """Measurement of a wave in a disordered lattice: largest force, crest position, energy."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longwave.lattice.disordered_lattice import DisorderedLattice
 from longwave.lattice.trial import SAFETY
 from longwave.scenes.starts.initial_cells import InitialCells
+from longwave.support.array_types import Array
 
-Array = NDArray[np.float64]
-
-ENERGY_SHARE = 0.999
+ENERGY_FRACTION = 0.999
 """Fraction of the energy inside the window about the crest at the start."""
 
-CLOSED = 1e-4
+CLOSED_FRACTION = 1e-4
 """A ring of strains counts as closed if its velocities sum to at most this fraction of the sum of
 their moduli. If the ring's ends cut off part of the wave, up to 2e-6 of its energy is missing then;
 the control run misses another amount, so the estimated error is larger."""
@@ -42,7 +38,7 @@ class PulseMeter:
 
     The crest may be delayed so much that it has left the compared cells. ``rest`` are the bonds'
     stretches outside the wave. The energy is summed in a window about the crest that contains the
-    fraction ``ENERGY_SHARE`` of the initial energy.
+    fraction ``ENERGY_FRACTION`` of the initial energy.
     """
 
     def __init__(self, ring: InitialCells, rest: Sequence[float]) -> None:
@@ -58,7 +54,7 @@ class PulseMeter:
         distances = np.abs(self._cells - position)
         order = np.argsort(distances, kind="stable")
         enclosed = np.cumsum(energies[order])
-        index = np.searchsorted(enclosed, ENERGY_SHARE * enclosed[-1])
+        index = np.searchsorted(enclosed, ENERGY_FRACTION * enclosed[-1])
         self._reach = float(distances[order][min(int(index), enclosed.size - 1)])
 
     def __call__(self, f: Array, v: Array) -> Pulse:
@@ -77,7 +73,7 @@ class PulseMeter:
             return np.full(v.shape[1], np.nan)
         if not self._lattice.holds_strains:
             return self._lattice.energies(f, v, rest=self._rest)
-        if abs(float(np.sum(v))) > CLOSED * float(np.sum(np.abs(v))):
+        if abs(float(np.sum(v))) > CLOSED_FRACTION * float(np.sum(np.abs(v))):
             return np.full(v.shape[1], np.nan)
         missing = self._momentum - self._momentum_at_rest(v)
         velocity = missing / float(np.sum(self._masses))

@@ -59,20 +59,16 @@ def _solve_soliton(
     return ComputedSoliton(reduction, float(parameters["speed"]))
 
 
-computed_soliton = ReducedStart(solve=_solve_soliton)
-"""Soliton, of a ``speed`` in X/T, of an equation without a soliton in closed form."""
-
-PERTURBATION = ("amplitude", "kappa", "share")
+PERTURBATION_PARAMETERS = ("amplitude", "kappa", "share")
 """Parameters of a perturbed plane wave: |A|, and the perturbation's wavenumber in X or its ratio to
 the wavenumber that grows fastest, 1 by default."""
 
 
 def _check_growth(scene: SceneFields) -> None:
     """Raise ValueError for fields that are computed, or not in the theory, for a growth rate."""
-    given: dict[str, object] = {"times": scene.snapshots, "compared": scene.compared or None}
-    given |= {"t0": None if scene.t0 == NOT_GIVEN else scene.t0}
-    given |= {"slow_times": scene.slow_times, "half_width": scene.half_width}
-    for key, value in given.items():
+    t0 = None if scene.t0 == NOT_GIVEN else scene.t0
+    given = ("times", scene.snapshots), ("compared", scene.compared or None), ("t0", t0)
+    for key, value in (*given, *((k, getattr(scene, k)) for k in ("slow_times", "half_width"))):
         if value not in ((), None):
             raise ValueError(
                 f"{key} must not be given with the wave {scene.wave_name}, got {shown(value)} "
@@ -89,7 +85,7 @@ def _check_growth(scene: SceneFields) -> None:
             f"{shown(dict(scene.disorder.pairs))} (its waves would be scattered into all others)"
         )
     names = [name for name, _ in scene.parameters]
-    unknown = [name for name in names if name not in PERTURBATION]
+    unknown = [name for name in names if name not in PERTURBATION_PARAMETERS]
     if unknown or "amplitude" not in names or {"kappa", "share"} <= {*names}:
         raise ValueError(
             f"parameters of {scene.wave_name} must be amplitude, and kappa or share or "
@@ -102,5 +98,9 @@ def _check_growth(scene: SceneFields) -> None:
         )
 
 
-perturbed_plane = StartRules(method="sidebands", measured="growth rate", check=_check_growth)
-"""Plane wave of a carrier, with a perturbation that grows."""
+STARTS: Mapping[str, StartRules] = {
+    "computed_soliton": ReducedStart(solve=_solve_soliton),
+    "perturbed_plane": StartRules(method="sidebands", measured="growth rate", check=_check_growth),
+}
+"""Waves that are not closed forms: the soliton, of a ``speed`` in X/T, of an equation without one
+in closed form; the plane wave of a carrier with a perturbation that grows."""

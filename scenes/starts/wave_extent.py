@@ -6,44 +6,37 @@ whose spacing grows with the distance. A domain that contains the extent contain
 times, so no part of it can go round a ring or be cut off by a window.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from longwave.support.array_types import Array
 
-TIMES = 17
+SAMPLED_TIMES = 17
 """Number of equidistant times at which the wave is sampled, in addition to some snapshots."""
 
 DISTANCES = np.concatenate([np.linspace(0.0, 1.0, 21)[:-1], np.geomspace(1.0, 1e5, 360)])
-"""Distances of sample points from the zero of a phase, in units of the wave's variable xi; beyond 1
-they grow by 3.2 %."""
+"""Distances of sample points from a phase's zero, in units of xi; beyond 1 they grow by 3.2 %."""
 
-LEVEL = 0.01
+LEVEL_FRACTION = 0.01
 """Least deviation from the far field counted as part of the wave, in units of the tolerance."""
 
-CREST_SHARE = 0.05
+CREST_FRACTION = 0.05
 """Least deviation counted as part of a wave with algebraic decay, in units of the largest."""
 
-POWER = 0.05
+POWER_RATIO = 0.05
 """Least ratio of the deviations at twice the distance and at the distance, for algebraic decay."""
 
-DRIFT_SHARE = 0.1
+DRIFT_FRACTION = 0.1
 """Fraction of a wave's drift by which the lattice's wave may differ from the closed form."""
 
 
 def sampled_times(times: Sequence[float]) -> list[float]:
-    """Return the times at which to sample a wave: equidistant ones, some of ``times``, and t = 0.
-
-    t = 0, where rogue waves peak, is included if it lies within the run.
-    """
+    """Return equidistant times, some of ``times``, and t = 0, where rogue waves peak, if inside."""
     t0, end = times[0], times[-1]
     crest = {0.0} if t0 < 0.0 < end else set()
-    subset = times[:: max(1, len(times) // TIMES)]
-    return sorted({*np.linspace(t0, end, TIMES).tolist(), *subset, *crest})
+    subset = times[:: max(1, len(times) // SAMPLED_TIMES)]
+    return sorted({*np.linspace(t0, end, SAMPLED_TIMES).tolist(), *subset, *crest})
 
 
 def sample_points(zeros: Sequence[float], unit: float) -> Array:
@@ -61,8 +54,8 @@ def extent(supports: Sequence[tuple[float, float] | None]) -> tuple[float, float
     if not ends:
         return np.inf, -np.inf
     lows, highs = np.array(ends).T
-    low = float(lows.min()) - DRIFT_SHARE * float(np.ptp(lows))
-    return low, float(highs.max()) + DRIFT_SHARE * float(np.ptp(highs))
+    low = float(lows.min()) - DRIFT_FRACTION * float(np.ptp(lows))
+    return low, float(highs.max()) + DRIFT_FRACTION * float(np.ptp(highs))
 
 
 def support_of(x: Array, deviation: Array, tolerance: float) -> tuple[float, float] | None:
@@ -71,13 +64,13 @@ def support_of(x: Array, deviation: Array, tolerance: float) -> tuple[float, flo
     Between the ends the deviation exceeds a fraction of ``tolerance`` or, for algebraic decay, a
     fraction of its largest value; the control run with another domain covers the rest.
     """
-    level, largest = LEVEL * tolerance, float(deviation.max())
+    level, largest = LEVEL_FRACTION * tolerance, float(deviation.max())
     if largest <= level:
         return None
     inside = np.flatnonzero(deviation > level)
     first, last = int(inside[0]), int(inside[-1])
     if _decays_like_a_power(x, deviation, first) or _decays_like_a_power(x, deviation, last):
-        inside = np.flatnonzero(deviation > max(level, CREST_SHARE * largest))
+        inside = np.flatnonzero(deviation > max(level, CREST_FRACTION * largest))
         first, last = int(inside[0]), int(inside[-1])
     step = 1 if last + 1 < x.size else 0
     return float(x[max(first - 1, 0)]), float(x[last + step])
@@ -90,4 +83,4 @@ def _decays_like_a_power(x: Array, deviation: Array, index: int) -> bool:
         return True
     beyond = crest + 2.0 * (x[index] - crest)
     rest = x >= beyond if x[index] > crest else x <= beyond
-    return not rest.any() or float(np.max(deviation[rest])) > POWER * float(deviation[index])
+    return not rest.any() or float(np.max(deviation[rest])) > POWER_RATIO * float(deviation[index])

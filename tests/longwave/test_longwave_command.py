@@ -25,7 +25,7 @@ from longwave.__main__ import main
 from longwave.derive.__main__ import CONSTANTS
 from longwave.derive.models.lattices import FPUT_STRAIN
 from longwave.runs import load_run
-from longwave.scenes.description.named_scenes import KINDS, shipped_scenes
+from longwave.scenes.description.named_scenes import FOLDER_NAMES, shipped_scenes
 from snippets import SLOW
 
 Output = pytest.CaptureFixture[str]
@@ -148,7 +148,9 @@ def test_wrong_input_is_one_line_and_status_2(
 
 def test_declared_options_match_the_parameters_of_the_rooms() -> None:
     assert tuple(str(constant) for constant in FPUT_STRAIN.constants) == CONSTANTS
-    assert tree.scene_names() == sorted(name for kind in KINDS for name in shipped_scenes(kind))
+    assert tree.scene_names() == sorted(
+        name for kind in FOLDER_NAMES for name in shipped_scenes(kind)
+    )
 
 
 NOTHING = (None, False, (), {})

@@ -116,7 +116,7 @@ def test_a_run_that_breaks_down_is_made_again_with_a_shorter_step(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Catches: a bath that does not detect strains beyond those of its first step."""
-    monkeypatch.setattr(bench_bath, "HOT", 0.0)
+    monkeypatch.setattr(bench_bath, "HOT_BOND_ENERGY", 0.0)
     hot = WARM.changed(
         lattice="beta_fput",
         constants={"K2": 1, "K4": 1},

@@ -10,7 +10,7 @@ from longwave.lattice.state import State
 from longwave.scenes import run
 from longwave.scenes.description.named_scenes import load_scene
 from longwave.scenes.description.scene import Scene
-from longwave.scenes.engines.domain_plan import MARGIN
+from longwave.scenes.engines.domain_plan import FRONT_CELLS
 from longwave.scenes.engines.lattice_run import domain_plan
 from longwave.scenes.engines.window import INTERPOLATION_ERROR, LARGEST_MISFIT, FedWave, Window
 from longwave.scenes.starts.moving_wave import moving_wave
@@ -18,7 +18,7 @@ from longwave.scenes.starts.moving_wave import moving_wave
 
 def window_of(scene: Scene) -> Window:
     sites = scene.discretisation.sites
-    return Window(FedWave(domain_plan(scene)[1], sites), sites)
+    return Window(FedWave(domain_plan(scene)[1], sites))
 
 
 def strain(scene: Scene) -> np.ndarray:
@@ -91,7 +91,7 @@ def test_a_moved_window_keeps_its_cells_and_feeds_the_front(
     state.t += 10.0
     window.follow(state)
     assert state.left == moving_wave(scene).frame(state.t) - scene.discretisation.sites // 2
-    fed = 2 * 20 + MARGIN
+    fed = 2 * 20 + FRONT_CELLS
     np.testing.assert_array_equal(state.at(state.sites)[0][0, :-fed], values_before[20 : 20 - fed])
     speed = window.background_speed
     offsets = window.wave.rigid_offsets(speed, state.sites[-fed:], state.t)

@@ -32,7 +32,7 @@ SCENES = {
 def test_every_move_feeds_the_transported_wave(
     scene: Scene, fed_wave: Callable[[Scene], FedWave]
 ) -> None:
-    window = Window(fed_wave(scene), scene.discretisation.sites)
+    window = Window(fed_wave(scene))
     state = window.start()
     for t in window_moves(window.wave):
         state.t = t

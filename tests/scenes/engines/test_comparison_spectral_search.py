@@ -160,7 +160,7 @@ def test_ctrl_c_before_any_ring_is_done_keeps_nothing(monkeypatch: pytest.Monkey
     def stopped(*_: object) -> None:
         raise StoppedSearch(None, None, 0.0)
 
-    monkeypatch.setattr(spectral_run, "solve_on_rings", stopped)
+    monkeypatch.setattr(spectral_run.spectral_search, "solve_on_rings", stopped)
     scene = load_scene("rogue_cn_k_0.5").with_tolerance(1e-3)
     with pytest.raises(KeyboardInterrupt, match="before anything was recorded"):
         spectral_run.run_spectral(scene, 1.0, lambda _: None, lambda _: None)

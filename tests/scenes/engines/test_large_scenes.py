@@ -120,7 +120,7 @@ def test_the_step_of_many_cells_is_found_on_a_part_of_them(
 ) -> None:
     """Catches: a search of all cells, and an error that is told of other steps than the run's."""
     scene = to_tolerance(wave, 110_000)
-    monkeypatch.setattr("longwave.scenes.engines.lattice_run.refine_scene", None)
+    monkeypatch.setattr("longwave.scenes.engines.run_record.refine_scene", None)
     found = run(scene)
     plan = scene_of(found)
     finer = run(

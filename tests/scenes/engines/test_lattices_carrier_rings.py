@@ -51,11 +51,11 @@ def test_neighbours_that_move_against_each_other_do_so_all_round_the_ring(order:
 )
 def test_rings_are_commensurate_with_carriers_that_can_be(k: str) -> None:
     _, domains = domain_plan(SOFT.changed(carrier=k, times=[0, 3]))
-    for wider in (0, rings_module.WIDER):
+    for wider in (0, rings_module.EXTRA_CELLS):
         ends = domains.ends(wider)
         [(low, high)], [(_, least)] = ends, domains.plain_ends(wider)
         assert domains.seam_mismatch(ends)[0] < 1e-9
-        assert least <= high < least + rings_module.MOST_ADDED
+        assert least <= high < least + rings_module.MAX_ADDED_CELLS
         turns = (high + 1 - low) * float(lattice_wave(SOFT.changed(carrier=k)).carrier.k)
         assert abs(turns / (2 * np.pi) - round(turns / (2 * np.pi))) < 1e-9
 
@@ -83,6 +83,6 @@ def test_a_blow_up_at_a_seam_has_its_distance_from_the_seam(
     assert domains.with_seam_distance(found, closed).from_seam is None
     far = BlowUp("the fields are not finite", 0.01, (torn[0][0] + torn[0][1]) // 2)
     assert domains.with_seam_distance(far, torn).from_seam is None
-    monkeypatch.setattr(rings_module, "MOST_ADDED", 1)
+    monkeypatch.setattr(rings_module, "MAX_ADDED_CELLS", 1)
     message = run(SOFT).attrs["blow_up"]
     assert "from the ring's seam" in message

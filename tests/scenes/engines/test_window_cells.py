@@ -115,7 +115,7 @@ def test_the_feed_is_the_wave_itself_at_first(name: str) -> None:
     _, domains = domain_plan(SCENES[name])
     assert domains.window is not None
     fed = FedWave(domains, domains.window)
-    state = Window(fed, domains.window).start()
+    state = Window(fed).start()
     sites = state.sites[-100:]
     speed = fed.background_speed
     assert speed is not None

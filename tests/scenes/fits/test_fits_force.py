@@ -18,7 +18,7 @@ from longwave.derive import LATTICES
 from longwave.derive.intervals import WIDE
 from longwave.lattice.numeric_lattice import numeric_lattice
 from longwave.scenes.fits.force_data import ForceData, read_force
-from longwave.scenes.fits.force_fit import FEWEST_TO_CHOOSE, ForceFit, fit_points
+from longwave.scenes.fits.force_fit import MIN_POINTS_TO_CHOOSE, ForceFit, fit_points
 from longwave.scenes.fits.force_law import stated_law
 from longwave.scenes.fits.residual_tests import ResidualTests
 
@@ -233,7 +233,7 @@ def test_intervals_of_a_chosen_law_hold_or_are_doubted(
             fit = fit_force(at, force)
             place = fit.names.index("K2")
             wrong += abs(fit.values[place] - 1) > WIDE * fit.deviations[place] and not fit.doubts
-            assert count >= FEWEST_TO_CHOOSE or "few to choose a law by" in " ".join(fit.doubts)
+            assert count >= MIN_POINTS_TO_CHOOSE or "few to choose a law by" in " ".join(fit.doubts)
         assert wrong <= 5
 
 

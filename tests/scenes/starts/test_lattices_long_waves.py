@@ -93,7 +93,7 @@ def test_rejected_steps_do_not_count_among_the_modes_of_a_wave(
     index: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Catches: the modes of a rejected step taken for the wave's, which asked for 6144 points."""
-    monkeypatch.setattr(first_correction, "MOST_POINTS", first_correction.POINTS)
+    monkeypatch.setattr(first_correction, "MAX_POINTS", first_correction.FIRST_POINTS)
     scene = soak_scene(1, index)
     wave = lattice_wave(scene)
     times = scene.lattice_times(derivation(scene).slow)
