@@ -14,7 +14,8 @@ from dataclasses import dataclass
 
 from sympy import Expr, Rational, S, Symbol, beta, exp, gammasimp
 
-from longwave.derive.output.notation import Displayed, Printed
+from longwave.derive.algebra.formula_printing import Printed
+from longwave.derive.output.notation import Displayed
 from longwave.derive.output.own_names import unused
 
 crest, first_crest, slow_time = (Symbol(name, positive=True) for name in ("a(T)", "a(0)", "T"))

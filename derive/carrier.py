@@ -20,6 +20,7 @@ from functools import cached_property
 
 from sympy import Expr, Symbol
 
+from longwave.derive.algebra.formula_printing import text_of
 from longwave.derive.algebra.jets import DifferentialPolynomial, EpsSeries, Jet, Monomial
 from longwave.derive.algebra.rational_functions import (
     Factor,
@@ -30,7 +31,6 @@ from longwave.derive.algebra.rational_functions import (
 from longwave.derive.algebra.small_matrices import Column, combined, determinant, without
 from longwave.derive.expansion import Expansion
 from longwave.derive.lattice import Bond, Cell, Lattice
-from longwave.derive.output.notation import text_of
 from longwave.derive.scaling import Scaling
 
 z, w = Symbol("exp(i k)"), Symbol("i omega")

@@ -17,12 +17,13 @@ from sympy import Expr, I, S, Symbol, cos, pi, simplify, sin, sqrt
 
 from longwave.derive.algebra.exact_numbers import Number, instance, parse_rational
 from longwave.derive.algebra.formula_expression import exact_value
+from longwave.derive.algebra.formula_printing import Printed, latex_of, text_of
 from longwave.derive.algebra.rational_functions import RationalFunction
 from longwave.derive.amplitude_law import AmplitudeLaw, amplitude_law
 from longwave.derive.carrier import NLS, Carrier, EnvelopeError, at_rest, w, z
 from longwave.derive.lattice import Lattice
 from longwave.derive.normal_form import NormalForm, normal_form_of
-from longwave.derive.output.notation import Displayed, Printed, idle_loss, latex_of, text_of
+from longwave.derive.output.notation import Displayed, idle_loss
 from longwave.derive.sines import cosine, frequency, in_sines, omega, sine
 from longwave.derive.symbols import k, values_of
 from longwave.support.user_files import shown

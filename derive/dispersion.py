@@ -18,9 +18,9 @@ from functools import lru_cache
 
 from sympy import Expr, I, Integer, S, Symbol, chebyshevt, expand, factor, series, sin, sqrt
 
+from longwave.derive.algebra.formula_printing import latex_of
 from longwave.derive.lattice import Bond, Lattice
 from longwave.derive.models.lattices import FPUT_STRAIN
-from longwave.derive.output.notation import latex_of
 from longwave.derive.reduction import Reduction
 from longwave.derive.scaling import Scaling
 from longwave.derive.symbols import eps, k, powers_of_eps, ybar

@@ -5,17 +5,10 @@ from dataclasses import dataclass, field
 
 from sympy import Expr, S
 
+from longwave.derive.algebra.formula_printing import Printed, latex_of, text_of
 from longwave.derive.algebra.jets import DifferentialPolynomial, Monomial
 from longwave.derive.normal_form import equation_of
-from longwave.derive.output.notation import (
-    Displayed,
-    Notation,
-    Printed,
-    derived,
-    latex_of,
-    terms,
-    text_of,
-)
+from longwave.derive.output.notation import Displayed, Notation, derived, terms
 
 _NAMES_BY_TERM = {
     **dict.fromkeys(("Y_XXX", "Y_5X"), "linear"),
@@ -166,6 +159,17 @@ class Coefficients:
     c: Expr
     terms: Mapping[str, Expr]
     monomials: Mapping[str, Monomial] = field(repr=False)
+
+    @property
+    def nonlinear(self) -> Expr:
+        """The nonlinear term's coefficient. Raises ValueError unless there is exactly one."""
+        nonlinear = [name for name, monomial in self.monomials.items() if len(monomial) > 1]
+        if len(nonlinear) != 1:
+            raise ValueError(
+                f"the equation must have one nonlinear term, got {len(nonlinear)} in "
+                f"{', '.join(self.terms)} (read the coefficients from .terms)"
+            )
+        return self.terms[nonlinear[0]]
 
     @property
     def dispersive(self) -> Expr:

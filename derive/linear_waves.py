@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from sympy import Expr, Poly, Rational, S, Symbol, expand, factor, pi, sin, sqrt
 
 from longwave.derive.algebra.exact_numbers import Number
+from longwave.derive.algebra.formula_printing import Printed, text_of
 from longwave.derive.carrier import Carrier, w
 from longwave.derive.lattice import Lattice
-from longwave.derive.output.notation import Printed, text_of
 from longwave.derive.sines import cosine, in_sines, omega, sine
 from longwave.derive.symbols import k, values_of
 

@@ -19,12 +19,13 @@ from longwave.derive.algebra.elimination import (
     vanishing_factors,
 )
 from longwave.derive.algebra.exact_numbers import instance, integer
+from longwave.derive.algebra.formula_printing import text_of
 from longwave.derive.algebra.jets import DifferentialPolynomial, EpsSeries, Jet, raised
 from longwave.derive.algebra.rational_functions import RationalFunction
 from longwave.derive.equations import Condition, EvolutionEquation, OrderEquation
 from longwave.derive.expansion import Expansion, expand
 from longwave.derive.lattice import Lattice
-from longwave.derive.output.notation import Notation, text_of
+from longwave.derive.output.notation import Notation
 from longwave.derive.output.own_names import unused
 from longwave.derive.reduction import Reduction
 from longwave.derive.scaling import Scaling

@@ -11,9 +11,10 @@ import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 
-from sympy import Abs, Expr, S, latex, sign, sqrt
+from sympy import Abs, Expr, S, sign, sqrt
 
 from longwave.derive.algebra.exact_numbers import exact
+from longwave.derive.algebra.formula_printing import latex_of
 from longwave.derive.output.own_names import joined_powers, marked, unused
 from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
@@ -236,7 +237,7 @@ class NormalForm:
         greek = {"drift": r"\nu"}
         map_latex = self.map_text.replace("drift", greek["drift"])
         parts = [rf"{NORMAL_EQUATIONS[self.equation].latex},\quad {map_latex}"]
-        parts += (f"{greek.get(name, name)} = {latex(v)}" for name, v in self.values.items())
+        parts += (f"{greek.get(name, name)} = {latex_of(v)}" for name, v in self.values.items())
         return rf"$\displaystyle {', '.join(parts)}$"
 
 

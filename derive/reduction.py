@@ -9,21 +9,14 @@ from functools import partial
 from sympy import Eq, Expr, S, Symbol, expand, factor, sqrt
 
 from longwave.derive.algebra.exact_numbers import Number
+from longwave.derive.algebra.formula_printing import Printed, latex_of, text_of
 from longwave.derive.algebra.jets import DifferentialPolynomial, EpsSeries, Monomial
 from longwave.derive.algebra.rational_functions import RationalFunction
 from longwave.derive.amplitude_law import AmplitudeLaw, amplitude_law
 from longwave.derive.equations import Coefficients, Condition, EvolutionEquation, OrderEquation
 from longwave.derive.lattice import Lattice
 from longwave.derive.normal_form import NORMAL_EQUATIONS, NormalForm, equation_of, normal_form_of
-from longwave.derive.output.notation import (
-    Notation,
-    Printed,
-    aligned,
-    idle_loss,
-    latex_of,
-    power_of,
-    text_of,
-)
+from longwave.derive.output.notation import Notation, aligned, idle_loss, power_of
 from longwave.derive.output.own_names import joined_powers, marked, unused
 from longwave.derive.output.report import Data, form_data, head_lines, polynomial_data
 from longwave.derive.scaling import Scaling

@@ -11,7 +11,7 @@ from typing import Any
 import sympy as sp
 
 from longwave.derive.algebra.exact_numbers import exact_number, instance
-from longwave.derive.output.notation import latex_of
+from longwave.derive.algebra.formula_printing import latex_of
 from longwave.solutions.equation import Equation
 from longwave.support.known_names import did_you_mean
 

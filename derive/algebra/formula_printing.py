@@ -1,9 +1,16 @@
-"""Expressions as text in the grammar that `derive.algebra.formula_text` reads."""
+"""SymPy's expressions as text and LaTeX.
 
-from typing import Any
+`formula_as_text` writes the grammar that `derive.algebra.formula_text` reads, `text_of` and
+`latex_of` write constants as they are displayed.
+"""
+
+import re
+from collections.abc import Callable
+from typing import Any, TypeAlias
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
+from sympy.printing.latex import LatexPrinter
 from sympy.printing.str import StrPrinter
 
 
@@ -63,3 +70,46 @@ def formula_as_text(expression: sp.Expr) -> str:
     '6*u*u_x + u_t + u_xxx'
     """
     return FormulaPrinter().doprint(expression)
+
+
+Printed: TypeAlias = Callable[[sp.Expr], str]
+"""Formatter of constants: `text_of` or `latex_of`."""
+
+LATEX_NAMES = {"ybar": r"\overline{y}", "eps": r"\epsilon"}
+
+
+class _TextPrinter(StrPrinter):
+    """SymPy's text with sums in their natural order, ``c^2 - K2``."""
+
+    def _print_Add(self, expr: sp.Expr, order: str | None = None) -> str:
+        return str(super()._print_Add(expr, order="none"))
+
+
+class ExpressionLatexPrinter(LatexPrinter):
+    """SymPy's LaTeX with sums in their natural order and the project's names of symbols."""
+
+    def _print_Symbol(self, expr: sp.Expr, style: str = "plain") -> str:
+        name = str(expr)
+        if name.endswith("~"):
+            letter, index = re.fullmatch(r"(.[a-z]*)(.*)~", name).groups()  # type: ignore[union-attr]
+            subscript = f"_{{{index}}}" if index else ""
+            return rf"\tilde{{{latex_of(sp.Symbol(letter))}}}{subscript}"
+        return LATEX_NAMES.get(name) or str(super()._print_Symbol(expr, style))
+
+    def _print_Add(self, expr: sp.Expr, order: str | None = None) -> str:
+        return str(super()._print_Add(expr, order="none"))
+
+
+def text_of(expression: sp.Expr) -> str:
+    """Return a constant in plain text.
+
+    >>> from longwave.derive.symbols import K4, c
+    >>> text_of(3 * K4 / (2 * c))
+    '3 K4/(2 c)'
+    """
+    return str(_TextPrinter().doprint(expression)).replace("**", "^").replace("*", " ")
+
+
+def latex_of(expression: sp.Expr) -> str:
+    """Return a constant in LaTeX, with the project's names."""
+    return str(ExpressionLatexPrinter().doprint(expression))

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from sympy import Expr, Rational, pi
 
 from longwave.derive.algebra.exact_numbers import Number
+from longwave.derive.algebra.formula_printing import latex_of, text_of
 from longwave.derive.carrier import NLS
 from longwave.derive.carrier_envelope import (
     COEFFICIENT_LATEX,
@@ -32,7 +33,7 @@ from longwave.derive.output.derive_options import (
     given_constants,
     measured_with_options,
 )
-from longwave.derive.output.notation import aligned, latex_of, text_of
+from longwave.derive.output.notation import aligned
 from longwave.derive.output.own_names import marked, unused
 from longwave.derive.output.report import form_data, head_lines
 from longwave.derive.symbols import eps

@@ -6,62 +6,17 @@ of a single monomial is written as one, ``K3 (Y^2)_XX`` rather than ``2 K3 Y Y_X
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import groupby
-from typing import TypeAlias
 
 from sympy import Expr, Symbol
-from sympy.printing.latex import LatexPrinter
-from sympy.printing.str import StrPrinter
 
+from longwave.derive.algebra.formula_printing import Printed, latex_of, text_of
 from longwave.derive.algebra.jets import DifferentialPolynomial, Jet, Monomial
 from longwave.derive.algebra.rational_functions import RationalFunction
 
 LONGEST_SUBSCRIPT = 4
-
-Printed: TypeAlias = Callable[[Expr], str]
-"""Formatter of constants: `text_of` or `latex_of`."""
-
-LATEX_NAMES = {"ybar": r"\overline{y}", "eps": r"\epsilon"}
-
-
-class _TextPrinter(StrPrinter):
-    """SymPy's text with sums in their natural order, ``c^2 - K2``."""
-
-    def _print_Add(self, expr: Expr, order: str | None = None) -> str:
-        return str(super()._print_Add(expr, order="none"))
-
-
-class ExpressionLatexPrinter(LatexPrinter):
-    """SymPy's LaTeX with sums in their natural order and the project's names of symbols."""
-
-    def _print_Symbol(self, expr: Expr, style: str = "plain") -> str:
-        name = str(expr)
-        if name.endswith("~"):
-            letter, index = re.fullmatch(r"(.[a-z]*)(.*)~", name).groups()  # type: ignore[union-attr]
-            subscript = f"_{{{index}}}" if index else ""
-            return rf"\tilde{{{latex_of(Symbol(letter))}}}{subscript}"
-        return LATEX_NAMES.get(name) or str(super()._print_Symbol(expr, style))
-
-    def _print_Add(self, expr: Expr, order: str | None = None) -> str:
-        return str(super()._print_Add(expr, order="none"))
-
-
-def text_of(expression: Expr) -> str:
-    """Return a constant in plain text.
-
-    >>> from longwave.derive.symbols import K4, c
-    >>> text_of(3 * K4 / (2 * c))
-    '3 K4/(2 c)'
-    """
-    return str(_TextPrinter().doprint(expression)).replace("**", "^").replace("*", " ")
-
-
-def latex_of(expression: Expr) -> str:
-    """Return a constant in LaTeX, with the project's names."""
-    return str(ExpressionLatexPrinter().doprint(expression))
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from typing import Any
 
 from sympy import Expr, I, S, Symbol
 
+from longwave.derive.algebra.formula_printing import latex_of, text_of
 from longwave.derive.balances import about_mean, best_balance, find_scaling
 from longwave.derive.direction import DRIFT, read_direction, slow_variables
 from longwave.derive.dispersion import (
@@ -27,7 +28,7 @@ from longwave.derive.models.lattices import FPUT_STRAIN, LATTICES
 from longwave.derive.models.mkdv import initial_velocity, initial_velocity_latex
 from longwave.derive.multiscale import FURTHER_ORDERS, ReductionError, reduce
 from longwave.derive.output import derive_options
-from longwave.derive.output.notation import aligned, latex_of, text_of
+from longwave.derive.output.notation import aligned
 from longwave.derive.output.own_names import unused
 from longwave.derive.output.report import head_lines
 from longwave.derive.reduction import Reduction, reduction_data

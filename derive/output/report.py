@@ -7,10 +7,11 @@ as numerator and denominator, each a list of [exponents, "p/q"] over the documen
 from collections.abc import Iterator
 from typing import Any
 
+from longwave.derive.algebra.formula_printing import text_of
 from longwave.derive.algebra.jets import DifferentialPolynomial
 from longwave.derive.lattice import Lattice
 from longwave.derive.normal_form import NORMAL_EQUATIONS, NormalForm
-from longwave.derive.output.notation import Notation, text_of
+from longwave.derive.output.notation import Notation
 
 Data = dict[str, Any]
 

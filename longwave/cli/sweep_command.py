@@ -53,9 +53,8 @@ def sweep_and_print(
     with their intervals. Runs are saved in the folder ``store``. More than 5 s are announced, and
     the time left every 30 s.
 
-    The status is 0; 1 if a cell did not finish or a result could not be written; 2 for bad input,
-    with a message in one line; 130 after Ctrl-C. Finished cells are then in the store, and the same
-    command runs the others.
+    The status is 0; 1 if a cell did not finish or a result could not be written; 2 for bad input;
+    130 after Ctrl-C. Finished cells are then in the store, and the same command runs the others.
     """
     state = SweepState(0)
     try:

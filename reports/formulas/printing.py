@@ -11,8 +11,8 @@ from functools import cache
 
 import sympy as sp
 
+from longwave.derive.algebra.formula_printing import ExpressionLatexPrinter
 from longwave.derive.algebra.latex_width import measure, nesting
-from longwave.derive.output.notation import ExpressionLatexPrinter
 from longwave.solutions.symbols import tau, xi
 
 FUNCTION_ORDER = (r"\mathrm{sn}", r"\mathrm{cn}", r"\mathrm{dn}", r"\mathcal{E}", r"\mathrm{Z}")

@@ -12,7 +12,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 from sympy import Symbol
 
-from longwave.derive.output.notation import latex_of
+from longwave.derive.algebra.formula_printing import latex_of
 from longwave.derive.symbols import constant_value, ybar
 from longwave.reports import latex
 from longwave.reports.formulas.typed import prose_latex

@@ -7,8 +7,9 @@ from operator import itemgetter
 import sympy as sp
 
 from longwave.derive import LATTICES, Reduction, envelope
+from longwave.derive.algebra.formula_printing import latex_of
 from longwave.derive.normal_form import NORMAL_EQUATIONS
-from longwave.derive.output.notation import latex_of, terms
+from longwave.derive.output.notation import terms
 from longwave.derive.symbols import k
 from longwave.reports.latex import DASH, Row, domain_latex, escape, scientific, table, title_latex
 from longwave.reports.studies.evaluation_accuracy import Accuracy

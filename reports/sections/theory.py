@@ -8,8 +8,8 @@ import numpy as np
 import sympy as sp
 
 from longwave.derive import dispersion_relation, initial_velocity_latex, mkdv_reduction, reduce
+from longwave.derive.algebra.formula_printing import latex_of
 from longwave.derive.dispersion import agrees_with_reduction
-from longwave.derive.output.notation import latex_of
 from longwave.reports.formulas.formula import Formula
 from longwave.reports.formulas.printing import equation_latex, latex
 from longwave.reports.latex import DASH, domain_latex, escape, greek, scientific, table

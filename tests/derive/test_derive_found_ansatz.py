@@ -7,7 +7,7 @@ import pytest
 
 from longwave.derive import LATTICES, find_scaling
 from longwave.derive.__main__ import main
-from longwave.derive.output.notation import text_of
+from longwave.derive.algebra.formula_printing import text_of
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.starts.lattice_derivation import derivation
 from tests.families import family
