@@ -108,7 +108,7 @@ def _values(
     """Return the values of all constants by name, including those defined by other constants.
 
     Raises ValueError for missing or unknown constants, and for an array of a constant in a force
-    that is no polynomial.
+    that is not a polynomial.
     """
     definitions = derived.carrier.lattice.definitions
     basic = {str(s) for _, value in definitions for s in value.free_symbols}

@@ -55,7 +55,7 @@ def column_names(header: str) -> list[str]:
 
 
 def table_columns(text: str) -> dict[str, list[float]]:
-    r"""Return the columns by name; ValueError, with the line, for text that is no such table.
+    r"""Return the columns by name; ValueError, with the line, for text in another format.
 
     >>> table_columns("t;value\n0;1\n1;3")
     {'t': [0.0, 1.0], 'value': [1.0, 3.0]}

@@ -44,7 +44,7 @@ def load_scene(text: str | Path, tolerance: float | None = None) -> Scene:
 
 
 def names_a_file(name: str, folder: Path = Path()) -> bool:
-    """Return whether the name is that of a scene file in ``folder``, or the standard input."""
+    """Return whether this names a scene file in ``folder``, or the standard input."""
     return name == STANDARD_INPUT or name.endswith(".toml") or (folder / name).is_file()
 
 
@@ -108,7 +108,7 @@ SLOW_START = -1.25
 """Slow time T = eps^3 t of the start: t = -10000 at eps = 0.05, as in the paper's scene."""
 
 SLOW_SNAPSHOTS = (-0.625, 0.0, 0.625)
-"""Slow times of the snapshots: those of the paper's scene."""
+"""Slow times T of the snapshots, as in the paper's scene."""
 
 HALF_WIDTH = 75.0
 """Half-width of the compared region in X: 1500 sites at eps = 0.05."""

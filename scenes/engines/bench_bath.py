@@ -129,7 +129,7 @@ class Bath:
         return True
 
     def _widen_ranges(self, f: Array, v: Array, t: float) -> None:
-        """Widen the strain ranges by those of a state; BrokenRunError if not finite."""
+        """Widen the strain ranges by a state's ranges; BrokenRunError if not finite."""
         met = self.engine.dynamics.ranges(State(t, f, v))
         if not np.isfinite(met).all():
             raise BrokenRunError(t)

@@ -245,7 +245,7 @@ REPEAT_DISTANCE = 100.0
 def representative_cells(
     wave: LatticeWave, compared: ComparedCells, times: Sequence[float], signals: Sequence[float]
 ) -> ComparedCells | None:
-    """Return compared cells that represent all those of a large chain; None if there are none.
+    """Return compared cells that represent all cells of a large chain; None if none do.
 
     For a wave of finite extent, they contain every cell that the wave can reach.
     """
@@ -429,7 +429,7 @@ def _largest(values: Array) -> Array:
 
 
 def longest_step(fastest: float, carrier: float, scheme: Scheme = SCHEME) -> float:
-    """Return the longest step tried, from the highest frequency and that of the carrier.
+    """Return the longest step tried, from the highest and the carrier's frequency.
 
     >>> longest_step(2.0, 0.5) == LIMIT_FRACTION * stability_limit(SCHEME) / 2.0
     True

@@ -59,7 +59,7 @@ LARGE_CELLS = 100_000
 """Number of compared cells above which the step is searched for on a part of them."""
 
 MIN_PART_RATIO = 8
-"""Minimum ratio of all compared cells to those of a part on which the step is searched for."""
+"""Minimum ratio of all compared cells to the part on which the step is searched for."""
 
 
 def cell_seconds(lattice: NumericLattice) -> float:

@@ -1,6 +1,6 @@
 """Runs of a scene's causal ring by the spectral engine, refined to a tolerance by `lattice.refine`.
 
-The initial data are those of the run site by site, on a causal ring. They are sampled at as few
+The initial data are as in a run site by site, on a causal ring. They are sampled at as few
 points as resolve them: far fewer than one a cell for a long wave, and at most one a cell, where the
 spectral ring is exactly the lattice. Values are compared at the cells, by evaluating the Fourier
 series there.

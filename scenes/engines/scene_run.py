@@ -41,7 +41,7 @@ def run(
     ``plan``: the scene with step and domain filled in. ``progress`` is called with the completed
     fraction, 0 .. 1; ``announce`` with the expected seconds, if they are many.
 
-    Raises ValueError in one line for an argument that is no scene and for a scene that the wave,
+    Raises ValueError in one line for an argument that is not a scene and for a scene that the wave,
     the lattice or the limits do not admit. Raises UnfinishedRun on Ctrl-C.
     """
     if isinstance(scene, str | Path):

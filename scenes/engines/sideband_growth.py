@@ -92,7 +92,7 @@ class GrowthPlan(NamedTuple):
 class SidebandGrowth:
     """Measured and theoretical growth rate of a perturbation, in the slow time T.
 
-    ``sizes`` are those of the two sidebands together, in units of the carrier, at the plan's
+    ``sizes`` are the sizes of both sidebands together, in units of the carrier, at the plan's
     ``moments``. ``error`` bounds the error of the measured rate: that of the run's steps and
     rounding (``run_error``) plus that of the line fit.
     """

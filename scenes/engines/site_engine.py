@@ -50,7 +50,7 @@ STEP_RATIO = 0.8
 """Step of a control run, in units of the run before it."""
 
 SIMILARITY_FRACTION = 1e-3
-"""Fraction by which the whole wave's data may exceed those of a representative part."""
+"""Fraction by which the whole wave's data may exceed a representative part's data."""
 
 CLEARANCE_CELLS = 128
 """Cells beyond the wave's extent that the coarse engine compares."""

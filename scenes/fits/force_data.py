@@ -39,8 +39,8 @@ MAX_POINTS = 100_000
 """Maximum number of measured points."""
 
 SMALLEST_SIZE = 1e-20
-"""Least size of the largest stretch, of the largest force and of each deviation; 1/SMALLEST is the
-largest. The squares of their sixth powers are then within the range of doubles."""
+"""Least size of the largest stretch, largest force and each deviation; its inverse is the largest
+size. The squares of their sixth powers are then within the range of doubles."""
 
 TURN_FRACTION = 0.1
 """Least reversal of the stretch that is a turn and not noise, as a fraction of its range."""

@@ -115,7 +115,7 @@ def stated_law(
     """Return the force law of a formula or of ``hertz``, with some constants ``fixed`` to values.
 
     Returns None for None and "table" for ``table``, whose formula depends on the points.  Raises
-    ValueError for a formula that is no force of a lattice, and for a wrong name or value in
+    ValueError for a formula that is not a force, and for a wrong name or value in
     ``fixed``.
 
     >>> stated_law("K2*x + K4*x**3").free, stated_law("hertz").text, stated_law("table")

@@ -62,7 +62,7 @@ Measure = Callable[[View], Mapping[str, Any]]
 
 @dataclass(frozen=True)
 class Variable:
-    """Array that an observable adds to the run; ``dimensions`` are those after the time."""
+    """Array that an observable adds to the run; ``dimensions`` follow the time."""
 
     name: str
     dimensions: tuple[str, ...]

@@ -65,7 +65,7 @@ class WaveDisorder:
 
     @property
     def effective_speed(self) -> float:
-        """Speed of very long waves, in units of that of the ordered lattice.
+        """Speed of very long waves, in units of the ordered lattice's speed.
 
         It is ``1/sqrt(<m_n/m> <K/K_n>)`` with means over the distribution, since masses and the
         compliances of springs in series add up. NaN for a lattice with several bonds, whose springs

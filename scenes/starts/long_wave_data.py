@@ -369,7 +369,7 @@ class LongWaveData(LatticeWave):
         return [axis for axis, step in enumerate(self._direction) if step]
 
     def _unknown(self, X: Array, T: float, highest: int, W: Array | None) -> Array:
-        """Return the unknown and its X-derivatives: those of W if it is given, otherwise of Y."""
+        """Return the unknown, W if it is given and Y otherwise, and its X-derivatives."""
         if W is None:
             return self._corrected(self.wave.jets(X, T, highest), X, T, highest)
         jets = np.empty((highest + 1, *X.shape))

@@ -28,7 +28,7 @@ def squared_rate(p: Any, q: Any, a: Any, kappa: Any) -> Any:
 
 
 def chosen_kappa(p: Any, q: Any, given: Mapping[str, float]) -> Any:
-    """Return the parameter ``kappa``, or ``share`` (default 1) times the fastest growing one.
+    """Return ``kappa``, or the fastest growing wavenumber times ``share`` (default 1).
 
     The fastest growing one is ``amplitude sqrt(|q/p|)``. Numbers or arrays.
     """

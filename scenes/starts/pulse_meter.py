@@ -23,7 +23,7 @@ class Pulse(NamedTuple):
     """Measured wave at one time.
 
     ``peak`` is the largest force of a bond, ``place`` its cell, ``energy`` that in the window about
-    the crest, ``whole`` that of the ring. Energies are NaN for a ring of strains that does not
+    the crest, ``whole`` the ring's. Energies are NaN for a ring of strains that does not
     close and for a lattice without an energy.
     """
 
@@ -128,8 +128,8 @@ PULSE_VARIABLES = {
 def crest(cells: Array, values: Array) -> tuple[float, float]:
     """Return height and position of the largest modulus of the values, interpolated between cells.
 
-    The height is that of the parabola through the largest modulus and its neighbours; the position
-    is the centroid of the peak above half its height.
+    The height is taken from the parabola through the largest modulus and its neighbours; the
+    position is the centroid of the peak above half its height.
 
     >>> height, position = crest(np.arange(9.0), np.array([0, 0, 1, 3, 4, 3, 1, 0, 0]))
     >>> height, position

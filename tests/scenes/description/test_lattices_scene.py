@@ -98,10 +98,10 @@ def test_a_scene_has_the_constants_that_its_lattice_was_measured_to_have(
 def test_a_scene_is_run_as_its_lattice_and_wave_need(tmp_path: Path) -> None:
     (tmp_path / "cell.toml").write_text(CELL, "utf-8")
     (tmp_path / "short.toml").write_text(FILE, "utf-8")
-    assert load_scene(str(tmp_path / "short.toml")).method == "ring"
-    assert load_scene("toda_soliton").method == "ring"
-    assert load_scene("Y2_eps_0.05").method == "moving_wave"
-    assert load_scene("Y2_eps_0.05").changed(order="corrected").method == "ring"
+    assert load_scene(str(tmp_path / "short.toml")).start.method == "ring"
+    assert load_scene("toda_soliton").start.method == "ring"
+    assert load_scene("Y2_eps_0.05").start.method == "moving_wave"
+    assert load_scene("Y2_eps_0.05").changed(order="corrected").start.method == "ring"
     with pytest.raises(ValueError, match=r"one of breather_sn_k_0\.5, .*, toda_soliton"):
         load_scene("nowhere")
 
