@@ -79,7 +79,7 @@ def print_cores() -> None:
     for size in (8192, ring_kernel.MIN_SHARED_VALUES, 65_536, 10**6, 10**7):
         steps = max(2, 2_000_000 // size)
         one, two = (
-            seconds(advanced((size,), steps, LEAST_SHARED=least), time.perf_counter)
+            seconds(advanced((size,), steps, MIN_SHARED_VALUES=least), time.perf_counter)
             for least in (2 * size, 1)
         )
         print(f"{size} cells: two cores are {one / two:.2f} times as fast as one")
@@ -88,7 +88,7 @@ def print_cores() -> None:
 def print_planes() -> None:
     """Print the time on planes within the caches and beyond."""
     for side, steps in ((64, 64), (256, 64), (1024, 4), (3163, 2)):
-        taken = seconds(advanced((side, side), steps, LEAST_SHARED=10**9), time.thread_time)
+        taken = seconds(advanced((side, side), steps, MIN_SHARED_VALUES=10**9), time.thread_time)
         updates = steps * REDUCED_PHASE_6.stages * side**2
         print(f"{side} x {side} cells: {taken / updates * 1e9:.2f} ns a cell and stage")
     most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
@@ -113,8 +113,8 @@ def print_absorbers() -> None:
     """Print what other absorbers leave of waves to the left, and of short waves to the right."""
     usual = absorber.ABSORBER_STRENGTH
     for name, packet, absorbing in (
-        ("WIDTH", (0.1, -1.0), {"absorbed": 1.0}),
-        ("NARROW", (1.5, 1.0), {"short": 0.75}),
+        ("ABSORBER_WIDTH", (0.1, -1.0), {"absorbed": 1.0}),
+        ("SHORT_ABSORBER_WIDTH", (1.5, 1.0), {"short": 0.75}),
     ):
         chosen = getattr(absorber, name)
         for factor in (0.5, 1.0, 2.0):
