@@ -1,6 +1,6 @@
-"""The README's figure, the third-order rational wave: ``python docs/rogue_wave.py FILE``.
+"""Draw the README's figure, the third-order rational wave: ``python docs/rogue_wave.py FILE``.
 
-As .png, .pdf or .svg it is three moments, as .gif or .mp4 a film of how the wave rises and falls.
+A .png, .pdf or .svg file shows three moments, a .gif or .mp4 file a film of the wave.
 """
 
 import sys

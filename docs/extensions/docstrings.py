@@ -14,7 +14,7 @@ _BULLET = re.compile(r"\s*[*] ")
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
-    """Have every docstring pass through `as_restructured_text`."""
+    """Register `as_restructured_text` for every docstring."""
     app.connect("autodoc-process-docstring", _process)
     return {"parallel_read_safe": True}
 

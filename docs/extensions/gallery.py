@@ -9,7 +9,7 @@ from longwave.reports.pictures.style import save, styled
 
 
 def scripts(folder: Path) -> list[Path]:
-    """The gallery's scripts, in the order of their names."""
+    """Return the gallery's scripts, in the order of their names."""
     return sorted(folder.glob("*.py"))
 
 
@@ -20,7 +20,7 @@ def draw(script: Path, folder: Path) -> Path:
 
 
 def markdown(paths: Iterable[Path]) -> str:
-    """The gallery's text: for each script its title and text, its picture, and itself."""
+    """Return the gallery as Markdown: title, text, picture and source of each script."""
     return "\n\n".join(_entry(path) for path in paths)
 
 

@@ -1,4 +1,4 @@
-"""Where the house stands, which rooms it has, and which modules they hold."""
+"""Folder of the repository, its rooms, and their packages and modules."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -9,7 +9,7 @@ ROOMS = (
     *("support", "derive", "solutions", "verify", "lattice", "scenes", "runs", "reports"),
     "longwave",
 )
-"""The rooms, each beside what it imports; the last is the package that all are installed in."""
+"""Rooms in the order of their imports; the last is the package that contains all of them."""
 
 
 def packages(room: str) -> Iterator[str]:
@@ -19,7 +19,7 @@ def packages(room: str) -> Iterator[str]:
 
 
 def dotted_name(path: Path, house: Path = HOUSE) -> str:
-    """The name that a file of a room is imported by.
+    """Return the dotted name under which a file of a room is imported.
 
     >>> dotted_name(HOUSE / "derive" / "lattice.py"), dotted_name(HOUSE / "derive" / "__init__.py")
     ('longwave.derive.lattice', 'longwave.derive')
@@ -30,7 +30,7 @@ def dotted_name(path: Path, house: Path = HOUSE) -> str:
 
 
 def modules(package: str) -> Iterator[str]:
-    """Yield the modules that lie in the package itself; commands (`__main__`) are left out."""
+    """Yield the modules directly in the package, without commands (`__main__`)."""
     for path in sorted(HOUSE.joinpath(*package.split(".")).glob("*.py")):
         if not path.stem.startswith("__"):
             yield f"{package}.{path.stem}"

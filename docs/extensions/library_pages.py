@@ -10,10 +10,10 @@ from longwave.verify.proof.statement_latex import equations_latex, formulas_late
 from longwave.verify.published import published, source_of
 
 LONGEST = 700
-"""Characters of LaTeX beyond which a formula is shown as the text that was typed."""
+"""Characters of LaTeX beyond which a formula is shown as typed text."""
 
 MISPRINTS = "misprints"
-"""The file of wrong formulas that were found, each of an equation that has a file of its own."""
+"""File of misprints found in publications; their equations have files of their own."""
 
 
 def write_pages(folder: Path) -> None:
@@ -27,7 +27,7 @@ def write_pages(folder: Path) -> None:
 
 @cache
 def families() -> dict[str, tuple[str, ...]]:
-    """The files of the library in alphabetical order, each with the equations that it holds.
+    """Return the files of the library in alphabetical order, each with its equations.
 
     >>> families()["korteweg_de_vries"][0]
     'cylindrical Korteweg-de Vries'
@@ -44,7 +44,7 @@ def families() -> dict[str, tuple[str, ...]]:
 
 
 def contents() -> str:
-    """A table of the pages: the equations of each, how many formulas hold and how many do not."""
+    """Return a table of the pages: equations, and numbers of correct and wrong formulas."""
     rows = [
         [
             f"[{_title(name)}](generated/library/{name}.md)",
@@ -82,7 +82,7 @@ def _page(name: str, equations: Sequence[str]) -> str:
 
 
 def _statement(text: ProblemText) -> Iterator[str]:
-    """The heading, then equations and formulas, where they hold, and who published them."""
+    """Yield heading, equations, formulas, domain and source of a statement."""
     statement = text.problem().statement
     yield f"### `{text.name}`"
     yield from _displayed(equations_latex(statement), text.equation)
@@ -93,7 +93,7 @@ def _statement(text: ProblemText) -> Iterator[str]:
 
 
 def _variant(text: ProblemText, original: ProblemText) -> str:
-    """What the wrong variant has in the original's place, as an item of a list."""
+    """Return a list item with the difference of a wrong variant from its original."""
     statement = text.problem().statement
     found = f" {linked(source_of(text), text.looked_up)}" if text.misprint_in else ""
     note = f": {text.note}" if text.note else ""
@@ -106,7 +106,7 @@ def _variant(text: ProblemText, original: ProblemText) -> str:
 
 
 def _displayed(latex: str, typed: Sequence[str]) -> Iterator[str]:
-    """The formulas, each in a line of its own; long ones as they were typed."""
+    """Yield the formulas, each in its own line; long ones as typed text."""
     if len(latex) > LONGEST:
         yield "```text\n" + "\n".join(typed) + "\n```"
     else:

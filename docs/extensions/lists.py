@@ -18,7 +18,7 @@ from longwave.verify.published import published
 from paper_map import Holder, Row, paper_map
 
 MOST_OPERATIONS = 20
-"""Operations up to which a formula is shown in a cell of a table."""
+"""Most operations of a formula that is shown in a cell of a table."""
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
@@ -35,7 +35,7 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 
 def paper_table() -> str:
-    """The paper's map: place, label, the objects that hold it, their files, a figure's scenes."""
+    """Return the paper's map: number, label, objects, their files, and scenes of figures."""
     rows = [
         [
             row.place.replace(" ", "&nbsp;"),
@@ -49,7 +49,7 @@ def paper_table() -> str:
 
 
 def _scenes_of(row: Row) -> str:
-    """The scenes that a figure is drawn from, in words."""
+    """Return the scenes from which a figure is drawn, in words."""
     drawn = {figure.label: figure.scenes for figure in SNAPSHOT_FIGURES}
     for figure in ERROR_FIGURES:
         drawn[figure.label] = tuple(name for _, pairs in figure.panels for _, name in pairs)
@@ -67,7 +67,7 @@ def _files(holders: Iterable[Holder]) -> str:
 
 
 def waves() -> str:
-    """The closed forms by equation: name and title, domains, formula where it is short."""
+    """Return the closed forms by equation: name, title, domains, and a formula if it is short."""
     head = ["wave", "parameters", "$U$"]
     return "\n\n".join(
         f"### {equation}\n\n"
@@ -88,7 +88,7 @@ def _formula(form: ClosedForm) -> str:
 
 
 def scenes() -> str:
-    """The shipped scenes, the paper's first: name, title, wave, eps, times, how it is computed."""
+    """Return the shipped scenes, the paper's first: name, title, wave, eps, times, method."""
     return table(
         ["scene", "wave", "$\\epsilon$", "times", "computed"],
         (
@@ -107,7 +107,7 @@ def _scene_row(scene: Scene) -> Iterator[str]:
 
 
 def observables() -> str:
-    """The observables: name, what it computes, the arrays it adds to the run."""
+    """Return the observables: name, meaning, and the arrays they add to a run."""
     rows = [
         [
             f"`{entry.name}`",
@@ -138,7 +138,7 @@ def _default_text(value: object) -> str:
 
 
 def schemes() -> str:
-    """The schemes: name, order, force evaluations a step, largest stable step, source."""
+    """Return the schemes: name, order, force evaluations per step, stability limit, source."""
     rows = [
         [
             f"`{scheme.name}`",
@@ -154,7 +154,7 @@ def schemes() -> str:
 
 
 def misprints() -> str:
-    """The wrong formulas that were found in publications: name, publication, what is wrong."""
+    """Return the misprints found in publications: name, publication, error."""
     rows = [
         [f"`{text.name}`", linked(text.misprint_in, text.looked_up), text.note]
         for text in published()
@@ -164,7 +164,7 @@ def misprints() -> str:
 
 
 def linked(words: str, address: str) -> str:
-    """The words, as a link where there is an address."""
+    """Return the text, as a link if there is an address."""
     return f"[{words}]({address})" if address else words
 
 

@@ -32,11 +32,11 @@ CONTENTS: dict[str, Callable[[], str]] = {
     "published-misprints": lists.misprints,
     "gallery": lambda: gallery.markdown(gallery.scripts(GALLERY)),
 }
-"""Directive -> the Markdown that takes its place."""
+"""Markdown generator of each directive."""
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
-    """Register everything; reference and pictures are written before the pages are read."""
+    """Register everything. Reference and pictures are written before the pages are read."""
     mathml.setup(app)
     docstrings.setup(app)
     notebook.setup(app)
@@ -48,12 +48,12 @@ def setup(app: Sphinx) -> dict[str, bool]:
 
 
 class Generated(SphinxDirective):
-    """A directive without arguments that stands for generated Markdown."""
+    """Directive without arguments that is replaced by generated Markdown."""
 
     has_content: ClassVar[bool] = False
 
     def run(self) -> list[nodes.Node]:
-        """Parse what the directive's name stands for, headings included."""
+        """Parse the directive's Markdown, including headings."""
         lines = StringList(CONTENTS[self.name]().splitlines(), source=self.name)
         node = nodes.Element()
         self.state.nested_parse(lines, 0, node, match_titles=True)
@@ -69,7 +69,7 @@ def _write(app: Sphinx) -> None:
 
 
 def _read_again(app: Sphinx, env: Any, docnames: list[str]) -> None:
-    """Pages with generated tables follow the objects, which Sphinx does not watch."""
+    """Add the pages with generated tables, whose sources Sphinx does not watch."""
     docnames += [
         name
         for name in ("gallery", "how-to/bench", "library", "lists", "paper-map", "trust")

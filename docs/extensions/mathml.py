@@ -8,7 +8,7 @@ from sphinx.application import Sphinx
 from sphinx.writers.html5 import HTML5Translator
 
 _LEFT_OVER = re.compile(r"\\[a-zA-Z]+|&(?!#?\w+;)")
-"""LaTeX that the converter has passed on as text: commands and column marks."""
+"""LaTeX that the converter did not understand and left as text: commands and column marks."""
 
 
 def setup(app: Sphinx) -> dict[str, bool]:

@@ -1,4 +1,4 @@
-"""Pages that are notebooks: the cells and the outputs that are kept in them, as Markdown."""
+"""Notebooks as pages: their cells and stored outputs as Markdown."""
 
 from __future__ import annotations
 
@@ -19,25 +19,25 @@ if TYPE_CHECKING:
     from sphinx.application import Sphinx
 
 _FORMULA = re.compile(r"\$(\\displaystyle [^$]*)\$")
-"""A formula within HTML, which a notebook leaves to a script."""
+"""Pattern of a formula within HTML, which a notebook renders with a script."""
 
 Keep = Callable[[bytes], str]
-"""Keeps a picture, and gives the address that a page shows it by."""
+"""Function that stores a picture and returns its address for the page."""
 
 
 def setup(app: Sphinx) -> None:
-    """Let files that end in .ipynb be pages."""
+    """Register files that end in .ipynb as pages."""
     app.add_source_suffix(".ipynb", "notebook")
     app.add_source_parser(NotebookParser)
 
 
 class NotebookParser(MystParser):
-    """Reads a notebook as the Markdown that `markdown` makes of it."""
+    """Parser of notebooks, which `markdown` converts to Markdown."""
 
     supported: ClassVar[tuple[str, ...]] = ("notebook",)
 
     def parse(self, inputstring: str, document: nodes.document) -> None:
-        """Parse the notebook; its pictures are kept beside those of the gallery."""
+        """Parse the notebook; store its pictures next to those of the gallery."""
         environment = document.settings.env
         page = environment.docname.replace("/", "_")
         folder = Path(environment.srcdir) / "generated" / "notebooks"
@@ -53,7 +53,7 @@ class NotebookParser(MystParser):
 
 
 def markdown(notebook: str, keep: Keep) -> str:
-    r"""The notebook as Markdown.
+    r"""Return the notebook as Markdown.
 
     >>> shown = {"data": {"text/plain": "2"}}
     >>> cell = {"cell_type": "code", "source": ["1 + 1"], "outputs": [shown]}
@@ -78,7 +78,7 @@ def markdown(notebook: str, keep: Keep) -> str:
 
 
 def _shown(output: dict[str, Any], keep: Keep) -> Iterator[str]:
-    """An output in the richest form that a page can show; what is told on the way is left out."""
+    """Yield an output in the richest form that a page can show; progress is left out."""
     if output.get("output_type") == "stream":
         if output.get("name") == "stdout":
             yield _fenced("text", _joined(output["text"]).rstrip())

@@ -23,7 +23,7 @@ Documented = ast.Module | ast.ClassDef | ast.FunctionDef
 
 @dataclass(frozen=True)
 class Holder:
-    """An object that says which of the paper's equations or figures it holds.
+    """An object whose source names the equations or figures of the paper that it implements.
 
     `name` is its dotted name inside `module`, empty for the module itself; `lines` are the first
     and the last line of its text in `path`, and `kind` is that of a Sphinx role. `described` is
@@ -39,7 +39,7 @@ class Holder:
 
     @property
     def target(self) -> str:
-        """The dotted name under which it is imported."""
+        """Return the dotted name under which the object is imported."""
         return f"{self.module}.{self.name}" if self.name else self.module
 
 
@@ -63,7 +63,7 @@ def paper_map(house: Path, rooms: Sequence[str]) -> list[Row]:
 
 
 def numbers_in(text: str) -> set[int]:
-    """The numbers of the paper's equations that a docstring names.
+    """Return the numbers of the paper's equations that a docstring names.
 
     >>> sorted(numbers_in("as in the paper's eqs. (2), (3) and (26) to (28); eq. (9) of Kahan"))
     [2, 3, 26, 27, 28]
@@ -77,20 +77,20 @@ def numbers_in(text: str) -> set[int]:
 
 
 def _place(label: str) -> tuple[str, int]:
-    """The label's place in print, and its number."""
+    """Return the label's printed name, and its number."""
     text = cited(label).replace("~", " ")
     return text, int(re.sub(r"\D", "", text))
 
 
 def _holders(place: str, known: Sequence[tuple[str, Holder]]) -> tuple[Holder, ...]:
-    """Who claims the place; a module only where nothing inside it does."""
+    """Return the holders of an equation; a module only if no object inside it is one."""
     found = [holder for claimed, holder in known if claimed == place]
     inner = {holder.module for holder in found if holder.name}
     return tuple(holder for holder in found if holder.name or holder.module not in inner)
 
 
 def _claims(house: Path, rooms: Sequence[str]) -> Iterator[tuple[str, Holder]]:
-    """Yield (place, holder) for everything that the rooms' sources say."""
+    """Yield (place, holder) for all equations and figures named in the rooms' sources."""
     own = house / "reports" / "paper.py"
     for path in sorted(path for room in rooms for path in (house / room).rglob("*.py")):
         if path != own:
@@ -100,7 +100,7 @@ def _claims(house: Path, rooms: Sequence[str]) -> Iterator[tuple[str, Holder]]:
 
 
 def _said(tree: ast.Module, path: Path, module: str) -> Iterator[tuple[str, Holder]]:
-    """Yield the claims of one file, in the order of the text."""
+    """Yield (place, holder) of one file, in the order of the text."""
     for place in _by_docstring(ast.get_docstring(tree)):
         yield place, Holder(path, module, "", "mod", (1, 1))
     for name, kind, node, text in _objects(tree.body, ""):
@@ -114,7 +114,7 @@ def _by_docstring(text: str | None) -> list[str]:
 
 
 def _by_label(node: Statement) -> Iterator[str]:
-    """The labels that stand in a record, which is an assignment at the top of a module."""
+    """Yield the labels in a record, an assignment at the top of a module."""
     if isinstance(node, ast.Assign | ast.AnnAssign):
         for part in ast.walk(node):
             if isinstance(part, ast.Constant) and part.value in (*EQUATIONS, *UNNUMBERED, *FIGURES):
@@ -139,7 +139,7 @@ def _objects(
 
 
 def _text(node: Statement | None) -> str | None:
-    """The string that stands below an assignment and describes it."""
+    """Return the docstring below an assignment."""
     if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
         return node.value.value if isinstance(node.value.value, str) else None
     return None

@@ -1,4 +1,4 @@
-"""The reference: the face in full, then a page for each package, written from the docstrings."""
+"""The reference: a page for `longwave`, then one for each package, from the docstrings."""
 
 from collections.abc import Iterator
 from functools import cache
@@ -9,7 +9,7 @@ from house import HOUSE, ROOMS, modules, packages
 from paper_map import Row, paper_map
 
 FACE = ROOMS[-1]
-"""The package whose nouns a user imports."""
+"""The package from which users import the public names."""
 
 
 @cache
@@ -31,7 +31,7 @@ def write_reference(folder: Path) -> None:
 
 
 def _packages() -> list[str]:
-    """The face, then the rooms, each with the packages inside it that hold modules."""
+    """Return `longwave`, then the rooms, each with its packages that contain modules."""
     return [
         package
         for room in (FACE, *ROOMS[:-1])
@@ -41,7 +41,7 @@ def _packages() -> list[str]:
 
 
 def _index() -> str:
-    """What is imported from ``longwave``, and below it the rooms that it comes from."""
+    """Return the index of the reference: the page of ``longwave``, then its packages."""
     names = "".join(f"   {package}\n" for package in _packages() if package != FACE)
     return (
         f"{_title('Reference', '=')}"
@@ -53,7 +53,7 @@ def _index() -> str:
 
 
 def _face() -> Iterator[str]:
-    """Every public noun of the face with its docstring, by the room that it comes from."""
+    """Yield every public name of ``longwave`` with its docstring, grouped by room."""
     nouns = [name for name in import_module(FACE).__all__ if not name.startswith("__")]
     for room in (FACE, *ROOMS[:-1]):
         held = [name for name in nouns if _room_of(name) == room]
@@ -63,7 +63,7 @@ def _face() -> Iterator[str]:
 
 
 def _room_of(name: str) -> str:
-    """The room that offers the noun; the face, if none does."""
+    """Return the room that exports the name, or ``longwave`` if none does."""
     for room in ROOMS[:-1]:
         if name in getattr(import_module(f"{FACE}.{room}"), "__all__", ()):
             return room
@@ -72,7 +72,7 @@ def _room_of(name: str) -> str:
 
 
 def _documented(name: str) -> str:
-    """The noun's entry: a class, a function, or a catalogue; links lead to where it is defined."""
+    """Return the entry of a class, function or catalogue, with a link to its definition."""
     value = getattr(import_module(FACE), name)
     if isinstance(value, type):
         return f".. autoclass:: {FACE}.{name}\n   :inherited-members:\n   :no-index:\n\n"
@@ -85,7 +85,7 @@ def _documented(name: str) -> str:
 
 
 def _page(package: str) -> str:
-    """The package's own text and its nouns, then each of its modules under its name."""
+    """Return the package's docstring and public names, then each of its modules."""
     parts = [_title(package, "="), f".. automodule:: {package}\n   :no-members:\n\n"]
     nouns = [_noun(package, name) for name in getattr(import_module(package), "__all__", ())]
     if package == FACE:
@@ -100,7 +100,7 @@ def _page(package: str) -> str:
 
 
 def _records(module: str) -> list[str]:
-    """Entries for the records that the paper's map names and that have no docstring."""
+    """Return entries for records in the paper's map that have no docstring."""
     held: dict[str, list[str]] = {}
     for row in _map():
         for holder in row.holders:
@@ -119,7 +119,7 @@ def _title_of(module: str, name: str) -> str:
 
 
 def _noun(package: str, name: str) -> str:
-    """A link to where the noun is defined; a name for what does not know that, as data."""
+    """Return a link to the definition of a name, or the name alone for data."""
     value = getattr(import_module(package), name)
     home = getattr(value, "__module__", None)
     if home is None or getattr(value, "__qualname__", None) != name:

@@ -1,4 +1,4 @@
-"""The snippets of a page, to be run in the order in which they stand."""
+"""Snippets of a page, in the order in which they are run."""
 
 import re
 from collections.abc import Iterator
@@ -8,12 +8,12 @@ _FENCE = re.compile(r"^```(\{?[\w-]+\}?)([^\n]*)\n(.*?)^```$", re.DOTALL | re.MU
 _CAPTION = re.compile(r":caption: (\S+)\n\n?")
 
 SLOW = re.compile(r"^.*: .*(so far|left) \(Ctrl-C stops it\)\n", re.MULTILINE)
-"""What a loaded machine has to say."""
+"""Pattern of messages that appear only on a slow machine."""
 
 
 @dataclass(frozen=True)
 class Snippet:
-    """A fenced block: `kind` is its language, `caption` the name of the file that it is."""
+    """Fenced block: `kind` is its language, `caption` the name of the file that it contains."""
 
     kind: str
     text: str
@@ -22,7 +22,7 @@ class Snippet:
 
 @dataclass(frozen=True)
 class Command:
-    """A command of a console block, and the output that is shown below it."""
+    """Command of a console block, and the output shown below it."""
 
     line: str
     output: str

@@ -1,7 +1,7 @@
 """Every wave of mKdV.
 
-$U(\\xi, \\tau)$ for $-12 \\le \\xi \\le 12$ (across) and $-2 \\le \\tau \\le 2$ (upwards); the
-rational waves are shown closer.
+$U(\\xi, \\tau)$ for $-12 \\le \\xi \\le 12$ (horizontal) and $-2 \\le \\tau \\le 2$ (vertical).
+The pictures of rational waves show a smaller range.
 """
 
 import numpy as np

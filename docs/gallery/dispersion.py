@@ -1,7 +1,7 @@
 """Where long waves end.
 
-The lattice's dispersion relation, and the two terms of it that the mKdV equation keeps: the
-expansion for long waves.
+The dispersion relation of the lattice, and the first two terms of its expansion for long waves,
+which are those of the mKdV equation.
 """
 
 import numpy as np

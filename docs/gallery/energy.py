@@ -1,7 +1,7 @@
-"""What a scheme does to the energy.
+"""Energy and integration schemes.
 
-A sech soliton on a ring, the same time step for all. RK4 loses energy at every step; the splittings
-keep it up to an error that does not grow.
+A sech soliton on a ring, with the same time step for all schemes. RK4 loses energy at every step.
+The splittings conserve it up to an error that does not grow.
 """
 
 import numpy as np

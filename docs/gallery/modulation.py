@@ -1,8 +1,8 @@
 """Where plane waves are unstable.
 
 Carrier waves of the FPUT lattice with cubic and quartic energies, $K_2 = K_4 = 1$: the growth rate
-of the largest perturbation where the envelope is focusing, grey where it is not. The coefficients
-are derived once, as functions of $k$ and $K_3$, and the grid is put into them.
+of the fastest perturbation if the envelope is focusing, grey if it is not. The coefficients are
+derived once, as functions of $k$ and $K_3$, and evaluated on the grid.
 """
 
 import numpy as np

@@ -1,8 +1,8 @@
 """A Peregrine wave on a dimer.
 
-The envelope of a carrier on the optical branch of a chain of light and heavy masses: the lattice
-started long before the crest, and the closed form. To the left the whole wave, then its carrier at
-the crest and at the end.
+The envelope of a carrier on the optical branch of a chain of light and heavy masses. The lattice
+is started long before the crest, and compared with the closed form. On the left is the whole wave,
+then its carrier at the crest and at the end.
 """
 
 from matplotlib.figure import Figure

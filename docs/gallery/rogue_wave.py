@@ -1,7 +1,7 @@
 """A rogue wave on the cnoidal wave.
 
-The lattice started from the closed form at $t = -100$, and the closed form itself. At its crest the
-lattice stays a little below the mKdV wave.
+The lattice started from the closed form at $t = -100$, and the closed form itself. The crest of the
+lattice is a little lower than that of the mKdV wave.
 """
 
 from matplotlib.figure import Figure

@@ -1,7 +1,7 @@
 """Two solitons in space and time.
 
-The fast soliton overtakes the slow one. Both leave the encounter as they came, but for a shift, as
-the solitons of the mKdV equation do.
+The fast soliton overtakes the slow one. Like solitons of the mKdV equation, both have the same
+shape after the encounter, and are only shifted.
 """
 
 from matplotlib.figure import Figure
