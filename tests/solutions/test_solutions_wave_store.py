@@ -86,7 +86,7 @@ def test_a_damaged_file_is_replaced(folder: Path) -> None:
 
 def test_the_oldest_files_are_deleted(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     calls: list[int] = []
-    monkeypatch.setattr(data_store, "MOST_FILES", 3)
+    monkeypatch.setattr(data_store, "MAX_FILES", 3)
     monkeypatch.setattr(data_store, "SPARE_FILES", 1)
     counts = []
     for number in range(8):
