@@ -11,7 +11,7 @@ import numpy as np
 class StatedTables:
     """Hashable tables; they are equal if their entries are, in the same order.
 
-    Raises ValueError for values that JSON cannot represent; ``what`` names the tables there.
+    Raises ValueError for values that JSON cannot represent; ``what`` names the tables in it.
 
     >>> StatedTables({"sites": 8}) == StatedTables({"sites": 8}), StatedTables({"sites": 8}).json
     (True, '{"sites": 8}')

@@ -80,7 +80,7 @@ class BenchReadings:
         return np.concatenate([part.ravel() for part in self._parts(state, balance)])
 
     def variables(self, readings: Array, ending: str = "", meaning: str = "") -> Variables:
-        """Return variables of readings (times, values); names get ``meaning`` and ``ending``."""
+        """Return variables of readings (times, values); ``ending``, ``meaning`` extend names."""
         variables: Variables = {}
         splits = np.cumsum([math.prod(size) for size in self.sizes])[:-1]
         parts = np.split(readings, splits, axis=1)

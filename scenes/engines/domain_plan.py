@@ -210,7 +210,7 @@ class DomainCost:
     def cost(
         self, fastest: float, signals: Sequence[float], window: int | None
     ) -> tuple[float, ExpectedCost]:
-        """Return cells of the largest ring or window, and cost; ``fastest`` is a frequency."""
+        """Return the cells of ring or window, and the cost; ``fastest`` is the top frequency."""
         wave, compared, times = self.wave, self.compared, self.times
         duration = times[-1] - times[0]
         more = EXTRA_CELLS + 2 * (wave.lattice.spread_within(duration) + self.room)
@@ -345,7 +345,7 @@ class DomainPlan(DomainCost):
         check_request(scene, expected, REMEDY)
 
     def ends(self, wider: int = 0) -> list[Ends]:
-        """Return a causal ring's ends with ``wider`` more cells, and more to close a wave."""
+        """Return the ends of a causal ring, ``wider`` by cells and closed for a periodic wave."""
         if self._fills_line and wider not in self._fitting:
             most = max(MAX_ADDED_CELLS, self.room)
             tried = np.unique(np.linspace(0.0, most - 1.0, min(most, MAX_RING_SIZES)).astype(int))

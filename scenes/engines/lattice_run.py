@@ -287,7 +287,7 @@ def record_by_rings(scene: Scene, progress: Progress, announce: Announce) -> run
 
 
 def choose_engine(scene: Scene) -> str:
-    """Return the engine that is named, needed by observables, or cheaper; ValueError if at odds."""
+    """Return the engine named, needed by observables, or cheaper; ValueError if they clash."""
     named = scene.target
     if named.engine and (named.steps_cells or not scene.has_moving_wave):
         return named.engine

@@ -280,7 +280,7 @@ class _Problem:
         self.step = math.nan
 
     def least(self, start: Array) -> optimize.OptimizeResult:
-        """Fit from ``start``, and again if a shorter step is needed; ValueError if it diverges."""
+        """Fit from ``start``, again if a step is too long; ValueError without convergence."""
         result, self.step = None, math.inf
         while (step := self._model.step(start, self._times)) < STEP_FRACTION * self.step:
             self.step, self._cached = step, None

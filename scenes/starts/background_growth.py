@@ -92,7 +92,7 @@ USUAL_TOLERANCE = 1e-4
 """Largest accepted rounding error of y/eps in a scene without a tolerance."""
 
 STABLE_RATE = 1e-6
-"""Growth rate per tau below which a background counts as stable, as rounding gives such."""
+"""Growth rate per tau below which a background is stable; rounding alone gives such rates."""
 
 WAVE_SAMPLES = 8 * MOST_MODES
 """Samples of a wave over one wavelength."""

@@ -223,7 +223,7 @@ class LatticeWave(ABC):
         return results[0], results[2], results[1], results[3]
 
     def stretch_range(self, times: Sequence[float]) -> Array | None:
-        """Return the range of a chain's stretches over all times; None for that at the start."""
+        """Return the range of the bonds' stretches over all times; None to use initial data."""
         return None
 
     @property
