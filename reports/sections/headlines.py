@@ -13,7 +13,7 @@ from longwave.reports.studies.measured_runs import RK4_STEP, SPLIT, rk4_name
 from longwave.verify.verdict import Outcome
 
 if TYPE_CHECKING:
-    from longwave.reports.build import Findings
+    from longwave.reports.findings import Findings
 
 
 @dataclass(frozen=True)
