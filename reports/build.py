@@ -17,7 +17,6 @@ from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
 from rich.progress import Progress as Bars
 
 from longwave.reports.engine import CompileError, EngineMissingError, compile_pdf, ensure_engine
-from longwave.reports.findings import Findings
 from longwave.reports.latex import render, write
 from longwave.reports.paper import SOURCES
 from longwave.reports.pictures.drawing import cost_figure, snapshot_panels
@@ -33,7 +32,7 @@ from longwave.reports.sections import (
     runs,
     theory,
 )
-from longwave.reports.sections.headlines import headline_table, headlines
+from longwave.reports.sections.headlines import Findings, headline_table, headlines
 from longwave.reports.sections.other_lattices import model_jobs
 from longwave.reports.studies.bench_laws import bench_law_jobs
 from longwave.reports.studies.effects import effect_jobs
