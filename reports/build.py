@@ -32,7 +32,7 @@ from longwave.reports.sections import (
     runs,
     theory,
 )
-from longwave.reports.sections.headlines import Findings, headline_table, headlines
+from longwave.reports.sections.headlines import Findings, headline_table
 from longwave.reports.sections.other_lattices import model_jobs
 from longwave.reports.studies.bench_laws import bench_law_jobs
 from longwave.reports.studies.effects import effect_jobs
@@ -120,7 +120,7 @@ STUDY_TABLES: Mapping[str, Callable[[Findings], str]] = {
 
 TABLES: Mapping[str, Callable[[Findings], str]] = {
     **STUDY_TABLES,
-    "headline_table": lambda found: headline_table(headlines(found).values()),
+    "headline_table": lambda found: headline_table(found.headlines.values()),
     "estimate_table": lambda found: costs.estimate_table(estimate_rows(found.all("estimate"))),
     "estimate_reasons": lambda found: costs.reason_table(found.all("estimate")),
     "solution_table": lambda _: theory.solution_table(),
@@ -173,7 +173,7 @@ def source(content: Mapping[str, str], findings: Findings, full: bool) -> str:
         version=version("longwave"),
         date=today(),
         full=full,
-        headlines=headlines(findings),
+        headlines=findings.headlines,
         formulas=theory.formulas(),
         equations=theory.equations(),
         figures=runs.figure_entries(findings.runs.scenes),

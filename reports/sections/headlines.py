@@ -77,6 +77,11 @@ class Findings:
 
         return all_claims(self.runs)
 
+    @cached_property
+    def headlines(self) -> dict[str, Headline]:
+        """Main results of the report."""
+        return headlines(self)
+
     @property
     def sound(self) -> bool:
         """Whether every result in `SUCCEEDED` and every long run is as it should be."""
