@@ -139,10 +139,8 @@ def _check_overwriting(sweep: Sweep, output: Path, force: bool) -> None:
     with suppress(ValueError, OSError), open_run(output) as older:
         existing = str(older.attrs.get(SWEPT, ""))
     if existing != sweep.json():
-        raise ValueError(
-            f"--output must be a new file or a result of this sweep, got {output}, another file "
-            "(take another name, or --force)"
-        )
+        got = f"{output}, another file (take another name, or --force)"
+        raise ValueError(f"--output must be a new file or a result of this sweep, got {got}")
 
 
 def _run_with_bar(
