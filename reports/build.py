@@ -6,11 +6,8 @@ import os
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import partial
 from importlib.metadata import version
-from itertools import chain, groupby
-from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -35,20 +32,19 @@ from longwave.reports.sections import (
     runs,
     theory,
 )
-from longwave.reports.sections.headlines import Headline, headline_table, headlines
+from longwave.reports.sections.headlines import Findings, headline_table
 from longwave.reports.sections.other_lattices import model_jobs
 from longwave.reports.studies.bench_laws import bench_law_jobs
-from longwave.reports.studies.claims import Claim, all_claims
 from longwave.reports.studies.effects import effect_jobs
 from longwave.reports.studies.estimates import estimate_rows, judged_findings
-from longwave.reports.studies.evaluation_accuracy import Accuracy, accuracy_jobs, worst_of
+from longwave.reports.studies.evaluation_accuracy import accuracy_jobs
 from longwave.reports.studies.evaluation_cost import evaluation_cost_jobs
 from longwave.reports.studies.hard_cases import hard_case_jobs
 from longwave.reports.studies.lattice_cost import MEDIANS, lattice_cost_jobs
 from longwave.reports.studies.lattice_models import modulation_plane
 from longwave.reports.studies.lattice_runs import rate_jobs, scene_run_jobs
-from longwave.reports.studies.long_runs import LongRun, long_run_jobs, long_runs
-from longwave.reports.studies.measured_runs import SPLIT, MeasuredRuns, report_scenes, scene_job
+from longwave.reports.studies.long_runs import long_run_jobs
+from longwave.reports.studies.measured_runs import SPLIT, report_scenes, scene_job
 from longwave.reports.studies.proofs import library_jobs, proof_jobs
 from longwave.scenes.description.scene import Scene
 from longwave.solutions.catalogue import CATALOGUE, closed_form
@@ -87,71 +83,6 @@ def _residual(name: str) -> Verdict:
 
 def _mutants(name: str) -> MutationCount:
     return count_mutants(closed_form(name))
-
-
-SUCCEEDED: Mapping[str, Callable[[Any], bool]] = {
-    "run": lambda run: not run.attrs["blow_up"],
-    "proof": lambda record: record.outcome.passed and record.accepted is not False,
-    "mutants": lambda count: count.undecided == 0,
-    "library": lambda verdicts: all(verdict.expected for verdict in verdicts),
-    "scene": lambda scene: scene.within_tolerance,
-    "rate": lambda rate: rate.reached,
-    "hard": lambda case: case.passed,
-    "estimate": lambda judged: judged.sound,
-}
-"""Whether the result of a job is as it should be, by kind; other kinds are only reported."""
-
-
-@dataclass(frozen=True)
-class Findings:
-    """Results of the jobs, keyed by (kind, subject), and the ``scenes`` of the paper's runs."""
-
-    results: Mapping[Key, Any]
-    scenes: Mapping[str, Scene]
-
-    def of(self, kind: str) -> dict[Any, Any]:
-        """Return the results of one kind, keyed by subject; empty for a kind without jobs."""
-        return {key[1]: value for key, value in self.results.items() if key[0] == kind}
-
-    def all(self, kind: str) -> list[Any]:
-        """Return the results of one kind as a list."""
-        return list(self.of(kind).values())
-
-    def rows(self, kind: str) -> list[Any]:
-        """Return the concatenated results of a kind whose jobs return lists."""
-        return list(chain.from_iterable(self.all(kind)))
-
-    @cached_property
-    def runs(self) -> MeasuredRuns:
-        """Runs of the paper's scenes."""
-        return MeasuredRuns(self.of("run"), self.scenes)
-
-    @cached_property
-    def long_runs(self) -> dict[str, LongRun]:
-        """Long runs on the spectral ring with their reference runs."""
-        return long_runs(self.results)
-
-    @cached_property
-    def accuracy(self) -> list[Accuracy]:
-        """Worst evaluation errors of each wave."""
-        cases = groupby(self.all("accuracy"), attrgetter("name"))
-        return [worst_of(group) for _, group in cases]
-
-    @cached_property
-    def claims(self) -> list[Claim]:
-        """Statements of the paper with their verdicts."""
-        return all_claims(self.runs)
-
-    @cached_property
-    def headlines(self) -> dict[str, Headline]:
-        """Main results of the report."""
-        return headlines(self)
-
-    @property
-    def sound(self) -> bool:
-        """Whether every result in `SUCCEEDED` and every long run is as it should be."""
-        judged = (SUCCEEDED[key[0]](v) for key, v in self.results.items() if key[0] in SUCCEEDED)
-        return all(judged) and all(long.within_tolerance for long in self.long_runs.values())
 
 
 PROCESS_BYTES, WORKER_BYTES = 6e8, 4e8

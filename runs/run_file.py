@@ -318,9 +318,8 @@ def as_json(value: object) -> object:
         return {"real": value.real, "imag": value.imag}
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
-    raise ValueError(
-        f"attributes must be texts, numbers or lists, got {type(value).__name__} (leave it out)"
-    )
+    got = f"{type(value).__name__} (leave it out)"
+    raise ValueError(f"attributes must be texts, numbers or lists, got {got}")
 
 
 def _from_netcdf_attributes(attributes: Mapping[Any, Any]) -> dict[str, Any]:

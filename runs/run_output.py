@@ -36,9 +36,8 @@ def check_run_output(output: str | None, force: bool) -> None:
     """Raise ValueError, before the run, if its output cannot or may not be written."""
     check_output(output, suffixes=(".nc",), force=force)
     if output is not None and Path(output).exists() and not is_run_file(Path(output)):
-        raise ValueError(
-            f"--output must name a new file or a run, got {output}, another file (name a new one)"
-        )
+        got = f"{output}, another file (name a new one)"
+        raise ValueError(f"--output must name a new file or a run, got {got}")
 
 
 def save_anywhere(run: xr.Dataset, output: str, force: bool) -> int:

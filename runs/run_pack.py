@@ -426,6 +426,5 @@ def load_row(path: Path, group: int, row: int, key: str = "", link_free: int = 1
             attrs = json.loads(local_member(pack_group, "attributes")[row])
             return xr.Dataset(data, coordinates, attrs)
         except Exception as error:  # see read_pack
-            raise ValueError(
-                f"pack must contain complete runs, got {path}: {reason_of(error)}"
-            ) from None
+            got = f"{path}: {reason_of(error)}"
+            raise ValueError(f"pack must contain complete runs, got {got}") from None

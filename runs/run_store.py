@@ -184,10 +184,8 @@ def run_key(scene: Scene) -> str:
     Raises ValueError for a scene with a user-defined wave, because only its name is known.
     """
     if not isinstance(scene.wave, str):
-        raise ValueError(
-            f"wave must be a shipped one for a run in a store, got your own wave "
-            f"{scene.wave.name} (use longwave.run and save_run)"
-        )
+        got = f"your own wave {scene.wave.name} (use longwave.run and save_run)"
+        raise ValueError(f"wave must be a shipped one for a run in a store, got {got}")
     fields = json.dumps(_canonical(json.loads(scene.json())), sort_keys=True)
     text = f"{type(scene).__name__}\n{fields}\n{code_digest()}"
     return hashlib.sha256(text.encode()).hexdigest()[:40]
@@ -197,10 +195,8 @@ def _save(path: Path, run: xr.Dataset) -> Path:
     from longwave.runs.run_file import file_content
 
     if "unfinished" in run.attrs:
-        raise ValueError(
-            f"run must be finished to be saved in a store, got an unfinished one "
-            f"({run.attrs['unfinished']})"
-        )
+        got = f"an unfinished one ({run.attrs['unfinished']})"
+        raise ValueError(f"run must be finished to be saved in a store, got {got}")
     write_sealed(path, file_content(run))
     return path
 

@@ -54,10 +54,8 @@ def sampled_sweep(source: str | Path | Scene, samples: int, seed: int = 0) -> Sw
     scene = source if isinstance(source, Scene) else load_scene(source)
     count = whole("samples", samples, 1)
     if not MIN_SAMPLES <= count <= MAX_CELLS:
-        raise ValueError(
-            f"samples must be {MIN_SAMPLES} to {MAX_CELLS}, got {count} ({MIN_SAMPLES} are the "
-            "fewest that have a 95 % interval)"
-        )
+        got = f"{count} ({MIN_SAMPLES} are the fewest that have a 95 % interval)"
+        raise ValueError(f"samples must be {MIN_SAMPLES} to {MAX_CELLS}, got {got}")
     if isinstance(seed, bool) or not isinstance(seed, int):
         raise ValueError(f"seed must be a whole number, got {shown(seed)} (such as 1)")
     measured = scene.symbolic_lattice.measured or Measured.of({}, {})

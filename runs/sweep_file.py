@@ -158,10 +158,8 @@ def load_sweep(source: str | Path, changes: Mapping[str, Any] | None = None) -> 
     if str(source) in shipped_sweeps():
         with as_file(SHIPPED_FOLDER / f"{source}.toml") as path:
             return _read_sweep(path, changes or {})
-    raise ValueError(
-        f"sweep must be a TOML file or a shipped sweep, got {shown(str(source))} "
-        f"({one_of(source, shipped_sweeps())})"
-    )
+    got = f"{shown(str(source))} ({one_of(source, shipped_sweeps())})"
+    raise ValueError(f"sweep must be a TOML file or a shipped sweep, got {got}")
 
 
 def _read_sweep(path: Path, changes: Mapping[str, Any]) -> Sweep:
@@ -373,9 +371,8 @@ def _draw(field: str, given: object, stream: Random) -> Any:
     refuse_unknown(given, RANDOM_KEYS, f" of {field}")
     if "choose" in given:
         if len(given) > 1:
-            raise ValueError(
-                f"{field} with choose must have no other key, got {shown(given)} (leave them out)"
-            )
+            got = f"{shown(given)} (leave them out)"
+            raise ValueError(f"{field} with choose must have no other key, got {got}")
         choices = _listed_values(field, given["choose"])
         return choices[int(stream.random() * len(choices))]
     low, high, log = _range_ends(field, given)

@@ -39,9 +39,8 @@ def base_document(given: object, folder: Path = Path()) -> tuple[str, Document]:
     if isinstance(given, Mapping):
         return "scene", scene_file.in_one_spelling(given)
     if not isinstance(given, str):
-        raise ValueError(
-            f"scene must be a name, a file or a table, got {shown(given)} (such as 'toda_soliton')"
-        )
+        got = f"{shown(given)} (such as 'toda_soliton')"
+        raise ValueError(f"scene must be a name, a file or a table, got {got}")
     if names_a_file(given, folder):
         path = given if given == STANDARD_INPUT else folder / given
         return file_stem(path), scene_file.in_one_spelling(scene_file.read_document(path))
@@ -65,10 +64,8 @@ def changed_scene(
     """
     for option, value in (("tolerance", tolerance), ("engine", engine)):
         if value is not None and option in changes:
-            raise ValueError(
-                f"{option} must be given once, got --{option} {value} and --set {option}="
-                f"{changes[option]} (leave one out)"
-            )
+            got = f"--{option} {value} and --set {option}={changes[option]} (leave one out)"
+            raise ValueError(f"{option} must be given once, got {got}")
     scene = _changed(source, changes, tolerance) if changes else load_scene(source, tolerance)
     return scene if engine is None else scene.changed(engine=engine)
 
@@ -108,9 +105,8 @@ def check_field(field: str, document: Document | None = None) -> None:
         if isinstance(entries, Mapping) and field in entries
     ]
     if qualified:
-        raise ValueError(
-            f"fields must be named with their table, got {field} (write {' or '.join(qualified)})"
-        )
+        got = f"{field} (write {' or '.join(qualified)})"
+        raise ValueError(f"fields must be named with their table, got {got}")
     known = [f"{name}.{key}".strip(".") for name, keys in VARIED.items() for key in keys or [""]]
     known += [f"{name}.NAME" for name in scene_file.PAIR_TABLES]
     raise ValueError(f"fields must be known ones, got {shown(field)} ({one_of(field, known)})")
@@ -129,10 +125,8 @@ def changed_document(document: Document, changes: Mapping[str, Any]) -> Document
         for other in alternatives_of([field]):
             changed.pop(other, None)
         if field == "lattice" and scene_file.in_one_spelling({field: value}) != {field: value}:
-            raise ValueError(
-                f"lattice must be a name or a declared lattice in a sweep, got {shown(value)} "
-                "(sweep constants.K2)"
-            )
+            got = f"{shown(value)} (sweep constants.K2)"
+            raise ValueError(f"lattice must be a name or a declared lattice in a sweep, got {got}")
         name, _, key = field.partition(".")
         if not key:
             changed[name] = value

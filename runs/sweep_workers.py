@@ -48,13 +48,11 @@ def sweep_workers(processes: int | None, scheduler: str | None) -> Iterator[Work
 def check_workers(processes: int | None, scheduler: str | None) -> None:
     """Raise ValueError in one line if both arguments are given or ``processes`` is out of range."""
     if scheduler is not None and processes is not None:
-        raise ValueError(
-            f"--processes must not be given with --scheduler, got {processes} (leave one out)"
-        )
+        got = f"{processes} (leave one out)"
+        raise ValueError(f"--processes must not be given with --scheduler, got {got}")
     if processes is not None and not 1 <= processes <= MAX_PROCESSES:
-        raise ValueError(
-            f"--processes must be 1 to {MAX_PROCESSES}, got {processes} (one a core is usual)"
-        )
+        got = f"{processes} (one a core is usual)"
+        raise ValueError(f"--processes must be 1 to {MAX_PROCESSES}, got {got}")
 
 
 def use_one_thread() -> None:

@@ -61,9 +61,6 @@ def sweep_and_print(
         with store_messages():
             check_workers(processes, scheduler)
             check_run_output(output, force=True)
-            if seed is not None and samples is None:
-                got = f"{seed} alone (a sweep's file has its seed)"
-                raise ValueError(f"--seed must be given with --samples, got {got}")
             with progress_bar("reading", "reading the sweep"):
                 sweep = _load(source, samples, seed, changes or {})
                 state.cells = len(sweep)
@@ -106,6 +103,9 @@ def _store_for(sweep: Sweep, folder: str | None, output: str) -> RunStore:
 
 def _load(source: str, samples: int | None, seed: int | None, changes: Mapping[str, Any]) -> Sweep:
     """Load the sweep, or build it from a scene and a number of samples."""
+    if samples is None and seed is not None:
+        got = f"{seed} alone (a sweep's file has its seed)"
+        raise ValueError(f"--seed must be given with --samples, got {got}")
     if samples is None:
         return load_sweep(source, changes)
     from longwave.runs.sampled_sweep import sampled_sweep
@@ -138,10 +138,8 @@ def _check_overwriting(sweep: Sweep, output: Path, force: bool) -> None:
     with suppress(ValueError, OSError), open_run(output) as older:
         existing = str(older.attrs.get(SWEPT, ""))
     if existing != sweep.json():
-        raise ValueError(
-            f"--output must be a new file or a result of this sweep, got {output}, another file "
-            "(take another name, or --force)"
-        )
+        got = f"{output}, another file (take another name, or --force)"
+        raise ValueError(f"--output must be a new file or a result of this sweep, got {got}")
 
 
 def _run_with_bar(

@@ -91,8 +91,6 @@ def _read(path: Path) -> dict[str, Any]:
         except (ValueError, TypeError, KeyError, RecursionError):
             continue
     if text and not records:
-        raise ValueError(
-            f"--lines must name a file of verdicts or a new one, got {shown_path(path)}, which "
-            "has none (take another name)"
-        )
+        got = f"{shown_path(path)}, which has none (take another name)"
+        raise ValueError(f"--lines must name a file of verdicts or a new one, got {got}")
     return records

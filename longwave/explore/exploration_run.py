@@ -151,10 +151,8 @@ def _check_cells(scene: Scene) -> None:
     powers = (1, 2)[: scene.symbolic_lattice.dimension]
     cells = math.prod(2 * scene.cells_within(power) + 1 for power in powers)
     if cells > MAX_CELLS:
-        raise ValueError(
-            f"half_width / eps must ask for at most {MAX_CELLS} cells here, got {cells} for eps = "
-            f"{scene.eps:g} (take a smaller half_width or a larger eps)"
-        )
+        got = f"{cells} for eps = {scene.eps:g} (take a smaller half_width or a larger eps)"
+        raise ValueError(f"half_width / eps must ask for at most {MAX_CELLS} cells here, got {got}")
 
 
 def _compare_within_limits(scene: Scene, progress: Progress | None, announce: Any) -> Comparison:

@@ -143,7 +143,7 @@ def _check_cost(
 
 def _scene_of_film(scene: Scene, options: FilmOptions) -> Scene:
     """Return the scene with the times of the film's frames as its snapshots. Raises ValueError if
-    all frames together have more than ``MOST_NUMBERS`` sites."""
+    all frames together have more than `MAX_STRAINS` sites."""
     if scene.bench:
         sites = scene.bench.sites
     else:
@@ -187,10 +187,8 @@ def _within(source: Labelled, times: tuple[float, float] | None) -> LabelledArra
         data = bench_frames(data)
     for name in ("strain", "analytic", "n", "error"):
         if name not in data:
-            raise ValueError(
-                f"source must hold snapshots of the strain, got none of {name} "
-                "(the scene must ask for strain)"
-            )
+            got = f"none of {name} (the scene must ask for strain)"
+            raise ValueError(f"source must hold snapshots of the strain, got {got}")
     check_run(data)
     first, last = times or (-np.inf, np.inf)
     times_of_frames = data["time"].values

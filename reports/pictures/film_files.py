@@ -48,15 +48,11 @@ def film_path(output: str | Path) -> Path:
     """Return the path of a film that can be written here; else ValueError suggests another."""
     path = Path(output)
     if path.suffix.lower() not in SUFFIXES:
-        raise ValueError(
-            f"output must be a path ending in {', '.join(SUFFIXES)}, got {path.name!r} "
-            "(such as 'run.gif')"
-        )
+        got = f"{path.name!r} (such as 'run.gif')"
+        raise ValueError(f"output must be a path ending in {', '.join(SUFFIXES)}, got {got}")
     if path.suffix.lower() == ".mp4" and not has_ffmpeg():
-        raise ValueError(
-            f"output must end in .gif where there is no ffmpeg, got {path.name!r} "
-            f"(take '{path.with_suffix('.gif').name}', or install ffmpeg)"
-        )
+        got = f"{path.name!r} (take '{path.with_suffix('.gif').name}', or install ffmpeg)"
+        raise ValueError(f"output must end in .gif where there is no ffmpeg, got {got}")
     return path
 
 

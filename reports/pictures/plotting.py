@@ -164,10 +164,8 @@ def read_source(source: Source) -> Labelled | Scene:
     if isinstance(source, Scene | Labelled):
         return source
     if not isinstance(source, str | Path):
-        raise ValueError(
-            f"source must be a run, a scene, or the path or name of one, got {shown(source)} "
-            "(such as 'run.nc')"
-        )
+        got = f"{shown(source)} (such as 'run.nc')"
+        raise ValueError(f"source must be a run, a scene, or the path or name of one, got {got}")
     if not names_a_run(source):
         return load_scene(str(source))
     try:

@@ -85,9 +85,8 @@ def chosen(data: xr.Dataset, at: Choice) -> xr.Dataset:
     for name, value in at.items():
         known = [str(field) for field in data.coords if data[field].ndim == 1]
         if name not in known:
-            raise ValueError(
-                f"at must name a swept field, got {shown(name)} ({one_of(name, known)})"
-            )
+            got = f"{shown(name)} ({one_of(name, known)})"
+            raise ValueError(f"at must name a swept field, got {got}")
         column = data[name]
         data = data.isel({column.dims[0]: _matching(name, column.values, value)})
     return data.squeeze()
