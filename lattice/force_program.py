@@ -15,12 +15,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.polynomial import Polynomial, legendre
-
-from longwave.support.array_types import Array
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from sympy import Expr
 
+Array = NDArray[np.float64]
 Instruction = tuple[str, float]
 """An operation, and the operand of "number" and "power" (0 for the others)."""
 
