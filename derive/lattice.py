@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 from sympy import Expr, Poly, S, Symbol, factorial, nan, oo, simplify, zoo
 
+from longwave.derive.algebra import formula_printing
 from longwave.derive.algebra.contact import contact
 from longwave.derive.algebra.exact_numbers import Number, exact, instance, integer, tuple_of
-from longwave.derive.algebra import formula_printing
 from longwave.derive.output import notation
 from longwave.derive.output.own_names import unused
 from longwave.derive.symbols import (
@@ -501,7 +501,9 @@ class Lattice(notation.Displayed):
         check_constants(self.basic_constants, fields)
         check_constants(self.constants, fields)
 
-    def equations(self, printed: formula_printing.Printed = formula_printing.text_of) -> tuple[str, ...]:
+    def equations(
+        self, printed: formula_printing.Printed = formula_printing.text_of
+    ) -> tuple[str, ...]:
         """Return the equations of motion, then the force of each bond, one a line.
 
         >>> from longwave.derive import LATTICES
@@ -571,7 +573,9 @@ def _each(
     return {name: values.get(name, S.Zero) for name in names}
 
 
-def _equations(lattice: Lattice, printed: formula_printing.Printed, dots: tuple[str, str]) -> Iterator[str]:
+def _equations(
+    lattice: Lattice, printed: formula_printing.Printed, dots: tuple[str, str]
+) -> Iterator[str]:
     """Yield equations of motion and forces; ``printed`` formats constants, ``dots`` derivatives."""
     rate, acceleration = dots
     numbers = range(1, len(lattice.bonds) + 1)

@@ -6,8 +6,8 @@ from functools import partial
 
 from sympy import Expr, S, Symbol
 
-from longwave.derive.algebra.exact_numbers import integer, tuple_of
 from longwave.derive.algebra import formula_printing
+from longwave.derive.algebra.exact_numbers import integer, tuple_of
 from longwave.derive.output import notation
 from longwave.derive.symbols import c, check_constants, eps, rational_function
 from longwave.support.user_files import shown

@@ -378,10 +378,7 @@ class CellEngine(trials.StepSearch):
             self._values(stepper, choices, observed, rates),
             float(stepper.steps),
             perf_counter() - loop.begun,
-            trials.rounding_error(
-                self.dynamics.largest(stepper.ranges) / self._comparison.unit,
-                stepper.steps * self.scheme.stages,
-            ),
+            self._rounding(stepper),
             (stepper.blow_up, stepper.steps, f, v),
             common_error=self._drive_error,
             has_observables=self._stored_times.size == 0,  # nothing is stored but what is compared
@@ -403,6 +400,11 @@ class CellEngine(trials.StepSearch):
         self._largest = np.fmax(self._largest, self._field_sizes(stepper.ranges))
         stacked = np.array(observed) if len(observed) > 1 else observed[0][np.newaxis]
         return self._comparison.combine(stacked)
+
+    def _rounding(self, stepper: Stepper) -> float:
+        """Return the estimated rounding error of the compared values."""
+        largest = self.dynamics.largest(stepper.ranges) / self._comparison.unit
+        return trials.rounding_error(largest, stepper.steps * self.scheme.stages)
 
     def _note_limit(self, step: float, stable: float, resolving: float) -> None:
         """Record the longest step allowed by the run with the shortest step so far."""
