@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 from sympy import Expr, Poly, S, Symbol, factorial, nan, oo, simplify, zoo
 
-from longwave.derive.algebra import formula_printing
 from longwave.derive.algebra.contact import contact
 from longwave.derive.algebra.exact_numbers import Number, exact, instance, integer, tuple_of
+from longwave.derive.algebra.formula_printing import Printed, latex_of, text_of
 from longwave.derive.output import notation
 from longwave.derive.output.own_names import unused
 from longwave.derive.symbols import (
@@ -501,16 +501,14 @@ class Lattice(notation.Displayed):
         check_constants(self.basic_constants, fields)
         check_constants(self.constants, fields)
 
-    def equations(
-        self, printed: formula_printing.Printed = formula_printing.text_of
-    ) -> tuple[str, ...]:
+    def equations(self, printed: Printed = text_of) -> tuple[str, ...]:
         """Return the equations of motion, then the force of each bond, one a line.
 
         >>> from longwave.derive import LATTICES
         >>> LATTICES["fput_strain"].equations()[0]
         "y_n'' = F(y_{n+1}) - 2 F(y_n) + F(y_{n-1})"
         """
-        is_text = printed is formula_printing.text_of
+        is_text = printed is text_of
         dots = ("{}'", "{}''") if is_text else (r"\dot{{{}}}", r"\ddot{{{}}}")
         return tuple(_equations(self, printed, dots))
 
@@ -520,7 +518,7 @@ class Lattice(notation.Displayed):
 
     def latex(self) -> str:
         """Return the equations in LaTeX, without delimiters."""
-        return r",\quad ".join(self.equations(formula_printing.latex_of))
+        return r",\quad ".join(self.equations(latex_of))
 
 
 def _sum_of_force(weights: Weights, field: int) -> str:
@@ -573,9 +571,7 @@ def _each(
     return {name: values.get(name, S.Zero) for name in names}
 
 
-def _equations(
-    lattice: Lattice, printed: formula_printing.Printed, dots: tuple[str, str]
-) -> Iterator[str]:
+def _equations(lattice: Lattice, printed: Printed, dots: tuple[str, str]) -> Iterator[str]:
     """Yield equations of motion and forces; ``printed`` formats constants, ``dots`` derivatives."""
     rate, acceleration = dots
     numbers = range(1, len(lattice.bonds) + 1)
@@ -605,14 +601,14 @@ def _equations(
         yield f"{force}(x) = {notation.signed_sum(law)}{dashpot}"
 
 
-def _law_term(value: Expr, power: int, printed: formula_printing.Printed) -> tuple[bool, str]:
+def _law_term(value: Expr, power: int, printed: Printed) -> tuple[bool, str]:
     """Return whether a term of a force is negative, and the term without its sign."""
     is_negative = bool(value.as_coeff_Mul()[0] < 0)
     size = -value if is_negative else value
     return is_negative, _times(size, notation.power_of(x, power, printed), printed).rstrip()
 
 
-def _times(factor: Expr, product: str, printed: formula_printing.Printed) -> str:
+def _times(factor: Expr, product: str, printed: Printed) -> str:
     size = "" if factor == 1 and product else f"{notation.bracketed(factor, printed)} "
     return size + product
 

@@ -6,8 +6,8 @@ from functools import partial
 
 from sympy import Expr, S, Symbol
 
-from longwave.derive.algebra import formula_printing
 from longwave.derive.algebra.exact_numbers import integer, tuple_of
+from longwave.derive.algebra.formula_printing import Printed, latex_of, text_of
 from longwave.derive.output import notation
 from longwave.derive.symbols import c, check_constants, eps, rational_function
 from longwave.support.user_files import shown
@@ -45,7 +45,7 @@ class SlowVariable:
                     "terms of the reduced equation)"
                 )
 
-    def phase(self, printed: formula_printing.Printed = formula_printing.text_of) -> str:
+    def phase(self, printed: Printed = text_of) -> str:
         """Return the phase of the variable, without its power of eps.
 
         >>> SlowVariable("X", 1, (-2,), -c).phase()
@@ -161,13 +161,13 @@ class Scaling(notation.Displayed):
         >>> Scaling().text()
         'y = eps Y(X, T), X = eps (n - c t), T = eps^3 t'
         """
-        return ", ".join(self._parts(field, wave, formula_printing.text_of))
+        return ", ".join(self._parts(field, wave, text_of))
 
     def latex(self, field: str = "y", wave: str = "Y") -> str:
         """Return the ansatz in LaTeX, without delimiters."""
-        return r",\; ".join(self._parts(field, wave, formula_printing.latex_of))
+        return r",\; ".join(self._parts(field, wave, latex_of))
 
-    def _parts(self, field: str, wave: str, printed: formula_printing.Printed) -> list[str]:
+    def _parts(self, field: str, wave: str, printed: Printed) -> list[str]:
         small = partial(notation.power_of, eps, printed=printed)
         terms = ((p, notation.bracketed(value, printed)) for p, value in self.background)
         mean = "".join(f"{small(power)}{text} + " for power, text in terms)

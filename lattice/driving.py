@@ -32,7 +32,7 @@ from longwave.lattice.schemes import DriftKick, Scheme
 from longwave.lattice.state import State
 from longwave.lattice.trial import DRIVEN_SHARE
 from longwave.lattice.variation import Pulse, Variation
-from longwave.support.array_types import Array, Mask
+from longwave.support.real_arrays import Array, Mask
 
 Factors = Mapping[int, float | Sequence[float]]
 """Factors by the index of a cell or bond: one for all of its fields (or bonds), or one for each."""
@@ -338,9 +338,9 @@ def driven_chain(
     Without ``left`` and ``right`` the chain is a ring. Otherwise walls are added next to the first
     and the last cell, of as many cells as a force reaches. ``losses`` are the factors g of ``-g
     du/dt`` on each field's cells; ``dashpots`` are the coefficients of each bond's rate of stretch
-    in an additional force. ``mass_factors`` multiply masses of cells, ``spring_factors`` the forces
-    of bonds and of their dashpots; bond n joins cell n to cell n + 1, bond -1 a wall to cell 0. The
-    fields must be displacements. Raises ValueError for arguments that do not fit.
+    in an additional force. ``mass_factors`` multiply masses of cells, ``spring_factors`` forces of
+    bonds and dashpots; bond n joins cells n and n + 1, bond -1 a wall and cell 0. The fields must
+    be displacements. Raises ValueError for arguments that do not fit.
 
     >>> from longwave.derive import LATTICES
     >>> from longwave.lattice.numeric_lattice import numeric_lattice
@@ -359,16 +359,14 @@ def driven_chain(
         masses[:, cell] = _checked_factors("mass", cell, factor, count, 0 <= cell < cells)
     springs = _bond_factors(lattice, spring_factors, np.where(ends.cut, 0.0, 1.0), cells)
     is_varied = [bool((row != 1.0).any()) for row in springs]
+    is_lossy = any(rates) or any(dashpot_rates)
     has_drag = any(dashpot_rates) or (bool(mass_factors) and any(rates))
-    parts = zip(lattice.bonds, is_varied, strict=True)
     variation = Variation(
         max(0.0, float(springs.max()) - 1.0),
         "displacements" if ends.walls or mass_factors else None,
-        tuple(bond.force if varies else None for bond, varies in parts),
+        tuple(b.force if v else None for b, v in zip(lattice.bonds, is_varied, strict=True)),
         _pulses(ends, forces, count, any(dashpot_rates)),
-        tuple(np.divide(rates, lattice.masses).tolist())
-        if any(rates) or any(dashpot_rates)
-        else (),
+        tuple(np.divide(rates, lattice.masses).tolist()) if is_lossy else (),
         dashpot_rates if has_drag else (),
         bool(mass_factors) and has_drag,
     )

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from longwave.support.array_types import Array, Indices
+from longwave.support.real_arrays import Array, Indices
 
 if TYPE_CHECKING:
     from longwave.support.checkpoint import Memory

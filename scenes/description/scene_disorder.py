@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 from longwave.lattice.random_sites import DISTRIBUTIONS, site_deviations
 from longwave.scenes.description import scene_checks as check
-from longwave.support.array_types import Array
+from longwave.support.real_arrays import Array
 from longwave.support.user_files import shown
 
 MASS = "mass"

@@ -12,7 +12,7 @@ import numpy as np
 from longwave.lattice.time_integral import ROUNDING
 from longwave.scenes.description.csv_table import number_list
 from longwave.scenes.description.scene_checks import finite
-from longwave.support.array_types import Array
+from longwave.support.real_arrays import Array
 from longwave.support.user_files import shown
 
 if TYPE_CHECKING:

@@ -21,8 +21,8 @@ from longwave.scenes.description.bench import MEAN_SUFFIXES, Bench
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines.bench_readings import BenchReadings, bench_and_chain
 from longwave.scenes.engines.run_record import RunRecord
-from longwave.support.array_types import Array
 from longwave.support.checkpoint import begin_loop
+from longwave.support.real_arrays import Array
 from longwave.support.request_limits import ExpectedCost, check_request
 
 FIRST_RUNS, MOST_RUNS = 64, 100_000

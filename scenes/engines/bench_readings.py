@@ -17,7 +17,7 @@ from longwave.scenes.description.losses import without_losses
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.engines.run_record import RunRecord, stencil_cost
 from longwave.scenes.starts import bench_chain
-from longwave.support.array_types import Array
+from longwave.support.real_arrays import Array
 
 if TYPE_CHECKING:
     from longwave.lattice.driving import DrivenChain

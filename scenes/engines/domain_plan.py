@@ -23,7 +23,7 @@ from longwave.scenes.engines import ring_cost
 from longwave.scenes.starts.initial_cells import InitialCells
 from longwave.scenes.starts.lattice_wave import LatticeWave, largest_group_velocity, nearest_cell
 from longwave.solutions.pieces import PIECE
-from longwave.support.array_types import Array
+from longwave.support.real_arrays import Array
 from longwave.support.request_limits import ExpectedCost, check_request
 
 SCHEME = REDUCED_PHASE_6

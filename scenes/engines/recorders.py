@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from longwave.scenes.observed import observables
-from longwave.support.array_types import Array
+from longwave.support.real_arrays import Array
 
 if TYPE_CHECKING:
     from longwave.scenes.description.scene import Scene

@@ -42,8 +42,8 @@ from longwave.scenes.engines.run_record import RunRecord
 from longwave.scenes.starts import perturbed_plane
 from longwave.scenes.starts.envelope_data import EnvelopeData
 from longwave.scenes.starts.lattice_derivation import scene_envelope
-from longwave.support.array_types import Array
 from longwave.support.checkpoint import restored_seconds
+from longwave.support.real_arrays import Array
 from longwave.support.request_limits import ExpectedCost, OverBudgetError, check_request
 
 if TYPE_CHECKING:

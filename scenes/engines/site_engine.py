@@ -44,7 +44,7 @@ from longwave.scenes.engines.stepped_cells import (
     measures_all_cells,
 )
 from longwave.scenes.engines.window import LARGEST_MISFIT
-from longwave.support.array_types import Array
+from longwave.support.real_arrays import Array
 
 STEP_RATIO = 0.8
 """Step of a control run, in units of the run before it."""

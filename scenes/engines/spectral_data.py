@@ -11,7 +11,7 @@ from longwave.lattice.model import Model
 from longwave.lattice.spectral.field_ring import FieldRing, modes_of, values_of
 from longwave.scenes.engines.domain_plan import front
 from longwave.scenes.starts.moving_wave import MovingWave, WaveBounds, find_bounds
-from longwave.support.array_types import Array
+from longwave.support.real_arrays import Array
 
 MIN_WAVELENGTHS = 16
 """Minimum number of wavelengths of a periodic background on a ring."""

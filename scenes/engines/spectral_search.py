@@ -33,8 +33,8 @@ from longwave.lattice.trial import (
 )
 from longwave.scenes.engines import spectral_data
 from longwave.scenes.starts.moving_wave import MovingWave
-from longwave.support.array_types import Array
 from longwave.support.checkpoint import Loop, Memory, begin_loop
+from longwave.support.real_arrays import Array
 
 SIZE_RATIO = 1.5
 """Circumference of a control run, in units of the run before it. If the control's ring would be

@@ -22,8 +22,8 @@ from longwave.scenes.engines.recorders import (
 )
 from longwave.scenes.engines.run_record import RunRecord, UnfinishedRun, stencil_cost
 from longwave.scenes.observed.observables import observable_named
-from longwave.support.array_types import Array
 from longwave.support.checkpoint import Memory, begin_loop
+from longwave.support.real_arrays import Array
 
 if TYPE_CHECKING:
     from longwave.lattice.state import State

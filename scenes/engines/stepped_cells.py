@@ -24,8 +24,8 @@ from longwave.scenes.observed.observables import observable_named
 from longwave.scenes.observed.view import View
 from longwave.scenes.starts.initial_cells import InitialCells
 from longwave.scenes.starts.lattice_wave import LatticeWave
-from longwave.support.array_types import Array
 from longwave.support.checkpoint import Memory
+from longwave.support.real_arrays import Array
 
 LOOK_SECONDS = 0.02
 """Seconds between two stops, at which the state is checked for NaN and Ctrl-C takes effect."""

@@ -25,9 +25,9 @@ from longwave.scenes.engines.domain_plan import (
     least_window,
 )
 from longwave.scenes.starts.initial_cells import InitialCells
-from longwave.support.array_types import Array
 from longwave.support.checkpoint import Memory
 from longwave.support.compiled.jit import doubles, njit
+from longwave.support.real_arrays import Array
 
 
 class FedWave:

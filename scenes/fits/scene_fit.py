@@ -30,8 +30,8 @@ from longwave.scenes.description.scene import Scene
 from longwave.scenes.fits import least_squares
 from longwave.scenes.fits.sensor_records import SensorRecord, read_record
 from longwave.scenes.starts.bench_chain import chain_on_bench, start_on_bench
-from longwave.support.array_types import Array
 from longwave.support.known_names import one_of
+from longwave.support.real_arrays import Array
 from longwave.support.user_files import shown
 
 FITTED_TABLES = ("chain", "start", *FORCE_TABLES, "observables")

@@ -22,9 +22,8 @@ from longwave.scenes.description.bench import SENSOR_QUANTITIES
 from longwave.scenes.description.csv_table import table_columns
 from longwave.scenes.fits.force_data import MAX_FILE_BYTES
 from longwave.scenes.starts.bench_chain import READINGS
-from longwave.support.array_types import Array
 from longwave.support.known_names import one_of
-from longwave.support.real_arrays import real_array
+from longwave.support.real_arrays import Array, real_array
 from longwave.support.user_files import read_text, shown, shown_path
 
 DEVIATION_SUFFIX = "_deviation"

@@ -37,8 +37,8 @@ from numpy.typing import NDArray
 
 from longwave.lattice.trial import SAFETY
 from longwave.scenes.observed.view import View
-from longwave.support.array_types import Array
 from longwave.support.known_names import one_of
+from longwave.support.real_arrays import Array
 
 if TYPE_CHECKING:
     from longwave.support.labelled_arrays import Labelled

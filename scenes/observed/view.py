@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from longwave.lattice.state import Sites, State
-from longwave.support.array_types import Array
+from longwave.support.real_arrays import Array
 from longwave.support.user_files import shown
 
 

@@ -15,8 +15,8 @@ from longwave.lattice.time_integral import Integral
 from longwave.scenes.description.bench import FORCE_TABLES, Bench, Cells, Drive, Impact
 from longwave.scenes.description.losses import LossRates
 from longwave.scenes.description.time_functions import time_function
-from longwave.support.array_types import Array
 from longwave.support.known_names import one_of
+from longwave.support.real_arrays import Array
 from longwave.support.user_files import shown
 
 

@@ -12,7 +12,7 @@ from longwave.derive import Reduction
 from longwave.scenes.starts.damped_soliton import DecayingWave
 from longwave.scenes.starts.fourier_interval import FourierInterval
 from longwave.scenes.starts.jet_coefficients import with_numbers
-from longwave.support.array_types import Array
+from longwave.support.real_arrays import Array
 
 DECAY_EXPONENT = 36.0
 """The interval ends where the wave has fallen by exp(-DECAY_EXPONENT)."""

@@ -15,8 +15,8 @@ from longwave.lattice.random_sites import mean_inverse
 from longwave.lattice.variation import Variation
 from longwave.scenes.description.scene_disorder import MASS, Disorder
 from longwave.scenes.starts.pulse_meter import PulseMeter
-from longwave.support.array_types import Array
 from longwave.support.known_names import one_of
+from longwave.support.real_arrays import Array
 from longwave.support.user_files import shown
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ import numpy as np
 
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.trial import nudged
-from longwave.support.array_types import Array
+from longwave.support.real_arrays import Array
 
 
 @dataclass(frozen=True)

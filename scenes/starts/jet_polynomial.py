@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from longwave.support.array_types import Array
+from longwave.support.real_arrays import Array
 
 
 @dataclass(frozen=True)

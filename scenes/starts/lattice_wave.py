@@ -19,7 +19,7 @@ from longwave.lattice.numeric_lattice import NumericLattice, place_text
 from longwave.lattice.seam import Fading
 from longwave.lattice.state import Sites
 from longwave.scenes.starts.initial_cells import InitialCells
-from longwave.support.array_types import Array
+from longwave.support.real_arrays import Array
 
 if TYPE_CHECKING:
     from longwave.scenes.description.losses import LossRates

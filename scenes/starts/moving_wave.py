@@ -16,7 +16,7 @@ from longwave.scenes.starts.initial_cells import InitialCells
 from longwave.scenes.starts.lattice_wave import LatticeWave, nearest_cell
 from longwave.scenes.starts.wave_extent import extent, sample_points, sampled_times, support_of
 from longwave.solutions import NumericWave, Side, kept_data, kept_wave
-from longwave.support.array_types import Array
+from longwave.support.real_arrays import Array
 
 if TYPE_CHECKING:
     from longwave.lattice.model import Model

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from sympy import Expr, Rational, pi
 
-from longwave.support.array_types import Array
+from longwave.support.real_arrays import Array
 
 PERTURBATION_SIZE = 1e-5
 """Initial size of the perturbation. Its size at the end of the measurement is 1e-3, which adds 1e-6

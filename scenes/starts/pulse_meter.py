@@ -8,7 +8,7 @@ import numpy as np
 from longwave.lattice.disordered_lattice import DisorderedLattice
 from longwave.lattice.trial import SAFETY
 from longwave.scenes.starts.initial_cells import InitialCells
-from longwave.support.array_types import Array
+from longwave.support.real_arrays import Array
 
 ENERGY_FRACTION = 0.999
 """Fraction of the energy inside the window about the crest at the start."""

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from longwave.support.array_types import Array
+from longwave.support.real_arrays import Array
 
 SAMPLED_TIMES = 17
 """Number of equidistant times at which the wave is sampled, in addition to some snapshots."""

@@ -59,7 +59,7 @@ def test_values_that_json_lacks_are_restored() -> None:
 
 @pytest.mark.parametrize("value", [object(), {1}, np.array([None]), np.array([1], "M8[s]"), len])
 def test_other_types_are_refused(value: object) -> None:
-    with pytest.raises(TypeError, match="must be"):
+    with pytest.raises(TypeError, match=r"must (be|hold)"):
         plain_bytes(value)
 
 
