@@ -80,9 +80,11 @@ class SweepState:
         cells, expected, taken = self.recent
         if not expected:
             return cells_left * self.pace / self.workers
-        ahead = [seconds for cell, seconds in self.expected.items() if cell >= self.next_number]
-        count = len(ahead) + RECENT_BATCHES
-        mean_expected = (sum(ahead) + RECENT_BATCHES * expected / cells) / count
+        unfinished = [
+            seconds for cell, seconds in self.expected.items() if cell >= self.next_number
+        ]
+        count = len(unfinished) + RECENT_BATCHES
+        mean_expected = (sum(unfinished) + RECENT_BATCHES * expected / cells) / count
         return cells_left * mean_expected * taken / expected / self.workers
 
     def count(self, batch: Batch, next_number: int) -> None:

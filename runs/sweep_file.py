@@ -257,13 +257,13 @@ def _dimensions(document: Mapping[str, Any]) -> Iterator[SweptDimension]:
 
 def _check_distinct(field: str, values: Sequence[Any]) -> None:
     """Raise ValueError if a value occurs twice on an axis, where its index would be ambiguous."""
-    seen: set[str | float] = set()
+    distinct: set[str | float] = set()
     for value in values:
         comparable = json.dumps(value, sort_keys=True) if isinstance(value, list | dict) else value
-        if comparable in seen:
+        if comparable in distinct:
             got = f"{shown(value)} twice (leave one out)"
             raise ValueError(f"{field} in [grid] must have different values, got {got}")
-        seen.add(comparable)
+        distinct.add(comparable)
 
 
 def _sample_dimension(given: dict[str, Any]) -> SweptDimension:

@@ -166,8 +166,8 @@ def _scene_of_film(scene: Scene, options: FilmOptions) -> Scene:
         raise ValueError(f"times must begin at t0 = {begin:g} or later, got {first:g}")
     moments = _frames((first, last), options.count)
     if scene.bench:
-        watched = {"state": True, "energy": True}
-        return scene.changed(times=sorted({begin, *moments}), observables=watched)
+        observed = {"state": True, "energy": True}
+        return scene.changed(times=sorted({begin, *moments}), observables=observed)
     return scene.changed(slow_times=(), t0=begin, snapshots=moments, observables=("strain",))
 
 

@@ -173,8 +173,8 @@ def swept_curves(
     ax.set_title("; ".join(filter(None, (caption, NO_RESULT if rows else ""))), loc="left")
     drawing.draw_grid(ax)
     if len(curves) > 1:
-        beside: dict[str, Any] = {"loc": "center left", "bbox_to_anchor": (1.0, 0.5)}
-        _plain_legend(ax.legend(handles.values(), handles.keys(), **beside), LONGEST_BESIDE)
+        options: dict[str, Any] = {"loc": "center left", "bbox_to_anchor": (1.0, 0.5)}
+        _plain_legend(ax.legend(handles.values(), handles.keys(), **options), LONGEST_BESIDE)
 
 
 def _draw_curve(

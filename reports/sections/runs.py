@@ -95,8 +95,8 @@ def _description(name: str, scene: Scene) -> str:
 
 def figure_entries(scenes: Mapping[str, Scene]) -> list[dict[str, Any]]:
     """Return the data of the figures for the template: file name, label in the paper, captions."""
-    shown = {f: [caption_part(scenes[name]) for name in f.scenes] for f in SNAPSHOT_FIGURES}
-    captions: dict[Any, list[str]] = {**shown, **{figure: [] for figure in ERROR_FIGURES}}
+    parts_of = {f: [caption_part(scenes[name]) for name in f.scenes] for f in SNAPSHOT_FIGURES}
+    captions: dict[Any, list[str]] = {**parts_of, **{figure: [] for figure in ERROR_FIGURES}}
     return [
         {"name": figure.name, "paper": cited(figure.label), "scenes": parts}
         for figure, parts in captions.items()
