@@ -6,7 +6,7 @@ import numpy as np
 
 from longwave.lattice.numeric_lattice import ROUNDED_SQUARE, NumericLattice, zone_wavenumbers
 from longwave.lattice.state import GROWTH, BlowUp, State
-from longwave.support.array_types import Array, Mask
+from longwave.support.real_arrays import Array, Mask
 
 GRID_WAVENUMBERS = {1: 33, 2: 9, 3: 5}
 """Wavenumbers per axis, by dimension, of the grid on which one cell's bonds are checked."""

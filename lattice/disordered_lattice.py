@@ -17,8 +17,7 @@ from longwave.lattice.force_program import ForceProgram
 from longwave.lattice.kernels.streams import merged_weights
 from longwave.lattice.numeric_lattice import Entry, NumericLattice
 from longwave.lattice.variation import MassKind, Variation
-from longwave.support.array_types import Array, Complex
-from longwave.support.real_arrays import real_array
+from longwave.support.real_arrays import Array, Complex, real_array
 
 
 def mass_kind(lattice: NumericLattice) -> MassKind:

@@ -18,7 +18,7 @@ from longwave.lattice.numeric_lattice import DriveSteps
 from longwave.lattice.outer_forces import TimeFunction, shortest_time_scale
 from longwave.lattice.schemes import DriftKick, Scheme
 from longwave.lattice.time_integral import LEAST_PANEL, Integral
-from longwave.support.array_types import Array
+from longwave.support.real_arrays import Array
 
 PANEL_ERROR_FRACTION = 1e-5
 """Fraction of the tolerance allowed for the error of a drive's integral on one panel."""

@@ -15,7 +15,7 @@ from longwave.lattice.numeric_lattice import NumericLattice, value_range
 from longwave.lattice.run_times import checked_fields
 from longwave.lattice.schemes import DriftKick, Scheme
 from longwave.lattice.state import GROWTH, BlowUp, State
-from longwave.support.array_types import Array
+from longwave.support.real_arrays import Array
 
 SLOPE_SAMPLES = 65
 """Stretches, from the least to the most encountered, at which slopes are evaluated."""

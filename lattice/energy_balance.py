@@ -15,8 +15,8 @@ from numpy.polynomial import legendre
 
 from longwave.lattice.driving import DrivenChain
 from longwave.lattice.state import State
-from longwave.support.array_types import Array
 from longwave.support.checkpoint import Memory
+from longwave.support.real_arrays import Array
 
 NODES, WEIGHTS = ((legendre.leggauss(4)[0] + 1.0) / 2.0, legendre.leggauss(4)[1] / 2.0)
 """Nodes and weights of Gauss's rule on 0 .. 1."""

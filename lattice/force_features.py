@@ -15,7 +15,7 @@ import numpy as np
 
 from longwave.lattice.force_program import SLOPE_SAMPLES, ForceProgram
 from longwave.lattice.time_integral import Integral
-from longwave.support.array_types import Array
+from longwave.support.real_arrays import Array
 
 INITIAL_PANELS = 64
 """Initial number of panels on a range of stretches."""

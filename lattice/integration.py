@@ -26,8 +26,8 @@ from longwave.lattice.refine import refine
 from longwave.lattice.run_times import check_positive, checked_times
 from longwave.lattice.state import State
 from longwave.lattice.stepper import CHUNK, FixedDomain, Stepper
-from longwave.support.array_types import Array
 from longwave.support.checkpoint import Memory, begin_loop
+from longwave.support.real_arrays import Array
 from longwave.support.request_limits import OverBudgetError
 
 Judged = Callable[[Array, Array, float], ArrayLike]

@@ -9,7 +9,7 @@ import numpy as np
 from longwave.lattice.force_program import ForceProgram
 from longwave.lattice.numeric_lattice import Entry, NumericBond, NumericLattice
 from longwave.lattice.state import State
-from longwave.support.array_types import Array
+from longwave.support.real_arrays import Array
 
 NEGLIGIBLE_RATIO = 1e-200
 """K3 and K4 below this, in units of the largest constant, have no effect for strains up to 1e90;

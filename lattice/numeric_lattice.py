@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from longwave.lattice.force_program import ForceProgram, force_program
-from longwave.support.array_types import Array, Complex
 from longwave.support.known_names import one_of
+from longwave.support.real_arrays import Array, Complex
 
 if TYPE_CHECKING:
     from longwave.derive.algebra.exact_numbers import Number

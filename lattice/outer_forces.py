@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from longwave.lattice.force_program import ForceProgram
-from longwave.support.array_types import Array, Mask
+from longwave.support.real_arrays import Array, Mask
 
 TimeFunction = Callable[[Array], Array]
 """Function of an array of times."""

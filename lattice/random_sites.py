@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from longwave.support.array_types import Array
+from longwave.support.real_arrays import Array
 
 DISTRIBUTIONS = ("uniform", "binary")
 """Distributions of deviations: uniform on -1 .. 1, or -1 and 1 with equal probability."""

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from longwave.support.array_types import Array
-from longwave.support.real_arrays import real_array
+from longwave.support.real_arrays import Array, real_array
 
 if TYPE_CHECKING:
     from longwave.lattice.numeric_lattice import NumericLattice

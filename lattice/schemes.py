@@ -22,8 +22,8 @@ from typing import Any
 import numpy as np
 
 from longwave.lattice.scheme_order import NystroemTable, nystroem_defect, phase_lag_defect
-from longwave.support.array_types import Array, Mask
 from longwave.support.known_names import one_of
+from longwave.support.real_arrays import Array, Mask
 from longwave.support.user_files import shown
 
 Exact = tuple[Fraction, ...]

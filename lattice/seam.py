@@ -25,7 +25,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from longwave.lattice.state import State
-from longwave.support.array_types import Array
+from longwave.support.real_arrays import Array
 
 Profile = Callable[[Array], Array]
 

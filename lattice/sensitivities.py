@@ -22,7 +22,7 @@ from longwave.lattice.numeric_lattice import Entry
 from longwave.lattice.outer_forces import TimeFunction
 from longwave.lattice.schemes import REDUCED_PHASE_6, DriftKick
 from longwave.lattice.state import State
-from longwave.support.array_types import Array
+from longwave.support.real_arrays import Array
 
 NEGLIGIBLE_TERM = 1e-17
 """Largest neglected term of a drift's series, in units of its velocities."""

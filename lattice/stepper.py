@@ -10,8 +10,8 @@ from longwave.lattice.dynamics import Dynamics
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.schemes import Scheme
 from longwave.lattice.state import BlowUp, Domain, State
-from longwave.support.array_types import Array
 from longwave.support.checkpoint import Memory, fitting
+from longwave.support.real_arrays import Array
 
 
 def advance(

@@ -11,7 +11,7 @@ from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
 from longwave.lattice.force_program import ForceProgram
-from longwave.support.array_types import Array, Mask
+from longwave.support.real_arrays import Array, Mask
 
 MIN_PANELS, MAX_PANELS, GAUSS_POINTS = 2**13, 2**18, 12
 """Initial and largest number of panels, and points of Gauss's rule on each panel."""

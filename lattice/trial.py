@@ -10,7 +10,7 @@ from typing import Any, Literal, Protocol
 
 import numpy as np
 
-from longwave.support.array_types import Array
+from longwave.support.real_arrays import Array
 
 NUDGE = 2.0**-51
 """Relative change of the data's last digits."""

@@ -3,8 +3,6 @@
 from collections.abc import Iterable
 from typing import TypeVar
 
-from longwave.support.user_files import shown
-
 COMPARED_CHARACTERS = 60
 """Characters of an unknown name that are compared."""
 
@@ -100,6 +98,8 @@ class NamedEntries(dict[str, T]):
         self.kind = kind
 
     def __missing__(self, name: object) -> T:
+        from longwave.support.user_files import shown  # for errors alone
+
         raise UnknownNameError(
             f"{self.kind} must be a known one, got {shown(name)} ({one_of(name, self)})"
         )

@@ -1,4 +1,4 @@
-"""Conversion of user input to arrays of doubles; anything that is not real is refused."""
+"""Types of arrays, and conversion of user input to doubles; what is not real is refused."""
 
 from decimal import Decimal
 from numbers import Integral, Real
@@ -7,8 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from longwave.support.array_types import Array
-from longwave.support.user_files import shown
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+Indices = NDArray[np.int64]
+Mask = NDArray[np.bool_]
 
 REMEDIES = {"c": "take its real part", "b": "0 and 1 are numbers"}
 """Remedies for arrays of other values, by the kind of their dtype."""
@@ -18,7 +20,7 @@ def real_array(item: str, values: ArrayLike, allows_nan: bool = False) -> Array:
     """Return an array of doubles; ``item`` names its entries in errors, such as "every time".
 
     Integers must be exactly representable; other numbers are rounded to the nearest double. Raises
-    ValueError in one line for complex numbers, truth values, texts, masked item, rows of
+    ValueError in one line for complex numbers, truth values, texts, masked entries, rows of
     different lengths and, unless the caller ``allows_nan``, for values that are not finite.
 
     >>> real_array("every time", [1, 2.5])
@@ -45,7 +47,7 @@ def real_array(item: str, values: ArrayLike, allows_nan: bool = False) -> Array:
         if array.dtype.kind != "f":
             _check_integers(item, array, doubles)
     else:
-        got = shown(values) if array.dtype.kind in "SU" else array.dtype
+        got = _shown(values) if array.dtype.kind in "SU" else array.dtype
         remedy = REMEDIES.get(array.dtype.kind, "convert it to numbers")
         raise ValueError(f"{item} must be a real number, got {got} ({remedy})")
     if not (allows_nan or np.all(np.isfinite(doubles))):
@@ -59,7 +61,7 @@ def _check_integers(item: str, integers: NDArray[Any], doubles: Array) -> None:
     for integer, double in zip(integers[beyond].tolist(), doubles[beyond].tolist(), strict=True):
         if integer != int(double):
             raise ValueError(
-                f"{item} must be exactly a double, got the integer {shown(integer)} (use Wave.mp)"
+                f"{item} must be exactly a double, got the integer {_shown(integer)} (use Wave.mp)"
             )
 
 
@@ -69,15 +71,22 @@ def _from_objects(item: str, objects: NDArray[Any]) -> Array:
     for index, number in np.ndenumerate(objects):
         if isinstance(number, bool | np.bool_) or not isinstance(number, Real | Decimal):
             raise ValueError(
-                f"{item} must be a real number, got {shown(number)} "
+                f"{item} must be a real number, got {_shown(number)} "
                 f"of type {type(number).__name__} (convert it to numbers)"
             )
         try:
             doubles[index] = float(number)
         except OverflowError:
             raise ValueError(
-                f"{item} must be finite as a double, got {shown(number)} (take less)"
+                f"{item} must be finite as a double, got {_shown(number)} (take less)"
             ) from None
         if isinstance(number, Integral):
             _check_integers(item, np.array([number], dtype=object), doubles[index][None])
     return doubles
+
+
+def _shown(value: object) -> str:
+    """Return the value as errors show it."""
+    from longwave.support.user_files import shown  # for errors alone
+
+    return shown(value)

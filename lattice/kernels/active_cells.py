@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from longwave.support.array_types import Array, Mask
+from longwave.support.real_arrays import Array, Mask
 
 RESTING_MARGIN = 256
 """Number of cells at rest that are advanced at either end of the moving ones. With 128 to 512 the

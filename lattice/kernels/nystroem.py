@@ -13,8 +13,8 @@ from itertools import product
 
 import numpy as np
 
-from longwave.support.array_types import Array
 from longwave.support.compiled.jit import doubles, njit
+from longwave.support.real_arrays import Array
 
 _jit = njit(fastmath={"contract"})
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from longwave.support.array_types import Array
+from longwave.support.real_arrays import Array
 
 Acceleration = Callable[[Array], Array]
 

@@ -57,9 +57,9 @@ from longwave.lattice.kernels.active_cells import (
     shortest_arc,
 )
 from longwave.lattice.kernels.streams import FUNCTIONS, StagePlan, rows_of, varied_stage_plan
-from longwave.support.array_types import Array, Indices, Mask
 from longwave.support.compiled.cores import other_core, usable_cores
 from longwave.support.compiled.native_code import native_functions
+from longwave.support.real_arrays import Array, Indices, Mask
 
 if TYPE_CHECKING:
     from longwave.lattice.numeric_lattice import NumericLattice

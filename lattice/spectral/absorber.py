@@ -21,7 +21,7 @@ import ducc0  # type: ignore[import-not-found]
 import numpy as np
 
 from longwave.lattice.spectral.field_ring import FieldRing, modes_of, values_of
-from longwave.support.array_types import Array, Complex
+from longwave.support.real_arrays import Array, Complex
 
 ABSORBER_WIDTH = 1.0 / 12.0
 """Width of the absorber, in circumferences; its profile is exp(-(distance to the seam/width)^2).

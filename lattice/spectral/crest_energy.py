@@ -18,7 +18,7 @@ import numpy as np
 from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.lattice.spectral.field_ring import TAIL_DIVISOR, FieldRing, modes_of, values_of
 from longwave.lattice.spectral.lattice_ring import ring_stretches, wavenumbers
-from longwave.support.array_types import Array
+from longwave.support.real_arrays import Array
 
 DENSITY = 4.5
 """Points per site that resolve the energy's modes of wavenumbers near 2 pi: 2 for the strain, as

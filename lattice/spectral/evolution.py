@@ -29,8 +29,8 @@ import numpy as np
 from longwave.lattice.spectral.absorber import ABSORBER_STRENGTH, LeftAbsorber, ShortAbsorber
 from longwave.lattice.spectral.exponential import ExponentialAdams
 from longwave.lattice.spectral.field_ring import FieldRing, modes_of, spectrum_tails, values_of
-from longwave.support.array_types import Array, Complex
 from longwave.support.compiled.jit import complexes, doubles, njit
+from longwave.support.real_arrays import Array, Complex
 
 if TYPE_CHECKING:
     from longwave.lattice.model import Model

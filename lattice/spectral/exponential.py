@@ -24,8 +24,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from longwave.support.array_types import Array, Complex
 from longwave.support.compiled.jit import complexes, njit
+from longwave.support.real_arrays import Array, Complex
 
 if TYPE_CHECKING:
     from longwave.support.checkpoint import Memory

@@ -14,7 +14,7 @@ import ducc0  # type: ignore[import-not-found]
 import numpy as np
 from numpy.typing import ArrayLike
 
-from longwave.support.array_types import Array, Complex
+from longwave.support.real_arrays import Array, Complex
 
 TAIL_DIVISOR = 8
 """Inverse of the fraction of the spectrum that counts as its tail: the last 1/TAIL_DIVISOR."""

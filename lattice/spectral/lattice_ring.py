@@ -28,8 +28,8 @@ from longwave.lattice.spectral.evolution import STEPS_PER_CHECK, RunawayError, S
 from longwave.lattice.spectral.exponential import ExponentialAdams
 from longwave.lattice.spectral.field_ring import FieldRing, modes_of, spectrum_tails, values_of
 from longwave.lattice.spectral.normal_modes import multipliers, normal_modes
-from longwave.support.array_types import Array, Complex, Mask
 from longwave.support.compiled.jit import complexes, doubles, njit
+from longwave.support.real_arrays import Array, Complex, Mask
 
 if TYPE_CHECKING:
     from longwave.support.checkpoint import Memory

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from longwave.lattice.numeric_lattice import Entry, NumericLattice
-from longwave.support.array_types import Array, Complex
+from longwave.support.real_arrays import Array, Complex
 
 HERMITIAN_ERROR = 1e-12
 """Largest relative deviation of a weighted matrix from its adjoint to count as Hermitian."""

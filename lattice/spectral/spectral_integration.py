@@ -28,9 +28,8 @@ from longwave.lattice.spectral.field_ring import FieldRing, fast_count
 from longwave.lattice.spectral.lattice_ring import LatticeRing, ring_slopes, ring_stretches, whole
 from longwave.lattice.spectral.ring_search import TAIL_SHARE, SpectralSearch
 from longwave.lattice.trial import Choices, Kind, Progress, Trial, nudged, rounding_error
-from longwave.support.array_types import Array
 from longwave.support.checkpoint import Memory, begin_loop
-from longwave.support.real_arrays import real_array
+from longwave.support.real_arrays import Array, real_array
 
 Judged = Callable[[FieldRing], Array]
 

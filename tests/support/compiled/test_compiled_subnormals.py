@@ -85,7 +85,7 @@ def test_the_mode_is_restored_after_an_exception():
 
 
 def test_a_kernel_without_cache_cannot_flush():
-    with pytest.raises(ValueError, match="cache must be True where subnormals is False, got False"):
+    with pytest.raises(ValueError, match="cache must be True if subnormals is False, got False"):
         njit(subnormals=False)(lambda x: x)
 
 
