@@ -354,9 +354,7 @@ def driven_chain(
     _check_chain(lattice, cells, left, right, forces, bool(mass_factors or spring_factors))
     ends = _ends(lattice, cells, left, right)
     count, ring = len(lattice.fields), ends.cut.shape[1]
-    masses = np.ones((count, ring))
-    for cell, factor in mass_factors.items():
-        masses[:, cell] = _checked_factors("mass", cell, factor, count, 0 <= cell < cells)
+    masses = _mass_factors(mass_factors, np.ones((count, ring)), cells)
     springs = _bond_factors(lattice, spring_factors, np.where(ends.cut, 0.0, 1.0), cells)
     is_varied = [bool((row != 1.0).any()) for row in springs]
     is_lossy = any(rates) or any(dashpot_rates)
@@ -381,6 +379,13 @@ def driven_chain(
         walls=ends.walls,
         free=ends.free,
     )
+
+
+def _mass_factors(given: Factors, factors: Array, cells: int) -> Array:
+    """Set the given mass factors in the array of all, (fields, ring), and return it."""
+    for cell, factor in given.items():
+        factors[:, cell] = _checked_factors("mass", cell, factor, len(factors), 0 <= cell < cells)
+    return factors
 
 
 def _bond_factors(lattice: NumericLattice, given: Factors, factors: Array, cells: int) -> Array:

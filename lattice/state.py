@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-
-from longwave.support.real_arrays import Array, Indices
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from longwave.support.checkpoint import Memory
 
-Sites = Indices
+Array = NDArray[np.float64]
+Sites = NDArray[np.int64]
 
 
 @dataclass

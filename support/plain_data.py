@@ -96,7 +96,7 @@ class _Writer:
     def _array(self, values: np.ndarray[Any, Any]) -> list[Any]:
         """Return type, shape, memory order and byte offset of an array, and store its data."""
         if not NUMBER_DTYPE.fullmatch(values.dtype.str):
-            raise TypeError(f"arrays must hold numbers or texts, got {values.dtype}")
+            raise TypeError(f"array entries must be numbers or texts, got {values.dtype}")
         flags = values.flags
         order: Literal["F", "C"] = "F" if flags.f_contiguous and not flags.c_contiguous else "C"
         offset = self._length

@@ -1,4 +1,4 @@
-"""Conversion of user input to arrays of doubles; anything that is not real is refused."""
+"""Types of arrays, and conversion of user input to doubles; what is not real is refused."""
 
 from decimal import Decimal
 from numbers import Integral, Real
@@ -20,7 +20,7 @@ def real_array(item: str, values: ArrayLike, allows_nan: bool = False) -> Array:
     """Return an array of doubles; ``item`` names its entries in errors, such as "every time".
 
     Integers must be exactly representable; other numbers are rounded to the nearest double. Raises
-    ValueError in one line for complex numbers, truth values, texts, masked item, rows of
+    ValueError in one line for complex numbers, truth values, texts, masked entries, rows of
     different lengths and, unless the caller ``allows_nan``, for values that are not finite.
 
     >>> real_array("every time", [1, 2.5])
@@ -86,6 +86,7 @@ def _from_objects(item: str, objects: NDArray[Any]) -> Array:
 
 
 def _shown(value: object) -> str:
+    """Return the value as errors show it."""
     from longwave.support.user_files import shown  # for errors alone
 
     return shown(value)
