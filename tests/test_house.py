@@ -18,7 +18,7 @@ from house import HOUSE, ROOMS, dotted_name
 
 SOURCES = sorted(path for room in ROOMS for path in (HOUSE / room).rglob("*.py"))
 
-LONGEST_CHAIN, LONGEST_OF_PROOFS = 10, 15
+LONGEST_CHAIN, LONGEST_OF_PROOFS = 9, 15
 """Modules in the longest chain of imports, those in functions and for types alone left out: of all
 but the proofs, and with them."""
 
