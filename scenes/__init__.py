@@ -6,7 +6,7 @@
 """
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from longwave.scenes.description import entries
 from longwave.scenes.engines.methods import run_scene
@@ -29,10 +29,10 @@ __getattr__, __dir__ = lazy_exports(
 )
 
 
-def _starts() -> Mapping[str, Any]:
-    from longwave.scenes.starts.start_entries import STARTS  # imported with the first scene
+def _table(kind: type[entries.E]) -> Mapping[str, entries.E]:
+    from longwave.scenes import tables  # imported with the first scene
 
-    return STARTS
+    return {name: entry for name, entry in vars(tables).items() if isinstance(entry, kind)}
 
 
-entries.run, entries.starts = run_scene, _starts  # a scene is described below what runs it
+entries.run, entries.table = run_scene, _table  # a scene is described below what runs it

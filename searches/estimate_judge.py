@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 
 from longwave.reports.studies.estimates import MAX_REFERENCE_ERROR, Judged
 from longwave.scenes import run
-from longwave.scenes.description.numerics import ENGINES
+from longwave.scenes.description.entries import table
+from longwave.scenes.description.numerics import EngineRules
 from longwave.scenes.description.scene import Scene
 from longwave.support.processes import OutOfTime, time_limit
 from searches.causal_reference import CausalReference, SoftenedError
@@ -76,7 +77,7 @@ class _Answer:
 def warm_up() -> None:
     """Run both engines on both kinds of background: compiling is then no part of a scene's time."""
     for wave in ("rational_1", "wave_cn"):
-        for engine in ENGINES:
+        for engine in table(EngineRules):
             run(
                 Scene.of(
                     name="warm-up",

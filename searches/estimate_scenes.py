@@ -16,7 +16,8 @@ from dataclasses import dataclass
 
 from scipy.special import ellipkm1
 
-from longwave.scenes.description.numerics import ENGINES
+from longwave.scenes.description.entries import table
+from longwave.scenes.description.numerics import EngineRules
 from longwave.scenes.description.scene import Scene
 
 __all__ = ["BUDGET", "WAVES", "RandomScene", "predicted_seconds", "random_scene"]
@@ -91,7 +92,7 @@ def _scene(draw: Draw, wave: str, name: str) -> tuple[Scene, float]:
     K4 = _short(a**2 * K2 / 6.0)
     compared = round(_power(draw, 30, 1000))
     tolerance = _short(_power(draw, 1e-8, 1e-2))
-    engine = draw.choice(["", *ENGINES])
+    engine = draw.choice(["", *table(EngineRules)])
     c, way = math.sqrt(K2), _power(draw, 1e2, 1e5)
     drift = shape.drift * (a * eps) ** 2 / 24.0
     t0, span = _start(draw, drift, compared, way) / c, way / c

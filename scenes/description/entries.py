@@ -1,19 +1,21 @@
-"""Hooks for the starts that a scene may name and for the function that runs a scene.
+"""Hooks for the entries that a scene may name and for the function that runs a scene.
 
 Descriptions must not import starts and engines. Therefore `longwave.scenes` sets the hooks when it
-is imported, before any of its modules.
+is imported, before any of its modules. The entries are listed in `scenes/tables.py`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, TypeVar
 
 if TYPE_CHECKING:
     import xarray as xr
 
-starts: Callable[[], Mapping[str, Any]]
-"""Function that returns `starts.start_entries.STARTS`."""
+E = TypeVar("E")
+
+table: Callable[[type[E]], Mapping[str, E]]
+"""Function that returns the entries of a type, such as `StartRules`, by name."""
 
 run: Callable[..., xr.Dataset]
 """Function that runs a scene; it takes the scene and the callbacks of `Scene.run`."""

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from longwave.lattice.schemes import Scheme, scheme_named
+from longwave.scenes.description import entries
 from longwave.scenes.description import scene_checks as check
 
 NUMERICS = ("step", "domain", "sites", "scheme", "tolerance", "engine")
@@ -24,14 +25,6 @@ class DomainRules:
     ends_meet: bool = False
 
 
-DOMAINS = {
-    "window": DomainRules(moves=True),
-    "ring": DomainRules(),
-    "closed_ring": DomainRules(ends_meet=True),
-}
-"""Rules of each domain that a scene may state; messages list the names in this order."""
-
-
 @dataclass(frozen=True, kw_only=True)
 class EngineRules:
     """Rules for scenes that name an engine.
@@ -40,10 +33,6 @@ class EngineRules:
     """
 
     steps_cells: bool = True
-
-
-ENGINES = {"stencil": EngineRules(), "spectral": EngineRules(steps_cells=False)}
-"""Rules of each engine that a scene may name."""
 
 
 @dataclass(frozen=True)
@@ -67,12 +56,12 @@ class Discretisation:
         scheme_named(self.scheme)
         object.__setattr__(self, "sites", check.whole("sites", self.sites))
         check.positive("step", self.step)
-        check.one_of("domain", self.domain, tuple(DOMAINS))
+        check.one_of("domain", self.domain, tuple(entries.table(DomainRules)))
 
     @property
     def rules(self) -> DomainRules:
         """Entry of the domain."""
-        return DOMAINS[self.domain]
+        return entries.table(DomainRules)[self.domain]
 
     @property
     def table(self) -> Scheme:
@@ -102,7 +91,7 @@ class Tolerance:
             check.text(key, getattr(self, key))
         object.__setattr__(self, "tolerance", check.tolerance(self.tolerance))
         if self.engine:
-            check.one_of("engine", self.engine, tuple(ENGINES))
+            check.one_of("engine", self.engine, tuple(entries.table(EngineRules)))
         if self.scheme:
             scheme_named(self.scheme)
             if not self.steps_cells:
@@ -114,7 +103,7 @@ class Tolerance:
     @property
     def steps_cells(self) -> bool:
         """Whether the engine steps cells; True if none is named."""
-        return not self.engine or ENGINES[self.engine].steps_cells
+        return not self.engine or entries.table(EngineRules)[self.engine].steps_cells
 
     def __str__(self) -> str:
         names = ", ".join(text for text in (self.engine, self.scheme) if text)
@@ -133,7 +122,8 @@ def numerics_of(given: Mapping[str, Any]) -> Discretisation | Tolerance:
                     "(the tolerance determines it; leave out one of the two)"
                 )
         return Tolerance(values["tolerance"], engine, scheme)
-    if engine and not ENGINES[check.one_of("engine", engine, tuple(ENGINES))].steps_cells:
+    engines = entries.table(EngineRules)
+    if engine and not engines[check.one_of("engine", engine, tuple(engines))].steps_cells:
         raise ValueError(
             f"tolerance must be given for engine {engine!r}, got none (it takes no step)"
         )

@@ -86,7 +86,7 @@ class SceneFields:
     @property
     def named_start(self) -> StartRules | None:
         """Entry of a wave that is not a closed form; None for a closed form."""
-        return entries.starts().get(self.wave) if isinstance(self.wave, str) else None
+        return entries.table(StartRules).get(self.wave) if isinstance(self.wave, str) else None
 
     @property
     def start(self) -> StartRules:

@@ -7,8 +7,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from longwave.scenes.description import entries
 from longwave.scenes.description import scene_checks as check
-from longwave.scenes.description.numerics import DOMAINS, Discretisation, Tolerance
+from longwave.scenes.description.numerics import Discretisation, DomainRules, Tolerance
 from longwave.scenes.description.scene_checks import CHAIN
 from longwave.scenes.observed.observables import observable_named
 
@@ -61,8 +62,9 @@ def _check_numerics(scene: SceneFields) -> None:
     numerics = scene.numerics
     if isinstance(numerics, Discretisation):
         may_move = not (scene.is_envelope or scene.disorder or scene.losses)
-        domains = [name for name, rule in DOMAINS.items() if not (rule.moves or rule.ends_meet)]
-        domains += [name for name, rule in DOMAINS.items() if rule.moves and may_move]
+        known = entries.table(DomainRules).items()
+        domains = [name for name, rule in known if not (rule.moves or rule.ends_meet)]
+        domains += [name for name, rule in known if rule.moves and may_move]
         if numerics.domain not in domains or scene.is_growth:
             raise ValueError(
                 f"domain must be {' or '.join(map(repr, domains))} for {scene.wave} on "

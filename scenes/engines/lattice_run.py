@@ -11,16 +11,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from longwave.lattice.refine import Announce, Refined
-from longwave.scenes.description.numerics import ENGINES
+from longwave.scenes.description import entries
 from longwave.scenes.description.scene import Scene
 from longwave.scenes.description.scene_checks import enough_steps
 from longwave.scenes.engines import ring_cost, run_record
 from longwave.scenes.engines.domain_plan import MOVE_CELLS, ComparedCells, DomainCost, DomainPlan
+from longwave.scenes.engines.entry_kinds import CellDomain, WaveEngine, WaveRuns
 from longwave.scenes.engines.recorders import MOMENT_BYTES, exact_times
 from longwave.scenes.engines.site_engine import SiteEngine
 from longwave.scenes.engines.spectral_run import run_spectral, spectral_cost
 from longwave.scenes.engines.stated_run import REFINED_COST, refinements, run_from
-from longwave.scenes.engines.stepped_cells import SteppedCells, WindowCells
 from longwave.scenes.observed.observables import MAP_CELLS, MEASURED, observable_named
 from longwave.scenes.starts.background_growth import check_trust, trust_attributes
 from longwave.scenes.starts.cached_long_wave import equation_of, scene_lattice_wave
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from longwave.lattice.state import State
     from longwave.lattice.trial import Progress
     from longwave.scenes.engines.ring_spectral import SpectralRuns
+    from longwave.scenes.engines.stepped_cells import SteppedCells
     from longwave.scenes.starts.lattice_wave import LatticeWave
 
 TRANSVERSE_POWER = 2
@@ -51,12 +52,11 @@ def compared_cells(scene: Scene, wave: LatticeWave) -> ComparedCells:
 
 def scene_cost(scene: Scene) -> ExpectedCost:
     """Return the expected cost; ValueError, as in `record_scene`, for a scene that is refused."""
-    cost = cells_cost if scene.tolerance is None or _steps_cells(scene) else rings_cost
-    return cost(scene)
+    return cells_cost(scene) if scene.tolerance is None else _runs(scene).cost(scene)
 
 
-def _steps_cells(scene: Scene) -> bool:
-    return ENGINES[choose_engine(scene)].steps_cells
+def _runs(scene: Scene) -> WaveRuns:
+    return entries.table(WaveEngine)[choose_engine(scene)].runs()
 
 
 def rings_cost(scene: Scene) -> ExpectedCost:
@@ -245,8 +245,7 @@ def record_scene(
             announce(_stated_cost(timed, domains.wave, domains.compared).seconds)
             record = run_from(stated_cells(timed, domains), restart, progress)
         else:
-            by_engine = record_by_cells if _steps_cells(scene) else record_by_rings
-            record = by_engine(scene, progress, announce)
+            record = _runs(scene).record(scene, progress, announce)
     except run_record.UnfinishedRun as stop:
         _add_attributes(stop.record, scene)
         raise
@@ -255,8 +254,8 @@ def record_scene(
 
 
 def stated_cells(timed: Scene, domains: DomainPlan) -> SteppedCells:
-    """Return the cells of the domain, window or ring, that a scene states."""
-    return (WindowCells if timed.discretisation.rules.moves else SteppedCells)(timed, domains)
+    """Return the cells of the domain that a scene states."""
+    return entries.table(CellDomain)[timed.discretisation.domain].cells(timed, domains)
 
 
 def record_by_rings(scene: Scene, progress: Progress, announce: Announce) -> run_record.RunRecord:

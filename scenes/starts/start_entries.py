@@ -98,9 +98,8 @@ def _check_growth(scene: SceneFields) -> None:
         )
 
 
-STARTS: Mapping[str, StartRules] = {
-    "computed_soliton": ReducedStart(solve=_solve_soliton),
-    "perturbed_plane": StartRules(method="sidebands", measured="growth rate", check=_check_growth),
-}
-"""Waves that are not closed forms: the soliton, of a ``speed`` in X/T, of an equation without one
-in closed form; the plane wave of a carrier with a perturbation that grows."""
+computed_soliton = ReducedStart(solve=_solve_soliton)
+"""Soliton, of a ``speed`` in X/T, of an equation without a soliton in closed form."""
+
+perturbed_plane = StartRules(method="sidebands", measured="growth rate", check=_check_growth)
+"""Plane wave of a carrier, with a perturbation that grows."""
