@@ -39,7 +39,7 @@ BAD_NUMBERS: list[tuple[dict[str, Any], str]] = [
     ({"eps": math.nan}, r"eps must be finite, got nan"),
     ({"eps": "small"}, r"eps must be a number, got 'small'"),
     ({"step": -0.5}, r"step must satisfy step > 0, got -0.5"),
-    ({"K2": 0}, r"K2 must satisfy K2 > 0, got 0 \(the sound speed"),
+    ({"K2": 0}, r"K2 must satisfy K2 > 0, got 0 \(sound travels"),
     ({"K4": math.inf}, r"K4 must be finite, got inf"),
     ({"t0": True}, r"t0 must be a number, got True"),
     ({"snapshots": (-20.0, -30.0)}, r"snapshots must satisfy t >= t0 = -20, got -30 \(start earl"),
