@@ -24,6 +24,7 @@ import longwave.reports.build
 from longwave.__main__ import main
 from longwave.derive.__main__ import CONSTANTS
 from longwave.derive.models.lattices import FPUT_STRAIN
+from longwave.derive.output.derive_options import DeriveOptions
 from longwave.runs import load_run
 from longwave.scenes.description.named_scenes import FOLDER_NAMES, shipped_scenes
 from snippets import SLOW
@@ -172,7 +173,6 @@ def test_options_reach_the_rooms(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(longwave.cli.sweep_command, "sweep_and_print", keep)
     monkeypatch.setattr(longwave.cli.accuracy, "print_accuracy", keep)
     monkeypatch.setattr(longwave.reports.build, "write_report", keep)
-    DeriveOptions = longwave.derive.output.printout.DeriveOptions
     for line in (
         "derive --k4 -1/2 --orders 5 --latex",
         "prove a.toml --limit 3 --output c.json",

@@ -136,7 +136,7 @@ def test_each_public_name_is_the_object_of_its_room(room: str, noun: str) -> Non
 
 
 def test_an_unknown_public_name_lists_the_known_ones() -> None:
-    with pytest.raises(AttributeError, match=r"no noun 'zeta' .one of .*Scene"):
+    with pytest.raises(AttributeError, match=r"no public name 'zeta' .one of .*Scene"):
         _ = longwave.zeta
 
 

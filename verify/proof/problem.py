@@ -187,7 +187,7 @@ def equality_problem(
 def formula(name: str, given: object) -> sp.Expr:
     """Return a formula as a SymPy expression; raises TypeError for other objects."""
     if isinstance(given, sp.Expr | int) and not isinstance(given, bool):
-        return sp.sympify(given)
+        return given if isinstance(given, sp.Expr) else sp.Integer(given)
     got = shown(given)
     raise TypeError(f"{name} must be a SymPy expression, got {got} (make it from sympy.Symbol)")
 

@@ -15,7 +15,7 @@ from sympy import Symbol
 
 from longwave import fit_force
 from longwave.derive import LATTICES
-from longwave.derive.intervals import WIDE
+from longwave.derive.intervals import HALF_WIDTH
 from longwave.lattice.numeric_lattice import numeric_lattice
 from longwave.scenes.fits.force_data import ForceData, read_force
 from longwave.scenes.fits.force_fit import MIN_POINTS_TO_CHOOSE, ForceFit, fit_points
@@ -38,7 +38,7 @@ def noisy(law: Callable[[Points], Points], seed: int, stretch: Points = STRETCH)
 
 def covered(fits: list[ForceFit], truth: list[float]) -> Points:
     """The share of fits whose 95 % intervals hold each constant."""
-    return np.mean([abs(f.values - truth) < WIDE * f.deviations for f in fits], axis=0)
+    return np.mean([abs(f.values - truth) < HALF_WIDTH * f.deviations for f in fits], axis=0)
 
 
 @pytest.mark.parametrize(
@@ -232,7 +232,9 @@ def test_intervals_of_a_chosen_law_hold_or_are_doubted(
             force = noisy(lambda x: sum(k * x**p for p, k in enumerate(truth, 1)), seed, at)
             fit = fit_force(at, force)
             place = fit.names.index("K2")
-            wrong += abs(fit.values[place] - 1) > WIDE * fit.deviations[place] and not fit.doubts
+            wrong += (
+                abs(fit.values[place] - 1) > HALF_WIDTH * fit.deviations[place] and not fit.doubts
+            )
             assert count >= MIN_POINTS_TO_CHOOSE or "few to choose a law by" in " ".join(fit.doubts)
         assert wrong <= 5
 
