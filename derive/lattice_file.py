@@ -49,9 +49,10 @@ from longwave.derive.algebra.formula_printing import formula_as_text
 from longwave.derive.algebra.formula_text import Vocabulary
 from longwave.derive.lattice import Bond, Cell, Lattice, Stencil, on_site, spring
 from longwave.derive.measured import Measured
+from longwave.derive.models.lattices import LATTICES
 from longwave.derive.symbols import check_names, eps, x
 from longwave.support.known_names import one_of
-from longwave.support.user_files import file_stem, read_toml, shown, shown_path
+from longwave.support.user_files import STANDARD_INPUT, file_stem, read_toml, shown, shown_path
 
 LARGEST_FILE = 100_000
 """Largest size of a file, in bytes."""
@@ -355,3 +356,18 @@ def _bond(entry: Mapping[str, Any], fields: list[str], symbols: _Symbols) -> Bon
                 )
             ends.append(Stencil(cell, weight, _field("action", name, fields)))
     return Bond(stretch, symbols.formula("force", entry.get("force")), tuple(ends))
+
+
+def find_lattice(model: str) -> Lattice:
+    """Return the lattice of this name, or that of a file or of the standard input ("-").
+
+    Raises ValueError for an unknown name and as `read_lattice`.
+    """
+    if model in LATTICES:
+        return LATTICES[model]
+    if model.endswith(".toml") or model == STANDARD_INPUT:
+        return read_lattice(Path(model))
+    raise ValueError(
+        f"MODEL must be a lattice or a file of one, got {shown(model)} "
+        f"({one_of(model, LATTICES)}; or FILE.toml)"
+    )

@@ -29,6 +29,7 @@ SEES: Mapping[str, tuple[str, ...]] = {
     "solutions": ("support", "derive"),
     "verify": ("support", "derive", "solutions"),
     "lattice": ("support", "derive"),
+    "waves": ("support", "derive"),
     "scenes": ("support", "derive", "solutions", "lattice"),
     "runs": ("support", "derive", "solutions", "lattice", "scenes"),
     "reports": tuple(room for room in ROOMS if room not in ("reports", "longwave")),

@@ -6,7 +6,6 @@ import json
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
-from pathlib import Path
 from typing import Any
 
 from sympy import Expr, I, S, Symbol
@@ -22,9 +21,9 @@ from longwave.derive.dispersion import (
 from longwave.derive.expected_derivation import CHEAPER_ORDER, reduction_seconds
 from longwave.derive.intervals import Interval, intervals_of_reduction
 from longwave.derive.lattice import Lattice
-from longwave.derive.lattice_file import read_lattice
+from longwave.derive.lattice_file import find_lattice
 from longwave.derive.linear_waves import LinearWaves
-from longwave.derive.models.lattices import FPUT_STRAIN, LATTICES
+from longwave.derive.models.lattices import FPUT_STRAIN
 from longwave.derive.models.mkdv import initial_velocity, initial_velocity_latex
 from longwave.derive.multiscale import FURTHER_ORDERS, ReductionError, reduce
 from longwave.derive.output import derive_options
@@ -35,8 +34,7 @@ from longwave.derive.reduction import Reduction, reduction_data
 from longwave.derive.scaling import Scaling, SlowVariable
 from longwave.derive.symbols import eps
 from longwave.support.command_line import check_and_announce, fail
-from longwave.support.known_names import one_of
-from longwave.support.user_files import STANDARD_INPUT, shown
+from longwave.support.user_files import shown
 
 MOST_ORDERS = 13
 """Largest --order."""
@@ -50,7 +48,7 @@ def print_derivation(options: derive_options.DeriveOptions) -> int:
     try:
         if options.check and options.form != "text":
             raise ValueError(f"--{options.form} must be left out with check (it prints text only)")
-        lattice = _with_losses(_lattice(options.model), options.losses)
+        lattice = _with_losses(find_lattice(options.model or FPUT_STRAIN.name), options.losses)
         if options.carrier is not None:
             from longwave.derive.output.carrier_printout import carrier_lines
 
@@ -66,19 +64,6 @@ def print_derivation(options: derive_options.DeriveOptions) -> int:
         lines = [*(f"% not an energy: {line}" for line in lattice.missing_energies), *lines]
     print("\n".join(lines))
     return int(options.check and any(line.startswith("DIFFERS") for line in lines))
-
-
-def _lattice(model: str | None) -> Lattice:
-    if model is None:
-        return FPUT_STRAIN
-    if model in LATTICES:
-        return LATTICES[model]
-    if model.endswith(".toml") or model == STANDARD_INPUT:
-        return read_lattice(Path(model))
-    raise ValueError(
-        f"MODEL must be a lattice or a file of one, got {shown(model)} "
-        f"({one_of(model, LATTICES)}; or FILE.toml)"
-    )
 
 
 def _with_losses(lattice: Lattice, texts: Mapping[str, str]) -> Lattice:

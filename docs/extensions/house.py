@@ -6,7 +6,8 @@ from pathlib import Path
 HOUSE = Path(__file__).resolve().parents[2]
 
 ROOMS = (
-    *("support", "derive", "solutions", "verify", "lattice", "scenes", "runs", "reports"),
+    *("support", "derive", "solutions", "verify", "lattice", "waves", "scenes"),
+    *("runs", "reports"),
     "longwave",
 )
 """Rooms in the order of their imports; the last is the package that contains all of them."""

@@ -25,6 +25,8 @@ from longwave.verify.proof import CertificateError, check_certificate
 from longwave.verify.proof.export.derivation import written_out
 from longwave.verify.proof.export.systems import SYSTEMS
 from longwave.verify.proof.export.terms import premises_in_short
+from longwave.waves.kernel import check as wave_check
+from longwave.waves.kernel.limits import CertificateError as WaveCertificateError
 
 T = TypeVar("T")
 
@@ -166,10 +168,13 @@ def check_one(certificate: Any) -> dict[str, str]:
     if not isinstance(certificate, Mapping):
         got = type(certificate).__name__
         raise CertificateError(f"certificate must be an object, got {got} (prove writes one)")
-    name = ascii(certificate.get("name"))[:60].strip("'")
+    if isinstance(certificate.get("kind"), str):
+        name, check = certificate["kind"][:60], wave_check.check_certificate
+    else:
+        name, check = ascii(certificate.get("name"))[:60].strip("'"), check_certificate
     try:
-        statement = check_certificate(certificate)
-    except CertificateError as error:
+        statement = check(certificate)
+    except (CertificateError, WaveCertificateError) as error:
         raise CertificateError(f"{name}: {error}") from error
     return {"name": name, "statement": statement}
 

@@ -149,6 +149,37 @@ def fit(
     return fit_scene_and_print(points, scene, free, **outputs)
 
 
+@longwave.command(
+    epilog=example("longwave wave fput_strain --set K2=1,K3=0,K4=1 --near dn --k 3/5 --eps 2/25")
+)
+@click.argument("model", metavar="MODEL|FILE.toml")
+@click.option("--set", "sets", multiple=True, metavar="NAME=VALUE,...", help="Values of constants.")
+@click.option("--near", metavar="dn|cn|sn", help="A wave with the pins of this mKdV wave.")
+@click.option("--k", metavar="X", help="Modulus of --near, 0 < k < 1.")
+@click.option("--eps", metavar="X", help="Small parameter of --near.")
+@click.option("--every-eps-to", metavar="X", help="All eps up to this one, for --near and --k.")
+@click.option("--period", metavar="P", help="A periodic wave of this period in cells.")
+@click.option("--mean", metavar="X", help="Its mean strain (0).")
+@click.option("--first-mode", metavar="X", help="Its first mode f_1: f_0 + 2 f_1 cos(...) + ...")
+@click.option("--speed", metavar="V", help="A solitary wave of this speed, in cells a time unit.")
+@click.option("--stability", metavar="X", help="Also the growth at kappa P/(2 pi) = X.")
+@path_option("--certificate", "FILE.json", "Write the proof, for longwave check.")
+@click.option("--digits", type=click.IntRange(2, 38), default=16, metavar="N", help="Digits (16).")
+@force_option
+@json_option
+@limit_options
+def wave(model: str, sets: tuple[str, ...], **options: Any) -> int:
+    """Find an exact wave of a lattice and prove it.
+
+    MODEL is a chain of equal masses (`longwave list lattices`), or a file of one. The verdict is
+    EXISTS, NOT PROVED with the inequality that failed, or REFUSED for a lattice outside the
+    theorems. Every number is printed with its proved error.
+    """
+    from longwave.cli.wave_command import wave_and_print
+
+    return wave_and_print(model, named_values("--set", sets), **options)
+
+
 @longwave.command(epilog=example("longwave run rational_2_eps_0.05 --tolerance 1e-3"))
 @click.argument("scene", shell_complete=complete_scenes)
 @click.option(

@@ -9,7 +9,7 @@ import pytest
 from longwave.__main__ import main
 from longwave.cli.command_tree import longwave
 
-WRITING = {"output", "plot"}
+WRITING = {"output", "plot", "certificate"}
 """Options that name what is written."""
 
 UNASKED: dict[tuple[str, str], str] = {}
@@ -42,7 +42,7 @@ def test_every_option_that_writes_a_file_has_force_beside_it() -> None:
         assert writing <= WRITING, words
         assert not writing or "force" in options or (words, *writing) in UNASKED, words
         found |= {words} if writing else set()
-    written = {"run", "sweep", "plot", "animate", "report", "converge", "fit"}
+    written = {"run", "sweep", "plot", "animate", "report", "converge", "fit", "wave"}
     assert found == {"prove", "library", "check", "verify"} | written
 
 

@@ -68,6 +68,7 @@ TOO_LONG = {
     "verify accuracy": "verify accuracy",
     "fit": f"fit points.csv --law {LARGE}",
     "run": "run scene.toml",
+    "wave": "wave lennard_jones --set E=1,r=1 --speed 9",
     "sweep": "sweep sweep.toml",
     "plot": "plot scene.toml",
     "animate": "animate scene.toml",
@@ -89,6 +90,10 @@ TOO_LARGE = {
     ),
     "fit": ("fit points.csv", "longwave.cli.fit:fit_points"),
     "run": ("run toda_soliton", "longwave.cli.scene_command:_run_with_bar"),
+    "wave": (
+        "wave alpha_fput --set K2=1,K3=1 --speed 21/20",
+        "longwave.cli.wave_command:exact_wave",
+    ),
     "sweep": ("sweep small.toml --processes 1", "longwave.runs.sweep_cells:run_cell"),
     "plot": ("plot toda_soliton", "longwave.reports.pictures.plotting:plot"),
     "animate": ("animate toda_soliton", "longwave.reports.pictures.animation:animate"),

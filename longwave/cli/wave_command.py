@@ -1,0 +1,153 @@
+"""``longwave wave``: exact waves of a chain, with the verdict and every number's error."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from decimal import (
+    ROUND_CEILING,
+    ROUND_FLOOR,
+    ROUND_HALF_EVEN,
+    Context,
+    Decimal,
+    localcontext,
+)
+from pathlib import Path
+from typing import Any
+
+from longwave.derive.lattice_file import find_lattice
+from longwave.derive.symbols import constant_value
+from longwave.support import console
+from longwave.support.atomic_file import write_atomically
+from longwave.support.command_line import command_name, fail
+from longwave.support.interruption import interrupted
+from longwave.waves.exact_wave import (
+    ExactWave,
+    Existence,
+    Exponent,
+    Interval,
+    exact_wave,
+    waves_of_all_eps,
+)
+
+CATALOGUE_PREFIX = "wave_"
+"""Prefix of the waves' names in the catalogue of closed forms: wave_dn is dn."""
+
+LARGEST_ERROR = 1e-10
+
+
+def wave_and_print(
+    model: str,
+    constants: Mapping[str, str],
+    *,
+    near: str | None,
+    every_eps_to: str | None,
+    stability: str | None,
+    certificate: str | None,
+    digits: int,
+    force: bool,
+    json_wanted: bool,
+    **numbers: str | None,
+) -> int:
+    """Find a wave, print its verdict and write its certificate; return the exit status.
+
+    It is 0 if the wave exists, 1 if it is not proved or refused, 2 for wrong input.
+    """
+    try:
+        console.check_output(certificate, "w.json", force=force)
+        lattice = find_lattice(model).with_values(
+            {name: constant_value(name, text) for name, text in constants.items()}
+        )
+        given = {name: text for name, text in numbers.items() if text is not None}
+        form = (near or "").removeprefix(CATALOGUE_PREFIX)
+        if every_eps_to is None:
+            wave = exact_wave(lattice, near=form, error=LARGEST_ERROR, **given)
+        else:
+            wave = _all_eps(lattice, form, every_eps_to, stability, given)
+        exponents = []
+        if stability is not None and wave.verdict is Existence.EXISTS:
+            exponents = [(stability, wave.exponent(stability))]
+        if certificate is not None and wave.certificate:
+            text = json.dumps(_written(wave, exponents), indent=1) + "\n"
+            path = Path(certificate)
+            write_atomically(path, lambda draft: draft.write_text(text, encoding="utf-8"), force)
+    except KeyboardInterrupt:
+        return interrupted(command_name(), "nothing was saved")
+    except (ValueError, OSError) as error:
+        return fail(error)
+    if json_wanted:
+        console.print_json(wave.to_json() | _exponents_as_json(exponents))
+    else:
+        console.print_lines(console.plain_console(), _lines(wave, exponents, digits))
+    return int(wave.verdict is not Existence.EXISTS)
+
+
+def _all_eps(
+    lattice: Any, form: str, eps: str, stability: str | None, given: Mapping[str, str]
+) -> ExactWave:
+    """Return the wave for all small eps. Raises ValueError for options that do not go with it."""
+    if stability is not None or {*given} - {"k"}:
+        others = ", ".join(f"--{name.replace('_', '-')}" for name in {*given} - {"k"})
+        raise ValueError(
+            f"--every-eps-to must be given with --near and --k alone, got "
+            f"{others or '--stability'} as well"
+        )
+    return waves_of_all_eps(lattice, near=form, k=given.get("k", 0), eps=eps)
+
+
+def _written(wave: ExactWave, exponents: list[tuple[str, Exponent]]) -> Any:
+    """Return the certificate, or a list of those of the wave and of its exponents."""
+    others = [dict(exponent.certificate) for _, exponent in exponents]
+    return [dict(wave.certificate), *others] if others else dict(wave.certificate)
+
+
+def _exponents_as_json(exponents: list[tuple[str, Exponent]]) -> dict[str, Any]:
+    if not exponents:
+        return {}
+    return {
+        "exponents": [
+            {
+                "bloch": bloch,
+                "growth": vars(exponent.growth),
+                "frequency": vars(exponent.frequency),
+                "proved": True,
+            }
+            for bloch, exponent in exponents
+        ]
+    }
+
+
+def _lines(wave: ExactWave, exponents: list[tuple[str, Exponent]], digits: int) -> list[str]:
+    """Return the verdict, the theorem, and each number with its error."""
+    if wave.verdict is not Existence.EXISTS:
+        return [f"{wave.verdict}: {wave.reason}"]
+    rows = [(name, _number(value, digits)) for name, value in wave.numbers.items()]
+    lines = [f"{wave.verdict}: {wave.statement.splitlines()[0]}"]
+    for bloch, exponent in exponents:
+        at = f"kappa P/(2 pi) = {bloch}"
+        state = "UNSTABLE, proved" if exponent.is_unstable else "no growth proved"
+        rows += [
+            (f"growth at {at}", f"{_number(exponent.growth, digits)}  ({state})"),
+            (f"frequency at {at}", _number(exponent.frequency, digits)),
+        ]
+    width = max(len(name) for name, _ in rows)
+    return [*lines, *(f"  {name:<{width}}  {text}" for name, text in rows)]
+
+
+def _number(interval: Interval, digits: int) -> str:
+    """Return a number with its error, rounded up, or both ends of a wide interval.
+
+    >>> _number(Interval("0.1234560", "0.1234565"), 5), _number(Interval("0.25", "0.5"), 4)
+    ('0.12346 +- 4.0e-6', '0.25 to 0.5')
+    """
+    low, high = Decimal(interval.lower), Decimal(interval.upper)
+    if high - low > abs(high) / 1000:
+        return f"{_rounded(low, digits, ROUND_FLOOR)} to {_rounded(high, digits, ROUND_CEILING)}"
+    with localcontext(Context(prec=60)):
+        shown = _rounded((low + high) / 2, digits, ROUND_HALF_EVEN)
+        error = _rounded(max(high - shown, shown - low), 2, ROUND_CEILING)
+    return f"{shown} +- {error:.1e}" if error else str(shown)
+
+
+def _rounded(value: Decimal, digits: int, rounding: str) -> Decimal:
+    return Context(prec=digits, rounding=rounding).plus(value)

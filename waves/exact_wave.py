@@ -1,0 +1,282 @@
+"""Exact waves of a lattice: the verdict on one, with every number as an interval."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from flint import fmpq
+from numpy.typing import ArrayLike, NDArray
+
+from longwave.derive.algebra.exact_numbers import Number
+from longwave.derive.algebra.formula_expression import exact_value
+from longwave.derive.lattice import Lattice
+from longwave.waves.kernel.check import check_certificate
+from longwave.waves.kernel.elliptic_pins import FORMS, NearWave
+from longwave.waves.kernel.limits import CertificateError
+from longwave.waves.kernel.periodic import Spring
+from longwave.waves.periodic_waves import PeriodicProblem, periodic_certificate
+from longwave.waves.small_waves import tie_certificate
+from longwave.waves.solitary_waves import solitary_certificate
+from longwave.waves.springs import Refused, chain_springs
+
+
+class Existence(StrEnum):
+    """Verdict on a wave: EXISTS is proved; REFUSED is outside the theorems."""
+
+    EXISTS = "EXISTS"
+    NOT_PROVED = "NOT PROVED"
+    REFUSED = "REFUSED"
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A proved interval; its ends are decimals, rounded outwards."""
+
+    lower: str
+    upper: str
+
+    @property
+    def value(self) -> float:
+        """The middle."""
+        return float((Fraction(self.lower) + Fraction(self.upper)) / 2)
+
+    @property
+    def error(self) -> float:
+        """Half of the width, rounded up."""
+        width = float((Fraction(self.upper) - Fraction(self.lower)) / 2)
+        return float(np.nextafter(width, np.inf))
+
+    def __str__(self) -> str:
+        return f"{self.lower} ... {self.upper}"
+
+
+@dataclass(frozen=True)
+class Exponent:
+    """A proved Floquet exponent growth + i frequency, with its certificate."""
+
+    growth: Interval
+    frequency: Interval
+    certificate: Mapping[str, Any] = field(repr=False)
+
+    @property
+    def is_unstable(self) -> bool:
+        """Whether the growth is proved to be positive."""
+        return Fraction(self.growth.lower) > 0
+
+
+@dataclass(frozen=True)
+class ExactWave:
+    """A wave with its verdict.
+
+    ``radius`` bounds the distance of the certificate's series from the wave; ``reason`` says what
+    failed if nothing is proved. ``statement`` is the theorem in words.
+    """
+
+    verdict: Existence
+    reason: str = ""
+    statement: str = ""
+    certificate: Mapping[str, Any] = field(default_factory=dict, repr=False)
+
+    @property
+    def radius(self) -> float:
+        """Bound of the error of the certificate's series."""
+        return float(self.certificate["radius"])
+
+    @property
+    def numbers(self) -> dict[str, Interval]:
+        """Proved numbers by name: speed, crest, energy, distance."""
+        claims = self.certificate.get("claims", {})
+        numbers = {name: Interval(*ends) for name, ends in claims.items()}
+        if "speed" in self.certificate:
+            speed = Fraction(self.certificate["speed"])
+            numbers = {"speed": Interval(*_decimal_ends(speed)), **numbers}
+        return numbers
+
+    @property
+    def speed(self) -> Interval:
+        """Speed in cells per unit of time."""
+        return self.numbers["speed"]
+
+    @property
+    def crest(self) -> Interval:
+        """Strain at x = 0."""
+        return self.numbers["crest"]
+
+    @property
+    def energy(self) -> Interval | None:
+        """Energy of a period at zero mean momentum; None where it is not proved."""
+        return self.numbers.get("energy")
+
+    @property
+    def distance(self) -> Interval | None:
+        """Largest distance from eps Y over eps; None unless the wave was found near Y."""
+        return self.numbers.get("distance")
+
+    def exponent(self, bloch: Number) -> Exponent:
+        """Return the Floquet exponent with the largest growth at kappa P/(2 pi) = ``bloch``.
+
+        Raises ValueError unless this is a periodic wave that exists, or if nothing is proved.
+        """
+        from longwave.waves.exponents import most_unstable
+
+        if self.certificate.get("kind") != "periodic":
+            raise ValueError("exponents need a periodic wave that exists, got another")
+        certificate = most_unstable(self.certificate, _rational("bloch", bloch))
+        claims = certificate["claims"]
+        return Exponent(Interval(*claims["growth"]), Interval(*claims["frequency"]), certificate)
+
+    def at(self, x: ArrayLike) -> NDArray[np.float64]:
+        """Return the strain f(x) in double precision; the wave's proved error is `radius`.
+
+        A solitary wave's strain is that of its periodic sum, and 0 beyond the certificate's length.
+        """
+        from longwave.waves.profiles import strain
+
+        return strain(self.certificate, np.asarray(x, dtype=float))
+
+    def save(self, path: str | Path) -> None:
+        """Write the certificate, for ``longwave check`` and for scenes."""
+        Path(path).write_text(json.dumps(self.certificate, indent=1) + "\n", encoding="utf-8")
+
+    def to_json(self) -> dict[str, Any]:
+        """Return verdict, reason, radius, and the lower and upper end of each number."""
+        numbers = {n: {"lower": i.lower, "upper": i.upper} for n, i in self.numbers.items()}
+        radius = {"radius": self.certificate["radius"]} if self.certificate else {}
+        return {"verdict": str(self.verdict), "reason": self.reason, **radius, **numbers}
+
+
+def _decimal_ends(value: Fraction) -> tuple[str, str]:
+    scaled = value * 10**40
+    low = scaled.numerator // scaled.denominator
+    high = -(-scaled.numerator // scaled.denominator)
+    return f"{low}e-40", f"{high}e-40"
+
+
+def exact_wave(
+    lattice: Lattice,
+    *,
+    near: str = "",
+    k: Number = 0,
+    eps: Number = 0,
+    period: Number = 0,
+    mean: Number = 0,
+    first_mode: Number = 0,
+    speed: Number = 0,
+    error: float = 1e-10,
+) -> ExactWave:
+    """Find a wave of a chain and prove that it exists.
+
+    A periodic wave is given by its ``period`` in cells, ``mean`` and ``first_mode`` f_1 of
+    f_0 + 2 (f_1 cos + ...); or by ``near`` ("dn", "cn", "sn"), ``k`` and ``eps``, with period, mean
+    and first mode of that wave of the modified KdV equation. A solitary wave is given by its
+    ``speed``. ``error`` is the largest error of the strain that is accepted.
+
+    Raises ValueError for arguments that state no wave. A wave that is not proved or outside the
+    theorems is a verdict.
+
+    >>> from longwave.derive import LATTICES
+    >>> chain = LATTICES["fput_strain"].with_values({"K2": 1, "K3": 1, "K4": 0})
+    >>> wave = exact_wave(chain, period=15, first_mode="1/50")
+    >>> print(wave.verdict, f"{wave.speed.value:.15f}")
+    EXISTS 1.001492829789224
+    """
+    choices = {"near": near, "period": period, "speed": speed}
+    given = [name for name, value in choices.items() if value]
+    if len(given) != 1:
+        raise ValueError(
+            f"one of near, period and speed must be given, got {', '.join(given) or 'none'} "
+            "(near='dn', k='3/5', eps='2/25')"
+        )
+    exact = {"k": k, "eps": eps, "mean": mean, "first_mode": first_mode}
+    exact |= {"period": period, "speed": speed}
+    numbers = {name: _rational(name, value) for name, value in exact.items()}
+    return _verdict(lambda: _certificate(lattice, near, numbers, error))
+
+
+def waves_of_all_eps(lattice: Lattice, *, near: str, k: Number, eps: Number) -> ExactWave:
+    """Prove that a chain K2 r + K4 r^3 has a wave next to eps' Y for every 0 < eps' <= ``eps``.
+
+    Y is the "dn", "cn" or "sn" wave of the modified KdV equation with modulus ``k``; the wave has
+    its period, mean and first mode. The numbers are ``distance_over_eps3``, in which all
+    sup |f - eps' Y|/eps'^3 lie, and ``speed_over_eps4``, for |v^2 - K2 - sigma_0 eps'^2|/eps'^4.
+
+    >>> from longwave.derive import LATTICES
+    >>> chain = LATTICES["fput_strain"].with_values({"K2": 1, "K3": 0, "K4": 1})
+    >>> wave = waves_of_all_eps(chain, near="dn", k="3/5", eps="1/10")
+    >>> print(wave.verdict, wave.numbers["distance_over_eps3"].lower[:7])
+    EXISTS 0.01615
+    """
+    exact = {"k": _rational("k", k), "eps": _rational("eps", eps)}
+
+    def certificate() -> dict[str, Any]:
+        springs = _nearest_neighbours(lattice, near)
+        _check_near(springs, near, exact["k"], exact["eps"])
+        return tie_certificate(springs[0], near, exact["k"], exact["eps"])
+
+    return _verdict(certificate)
+
+
+def _verdict(find: Callable[[], dict[str, Any]]) -> ExactWave:
+    """Return the verdict on the certificate that ``find`` returns, checked again."""
+    try:
+        certificate = find()
+        statement = check_certificate(certificate)
+    except Refused as refusal:
+        return ExactWave(Existence.REFUSED, str(refusal))
+    except (CertificateError, ArithmeticError) as failure:
+        return ExactWave(Existence.NOT_PROVED, str(failure))
+    return ExactWave(Existence.EXISTS, statement=statement, certificate=certificate)
+
+
+def _rational(name: str, value: Number) -> fmpq:
+    """Return an exact rational number. Raises ValueError for any other value."""
+    number = exact_value(name, value)
+    if not number.is_Rational:
+        raise ValueError(f"{name} must be a rational number, got {value} (such as 3/5)")
+    return fmpq(int(number.p), int(number.q))
+
+
+def _certificate(
+    lattice: Lattice, near: str, numbers: Mapping[str, fmpq], error: float
+) -> dict[str, Any]:
+    springs = chain_springs(lattice)
+    if numbers["speed"]:
+        if [spring.neighbour for spring in springs] != [1]:
+            raise Refused("a solitary wave is proved for nearest neighbours only")
+        return solitary_certificate(springs[0], numbers["speed"], error)
+    if near:
+        springs = _nearest_neighbours(lattice, near)
+        _check_near(springs, near, numbers["k"], numbers["eps"])
+        problem = PeriodicProblem.near_elliptic(springs, near, numbers["k"], numbers["eps"])
+        return periodic_certificate(problem, error)
+    period, first_mode = numbers["period"], numbers["first_mode"]
+    if not period > 2:
+        raise ValueError(f"period must be more than 2 cells, got {period}")
+    if not first_mode:
+        raise ValueError("first_mode must not be 0: the wave would be constant (such as 1/50)")
+    problem = PeriodicProblem.of(springs, period, numbers["mean"], first_mode)
+    return periodic_certificate(problem, error)
+
+
+def _nearest_neighbours(lattice: Lattice, near: str) -> tuple[Spring, ...]:
+    if near not in FORMS:
+        raise ValueError(f"near must be one of {', '.join(FORMS)}, got {near!r}")
+    springs = chain_springs(lattice)
+    if [spring.neighbour for spring in springs] != [1]:
+        raise Refused("a wave near one of mKdV is proved for nearest neighbours only")
+    return springs
+
+
+def _check_near(springs: tuple[Spring, ...], near: str, k: fmpq, eps: fmpq) -> None:
+    """Raise ValueError for values that state no wave."""
+    try:
+        NearWave(near, k, eps, springs[0].force)
+    except CertificateError as reason:
+        raise ValueError(str(reason)) from reason

@@ -1,0 +1,142 @@
+"""Floquet exponents of periodic waves: approximations by an eigenvalue problem, then proofs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from flint import acb, acb_mat, ctx, fmpq
+from numpy.typing import NDArray
+
+from longwave.waves.certificates import contracting_radius, decimal_text, interval
+from longwave.waves.kernel.check import ExponentClaim, PeriodicClaim
+from longwave.waves.kernel.exponent import ExponentCentre, exponent_contraction
+from longwave.waves.kernel.limits import CertificateError
+from longwave.waves.kernel.reading import Record
+
+Components = NDArray[np.complex128]
+
+COMPONENTS_PER_CELL, LEAST_COMPONENTS = 1.2, 12
+
+
+def approximate_exponents(
+    certificate: Mapping[str, Any], bloch: fmpq, top: int
+) -> tuple[Components, NDArray[np.complex128]]:
+    """Return the exponents of a wave at kappa P/(2 pi) = ``bloch``, and their vectors as columns.
+
+    Components -top ... top are kept; exponents far from the real axis are those of the cut.
+    """
+    wave = _wave(certificate)
+    modes = np.array([float(c) for c in wave.stiffness.modes])
+    modes = np.pad(modes, (0, max(0, 2 * top + 1 - len(modes))))
+    order = np.arange(-top, top + 1)
+    wavenumbers = 2 * np.pi * (float(bloch) + order) / float(wave.period)
+    drift = np.diag(1j * float(wave.stiffness.speed) * wavenumbers)
+    stiffness = 4 * np.sin(wavenumbers / 2)[:, None] ** 2 * modes[np.abs(order[:, None] - order)]
+    identity = np.eye(2 * top + 1)
+    values, vectors = np.linalg.eig(np.block([[drift, identity], [-stiffness, drift]]))
+    return values, vectors[: 2 * top + 1]
+
+
+def exponent_certificate(
+    certificate: Mapping[str, Any], bloch: fmpq, exponent: complex, vector: Components
+) -> dict[str, Any]:
+    """Return the certificate of the exponent near an approximation. Raises CertificateError."""
+    before, ctx.prec = ctx.prec, int(certificate["bits"])
+    try:
+        return _prove(certificate, bloch, exponent, vector)
+    finally:
+        ctx.prec = before
+
+
+def most_unstable(certificate: Mapping[str, Any], bloch: fmpq) -> dict[str, Any]:
+    """Return the certificate of the exponent with the largest growth. Raises CertificateError.
+
+    A wave number kappa and kappa + 2 pi are the same on the lattice; the vector's largest component
+    is in the first Brillouin zone.
+    """
+    period = float(_wave(certificate).period)
+    top = max(LEAST_COMPONENTS, math.ceil(COMPONENTS_PER_CELL * period))
+    values, vectors = approximate_exponents(certificate, bloch, top)
+    largest = np.argmax(np.abs(vectors), axis=0) - top
+    inside = np.nonzero(np.abs(largest + float(bloch)) <= period / 2)[0]
+    index = inside[int(np.argmax(values[inside].real))]
+    return exponent_certificate(certificate, bloch, values[index], vectors[:, index])
+
+
+def _wave(certificate: Mapping[str, Any]) -> PeriodicClaim:
+    return PeriodicClaim(Record(dict(certificate), "certificate"))
+
+
+def _prove(
+    certificate: Mapping[str, Any], bloch: fmpq, exponent: complex, vector: Components
+) -> dict[str, Any]:
+    top = len(vector) // 2
+    fixed = int(np.argmax(np.abs(vector)))
+    data: dict[str, Any] = {
+        "kind": "exponent",
+        "version": 1,
+        "wave": dict(certificate),
+        "bits": certificate["bits"],
+        "bloch": str(bloch),
+        "fixed": fixed - top,
+        "radius_bound": "1e-6",
+        "radius": "1e-6",
+    }
+    scaled = [acb(complex(c)) for c in vector / vector[fixed]]
+    scaled[fixed] = acb(1)
+    data = _refined({**data, **_texts(acb(complex(exponent)), scaled)})
+    data["radius"] = contracting_radius(exponent_contraction(_claim(data).centre))
+    claim = _claim(data)
+    claim.require_statement(exponent_contraction(claim.centre))
+    data["claims"] = {name: interval(value) for name, value in claim.proved().items()}
+    return data
+
+
+def _claim(data: Mapping[str, Any]) -> ExponentClaim:
+    return ExponentClaim(Record(dict(data), "certificate"))
+
+
+def _texts(exponent: acb, vector: list[acb]) -> dict[str, Any]:
+    return {
+        "growth": decimal_text(exponent.real),
+        "frequency": decimal_text(exponent.imag),
+        "vector": [[decimal_text(w.real), decimal_text(w.imag)] for w in vector],
+    }
+
+
+def _refined(data: dict[str, Any]) -> dict[str, Any]:
+    """Return the certificate's numbers after chord iterations in ball arithmetic."""
+    centre = _claim(data).centre
+    inverse: acb_mat | None = None
+    for _ in range(5):
+        if inverse is None:
+            inverse = acb_mat(_float_inverse(centre))
+        rows = range(-centre.top, centre.top + 1)
+        step = inverse * acb_mat([[centre.residual(j).mid()] for j in rows])
+        vector = [(w - step[i, 0]).mid() for i, w in enumerate(centre.vector)]
+        place = centre.fixed + centre.top
+        exponent, vector[place] = (centre.exponent - step[place, 0]).mid(), acb(1)
+        centre = ExponentCentre(
+            centre.stiffness, centre.bloch, exponent, vector, centre.fixed, centre.radius_bound
+        )
+        if max(float(abs(step[i, 0]).mid()) for i in range(len(vector))) < 1e-28:
+            break
+    return {**data, **_texts(centre.exponent, list(centre.vector))}
+
+
+def _float_inverse(centre: ExponentCentre) -> list[list[complex]]:
+    top = centre.top
+    order = np.arange(-top, top + 1)
+    modes = np.array([float(c) for c in centre.stiffness.modes])
+    modes = np.pad(modes, (0, max(0, 2 * top + 1 - len(modes))))
+    rates = np.array([complex(centre.rate(int(j))) for j in order])
+    rows = np.array([float(centre.couplings[int(j)]) for j in order])
+    matrix = rows[:, None] * modes[np.abs(order[:, None] - order)] + np.diag(rates**2)
+    matrix[:, centre.fixed + top] = 2 * rates * np.array([complex(w) for w in centre.vector])
+    if not np.isfinite(matrix).all():
+        raise CertificateError("the exponent's equations are not finite here")
+    inverse: list[list[complex]] = np.linalg.inv(matrix).tolist()
+    return inverse

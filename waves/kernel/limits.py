@@ -1,0 +1,32 @@
+"""Error of the checker, sizes it accepts, and exact numbers from text."""
+
+from __future__ import annotations
+
+import re
+
+from flint import fmpq
+
+MAX_MODES, MAX_BITS, MIN_BITS = 2000, 1024, 53
+FILE_BYTES = 20_000_000
+MAX_DIGITS = 400
+
+
+class CertificateError(ValueError):
+    """A certificate that states or proves something else than it claims."""
+
+
+_NUMBER = re.compile(r"([-+]?\d+)(?:\.(\d*))?(?:[eE]([-+]?\d{1,4}))?(?:/(\d+))?")
+
+
+def decimal(text: object) -> fmpq:
+    """Return the exact value of a decimal or a fraction of integers. Raises CertificateError.
+
+    >>> decimal("2.50"), decimal("-1/3"), decimal("1e-2")
+    (5/2, -1/3, 1/100)
+    """
+    match = _NUMBER.fullmatch(text) if isinstance(text, str) and len(text) <= MAX_DIGITS else None
+    if not match or (match[4] and (match[2] is not None or match[3])) or match[4] == "0":
+        raise CertificateError(f"a number must be a decimal or a fraction, got {str(text)[:40]!r}")
+    whole, digits, power, below = match.groups()
+    value = fmpq(int(whole + (digits or "")), int(below or 1))
+    return value * fmpq(10) ** (int(power or 0) - len(digits or ""))

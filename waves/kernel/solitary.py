@@ -1,0 +1,279 @@
+r"""Solitary waves on the whole line: the contraction that proves one (Theorem 3).
+
+For V'(r) = c^2 r + N(r) and a speed v > c the strain f(n - v t) is f = K*g with g = N(f), where K
+has the transform s^2/(v^2 - c^2 s^2), s = sin(k/2)/(k/2); so F(g) = g - N(K*g) = 0 in even
+functions of L^2. The centre is a cosine polynomial on (-d, d) and 0 outside:
+
+    0 <= K(x) <= C exp(-kappa |x|),   C = max(1, exp(kappa - 1)/kappa if kappa > 1)/(v^2 - c^2 S),
+    S = (sinh(kappa/2)/(kappa/2))^2,  |K*h| <= L ||h||,  ||K*h|| <= ||h||/D,  D = v^2 - c^2,
+    L = min(1/D, (sqrt(3)/(2 v))^(1/2) D^(-3/4)).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from flint import acb, arb, arb_mat, ctx
+
+from .composition import trimmed
+from .cosine_series import Series, entry, largest, norm, polynomial_of, product, upper
+from .force_text import Force
+from .limits import CertificateError
+from .periodic import Contraction
+
+TAYLOR_PIECES = 32
+"""Pieces of the range of strains on which the rest of a Taylor polynomial is bounded."""
+
+
+@dataclass(frozen=True)
+class SolitaryCentre:
+    """Modes a_0 ... a_N of g on (-d, d), the decay kappa of the kernel, the largest radius.
+
+    An analytic force is replaced by its Taylor polynomial of ``degree`` for strains up to
+    ``range_bound``; the rest is bounded.
+    """
+
+    force: Force
+    speed_squared: arb
+    half_length: arb
+    kappa: arb
+    modes: Series
+    radius_bound: arb
+    degree: int
+    range_bound: arb
+
+    @property
+    def top(self) -> int:
+        """N, the index of the highest mode."""
+        return len(self.modes) - 1
+
+    @cached_property
+    def taylor(self) -> Series:
+        """Taylor coefficients of the force at rest."""
+        if self.force.polynomial is not None:
+            return [arb(c) for c in self.force.polynomial]
+        return [c.real for c in self.force.taylor(acb(0), self.degree + 1)]
+
+    @property
+    def sound_squared(self) -> arb:
+        """c^2."""
+        return self.taylor[1]
+
+    @cached_property
+    def nonlinear(self) -> Series:
+        """Coefficients of N."""
+        return [arb(0), arb(0), *self.taylor[2:]]
+
+    @cached_property
+    def taylor_rest(self) -> arb:
+        """Bound e of |N^(p)|/p! on the range, p = degree + 1: |rest of N| <= e |y|^p."""
+        if self.force.polynomial is not None:
+            return arb(0)
+        step = self.range_bound / TAYLOR_PIECES
+        sizes = []
+        for i in range(-TAYLOR_PIECES, TAYLOR_PIECES):
+            piece = acb((i * step).union((i + 1) * step))
+            sizes.append(abs(self.force.taylor(piece, self.degree + 2)[self.degree + 1]).upper())
+        return largest(sizes)
+
+    @cached_property
+    def gap(self) -> arb:
+        """D = v^2 - c^2."""
+        return self.speed_squared - self.sound_squared
+
+    @cached_property
+    def decay_constant(self) -> arb:
+        """C. Raises CertificateError if kappa is too large."""
+        half = self.kappa / 2
+        ratio = half.sinh() / half
+        below = self.speed_squared - self.sound_squared * ratio * ratio
+        if not below > 0:
+            raise CertificateError("kappa must satisfy c^2 (sinh(kappa/2)/(kappa/2))^2 < v^2")
+        peak = ((self.kappa - 1).exp() / self.kappa).max(arb(1))
+        return upper(peak / below)
+
+    @cached_property
+    def embedding(self) -> arb:
+        """L."""
+        root = (arb(3).sqrt() / (2 * self.speed_squared.sqrt())).sqrt()
+        return upper((1 / self.gap).min(root / self.gap.sqrt() / self.gap.sqrt().sqrt()))
+
+    def multiplier(self, n: int) -> arb:
+        """Return the transform of K at k = pi n/d."""
+        half = arb.pi() * n / self.half_length / 2
+        square = (half.sin() / half) ** 2 if n else arb(1)
+        return square / (self.speed_squared - self.sound_squared * square)
+
+    @cached_property
+    def strain(self) -> Series:
+        """Modes of f_p, the periodic kernel applied to the centre."""
+        return [self.multiplier(n) * a for n, a in enumerate(self.modes)]
+
+    @property
+    def size_below(self) -> arb:
+        """Lower bound of the centre's norm in L^2."""
+        total = product(self.modes, self.modes)[0] * 2 * self.half_length
+        return total.max(arb(0)).sqrt().lower()
+
+    @cached_property
+    def weighted_size(self) -> arb:
+        """G = (2 d times the integral of g^2 exp(2 kappa |x|))^(1/2)."""
+        square = product(self.modes, self.modes)
+        total = _exponential_integral(square, 2 * self.kappa, self.half_length)
+        return upper((2 * self.half_length * total).abs_upper().sqrt())
+
+    @cached_property
+    def edge(self) -> arb:
+        """exp(-kappa d)."""
+        return upper((-self.kappa * self.half_length).exp())
+
+    @cached_property
+    def images(self) -> arb:
+        """Q = 1/(1 - exp(-2 kappa d))."""
+        return upper(1 / (1 - self.edge * self.edge))
+
+    @cached_property
+    def periodic_error(self) -> arb:
+        """Bound delta of |f_p - K*g| on (-d, d); at x = 0 it is delta exp(-kappa d)."""
+        return upper(2 * self.decay_constant * self.weighted_size * self.images * self.edge)
+
+    @cached_property
+    def outer_strain(self) -> arb:
+        """Bound of |K*g| outside (-d, d)."""
+        return upper(self.decay_constant * self.weighted_size * self.edge)
+
+
+def _exponential_integral(f: Series, rate: arb, half_length: arb) -> arb:
+    """Return the integral of f(x) exp(rate |x|) over (-d, d), f in cosines of pi n x/d."""
+    grown, total = (rate * half_length).exp(), arb(0)
+    for n, coefficient in enumerate(f):
+        wave = arb.pi() * n / half_length
+        value = 2 * rate * ((-1) ** n * grown - 1) / (rate * rate + wave * wave)
+        total += (2 if n else 1) * coefficient * value
+    return total
+
+
+def _derivative(coefficients: Sequence[arb], order: int) -> Series:
+    result = list(coefficients)
+    for _ in range(order):
+        result = [i * c for i, c in enumerate(result)][1:] or [arb(0)]
+    return result
+
+
+def _bound(coefficients: Sequence[arb], size: arb) -> arb:
+    """Return a bound of a polynomial for arguments up to ``size``."""
+    total = arb(0)
+    for coefficient in reversed(coefficients):
+        total = total * size + abs(coefficient)
+    return upper(total)
+
+
+def solitary_contraction(centre: SolitaryCentre) -> Contraction:
+    """Return the bounds of the map g - A F(g) about a centre. Raises CertificateError."""
+    if not (centre.gap > 0 and centre.sound_squared > 0 and centre.kappa > 0):
+        raise CertificateError("speed must be above the speed of sound")
+    slope, rest = trimmed(
+        polynomial_of(_derivative(centre.nonlinear, 1), centre.strain), arb(1), 1e-9
+    )
+    inverse, block = _linear_block(centre, slope)
+    size = largest([arb(1), _spectral_norm(inverse)])
+    delta, d, gap, kappa = centre.periodic_error, centre.half_length, centre.gap, centre.kappa
+    inner = upper(norm(centre.strain, arb(1)) + delta)
+    reach = largest([inner, centre.outer_strain])
+    widest = upper(reach + centre.embedding * centre.radius_bound)
+    if not centre.range_bound >= widest and centre.force.polynomial is None:
+        raise CertificateError(f"range_bound must be at least {widest.str(6, radius=False)}")
+    p, e = centre.degree + 1, centre.taylor_rest
+    curvature = _bound(_derivative(centre.nonlinear, 2), inner)
+    edge_slope = _edge_slope(centre, slope) + rest / kappa.sqrt()
+    outer = _bound(centre.nonlinear[2:], centre.outer_strain)
+    defect = (
+        delta * edge_slope
+        + curvature * delta * delta / (2 * (2 * kappa).sqrt())
+        + outer * centre.outer_strain**2 / (2 * kappa).sqrt()
+        + e * (reach**p * (2 * d).sqrt() + centre.outer_strain**p / (p * kappa).sqrt())
+    )
+    coupling = (2 * centre.images + 1) * centre.decay_constant * edge_slope / kappa.sqrt()
+    variation = largest(
+        [delta * curvature, _bound(_derivative(centre.nonlinear, 1), centre.outer_strain)]
+    )
+    linear = coupling + (variation + rest + e * p * reach ** (p - 1)) / gap
+    second = _bound(_derivative(centre.nonlinear, 2), widest) + e * p * (p - 1) * widest ** (p - 2)
+    return Contraction(
+        upper(_periodic_defect(centre, inverse) + size * defect),
+        block,
+        upper(size * linear),
+        upper(size * second * centre.embedding / gap),
+    )
+
+
+def _matrix(
+    centre: SolitaryCentre, slope: Series, rows: Sequence[int], columns: Sequence[int]
+) -> arb_mat:
+    """Return the entries of W K_per in the orthonormal cosine basis."""
+    root, entries = arb(2).sqrt(), []
+    multipliers = [centre.multiplier(j) for j in columns]
+    for i in rows:
+        for j, multiplier in zip(columns, multipliers, strict=True):
+            if i and j:
+                weight = entry(slope, i - j) + entry(slope, i + j)
+            else:
+                weight = entry(slope, i + j) * (root if i + j else 1)
+            entries.append(weight * multiplier)
+    return arb_mat(len(rows), len(columns), entries)
+
+
+def _linear_block(centre: SolitaryCentre, slope: Series) -> tuple[arb_mat, arb]:
+    """Return the inverse B and the norm of I - A (I - W K_per) on (-d, d)."""
+    top, width = centre.top, len(slope) - 1
+    inside, outside = range(top + 1), range(top + 1, top + width + 1)
+    identity = arb_mat(top + 1, top + 1, [arb(i == j) for i in inside for j in inside])
+    block = identity - _matrix(centre, slope, inside, inside)
+    precision, ctx.prec = ctx.prec, 64
+    try:
+        inverse = block.mid().inv().mid()
+    except ZeroDivisionError:
+        raise CertificateError("the linear problem has no inverse here") from None
+    finally:
+        ctx.prec = precision
+    wave = arb.pi() * (top + 1) / centre.half_length
+    tail = norm(slope, arb(1)) / (centre.gap + centre.speed_squared * wave * wave / 12)
+    norms = [
+        _spectral_norm(identity - inverse * block),
+        _spectral_norm(inverse * _matrix(centre, slope, inside, outside)) if outside else arb(0),
+        _spectral_norm(_matrix(centre, slope, outside, inside)) if outside else arb(0),
+        tail,
+    ]
+    return inverse, upper(sum((n * n for n in norms), arb(0)).abs_upper().sqrt())
+
+
+def _spectral_norm(matrix: arb_mat) -> arb:
+    """Return an upper bound of the norm: root of the largest row and column sums."""
+    sizes = [[abs(value) for value in row] for row in matrix.tolist()]
+    rows = largest(sum(row, arb(0)).upper() for row in sizes)
+    columns = largest(sum(column, arb(0)).upper() for column in zip(*sizes, strict=True))
+    return upper((rows * columns).sqrt())
+
+
+def _periodic_defect(centre: SolitaryCentre, inverse: arb_mat) -> arb:
+    """Return the norm of A applied to the modes of g - N(f_p)."""
+    values = polynomial_of(centre.nonlinear, centre.strain)
+    first, other = (2 * centre.half_length).sqrt(), 2 * centre.half_length.sqrt()
+    scaled = [
+        (entry(centre.modes, n) - entry(values, n)) * (other if n else first)
+        for n in range(max(len(values), centre.top + 1))
+    ]
+    inside = inverse * arb_mat(centre.top + 1, 1, scaled[: centre.top + 1])
+    total = arb(0)
+    for value in (*inside.entries(), *scaled[centre.top + 1 :]):
+        total += abs(value) * abs(value)
+    return upper(total.abs_upper().sqrt())
+
+
+def _edge_slope(centre: SolitaryCentre, slope: Series) -> arb:
+    """Return the root of I_W, the integral of W^2 exp(-2 kappa (d - |x|)) over (-d, d)."""
+    square = product(slope, slope)
+    total = _exponential_integral(square, 2 * centre.kappa, centre.half_length)
+    return upper((total * (-2 * centre.kappa * centre.half_length).exp()).abs_upper().sqrt())

@@ -1,0 +1,119 @@
+"""The tie of elliptic waves to the modified KdV equation for all small eps: its certificates."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from flint import arb, ctx, fmpq
+
+from longwave.waves.certificates import contracting_radius, decimal_text, interval
+from longwave.waves.kernel.check import TieClaim
+from longwave.waves.kernel.elliptic_pins import NearWave
+from longwave.waves.kernel.limits import CertificateError
+from longwave.waves.kernel.periodic import Spring
+from longwave.waves.kernel.reading import Record
+from longwave.waves.kernel.tie import TiePiece, tie_contraction
+
+BITS = 96
+WEIGHTS = tuple(fmpq(1, n) for n in (300, 150, 75, 40, 20, 10, 5, 2, 1))
+"""Weights of sigma in the norm; the one with the least bound is taken."""
+
+FIRST_PIECES, MOST_PIECES = 48, 4096
+LEAST_TOP, MOST_TOP = 8, 96
+MODE_CUT = 1e-11
+"""Modes of Y below this are bounded in the tail."""
+
+
+def tie_certificate(spring: Spring, form: str, k: fmpq, eps: fmpq) -> dict[str, Any]:
+    """Return the certificate that ties a wave to the modified KdV equation for 0 < eps' <= eps.
+
+    Raises CertificateError with the inequality that failed.
+    """
+    before, ctx.prec = ctx.prec, BITS
+    try:
+        return _certificate(spring, form, k, eps)
+    finally:
+        ctx.prec = before
+
+
+def _certificate(spring: Spring, form: str, k: fmpq, eps: fmpq) -> dict[str, Any]:
+    wave = NearWave(form, k, fmpq(1), spring.force)
+    top = LEAST_TOP
+    while float(abs(wave.mode(top + 1)) + abs(wave.mode(top + 2))) > MODE_CUT and top < MOST_TOP:
+        top += 2
+    weight = _best_weight(wave, top, eps * eps)
+    data: dict[str, Any] = {
+        "kind": "tie",
+        "version": 1,
+        "lattice": {"springs": [{"neighbour": 1, "force": spring.force.text}]},
+        "near": {"form": form, "k": str(k)},
+        "eps": str(eps),
+        "bits": BITS,
+        "weight": str(weight),
+    }
+    data["pieces"] = _pieces(wave, arb(weight), top, eps * eps)
+    proved = TieClaim(Record(data, "certificate")).proved()
+    data["claims"] = {name: interval(value) for name, value in proved.items()}
+    return data
+
+
+def _best_weight(wave: NearWave, top: int, square: fmpq) -> fmpq:
+    """Return the weight with the least bound at the largest eps. Raises CertificateError."""
+    bounds: dict[float, fmpq] = {}
+    failure = CertificateError("no weight is left")
+    for weight in WEIGHTS:
+        try:
+            piece = _piece(wave, arb(weight), top, square * 47 / 48, square)
+        except CertificateError as reason:
+            failure = reason
+        else:
+            bounds[float(piece["bound"])] = weight
+    if not bounds:
+        raise failure
+    return bounds[min(bounds)]
+
+
+def _pieces(wave: NearWave, weight: arb, top: int, square: fmpq) -> list[dict[str, Any]]:
+    """Return pieces that cover 0 ... ``square``; a piece that fails is halved."""
+    remaining = [
+        (square * i / FIRST_PIECES, square * (i + 1) / FIRST_PIECES)
+        for i in reversed(range(FIRST_PIECES))
+    ]
+    pieces: list[dict[str, Any]] = []
+    while remaining:
+        first, last = remaining.pop()
+        try:
+            pieces.append(_piece(wave, weight, top, first, last))
+        except CertificateError:
+            if len(pieces) + len(remaining) >= MOST_PIECES or last - first < square / MOST_PIECES:
+                raise
+            middle = (first + last) / 2
+            remaining += [(middle, last), (first, middle)]
+    return pieces
+
+
+def _piece(wave: NearWave, weight: arb, top: int, first: fmpq, last: fmpq) -> dict[str, Any]:
+    correction = _correction(wave, weight, top, (first + last) / 2)
+    square = arb(first).union(arb(last))
+    piece = TiePiece(wave, square, [arb(c) for c in correction], weight, arb("0.01"))
+    bound = contracting_radius(tie_contraction(piece))
+    texts = [decimal_text(arb(c)) for c in correction]
+    return {"square": str(last), "bound": bound, "correction": texts}
+
+
+def _correction(wave: NearWave, weight: arb, top: int, square: fmpq) -> list[float]:
+    """Return sigma_1 and the modes 2 ... N of y_1 = -J^-1 R at one eps, in floating point."""
+    piece = TiePiece(wave, arb(square), [arb(0)] * top, weight, arb("0.01"))
+    known = np.array([float(c) for c in piece.stiffness[0]])
+    known = np.pad(known, (0, max(0, 2 * top + 1 - len(known))))
+    order = np.arange(1, top + 1)
+    mobility = np.array([float(piece.mobility(int(j))) for j in order])
+    linear = np.array([float(piece.linear(int(j))) for j in order])
+    matrix = np.diag(linear) - mobility[:, None] * (
+        known[np.abs(order[:, None] - order)] + known[order[:, None] + order]
+    )
+    matrix[:, 0] = [float(piece.modes[j]) for j in order]
+    defect = [float(piece.defect(int(j))) for j in order]
+    solution: list[float] = np.linalg.solve(matrix, -np.array(defect)).tolist()
+    return solution
