@@ -320,6 +320,19 @@ def _is_root(field: Field, root: int, value: int) -> bool:
 
 def _field(table: NodeTable, statement: StatementTexts, proof: Data) -> Field:
     """Return the field that the checker builds from a proof."""
-    proof = {"formulas": numbered(table.nodes), **proof}
+    declared = (text.partition(":") for text in statement.parameters)
+    complexes = [name.strip() for name, _, kind in declared if kind.strip() == "complex"]
+    proof = with_conjugates({"formulas": numbered(table.nodes), **proof}, complexes)
     opening = opened({"statement": as_data(statement), "proof": proof})
     return registered(opening, proof)
+
+
+def with_conjugates(proof: Data, complexes: Sequence[str]) -> Data:
+    """Return the proof with complex parameters and their conjugates as first generators."""
+    formulas, first = [*proof["formulas"]], []
+    for name in complexes:
+        first += [["atom", len(formulas)], ["atom", len(formulas) + 1]]
+        formulas += [name, f"conjugate({name})"]
+    own = [place for place, text in enumerate(formulas) if text in complexes]
+    rest = [e for e in proof["generators"] if e[0] != "atom" or e[1] not in own]
+    return {**proof, "formulas": formulas, "generators": [*first, *rest]}

@@ -26,7 +26,7 @@ from longwave.derive.algebra.formula_tree import FormulaTree
 from longwave.verify.kernel.check import check_certificate
 
 from .balls import ball_value
-from .certificate import make_certificate
+from .certificate import make_certificate, with_conjugates
 from .certificate_writer import Certificate, Data, NodeTable
 from .domain_signs import is_small_polynomial
 from .linear_forms import BITS
@@ -47,6 +47,10 @@ MOST_FUNCTIONS = 80
 INVERSE = ("asin", "acos", "atan", "asinh", "acosh", "atanh")
 OPAQUE = (sp.log, sp.atan)
 """Functions that may be generators without being rewritten."""
+
+
+UNIT = (3 - 4 * sp.I) / 5
+"""Factor of complex names at the point at which formulas are compared."""
 
 
 @dataclass(frozen=True)
@@ -104,17 +108,6 @@ def _with_complex_symbols(statement: Statement) -> Statement:
     new = {s: sp.Symbol(s.name) for s in symbols if s.name in statement.complexes}
     domains = {new.get(s, s): domain for s, domain in statement.domains.items()}
     return replace(statement.with_values(new), domains=domains)
-
-
-def with_conjugates(proof: Data, complexes: Sequence[str]) -> Data:
-    """Return the proof with complex parameters and their conjugates as first generators."""
-    formulas, first = [*proof["formulas"]], []
-    for name in complexes:
-        first += [["atom", len(formulas)], ["atom", len(formulas) + 1]]
-        formulas += [name, f"conjugate({name})"]
-    own = [place for place, text in enumerate(formulas) if text in complexes]
-    rest = [e for e in proof["generators"] if e[0] != "atom" or e[1] not in own]
-    return {**proof, "formulas": formulas, "generators": [*first, *rest]}
 
 
 def _certificate(
@@ -274,9 +267,11 @@ def _equal_parts(typed: Sequence[Typed], problem: StatementProblem) -> dict[sp.E
 
 
 def _are_equal(left: sp.Expr, right: sp.Expr, problem: StatementProblem) -> bool:
-    """Return whether the balls of two formulas at a point overlap."""
+    """Return whether the balls of two formulas at a point overlap; complex names are not real."""
+    turned = {s: UNIT * s for s in problem.points[0] if not s.is_real}
     with suppress(ValueError, ZeroDivisionError):
-        values = (ball_value(side, problem.points[0], BITS) for side in (left, right))
+        sides = (side.xreplace(turned) for side in (left, right))
+        values = (ball_value(side, problem.points[0], BITS) for side in sides)
         return bool(sub(*values).contains(0))
     return False
 

@@ -222,3 +222,16 @@ def test_a_text_without_values_says_nothing() -> None:
 def test_a_function_at_its_pole_is_refused_in_one_line(formula: str) -> None:
     with pytest.raises(ValueError, match="values must be finite"):
         prove("u_x", f"u = {formula}")
+
+
+@pytest.mark.parametrize(
+    ("left", "right"),
+    [
+        ("sqrt(-m)*abs(m)", "(-m)**(1/2)*abs(m)"),
+        ("sqrt(-m)*sign(m)**2", "(-m)**(1/2)*sign(m)**2"),
+        ("sqrt(m)*abs(m)/m", "abs(m)/m*m**(1/2)"),
+    ],
+)
+def test_roots_and_moduli_of_a_complex_parameter(left: str, right: str) -> None:
+    """Catches a search that has no conjugates, or takes abs(m) for m at a real sample point."""
+    assert prove(f"u - {left}", f"u = {right}", parameters="m: complex").outcome == "PROVED"
