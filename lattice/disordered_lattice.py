@@ -108,7 +108,7 @@ class DisorderedLattice(NumericLattice):
         return shares
 
     def rest_slopes(self, bound_sign: float = 1.0) -> list[float]:
-        """Return upper (lower for ``bound_sign`` -1) bounds of the bonds' slopes at mean stretch."""
+        """Return upper (for ``bound_sign`` -1, lower) bounds of bond slopes at mean stretch."""
         slopes, change = super().rest_slopes(), bound_sign * self.variation.bound
         for index, part in enumerate(self.variation.forces):
             if part is not None:

@@ -82,7 +82,7 @@ def _step_and_panels(
     scheme: DriftKick,
     tolerance: float,
 ) -> tuple[float, Array, float]:
-    """Return the usual step, panels (begin and end, panels) for shorter ones, and their total error."""
+    """Return the usual step, the panels that need shorter ones, and the total error of these."""
     exact, no_panels = _exact_integral(formula, begin, end), np.zeros((2, 0))
     if exact is None or not np.isfinite(exact.sums).all():
         return step, no_panels, 0.0

@@ -59,7 +59,7 @@ class SiteForce:
         for name, value, size in (("site", self.site, cells), ("field", self.field, fields)):
             if value not in range(size):
                 raise ValueError(
-                    f"{name} of a force must be 0 to {size - 1}, got {value} (mend it)"
+                    f"{name} of a force must be 0 to {size - 1}, got {value} (take one of these)"
                 )
 
     def at(self, f: Array, times: Array, masses: Array) -> Array:

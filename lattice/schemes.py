@@ -186,7 +186,7 @@ class Splitting(DriftKick):
 
 
 def _mirrored(half: tuple[str, ...], once: bool) -> Exact:
-    """Return ``half`` and its reflection; the last entry appears ``once`` or twice."""
+    """Return ``half`` and its reflection; the last entry appears once if ``once``, else twice."""
     return tuple(map(Fraction, half + half[::-1][once:]))
 
 
@@ -480,7 +480,7 @@ USER_DEFINED = re.compile(r"([A-Za-z]\w{,39}), order (\d{1,2}): drifts ([^,]+), 
 WEIGHT = re.compile(r"-?\d{1,9}(\.\d{1,60}|/[1-9]\d{,9})?")
 
 HIGHEST_ORDER, MOST_WEIGHTS = 10, 20
-"""Limits of a user-defined scheme, whose order conditions are numerous."""
+"""Highest order and most weights of a user-defined scheme; its order conditions are numerous."""
 
 
 @cache

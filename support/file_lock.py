@@ -32,10 +32,10 @@ UNLOCKED_MESSAGE = (
 )
 
 _WARNED: set[int] = set()
-"""File systems for which a warning was logged."""
+"""Device numbers of file systems for which a warning was logged."""
 
 _TESTED: set[int] = set()
-"""File systems for which it was tested whether a lock excludes another."""
+"""Device numbers of file systems for which it was tested whether a lock excludes another."""
 
 
 @contextmanager

@@ -20,13 +20,13 @@ JSON_TYPES = (type(None), bool, int, float, str)
 """JSON's own types; other types become a dictionary with one entry, a tag and its content."""
 
 NUMBER_DTYPE = re.compile(r"[<>|=][biufcSU][1-9]\d{0,8}")
-"""Pattern of NumPy's types of numbers and texts, none of which is an address."""
+"""Pattern of NumPy's dtypes of numbers and texts; it excludes objects, which hold addresses."""
 
 READING_ERRORS = (ValueError, TypeError, LookupError, AttributeError, OverflowError, RecursionError)
 """Errors that reading may meet in bytes written elsewhere."""
 
 HEAD = 8
-"""Bytes that hold the length of the text."""
+"""Number of bytes that hold the length of the JSON text."""
 
 
 class PlainKind(NamedTuple):

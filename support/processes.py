@@ -230,9 +230,10 @@ class _Worker:
 class LocalWorkers:
     """Local processes, started when needed and replaced when lost.
 
-    They ignore Ctrl-C, which is this process's, and end with it, however it ends. Each is a fresh
-    interpreter that calls ``begin`` first and is reused for further jobs. If ``isolated``, each
-    does one job only and is, where possible, a fork of this process, which needs no imports.
+    They ignore Ctrl-C, which this process handles, and end when this process ends, however it
+    ends. Each is a fresh interpreter that calls ``begin`` first and is reused for further jobs. If
+    ``isolated``, each does one job only and is, where possible, a fork of this process, which needs
+    no imports.
     """
 
     def __init__(
@@ -331,7 +332,7 @@ class LocalWorkers:
 
 @contextmanager
 def _safe_path() -> Iterator[None]:
-    """Start processes that import nothing, not even standard modules, from the current folder."""
+    """Let processes started in the body import nothing from the current folder."""
     before = os.environ.get(SAFE_PATH)
     os.environ[SAFE_PATH] = "1"
     try:
@@ -345,7 +346,7 @@ def _safe_path() -> Iterator[None]:
 
 @contextmanager
 def _without_script() -> Iterator[None]:
-    """Start a process that does not run the user's script again, as a new interpreter would."""
+    """Keep processes started in the body from running the user's script, as a spawn would."""
     main = sys.modules["__main__"]
     if main.__spec__ is None:
         sys.modules["__main__"] = ModuleType("__main__")
@@ -357,7 +358,7 @@ def _without_script() -> Iterator[None]:
 
 @contextmanager
 def _interrupts_blocked() -> Iterator[None]:
-    """Block Ctrl-C for processes that are starting, which would print a traceback."""
+    """Block Ctrl-C for processes started in the body, which would print a traceback."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return

@@ -279,7 +279,7 @@ class _Arc:
         return _Script(self._code, chain.from_iterable(calls))
 
     def _repeats(self) -> list[Indices]:
-        """Return the indices of ghost rows, and of the rows they copy: cells, or plane's vectors."""
+        """Return the indices, in cells or vectors, of ghost rows and of the rows they copy."""
         layout = self._layout
         rows = np.r_[0 : self._below, self._below + layout.height : self._rows]
         if self._columns:

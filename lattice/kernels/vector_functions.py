@@ -83,15 +83,15 @@ class Lanes:
         return self.with_value(self.code.fma(self.value, self.of(factor), self.of(term)))
 
     def where(self, sign: str, bound: Lanes | float, value: Lanes | float) -> Lanes:
-        """Return the value where the comparison of self holds, else self; NaN stays."""
+        """Return ``value`` where ``self sign bound`` holds, as for "<", else self; NaN stays."""
         return self.replaced(self.compared(sign, bound), value)
 
     def replaced(self, mask: Any, value: Lanes | float) -> Lanes:
-        """Return the value where the mask is set, else self."""
+        """Return ``value`` where the mask is set, else self."""
         return self.with_value(self.code.builder.select(mask, self.of(value), self.value))
 
     def compared(self, sign: str, bound: Lanes | float) -> Any:
-        """Return the mask of the comparison of self with the bound; False for NaN."""
+        """Return the mask where ``self sign bound`` holds, as for "<"; False for NaN."""
         return self.code.builder.fcmp_ordered(sign, self.value, self.of(bound))
 
     def bits(self) -> Bits:
@@ -283,7 +283,7 @@ def _power_of_two(shifted: Lanes) -> Lanes:
 
 
 def exponential(x: Lanes, low: Lanes | None = None) -> Lanes:
-    """Return exp(x), or exp(x + low), to 1.2 ulp; 2^n is two factors, so only one rounds."""
+    """Return exp(x), or exp(x + low), to 1.2 ulp; of the two factors of 2^n only one rounds."""
     n, shifted, (r, _) = _doublings(
         x.where("<", LEAST_EXPONENT, LEAST_EXPONENT).where(">", MOST_EXPONENT, MOST_EXPONENT), low
     )
@@ -294,7 +294,7 @@ def exponential(x: Lanes, low: Lanes | None = None) -> Lanes:
 
 
 class _Hyperbolic(NamedTuple):
-    """Functions of x, and ``fall`` = exp(-x), before scaling by 2^up; ``n`` rounds x/ln(2)."""
+    """Hyperbolic functions of x divided by 2^up, exp(-x) = ``fall``, and ``n``: x/ln(2) rounded."""
 
     sinh: Pair
     cosh: Pair
@@ -505,7 +505,7 @@ def tangent(x: Lanes) -> Lanes:
 
 
 def _within(x: Lanes, name: str, result: Lanes) -> Lanes:
-    """Return the result, or the C library's for arguments beyond `LARGEST_ANGLE`."""
+    """Return ``result``, or the C library's ``name`` of x where abs(x) > `LARGEST_ANGLE`."""
     code, builder = x.code, x.code.builder
     is_beyond = builder.fcmp_unordered(">", x.size().value, x.of(LARGEST_ANGLE))
     flags = ir.IntType(code.lanes)

@@ -198,7 +198,7 @@ class ExponentialAdams:
         return self.p if abs(fraction) <= STEP_SLACK else self._part(self._table(fraction))[0]
 
     def _part(self, table: Table) -> tuple[Complex, Complex]:
-        """Return the solution after a step with these coefficients, and N at the predicted one."""
+        """Return the solution after a step with these coefficients, and N where it is predicted."""
         factor, predictor, corrector = table
         p = np.empty_like(self.p)
         _predict(factor, self.p, predictor, self._past, p)

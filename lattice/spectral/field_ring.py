@@ -115,7 +115,7 @@ class FieldRing:
 
 
 def _with_both_ends(modes: Complex, padding: list[tuple[int, int]]) -> Complex:
-    """Return shifted coefficients padded so that the first, of an even number, is at both ends."""
+    """Return shifted coefficients, padded; the highest of an even number is halved to both ends."""
     modes = np.pad(modes, padding)
     for axis, (_, more) in enumerate(padding):
         if more:
@@ -128,17 +128,17 @@ def _with_both_ends(modes: Complex, padding: list[tuple[int, int]]) -> Complex:
 def _sampled(values: Array, counts: tuple[int, ...]) -> Array:
     """Return the trigonometric interpolants at other numbers of points, axis by axis."""
     for axis, count in enumerate(counts, 1):
-        size = values.shape[axis]
-        if size == count:
+        before = values.shape[axis]
+        if before == count:
             continue
         modes = np.moveaxis(np.fft.fft(values, axis=axis, norm="forward"), axis, 0)
-        number = np.fft.fftfreq(size, 1.0 / size).astype(np.int64)
+        number = np.fft.fftfreq(before, 1.0 / before).astype(np.int64)
         resampled = np.zeros((count, *modes.shape[1:]), dtype=np.complex128)
         np.add.at(resampled, number % count, modes)
-        if size % 2 == 0:
-            half = 0.5 * modes[size // 2]
-            resampled[-(size // 2) % count] -= half
-            resampled[size // 2 % count] += half
+        if before % 2 == 0:
+            half = 0.5 * modes[before // 2]
+            resampled[-(before // 2) % count] -= half
+            resampled[before // 2 % count] += half
         interpolated = np.fft.ifft(np.moveaxis(resampled, 0, axis), axis=axis, norm="forward")
         values = np.ascontiguousarray(interpolated.real)
     return values
