@@ -144,16 +144,16 @@ class EnergyBalance:
         times, length = t[:-1, np.newaxis] + np.outer(h, NODES), h[:, np.newaxis]
 
         def between(weights: Array, known: Sequence[Array]) -> tuple[Array, Array]:
-            values, speeds = weights[:, np.newaxis, np.newaxis] @ np.stack(known, axis=2)
+            fields, speeds = weights[:, np.newaxis, np.newaxis] @ np.stack(known, axis=2)
             flat = len(f), times.size, f.shape[2]
             speeds = (speeds / length[..., np.newaxis]).reshape(flat)
-            return power(self._chain, values.reshape(flat), speeds, times.ravel(), self._cuts)
+            return power(self._chain, fields.reshape(flat), speeds, times.ravel(), self._cuts)
 
-        indices, slopes, accelerations = (
+        end_values, slopes, accelerations = (
             [scale * values[:, :-1], scale * values[:, 1:]]
             for scale, values in ((1.0, f), (length, v), (length**2, acceleration))
         )
-        _, at_nodes = between(FROM_ENDS, [*indices, *slopes, *accelerations])
+        _, at_nodes = between(FROM_ENDS, [*end_values, *slopes, *accelerations])
         inner = [length**2 * at_nodes[:, node :: NODES.size] for node in range(NODES.size)]
-        rates, _ = between(FROM_ENDS_AND_NODES, [*indices, *accelerations, *inner])
+        rates, _ = between(FROM_ENDS_AND_NODES, [*end_values, *accelerations, *inner])
         return np.asarray(rates.reshape(-1, *times.shape) @ WEIGHTS @ h)

@@ -162,7 +162,7 @@ class NumericLattice:
 
     @property
     def cellwise(self) -> tuple[NumericLattice, Variation | None, Array]:
-        """The ordered lattice, its variation from cell to cell, and the shares: here none."""
+        """The ordered lattice, its variation and relative deviations by cell (here none)."""
         return self, None, np.zeros((0, 0))
 
     @property

@@ -49,7 +49,7 @@ class SiteForce:
         return None
 
     def shares(self, masses: Array) -> Array:
-        """Return each cell's share of the force, given the masses of its field in all cells."""
+        """Return each cell's factor of ``value(t)``, given the masses of the field in all cells."""
         shares = np.zeros_like(masses)
         shares[self.site] = 1.0
         return shares

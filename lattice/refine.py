@@ -88,8 +88,8 @@ NEGLIGIBLE_FRACTION = 0.01
 it may be rounding."""
 
 MIN_RING_ERROR = 0.05
-"""Least error reported on a ring, as a fraction of the tolerance. Negligible changes there hid
-errors of 0.021 of it: the steps of a kink that turned short waves by many radians agreed
+"""Least error reported on a ring, as a fraction of the tolerance. Runs of a kink whose steps turned
+short waves by many radians agreed, with errors of 0.021 of the tolerance
 (`tests/scenes/engines/test_comparison_honesty.py`)."""
 
 MIN_ERROR = 1e-5
@@ -248,7 +248,7 @@ class _Search:
         return StoppedSearch(unfinished, None, self.seconds)
 
     def with_step(self, choices: Choices) -> Choices:
-        """Return choices whose step meets its share and obeys its law, if the search finds any."""
+        """Return choices whose step's error is within its share and obeys step^order, if found."""
         unstable, last, self.stalled = 0, math.inf, 0
         change: float | None = None
         for _ in range(MAX_CONTROL_RUNS):

@@ -62,7 +62,7 @@ class Scheme:
 
     @cached_property
     def floats(self) -> tuple[Array, ...]:
-        """The parts of `table` as floats."""
+        """Coefficients of `table` as arrays of doubles, in its order."""
         return tuple(map(_floats, self.table()))
 
     def oscillator(self, z: Array) -> Array:
@@ -71,7 +71,7 @@ class Scheme:
 
 
 class DriftKick(Scheme):
-    """Splitting: drifts y += drift h s and kicks s += kick h f(y) in turn, one more drift."""
+    """Splitting scheme: drifts y += drift h s, first and last, alternate with kicks s += kick h f(y)."""
 
     @cached_property
     def exact(self) -> tuple[Exact, Exact]:
@@ -264,7 +264,7 @@ def _stable(scheme: Scheme, z: Array) -> Mask:
 def stability_limit(scheme: Scheme) -> float:
     """Return the largest z = omega h below which y'' = -omega^2 y stays bounded.
 
-    Scanned in steps of 1e-4 up to 8, then refined by bisection.
+    Scanned in steps of 1e-4 up to 8, the largest value returned, then refined by bisection.
 
     >>> from longwave.lattice.schemes import scheme_named
     >>> round(stability_limit(scheme_named("stoermer_verlet")), 6)

@@ -79,7 +79,7 @@ GROWTH = 100.0
 
 @dataclass(frozen=True)
 class BlowUp:
-    """First blow-up criterion met, at ``t`` and ``site``, ``from_seam`` sites from any seam."""
+    """First blow-up criterion met, at ``t`` and ``site``, ``from_seam`` sites away from a seam."""
 
     criterion: str
     t: float

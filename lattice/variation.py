@@ -35,7 +35,7 @@ class Variation:
     walled: bool = False
 
     def rows(self, fields: int) -> int:
-        """Return the number of deviations of a cell, for a lattice of so many fields."""
+        """Return the number of deviations of a cell, for a lattice of ``fields`` fields."""
         return self.mass_rows(fields) + sum(f is not None for f in self.forces) + self.walled
 
     def mass_rows(self, fields: int) -> int:

@@ -290,7 +290,7 @@ class Loop:
                 self._store(remember)
 
     def end(self, remember: Callable[[], Memory]) -> None:
-        """Store the final state if that takes at most the ``share`` of the time since the last."""
+        """Store the final state if that takes at most ``share`` of the time since the last one."""
         if self.keeper is not None:
             elapsed = perf_counter() - self._last
             if self.keeper.share * elapsed >= self._cost:

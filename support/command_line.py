@@ -137,9 +137,9 @@ def _enforced_time(given: str | None) -> Iterator[None]:
 def limits_of_each(memory: str = "", time: str = "") -> Callable[[Wrapped], Wrapped]:
     """Return a decorator that adds `--max-memory` and `--max-time`, applied while the command runs.
 
-    ``memory`` and ``time`` are the defaults for a command that makes many runs in turn; its limits
-    are compared with the estimate of each run. Without them the usual defaults apply, and given
-    limits are also enforced on the whole command.
+    ``memory`` and ``time`` are the defaults for a command that makes many runs one after another;
+    the limits of such a command are compared with the estimate of each run. Without these arguments
+    the usual defaults apply, and limits that the user states are enforced on the whole command.
     """
     each = bool(memory or time)
     hold_memory = _limit_callback(request_limits.request_limits if each else _enforced_memory)
@@ -224,8 +224,8 @@ def _split_at_commas(text: str) -> list[str]:
 
 def _set_fields(_: click.Context, __: click.Parameter, texts: tuple[str, ...]) -> dict[str, Any]:
     """Return the values of `--set` by field, each parsed as in a scene's file."""
-    given = named_values("--set", texts, "eps=0.05,parameters.k=0.7")
-    return {field: toml_value(text) for field, text in given.items()}
+    field_texts = named_values("--set", texts, "eps=0.05,parameters.k=0.7")
+    return {field: toml_value(text) for field, text in field_texts.items()}
 
 
 set_option = click.option(

@@ -36,7 +36,7 @@ def table_console(width: int = PIPE_WIDTH, **look: Any) -> Console:
 
 
 def tracked(items: Iterable[T], count: int, words: str) -> Iterator[T]:
-    """Yield ``items``, with a progress bar on stderr if that is a terminal."""
+    """Yield ``items``, with a progress bar labelled ``words`` on stderr if that is a terminal."""
     console = Console(stderr=True)
     if console.is_terminal:
         count_notice()

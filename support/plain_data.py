@@ -119,7 +119,7 @@ class _Reader:
         }
 
     def value(self, tree: Any) -> Any:
-        """Return the value of a tree."""
+        """Return the value that `_Writer.tree` turned into this tree."""
         if isinstance(tree, list):
             return [self.value(item) for item in tree]
         if isinstance(tree, dict):

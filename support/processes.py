@@ -130,7 +130,10 @@ def in_turn(
     look: Callable[[Mapping[Call, Subject]], object] = lambda _: None,
     ahead: int = 1,
 ) -> Iterator[tuple[Subject, Call]]:
-    """Do all jobs, ``ahead`` of them per worker at once, and yield keys and calls as they end."""
+    """Do all jobs, ``ahead`` of them per worker at once; yield (key, finished call) as they end.
+
+    ``look`` is called from time to time with the running calls and their keys.
+    """
     waiting, running = iter(jobs), dict[Call, Subject]()
     while True:
         for key, job in islice(waiting, max(0, ahead * workers.count - len(running))):
@@ -244,12 +247,12 @@ class LocalWorkers:
         self._ended: list[Call] = []
 
     def start(self, job: Job | None = None) -> _Worker:
-        """Start a process, for this ``job`` only if there is one."""
+        """Start a process, for this ``job`` only if one is given; return its worker."""
         forked = job is not None and hasattr(os, "fork")
         context: Any = mp.get_context("fork" if forked else "spawn")
         ours, theirs = context.Pipe()
-        given = (theirs, ours if forked else None, self._begin, job)
-        process = context.Process(target=_serve, args=given)
+        arguments = (theirs, ours if forked else None, self._begin, job)
+        process = context.Process(target=_serve, args=arguments)
         with _interrupts_blocked(), warnings.catch_warnings(), _without_script(), _safe_path():
             warnings.simplefilter("ignore", DeprecationWarning)  # of a fork with threads
             process.start()
@@ -460,7 +463,7 @@ def limit_memory(beyond: int) -> None:
 
 
 def limit_processor(seconds: int) -> None:
-    """Kill this process after so many more seconds of processor time, where there is fork."""
+    """Kill this process after ``seconds`` more of processor time, where the system supports it."""
     with suppress(ImportError, OSError, ValueError):
         import resource
 

@@ -45,7 +45,7 @@ LINKED = "%s is a link, or no file: it counts as missing, and is made anew"
 def write_sealed(
     path: Path, content: bytes, force: bool = True, durable: bool = True, mode: int | None = None
 ) -> None:
-    """Write content and seal atomically, in place of a link; raises as `write_atomically`."""
+    """Write the content and its seal atomically; replace a link. Raises as `write_atomically`."""
 
     def write(draft: Path) -> None:
         with draft.open("wb") as stream:

@@ -24,7 +24,7 @@ _notices = 0
 
 
 def count_notice() -> None:
-    """Count that the running command has reported its duration or progress."""
+    """Record that the running command has reported its duration or progress."""
     global _notices
     _notices += 1
 

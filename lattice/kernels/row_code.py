@@ -39,7 +39,7 @@ first and last row of its front."""
 
 
 def _whole_power(code: LaneCode, value: Any, exponent: int) -> Any:
-    """Return a power by repeated squaring."""
+    """Generate code for ``value`` to the power ``exponent`` > 0 by repeated squaring."""
     result = None
     square, left = value, exponent
     while left:

@@ -121,10 +121,10 @@ class Bits:
         if isinstance(other, int):
             lanes, kind = self.code.lanes, words_of(self.code)
             signed = (other + (1 << 63)) % (1 << 64) - (1 << 63)
-            given = ir.Constant(kind, signed if lanes == 1 else [signed] * lanes)
+            operand = ir.Constant(kind, signed if lanes == 1 else [signed] * lanes)
         else:
-            given = other.value
-        return Bits(self.code, getattr(self.code.builder, word)(self.value, given))
+            operand = other.value
+        return Bits(self.code, getattr(self.code.builder, word)(self.value, operand))
 
     __add__ = partialmethod(_combined, "add")
     __sub__ = partialmethod(_combined, "sub")
@@ -341,8 +341,8 @@ def tanh(x: Lanes) -> Lanes:
     result = _hyperbolic(x.size().where(">", 25.0, 25.0))
     far = result.n.compared(">", 1.0)
     over = Pair(result.sinh.high.replaced(far, -result.fall), result.sinh.low.replaced(far, 0.0))
-    base = x.with_value(x.code.constant(0.0)).replaced(far, 1.0)
-    return (base + whole(quotient(over, result.cosh))).signed_as(x)
+    limit = x.with_value(x.code.constant(0.0)).replaced(far, 1.0)
+    return (limit + whole(quotient(over, result.cosh))).signed_as(x)
 
 
 # Logarithms and powers.
@@ -469,7 +469,7 @@ def _reduced(x: Lanes) -> tuple[Bits, Pair, Pair]:
 
 
 def _even(quarters: Bits) -> Any:
-    """Return the mask of even numbers."""
+    """Return the mask of the lanes that are even."""
     nothing = (quarters ^ quarters).value
     return quarters.code.builder.icmp_unsigned("==", (quarters & 1).value, nothing)
 

@@ -198,12 +198,15 @@ class LatticeRing:
         """
         p = self._first[:, :-1].copy()
         p[:, :: self._size] = np.mean(p[:, :: self._size], axis=0)
-        share = np.abs(p) ** 2
-        total = float(np.sum(share)) or 1.0
-        moving = np.abs(self._linear[:, :-1]) ** 2
-        still = np.broadcast_to(np.abs(self._divisor / 2.0) ** 2, share.shape)
-        one, other = (math.sqrt(float(np.sum(share * rates)) / total) for rates in (moving, still))
-        return one, other
+        weights = np.abs(p) ** 2
+        total = float(np.sum(weights)) or 1.0
+        moving_squares = np.abs(self._linear[:, :-1]) ** 2
+        rest_squares = np.broadcast_to(np.abs(self._divisor / 2.0) ** 2, weights.shape)
+        moving, at_rest = (
+            math.sqrt(float(np.sum(weights * squares)) / total)
+            for squares in (moving_squares, rest_squares)
+        )
+        return moving, at_rest
 
     def _masked_modes(self, values: Array) -> Complex:
         """Return the modes of the values, (fields, modes), 0 outside `_symmetric_modes`."""
