@@ -71,7 +71,7 @@ class Scheme:
 
 
 class DriftKick(Scheme):
-    """Splitting scheme: drifts y += drift h s, first and last, alternate with kicks s += kick h f(y)."""
+    """Splitting scheme: drifts y += drift h s, first and last, and kicks s += kick h f(y)."""
 
     @cached_property
     def exact(self) -> tuple[Exact, Exact]:
