@@ -37,7 +37,7 @@ OLD_DRAFT = 86400.0
 STALE_TRIES = 5
 
 UNFLUSHED = (errno.EINVAL, errno.ENOSYS, errno.ENOTSUP, errno.EOPNOTSUPP)
-"""Errors of file systems that cannot flush folders, or anything; they write by themselves."""
+"""Error numbers of file systems that cannot flush folders, or files; they write by themselves."""
 
 
 def write_atomically(

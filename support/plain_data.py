@@ -91,12 +91,12 @@ class _Writer:
         known = self._kinds(kind.__name__)
         if known is not None and known.type is kind:
             return {kind.__name__: self.tree(known.parts(value))}
-        raise TypeError(f"data must be numbers, texts, arrays or lists of them, got {kind}")
+        raise TypeError(f"data must be numbers, texts, arrays or lists, got {kind} (convert it)")
 
     def _array(self, values: np.ndarray[Any, Any]) -> list[Any]:
         """Return type, shape, memory order and byte offset of an array, and store its data."""
         if not NUMBER_DTYPE.fullmatch(values.dtype.str):
-            raise TypeError(f"array entries must be numbers or texts, got {values.dtype}")
+            raise TypeError(f"array entries must be numbers or texts, got {values.dtype} (convert)")
         flags = values.flags
         order: Literal["F", "C"] = "F" if flags.f_contiguous and not flags.c_contiguous else "C"
         offset = self._length

@@ -125,7 +125,9 @@ def read_bytes(
     else:
         # without O_NONBLOCK, opening a pipe would wait for a writer; its kind is checked after that
         if "\0" in str(path):
-            raise ValueError(f"{label} must be a file's name, got {shown_path(path)}")
+            raise ValueError(
+                f"{label} must be a file's name, got {shown_path(path)} (leave out \\x00)"
+            )
         handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
         try:
             state = os.fstat(handle)
@@ -164,7 +166,8 @@ def parse_toml(content: bytes, path: str | Path, label: str) -> dict[str, Any]:
     """Return the tables of a file's content; ValueError if it is not TOML or nested too deep."""
     if DEEP_KEY.search(content):
         raise ValueError(
-            f"{label} must have plain keys, got one with 20 or more dots in {shown_path(path)}"
+            f"{label} must have plain keys, got one with 20 or more dots in {shown_path(path)} "
+            "(write tables)"
         )
     text = _text(content, path, label)
     try:
@@ -179,11 +182,13 @@ def parse_toml(content: bytes, path: str | Path, label: str) -> dict[str, Any]:
         ) from None
     except ValueError:
         raise ValueError(
-            f"{label} must have numbers of some digits, got one of thousands in {shown_path(path)}"
+            f"{label} must have numbers of some digits, got one of thousands in {shown_path(path)} "
+            "(shorten it)"
         ) from None
     if deep:
         raise ValueError(
-            f"{label} must be nested at most {MAX_DEPTH} deep, got {shown_path(path)} with more"
+            f"{label} must be nested at most {MAX_DEPTH} deep, got {shown_path(path)} with more "
+            "(flatten it)"
         )
     return document
 

@@ -344,7 +344,7 @@ class _Arc:
         """Yield calls that load the arc, ghost cells included, from the ring."""
         return self._move("to_rows", self._both(f, v), (0, self._count))
 
-    def rest(self, resting: Array, fields: int) -> Iterator[Call]:
+    def load_deviations(self, resting: Array, fields: int) -> Iterator[Call]:
         """Yield calls that load the deviations ``resting`` after the ``fields`` that move."""
         plane = self._planes[0] + 8 * fields * self._plane
         return self._move("to_rows", [(plane, resting)], (0, self._count))
@@ -353,13 +353,13 @@ class _Arc:
         """Yield calls that store the arc's own cells in the ring."""
         return self._move("from_rows", self._both(f, v), self._own)
 
-    def show(self, f: Array, v: Array) -> Iterator[Call]:
+    def store_shared(self, f: Array, v: Array) -> Iterator[Call]:
         """Yield calls that store in the ring the cells that the other arc needs."""
         (first, past), (below, above) = self._own, self._beside
         ends = (first, first + above), (past - below, past)
         return self._move("from_rows", self._both(f, v), *ends)
 
-    def look(self, f: Array, v: Array) -> Iterator[Call]:
+    def load_ghosts(self, f: Array, v: Array) -> Iterator[Call]:
         """Yield calls that load the arc's ghost cells from the ring."""
         (first, past), count = self._own, self._count
         return self._move("to_rows", self._both(f, v), (0, first), (past, count))
@@ -522,7 +522,9 @@ class RingKernel:
         work = [partial(_Arc.load, f=f, v=v)]
         between = self._between or max(stages, 1)
         for done in range(0, stages, between):
-            work += [partial(meet, f=f, v=v) for meet in (_Arc.show, _Arc.look) if done]
+            work += [
+                partial(meet, f=f, v=v) for meet in (_Arc.store_shared, _Arc.load_ghosts) if done
+            ]
             length = min(between, stages - done)
             work.append(partial(_Arc.run, drifts=drifts, kicks=kicks, begun=done, stages=length))
         work.append(partial(_Arc.store, f=f, v=v))
@@ -559,7 +561,7 @@ class RingKernel:
         """Return an arc of the cells ``own`` with ghosts at its ends; load its deviations."""
         arc = _Arc(self._flow, self._numbers, self._shape, own, ghosts)
         if len(self._resting):
-            arc.script(arc.rest(self._resting, self._fields))()
+            arc.script(arc.load_deviations(self._resting, self._fields))()
         return arc
 
 

@@ -159,7 +159,7 @@ class _Stage:
         velocities: Sequence[Any],
         carried: CarriedValue | None = None,
     ) -> None:
-        """Generate code for one row of a chain, or for a column that reads ``carried`` rows."""
+        """Generate code for a row of a chain, or for a column; ``carried`` loads earlier rows."""
         code, flow, self._carried = self._code, self._flow, carried
         drifting = 0 if flow.spread else flow.moving
         self.latest = [

@@ -510,10 +510,7 @@ class _Builder:
     def felt(
         self, weight: StreamRead, index: int, factor: ForceProgram | None
     ) -> tuple[StreamRead, float]:
-        """Return the share ``weight`` of an external force, times ``factor`` at the field if given.
-
-        Returned with the unit of the share.
-        """
+        """Return an external force's share, times ``factor`` at the field if any, and its unit."""
         if factor is None:
             return weight, 1.0
         law, unit = force_formula(factor, self.number)

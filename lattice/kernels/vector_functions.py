@@ -164,7 +164,7 @@ def whole(pair: Pair) -> Lanes:
 
 
 def exact_product(first: Lanes, second: Lanes) -> Pair:
-    """Return a product with its rounding error; sizes must be below 1e290."""
+    """Return a product with its rounding error; absolute values must be below 1e290."""
     total = first * second
     if first.code.fused:
         rest = first.code.fused_multiply_add(first.value, second.value, (-total).value)
@@ -430,7 +430,7 @@ def _logarithm_pair(x: Lanes) -> Pair:
 
 
 def power(x: Lanes, exponent: float) -> Lanes:
-    """Return x^exponent to 1.6 ulp, with exponent != 0 and at most `LARGEST_EXPONENT` in size."""
+    """Return x^exponent to 1.6 ulp, for 0 < abs(exponent) <= `LARGEST_EXPONENT`."""
     size = x.size()
     log = _logarithm_pair(size)
     factor = x.with_value(x.code.constant(exponent))

@@ -25,7 +25,8 @@ DENSITY = 4.5
 many again for the cubic part of the force, and some spare."""
 
 CREST_REACH = 4.0
-"""Sites over which the energy of a crest is summed; the waves concerned are no longer."""
+"""Standard deviation, in sites, of the Gaussian by which a crest's energy is averaged; the waves
+concerned are no longer than that."""
 
 MOST_POINTS = 2**21
 """Most points on which the energy is computed."""
@@ -88,7 +89,7 @@ def _energy(lattice: NumericLattice, state: FieldRing) -> Array:
 
 
 def _largest_crest(energy: Array, state: FieldRing, axis: int) -> float:
-    """Return the maximum of the energy after averaging over `CREST_REACH` sites of the axis."""
+    """Return the maximum of the energy averaged along the axis (`CREST_REACH`)."""
     k = wavenumbers(state)
     modes = modes_of(energy[None])
     near = np.exp(-0.5 * (CREST_REACH * k[axis]) ** 2)

@@ -258,7 +258,7 @@ class FieldRingEngine(SpectralSearch):
         return math.prod(self._counts(choices))
 
     def control(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
-        """Return choices with a shorter step (on the other ring, if one is wider) or more points."""
+        """Return choices with a shorter step, on the other ring if two, or with more points."""
         if "step" in kinds and self._sight.wider is not None:
             choices = replace(choices, size=WIDER_SIZE if choices.size == 1.0 else 1.0)
         return super().control(choices, kinds)

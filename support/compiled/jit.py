@@ -133,7 +133,9 @@ class Kernel:
             compiled = self._entries[key] = self._entry(key, words, arguments)
         entry, packed = compiled
         if entry(packed(*words)):
-            raise RuntimeError(f"{self.py_func.__name__} must raise nothing, got an error")
+            raise RuntimeError(
+                f"{self.py_func.__name__} must raise nothing, got an error (check before)"
+            )
         return None
 
     def __get__(self, instance: object, owner: type | None = None) -> Any:

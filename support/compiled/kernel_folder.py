@@ -39,7 +39,7 @@ BASE_MODE = 0o755
 """Mode of the folder with the cache folders: at umask 0, others could otherwise move them."""
 
 MAX_VERSIONS = 8
-"""Versions of a module's folder that are kept; the least recently used ones are removed first."""
+"""Most versions of a module's cache folder; the least recently used ones are removed first."""
 
 
 @dataclass(frozen=True)
@@ -168,7 +168,7 @@ def _digest(sources: str) -> str:
 
 
 def numba_settings() -> list[str]:
-    """Return numba's settings, from the environment and from the file in the current folder."""
+    """Return numba's settings, from the environment and from its file in the current folder."""
     from longwave.support.compiled.source_digest import compiler_settings
     from longwave.support.sealed_file import open_plain
 

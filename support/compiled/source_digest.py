@@ -31,7 +31,7 @@ MAKERS = ("sympy", "mpmath", "python-flint", "numpy", "numba", "llvmlite")
 """Packages whose versions affect cached numbers and machine code."""
 
 KERNEL_MAKERS = ("numba", "llvmlite")
-"""Packages that generate a kernel's text; of NumPy it depends on the layout of arrays only."""
+"""Packages that generate a kernel's text; of NumPy, it depends only on the layout of arrays."""
 
 Files = tuple[tuple[str, Path], ...]
 """Sorted modules with their files."""
