@@ -209,7 +209,7 @@ class DisorderedLattice(NumericLattice):
 
     @property
     def has_energy(self) -> bool:
-        """Whether the lattice has masses; without any, `energies` mean nothing."""
+        """Whether the lattice has masses; if not, `energies` are meaningless."""
         return _kind_of_fields(self) is not None
 
     @property

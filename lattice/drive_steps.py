@@ -127,7 +127,7 @@ def _panel_errors(exact: Integral, low: Array, high: Array, scheme: DriftKick | 
 
 
 def _refined(exact: Integral, panels: Array, allowed: float, scheme: DriftKick | None) -> Array:
-    """Halve the panels until the error of each (`_panel_errors`) is ``allowed`` or rounding."""
+    """Halve the panels until the error of each is at most ``allowed`` plus rounding."""
     done, count = [panels[:, :0]], panels.shape[1]
     rounding = INTEGRAL_ROUNDING * float(np.abs(exact.sums).max())
     while panels.size and count <= MAX_PANELS:

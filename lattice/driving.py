@@ -336,7 +336,7 @@ def driven_chain(
     mass_factors: Factors = MappingProxyType({}),
     spring_factors: Factors = MappingProxyType({}),
 ) -> DrivenChain:
-    """Return a chain of so many cells with ends, losses and forces, for `lattice.integrate`.
+    """Return a chain of ``cells`` cells with ends, losses and forces, for `lattice.integrate`.
 
     Without ``left`` and ``right`` the chain is a ring. Otherwise walls are added next to the first
     and the last cell, of as many cells as a force reaches. ``losses`` are the factors g of ``-g

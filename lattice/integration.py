@@ -197,7 +197,7 @@ def _checked(lattice: NumericLattice, state: State) -> State:
 
 
 def _to_tolerance(engine: CellEngine, tolerance: float, times: Array) -> tuple[trials.Trial, float]:
-    """Return a run to the tolerance, and its error estimate."""
+    """Return a run whose estimated error is within the tolerance, and that estimate."""
     remedy = "it is the largest accepted error, in the unit of the judged quantity"
     check_positive("tolerance", tolerance, remedy)
     try:

@@ -97,11 +97,12 @@ MIN_ERROR = 1e-5
 
 
 USUAL_WORK = 4.5
-"""Work of a search, in units of its first run's: 3.9 or 4.9 if that run's step is short enough."""
+"""Usual work of a search, in units of its first run's work: 3.9 or 4.9 if the first step is short
+enough."""
 
 
 class StoppedSearch(KeyboardInterrupt):
-    """Raised on Ctrl-C: the best run, its error if measured, and the seconds of all others."""
+    """Raised on Ctrl-C: the best run, its error if measured, seconds of other runs (``before``)."""
 
     def __init__(self, trial: Trial | None, error: float | None, before: float) -> None:
         super().__init__("interrupted")
@@ -110,11 +111,11 @@ class StoppedSearch(KeyboardInterrupt):
 
 @dataclass(frozen=True)
 class Refined:
-    """The last control run, and the estimated error of its y/eps.
+    """The last control run, and the estimated error of its values.
 
-    ``error`` covers all numerical choices and rounding, whose part is ``rounding``; it is infinite
-    if the lattice blows up by itself. ``next_decade`` is the factor by which a run with a tenth of
-    the error costs more.
+    ``error`` covers all numerical choices and rounding; it is infinite if the lattice blows up by
+    itself. ``rounding`` is the part of it due to rounding. ``next_decade`` is the factor by which a
+    run with a tenth of the error costs more.
     """
 
     trial: Trial

@@ -49,7 +49,7 @@ class Choices:
 
 @dataclass(frozen=True)
 class Trial:
-    """A finished run: ``values`` of y/eps on the compared sites at all observed times.
+    """A finished run: ``values`` (y/eps on the compared sites, by default) at all observed times.
 
     They are None after a blow-up. ``rounding`` estimates their rounding error; ``common_error``
     bounds the error that a run with a shorter step shares. ``payload`` is the engine's own data.
@@ -78,7 +78,7 @@ class StoppedTrial(KeyboardInterrupt):
 
 
 def difference(first: Trial, second: Trial) -> float:
-    """Return the largest difference of y/eps between two runs; infinite if either blew up."""
+    """Return the largest difference of the values of two runs; infinite if either blew up."""
     return _largest_difference(first.values, second.values)
 
 
@@ -190,7 +190,7 @@ LEAST_FACTOR = 0.2
 """Least ratio of a step to the one tried before."""
 
 MARGIN = 0.95
-"""Safety factor on the step that the law predicts."""
+"""Safety factor on the step that the law step^order predicts."""
 
 STEP_RATIO = 0.7
 """Step of a control run of a `StepSearch`, as a fraction of the step of the run before it."""
@@ -277,7 +277,7 @@ class StepSearch(Engine):
         return replace(choices, step=step)
 
     def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
-        """Return choices with the step that step^order gives, for the effective steps."""
+        """Return choices with a step whose error, as step^order, is smaller by ``excess``."""
         step, order = step_between(self._stops, choices.step), self.order
         target = max(LEAST_FACTOR / MARGIN, excess ** (-1.0 / order)) * self.taken(choices)
         shorter = lawful_step(step, order, excess)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     import numpy as np
 
 JSON_TYPES = (type(None), bool, int, float, str)
-"""JSON's own types; other types become a dictionary with one entry, a tag and its content."""
+"""Scalar types of JSON; types other than these and lists become a dictionary {tag: content}."""
 
 NUMBER_DTYPE = re.compile(r"[<>|=][biufcSU][1-9]\d{0,8}")
 """Pattern of NumPy's dtypes of numbers and texts; it excludes objects, which hold addresses."""
@@ -38,7 +38,7 @@ class PlainKind(NamedTuple):
 
 
 Kinds = Callable[[str], PlainKind | None]
-"""Function from a name in the data to its type, None if unknown."""
+"""Function from a tag in the data to the additional type of that name, None if unknown."""
 
 
 def plain_bytes(value: object, kinds: Kinds = lambda _: None) -> bytes:

@@ -106,7 +106,7 @@ class Workers(Protocol):
         """Submit a job and return its call."""
 
     def ended(self, seconds: float) -> list[Call]:
-        """Return the calls that have ended, waiting at most so many seconds for one."""
+        """Return the calls that have ended, waiting up to ``seconds`` for one."""
 
     def stop(self) -> None:
         """End all work within two seconds."""
@@ -283,7 +283,7 @@ class LocalWorkers:
             worker.calls.append((call, time.monotonic() + call.job.seconds))
 
     def ended(self, seconds: float) -> list[Call]:
-        """Return the calls that have ended, waiting at most so many seconds for one."""
+        """Return the calls that have ended, waiting up to ``seconds`` for one."""
         ends = [worker.calls[0][1] for worker in self._workers if worker.calls]
         longest = 0.0 if self._ended else min([seconds, *(end - time.monotonic() for end in ends)])
         ready = wait([worker.pipe for worker in self._workers], max(0.0, longest))

@@ -59,7 +59,7 @@ def shown(value: object) -> str:
 
 
 def cut(text: str, length: int) -> str:
-    """Return the text, truncated to at most so many characters.
+    """Return the text, truncated to at most ``length`` characters.
 
     >>> cut("a long text", 8)
     'a lon...'

@@ -114,7 +114,7 @@ class SpectralSearch(Engine):
         return replace(choices, step=factor * choices.step, start=start)
 
     def _lost_again(self, error: RunawayError, step: float) -> bool:
-        """Return whether fields run away whatever the step: at the start, or when two runs did."""
+        """Return whether fields run away whatever the step: at the start, or when two others did."""
         elapsed = error.t - self._begin
         resolution = LOSS_TIME_SPREAD * elapsed + STEPS_PER_CHECK * step
         agree = [abs(t - elapsed) <= resolution for t in self._loss_times]

@@ -217,7 +217,7 @@ class FieldRingEngine(SpectralSearch):
         return density
 
     def _first_choices(self, longer: float) -> Choices:
-        """Return the first step, from the rates that are not integrated exactly."""
+        """Return choices with the first step, from the rates that are not integrated exactly."""
         T = self._duration
         ring = self._ring(Choices(T, 1.0), math.inf)
         moving, still = ring.typical_rates()
@@ -271,7 +271,7 @@ class FieldRingEngine(SpectralSearch):
         return replace(self._shorter(choices, excess), size=1.0)
 
     def refusal(self, end: float) -> str:
-        """Return why no run reached its end."""
+        """Return the message for a search in which no run reached the time ``end``."""
         if self._needs_too_many:
             return (
                 f"tolerance must be larger than {self._tolerance:g}: it needs a ring of more than "
