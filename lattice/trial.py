@@ -49,7 +49,7 @@ class Choices:
 
 @dataclass(frozen=True)
 class Trial:
-    """A finished run: ``values`` (y/eps on the compared sites, by default) at all observed times.
+    """A finished run: ``values``, such as y/eps on the compared sites, at all observed times.
 
     They are None after a blow-up. ``rounding`` estimates their rounding error; ``common_error``
     bounds the error that a run with a shorter step shares. ``payload`` is the engine's own data.

@@ -22,7 +22,7 @@ ALIKE = 0.2
 """Largest unresolved difference between a ring's lattices, as a fraction of the tolerance. While
 the nonlinear part turns the phase of a typical wave by one radian, their strains separate by 0.02
 to 0.4 times the spread of their energies, in units of the largest strain: measured on 30 scenes of
-all waves, a |y| from 0.3 to 0.63, as `searches/estimates.py` draws them."""
+all waves, with |y| from 0.3 to 0.63, as `searches/estimates.py` draws them."""
 
 TAIL_SHARE = 0.1
 """Largest tail of the spectrum accepted in a run, as a fraction of the tolerance."""
@@ -114,7 +114,7 @@ class SpectralSearch(Engine):
         return replace(choices, step=factor * choices.step, start=start)
 
     def _lost_again(self, error: RunawayError, step: float) -> bool:
-        """Return whether fields run away whatever the step: at the start, or when two others did."""
+        """Return whether fields run away for any step: at the start, or as in two other runs."""
         elapsed = error.t - self._begin
         resolution = LOSS_TIME_SPREAD * elapsed + STEPS_PER_CHECK * step
         agree = [abs(t - elapsed) <= resolution for t in self._loss_times]
