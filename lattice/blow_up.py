@@ -9,7 +9,7 @@ from longwave.lattice.state import GROWTH, BlowUp, State
 from longwave.support.real_arrays import Array, Mask
 
 GRID_WAVENUMBERS = {1: 33, 2: 9, 3: 5}
-"""Wavenumbers per axis, by dimension, of the grid on which one cell's bonds are checked."""
+"""Wavenumbers per axis, keyed by dimension, at which the stability of each cell is checked."""
 
 BATCH_CELLS = 4096
 """Cells checked in one batch: about 10 MB for two fields."""
@@ -21,10 +21,10 @@ MIN_SQUARE = 1e-300
 def find_blow_up(lattice: NumericLattice, state: State, amplitude: float | None) -> BlowUp | None:
     """Return the first blow-up criterion that the state meets, or None if the state is sound.
 
-    First criterion: a value is not finite. The others apply if ``amplitude`` is given, the
-    largest stretch at the start less the bond's offset: a bond's force is not finite; waves grow in
-    the uniform lattice whose bonds all have one cell's slopes; or the largest stretch has grown by
-    more than ``GROWTH``.
+    First criterion: a value is not finite. Three more apply if ``amplitude`` is given, the largest
+    abs(stretch - offset) of a bond at the start: the slope of a bond's force is not finite; waves
+    grow in the uniform lattice whose bonds all have the slopes of one cell; or the largest
+    abs(stretch - offset) exceeds ``GROWTH * amplitude``.
     """
     broken = ~np.all(np.isfinite(state.f) & np.isfinite(state.v), axis=0)
     if broken.any():

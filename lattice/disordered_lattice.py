@@ -21,7 +21,7 @@ from longwave.support.real_arrays import Array, Complex, real_array
 
 
 def mass_kind(lattice: NumericLattice) -> MassKind:
-    """Return the kind of the fields; raise ValueError if masses cannot be assigned to cells."""
+    """Return whether fields are "displacements" or "strains"; raise ValueError for neither."""
     kind = _kind_of_fields(lattice)
     if kind is None:
         raise ValueError(
@@ -45,7 +45,7 @@ def _kind_of_fields(lattice: NumericLattice) -> MassKind | None:
 
 
 def _action_on_masses(stretch: Sequence[Entry]) -> list[Entry]:
-    """Return the entries by which a bond with this stretch, in strains, acts on the masses."""
+    """Return the stencil by which a bond acts on the masses, given its ``stretch`` in strains."""
     return [
         Entry((offset - entry.shift[0],), sign * entry.weight, 0)
         for entry in stretch
@@ -54,7 +54,7 @@ def _action_on_masses(stretch: Sequence[Entry]) -> list[Entry]:
 
 
 def _action_on_strains(stretch: Sequence[Entry]) -> list[Entry]:
-    """Return the entries by which a bond with this stretch acts on strains u_{n+1} - u_n."""
+    """Return the stencil by which a bond with this ``stretch`` acts on strains u_{n+1} - u_n."""
     return [
         Entry((entry.shift[0] + offset,), sign * entry.weight, 0)
         for entry in _action_on_masses(stretch)
@@ -64,11 +64,11 @@ def _action_on_strains(stretch: Sequence[Entry]) -> list[Entry]:
 
 @dataclass(frozen=True, eq=False)
 class DisorderedLattice(NumericLattice):
-    """A chain whose cells have the ``deviations``, (rows, cells), of the varied masses and forces.
+    """A chain with the ``deviations``, (rows, cells), of its masses, then of its varied forces.
 
-    Frequencies and speeds of waves are those of an ordered chain with the lightest masses and,
-    where slopes are asked for, the stiffest springs that ``variation`` allows. They are upper
-    bounds: no wave of the disordered chain is faster.
+    Frequencies and speeds of waves are upper bounds: those of an ordered chain with the lightest
+    masses and, from `rest_slopes`, `largest_slope` and `steepest`, the stiffest springs that
+    ``variation`` allows. No wave of the disordered chain is faster.
     """
 
     variation: Variation
@@ -91,12 +91,12 @@ class DisorderedLattice(NumericLattice):
 
     @property
     def cellwise(self) -> tuple[NumericLattice, Variation, Array]:
-        """The ordered chain, its variation, and the `shares` of every cell."""
+        """The ordered chain, its variation, and the relative deviations of all cells (`shares`)."""
         return self.ordered, self.variation, self.shares
 
     @property
     def cell_count(self) -> int | None:
-        """Number of cells of its ring."""
+        """Number of cells of the ring."""
         return int(self.deviations.shape[1])
 
     @property
@@ -108,7 +108,7 @@ class DisorderedLattice(NumericLattice):
         return shares
 
     def rest_slopes(self, bound_sign: float = 1.0) -> list[float]:
-        """Return a bound, upper or lower, of the slope of each bond's force at the mean stretch."""
+        """Return upper (for ``bound_sign`` -1, lower) bounds of bond slopes at mean stretch."""
         slopes, change = super().rest_slopes(), bound_sign * self.variation.bound
         for index, part in enumerate(self.variation.forces):
             if part is not None:
@@ -116,11 +116,11 @@ class DisorderedLattice(NumericLattice):
         return slopes
 
     def largest_slope(self, index: int, stretches: Array) -> float:
-        """Return a bound, in all cells, of abs(slope) of a bond's force at these stretches."""
+        """Return an upper bound, over all cells, of abs(slope) of one bond's force at stretches."""
         return super().largest_slope(index, stretches) + self._added_slope(index, stretches)
 
     def steepest(self, index: int, stretches: Array) -> float:
-        """Return a bound, in all cells, of the slope of a bond's force at these stretches."""
+        """Return an upper bound, over all cells, of the slope of one bond's force at stretches."""
         return super().steepest(index, stretches) + self._added_slope(index, stretches)
 
     def _added_slope(self, index: int, stretches: Array) -> float:
@@ -132,7 +132,7 @@ class DisorderedLattice(NumericLattice):
             return self.variation.bound * float(np.max(np.abs(part.slope(stretches))))
 
     def _varied_parts(self) -> list[tuple[ForceProgram, Array] | None]:
-        """Return, for each bond, its varied force and the deviations in all cells, or None."""
+        """Return, for each bond, its varied force and that force's deviations by cell, or None."""
         rows = iter(self.deviations[self.variation.mass_rows(len(self.fields)) :])
         parts = self.variation.forces or (None,) * len(self.bonds)
         return [None if part is None else (part, next(rows)) for part in parts]
@@ -154,7 +154,7 @@ class DisorderedLattice(NumericLattice):
         stretches: Sequence[Array],
         evaluate: Callable[[ForceProgram, Array], Array],
     ) -> list[Array]:
-        """Return values of each bond plus the deviations times those of its varied force."""
+        """Add to each bond's ``values``, in place, ``deviation * evaluate(varied force)``."""
         for index, varied in enumerate(self._varied_parts()):
             if varied is not None:
                 part, row = varied
@@ -190,7 +190,7 @@ class DisorderedLattice(NumericLattice):
     def energies(
         self, f: Array, v: Array, velocity: float = 0.0, rest: Sequence[float] = ()
     ) -> Array:
-        """Return the energy of each cell. With stretches ``rest``, bonds store nothing there.
+        """Return the energy of each cell; bonds store no energy at their stretches ``rest`` (or 0).
 
         If the fields are strains, ``velocity`` is the velocity of the first cell's mass, which
         strains do not determine.
@@ -209,7 +209,7 @@ class DisorderedLattice(NumericLattice):
 
     @property
     def has_energy(self) -> bool:
-        """Whether the lattice has masses; without any, `energies` mean nothing."""
+        """Whether the lattice has masses; if not, `energies` are meaningless."""
         return _kind_of_fields(self) is not None
 
     @property
@@ -227,14 +227,14 @@ class DisorderedLattice(NumericLattice):
 
 
 def _energy_above_rest(force: ForceProgram, stretch: Array, rest: float) -> Array:
-    """Return the energy above that at rest, less the work of the constant rest force."""
+    """Return potential(stretch) - potential(rest) - force(rest) * (stretch - rest)."""
     rest_energy, rest_force = energy_and_force_at(force, rest)
     return np.asarray(force.potential(stretch) - (rest_energy + rest_force * (stretch - rest)))
 
 
 @lru_cache(maxsize=64)
 def energy_and_force_at(force: ForceProgram, rest: float) -> tuple[float, float]:
-    """Return the energy that a bond stores at a stretch, and its force there."""
+    """Return the energy that a bond stores at the stretch ``rest``, and its force there."""
     still = np.array(rest)
     return float(force.potential(still)), float(force(still))
 
@@ -242,7 +242,7 @@ def energy_and_force_at(force: ForceProgram, rest: float) -> tuple[float, float]
 def disordered(
     lattice: NumericLattice, variation: Variation, deviations: ArrayLike
 ) -> DisorderedLattice:
-    """Return the chain with these deviations, (rows, cells) of its ring.
+    """Return a chain with ``deviations``, (rows, cells), of the masses and forces that vary.
 
     Raises ValueError for a lattice of several axes, for varied forces that do not vanish at rest,
     and for a spread so large that the softest springs make the chain unstable.

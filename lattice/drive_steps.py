@@ -27,13 +27,13 @@ MAX_STOPS_FRACTION = 0.1
 """Largest fraction of a run's time that may be covered by additional stops."""
 
 PANEL_SHIFT = 0.618034
-"""Shift of the panels, in units of their length: corners at round times lie on no panel's edge."""
+"""Shift of the panels, in panel lengths, so that corners at round times lie on no panel's edge."""
 
 MAX_STOPS, MAX_PANELS = 2**14, 2**17
-"""Most additional stops, and most panels examined."""
+"""Largest number of additional stops, and largest number of panels examined."""
 
 INTEGRAL_ROUNDING = 2.0**-48
-"""Rounding error of an integral, as a fraction of the largest one."""
+"""Rounding error of a drive's integral, as a fraction of its largest absolute value."""
 
 
 def drive_steps(
@@ -44,9 +44,10 @@ def drive_steps(
     scheme: Scheme,
     tolerance: float,
 ) -> tuple[DriveSteps, float]:
-    """Return the steps, at most ``step``, and the time scale of the drives between added stops.
+    """Return steps of at most ``step`` that resolve the drives, and the remaining time scale.
 
-    ``tolerance`` is that of the velocities that the drives cause.
+    The latter is the shortest time scale of the drives outside the spans with additional stops.
+    ``tolerance`` is the allowed error of the velocities that the drives cause.
     """
     stops, spans, missed = [np.zeros(0)], [np.zeros((2, 0))], 0.0
     for value in drives:
@@ -65,7 +66,7 @@ def drive_steps(
 
 @lru_cache(maxsize=16)
 def _exact_integral(formula: ForceProgram, begin: float, end: float) -> Integral | None:
-    """Return the integral of a drive, or None if the drive changes too fast for one."""
+    """Return the integral of a drive, or None if the drive changes too fast to integrate it."""
     try:
         return Integral.of(formula, begin, end)
     except ValueError:
@@ -81,7 +82,7 @@ def _step_and_panels(
     scheme: DriftKick,
     tolerance: float,
 ) -> tuple[float, Array, float]:
-    """Return the usual step, the (2, panels) that need shorter ones, and their total error."""
+    """Return the usual step, the panels that need shorter ones, and the total error of these."""
     exact, no_panels = _exact_integral(formula, begin, end), np.zeros((2, 0))
     if exact is None or not np.isfinite(exact.sums).all():
         return step, no_panels, 0.0
@@ -108,11 +109,11 @@ def _step_and_panels(
 
 
 def _panel_errors(exact: Integral, low: Array, high: Array, scheme: DriftKick | None) -> Array:
-    """Return the error on each panel of Gauss's rule (without a scheme) or of the scheme's stages.
+    """Return each panel's error of Gauss's rule (if ``scheme`` is None) or of the scheme's stages.
 
-    An oscillation that Gauss's rule cannot resolve gives no reliable integral. Gauss's rule is
-    therefore compared at every intermediate point, the stages with the integral over the whole
-    panel.
+    Gauss's rule is compared with the integrals up to every intermediate point, because it gives no
+    reliable integral of an oscillation that it does not resolve. The stages are compared with the
+    integral over the whole panel.
     """
     if scheme is None:
         return np.asarray(exact.missed_within(low, high))
@@ -126,7 +127,7 @@ def _panel_errors(exact: Integral, low: Array, high: Array, scheme: DriftKick | 
 
 
 def _refined(exact: Integral, panels: Array, allowed: float, scheme: DriftKick | None) -> Array:
-    """Halve the panels until Gauss's rule, or the scheme's stages, integrate the drive on each."""
+    """Halve the panels until the error of each is at most ``allowed`` plus rounding."""
     done, count = [panels[:, :0]], panels.shape[1]
     rounding = INTEGRAL_ROUNDING * float(np.abs(exact.sums).max())
     while panels.size and count <= MAX_PANELS:
@@ -145,7 +146,7 @@ def _refined(exact: Integral, panels: Array, allowed: float, scheme: DriftKick |
 
 
 def _merged_spans(low: Array, high: Array) -> Array:
-    """Return disjoint spans in ascending order; spans that touch are merged."""
+    """Return the union of the spans from ``low`` to ``high`` as ascending disjoint spans."""
     order = np.argsort(low)
     low, high = low[order], np.maximum.accumulate(high[order]) if low.size else high
     first = np.append(True, low[1:] > high[:-1]) if low.size else np.zeros(0, dtype=np.bool_)

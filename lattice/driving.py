@@ -35,7 +35,7 @@ from longwave.lattice.variation import Pulse, Variation
 from longwave.support.real_arrays import Array, Mask
 
 Factors = Mapping[int, float | Sequence[float]]
-"""Factors by the index of a cell or bond: one for all of its fields (or bonds), or one for each."""
+"""Factors keyed by cell or bond number: one for all fields (or bonds) of that cell, or one each."""
 
 End = Literal["fixed", "free"] | TimeFunction
 """Boundary condition: a fixed wall, a free end, or a wall with a displacement in time."""
@@ -57,7 +57,7 @@ then amplify velocities by less than exp(10), far from overflow."""
 
 @dataclass(frozen=True)
 class _Wall:
-    """The ring's cells that represent one wall, and its displacement; None if it is fixed."""
+    """One wall: the indices of its cells in the ring, and its displacement (None if fixed)."""
 
     places: tuple[int, ...]
     displacement: TimeFunction | None
@@ -110,7 +110,10 @@ class DrivenChain(DisorderedLattice):
         return self.moved if any(self.dashpots) else []
 
     def _drag(self, wall: _Wall) -> Array:
-        """Return the acceleration of each field, at nominal masses, by a wall of unit velocity."""
+        """Return the acceleration, (fields, ring), by dashpots of a wall of unit velocity.
+
+        Masses are nominal.
+        """
         unit = np.zeros((len(self.fields), self.deviations.shape[1]))
         unit[:, list(wall.places)] = 1.0
         return self.acceleration_by(self.dashpot_forces(unit))
@@ -136,7 +139,7 @@ class DrivenChain(DisorderedLattice):
         return masses
 
     def energy(self, f: Array, v: Array) -> float:
-        """Return the energy of cells and bonds, with the work of the bonds' forces at rest."""
+        """Return the energy of cells and bonds, with the work of bond forces at zero stretch."""
         energy = super().energy(f, v)
         for bond, share in zip(self.bonds, self.bond_shares, strict=True):
             _, rest_force = energy_and_force_at(bond.force, 0.0)
@@ -165,7 +168,7 @@ class DrivenChain(DisorderedLattice):
         return stretches
 
     def stretch_ranges(self, f: Array, ranges: Sequence[Range]) -> list[Range]:
-        """Return the least and the largest stretch of each bond, cut bonds left out."""
+        """Return the least and largest stretch of each bond; a cut bond counts with its offset."""
         if not any(cut is not None for cut in self._cuts):
             return super().stretch_ranges(f, ranges)
         return [value_range(stretch) for stretch in self.stretches(f)]
@@ -237,7 +240,7 @@ class DrivenChain(DisorderedLattice):
         return float(total.max()) * (1.0 + self.variation.bound) / self.lightest
 
     def with_walls(self, state: State) -> State:
-        """Return the state with the walls' cells appended, where they are at its time."""
+        """Return the state with the cells of walls appended, at their positions at ``state.t``."""
         wall_cells = self.deviations.shape[1] - self.cells
         f, v = (np.pad(values, ((0, 0), (0, wall_cells))) for values in state.arrays)
         padded = State(state.t, f, v, state.left)
@@ -247,8 +250,8 @@ class DrivenChain(DisorderedLattice):
     def place_walls(self, f: Array, v: Array, t: float | Array, moving: bool = False) -> None:
         """Set the walls' cells, in place, to their positions at time ``t``.
 
-        Their velocities are set to 0 unless ``moving``. If ``t`` has several times, these are the
-        last axis but one of the fields.
+        Their velocities are set to 0 unless ``moving``. Several times ``t`` run along the last axis
+        but one of ``f`` and ``v``.
         """
         times = np.atleast_1d(t)
         for wall in self.walls:
@@ -267,8 +270,8 @@ class DrivenChain(DisorderedLattice):
         """Return the drifts and a row of weights for each stage of ``steps`` steps.
 
         A row has the kick, then the damped drifts or the series of the dashpots, then the pulses. A
-        last drift without a kick ends the last step. In ``v``, moving walls get the velocity with
-        which the first drift takes them to their position after it.
+        last drift without a kick ends the last step. Moving walls are given, in ``v``, the velocity
+        that takes them to their position after the first drift.
         """
         drifts, kicks = _stages(scheme, h, steps)
         times = t + np.concatenate([[0.0], np.cumsum(drifts)])
@@ -301,7 +304,7 @@ class DrivenChain(DisorderedLattice):
 
 
 def _stages(scheme: DriftKick, h: float, steps: int) -> tuple[Array, Array]:
-    """Return the drifts and kicks of some steps, adjacent drifts merged; the last kick is 0."""
+    """Return the drifts and kicks of all steps; adjacent drifts are merged, the last kick is 0."""
     drifts = np.tile(scheme.drifts[:-1] * h, steps)
     drifts[scheme.kicks.size :: scheme.kicks.size] += scheme.drifts[-1] * h
     kicks = np.tile(scheme.kicks * h, steps)
@@ -309,14 +312,14 @@ def _stages(scheme: DriftKick, h: float, steps: int) -> tuple[Array, Array]:
 
 
 def _series(drifts: Array) -> Array:
-    """Return factors (drifts, terms) of the dashpots' series for positions, then velocities."""
+    """Return series factors (drifts, terms) of dashpots: for positions, then for velocities."""
     powers = np.arange(1, DASHPOT_TERMS + 2)
     series = drifts[:, np.newaxis] ** powers / np.array([math.factorial(p) for p in powers])
     return np.concatenate([series, series[:, :-1]], axis=1)
 
 
 def _speeds(path: Array, lengths: Array) -> Array:
-    """Return the velocities that cover a path's increments in these drifts; 0 in drifts of 0."""
+    """Return the increments of ``path`` divided by ``lengths``; 0 where a length is 0."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(lengths == 0.0, 0.0, np.diff(path) / lengths)
 
@@ -333,14 +336,14 @@ def driven_chain(
     mass_factors: Factors = MappingProxyType({}),
     spring_factors: Factors = MappingProxyType({}),
 ) -> DrivenChain:
-    """Return a chain of so many cells with ends, losses and forces, for `lattice.integrate`.
+    """Return a chain of ``cells`` cells with ends, losses and forces, for `lattice.integrate`.
 
     Without ``left`` and ``right`` the chain is a ring. Otherwise walls are added next to the first
     and the last cell, of as many cells as a force reaches. ``losses`` are the factors g of ``-g
     du/dt`` on each field's cells; ``dashpots`` are the coefficients of each bond's rate of stretch
     in an additional force. ``mass_factors`` multiply masses of cells, ``spring_factors`` forces of
-    bonds and dashpots; bond n joins cells n and n + 1, bond -1 a wall and cell 0. The fields must
-    be displacements. Raises ValueError for arguments that do not fit.
+    bonds and dashpots. Bond n joins cells n and n + 1; bond -1 joins a wall and cell 0. The fields
+    must be displacements. Raises ValueError for arguments that do not fit.
 
     >>> from longwave.derive import LATTICES
     >>> from longwave.lattice.numeric_lattice import numeric_lattice
@@ -382,7 +385,7 @@ def driven_chain(
 
 
 def _mass_factors(given: Factors, factors: Array, cells: int) -> Array:
-    """Set the given mass factors in the array of all, (fields, ring), and return it."""
+    """Write the given mass factors into the array ``factors``, (fields, ring), and return it."""
     for cell, factor in given.items():
         factors[:, cell] = _checked_factors("mass", cell, factor, len(factors), 0 <= cell < cells)
     return factors
@@ -403,7 +406,7 @@ def _bond_factors(lattice: NumericLattice, given: Factors, factors: Array, cells
 def _checked_factors(
     name: str, number: int, given: float | Sequence[float], count: int, is_there: bool
 ) -> Array:
-    """Return one defect's factor for each field or bond; raise ValueError if it is invalid."""
+    """Return the factors of one cell's fields or bonds; raise ValueError if one is invalid."""
     factors = np.array(given, dtype=np.float64)
     if not is_there:
         raise ValueError(f"{name} factors must be within the chain, got {number} (0 is its first)")

@@ -18,10 +18,10 @@ from longwave.lattice.state import GROWTH, BlowUp, State
 from longwave.support.real_arrays import Array
 
 SLOPE_SAMPLES = 65
-"""Stretches, from the least to the most encountered, at which slopes are evaluated."""
+"""Number of stretches, from the least to the largest encountered, at which slopes are evaluated."""
 
 LARGEST_SLOPE = 1e290
-"""Largest slope, in units of masses, of which sums cannot overflow."""
+"""Slope of a force from which on frequencies count as infinite; sums below it cannot overflow."""
 
 RANGE_MARGIN = 0.125
 """Fraction of itself by which a range of stretches is widened at either end before it is checked,
@@ -29,7 +29,7 @@ so that a wave that rises slowly from stop to stop does not need a new check eac
 
 
 class Dynamics:
-    """Advances states; finds frequencies and *ranges*: (least, largest) of each bond and field."""
+    """Time steps, frequencies and *ranges* of a lattice: least and largest stretches and fields."""
 
     def __init__(self, lattice: NumericLattice) -> None:
         self.lattice = lattice
@@ -94,7 +94,7 @@ class Dynamics:
         return self._kernels[shape]
 
     def threads(self, scheme: Scheme) -> int:
-        """Return how many states can be advanced concurrently: NumPy keeps the interpreter lock."""
+        """Return how many states can be advanced concurrently; 1 in NumPy, without a kernel."""
         return 2 if isinstance(scheme, DriftKick) and self.lattice.dimension <= 2 else 1
 
     def ranges(self, state: State) -> Array:
@@ -131,14 +131,14 @@ class Dynamics:
         if not all(math.isfinite(most - least) for least, most in ranges.tolist()):
             return math.inf
         weights = [sum(abs(part.weight) for part in bond.stretch) for bond in bonds]
-        size = float(np.max(np.abs(ranges[len(bonds) :]))) * max(weights)
+        largest = float(np.max(np.abs(ranges[len(bonds) :]))) * max(weights)
         for bond, (least, most) in zip(bonds, ranges, strict=False):
             samples = np.linspace(least, most, SLOPE_SAMPLES)
             with np.errstate(all="ignore"):
                 slope = float(np.max(np.abs(bond.force.slope(samples))))
                 summand = bond.force.largest_summand(samples)
-            size = max(size, summand / slope if slope > 0.0 else 0.0)
-        return size
+            largest = max(largest, summand / slope if slope > 0.0 else 0.0)
+        return largest
 
     def find_blow_up(self, state: State, ranges: Array, amplitude: float | None) -> BlowUp | None:
         """Return `blow_up.find_blow_up` of a state, None at once if its ranges are clearly safe."""
@@ -168,7 +168,7 @@ class Dynamics:
         return bool(self._safe_ranges)
 
     def _is_stable_within(self, ranges: list[tuple[float, float]]) -> bool:
-        """Return whether no wave grows at these stretches, nor where slopes dip between samples."""
+        """Return whether slopes are so positive that no wave grows, not even between samples."""
         if not self.lattice.gets_stiffer_by_bonds:
             return False
         for bond, ends in zip(self.lattice.bonds, ranges, strict=True):

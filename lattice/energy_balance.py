@@ -32,7 +32,7 @@ def _powers(points: Sequence[float] | Array, derivative: int) -> Array:
 
 
 def _at_nodes(*known: Array) -> Array:
-    """Return matrices (2, node, datum) from a polynomial's data to values and slopes at `NODES`."""
+    """Return matrices (2, node, datum) from ``known`` data to values and slopes at `NODES`."""
     conditions = np.concatenate(known)
     inverse = np.linalg.inv(conditions[:, : len(conditions)])
     return np.array([_powers(NODES, each)[:, : len(inverse)] @ inverse for each in (0, 1)])
@@ -40,13 +40,13 @@ def _at_nodes(*known: Array) -> Array:
 
 _ENDS = [_powers([0.0, 1.0], each) for each in range(3)]
 FROM_ENDS = _at_nodes(*_ENDS)
-"""Map from values, slopes and second derivatives at both ends."""
+"""Maps from values, slopes and second derivatives at both ends to values and slopes at `NODES`."""
 FROM_ENDS_AND_NODES = _at_nodes(_ENDS[0], _ENDS[2], _powers(NODES, 2))
-"""Map from values at both ends, and second derivatives there and at the nodes."""
+"""The same maps from values at both ends, and second derivatives there and at `NODES`."""
 
 
 class Flow(NamedTuple):
-    """Energy, or power: work of each of the chain's drivers, heat, and flow through each cut."""
+    """Energies, or powers: ``work`` of each driver, ``heat``, and flow ``through`` each cut."""
 
     work: Array = np.zeros(0)
     heat: Array = np.zeros(1)
@@ -61,7 +61,7 @@ def power(
     The rates, (rates, times), are the power of each of the chain's `drivers`, the heat, and the
     flow through each of the ``cuts``, just right of a cell. A bond's stored energy and loss count
     half on either side of a cut. Fields, velocities and f'' have the shape (fields, times, ring).
-    The cells of walls are set, in place, to what they are at these times.
+    Cells of walls are set, in place, to their positions and velocities at these times.
     """
     chain.place_walls(f, v, times, moving=True)
     cells, masses = chain.cells, np.array(chain.masses)[:, np.newaxis, np.newaxis]
@@ -89,7 +89,7 @@ def power(
 
 
 def _flux(chain: DrivenChain, forces: Sequence[Array], v: Array, cut: int) -> Array:
-    """Return the energy flow over a cut: half of the bonds' power right of it less left of it."""
+    """Return the energy flow over a cut: half of the bonds' power right of it minus left of it."""
     flux, ring = np.zeros(v.shape[1]), v.shape[2]
     for bond, force in zip(chain.bonds, forces, strict=True):
         shifts = [entry.shift[0] for entry in bond.stretch]
@@ -144,16 +144,16 @@ class EnergyBalance:
         times, length = t[:-1, np.newaxis] + np.outer(h, NODES), h[:, np.newaxis]
 
         def between(weights: Array, known: Sequence[Array]) -> tuple[Array, Array]:
-            indices, speeds = weights[:, np.newaxis, np.newaxis] @ np.stack(known, axis=2)
+            fields, speeds = weights[:, np.newaxis, np.newaxis] @ np.stack(known, axis=2)
             flat = len(f), times.size, f.shape[2]
             speeds = (speeds / length[..., np.newaxis]).reshape(flat)
-            return power(self._chain, indices.reshape(flat), speeds, times.ravel(), self._cuts)
+            return power(self._chain, fields.reshape(flat), speeds, times.ravel(), self._cuts)
 
-        indices, slopes, accelerations = (
+        end_values, slopes, accelerations = (
             [scale * values[:, :-1], scale * values[:, 1:]]
             for scale, values in ((1.0, f), (length, v), (length**2, acceleration))
         )
-        _, at_nodes = between(FROM_ENDS, [*indices, *slopes, *accelerations])
+        _, at_nodes = between(FROM_ENDS, [*end_values, *slopes, *accelerations])
         inner = [length**2 * at_nodes[:, node :: NODES.size] for node in range(NODES.size)]
-        rates, _ = between(FROM_ENDS_AND_NODES, [*indices, *accelerations, *inner])
+        rates, _ = between(FROM_ENDS_AND_NODES, [*end_values, *accelerations, *inner])
         return np.asarray(rates.reshape(-1, *times.shape) @ WEIGHTS @ h)

@@ -24,23 +24,23 @@ MISSED_FRACTION = 1e-2
 """Fraction of the allowed velocity error that an unresolved feature may cause."""
 
 STEP_FRACTION = 0.5
-"""Fraction of a panel by which a stretch may change in a step."""
+"""Largest change of a stretch in one step, as a fraction of the narrowest feature's width."""
 
 CORNER_RATIO, CORNER_ERROR_RATIO = 4.0, 1e-4
-"""Panels at a corner get shorter by `CORNER_RATIO` if the allowed error does by
-`CORNER_ERROR_RATIO`."""
+"""A feature is a corner if its panels get shorter by more than the factor `CORNER_RATIO` when the
+allowed error is multiplied by `CORNER_ERROR_RATIO`."""
 
 MAX_SLOPE_ERROR = 1e-3
-"""Largest deviation of slopes between samples from a cubic through these, in units of the largest
-slope, at which a law counts as smooth: comparing two runs then shows the error of the step."""
+"""Largest error of cubic interpolation between slope samples, in units of the largest slope, at
+which a law counts as smooth: comparing two runs then shows the error of the step."""
 
 INITIAL_GAPS, FITTED_POINTS, MAX_GAPS = 8, 8, 640
-"""First and largest number of gaps between sampled slopes, and the points of polynomials through
-them. Narrower features show on the panels of the integral."""
+"""First number of gaps between sampled slopes, points of each polynomial fitted to them, and
+largest number of gaps. Narrower features show on the panels of the integral."""
 
 SMOOTH_ERROR_RATIO, END_FRACTION = 64.0, 0.1
-"""Factor by which halving the gaps reduces the polynomials' error for a smooth law (256
-asymptotically), and the fraction of a range at either end that is not checked."""
+"""Least factor by which halving the gaps reduces the polynomials' error for a smooth law (256
+asymptotically), and the fraction of a range that is not checked at either end."""
 
 PANEL_ROUNDING = 1e-13
 """Rounding error of a panel's integral, in units of the largest force times the length."""
@@ -48,7 +48,7 @@ PANEL_ROUNDING = 1e-13
 
 @dataclass(frozen=True)
 class Feature:
-    """``width`` to resolve, infinite for a smooth law; ``turns`` if there are corners."""
+    """Narrowest feature of a force: its ``width``, inf if smooth; ``turns`` if it is a corner."""
 
     width: float
     turns: bool = False
@@ -59,8 +59,8 @@ def find_feature(
 ) -> Feature:
     """Return the narrowest feature of a force law between two stretches.
 
-    ``impulse`` is the energy that may be missed: a velocity times the rate of stretch. Samples of
-    the slope with ``gaps`` gaps between them identify smooth laws.
+    ``impulse`` is the allowed velocity error times the rate of stretch; `MISSED_FRACTION` of this
+    energy may be missed. Slopes sampled first with ``gaps`` gaps identify smooth laws.
     """
     if force.is_smooth or not low < high:
         return Feature(math.inf)
@@ -80,7 +80,7 @@ def find_feature(
 
 
 def _narrowest(force: ForceProgram, low: float, high: float, allowed: float, gaps: int) -> float:
-    """Return the shortest panel of a feature other than a contact's opening; inf without any."""
+    """Return the width of the narrowest feature other than a contact's opening; inf without any."""
     with np.errstate(all="ignore"):
         largest = float(np.max(np.abs(force(np.linspace(low, high, SLOPE_SAMPLES)))))
     allowed += PANEL_ROUNDING * largest * (high - low) / INITIAL_PANELS
@@ -99,7 +99,7 @@ def _narrowest(force: ForceProgram, low: float, high: float, allowed: float, gap
 
 
 def _is_resolved(force: ForceProgram, low: float, high: float, edges: Array) -> bool:
-    """Return whether samples of the slope predict it at and between the panels' edges."""
+    """Return whether cubics through sampled slopes predict the slope on all panels."""
     gap = (high - low) / (SLOPE_SAMPLES - 1)
     x = np.concatenate([edges, 0.5 * (edges[1:] + edges[:-1])])
     if force.opening is not None:
@@ -112,8 +112,8 @@ def _is_resolved(force: ForceProgram, low: float, high: float, edges: Array) -> 
 def _sample_width(force: ForceProgram, low: float, high: float, allowed: float, gaps: int) -> float:
     """Return twice the sample distance at which polynomials through the slopes reproduce the force.
 
-    They do where their error falls as for a smooth law; comparing two runs then shows the error of
-    the step. Infinite where ``gaps`` gaps are enough.
+    The test is that their error falls as for a smooth law; comparing two runs then shows the error
+    of the step. Infinite if the first number of ``gaps`` is enough.
     """
     width, before = math.inf, 0.0
     while gaps <= MAX_GAPS:
@@ -143,7 +143,7 @@ def _sampling_error(force: ForceProgram, low: float, high: float, gaps: int) -> 
 
 
 def _interpolation_error(samples: Array, t: Array, values: Array, points: int) -> Array:
-    """Return the distance of ``values`` at ``t``, in gaps, from polynomials through samples."""
+    """Return abs(values - interpolant) at ``t`` (in gaps), with ``points`` samples a polynomial."""
     first = np.clip(t.astype(np.int64) - (points // 2 - 1), 0, samples.size - points)
     t = t - first
     expected = np.zeros_like(t)
@@ -155,7 +155,7 @@ def _interpolation_error(samples: Array, t: Array, values: Array, points: int) -
 
 
 def finite_range(force: ForceProgram, low: float, high: float, pad: float) -> tuple[float, float]:
-    """Return the range widened by ``pad`` on either side, as far as slopes are bounded."""
+    """Return the range widened by ``pad`` on either side, or less where the slope is unbounded."""
     ends = []
     for end, side in ((low, -1.0), (high, 1.0)):
         samples = end + side * pad * np.linspace(0.0, 1.0, SLOPE_SAMPLES)

@@ -83,7 +83,7 @@ class ForceProgram:
 
     @cached_property
     def _stored_unstretched(self) -> Array:
-        """Integral from the contact's opening to zero stretch."""
+        """Integral of the force from the contact's opening to zero stretch."""
         return self._from_opening(np.zeros(()))
 
     def __call__(self, stretch: Array) -> Array:
@@ -130,7 +130,7 @@ class ForceProgram:
 
     @property
     def is_smooth(self) -> bool:
-        """Whether a few samples show all of its slope: a polynomial of low degree."""
+        """Whether the force is a polynomial of low degree, whose slope a few samples describe."""
         return not self.instructions and len(self.coefficients) <= SMOOTH_DEGREE
 
     def steepest_between(self, low: float, high: float, sampled: float) -> float:
@@ -163,8 +163,8 @@ class ForceProgram:
     def largest_summand(self, stretch: Array) -> float:
         """Return the largest summand whose rounding affects the force.
 
-        A summand counts as far as the force depends on it. The result is 0 for a polynomial, whose
-        terms vanish with the stretch.
+        A summand is reduced by the factor by which the force depends on it, if that is below 1. The
+        result is 0 for a polynomial, whose terms vanish with the stretch.
 
         >>> ForceProgram((), (("x", 0.0), ("exp", 0.0), ("number", -1.0), ("add", 0.0))
         ... ).largest_summand(np.array([-1e-9, 1e-9]))
@@ -187,7 +187,7 @@ class ForceProgram:
         return largest
 
     def _with_sum_changed(self, index: int, change: Array, stretch: Array) -> Array:
-        """Return the forces after adding ``change`` to one of the program's sums."""
+        """Return the forces after adding ``change`` to the program's sum number ``index``."""
         indices = count()
 
         def changing_add(a: Array, b: Array) -> Array:
@@ -206,7 +206,7 @@ class ForceProgram:
         return np.asarray(stretch * sum(parts))
 
     def _from_opening(self, stretch: Array) -> Array:
-        """Return the integral from the contact's opening; it is smooth in the root of distance."""
+        """Return the integral from the contact's opening, by Gauss's rule in sqrt(distance)."""
         assert self.opening is not None
         nodes, weights = _quadrature()
         distance, roots = stretch - self.opening, (1 + nodes) / 2
@@ -247,7 +247,7 @@ def _hull(*values: Array) -> tuple[Array, Array]:
 
 
 def _power(a: Array, b: Array, power: float) -> tuple[Array, Array]:
-    """Return bounds of a power of numbers between a and b."""
+    """Return bounds of x**power for x between a and b."""
     whole, even = power.is_integer(), power % 2.0 == 0.0
     a = a if whole else np.maximum(a, 0.0)
     low, high = _hull(a**power, b**power)
@@ -259,7 +259,7 @@ def _power(a: Array, b: Array, power: float) -> tuple[Array, Array]:
 
 
 def _unary(word: str, a: Array, b: Array) -> tuple[Array, Array]:
-    """Return bounds of a function of one argument between a and b."""
+    """Return bounds of the function named ``word`` for arguments between a and b."""
     low, high = _hull(UNARY[word](a), UNARY[word](b))
     if word == "cosh":
         low = np.where((a < 0.0) & (b > 0.0), 1.0, low)

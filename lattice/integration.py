@@ -31,15 +31,15 @@ from longwave.support.real_arrays import Array
 from longwave.support.request_limits import OverBudgetError
 
 Judged = Callable[[Array, Array, float], ArrayLike]
-"""Function of positions, velocities and time whose values the error estimate is for."""
+"""Function of positions, velocities and time that returns the quantity whose error is estimated."""
 
 Observe = Callable[[State, EnergyBalance | None], NDArray[Any]]
-"""Function of a state, and of its energy balance if one is followed, whose values are compared."""
+"""Function that returns the compared values of a state and of its energy balance, if any."""
 
 
 @dataclass(frozen=True)
 class StateComparison:
-    """Compared quantity, in ``unit`` of fields: ``observe`` at each time, then ``combine``."""
+    """Compared quantity: ``combine`` of all ``observe`` results, in ``unit`` of the fields."""
 
     observe: Observe
     combine: Callable[[NDArray[Any]], Array] = lambda observed: observed
@@ -53,17 +53,17 @@ SLOW_RATIO = 1e6
 """Waves whose period is this many times the run's duration do not limit the step."""
 
 LARGE_STATE = 2**20
-"""Numbers in a state from which runs are made one at a time: two would take twice the memory."""
+"""Size of a state, in numbers, from which runs are made one at a time to save memory."""
 
 RUNAWAY_STEP_RATIO, MIN_RUNAWAY_STEPS = 4e4, 1e5
-"""Number of steps beyond which strains must be running away: in units of the number with the
-longest step, and at least. With an order of 2, a tolerance of 1e-9 takes 3e4 times that number."""
+"""Number of steps beyond which strains must be running away: as a multiple of the number with the
+longest step, and its minimum. At order 2, a tolerance of 1e-9 takes 3e4 times as many steps."""
 
 RUNAWAY_LIMIT_RATIO = 100.0
 """Strains count as running away if they require steps this many times shorter than at the start."""
 
 ORDER_AT_OPENINGS = 2
-"""Least order at which errors fall where contacts open and close, or where a drive has a corner."""
+"""Highest order assumed where contacts open and close, or where a drive has a corner."""
 
 RATIO_AT_OPENINGS = 0.5
 """Largest ratio of the next step to one that was too long where contacts open. Errors fall in jumps
@@ -76,20 +76,21 @@ FEATURE_MARGIN = 2.0
 """Margin searched for features on either side of the stretches visited, in units of their range."""
 
 FEATURE_GAPS = round(INITIAL_GAPS * (1.0 + 2.0 * FEATURE_MARGIN))
-"""Gaps between sampled slopes on that wider range, as long as those on the range alone."""
+"""Number of gaps between sampled slopes on the range with its margins; they have the same length as
+`INITIAL_GAPS` gaps on the range alone."""
 
 MAX_UNRESOLVED_RUNS = 3
-"""Runs with shorter and shorter steps that must meet too narrow a feature before it is refused."""
+"""Number of runs, each with a shorter step, that must meet too narrow a feature to refuse it."""
 
 QUIET_TIME = 0.1
-"""Time between two stops, in units of the inverse highest frequency at rest, in which stretches
-change little enough that stops show their range."""
+"""Longest time between two stops, in units of the inverse highest frequency at rest, in which
+stretches change so little that their values at the stops show their range."""
 
 MAX_RESOLVING_RUNS, MAX_RESOLVING_STEPS = 12, 2e6
-"""Steps tried until one resolves the features of forces, and most steps of such a run."""
+"""Most step sizes tried until one resolves the features of forces, and most steps of such a run."""
 
 NUDGES = 4
-"""Number of times, the start included, at which a run's last digits are changed."""
+"""Number of times in a run, the start included, at which last digits of the state are changed."""
 
 RING_SAFETY = 6.0
 """Factor on the difference of two runs. With 2, one estimate in 2000 was too small, by 1.6, and
@@ -196,7 +197,7 @@ def _checked(lattice: NumericLattice, state: State) -> State:
 
 
 def _to_tolerance(engine: CellEngine, tolerance: float, times: Array) -> tuple[trials.Trial, float]:
-    """Return a run to the tolerance, and its error estimate."""
+    """Return a run whose estimated error is within the tolerance, and that estimate."""
     remedy = "it is the largest accepted error, in the unit of the judged quantity"
     check_positive("tolerance", tolerance, remedy)
     try:
@@ -249,9 +250,9 @@ def _trajectory(
 class CellEngine(trials.StepSearch):
     """Runs of a ring of cells from a state, for `refine`; only the step varies.
 
-    ``first_frequency`` is the highest of any wave about the start. Positions and velocities are
-    stored at ``stored_times``, by default all. Runs are compared by ``compared``, by default the
-    stretches and their rates. If ``cuts`` of a driven chain are given, even none, an
+    ``first_frequency`` is a bound for all waves about the initial state. Positions and velocities
+    are stored at ``stored_times``, by default all. Runs are compared by ``compared``, by default
+    the stretches and their rates. If ``cuts`` of a driven chain are given, even an empty list, an
     `EnergyBalance` is followed. No step tried is longer than ``longest``. Changes of last digits
     are ``amplified`` times as large as one rounding.
     """
@@ -488,7 +489,7 @@ class CellEngine(trials.StepSearch):
         return float(np.max(gaps / np.maximum(np.ceil(gaps / step), 1.0)))
 
     def improved(self, choices: trials.Choices, kind: trials.Kind, excess: float) -> trials.Choices:
-        """Return a shorter step: the limit of the strains visited, or by the law of the order."""
+        """Return a shorter step: the limit found by the last run, or as step^order predicts."""
         step = trials.step_between(self._stops, choices.step)
         if math.isinf(excess) and 0.0 < self._step_limit < self._longest_taken(choices.step):
             least = trials.LEAST_FACTOR**3 if self._has_features else trials.LEAST_FACTOR
@@ -507,17 +508,17 @@ class CellEngine(trials.StepSearch):
 
     def budget_message(self, work: float, tolerance: float | None) -> str:
         """Return why so many steps are refused: fast strains, fast forces, or the tolerance."""
-        times = self._first_limit / self._step_limit if self._step_limit else math.inf
-        if times > RUNAWAY_LIMIT_RATIO and self._is_limited_by_feature:
+        ratio = self._first_limit / self._step_limit if self._step_limit else math.inf
+        if ratio > RUNAWAY_LIMIT_RATIO and self._is_limited_by_feature:
             return (
                 f"forces of {self.lattice.name} must change slowly enough to be resolved, got one "
-                f"that needs steps {times:.1g} times shorter than strains do ({work:.1g} in "
+                f"that needs steps {ratio:.1g} times shorter than strains do ({work:.1g} in "
                 "all; widen it or end earlier)"
             )
-        if times > RUNAWAY_LIMIT_RATIO:
+        if ratio > RUNAWAY_LIMIT_RATIO:
             return (
                 f"times must end before strains run away, got {self._times[-1]:g} (they need "
-                f"steps {times:.1g} times shorter than at first, {work:.1g} in all; end "
+                f"steps {ratio:.1g} times shorter than at first, {work:.1g} in all; end "
                 "earlier or take smaller strains)"
             )
         return (
@@ -544,14 +545,14 @@ class CellEngine(trials.StepSearch):
         return start
 
     def _nudge_again(self, state: State, before: float) -> None:
-        """Change the last digits of the fields in place if the run has just passed a mark."""
+        """Change last digits of the fields, in place, if a mark lies between ``before`` and now."""
         begin, end = float(self._stops[0]), float(self._stops[-1])
         marks = begin + np.arange(1, NUDGES) * (end - begin) / NUDGES
         if state.t < end and np.any((before < marks) & (marks <= state.t)):
             state.f += self._digit_changes(state.f)
 
     def _digit_changes(self, f: Array) -> Array:
-        """Return changes of the last digits, in units of the fields' sizes, 0 in walls."""
+        """Return random changes of the last digits of the fields' largest values; 0 in walls."""
         ones = np.zeros_like(f)
         ones[:, : self.lattice.cell_count] = 1.0
         [factors] = trials.nudged(ones, times=self._amplified)

@@ -16,10 +16,10 @@ NEGLIGIBLE_RATIO = 1e-200
 quotients of the others neither overflow nor underflow."""
 
 CURVATURE = tuple(Entry((shift,), weight, 0) for shift, weight in ((1, 1.0), (0, -2.0), (-1, 1.0)))
-"""D f_n = f_{n+1} - 2 f_n + f_{n-1}."""
+"""Stencil of D f_n = f_{n+1} - 2 f_n + f_{n-1}."""
 
 STRAIN = NumericBond((Entry((0,), 1.0, 0),), CURVATURE, ForceProgram())
-"""The bond of y_n'' = D V'(y)_n, without its force."""
+"""Bond with the stretch and the action of y_n'' = D V'(y)_n; its force is to be filled in."""
 
 
 @dataclass(frozen=True)

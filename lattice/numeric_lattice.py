@@ -58,8 +58,8 @@ def stretch_text(entries: tuple[Entry, ...], fields: tuple[str, ...]) -> str:
     text = ""
     for entry in sorted(entries, key=lambda one: one.weight < 0.0):
         sign = (" - " if text else "-") if entry.weight < 0.0 else (" + " if text else "")
-        size = "" if abs(entry.weight) == 1.0 else f"{abs(entry.weight):g} "
-        text += f"{sign}{size}{place_text(fields[entry.field], entry.shift)}"
+        factor = "" if abs(entry.weight) == 1.0 else f"{abs(entry.weight):g} "
+        text += f"{sign}{factor}{place_text(fields[entry.field], entry.shift)}"
     return text
 
 
@@ -83,7 +83,7 @@ class NumericBond:
         return total
 
     def with_mean_strain(self, strain: Sequence[float], shares: Sequence[float]) -> NumericBond:
-        """Return the bond of displacements that grow by ``strain`` per cell."""
+        """Return the bond with the offset of fields that grow by ``shares * strain`` per cell."""
         growth = [e.weight * (shares[e.field] if shares else 1.0) for e in self.stretch]
         if abs(math.fsum(growth)) > ROUNDED_SQUARE * max(map(abs, growth)):
             raise ValueError(
@@ -110,8 +110,8 @@ class NumericBond:
 class DriveSteps:
     """Steps that resolve the drives: the longest ``step`` and additional ``stops``.
 
-    ``turns`` if a drive has corners between stops; ``missed`` bounds the errors of the drives'
-    integrals at the stops.
+    ``turns`` is True if a drive has corners between stops; ``missed`` bounds the errors of the
+    drives' integrals at the stops.
     """
 
     step: float
@@ -143,7 +143,7 @@ class NumericLattice:
     def with_mean_strain(
         self, mean_strain: Sequence[float], shares: Sequence[float] = ()
     ) -> NumericLattice:
-        """Return the lattice of displacements that grow by ``mean_strain`` per cell."""
+        """Return the lattice of fields that grow by ``shares * mean_strain`` per cell."""
         if not any(mean_strain):
             return self
         bonds = tuple(bond.with_mean_strain(mean_strain, shares) for bond in self.bonds)
@@ -151,7 +151,7 @@ class NumericLattice:
 
     @property
     def reach(self) -> int:
-        """Number of cells, along any axis, over which a force acts at once."""
+        """Largest distance, in cells along any axis, at which cells act on each other directly."""
         return max(
             abs(there + here)
             for bond in self.bonds
@@ -162,7 +162,7 @@ class NumericLattice:
 
     @property
     def cellwise(self) -> tuple[NumericLattice, Variation | None, Array]:
-        """The ordered lattice, its variation from cell to cell, and the shares: here none."""
+        """The ordered lattice, its variation and relative deviations by cell (here none)."""
         return self, None, np.zeros((0, 0))
 
     @property
@@ -172,7 +172,7 @@ class NumericLattice:
 
     @property
     def is_driven(self) -> bool:
-        """Whether stages have weights for their own times (`DrivenChain.stage_weights`)."""
+        """Whether weights depend on the time of the stage (`DrivenChain.stage_weights`)."""
         return False
 
     def drive_within(self, begin: float, end: float) -> tuple[float, bool]:
@@ -213,7 +213,7 @@ class NumericLattice:
 
     @cached_property
     def gets_stiffer_by_bonds(self) -> bool:
-        """Whether positive slopes of bonds only raise squared frequencies: no wave grows."""
+        """Whether no wave grows while all slopes of bonds are positive."""
         if self.cellwise[1] is not None:
             return False
         waves = zone_wavenumbers(self.dimension, WAVENUMBERS[self.dimension])
@@ -312,7 +312,8 @@ class NumericLattice:
 
 
 WAVENUMBERS = {1: 257, 2: 33, 3: 9}
-"""Wavenumbers per axis, by dimension, for highest frequencies (to 1e-4 in a chain)."""
+"""Wavenumbers per axis, keyed by dimension, at which the highest frequency is sought (to 1e-4 in a
+chain)."""
 
 ROUNDED_SQUARE = 1e-12
 """Negative squared frequencies up to this size, in units of the largest, count as rounding."""
@@ -349,9 +350,10 @@ def numeric_lattice(
 ) -> NumericLattice:
     """Return the lattice with values for all its constants and a uniform mean strain.
 
-    ``mean_strain`` has one entry for each axis. Each field grows by its one of the ``shares`` of
-    it, all of it by default. Raises ValueError for constants that are missing, unknown or out of
-    their symbols' range, and for a mean strain if a growing field feels forces of its site.
+    ``mean_strain`` has one entry for each axis. Field i grows by ``shares[i]`` times the mean
+    strain, by all of it without ``shares``. Raises ValueError for constants that are missing,
+    unknown or out of their symbols' range, and for a mean strain if a growing field feels forces of
+    its site.
 
     >>> from longwave.derive import LATTICES
     >>> chain = numeric_lattice(LATTICES["toda"], {"a": 1, "b": 1})

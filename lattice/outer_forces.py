@@ -22,16 +22,17 @@ SAMPLED_TIMES = 2**17 + 1
 """Times at which drives are sampled before a run, to find the steps that resolve them."""
 
 CORNER_JUMP, MAX_CORNERS = 0.25, 100
-"""A corner is a slope's jump by this fraction of the slopes' range; with more corners a drive is
-fast."""
+"""Least jump of a slope at a corner, as a fraction of the slopes' range, and most corners of a
+drive; with more jumps it counts as fast, without corners."""
 
 MIN_SLOPE_RANGE = 1e-6
-"""Range of slopes, in units of that of all slopes, below which open spans have no corners."""
+"""Range of slopes outside the followed spans, in units of that of all slopes, below which there are
+no corners."""
 
 MAX_REFINEMENTS, MAX_REFINED_GAPS, HIDDEN_FRACTION = 6, 2**12, 0.1
-"""Refinements of the sampling by 64, most gaps refined, and the fraction of the total change that
-may hide in a gap: a pulse of width 1e-4 in a run of 2000 was missed without them. If a gap may hide
-more even where times are hardly distinct, the drive jumps or is unbounded."""
+"""Most refinements of the sampling by 64, most gaps refined, and the fraction of the total change
+that may hide in a gap: a pulse of width 1e-4 in a run of 2000 was missed without them. If a gap may
+hide more even where times are hardly distinct, the drive jumps or is unbounded."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,7 @@ class SiteForce:
         return None
 
     def shares(self, masses: Array) -> Array:
-        """Return each cell's share of the force, given the masses of its field in all cells."""
+        """Return each cell's factor of ``value(t)``, given the masses of the field in all cells."""
         shares = np.zeros_like(masses)
         shares[self.site] = 1.0
         return shares
@@ -58,11 +59,11 @@ class SiteForce:
         for name, value, size in (("site", self.site, cells), ("field", self.field, fields)):
             if value not in range(size):
                 raise ValueError(
-                    f"{name} of a force must be 0 to {size - 1}, got {value} (mend it)"
+                    f"{name} of a force must be 0 to {size - 1}, got {value} (take one of these)"
                 )
 
     def at(self, f: Array, times: Array, masses: Array) -> Array:
-        """Return the forces on the cells, (times, cells), for fields ``f`` at these times."""
+        """Return the force on each cell, (times, cells), for the fields ``f`` at these times."""
         shares = self.shares(masses)
         forces = values_at(self.value, times)[:, np.newaxis] * shares
         if self.law is not None:

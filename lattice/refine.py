@@ -48,19 +48,19 @@ Announce = Callable[[float], None]
 """Callback with the expected seconds of the next runs."""
 
 FRACTIONS: dict[Kind, float] = {"step": 0.5, "sampling": 0.2, "domain": 0.3}
-"""Shares of the tolerance of each choice when it is varied alone."""
+"""Fraction of the tolerance allowed for the error of each kind of choice, varied alone."""
 
 TIGHTENING = 1.5
-"""Factor by which to reduce each error when all meet their shares but the sum does not."""
+"""Least factor by which to reduce each error if all are within `FRACTIONS` but their sum is not."""
 
 STEP: tuple[Kind, ...] = ("step",)
 STEP_AND_DOMAIN: tuple[Kind, ...] = ("step", "domain")
 
 MAX_CONTROL_RUNS = 12
-"""Most control runs."""
+"""Most control runs of one search."""
 
 MAX_BLOW_UPS = 3
-"""Control runs after which a lattice that still blows up does so for physical reasons."""
+"""Number of successive control runs that blow up after which the blow-up counts as physical."""
 
 BLOW_UP_REDUCTION = 32.0
 """Factor by which to reduce all errors after a blow-up."""
@@ -72,8 +72,8 @@ STALLED_RATIO = 0.7
 """Ratio to the previous error above which an error has stopped falling."""
 
 FIRST_DIGIT_FACTOR = 100.0
-"""Factor on the effect of changed last digits with the longest step: a hundred times as much was
-seen with shorter steps, which round more often (scenes of `searches/estimates.py`)."""
+"""Safety factor on the effect of changed last digits at the longest step: a hundred times as much
+was seen with shorter steps, which round more often (scenes of `searches/estimates.py`)."""
 
 DIGIT_FACTOR = 1.5
 """Factor on the effect of changed last digits on the returned run: it is one sample of the rounding
@@ -84,11 +84,12 @@ MAX_LAWFUL_RATIO = 3.0
 the change has also fallen as half of the order predicts."""
 
 NEGLIGIBLE_FRACTION = 0.01
-"""Change by a step, in units of the tolerance, that needs to obey no law: it may be rounding."""
+"""Error of a step, as a fraction of the tolerance, below which it need not obey the law step^order:
+it may be rounding."""
 
 MIN_RING_ERROR = 0.05
-"""Least error reported on a ring, as a fraction of the tolerance. Negligible changes there hid
-errors of 0.021 of it: the steps of a kink that turned short waves by many radians agreed
+"""Least error reported on a ring, as a fraction of the tolerance. Runs of a kink whose steps turned
+short waves by many radians agreed, with errors of 0.021 of the tolerance
 (`tests/scenes/engines/test_comparison_honesty.py`)."""
 
 MIN_ERROR = 1e-5
@@ -96,11 +97,12 @@ MIN_ERROR = 1e-5
 
 
 USUAL_WORK = 4.5
-"""Work of a search, in units of its first run's: 3.9 or 4.9 if that run's step is short enough."""
+"""Usual work of a search, in units of its first run's work: 3.9 or 4.9 if the first step is short
+enough."""
 
 
 class StoppedSearch(KeyboardInterrupt):
-    """Raised on Ctrl-C: the best run, its error if measured, and the seconds of all others."""
+    """Raised on Ctrl-C: the best run, its error if measured, seconds of other runs (``before``)."""
 
     def __init__(self, trial: Trial | None, error: float | None, before: float) -> None:
         super().__init__("interrupted")
@@ -109,11 +111,11 @@ class StoppedSearch(KeyboardInterrupt):
 
 @dataclass(frozen=True)
 class Refined:
-    """The last control run, and the estimated error of its y/eps.
+    """The last control run, and the estimated error of its values.
 
-    ``error`` covers all numerical choices and rounding, whose part is ``rounding``; it is infinite
-    if the lattice blows up by itself. ``next_decade`` is the factor in cost of ten times the
-    accuracy.
+    ``error`` covers all numerical choices and rounding; it is infinite if the lattice blows up by
+    itself. ``rounding`` is the part of it due to rounding. ``next_decade`` is the factor by which a
+    run with a tenth of the error costs more.
     """
 
     trial: Trial
@@ -130,9 +132,9 @@ def refine(
 ) -> Refined:
     """Repeat runs with better choices until the estimated error is at most ``tolerance``.
 
-    ``progress`` is called with the fraction of the work done, 0 .. 1, of ``USUAL_WORK`` or more if
-    more is known to be needed. Raises ValueError if the error stops falling above the tolerance,
-    StoppedSearch on Ctrl-C.
+    ``progress`` is called with the fraction done, 0 .. 1, of the expected work: ``USUAL_WORK``, or
+    more if more is known to be needed. Raises ValueError if the error stops falling above the
+    tolerance, StoppedSearch on Ctrl-C.
     """
     search = _Search(engine, tolerance, progress, announce)
     try:
@@ -189,13 +191,13 @@ def _search_choices(search: "_Search", engine: Engine, tolerance: float) -> Refi
 
 
 def _refusal_message(best: float, tolerance: float, left: str) -> str:
-    """Return why a tolerance is refused: ``left`` keeps the error at ``best``, inf if unknown."""
+    """Return why a tolerance is refused; ``best`` is the least error or inf, ``left`` its cause."""
     least = f"satisfy tolerance >= {1.05 * best:.2g} here" if best < math.inf else "be larger here"
     return f"tolerance must {least}, got {tolerance:g} ({left}; raise it or shorten the run)"
 
 
 def _with_lawful_step(search: "_Search", scouting: "_Search", choices: Choices) -> Choices:
-    """Return choices whose step, found by the scout, meets its tolerance and obeys its law."""
+    """Return choices whose step the search ``scouting`` finds accurate and lawful."""
     if scouting is search:
         return search.with_step(choices)
     started = replace(scouting.engine.first(), step=choices.step)
@@ -222,7 +224,7 @@ class _Search:
         self.judged: tuple[Trial, float] | None = None
 
     def scouting(self, scout: Engine) -> "_Search":
-        """Return the search by the engine ``scout``: this one, if that is its own engine."""
+        """Return a search that runs the engine ``scout``: this search if that is its own engine."""
         if scout is self.engine:
             return self
         search = _Search(scout, self._tolerance, self._progress, self._announce)
@@ -230,7 +232,7 @@ class _Search:
         return search
 
     def stopped(self, stop: KeyboardInterrupt) -> StoppedSearch:
-        """Return the last run that was judged, else one that can be shown, else the current one."""
+        """Return the exception with the last run whose error is known, else another run."""
         if self.judged is not None and math.isfinite(self.judged[1]):
             trial, error = self.judged
             return StoppedSearch(trial, error, self.seconds - trial.seconds)
@@ -247,7 +249,7 @@ class _Search:
         return StoppedSearch(unfinished, None, self.seconds)
 
     def with_step(self, choices: Choices) -> Choices:
-        """Return choices whose step meets its share and obeys its law, if the search finds any."""
+        """Return choices whose step's error is within its share and obeys step^order, if found."""
         unstable, last, self.stalled = 0, math.inf, 0
         change: float | None = None
         for _ in range(MAX_CONTROL_RUNS):
@@ -296,7 +298,7 @@ class _Search:
         return self.engine.taken(choices) <= self._longest_lawful
 
     def lawful_change(self, choices: Choices) -> float:
-        """Return the change that the law expects of the step, from the nearest longer one."""
+        """Return the change that the law predicts from the nearest longer step; 0 without one."""
         step = self.engine.taken(choices)
         longer = [one for one in self._changes.items() if one[0] > step]
         if not longer:
@@ -311,7 +313,7 @@ class _Search:
         return self._changes.get(self.engine.taken(choices), 0.0)
 
     def _note_change(self, choices: Choices, change: float) -> None:
-        """Record the change by shortening a step, and whether the law expects it."""
+        """Record the change by shortening a step, and whether it confirms the step's law."""
         if not math.isfinite(change):
             return
         step = self.engine.taken(choices)
@@ -335,7 +337,7 @@ class _Search:
         return SAFETY * difference_around(self._done[choices], self._done[nudged])
 
     def leftover_message(self, choices: Choices, rounding: float, error: float) -> str:
-        """Return what is left of an error that has stopped falling, as far as it was measured."""
+        """Return why an error has stopped falling, and how much of it is rounding."""
         rounding += DIGIT_FACTOR * self.digit_effect(choices)
         kinds = {"step": "finer steps", "sampling": "denser points", "domain": "wider domains"}
         text = f"{' and '.join(kinds[kind] for kind in self.engine.kinds)} no longer help"
@@ -344,7 +346,7 @@ class _Search:
         return f"{text}, and rounding is only {rounding:.1g} of the error of {error:.1g}"
 
     def check_rounding(self, choices: Choices) -> None:
-        """Raise ValueError if rounding alone exceeds the tolerance, with a shorter step, too.
+        """Raise ValueError if rounding alone exceeds the tolerance, also with a shorter step.
 
         Near the longest stable step a scheme may amplify what the lattice does not.
         """
@@ -360,23 +362,24 @@ class _Search:
             )
 
     def pair(self, choices: Choices) -> tuple[Trial, Trial]:
-        """Return the run with these choices and its control run, which can be shown."""
+        """Return the run with these choices, and its control run with observables."""
         control = self.engine.control(choices, self.engine.kinds)
         self._run({choices: False, control: True})
         self._drop_payload(choices)
         return self._done[choices], self._done.pop(control)
 
     def _drop_payload(self, choices: Choices) -> None:
-        """Discard all but the values of a run, if it cannot be shown."""
+        """Discard the payload of a run without observables, to free its memory."""
         trial = self._done[choices]
         if not trial.has_observables:
             self._done[choices] = replace(trial, payload=None)
 
     def improved(self, choices: Choices, trial: Trial, error: float, step_change: float) -> Choices:
-        """Return better choices: of each kind that exceeds its share when varied alone, or of all.
+        """Return choices improved in each kind whose error exceeds its share, or in all kinds.
 
-        ``step_change`` is the known change by a shorter step, 0 if unknown. If it meets its share,
-        and only the domain is chosen besides, nothing needs to be varied: the rest is the domain's.
+        ``step_change`` is the known change by a shorter step, 0 if unknown. If the step's error is
+        within its share and the domain is the only other choice, the rest of the error is due to
+        the domain, and nothing is varied to find out.
         """
         engine, better = self.engine, choices
         if trial.values is None:
@@ -401,14 +404,14 @@ class _Search:
         return better
 
     def _excess(self, choices: Choices, kind: Kind, change: float | None = None) -> float:
-        """Return the ratio of the error to its part of the tolerance if one kind is varied."""
+        """Return the error of one kind of choice over the part of the tolerance allowed for it."""
         if change is None:
             change = self._change(choices, kind)
         share = FRACTIONS[kind] if len(self.engine.kinds) > 1 else 1.0
         return SAFETY * change / (share * self._tolerance)
 
     def _change(self, choices: Choices, kind: Kind) -> float:
-        """Return the change of the values when that kind alone is varied."""
+        """Return the change of the values when only choices of that kind are refined."""
         other = self.engine.control(choices, (kind,))
         self._run({choices: False, other: False})
         self._drop_payload(choices)
@@ -418,7 +421,7 @@ class _Search:
         return change
 
     def _run(self, requested: dict[Choices, bool]) -> None:
-        """Make the requested runs that are missing; the values say whether a run is to be shown."""
+        """Make the missing runs of ``requested``; True means that observables are needed."""
         missing = [choices for choices in requested if choices not in self._done]
         self._announce_runs(missing)
 
@@ -431,8 +434,8 @@ class _Search:
                 self._record(choices, run(choices))
             return
         with ThreadPoolExecutor(threads) as pool:
-            indices = zip(missing, branches(len(missing)), strict=True)
-            started = {one: pool.submit(index.run, run, one) for one, index in indices}
+            pairs = zip(missing, branches(len(missing)), strict=True)
+            started = {one: pool.submit(context.run, run, one) for one, context in pairs}
             try:
                 wait(started.values())
             except KeyboardInterrupt:

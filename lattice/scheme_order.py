@@ -38,7 +38,7 @@ NystroemTree = tuple[int, tuple["NystroemTree", ...]]
 
 
 def _size(tree: NystroemTree) -> int:
-    """Return the power of h that the tree stands for in the velocity."""
+    """Return the order of the tree: the power of h with which it enters the velocity."""
     leaves, branches = tree
     return 1 + leaves + sum(1 + _size(branch) for branch in branches)
 
@@ -59,7 +59,10 @@ def nystroem_trees(order: int) -> tuple[NystroemTree, ...]:
 
 @cache
 def _forests(weight: int, largest: int) -> tuple[tuple[NystroemTree, ...], ...]:
-    """Return all multisets of branches (weight: size + 1, at most ``largest``) of this weight."""
+    """Return all multisets of branches of total weight ``weight``, each at most ``largest``.
+
+    The weight of a branch is its size + 1.
+    """
     if weight == 0:
         return ((),)
     forests: set[tuple[NystroemTree, ...]] = set()

@@ -62,7 +62,7 @@ class Scheme:
 
     @cached_property
     def floats(self) -> tuple[Array, ...]:
-        """The parts of `table` as floats."""
+        """Coefficients of `table` as arrays of doubles, in its order."""
         return tuple(map(_floats, self.table()))
 
     def oscillator(self, z: Array) -> Array:
@@ -71,7 +71,7 @@ class Scheme:
 
 
 class DriftKick(Scheme):
-    """Splitting: drifts y += drift h s and kicks s += kick h f(y) in turn, one more drift."""
+    """Splitting scheme: drifts y += drift h s, first and last, and kicks s += kick h f(y)."""
 
     @cached_property
     def exact(self) -> tuple[Exact, Exact]:
@@ -186,7 +186,7 @@ class Splitting(DriftKick):
 
 
 def _mirrored(half: tuple[str, ...], once: bool) -> Exact:
-    """Return ``half`` and its reflection; the last entry appears ``once`` or twice."""
+    """Return ``half`` and its reflection; the last entry appears once if ``once``, else twice."""
     return tuple(map(Fraction, half + half[::-1][once:]))
 
 
@@ -264,7 +264,7 @@ def _stable(scheme: Scheme, z: Array) -> Mask:
 def stability_limit(scheme: Scheme) -> float:
     """Return the largest z = omega h below which y'' = -omega^2 y stays bounded.
 
-    Scanned in steps of 1e-4 up to 8, then refined by bisection.
+    Scanned in steps of 1e-4 up to 8, the largest value returned, then refined by bisection.
 
     >>> from longwave.lattice.schemes import scheme_named
     >>> round(stability_limit(scheme_named("stoermer_verlet")), 6)
@@ -480,7 +480,7 @@ USER_DEFINED = re.compile(r"([A-Za-z]\w{,39}), order (\d{1,2}): drifts ([^,]+), 
 WEIGHT = re.compile(r"-?\d{1,9}(\.\d{1,60}|/[1-9]\d{,9})?")
 
 HIGHEST_ORDER, MOST_WEIGHTS = 10, 20
-"""Limits of a user-defined scheme, whose order conditions are numerous."""
+"""Highest order and most weights of a user-defined scheme; its order conditions are numerous."""
 
 
 @cache

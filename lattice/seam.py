@@ -30,7 +30,7 @@ from longwave.support.real_arrays import Array
 Profile = Callable[[Array], Array]
 
 SAMPLES = 64
-"""Points on the wavelength about the seam, and circumferences tried within one wavelength."""
+"""Number of points on the wavelength about the seam, and of circumferences tried first."""
 
 GAUSS_NEWTON_STEPS, DIFFERENCE_STEP = 12, 1e-5
 """Most Gauss-Newton steps, and the difference step (in wavelengths) for their slopes."""
@@ -42,8 +42,8 @@ BLEND_REACH = 6.0
 def close_circumference(profile: Profile, wavelength: float, count: int) -> float:
     """Return the circumference near ``count`` wavelengths that closes the profile best.
 
-    It is within half a wavelength of that. ``profile`` is Y against x; the seam is at x = -L/2 and
-    x = L/2.
+    It differs from these by at most half a wavelength. ``profile`` maps x to Y; the seam is at
+    x = -L/2 and x = L/2.
 
     >>> round(close_circumference(lambda x: np.cos(x - np.arctan(x) / 2), 2 * np.pi, 8), 4)
     51.7975
@@ -72,7 +72,7 @@ def close_circumference(profile: Profile, wavelength: float, count: int) -> floa
 def blend_seam(profile: Profile, circumference: float, width: float, x: Array) -> Array:
     """Return the profile made smoothly periodic, at points -L/2 <= x <= L/2 (its last axis).
 
-    Within BLEND_REACH ``width`` of the seam it is blended with its own copy a circumference away,
+    Within ``BLEND_REACH * width`` of the seam it is blended with its copy a circumference away,
     so that the mismatch causes no kink and no short waves.
 
     >>> x = np.array([-5.0, 0.0, 5.0])
@@ -130,11 +130,12 @@ depth: a wave that enters at twice its speed has lost 86 % there."""
 
 @dataclass
 class Fading:
-    """Damping of the sites of a ring from which ``speed`` no longer leads to a compared site.
+    """Damping of the sites of a ring whose signals can no longer reach a compared site.
 
-    At ``t0`` all sites can reach one; at t those can that are further than ``speed`` (t - t0) from
-    the seam. ``level`` is the strain to which the others relax, ``depth`` the number of sites over
-    which the damping sets in, a wavelength if there is one.
+    Signals travel at ``speed``. At ``t0`` those from all sites can reach one, at t only those from
+    sites further than ``speed * (t - t0)`` from the seam. ``level`` is the strain to which the
+    other sites relax, ``depth`` the number of sites over which the damping sets in, a wavelength if
+    there is one.
     """
 
     t0: float

@@ -28,12 +28,12 @@ NEGLIGIBLE_TERM = 1e-17
 """Largest neglected term of a drift's series, in units of its velocities."""
 
 SMALL = 256
-"""Largest size of a state for which dense matrices are faster than sparse ones."""
+"""Largest size of a state, in numbers, for which dense matrices are faster than sparse ones."""
 
 
 @dataclass(frozen=True)
 class FreeParameter:
-    """Derivatives of each bond's force, of masses, and of loss coefficients by a parameter."""
+    """Derivatives of bond forces, masses, losses and dashpot coefficients by one parameter."""
 
     forces: tuple[ForceProgram | None, ...]
     masses: tuple[float, ...]
@@ -43,7 +43,7 @@ class FreeParameter:
 
 @dataclass(frozen=True)
 class Sensor:
-    """Quantity read (displacement, velocity, strain or force), index of field or bond, and cell."""
+    """Quantity (displacement, velocity, strain, force), index of field or bond, and cell."""
 
     quantity: str
     inner: int
@@ -90,7 +90,7 @@ class VariedChain:
                 setattr(self, name, getattr(self, name).toarray())
 
     def _matrix(self, parts: Sequence[Sequence[Entry]], fields: int, sign: int) -> sparse.csr_array:
-        """Return the matrix of each bond's stencil of fields, (bonds * ring, fields * ring)."""
+        """Return the matrix of stencils, shifts times ``sign``: (parts * ring, fields * ring)."""
         cells = np.arange(self._ring)
         rows, columns, weights = [], [], []
         for bond, entries in enumerate(parts):
@@ -104,11 +104,11 @@ class VariedChain:
         return sparse.csr_array((np.concatenate(weights), at), shape)
 
     def _columns(self, rows: Sequence[ArrayLike], count: int) -> Array:
-        """Return numbers of fields or bonds repeated for all cells, (count * ring, rows)."""
+        """Return rows of values by field or bond, repeated for all cells: (count * ring, rows)."""
         return np.repeat(np.reshape(np.array(rows), (len(rows), count)), self._ring, axis=1).T
 
     def _damped(self, dashpots: Array) -> sparse.csr_array:
-        """Return the matrix from velocities to accelerations by these dashpots."""
+        """Return the matrix from velocities to the accelerations that these dashpots cause."""
         return self._action @ sparse.diags(dashpots) @ self._stretch
 
     def readings(
@@ -133,7 +133,7 @@ class VariedChain:
         return readings
 
     def _march(self, u: Array, v: Array, scheme: DriftKick, t: float, h: float, steps: int) -> None:
-        """Advance displacements and velocities, with their derivatives, in place."""
+        """Advance u and v, with their derivatives, in place by ``steps`` steps ``h`` from ``t``."""
         drifts, kicks = scheme.drifts * h, scheme.kicks * h
         starts = t + h * np.arange(steps)[:, np.newaxis]
         times: Array = np.asarray(starts + np.cumsum(drifts[:-1]), dtype=np.float64).reshape(-1)
@@ -178,10 +178,10 @@ class VariedChain:
     def _terms(self, length: float) -> int:
         """Return how many terms of a drift's series are not negligible."""
         count, bound = int(self._is_damped), self._fastest * abs(length)
-        size = bound
-        while size > NEGLIGIBLE_TERM:
+        term_bound = bound
+        while term_bound > NEGLIGIBLE_TERM:
             count += 1
-            size *= bound / count
+            term_bound *= bound / count
         return count
 
     def _acceleration(self, u: Array, external: Sequence[float], rates: Array) -> Array:

@@ -74,12 +74,12 @@ def empty_chain(t: float, left: int, size: int) -> State:
 
 
 GROWTH = 100.0
-"""Growth of the largest strain, relative to the initial one, that counts as a blow-up."""
+"""Factor by which the largest stretch must grow to count as a blow-up."""
 
 
 @dataclass(frozen=True)
 class BlowUp:
-    """First blow-up criterion met; signals of a seam ``from_seam`` sites away may be its cause."""
+    """First blow-up criterion met, at ``t`` and ``site``, ``from_seam`` sites away from a seam."""
 
     criterion: str
     t: float
@@ -98,7 +98,7 @@ class BlowUp:
 
 
 class Domain(Protocol):
-    """Protocol of a domain of cells, by default a ring at rest; it follows a wave at ``moves``."""
+    """Protocol of a domain of cells that moves with a wave at the times ``moves``, if any."""
 
     moves: frozenset[float] = frozenset()
 
@@ -115,7 +115,7 @@ class Domain(Protocol):
         return None
 
     def fade(self, state: State) -> None:
-        """Damp, in place at a stop, the sites that can no longer reach a compared one, if any."""
+        """Damp, in place, the sites whose signals can no longer reach a compared site, if any."""
         return
 
     def locate(self, blow_up: BlowUp, state: State) -> BlowUp:
@@ -127,5 +127,5 @@ class Domain(Protocol):
         return {}
 
     def recall(self, memory: Memory, t: float) -> None:
-        """Restore the domain from a `memory`, at a stop of the march at ``t``."""
+        """Restore the domain from a `memory` that was returned at time ``t``."""
         return

@@ -77,7 +77,10 @@ class Stepper:
         self.blow_up: BlowUp | None = self._find_blow_up()
 
     def stops(self, times: Sequence[float]) -> Iterator[State]:
-        """Yield the state at all ``times``, at moves and every few steps, until a blow-up."""
+        """Yield the state at all ``times``, at the domain's moves and every few steps.
+
+        Stops after a blow-up.
+        """
         moves = {t for t in self.domain.moves if self.state.t < t < times[-1]}
         for t in sorted(moves.union(times)):
             yield from self._stops_until(t)
@@ -85,13 +88,13 @@ class Stepper:
                 return
 
     def memory(self, arrays: bool = True) -> Memory:
-        """Return the data from which `recall` resumes; at the end of the march, no ``arrays``."""
+        """Return the data from which `recall` resumes; ``arrays`` are not needed at the end."""
         state = {"t": self.state.t} if not arrays else vars(self.state)
         progress = {name: getattr(self, name) for name in ("steps", "ranges", "_between")}
         return progress | {"state": state, "domain": self.domain.memory()}
 
     def recall(self, memory: Memory) -> None:
-        """Restore the stop at which a stepper with the same arguments gave that `memory`."""
+        """Continue from the stop at which a stepper with the same arguments returned `memory`."""
         for name in ("steps", "ranges", "_between"):
             setattr(self, name, memory[name])
         for name, value in memory["state"].items():
@@ -137,7 +140,7 @@ class Stepper:
                     self._advance(h, 1, t if step == steps else begin + step * h)
 
     def _find_blow_up(self) -> BlowUp | None:
-        """Return a blow-up anywhere on the ring: no speed bounds signals from where waves end."""
+        """Extend ``ranges`` to the state; return a blow-up at any site, or None."""
         current = self.dynamics.ranges(self.state)
         self.ranges[:, 0] = np.fmin(self.ranges[:, 0], current[:, 0])
         self.ranges[:, 1] = np.fmax(self.ranges[:, 1], current[:, 1])

@@ -31,7 +31,7 @@ _POINTS, _WEIGHTS = legendre.leggauss(GAUSS_POINTS)
 
 _DEGREES = np.arange(GAUSS_POINTS)[:, np.newaxis]
 _LEGENDRE = (_DEGREES + 0.5) * legendre.legvander(_POINTS, GAUSS_POINTS - 1).T * _WEIGHTS
-"""Matrix from values at the points to Legendre coefficients of their polynomial."""
+"""Matrix from values at Gauss's points to Legendre coefficients of the polynomial through them."""
 
 
 class Smooth(Protocol):
@@ -78,14 +78,14 @@ class Integral:
         edges = np.union1d(np.linspace(begin, end, panels + 1), within)
         low, high = edges[:-1], edges[1:]
         hull = _Hull.around(slope, low, high) if isinstance(slope, ForceProgram) else None
-        size, values = max(abs(begin), abs(end)), 0.0
+        largest_time, values = max(abs(begin), abs(end)), 0.0
         starts, sums, count = [low[:0]], [low[:0]], edges.size
         while low.size:
             middle = (low + high) / 2.0
             halves = integrated(slope, low, middle) + integrated(slope, middle, high)
             with np.errstate(all="ignore"):
                 values = max(values, float(np.abs(slope(middle)).max()))
-                sensitivity = size * np.abs(slope.slope(middle))
+                sensitivity = largest_time * np.abs(slope.slope(middle))
                 error = ROUNDING * (high - low) * (values + sensitivity) + allowed
                 rough = ~(np.abs(halves - integrated(slope, low, high)) <= error)
                 if hull is not None:
@@ -110,23 +110,23 @@ class Integral:
 
     @cached_property
     def _rounding(self) -> Array:
-        """Rounding error of the integral on each panel."""
+        """Rounding error of the integral over each panel between two ``edges``."""
         return self._rounding_between(self.edges[:-1], self.edges[1:])
 
     def _rounding_between(self, low: Array, high: Array) -> Array:
-        """Return the error of integrals over panels by rounding of times and values."""
+        """Return the error of integrals between these times by rounding of times and values."""
         points, size = np.array([low, (low + high) / 2.0, high]), float(np.abs(self.edges).max())
         with np.errstate(all="ignore"):
             values, slopes = np.abs(self.slope(points)), np.abs(self.slope.slope(points))
         return np.asarray(2.0**-52 * (high - low) * (values + size * slopes).max(axis=0))
 
     def rounding(self, low: Array, high: Array) -> Array:
-        """Return the rounding error of comparing Gauss's rule with this integral on panels."""
+        """Return the rounding error of Gauss's rule minus this integral, on each panel."""
         panels_error = self._rounding[self._panel_of(np.array([low, high]))].sum(axis=0)
         return np.asarray(panels_error + self._rounding_between(low, high))
 
     def missed_within(self, low: Array, high: Array) -> Array:
-        """Return the largest error of Gauss's rule, (panels,), for any end within each panel."""
+        """Return each panel's largest error of Gauss's rule for integrals that end in the panel."""
         edges, sums = np.append(self.edges, high), np.append(self.sums, self(high))
         order = np.argsort(low)
         panel = order[np.searchsorted(low[order], edges, "left") - 1]
@@ -170,7 +170,7 @@ class _Hull:
 
     @classmethod
     def around(cls, value: ForceProgram, low: Array, high: Array) -> _Hull:
-        """Return the hull of slopes at points of the panels and of their neighbours."""
+        """Return the hull of slopes at Gauss's points of the panels and of their neighbours."""
         least, most = _slopes_met(value, low, high)
         least, most = (np.pad(ends, 1, mode="edge") for ends in (least, most))
         return cls(
@@ -196,7 +196,7 @@ class _Hull:
 
 
 def _slopes_met(value: ForceProgram, low: Array, high: Array) -> tuple[Array, Array]:
-    """Return the least and the largest slope at points of each panel."""
+    """Return the least and the largest slope at Gauss's points of each panel."""
     half = (high - low)[:, np.newaxis] / 2.0
     with np.errstate(all="ignore"):
         slopes = value.slope(low[:, np.newaxis] + half * (1.0 + _POINTS))

@@ -17,9 +17,11 @@ NUDGE = 2.0**-51
 
 
 def nudged(*arrays: Array, times: float = 1.0) -> tuple[Array, ...]:
-    """Return the arrays with all last digits changed at random, but alike, by ``times`` `NUDGE`."""
-    random, size = np.random.default_rng(0), times * NUDGE
-    return tuple(values * (1.0 + random.choice([-size, size], values.shape)) for values in arrays)
+    """Return the arrays times 1 +- ``times`` `NUDGE`, with the same random signs in every call."""
+    random, change = np.random.default_rng(0), times * NUDGE
+    return tuple(
+        values * (1.0 + random.choice([-change, change], values.shape)) for values in arrays
+    )
 
 
 @dataclass(frozen=True)
@@ -47,12 +49,12 @@ class Choices:
 
 @dataclass(frozen=True)
 class Trial:
-    """A finished run: ``values`` of y/eps on the compared sites at all observed times.
+    """A finished run: ``values``, such as y/eps on the compared sites, at all observed times.
 
     They are None after a blow-up. ``rounding`` estimates their rounding error; ``common_error``
     bounds the error that a run with a shorter step shares. ``payload`` is the engine's own data.
-    ``has_observables`` if they can be computed afterwards. An unfinished run has the times before
-    it was stopped. ``around`` are values on more sites, if any: on a few sites the effect of
+    ``has_observables`` if observables can be computed from it. An unfinished run has the times
+    before it was stopped. ``around`` are values on more sites, if any: on a few sites the effect of
     rounding may be small by chance.
     """
 
@@ -76,7 +78,7 @@ class StoppedTrial(KeyboardInterrupt):
 
 
 def difference(first: Trial, second: Trial) -> float:
-    """Return the largest difference of y/eps between two runs; infinite if either blew up."""
+    """Return the largest difference of the values of two runs; infinite if either blew up."""
     return _largest_difference(first.values, second.values)
 
 
@@ -99,7 +101,7 @@ FORCE_ROUNDING = 4.0 * 2.0**-53
 """Rounding error of one force evaluation at unit strain: a few roundings of varying sign."""
 
 STEADY_ROUNDING = 2.0**-53
-"""Part of that error whose sign does not vary (0.4 of it on a kink's far field at t = 2e8)."""
+"""Part of `FORCE_ROUNDING` of constant sign (0.4 of it on a kink's far field at t = 2e8)."""
 
 
 def rounding_error(largest: float, evaluations: int) -> float:
@@ -148,11 +150,11 @@ class Engine(Protocol):
     safety: float
     """Factor on the difference of two runs, ``SAFETY`` or more."""
     unstable: int
-    """Steps tried, each shorter, until one is stable."""
+    """Most steps tried, each shorter than the one before, until one is stable."""
     amplifies_rounding: bool
     """Whether perturbations may grow, so that the effect of rounding is measured."""
     most_work: float
-    """Most work of the next runs, in the unit of `work`."""
+    """Largest work accepted for the next runs, in the unit of `work`."""
 
     def first(self) -> Choices:
         """Return the choices with which the search begins."""
@@ -177,7 +179,7 @@ class Engine(Protocol):
         """Return the effective step for a run's error, where stops shorten the chosen one."""
 
     def work(self, choices: Choices) -> float:
-        """Return the work of a run, in any unit, as `Trial` counts it."""
+        """Return the expected work of a run, in the unit of `Trial.work`."""
 
 
 DRIVEN_SHARE = 0.5
@@ -188,10 +190,10 @@ LEAST_FACTOR = 0.2
 """Least ratio of a step to the one tried before."""
 
 MARGIN = 0.95
-"""Safety factor on the step that the law predicts."""
+"""Safety factor on the step that the law step^order predicts."""
 
 STEP_RATIO = 0.7
-"""Step of a control run of a `StepSearch`, in units of the one before it."""
+"""Step of a control run of a `StepSearch`, as a fraction of the step of the run before it."""
 
 
 def lawful_step(step: float, order: int, excess: float) -> float:
@@ -234,7 +236,7 @@ def shorter_step(stops: Array, step: float, order: int, ratio: float) -> float:
 
 
 def step_taken(stops: Array, step: float, order: int, target: float) -> float:
-    """Return the step, shortened until its error is at most that of ``target``.
+    """Return the step, shortened until its error is at most that of the step ``target``.
 
     Errors are those of the actual steps, which the stops shorten.
 
@@ -275,14 +277,14 @@ class StepSearch(Engine):
         return replace(choices, step=step)
 
     def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
-        """Return a step by the law of the order, applied to the effective step between stops."""
+        """Return choices with a step whose error, as step^order, is smaller by ``excess``."""
         step, order = step_between(self._stops, choices.step), self.order
         target = max(LEAST_FACTOR / MARGIN, excess ** (-1.0 / order)) * self.taken(choices)
         shorter = lawful_step(step, order, excess)
         return replace(choices, step=step_taken(self._stops, shorter, order, target))
 
     def taken(self, choices: Choices) -> float:
-        """Return the mean of the steps between the stops."""
+        """Return the effective step (`mean_step`), as stops shorten the chosen one."""
         return mean_step(self._stops, choices.step, self.order)
 
     def work(self, choices: Choices) -> float:

@@ -19,10 +19,11 @@ class Variation:
     """Variation from cell to cell: of the ``masses``, or of parts ``c G`` of the bonds' ``forces``.
 
     ``masses`` is the kind of the fields, None if masses are equal. ``forces`` has an entry for each
-    bond, None where it is the same in all cells. ``bound`` is the largest deviation. The ``pulsed``
-    fields are kicked from outside in some cells. Every drift shrinks the velocities of ``damped``
-    fields at these rates, and spreads them if bonds have ``dashpots``. Walls are cells with inverse
-    mass 0 or, if ``walled``, cells where a last row of deviations is -1.
+    bond, None where it is the same in all cells. ``bound`` is the largest abs(deviation). The
+    ``pulsed`` fields are kicked from outside in some cells. ``damped`` are the decay rates of the
+    fields' velocities, ``dashpots`` the coefficients of the bonds' dashpots; either may be empty.
+    Walls are cells with inverse mass 0 or, if ``walled``, cells where a last row of deviations is
+    -1.
     """
 
     bound: float
@@ -34,7 +35,7 @@ class Variation:
     walled: bool = False
 
     def rows(self, fields: int) -> int:
-        """Return the number of deviations of a cell, for a lattice of so many fields."""
+        """Return the number of deviations of a cell, for a lattice of ``fields`` fields."""
         return self.mass_rows(fields) + sum(f is not None for f in self.forces) + self.walled
 
     def mass_rows(self, fields: int) -> int:

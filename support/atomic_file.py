@@ -37,7 +37,7 @@ OLD_DRAFT = 86400.0
 STALE_TRIES = 5
 
 UNFLUSHED = (errno.EINVAL, errno.ENOSYS, errno.ENOTSUP, errno.EOPNOTSUPP)
-"""Errors of file systems that cannot flush folders, or anything; they write by themselves."""
+"""Error numbers of file systems that cannot flush folders, or files; they write by themselves."""
 
 
 def write_atomically(
@@ -174,10 +174,10 @@ def _state(target: Path) -> os.stat_result | None:
 
 def _rename(draft: Path, target: Path, force: bool) -> None:
     """Rename the draft. Without ``force``, raise FileExistsError if another file has the name."""
-    name = os.replace if force else os.link
+    give_name = os.replace if force else os.link
     file = not_stale(lambda: os.lstat(draft))
     try:
-        not_stale(lambda: name(draft, target))
+        not_stale(lambda: give_name(draft, target))
     except OSError as error:
         if leads_to(target, file):  # it was done, and the request repeated
             return

@@ -44,7 +44,7 @@ FIRST_COST = 0.01
 NO_CHECKPOINT = "%s: begins anew: %s has no checkpoint of this scene, code and machine"
 
 LEAST = 5.0
-"""Least seconds between two checkpoints of a loop: the most that a kill loses."""
+"""Least seconds between two checkpoints of a loop: a killed run loses hardly more work."""
 
 SHARE = 0.01
 """Largest fraction of a run's time that its checkpoints take."""
@@ -54,7 +54,7 @@ RETRY_SECONDS = 60.0
 
 
 def run_stamp(key: str) -> str:
-    """Return a text of all that determines a run's bits: its key, the processor and settings."""
+    """Return a text with all that determines a run's bits: its key, the processor and settings."""
     from longwave.support.compiled.native_code import processor
 
     return "\n".join([key, processor(), *compiler_settings()])
@@ -80,7 +80,7 @@ class CheckpointFolder:
         self.is_recalled = False
 
     def read(self, name: str, task: str) -> Memory | None:
-        """Return the stored state of the loop of that name; None if none fits."""
+        """Return the stored state of that loop; None if missing or of another run or task."""
         path = self._path(name)
         data = self._content(path) if path in self._loops() else None
         if data is None:
@@ -193,10 +193,10 @@ def fitting(value: Any, like: Any) -> Any:
     ...
     ValueError: a checkpoint must have the state of its run, got list for float64 (1,) (remove it)
     """
-    one, other = _form(value), _form(like)
-    if one != other:
+    got, expected = _form(value), _form(like)
+    if got != expected:
         raise ValueError(
-            f"a checkpoint must have the state of its run, got {one} for {other} (remove it)"
+            f"a checkpoint must have the state of its run, got {got} for {expected} (remove it)"
         )
     return value
 
@@ -290,7 +290,7 @@ class Loop:
                 self._store(remember)
 
     def end(self, remember: Callable[[], Memory]) -> None:
-        """Store the final state, unless that takes longer than repeating the last part."""
+        """Store the final state if that takes at most ``share`` of the time since the last one."""
         if self.keeper is not None:
             elapsed = perf_counter() - self._last
             if self.keeper.share * elapsed >= self._cost:

@@ -22,7 +22,7 @@ from longwave.support.slow_work import announce, report_time_left
 from longwave.support.user_files import cut, printable, toml_value
 
 WRONG, BROKEN = 2, 1
-"""Exit status after wrong input, and when the disk is full."""
+"""Exit statuses: after wrong input, and when the disk is full."""
 
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 """Errors of a disk that accepts no more data."""
@@ -36,7 +36,7 @@ FILE_REMEDIES = {
     errno.ENAMETOOLONG: "shorten the name",
     **dict.fromkeys(FULL, "free some space, or write elsewhere"),
 }
-"""Remedy for each error of a file."""
+"""Remedies shown in messages, keyed by the errno of a file error."""
 
 NO_READER = 141
 """Exit status when the reader of the output is gone: 128 + the signal's number."""
@@ -45,7 +45,7 @@ MAX_QUOTED, MAX_ERROR = 200, 4000
 """Most characters of the input that an error quotes, and of an error in total."""
 
 _call: ContextVar[tuple[click.Command | None, Sequence[str]]] = ContextVar("_call")
-"""Command that is running, and its words."""
+"""Running command (None if it is unknown), and the words of its command line."""
 
 Wrapped = TypeVar("Wrapped", bound=Callable[..., Any])
 Number = TypeVar("Number", int, float)
@@ -84,7 +84,7 @@ class CommandGroup(click.Group):
 
 
 def example(line: str) -> str:
-    """Return the end of a command's help text: an example."""
+    """Return the example with which a command's help text ends."""
     return f"\b\nExample:\n  {line}"
 
 
@@ -104,14 +104,14 @@ def _limit_callback(limits: Limit) -> Callable[[click.Context, click.Parameter, 
 
 
 def _estimated_time(given: str | None) -> AbstractContextManager[request_limits.RequestLimits]:
-    """Refuse requests whose estimated time exceeds the limit."""
+    """Return a context that refuses requests whose estimated time exceeds the limit."""
     seconds = request_limits.USUAL_SECONDS if given is None else given
     return request_limits.request_limits(seconds=seconds)
 
 
 @contextmanager
 def _enforced_memory(given: str | None) -> Iterator[None]:
-    """Refuse requests by their estimate; a given limit is also enforced on the process."""
+    """Refuse requests, in the body, by their estimate; enforce a given limit on the process."""
     with ExitStack() as stack:
         limits = stack.enter_context(request_limits.request_limits(given))
         if given and interruption.owns_process():
@@ -125,7 +125,7 @@ def _enforced_memory(given: str | None) -> Iterator[None]:
 
 @contextmanager
 def _enforced_time(given: str | None) -> Iterator[None]:
-    """Refuse requests by their estimate; a given limit also ends the command."""
+    """Refuse requests, in the body, by their estimate; end the command after a given limit."""
     with _estimated_time(given) as limits:
         allowed = limits.seconds if given else math.inf
         time = request_limits.duration(allowed)
@@ -137,9 +137,9 @@ def _enforced_time(given: str | None) -> Iterator[None]:
 def limits_of_each(memory: str = "", time: str = "") -> Callable[[Wrapped], Wrapped]:
     """Return a decorator that adds `--max-memory` and `--max-time`, applied while the command runs.
 
-    ``memory`` and ``time`` are the defaults for a command that makes many runs in turn; its limits
-    are compared with the estimate of each run. Without them the usual defaults apply, and given
-    limits are also enforced on the whole command.
+    ``memory`` and ``time`` are the defaults for a command that makes many runs one after another;
+    the limits of such a command are compared with the estimate of each run. Without these arguments
+    the usual defaults apply, and limits that the user states are enforced on the whole command.
     """
     each = bool(memory or time)
     hold_memory = _limit_callback(request_limits.request_limits if each else _enforced_memory)
@@ -182,7 +182,7 @@ def listed(
 
 
 def named_values(name: str, texts: Iterable[str], usual: str = "m1=1,m2=3") -> dict[str, str]:
-    """Return the values in an option's texts by name; errors show what is ``usual``.
+    """Return the values in an option's texts by name; ``usual`` is the example in errors.
 
     A comma in brackets or quotes belongs to the value. Raises UsageError for a name that is given
     twice.
@@ -224,8 +224,8 @@ def _split_at_commas(text: str) -> list[str]:
 
 def _set_fields(_: click.Context, __: click.Parameter, texts: tuple[str, ...]) -> dict[str, Any]:
     """Return the values of `--set` by field, each parsed as in a scene's file."""
-    given = named_values("--set", texts, "eps=0.05,parameters.k=0.7")
-    return {field: toml_value(text) for field, text in given.items()}
+    field_texts = named_values("--set", texts, "eps=0.05,parameters.k=0.7")
+    return {field: toml_value(text) for field, text in field_texts.items()}
 
 
 set_option = click.option(
@@ -263,7 +263,7 @@ def run_words(command: click.Command, program: str, argv: Sequence[str] | None =
 
 
 def _named(command: click.Command, program: str, argv: Sequence[str]) -> tuple[click.Command, str]:
-    """Return the command in these words, and its name, such as `longwave verify mutations`."""
+    """Return the subcommand that ``argv`` begins with, and its name with ``program`` in front."""
     for word in argv:
         inner = command.commands.get(word) if isinstance(command, click.Group) else None
         if inner is None:
@@ -390,7 +390,7 @@ def _with_short_quotes(message: str) -> str:
 
 
 def fail_for_memory(error: MemoryError, what: str = "sites") -> int:
-    """Report with `fail` that a scene has too many ``what`` for the memory."""
+    """Report with `fail` that a scene has too many ``what`` for the memory; return the status."""
     if limit := interruption.stated_memory():
         return fail(f"{command_name()} {limit}")
     return fail(f"{what} must fit in memory, got a scene that does not: {error} (take fewer)")

@@ -36,7 +36,7 @@ def table_console(width: int = PIPE_WIDTH, **look: Any) -> Console:
 
 
 def tracked(items: Iterable[T], count: int, words: str) -> Iterator[T]:
-    """Yield ``items``, with a progress bar on stderr if that is a terminal."""
+    """Yield ``items``, with a progress bar labelled ``words`` on stderr if that is a terminal."""
     console = Console(stderr=True)
     if console.is_terminal:
         count_notice()
@@ -114,7 +114,7 @@ class PlainConsole(Console):
     """Console that escapes control characters, so that no text can steer the terminal."""
 
     def render_str(self, text: str, *words: Any, **options: Any) -> Text:
-        """Return the escaped text of printed text or of a table's cell."""
+        """Return the text, printed or in a table's cell, with control characters escaped."""
         return super().render_str(printable(text), *words, **options)
 
     def on_broken_pipe(self) -> NoReturn:
@@ -176,7 +176,7 @@ def _check_folder(folder: Path, option: str) -> None:
 
 
 SUFFIXES = (".png", ".pdf", ".svg")
-"""Suffixes of pictures."""
+"""Suffixes of the picture files that can be written."""
 
 
 def picture_path(output: str | Path) -> Path:

@@ -40,7 +40,7 @@ Outcome = tuple[Any, Any, BaseException | None]
 
 
 class DaskWorkers:
-    """Workers of a cluster, which replaces lost ones itself and repeats their jobs."""
+    """Workers of a Dask cluster; Dask replaces lost workers and repeats their jobs."""
 
     def __init__(self, address: str, digest: str, check: Callable[["Client"], None]) -> None:
         """Connect, and ``check`` that the workers compute the same as this process.
@@ -77,7 +77,7 @@ class DaskWorkers:
         return call
 
     def ended(self, seconds: float) -> list[Call]:
-        """Return a call that has ended, waiting at most so many seconds for one."""
+        """Return one call that has ended, or none after ``seconds``."""
         from distributed import KilledWorker
 
         self._look()
@@ -124,7 +124,7 @@ def _checked(answer: Any) -> Outcome:
 
 
 def _no_outcome(answer: object) -> TypeError:
-    """Return the error for an answer that is no outcome."""
+    """Return the TypeError for a worker's answer that is not an `Outcome`."""
     return TypeError(f"a worker must answer with an outcome, got {type(answer).__name__}")
 
 
@@ -164,7 +164,7 @@ def _connected(address: str, needed: str) -> "Client":
 
 
 def _outcome(job: Job) -> Outcome:
-    """Do a job in a worker; one with limits in an interpreter of its own, which enforces them."""
+    """Do a job in a worker; a job with limits gets an interpreter of its own that enforces them."""
     if job.memory is None and job.seconds == math.inf:
         return None, job.run(lambda _: None), None
     root = str(Path(__file__).absolute().parents[2])

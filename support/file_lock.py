@@ -32,10 +32,10 @@ UNLOCKED_MESSAGE = (
 )
 
 _WARNED: set[int] = set()
-"""File systems for which a warning was logged."""
+"""Device numbers of file systems for which a warning was logged."""
 
 _TESTED: set[int] = set()
-"""File systems for which it was tested whether a lock excludes another."""
+"""Device numbers of file systems for which it was tested whether a lock excludes another."""
 
 
 @contextmanager
@@ -58,7 +58,7 @@ def locked(path: Path, wait: Callable[[], None] = lambda: None) -> Iterator[None
 
 
 def _acquired(path: Path, wait: Callable[[], None]) -> int:
-    """Return the descriptor of the lock file, locked if possible."""
+    """Return the descriptor of the lock file, locked where the file system can lock files."""
     for _ in range(MAX_TRIES):
         number = _opened(path)
         try:

@@ -45,7 +45,7 @@ SAVING_SECONDS = 15.0
 """Seconds by which `keeping` extends the time for writing finished results."""
 
 SAME_PRESS = 0.3
-"""Seconds in which a second signal counts as the first, which some programs forward."""
+"""Seconds in which a second signal counts as the first one, forwarded by another program."""
 
 CHECK_INTERVAL = 0.05
 """Seconds between two checks of the time."""
@@ -194,7 +194,7 @@ def owns_process() -> bool:
 
 @contextmanager
 def ended_after(seconds: float, limit: str) -> Iterator[None]:
-    """End a command that `owns_process` after so long, as Ctrl-C does, and print the ``limit``."""
+    """End a command that `owns_process` after ``seconds``, as Ctrl-C does; print the ``limit``."""
     if _watch is None or not owns_process() or seconds > LONGEST_TIMER:
         yield
         return
@@ -250,7 +250,7 @@ if hasattr(os, "register_at_fork"):
 
 
 def was_interrupted() -> bool:
-    """Return whether Ctrl-C has been pressed in this command."""
+    """Return whether Ctrl-C or another signal of `ENDING` has reached this command."""
     return _watch is not None and _watch.since is not None
 
 

@@ -10,13 +10,13 @@ MAX_SUGGESTIONS = 3
 """Most names suggested."""
 
 MAX_SIMILARITY_LOSS = 0.15
-"""Largest difference in similarity, 0 .. 1, from the most similar name."""
+"""Largest difference in similarity, 0 .. 1, from the most similar name of a suggested name."""
 
 MIN_PREFIX = 3
 """Least characters of an unknown name that may be the beginning of a known one."""
 
 MAX_LISTED = 30
-"""Most names listed in addition to suggestions."""
+"""Most names listed in addition to suggestions; if there are more, only their number is given."""
 
 T = TypeVar("T")
 

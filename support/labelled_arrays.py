@@ -98,8 +98,9 @@ def select(values: LabelledValues, indexers: Mapping[str, Indexer]) -> LabelledV
     dims, array = values.dims, values.values
     for name in values.dims:
         if name in indexers:
-            given, axis = indexers[name], dims.index(name)
-            index = given if isinstance(given, int | slice) else np.asarray(given, dtype=np.intp)
+            indexer, axis = indexers[name], dims.index(name)
+            is_basic = isinstance(indexer, int | slice)
+            index = indexer if is_basic else np.asarray(indexer, dtype=np.intp)
             array = np.asarray(array[(slice(None),) * axis + (index,)])
             dims = dims if array.ndim == len(dims) else dims[:axis] + dims[axis + 1 :]
     return LabelledArray(dims, array, values.attrs)

@@ -10,13 +10,17 @@ from importlib import import_module
 from typing import Any
 
 BEGUN = time.time()
-"""Time of the first import of a room; running code is older."""
+"""Time of the first import of a room, in seconds since the epoch: files changed since then may
+differ from the running code."""
 
 
 def lazy_exports(
     room: str, modules: Mapping[str, str]
 ) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
-    """Return a room's ``__getattr__`` and ``__dir__``, given its names (in one text) by module."""
+    """Return a room's ``__getattr__`` and ``__dir__``.
+
+    ``modules`` gives, for each module, the names that it provides, separated by spaces.
+    """
     module_by_name = {name: module for module, names in modules.items() for name in names.split()}
 
     def get(name: str) -> object:

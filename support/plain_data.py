@@ -17,16 +17,16 @@ if TYPE_CHECKING:
     import numpy as np
 
 JSON_TYPES = (type(None), bool, int, float, str)
-"""JSON's own types; other types become a dictionary with one entry, a tag and its content."""
+"""Scalar types of JSON; types other than these and lists become a dictionary {tag: content}."""
 
 NUMBER_DTYPE = re.compile(r"[<>|=][biufcSU][1-9]\d{0,8}")
-"""Pattern of NumPy's types of numbers and texts, none of which is an address."""
+"""Pattern of NumPy's dtypes of numbers and texts; it excludes objects, which hold addresses."""
 
 READING_ERRORS = (ValueError, TypeError, LookupError, AttributeError, OverflowError, RecursionError)
 """Errors that reading may meet in bytes written elsewhere."""
 
 HEAD = 8
-"""Bytes that hold the length of the text."""
+"""Number of bytes that hold the length of the JSON text."""
 
 
 class PlainKind(NamedTuple):
@@ -38,7 +38,7 @@ class PlainKind(NamedTuple):
 
 
 Kinds = Callable[[str], PlainKind | None]
-"""Function from a name in the data to its type, None if unknown."""
+"""Function from a tag in the data to the additional type of that name, None if unknown."""
 
 
 def plain_bytes(value: object, kinds: Kinds = lambda _: None) -> bytes:
@@ -91,12 +91,12 @@ class _Writer:
         known = self._kinds(kind.__name__)
         if known is not None and known.type is kind:
             return {kind.__name__: self.tree(known.parts(value))}
-        raise TypeError(f"data must be numbers, texts, arrays or lists of them, got {kind}")
+        raise TypeError(f"data must be numbers, texts, arrays or lists, got {kind} (convert it)")
 
     def _array(self, values: np.ndarray[Any, Any]) -> list[Any]:
         """Return type, shape, memory order and byte offset of an array, and store its data."""
         if not NUMBER_DTYPE.fullmatch(values.dtype.str):
-            raise TypeError(f"array entries must be numbers or texts, got {values.dtype}")
+            raise TypeError(f"array entries must be numbers or texts, got {values.dtype} (convert)")
         flags = values.flags
         order: Literal["F", "C"] = "F" if flags.f_contiguous and not flags.c_contiguous else "C"
         offset = self._length
@@ -119,7 +119,7 @@ class _Reader:
         }
 
     def value(self, tree: Any) -> Any:
-        """Return the value of a tree."""
+        """Return the value that `_Writer.tree` turned into this tree."""
         if isinstance(tree, list):
             return [self.value(item) for item in tree]
         if isinstance(tree, dict):

@@ -106,7 +106,7 @@ class Workers(Protocol):
         """Submit a job and return its call."""
 
     def ended(self, seconds: float) -> list[Call]:
-        """Return the calls that have ended, waiting at most so many seconds for one."""
+        """Return the calls that have ended, waiting up to ``seconds`` for one."""
 
     def stop(self) -> None:
         """End all work within two seconds."""
@@ -130,7 +130,10 @@ def in_turn(
     look: Callable[[Mapping[Call, Subject]], object] = lambda _: None,
     ahead: int = 1,
 ) -> Iterator[tuple[Subject, Call]]:
-    """Do all jobs, ``ahead`` of them per worker at once, and yield keys and calls as they end."""
+    """Do all jobs, ``ahead`` of them per worker at once; yield (key, finished call) as they end.
+
+    ``look`` is called from time to time with the running calls and their keys.
+    """
     waiting, running = iter(jobs), dict[Call, Subject]()
     while True:
         for key, job in islice(waiting, max(0, ahead * workers.count - len(running))):
@@ -230,9 +233,10 @@ class _Worker:
 class LocalWorkers:
     """Local processes, started when needed and replaced when lost.
 
-    They ignore Ctrl-C, which is this process's, and end with it, however it ends. Each is a fresh
-    interpreter that calls ``begin`` first and is reused for further jobs. If ``isolated``, each
-    does one job only and is, where possible, a fork of this process, which needs no imports.
+    They ignore Ctrl-C, which this process handles, and end when this process ends, however it
+    ends. Each is a fresh interpreter that calls ``begin`` first and is reused for further jobs. If
+    ``isolated``, each does one job only and is, where possible, a fork of this process, which needs
+    no imports.
     """
 
     def __init__(
@@ -243,12 +247,12 @@ class LocalWorkers:
         self._ended: list[Call] = []
 
     def start(self, job: Job | None = None) -> _Worker:
-        """Start a process, for this ``job`` only if there is one."""
+        """Start a process, for this ``job`` only if one is given; return its worker."""
         forked = job is not None and hasattr(os, "fork")
         context: Any = mp.get_context("fork" if forked else "spawn")
         ours, theirs = context.Pipe()
-        given = (theirs, ours if forked else None, self._begin, job)
-        process = context.Process(target=_serve, args=given)
+        arguments = (theirs, ours if forked else None, self._begin, job)
+        process = context.Process(target=_serve, args=arguments)
         with _interrupts_blocked(), warnings.catch_warnings(), _without_script(), _safe_path():
             warnings.simplefilter("ignore", DeprecationWarning)  # of a fork with threads
             process.start()
@@ -279,7 +283,7 @@ class LocalWorkers:
             worker.calls.append((call, time.monotonic() + call.job.seconds))
 
     def ended(self, seconds: float) -> list[Call]:
-        """Return the calls that have ended, waiting at most so many seconds for one."""
+        """Return the calls that have ended, waiting up to ``seconds`` for one."""
         ends = [worker.calls[0][1] for worker in self._workers if worker.calls]
         longest = 0.0 if self._ended else min([seconds, *(end - time.monotonic() for end in ends)])
         ready = wait([worker.pipe for worker in self._workers], max(0.0, longest))
@@ -331,7 +335,7 @@ class LocalWorkers:
 
 @contextmanager
 def _safe_path() -> Iterator[None]:
-    """Start processes that import nothing, not even standard modules, from the current folder."""
+    """Let processes started in the body import nothing from the current folder."""
     before = os.environ.get(SAFE_PATH)
     os.environ[SAFE_PATH] = "1"
     try:
@@ -345,7 +349,7 @@ def _safe_path() -> Iterator[None]:
 
 @contextmanager
 def _without_script() -> Iterator[None]:
-    """Start a process that does not run the user's script again, as a new interpreter would."""
+    """Keep processes started in the body from running the user's script, as a spawn would."""
     main = sys.modules["__main__"]
     if main.__spec__ is None:
         sys.modules["__main__"] = ModuleType("__main__")
@@ -357,7 +361,7 @@ def _without_script() -> Iterator[None]:
 
 @contextmanager
 def _interrupts_blocked() -> Iterator[None]:
-    """Block Ctrl-C for processes that are starting, which would print a traceback."""
+    """Block Ctrl-C for processes started in the body, which would print a traceback."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
@@ -459,7 +463,7 @@ def limit_memory(beyond: int) -> None:
 
 
 def limit_processor(seconds: int) -> None:
-    """Kill this process after so many more seconds of processor time, where there is fork."""
+    """Kill this process after ``seconds`` more of processor time, where the system supports it."""
     with suppress(ImportError, OSError, ValueError):
         import resource
 

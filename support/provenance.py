@@ -22,7 +22,7 @@ CODE = ("support", "derive", "solutions", "lattice", "scenes")
 """Folders of all code that computes runs; some of it is imported by name only."""
 
 PROVENANCE = ("versions", "platform", "code")
-"""Attributes of a run that `provenance` returns."""
+"""Names of the attributes of a run that `provenance` returns."""
 
 
 @lru_cache

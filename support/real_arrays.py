@@ -13,7 +13,7 @@ Indices = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
 REMEDIES = {"c": "take its real part", "b": "0 and 1 are numbers"}
-"""Remedies for arrays of other values, by the kind of their dtype."""
+"""Remedies shown for arrays that are not real, keyed by `dtype.kind`."""
 
 
 def real_array(item: str, values: ArrayLike, allows_nan: bool = False) -> Array:

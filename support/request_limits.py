@@ -48,7 +48,7 @@ _QUANTITY = re.compile(r"\s*(\d{1,12}(?:\.\d{1,12})?(?:e\d{1,2})?)\s*([A-Za-z]*)
 
 
 class OverBudgetError(ValueError):
-    """A request, or the next runs of a search, exceed a limit; ``work`` is what they take."""
+    """A request, or the next runs of a search, exceed a limit; ``work`` is that of these runs."""
 
     def __init__(self, message: str, work: float = math.nan) -> None:
         super().__init__(message)
@@ -155,7 +155,7 @@ def is_too_much(cost: ExpectedCost) -> bool:
 
 
 class Announcer:
-    """Passes on expected seconds that are many, again only when they have doubled.
+    """Callback that announces expected seconds of `LONG` or more, again only if they have doubled.
 
     >>> told = Announcer(print)
     >>> for seconds in (3.0, 30.0, 40.0, 90.0):
@@ -169,7 +169,7 @@ class Announcer:
         self._announced = LONG / 2.0
 
     def __call__(self, seconds: float) -> None:
-        """Announce the expected seconds if they are worth it."""
+        """Announce the expected seconds if they are `LONG` or more, and twice those before."""
         if seconds >= max(LONG, 2.0 * self._announced):
             self._announced = seconds
             self._announce(seconds)
@@ -177,7 +177,7 @@ class Announcer:
 
 @cache
 def machine_memory() -> float:
-    """Return the bytes that this process can have: the machine's, or its control group's."""
+    """Return the bytes of memory of the machine, or of this process's control group if less."""
     size = UNKNOWN_MACHINE
     with suppress(ValueError, OSError, AttributeError):
         size = float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))

@@ -45,7 +45,7 @@ LINKED = "%s is a link, or no file: it counts as missing, and is made anew"
 def write_sealed(
     path: Path, content: bytes, force: bool = True, durable: bool = True, mode: int | None = None
 ) -> None:
-    """Write content and seal atomically, in place of a link; raises as `write_atomically`."""
+    """Write the content and its seal atomically; replace a link. Raises as `write_atomically`."""
 
     def write(draft: Path) -> None:
         with draft.open("wb") as stream:
@@ -62,12 +62,12 @@ def write_sealed(
 
 
 def open_plain(path: str | Path, folder: int | None = None, untyped: int = 1) -> int:
-    """Open a file for reading without following links in its last ``untyped`` names.
+    """Open a file for reading; return its descriptor.
 
-    No user typed these names. ``path`` may be relative to an open ``folder``. Each name is opened
-    in the folder opened before it, so that a link is not followed even if it appears meanwhile.
-    Returns the descriptor. Raises OSError for a missing file and for anything but a file, such as a
-    pipe, which would block.
+    Links are not followed in the last ``untyped`` parts of ``path``, which no user typed. ``path``
+    may be relative to an open ``folder``. Each part is opened in the folder opened before it, so
+    that a link is not followed even if it appears meanwhile. Raises OSError for a missing file and
+    for anything but a file, such as a pipe, which would block.
     """
     if untyped > 1:
         with _opened_folder(Path(path).parent, untyped - 1) as inner:
@@ -83,7 +83,7 @@ def open_plain(path: str | Path, folder: int | None = None, untyped: int = 1) ->
 
 @contextmanager
 def _opened_folder(folder: Path, untyped: int) -> Iterator[int | None]:
-    """Open a folder without following links in its last ``untyped`` names; yield its descriptor."""
+    """Open a folder, no link in its last ``untyped`` parts; yield the descriptor if supported."""
     names = folder.parts[-untyped:]
     if os.open not in os.supports_dir_fd:
         for part in (folder, *folder.parents)[:untyped]:

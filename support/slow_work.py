@@ -24,7 +24,7 @@ _notices = 0
 
 
 def count_notice() -> None:
-    """Count that the running command has reported its duration or progress."""
+    """Record that the running command has reported its duration or progress."""
     global _notices
     _notices += 1
 
@@ -68,7 +68,7 @@ class TimeLeft:
         self._end = self.clock() + seconds
 
     def share(self, done: float) -> None:
-        """Set the fraction done; the share of an earlier process does not count for the pace."""
+        """Set the fraction done; the pace is measured from the first fraction set."""
         now = self.clock()
         self._first = self._first or (now, done)
         self._done = done
@@ -76,7 +76,7 @@ class TimeLeft:
             self._pace = (now - self._first[0]) / (done - self._first[1])
 
     def words(self) -> str:
-        """Return the share and the time left, or the time so far if nothing is known."""
+        """Return as text the fraction done and the time left, or the time so far if that is all."""
         now = self.clock()
         by_pace = self._pace * (1.0 - self._done)
         foreseen = max(0.0, self._end - now) if self._end is not None else 0.0

@@ -41,7 +41,10 @@ _pipe: int | None = None
 
 
 def supervised(argv: Sequence[str], work: Callable[[], int]) -> int:
-    """Return ``work()``; if limits are given, a watched child does it, and it alone returns."""
+    """Return ``work()``. If ``argv`` states limits, do it in a child process and watch that.
+
+    Only the child then returns; this process exits with the child's status.
+    """
     stated = any(word.partition("=")[0] in OPTIONS for word in argv)
     if not stated or not hasattr(os, "fork") or threading.active_count() > 1:
         return work()
@@ -73,7 +76,7 @@ def tell(**facts: Any) -> None:
 
 
 def _tell_through(pipe: int | None = None) -> None:
-    """Send facts through this pipe, or no longer, as in a fork of the command."""
+    """Let `tell` send facts through this pipe; with None, as in a fork, it sends nothing."""
     global _pipe
     if pipe is not None:
         os.set_blocking(pipe, False)
@@ -147,7 +150,7 @@ class _Supervisor:
         self._say(limit)
 
     def _say(self, limit: str) -> NoReturn:
-        """Report why the command was ended, unless it did, and exit."""
+        """Report why the command was ended, unless it did so itself, and exit."""
         if self.is_reported:
             os._exit(OVERDUE)
         cursor = "\x1b[?25h" if os.isatty(2) else ""

@@ -25,7 +25,7 @@ MAX_DEPTH = 100
 """Most levels of nested tables and lists."""
 
 QUOTED = 200
-"""Most characters of a file's name in an error."""
+"""Most characters of a file's name, or of a library's message, in an error."""
 
 DEEP_KEY = re.compile(
     rb"""(?:^|[\[{,])[ \t]*(?:(?:[\w-]{1,99}|"[^"\n]{0,99}"|'[^'\n]{0,99}')[ \t]*\.[ \t]*){20}""",
@@ -59,7 +59,7 @@ def shown(value: object) -> str:
 
 
 def cut(text: str, length: int) -> str:
-    """Return the text, truncated to at most so many characters.
+    """Return the text, truncated to at most ``length`` characters.
 
     >>> cut("a long text", 8)
     'a lon...'
@@ -125,7 +125,9 @@ def read_bytes(
     else:
         # without O_NONBLOCK, opening a pipe would wait for a writer; its kind is checked after that
         if "\0" in str(path):
-            raise ValueError(f"{label} must be a file's name, got {shown_path(path)}")
+            raise ValueError(
+                f"{label} must be a file's name, got {shown_path(path)} (leave out \\x00)"
+            )
         handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
         try:
             state = os.fstat(handle)
@@ -151,20 +153,21 @@ def read_bytes(
 def read_text(
     path: str | Path, label: str, max_bytes: int, check: StatusCheck = lambda _: None
 ) -> str:
-    """Return the text of such a file. Raises ValueError also if it is not UTF-8."""
+    """Return the text of a file read by `read_bytes`. Raises ValueError also if it is not UTF-8."""
     return _text(read_bytes(path, label, max_bytes, check), path, label)
 
 
 def read_toml(path: str | Path, label: str, max_bytes: int) -> dict[str, Any]:
-    """Return the tables of such a file; raise ValueError if it is not TOML or nested too deep."""
+    """Return the tables of a TOML file read by `read_bytes`; raise as `parse_toml`."""
     return parse_toml(read_bytes(path, label, max_bytes), path, label)
 
 
 def parse_toml(content: bytes, path: str | Path, label: str) -> dict[str, Any]:
-    """Return the tables of a file's content. Raises as `read_toml`."""
+    """Return the tables of a file's content; ValueError if it is not TOML or nested too deep."""
     if DEEP_KEY.search(content):
         raise ValueError(
-            f"{label} must have plain keys, got one with 20 or more dots in {shown_path(path)}"
+            f"{label} must have plain keys, got one with 20 or more dots in {shown_path(path)} "
+            "(write tables)"
         )
     text = _text(content, path, label)
     try:
@@ -179,11 +182,13 @@ def parse_toml(content: bytes, path: str | Path, label: str) -> dict[str, Any]:
         ) from None
     except ValueError:
         raise ValueError(
-            f"{label} must have numbers of some digits, got one of thousands in {shown_path(path)}"
+            f"{label} must have numbers of some digits, got one of thousands in {shown_path(path)} "
+            "(shorten it)"
         ) from None
     if deep:
         raise ValueError(
-            f"{label} must be nested at most {MAX_DEPTH} deep, got {shown_path(path)} with more"
+            f"{label} must be nested at most {MAX_DEPTH} deep, got {shown_path(path)} with more "
+            "(flatten it)"
         )
     return document
 
@@ -224,7 +229,7 @@ def is_deep(data: object) -> bool:
 
 
 def _text(content: bytes, path: str | Path, label: str) -> str:
-    """Decode UTF-8. Raises ValueError with the first wrong byte."""
+    """Decode UTF-8. Raises ValueError that names the first byte that is not UTF-8."""
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:

@@ -19,7 +19,7 @@ SAMPLED_CELLS = 16
 """Number of cells that `seems_still` checks before all cells are checked."""
 
 ALONE_FRACTION = 0.5
-"""Largest fraction of a ring that is advanced alone; beyond it the whole ring is advanced."""
+"""Largest fraction of a ring that may move for only its moving part to be advanced."""
 
 
 def seems_still(f: Array, v: Array) -> bool:

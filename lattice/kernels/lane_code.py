@@ -65,7 +65,7 @@ class LaneCode:
         return self._vector_function("fma", factor, second, term)
 
     def weighted_sum(self, terms: Iterable[tuple[Any, float, Any]]) -> Any:
-        """Return the sum of factor times value, with the given signs where the factor is None."""
+        """Return the sum of factor times value; a factor None is 1 with the given sign."""
         total = None
         for factor, sign, value in terms:
             if factor is not None:

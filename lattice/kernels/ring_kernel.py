@@ -112,7 +112,7 @@ MAX_REPEATED_FRACTION = 0.2
 """Largest fraction of cells that both cores compute."""
 
 MIN_SEARCHED_WORK = 200_000
-"""Cells times stages from which on those that move are looked for."""
+"""Cells times stages from which on a search for the moving cells pays."""
 
 CALL_WORDS = 1 + max(FUNCTIONS.values())
 """Words of a call: the function's number and its arguments, as many as the longest takes."""
@@ -123,7 +123,7 @@ MAX_SCRIPTS = 8
 _SCRIPT = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int64)
 
 Call = tuple[Any, ...]
-"""Name of one of ``FUNCTIONS`` with its arguments; arrays are passed by address."""
+"""Name of one of ``FUNCTIONS``, then its arguments; arrays are passed by address."""
 
 
 def _together(flow: StagePlan) -> int:
@@ -140,7 +140,7 @@ def _together(flow: StagePlan) -> int:
 def _machine_code(
     flow: StagePlan, lanes: int, count: int, columns: int
 ) -> Callable[[int, int], None]:
-    """Return the compiled function that runs a script; cached on disk by the lattice's plan."""
+    """Return the compiled function that runs a script; cached on disk, keyed by ``flow``."""
     together, block = _together(flow), PLANE_BLOCK_ROWS if columns else BLOCK_ROWS
 
     def generate_text() -> str:
@@ -203,7 +203,7 @@ class _Layout(NamedTuple):
 
 
 def _layout(flow: StagePlan, count: int, columns: int) -> _Layout:
-    """Return the layout of ``count`` cells of a chain (``columns`` 0) or rows of a plane."""
+    """Return the layout of ``count`` cells of a chain (``columns`` is 0) or rows of a plane."""
     across = columns or count
     lanes = LANES if across >= MIN_LANED_CELLS else 1
     starts, vectors = np.arange(lanes + 1) * across // lanes, -(-across // lanes)
@@ -279,7 +279,7 @@ class _Arc:
         return _Script(self._code, chain.from_iterable(calls))
 
     def _repeats(self) -> list[Indices]:
-        """Return the indices of ghost rows, and of their sources, in cells or a plane's vectors."""
+        """Return the indices, in cells or vectors, of ghost rows and of the rows they copy."""
         layout = self._layout
         rows = np.r_[0 : self._below, self._below + layout.height : self._rows]
         if self._columns:
@@ -329,7 +329,7 @@ class _Arc:
         return runs
 
     def _both(self, f: Array, v: Array) -> Iterator[tuple[int, Array]]:
-        """Pair the planes of positions and velocities with the rings."""
+        """Pair the addresses of the arc's positions and velocities with ``f`` and ``v``."""
         return zip(self._planes, (f, v), strict=True)
 
     def drift(self, f: Array, v: Array, length: float) -> Iterator[Call]:
@@ -344,8 +344,8 @@ class _Arc:
         """Yield calls that load the arc, ghost cells included, from the ring."""
         return self._move("to_rows", self._both(f, v), (0, self._count))
 
-    def rest(self, resting: Array, fields: int) -> Iterator[Call]:
-        """Yield calls that load the cells' deviations as fields after the ``fields`` that move."""
+    def load_deviations(self, resting: Array, fields: int) -> Iterator[Call]:
+        """Yield calls that load the deviations ``resting`` after the ``fields`` that move."""
         plane = self._planes[0] + 8 * fields * self._plane
         return self._move("to_rows", [(plane, resting)], (0, self._count))
 
@@ -353,19 +353,19 @@ class _Arc:
         """Yield calls that store the arc's own cells in the ring."""
         return self._move("from_rows", self._both(f, v), self._own)
 
-    def show(self, f: Array, v: Array) -> Iterator[Call]:
+    def store_shared(self, f: Array, v: Array) -> Iterator[Call]:
         """Yield calls that store in the ring the cells that the other arc needs."""
         (first, past), (below, above) = self._own, self._beside
         ends = (first, first + above), (past - below, past)
         return self._move("from_rows", self._both(f, v), *ends)
 
-    def look(self, f: Array, v: Array) -> Iterator[Call]:
+    def load_ghosts(self, f: Array, v: Array) -> Iterator[Call]:
         """Yield calls that load the arc's ghost cells from the ring."""
         (first, past), count = self._own, self._count
         return self._move("to_rows", self._both(f, v), (0, first), (past, count))
 
     def run(self, drifts: Array, kicks: Array, begun: int, stages: int) -> Iterator[Call]:
-        """Yield calls for ``stages`` stages; weights are used cyclically from ``begun`` on."""
+        """Yield calls of ``stages`` stages; weights are used cyclically, from index ``begun``."""
         each, period, layout = self._each, len(kicks), self._layout
         whole = stages // each * each
         for done, count, length in ((0, stages // each, each), (whole, 1, stages - whole)):
@@ -378,7 +378,7 @@ class _Arc:
 
 
 class RingKernel:
-    """Advances rings (fields, *shape) of contiguous rows, reusing its working memory."""
+    """Compiled time steps of rings (fields, *shape), C contiguous; reuses its working memory."""
 
     def __init__(self, lattice: NumericLattice, *shape: int) -> None:
         ordered, variation, shares = lattice.cellwise
@@ -488,7 +488,7 @@ class RingKernel:
             arc.script(arc.drift(f, v, length))()
 
     def _moving_arc(self, f: Array, v: Array, kicks: Array) -> tuple[_Arc, int] | None:
-        """Return an arc of all moving cells, and the stages for which it is one; None if large."""
+        """Return an arc of all moving cells, and for how many stages it is; None if too large."""
         size = self._shape[0]
         first, past = shortest_arc(moving_cells(f, v) | self._sources(kicks))
         begin, end, arc = self._cached_arc or (0, 0, None)
@@ -522,7 +522,9 @@ class RingKernel:
         work = [partial(_Arc.load, f=f, v=v)]
         between = self._between or max(stages, 1)
         for done in range(0, stages, between):
-            work += [partial(meet, f=f, v=v) for meet in (_Arc.show, _Arc.look) if done]
+            work += [
+                partial(meet, f=f, v=v) for meet in (_Arc.store_shared, _Arc.load_ghosts) if done
+            ]
             length = min(between, stages - done)
             work.append(partial(_Arc.run, drifts=drifts, kicks=kicks, begun=done, stages=length))
         work.append(partial(_Arc.store, f=f, v=v))
@@ -543,7 +545,7 @@ class RingKernel:
 
     @cached_property
     def _reach(self) -> tuple[int, int]:
-        """Cells of a chain, or rows, above and below that a stage depends on."""
+        """Numbers of cells (in a plane, rows) above and below on which a stage depends."""
         flow = self._flow if len(self._shape) == 1 else rows_of(self._flow)
         return flow.skew, flow.below
 
@@ -556,10 +558,10 @@ class RingKernel:
         return [self._arc(own, ghosts) for own in ends]
 
     def _arc(self, own: tuple[int, int], ghosts: tuple[int, int]) -> _Arc:
-        """Return an arc with what differs from cell to cell."""
+        """Return an arc of the cells ``own`` with ghosts at its ends; load its deviations."""
         arc = _Arc(self._flow, self._numbers, self._shape, own, ghosts)
         if len(self._resting):
-            arc.script(arc.rest(self._resting, self._fields))()
+            arc.script(arc.load_deviations(self._resting, self._fields))()
         return arc
 
 

@@ -25,7 +25,7 @@ MAX_PRODUCT_EXPONENT = 64
 """Largest whole exponent for which a power is computed by products."""
 
 ZERO_AT = {"kept": -1.0, "felt": 0.0}
-"""Share, by kind of stream, at which the stream is 0 whatever the value there."""
+"""Share at which a stream is 0 whatever its force, keyed by the kind of stream."""
 
 COPY_BLOCK = 256
 """Vectors per block when cells are copied."""
@@ -39,7 +39,7 @@ first and last row of its front."""
 
 
 def _whole_power(code: LaneCode, value: Any, exponent: int) -> Any:
-    """Return a power by repeated squaring."""
+    """Generate code for ``value`` to the power ``exponent`` > 0 by repeated squaring."""
     result = None
     square, left = value, exponent
     while left:
@@ -51,7 +51,7 @@ def _whole_power(code: LaneCode, value: Any, exponent: int) -> Any:
 
 
 def _power(code: LaneCode, value: Any, exponent: float) -> Any:
-    """Return a power, by products and square roots if the exponent is whole or half."""
+    """Return a power, by products and a square root if the exponent is a multiple of 1/2."""
     size = abs(exponent)
     if exponent == 0.0 or not size <= vector_functions.LARGEST_EXPONENT:
         return code.function("pow", value, code.constant(exponent))
@@ -66,7 +66,7 @@ def _power(code: LaneCode, value: Any, exponent: float) -> Any:
 
 
 def lane_force(code: LaneCode, x: Any, law: streams.ForceFormula, numbers: Sequence[Any]) -> Any:
-    """Return the force at the stretch x."""
+    """Generate code for the force at the stretch ``x``; return its value."""
     if law.program:
         return _run_program(code, x, law.program, numbers)
     builder = code.builder
@@ -85,7 +85,7 @@ def lane_force(code: LaneCode, x: Any, law: streams.ForceFormula, numbers: Seque
 def _run_program(
     code: LaneCode, x: Any, program: Sequence[tuple[str, float]], numbers: Sequence[Any]
 ) -> Any:
-    """Return the value of a force's program at the stretch x."""
+    """Generate code for a force's program at the stretch ``x``; return its value."""
     stack: list[Any] = []
     for word, value in program:
         if word == "x":
@@ -111,7 +111,7 @@ def _run_program(
 
 
 CarriedValue = Callable[[int, int, int], Any]
-"""Function that returns a stream's value from so many rows and columns ago."""
+"""Function (stream, rows, columns) that loads the value from so many rows and columns ago."""
 
 
 class _Stage:
@@ -144,7 +144,7 @@ class _Stage:
         self._carried: CarriedValue | None = None
 
     def value(self, tap: streams.StreamRead, lag: int) -> Any:
-        """Return the value of a stream that is needed by another one with this ``lag``."""
+        """Return the value that a stream with this ``lag`` reads by ``tap``."""
         rows, age = streams.rows_and_columns(lag - tap.shift - self._flow.streams[tap.stream].lag)
         if rows:
             assert self._carried is not None
@@ -159,7 +159,7 @@ class _Stage:
         velocities: Sequence[Any],
         carried: CarriedValue | None = None,
     ) -> None:
-        """Generate code for one row of a chain, or for a column that reads ``carried`` rows."""
+        """Generate code for a row of a chain, or for a column; ``carried`` loads earlier rows."""
         code, flow, self._carried = self._code, self._flow, carried
         drifting = 0 if flow.spread else flow.moving
         self.latest = [
@@ -364,7 +364,7 @@ class _Writer:
         short = [after - before < -(-columns // lanes) for before, after in pairwise(starts)]
 
         def repeat(to: Any, at: Any, step: int, moved: Sequence[int]) -> None:
-            """Copy a vector; where a lane is ``short``, take the next vector instead."""
+            """Copy vector ``at``; a ``short`` lane comes from ``step`` vectors further."""
             one, other = (code.load(data, builder.add(at, INDEX(more))) for more in (0, step))
             code.store(data, to, one if lanes == 1 else code.picked(one, other, moved))
 
@@ -451,7 +451,7 @@ class _Writer:
                 builder.store(value, at, align=8)
 
     def _drift(self) -> Any:
-        """Return the function of ``f += length v`` for ``count`` doubles, rounded twice."""
+        """Return the function of ``f += length v`` for ``count`` doubles, without fusing."""
         function, code = self._function("drift", [*[_DOUBLES] * 3, INDEX])
         f, v, length, count = function.args
         builder = code.builder
@@ -464,7 +464,7 @@ class _Writer:
         return function
 
     def _script(self, functions: dict[str, Any]) -> None:
-        """Return the exported function: it makes ``count`` calls, each given as words."""
+        """Generate the exported function, which makes ``count`` calls, each given as words."""
         function, code = self._function("script", [_INDICES, INDEX], internal=False)
         words, count = function.args
         builder, size = code.builder, 1 + max(streams.FUNCTIONS.values())

@@ -32,17 +32,17 @@ Kind = Literal[
     "position", "velocity", "sum", "force", "varied", "kept", "felt", "kicked", "pulsed", "spread"
 ]
 Polynomial = Mapping[int, float]
-"""A stencil: weights by shift."""
+"""Stencil as a polynomial: weight of each flat shift."""
 
 MAX_CONSTANT_RATIO = 1e100
-"""Largest ratio of the other constants to the highest one at which a force is divided by the
-latter: quotients then do not overflow for any stretch that occurs."""
+"""Largest ratio of lower coefficients to the highest one at which a force is divided by the latter:
+quotients then do not overflow for any stretch that occurs."""
 
 BEYOND_SHIFTS = 10**15
 """Number larger than any shift."""
 
 ROW_SHIFT = 2**24
-"""Shift that stands for one row."""
+"""Flat shift that stands for one row of a plane."""
 
 DASHPOT_TERMS = 8
 """Terms of the exponential series of dashpots in a drift. The remainder is below rounding if a
@@ -71,8 +71,8 @@ def rows_and_columns(shift: int) -> tuple[int, int]:
 class ForceFormula(NamedTuple):
     """Arithmetic of a force. Integers are indices into the stage's numbers.
 
-    A polynomial's ``factors`` are those below the highest power, in descending order, None where
-    absent. ``leading`` is that of the highest power, None if the force is divided by it. A
+    ``factors`` are a polynomial's coefficients below the highest power, in descending order, None
+    where absent; ``leading`` is the highest coefficient, None if the force is divided by it. A
     ``program`` has stack instructions, with an index for "number" and the exponent for "power".
     """
 
@@ -144,7 +144,7 @@ class StagePlan(NamedTuple):
 
     @property
     def skew(self) -> int:
-        """Cells by which a stage stays behind the one before, all of whose values it needs."""
+        """Cells by which a stage stays behind the previous one, so that its inputs exist."""
         return max(self.streams[index].lag for index in (*self.kicked, *self.spread))
 
     @property
@@ -157,9 +157,9 @@ class StagePlan(NamedTuple):
         return stream.lag - tap.shift - self.streams[tap.stream].lag
 
     def depths(self, followed: bool) -> list[int]:
-        """Return how many earlier values of each stream are needed.
+        """Return how many earlier values of each stream must be stored.
 
-        They include those for a fused stage that comes after, if ``followed``.
+        If ``followed``, they include those that the next fused stage reads.
         """
         depths = [0] * len(self.streams)
         for stream in self.streams:
@@ -200,13 +200,13 @@ def _operations(law: ForceFormula) -> int:
 
 
 class Rows(NamedTuple):
-    """A stage that goes along the rows of a plane; hashable.
+    """Plan of a stage that goes along the rows of a plane; hashable.
 
     The kick is ``rise`` rows behind the front and depends on that many rows above its own and
     ``below`` rows under it; a stage stays ``skew`` rows behind the one before. In each row streams
     are also computed on ``before`` and ``after`` ghost columns at its ends. Positions on ``left``
     and ``right`` ghost columns repeat those at the other end; ``margin`` columns are read.
-    ``depths`` are the rows carried of each stream.
+    ``depths`` are the numbers of rows stored of each stream.
     """
 
     flow: StagePlan
@@ -293,7 +293,7 @@ def _columns(flow: StagePlan) -> list[tuple[int, int]]:
 
 @lru_cache(maxsize=256)
 def stage_plan(lattice: NumericLattice) -> tuple[StagePlan, tuple[float, ...]]:
-    """Return the streams of a stage of the lattice, and the numbers that they take.
+    """Return the streams of a stage of the lattice, and the constants to which they refer by index.
 
     Raises ValueError for a lattice of more than two dimensions.
 
@@ -311,8 +311,8 @@ def stage_plan(lattice: NumericLattice) -> tuple[StagePlan, tuple[float, ...]]:
 class VariedStagePlan(NamedTuple):
     """Stage of a lattice whose masses or springs differ from cell to cell.
 
-    The deviations are additional fields, after the lattice's, that do not move; each holds shares
-    times its unit.
+    The deviations are additional fields, after the lattice's, that do not move. Each holds a row of
+    the chain's `shares` times its entry of ``units``.
     """
 
     flow: StagePlan
@@ -399,7 +399,7 @@ def merged_weights(entries: Iterable[Entry]) -> dict[int, float]:
 
 
 def _part(unit: float, stream: int, stencil: dict[int, float]) -> _Part:
-    """Return the part with coprime integer weights, the first positive, where possible."""
+    """Return ``unit * stencil`` as a part; integer weights are coprime, the first is positive."""
     first = next(iter(stencil.values()))
     common = abs(first)
     if all(weight == round(weight) for weight in stencil.values()):
@@ -409,7 +409,7 @@ def _part(unit: float, stream: int, stencil: dict[int, float]) -> _Part:
 
 
 def _quotient(stencil: Polynomial, step: int, sign: int, most: int) -> dict[int, float] | None:
-    """Return the stencil divided by ``value[n + step] + sign value[n]``.
+    """Return the stencil divided by the stencil ``value[n + step] + sign value[n]``.
 
     None if there is a remainder, or if the quotient has more than ``most`` terms.
     """
@@ -428,14 +428,17 @@ def _quotient(stencil: Polynomial, step: int, sign: int, most: int) -> dict[int,
 
 
 def _work(parts: Sequence[_Part]) -> int:
-    """Return the additions that the parts' sum takes."""
+    """Return the number of additions that the sum of the parts takes."""
     return sum(len(part.stencil) for part in parts) - 1
 
 
 def force_formula(
     force: ForceProgram, number: Callable[[float], int]
 ) -> tuple[ForceFormula | None, float]:
-    """Return a force's arithmetic, None if 0, and its unit; ``number`` gives a constant's index."""
+    """Return a formula (None if 0) and the unit whose product is the force.
+
+    ``number`` returns the index of a constant.
+    """
     if force.instructions:
         program = tuple(
             (word, float(number(value)) if word == "number" else value)
@@ -489,7 +492,7 @@ class _Builder:
     def stretch(
         self, entries: Sequence[Entry], offset: float, values: Sequence[StreamRead] = ()
     ) -> StreamRead:
-        """Return the stretch of a bond, of the values ``values``, by default the positions."""
+        """Return a bond's stretch by the streams ``values``, by default the positions."""
         taps = []
         for index, read in enumerate(values or self.positions):
             stencil = merged_weights(entry for entry in entries if entry.field == index)
@@ -501,13 +504,13 @@ class _Builder:
         return StreamRead(self.add("sum", taps, number=number))
 
     def varied(self, base: StreamRead, factor: StreamRead, change: StreamRead) -> int:
-        """Add the stream ``whole + share * part``, cell by cell, and return its index."""
+        """Add the stream ``base + factor * change``, cell by cell, and return its index."""
         return self.add("varied", [base, factor, change])
 
     def felt(
         self, weight: StreamRead, index: int, factor: ForceProgram | None
     ) -> tuple[StreamRead, float]:
-        """Return the share, times its factor at a field's position if any, and the share's unit."""
+        """Return an external force's share, times ``factor`` at the field if any, and its unit."""
         if factor is None:
             return weight, 1.0
         law, unit = force_formula(factor, self.number)
@@ -523,7 +526,10 @@ class _Builder:
         deviation: int | None = None,
         masses: MassKind | None = None,
     ) -> int:
-        """Return a field's stream of kicked velocities, given its masses' field of deviations."""
+        """Return the index of the stream of a field's velocities after a kick by ``parts``.
+
+        ``deviation`` is the field with the relative deviations of inverse masses, if they vary.
+        """
         if not parts:
             return self.velocities[index].stream
         unit = parts[0].factor
@@ -544,7 +550,7 @@ class _Builder:
         return self.add("kicked", taps, 0, field=index, number=number)
 
     def spread(self, lattice: NumericLattice, variation: Variation) -> tuple[int, ...]:
-        """Add the spreading by dashpots in a drift; return the streams of the new positions."""
+        """Add the streams of a drift with dashpots; return the streams of the new positions."""
         fields, rates = len(lattice.fields), variation.damped
         shares = [StreamRead(fields + index) for index in range(variation.mass_rows(fields))]
         cut = iter(range(fields + len(shares), self.fields))
@@ -585,11 +591,11 @@ class _Builder:
         return tuple(read.stream for read in self.positions[:fields])
 
     def _spread(self, total: StreamRead, term: StreamRead, weight: int) -> StreamRead:
-        """Return the sum with one more term of a series."""
+        """Return ``total`` plus the series' ``term`` times the stage's weight of that index."""
         return StreamRead(self.add("spread", [total, term], 0, number=weight))
 
     def _cells(self, reads: Sequence[StreamRead], shares: Sequence[StreamRead]) -> list[StreamRead]:
-        """Return the values in cells that have a mass, 0 in walls."""
+        """Return the values times ``1 + share``, which is 0 in walls."""
         if not shares:
             return list(reads)
         pairs = zip(reads, shares, strict=True)
@@ -616,7 +622,7 @@ class _Builder:
     def _divided(
         self, parts: Sequence[_Part], step: int, sign: int, most: int
     ) -> list[_Part] | None:
-        """Return the parts with their stencils divided, or None if one has no quotient."""
+        """Return the parts with divided stencils (`_quotient`), or None if one is not divisible."""
         result = []
         for part in parts:
             quotient = _quotient(part.stencil, step, sign, most)
@@ -626,7 +632,7 @@ class _Builder:
         return result
 
     def _terms(self, part: _Part, alone: bool) -> list[StreamRead]:
-        """Return the part's taps; a factor other than 1 is applied to their sum."""
+        """Return reads whose sum is the part; a factor other than 1 or -1 needs one more sum."""
         factor, stream, stencil = part
         if abs(factor) == 1.0 and alone:
             return [StreamRead(stream, shift, factor * weight) for shift, weight in stencil.items()]

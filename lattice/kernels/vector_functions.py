@@ -83,15 +83,15 @@ class Lanes:
         return self.with_value(self.code.fma(self.value, self.of(factor), self.of(term)))
 
     def where(self, sign: str, bound: Lanes | float, value: Lanes | float) -> Lanes:
-        """Return the value where the comparison of self holds, else self; NaN stays."""
+        """Return ``value`` where ``self sign bound`` holds, as for "<", else self; NaN stays."""
         return self.replaced(self.compared(sign, bound), value)
 
     def replaced(self, mask: Any, value: Lanes | float) -> Lanes:
-        """Return the value where the mask is set, else self."""
+        """Return ``value`` where the mask is set, else self."""
         return self.with_value(self.code.builder.select(mask, self.of(value), self.value))
 
     def compared(self, sign: str, bound: Lanes | float) -> Any:
-        """Return the mask of the comparison of self with the bound; False for NaN."""
+        """Return the mask where ``self sign bound`` holds, as for "<"; False for NaN."""
         return self.code.builder.fcmp_ordered(sign, self.value, self.of(bound))
 
     def bits(self) -> Bits:
@@ -121,10 +121,10 @@ class Bits:
         if isinstance(other, int):
             lanes, kind = self.code.lanes, words_of(self.code)
             signed = (other + (1 << 63)) % (1 << 64) - (1 << 63)
-            given = ir.Constant(kind, signed if lanes == 1 else [signed] * lanes)
+            operand = ir.Constant(kind, signed if lanes == 1 else [signed] * lanes)
         else:
-            given = other.value
-        return Bits(self.code, getattr(self.code.builder, word)(self.value, given))
+            operand = other.value
+        return Bits(self.code, getattr(self.code.builder, word)(self.value, operand))
 
     __add__ = partialmethod(_combined, "add")
     __sub__ = partialmethod(_combined, "sub")
@@ -164,7 +164,7 @@ def whole(pair: Pair) -> Lanes:
 
 
 def exact_product(first: Lanes, second: Lanes) -> Pair:
-    """Return a product with its rounding error; sizes must be below 1e290."""
+    """Return a product with its rounding error; absolute values must be below 1e290."""
     total = first * second
     if first.code.fused:
         rest = first.code.fused_multiply_add(first.value, second.value, (-total).value)
@@ -283,7 +283,7 @@ def _power_of_two(shifted: Lanes) -> Lanes:
 
 
 def exponential(x: Lanes, low: Lanes | None = None) -> Lanes:
-    """Return exp(x), or exp(x + low), to 1.2 ulp; 2^n is two factors, so only one rounds."""
+    """Return exp(x), or exp(x + low), to 1.2 ulp; of the two factors of 2^n only one rounds."""
     n, shifted, (r, _) = _doublings(
         x.where("<", LEAST_EXPONENT, LEAST_EXPONENT).where(">", MOST_EXPONENT, MOST_EXPONENT), low
     )
@@ -294,7 +294,7 @@ def exponential(x: Lanes, low: Lanes | None = None) -> Lanes:
 
 
 class _Hyperbolic(NamedTuple):
-    """Functions of x, and ``fall`` = exp(-x), before scaling by 2^up; ``n`` rounds x/ln(2)."""
+    """Hyperbolic functions of x divided by 2^up, exp(-x) = ``fall``, and ``n``: x/ln(2) rounded."""
 
     sinh: Pair
     cosh: Pair
@@ -341,8 +341,8 @@ def tanh(x: Lanes) -> Lanes:
     result = _hyperbolic(x.size().where(">", 25.0, 25.0))
     far = result.n.compared(">", 1.0)
     over = Pair(result.sinh.high.replaced(far, -result.fall), result.sinh.low.replaced(far, 0.0))
-    base = x.with_value(x.code.constant(0.0)).replaced(far, 1.0)
-    return (base + whole(quotient(over, result.cosh))).signed_as(x)
+    limit = x.with_value(x.code.constant(0.0)).replaced(far, 1.0)
+    return (limit + whole(quotient(over, result.cosh))).signed_as(x)
 
 
 # Logarithms and powers.
@@ -430,7 +430,7 @@ def _logarithm_pair(x: Lanes) -> Pair:
 
 
 def power(x: Lanes, exponent: float) -> Lanes:
-    """Return x^exponent to 1.6 ulp, with exponent != 0 and at most `LARGEST_EXPONENT` in size."""
+    """Return x^exponent to 1.6 ulp, for 0 < abs(exponent) <= `LARGEST_EXPONENT`."""
     size = x.size()
     log = _logarithm_pair(size)
     factor = x.with_value(x.code.constant(exponent))
@@ -469,7 +469,7 @@ def _reduced(x: Lanes) -> tuple[Bits, Pair, Pair]:
 
 
 def _even(quarters: Bits) -> Any:
-    """Return the mask of even numbers."""
+    """Return the mask of the lanes that are even."""
     nothing = (quarters ^ quarters).value
     return quarters.code.builder.icmp_unsigned("==", (quarters & 1).value, nothing)
 
@@ -505,7 +505,7 @@ def tangent(x: Lanes) -> Lanes:
 
 
 def _within(x: Lanes, name: str, result: Lanes) -> Lanes:
-    """Return the result, or the C library's for arguments beyond `LARGEST_ANGLE`."""
+    """Return ``result``, or the C library's ``name`` of x where abs(x) > `LARGEST_ANGLE`."""
     code, builder = x.code, x.code.builder
     is_beyond = builder.fcmp_unordered(">", x.size().value, x.of(LARGEST_ANGLE))
     flags = ir.IntType(code.lanes)

@@ -41,10 +41,11 @@ ABSORPTION_DISTANCE = 1.0 / 64.0
 """Distance, in circumferences, that left-going waves travel between two absorptions."""
 
 MAX_STEP_DISTANCE = 1.0 / 8.0
-"""Distance, in circumferences, per step of left-going waves beyond which nothing is absorbed."""
+"""Largest distance, in circumferences, that left-going waves travel in a step; if they travel
+further, nothing is absorbed."""
 
 MAX_ABSORBED_RATIO = 1.5
-"""Largest wavenumber absorbed, in units of the cutoff, by the factor exp(-(k/cutoff)^8)."""
+"""Largest wavenumber absorbed, in units of the cutoff; exp(-(k/cutoff)^8) is the absorbed part."""
 
 
 class LeftAbsorber:
@@ -79,7 +80,7 @@ class LeftAbsorber:
         self.level = -float(np.average(self._strain(p), weights=profile))
 
     def absorb(self, p: Complex) -> float:
-        """Damp in place what passed since the last call; return the change of the mean of y."""
+        """Damp, in place, the left-going waves at the seam; return the change of the mean of y."""
         change = modes_of(self._strain(p) * self._loss)[: self._mode_count] * self._share
         p[1, : self._mode_count] += self._lift * change
         mean = float(change[0].real)

@@ -25,7 +25,8 @@ DENSITY = 4.5
 many again for the cubic part of the force, and some spare."""
 
 CREST_REACH = 4.0
-"""Sites over which the energy of a crest is summed; the waves concerned are no longer."""
+"""Standard deviation, in sites, of the Gaussian by which a crest's energy is averaged; the waves
+concerned are no longer than that."""
 
 MOST_POINTS = 2**21
 """Most points on which the energy is computed."""
@@ -54,18 +55,18 @@ def crest_energy_spread(lattice: NumericLattice, state: FieldRing, axis: int) ->
         counts[axis] = 2 * state.counts[axis]
     dense = state.sampled(tuple(counts))
     energy = _energy(lattice, dense)
-    size = np.abs(np.fft.rfft(energy, axis=axis, norm="forward"))
-    size = np.sum(size, axis=tuple(other for other in range(size.ndim) if other != axis))
-    k = 2.0 * math.pi / state.circumferences[axis] * np.arange(size.size)
+    magnitudes = np.abs(np.fft.rfft(energy, axis=axis, norm="forward"))
+    spectrum = np.sum(magnitudes, axis=tuple(a for a in range(magnitudes.ndim) if a != axis))
+    k = 2.0 * math.pi / state.circumferences[axis] * np.arange(spectrum.size)
     crest = _largest_crest(energy, dense, axis)
     if not crest > 0.0:
         return 0.0
     top = 2.0 * math.pi
     if k[-1] >= top + 1.0 / CREST_REACH:
         near = np.exp(-0.5 * (CREST_REACH * (k - top)) ** 2)
-        return float(2.0 * np.sum(near * size)) / crest
-    share = float(2.0 * np.sum(size[-max(size.size // TAIL_DIVISOR, 1) :])) / crest
-    return float(min(share, 1.0) ** (top / k[-1]))
+        return float(2.0 * np.sum(near * spectrum)) / crest
+    tail = float(2.0 * np.sum(spectrum[-max(spectrum.size // TAIL_DIVISOR, 1) :])) / crest
+    return float(min(tail, 1.0) ** (top / k[-1]))
 
 
 def _energy(lattice: NumericLattice, state: FieldRing) -> Array:
@@ -88,7 +89,7 @@ def _energy(lattice: NumericLattice, state: FieldRing) -> Array:
 
 
 def _largest_crest(energy: Array, state: FieldRing, axis: int) -> float:
-    """Return the largest energy of a crest, averaged over some sites of the axis."""
+    """Return the maximum of the energy averaged along the axis (`CREST_REACH`)."""
     k = wavenumbers(state)
     modes = modes_of(energy[None])
     near = np.exp(-0.5 * (CREST_REACH * k[axis]) ** 2)

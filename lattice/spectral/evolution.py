@@ -14,7 +14,7 @@ is integrated exactly; N = D (V'(y) - (K2 + b) y) is the rest of the force.
 
 Where w = 0 there is no force: for the mean and, on circumferences that are whole numbers, for
 wavenumbers 2 pi m, which are constant on each lattice. There s is constant and y grows linearly:
-p_- holds y - s t and p_+ holds s, each carried along with the frame. The place of mode 0 holds the
+p_- holds y - s t and p_+ holds s, each carried along with the frame. The entry of mode 0 holds the
 time t; the means are stored separately.
 """
 
@@ -40,7 +40,7 @@ STEPS_PER_CHECK = 16
 """Steps between two checks of the spectrum's tail."""
 
 STILL_FREQUENCY = 1e-7
-"""Frequencies below this count as 0: in a time t they change a phase by less than (1e-7 t)^2."""
+"""Frequencies up to this count as 0, which changes a mode in a time t by less than (1e-7 t)^2."""
 
 
 class SamplingError(ArithmeticError):
@@ -194,7 +194,7 @@ class SpectralRing:
             self._short.absorb(self.integrator.p)
 
     def _check(self, p: Complex, t: float) -> None:
-        """Raise one of the errors above if the strain or its spectrum is no longer sound."""
+        """Raise the errors of the class if the strain or its spectrum is no longer sound."""
         modes = self._strain(p)
         tail = spectrum_tails(modes[None], self._start.counts)
         self._checked_stiffness(values_of(modes, self._values.size, self._values), t)

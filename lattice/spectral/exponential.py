@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from longwave.support.checkpoint import Memory
 
 SERIES_RADIUS = 2.0
-"""Size of z from which on the recurrence is used."""
+"""Least abs(z) for which the recurrence is used."""
 
 SERIES_TERMS = 26
 """Terms of the series: SERIES_RADIUS^SERIES_TERMS/SERIES_TERMS! is below the rounding error."""
@@ -61,7 +61,7 @@ def _upwards(z: Complex, highest: int) -> list[Complex]:
 
 
 def _downwards(z: Complex, highest: int) -> list[Complex]:
-    """Return phi_0 .. phi_highest by the series of the highest and the recurrence in reverse."""
+    """Return phi_0 .. phi_highest by the series of the last and the recurrence in reverse."""
     top = np.zeros_like(z)
     for j in reversed(range(SERIES_TERMS)):
         top = top * z + 1.0 / math.factorial(highest + j)
@@ -99,7 +99,7 @@ class ExponentialRungeKutta:
         self._last = h * (4 * three - two)
 
     def step(self, p: Complex) -> Complex:
-        """Return the solution one step later."""
+        """Return the solution one step after ``p``."""
         n0 = self._nonlinearity(p)
         a = self._half * p + self._inner * n0
         na = self._nonlinearity(a)
@@ -198,7 +198,7 @@ class ExponentialAdams:
         return self.p if abs(fraction) <= STEP_SLACK else self._part(self._table(fraction))[0]
 
     def _part(self, table: Table) -> tuple[Complex, Complex]:
-        """Return the solution after a step with these coefficients, and N at the predicted one."""
+        """Return the solution after a step with these coefficients, and N where it is predicted."""
         factor, predictor, corrector = table
         p = np.empty_like(self.p)
         _predict(factor, self.p, predictor, self._past, p)

@@ -71,11 +71,11 @@ class FieldRing:
         return np.asarray(self.left[axis] + self.circumferences[axis] / steps.size * steps)
 
     def at(self, *x: ArrayLike) -> Array:
-        """Return the fields at any real positions, an array for each axis: (fields, positions)."""
+        """Return the fields, (fields, positions), at real positions: one array for each axis."""
         return self._interpolated(self.f, x)
 
     def velocities_at(self, *x: ArrayLike) -> Array:
-        """Return the velocities at any real positions."""
+        """Return the velocities, (fields, positions), at real positions, as `at` does."""
         return self._interpolated(self.v, x)
 
     def sampled(self, counts: tuple[int, ...]) -> FieldRing:
@@ -92,8 +92,10 @@ class FieldRing:
     def _interpolated(self, values: Array, x: tuple[ArrayLike, ...]) -> Array:
         positions = [np.atleast_1d(np.asarray(part, dtype=np.float64)) for part in x]
         turns = [
-            np.mod((position - left) / size, 1.0) * (2.0 * math.pi)
-            for position, left, size in zip(positions, self.left, self.circumferences, strict=True)
+            np.mod((position - left) / length, 1.0) * (2.0 * math.pi)
+            for position, left, length in zip(
+                positions, self.left, self.circumferences, strict=True
+            )
         ]
         coordinates = np.stack(np.broadcast_arrays(*turns), axis=-1)
         result = [self._along(part, coordinates.reshape(-1, len(turns))) for part in values]
@@ -115,7 +117,7 @@ class FieldRing:
 
 
 def _with_both_ends(modes: Complex, padding: list[tuple[int, int]]) -> Complex:
-    """Return shifted coefficients padded so that the first, of an even number, is at both ends."""
+    """Return shifted coefficients, padded; the highest of an even number is halved to both ends."""
     modes = np.pad(modes, padding)
     for axis, (_, more) in enumerate(padding):
         if more:
@@ -128,17 +130,17 @@ def _with_both_ends(modes: Complex, padding: list[tuple[int, int]]) -> Complex:
 def _sampled(values: Array, counts: tuple[int, ...]) -> Array:
     """Return the trigonometric interpolants at other numbers of points, axis by axis."""
     for axis, count in enumerate(counts, 1):
-        size = values.shape[axis]
-        if size == count:
+        before = values.shape[axis]
+        if before == count:
             continue
         modes = np.moveaxis(np.fft.fft(values, axis=axis, norm="forward"), axis, 0)
-        number = np.fft.fftfreq(size, 1.0 / size).astype(np.int64)
+        number = np.fft.fftfreq(before, 1.0 / before).astype(np.int64)
         resampled = np.zeros((count, *modes.shape[1:]), dtype=np.complex128)
         np.add.at(resampled, number % count, modes)
-        if size % 2 == 0:
-            half = 0.5 * modes[size // 2]
-            resampled[-(size // 2) % count] -= half
-            resampled[size // 2 % count] += half
+        if before % 2 == 0:
+            half = 0.5 * modes[before // 2]
+            resampled[-(before // 2) % count] -= half
+            resampled[before // 2 % count] += half
         interpolated = np.fft.ifft(np.moveaxis(resampled, 0, axis), axis=axis, norm="forward")
         values = np.ascontiguousarray(interpolated.real)
     return values
@@ -146,9 +148,9 @@ def _sampled(values: Array, counts: tuple[int, ...]) -> Array:
 
 def spectrum_tails(modes: Complex, counts: tuple[int, ...]) -> float:
     """Return a bound, for all fields, of the sum of the last 1/TAIL_DIVISOR of any axis' modes."""
-    size = np.abs(modes)
-    size[..., 1 : (counts[-1] + 1) // 2] *= 2.0
-    inner = size
+    magnitudes = np.abs(modes)
+    magnitudes[..., 1 : (counts[-1] + 1) // 2] *= 2.0
+    inner = magnitudes
     for axis, count in enumerate(counts, 1):
         last = axis == len(counts)
         most = count // 2
@@ -156,5 +158,5 @@ def spectrum_tails(modes: Complex, counts: tuple[int, ...]) -> float:
         is_inner = numbers < most + 1 - max((most + 1) // TAIL_DIVISOR, 1)
         inner = np.compress(is_inner, inner, axis=axis)
     axes = tuple(range(1, modes.ndim))
-    outer = np.sum(size, axis=axes) - np.sum(inner, axis=axes)
+    outer = np.sum(magnitudes, axis=axes) - np.sum(inner, axis=axes)
     return float(np.max(np.maximum(outer, 0.0)))

@@ -35,10 +35,10 @@ if TYPE_CHECKING:
     from longwave.support.checkpoint import Memory
 
 MIN_RUN_ANGLE = 0.03
-"""Frequencies below this many radians over the whole run are raised to it."""
+"""Phase change over the whole run, in radians, to which lower frequencies are raised."""
 
 PHASE_BLOCK = 64
-"""Modes of a chain per block whose phases are products of a coarse and a fine factor."""
+"""Modes of a chain per block: a phase is one factor per block times one per mode in the block."""
 
 _jit = partial(njit, cache=True, fastmath={"contract"})
 _PHASES_EXAMPLE = complexes(1), complexes(1)
@@ -58,7 +58,7 @@ def _bend(p: Complex, lift: Complex, coarse: Complex, fine: Complex, out: Comple
 
 @_jit(examples=[(complexes(2), complexes(3), *_PHASES_EXAMPLE, complexes(1))])
 def _drive(force: Complex, drive: Complex, coarse: Complex, fine: Complex, out: Complex) -> None:
-    """Compute the drive of normal coordinates, in the moving frame, by forces of bonds."""
+    """Compute, into ``out``, the drive of normal coordinates in the moving frame by bond forces."""
     branches, bonds, modes = drive.shape
     for k in range(modes):
         phase = (coarse[k // fine.size] * fine[k % fine.size]).conjugate()
@@ -138,7 +138,7 @@ class LatticeRing:
         return ExponentialAdams(self._linear, self._nonlinearity, self._first, self._step)
 
     def _prepare(self, lattice: NumericLattice, grid: Array, slopes: list[float]) -> None:
-        """Set up the nonlinear bonds' maps from modes and to them, and the raised frequencies."""
+        """Set up the maps from modes to nonlinear bonds and back, and the raised frequencies."""
         fields, modes = len(lattice.fields), self.modes
         pairs = zip(lattice.bonds, slopes, strict=True)
         nonlinear = [  # nothing remains of a bond that is linear without a mean stretch
@@ -192,21 +192,24 @@ class LatticeRing:
         self.integrator.recall(memory["integrator"])
 
     def typical_rates(self) -> tuple[float, float]:
-        """Return the mean frequency of the moving modes, in the moving frame and in that at rest.
+        """Return the rms frequency of the modes, in the moving frame and in the frame at rest.
 
         The fields' mean positions do not count: under a mean strain they rest away from 0.
         """
         p = self._first[:, :-1].copy()
         p[:, :: self._size] = np.mean(p[:, :: self._size], axis=0)
-        share = np.abs(p) ** 2
-        total = float(np.sum(share)) or 1.0
-        moving = np.abs(self._linear[:, :-1]) ** 2
-        still = np.broadcast_to(np.abs(self._divisor / 2.0) ** 2, share.shape)
-        one, other = (math.sqrt(float(np.sum(share * rates)) / total) for rates in (moving, still))
-        return one, other
+        weights = np.abs(p) ** 2
+        total = float(np.sum(weights)) or 1.0
+        moving_squares = np.abs(self._linear[:, :-1]) ** 2
+        rest_squares = np.broadcast_to(np.abs(self._divisor / 2.0) ** 2, weights.shape)
+        moving, at_rest = (
+            math.sqrt(float(np.sum(weights * squares)) / total)
+            for squares in (moving_squares, rest_squares)
+        )
+        return moving, at_rest
 
     def _masked_modes(self, values: Array) -> Complex:
-        """Return the modes of the values, (fields, modes), 0 where they are not represented."""
+        """Return the modes of the values, (fields, modes), 0 outside `_symmetric_modes`."""
         return modes_of(values).reshape(len(values), -1) * self._mode_mask
 
     def _phases(self, t: float) -> tuple[Complex, Complex]:
@@ -323,7 +326,7 @@ def ring_slopes(lattice: NumericLattice, state: FieldRing) -> list[Array]:
 
 
 def _amplitude(state: FieldRing, highest: float) -> float:
-    """Return a size of the fields that the tail of a sound spectrum does not reach."""
+    """Return the size of the fields: largest deviation plus velocity deviation over ``highest``."""
     axes = tuple(range(1, state.f.ndim))
     parts = [values - np.mean(values, axis=axes, keepdims=True) for values in (state.f, state.v)]
     still, moving = (float(np.max(np.abs(part))) for part in parts)

@@ -39,11 +39,11 @@ class NormalModes:
 
     def coordinates(self, fields: Complex) -> Complex:
         """Return the normal coordinates of fields, (fields, modes) to (branches, modes)."""
-        return _times(self.inverse, fields)
+        return _products(self.inverse, fields)
 
     def fields(self, coordinates: Complex) -> Complex:
-        """Return the fields of normal coordinates."""
-        return _times(self.vectors, coordinates)
+        """Return the fields of normal coordinates, (branches, modes) to (fields, modes)."""
+        return _products(self.vectors, coordinates)
 
 
 def normal_modes(
@@ -95,6 +95,6 @@ def multipliers(entries: tuple[Entry, ...], wavenumbers: Array, fields: int) -> 
     return result
 
 
-def _times(matrices: Complex, vectors: Complex) -> Complex:
+def _products(matrices: Complex, vectors: Complex) -> Complex:
     """Return the product of a matrix and a vector for each mode."""
     return np.einsum("ijk,jk->ik", matrices, vectors)

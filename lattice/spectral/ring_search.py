@@ -15,29 +15,29 @@ SCHEME = "exponential_adams"
 """Name of the scheme of all rings."""
 
 RESOLVED_ANGLE = 1.0
-"""Longest step that resolves the difference between a ring's lattices, in units of the time in
-which a wave of wavenumber 2 pi turns by one radian."""
+"""Longest step that resolves the difference between a ring's lattices, one for each x mod 1, in
+units of the time in which the phase of a wave of wavenumber 2 pi changes by one radian."""
 
 ALIKE = 0.2
 """Largest unresolved difference between a ring's lattices, as a fraction of the tolerance. While
 the nonlinear part turns the phase of a typical wave by one radian, their strains separate by 0.02
 to 0.4 times the spread of their energies, in units of the largest strain: measured on 30 scenes of
-all waves, a |y| from 0.3 to 0.63, as `searches/estimates.py` draws them."""
+all waves, with |y| from 0.3 to 0.63, as `searches/estimates.py` draws them."""
 
 TAIL_SHARE = 0.1
-"""Bound of the spectrum's tail, in units of the tolerance."""
+"""Largest tail of the spectrum accepted in a run, as a fraction of the tolerance."""
 
 DENSITY_RATIO = 1.25
 """Points of a control run, in units of those of the run before it. With 1.15, two samplings of
 about two points a site agreed on an error above their estimate."""
 
 LOSS_TIME_SPREAD = 0.01
-"""Largest relative difference, apart from the interval between checks, of the times at which three
-runs lose the fields if the step is not the cause."""
+"""Largest relative difference, apart from the interval between checks, of the times at which the
+fields of three runs run away, if the cause is physical and not the step."""
 
 
 def resolving_step(speed: float) -> float:
-    """Return the longest step, at the ring's ``speed``, that resolves its lattices' difference."""
+    """Return the longest step, at the ring's ``speed``, that tells its lattices apart."""
     return RESOLVED_ANGLE / (2.0 * math.pi * speed)
 
 
@@ -45,8 +45,8 @@ class SpectralSearch(Engine):
     """Base of engines that run a ring from ``begin``, in a frame of ``speed``, for `refine`.
 
     A run whose spectrum's tail rises is restarted with more points. A step that is too long lets
-    short waves grow, however dense the points. Physical growth is told from that by happening at
-    the same time with another step, or at the start.
+    short waves grow, however dense the points. Growth counts as physical if it happens at the same
+    time with other steps, or at the start.
     """
 
     threads = 1
@@ -91,7 +91,7 @@ class SpectralSearch(Engine):
         return choices.step
 
     def work(self, choices: Choices) -> float:
-        """Return the number of steps times points times their logarithm."""
+        """Return the cost of a run: steps times points times log2(points)."""
         points = self.points(choices)
         return self._duration / choices.step * points * math.log2(points + 2.0)
 
@@ -101,11 +101,11 @@ class SpectralSearch(Engine):
         return self._lattice_spread > ALIKE * self._tolerance
 
     def _unresolved_error(self, choices: Choices) -> float:
-        """Return the difference between the ring's lattices, 0 if the step resolves it."""
+        """Return the error due to the difference of the ring's lattices; 0 if it is resolved."""
         return 0.0 if choices.step <= self._resolving else self._lattice_spread
 
     def _shorter(self, choices: Choices, excess: float) -> Choices:
-        """Return choices with the step by the law of the order.
+        """Return choices with a step whose error, as step^order, is smaller by ``excess``.
 
         The initial step is scaled alike if the error is finite.
         """
@@ -114,7 +114,7 @@ class SpectralSearch(Engine):
         return replace(choices, step=factor * choices.step, start=start)
 
     def _lost_again(self, error: RunawayError, step: float) -> bool:
-        """Return whether fields run away whatever the step: at the start, or when two runs did."""
+        """Return whether fields run away for any step: at the start, or as in two other runs."""
         elapsed = error.t - self._begin
         resolution = LOSS_TIME_SPREAD * elapsed + STEPS_PER_CHECK * step
         agree = [abs(t - elapsed) <= resolution for t in self._loss_times]
@@ -122,7 +122,7 @@ class SpectralSearch(Engine):
         return elapsed == 0.0 or (elapsed > 2 * STEPS_PER_CHECK * step and agree == [True, True])
 
     def _run(self, choices: Choices, progress: Progress) -> Trial:
-        """Make a run with the current points."""
+        """Make a run with the current density of points."""
         raise NotImplementedError
 
     def points(self, choices: Choices) -> float:

@@ -34,7 +34,7 @@ from longwave.support.real_arrays import Array, real_array
 Judged = Callable[[FieldRing], Array]
 
 ROUNDED_TAIL = 2.0**-46
-"""Tail, in units of the fields, below which it is rounding that more points do not reduce."""
+"""Spectrum's tail, in units of the largest field, that is rounding: more points do not help."""
 
 DENSER = 1.4
 """Factor on the points of a run whose spectrum's tail rose, or whose control run needs more."""
@@ -156,15 +156,15 @@ class FieldComparison:
 
 
 WIDER_SIZE = 2.0
-"""Size of a wider ring in `Choices`."""
+"""`Choices.size` of a run on the wider ring; other runs have the size 1."""
 
 
 class FieldRingEngine(SpectralSearch):
     """Runs of a ring of fields from a state, for `refine`.
 
     By default the stretches of all bonds are judged, at the state's points; ``sight`` gives another
-    comparison. The ring has the size 1. Steps tried are at most ``longer`` times the natural step
-    of the ring's waves: a carrier, which is integrated exactly, allows more.
+    comparison. Steps tried are at most ``longer`` times the natural step of the ring's waves: a
+    carrier, which is integrated exactly, allows longer ones.
     """
 
     kinds: tuple[Kind, ...] = ("step", "sampling")
@@ -217,7 +217,7 @@ class FieldRingEngine(SpectralSearch):
         return density
 
     def _first_choices(self, longer: float) -> Choices:
-        """Return the first step, from the rates that are not integrated exactly."""
+        """Return choices with the first step, from the rates that are not integrated exactly."""
         T = self._duration
         ring = self._ring(Choices(T, 1.0), math.inf)
         moving, still = ring.typical_rates()
@@ -258,20 +258,20 @@ class FieldRingEngine(SpectralSearch):
         return math.prod(self._counts(choices))
 
     def control(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
-        """Return choices with a shorter step, on the other ring if one is wider, or more points."""
+        """Return choices with a shorter step, on the other ring if two, or with more points."""
         if "step" in kinds and self._sight.wider is not None:
             choices = replace(choices, size=WIDER_SIZE if choices.size == 1.0 else 1.0)
         return super().control(choices, kinds)
 
     def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
-        """Return a step by the law of the order, or more points, on the ring as it is."""
+        """Return choices with a shorter step or more points, on the ring that is not wider."""
         if kind == "sampling":
             density = choices.density if self._is_unaliased(choices) else DENSER * choices.density
             return replace(choices, density=density, size=1.0)
         return replace(self._shorter(choices, excess), size=1.0)
 
     def refusal(self, end: float) -> str:
-        """Return why no run reached its end."""
+        """Return the message for a search in which no run reached the time ``end``."""
         if self._needs_too_many:
             return (
                 f"tolerance must be larger than {self._tolerance:g}: it needs a ring of more than "
@@ -349,5 +349,5 @@ class FieldRingEngine(SpectralSearch):
 
 
 def _fast_counts(state: FieldRing, density: float, finer: float = 1.0) -> tuple[int, ...]:
-    """Return even numbers of points with a fast transform, ``finer`` times the fewest at least."""
+    """Return even counts with fast transforms: ``finer * density`` times the state's, or more."""
     return tuple(fast_count(finer * max(density * n, LEAST_POINTS)) for n in state.counts)

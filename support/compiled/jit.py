@@ -40,9 +40,9 @@ LARGEST = 2**63
 PROTOTYPE = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_char_p)
 
 C_ORDER, OF_C, OF_OTHERS = 0x1, 0x501, 0x502
-"""NumPy's array flags: C order; C order, aligned and writeable; the last two with Fortran order."""
+"""NumPy's array flags: C order; C order, aligned, writeable; Fortran order, aligned, writeable."""
 
-DATA, SHAPE, STRIDES = (object.__basicsize__ // 8 + place for place in (0, 2, 3))
+DATA, SHAPE, STRIDES = (object.__basicsize__ // 8 + offset for offset in (0, 2, 3))
 """Word offsets of the addresses of data, shape and strides in an array object (NumPy's ABI)."""
 
 ENTRY = "kernel"
@@ -78,7 +78,7 @@ def njit(
     examples: Sequence[Arguments] = (),
     **options: Any,
 ) -> Callable[[Callable[..., Any]], Any]:
-    """Return ``numba.njit(**options)``, with ``cache`` a kernel with cached machine code.
+    """Return a decorator as ``numba.njit(**options)``; with ``cache``, machine code is cached.
 
     A kernel takes doubles, integers, arrays, tuples and None. It returns nothing, creates no arrays
     and raises nothing. Without ``subnormals`` it flushes them to 0
@@ -133,7 +133,9 @@ class Kernel:
             compiled = self._entries[key] = self._entry(key, words, arguments)
         entry, packed = compiled
         if entry(packed(*words)):
-            raise RuntimeError(f"{self.py_func.__name__} must raise nothing, got an error")
+            raise RuntimeError(
+                f"{self.py_func.__name__} must raise nothing, got an error (check before)"
+            )
         return None
 
     def __get__(self, instance: object, owner: type | None = None) -> Any:
@@ -247,7 +249,7 @@ def _entry_text(context: Any, compiled: Any, subnormals: bool) -> str:
 
 
 def _unpack(values: Iterable[Any], kinds: list[Any], words: list[Any]) -> None:
-    """Append the types that machine code depends on, and the words that it takes."""
+    """Append the types of the values to ``kinds``, and the words passed for them to ``words``."""
     for value in values:
         kind = type(value)
         if kind is np.ndarray:

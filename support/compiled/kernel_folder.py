@@ -36,15 +36,15 @@ FOLDER_MODE, FILE_MODE, OTHERS_WRITE = 0o700, 0o600, 0o022
 """Modes of a cache's folder and files, and permissions that others must not have on them."""
 
 BASE_MODE = 0o755
-"""Mode of the folder of cache folders: with mask 0 everybody could move them otherwise."""
+"""Mode of the folder with the cache folders: at umask 0, others could otherwise move them."""
 
 MAX_VERSIONS = 8
-"""Versions of a module's folder that are kept; the least recently used ones are removed first."""
+"""Most versions of a module's cache folder; the least recently used ones are removed first."""
 
 
 @dataclass(frozen=True)
 class CacheFolder:
-    """Cached files made from ``sources``, in the folder ``path``; with None nothing is cached.
+    """Cache of files made from ``sources``, in the folder ``path``; None caches nothing.
 
     They are read and written only by a process whose code is what the sources say.
     """
@@ -168,7 +168,7 @@ def _digest(sources: str) -> str:
 
 
 def numba_settings() -> list[str]:
-    """Return numba's settings, from the environment and from the file in the current folder."""
+    """Return numba's settings, from the environment and from its file in the current folder."""
     from longwave.support.compiled.source_digest import compiler_settings
     from longwave.support.sealed_file import open_plain
 

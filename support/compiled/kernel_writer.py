@@ -21,7 +21,7 @@ DECLARED = "examples="
 """Text that occurs in every module with kernels to be shipped."""
 
 FOR_ONE_PROCESSOR = re.compile(r"\b(contract|reassoc|fast|afn|arcp)\b|\bllvm\.x86\.(avx|fma)")
-"""Flags that make results depend on the processor, and instructions that not all have."""
+"""Pattern of LLVM flags and instructions whose results, or presence, depend on the processor."""
 
 Task = tuple[str, str, int]
 """Module and name of a kernel, and the index of one of its examples."""

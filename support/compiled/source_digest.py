@@ -28,10 +28,10 @@ ROOT = Path(__file__).absolute().parents[3]
 """Folder from which the package is imported."""
 
 MAKERS = ("sympy", "mpmath", "python-flint", "numpy", "numba", "llvmlite")
-"""Packages that produce exact numbers and machine code."""
+"""Packages whose versions affect cached numbers and machine code."""
 
 KERNEL_MAKERS = ("numba", "llvmlite")
-"""Packages that generate a kernel's text; of NumPy it depends on the layout of arrays only."""
+"""Packages that generate a kernel's text; of NumPy, it depends only on the layout of arrays."""
 
 Files = tuple[tuple[str, Path], ...]
 """Sorted modules with their files."""
@@ -89,7 +89,7 @@ def _digest(sources: Files, python: str, packages: tuple[str, ...]) -> str:
 
 @lru_cache
 def are_older(sources: Files) -> bool:
-    """Return whether all imported modules among them are older than the first import of a room."""
+    """Return whether files of imported modules are older than the first import of a room."""
     from longwave.support.lazy_exports import BEGUN
 
     states = (path.stat() for name, path in sources if name in sys.modules)
@@ -98,7 +98,7 @@ def are_older(sources: Files) -> bool:
 
 @lru_cache
 def runs_as_written(sources: Files) -> bool:
-    """Return whether the imported modules among them run what their files say now.
+    """Return whether the imported modules among the sources run what their files say now.
 
     False if Python used old byte code because a file changed without changing time and size. Also
     False if a file is younger than the first import of a room, which may be needlessly strict.
