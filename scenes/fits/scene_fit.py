@@ -224,7 +224,7 @@ def fit_scene(
 ) -> SceneFit:
     """Fit constants, ``losses.site`` and ``losses.bond`` of a scene to records of its sensors.
 
-    The fit starts from the scene's values. Raises ValueError in one line for an unsuitable scene or
+    The fit starts from the scene's values. Raises ValueError for an unsuitable scene or
     record, and for constants that the records do not determine, which it names.
     """
     model = SceneModel(scene if isinstance(scene, Scene) else load_scene(scene), free)

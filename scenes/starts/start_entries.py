@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 class WaveStart(StartRules):
     """Start with a wave of the lattice itself, without a reduced equation.
 
-    ``wave`` builds the wave and raises ValueError in one line for inadmissible parameters. Runs
+    ``wave`` builds the wave and raises ValueError for inadmissible parameters. Runs
     record ``equation``.
     """
 
@@ -35,7 +35,7 @@ class WaveStart(StartRules):
 class ReducedStart(StartRules):
     """Start with a numerical solution of the lattice's reduced equation.
 
-    ``solve`` computes it and raises ValueError in one line for inadmissible parameters.
+    ``solve`` computes it and raises ValueError for inadmissible parameters.
     """
 
     solve: Callable[[Scene, Reduction, Mapping[str, Expr]], ComputedSoliton]
