@@ -25,15 +25,17 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 ZERO_DENOMINATOR = 1e-13
-"""Size below which a denominator counts as 0, relative to the sum of its terms' moduli."""
+"""Magnitude below which a denominator counts as 0, relative to the sum of the moduli of its
+terms."""
 
 
 @dataclass(frozen=True)
 class ModulationGrid:
     """Coefficients of ``i A_T + p A_XX + q |A|^2 A = 0`` on a grid; all arrays have one shape.
 
-    ``growth_rate`` is the plane wave's largest growth rate in T, 0 where it is stable.  At a
-    resonance p, q and ``growth_rate`` are NaN; where the lattice itself is unstable, omega too.
+    ``growth_rate`` is the largest growth rate, in T, of a perturbed plane wave; 0 where it is
+    stable.  At a resonance p, q and ``growth_rate`` are NaN; where the lattice is unstable, so is
+    omega.
     """
 
     k: Array
@@ -77,7 +79,9 @@ def modulation_grid(
 
 
 def scene_modulation(scene: Scene, k: Array, amplitude: float) -> ModulationGrid:
-    """Return p, q and growth rates of a scene at 0 < k <= pi; ValueError as its derivation."""
+    """Return p, q and growth rates of a scene's lattice at wavenumbers 0 < k <= pi.
+
+    Raises the ValueErrors of `scene_envelope`."""
     from longwave.scenes.starts.lattice_derivation import scene_envelope
 
     derived, numbers = scene_envelope(scene.changed(carrier=1))
@@ -151,7 +155,7 @@ def _at(element: RationalFunction, point: Mapping[str, Any]) -> Any:
 
 
 def _frequency_squared(derived: Envelope, point: Mapping[str, Any], shape: tuple[int, ...]) -> Any:
-    """Return omega^2 of the envelope's branch from the dispersion relation; NaN if complex."""
+    """Return omega^2 of the envelope's branch from the dispersion relation; NaN where complex."""
     names = [str(symbol) for symbol in derived.carrier.field.symbols]
     parts: dict[int, Any] = {}
     for exponents, value in derived.carrier.relation.terms():

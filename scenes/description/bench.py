@@ -52,7 +52,7 @@ FROM_0 = partial(check.whole, least=0)
 
 
 def _drive(label: str, given: Drive) -> Drive:
-    """Return ``given`` unchanged; ValueError, which names ``label``, unless it is a function of time."""
+    """Return ``given``; ValueError, which names ``label``, unless it is a function of time."""
     from longwave.scenes.description.time_functions import time_function
 
     time_function(label, given)
@@ -66,7 +66,7 @@ def _truth(name: str, given: object) -> bool:
 
 
 def _numbers(name: str, given: object, of: str, least: int = 0, few: int = 0) -> tuple[int, ...]:
-    """Return at least ``few`` whole numbers, each at least ``least``; errors name them by ``of``."""
+    """Return at least ``few`` whole numbers, each at least ``least``; errors call them ``of``."""
     if not isinstance(given, list | tuple) or len(given) < few:
         raise ValueError(f"{name} must be a list of {of}, got {shown(given)} (such as [1, 2])")
     return tuple(check.whole(name, number, least) for number in given)
@@ -338,7 +338,7 @@ class Bench:
 
     @classmethod
     def of_tables(cls, tables: Mapping[str, Any]) -> Bench:
-        """Return the bench that a scene's tables describe; ValueError."""
+        """Return the bench that a scene's tables describe; ValueError for invalid tables."""
         stated = StatedTables(tables, "tables of a bench")
         given = stated.tables  # as lists, without NumPy arrays
         chain = _read("chain", given.get("chain", {}))
@@ -385,7 +385,7 @@ def check_bath(bench: Bench, losses: Losses | None) -> None:
 
 
 def bench_of(given: Mapping[str, Any]) -> Bench | None:
-    """Return the bench among a scene's keywords, None if there is none; ValueError.
+    """Return the bench among a scene's keywords, or None; ValueError for an invalid one.
 
     The keyword ``bench`` is a `Bench` or the JSON of its tables. A keyword named after one of these
     tables, such as ``chain``, replaces it.

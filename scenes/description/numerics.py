@@ -102,7 +102,7 @@ class Tolerance:
 
     @property
     def steps_cells(self) -> bool:
-        """Whether the named engine advances the lattice cell by cell; True if no engine is named."""
+        """Whether the named engine advances the lattice cell by cell; True if none is named."""
         return not self.engine or entries.table(EngineRules)[self.engine].steps_cells
 
     def __str__(self) -> str:

@@ -135,7 +135,7 @@ class Scene(SceneFields):
 
     @classmethod
     def of_document(cls, document: Mapping[str, Any], path: Path) -> Scene:
-        """Return the scene of a parsed file; other files are looked up in the folder of ``path``."""
+        """Return the scene of a parsed file; files it names are looked up beside ``path``."""
         try:
             fields = scene_file.scene_fields(document, path.parent)
             return cls.of(**{"name": file_stem(path)} | fields)
@@ -144,7 +144,7 @@ class Scene(SceneFields):
 
     @classmethod
     def from_json(cls, text: str) -> Scene:
-        """Return the scene that `json` wrote; with a user-defined wave it can be shown but not run."""
+        """Return the scene that `json` wrote; with a custom wave it can be shown but not run."""
         given = json.loads(text)
         if not isinstance(given, Mapping):
             raise ValueError(f"a scene must be an object of JSON, got {shown(given)}")
@@ -276,7 +276,7 @@ class Scene(SceneFields):
             )
 
     def _check_constants(self) -> None:
-        """Check the constants of the paper's chain and put K2, K3, K4 first; a missing K3 becomes 0."""
+        """Check the paper's chain's constants and put K2, K3, K4 first; a missing K3 becomes 0."""
         if self.lattice != CHAIN or self.declared:
             return
         given: dict[str, Value] = {"K3": 0} | dict(self.constants)
@@ -345,7 +345,7 @@ class Scene(SceneFields):
         return self.changed(**stated | {"tolerance": tolerance, "observables": names})
 
     def json(self) -> str:
-        """Return the keywords of `of` as sorted JSON; a user-defined wave is marked as not shipped."""
+        """Return the keywords of `of` as sorted JSON; a custom wave is marked as not shipped."""
         texts = {
             "disorder": self.disorder and self.disorder.pairs,
             "declared": self.declared and self.declared.json,

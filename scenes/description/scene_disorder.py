@@ -85,7 +85,7 @@ class Disorder:
         return tuple((name, value) for name, value in values if value != defaults[name])
 
     def deviations(self, cells: ArrayLike, row: int = 0) -> Array:
-        """Return the relative deviations of consecutive cells; each ``row`` has independent ones."""
+        """Return relative deviations of consecutive cells, independent for each ``row``."""
         n = np.asarray(cells)
         deviations = self.spread * site_deviations(n, self.seed, row, self.distribution)
         if self.sites is None:

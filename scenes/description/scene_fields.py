@@ -195,7 +195,7 @@ class SceneFields:
         return (self.t0, *(t for t in self.snapshots if t > self.t0))
 
     def cells_within(self, power: int) -> int:
-        """Return the compared cells on either side of the frame, on an axis with X = eps^power n."""
+        """Return the number of compared cells on either side, on an axis with X = eps^power n."""
         if self.half_width is None:
             return self.compared
         return max(1, math.ceil(self.half_width / self.eps**power * (1.0 - HALF_WIDTH_ROUNDING)))

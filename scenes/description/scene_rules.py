@@ -41,7 +41,7 @@ def check_eps(given: object) -> float:
 
 
 def check_any_lattice(scene: SceneFields) -> None:
-    """Raise ValueError for a scene that violates the rules of waves other than moving mKdV waves."""
+    """Raise ValueError for fields that waves other than moving mKdV waves do not admit."""
     if not isinstance(scene.wave, str):
         raise ValueError(
             f"wave must be the name of a closed form on {scene.lattice}, got {scene.wave.name}, "

@@ -98,7 +98,7 @@ class Bath:
         return ranges
 
     def pair_if_resolved(self, number: int) -> tuple[Array, Array] | None:
-        """Return `pair` of run ``number``, or shorten the step and return None: all runs must restart."""
+        """Return `pair` of run ``number``; None if a shortened step makes all runs restart."""
         try:
             values = self.pair(number)
         except BrokenRunError as error:
@@ -176,8 +176,8 @@ class Bath:
     ) -> None:
         """Advance by one or two steps between the four noise kicks of one coarse step.
 
-            ``parts`` groups the indices of the kicks; one step of size ``h`` is taken between successive
-        groups.
+        ``parts`` groups the indices of the kicks; one step of size ``h`` is taken between
+        successive groups.
         """
         f, v = ring
         moving = v[:, : self.cells]

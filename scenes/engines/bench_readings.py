@@ -37,7 +37,7 @@ def bench_and_chain(scene: Scene, lossless: bool = False) -> tuple[Bench, Driven
 
 
 def reading_times(scene: Scene, bench: Bench) -> Array:
-    """Return the snapshots and the multiples of ``bench.every``; ValueError if there are too many."""
+    """Return the snapshots and, every ``bench.every``, times between; ValueError for too many."""
     begin, end, every = scene.t0, scene.end, bench.every
     if not (end - begin) / every <= MOST_READINGS:
         raise ValueError(
@@ -80,7 +80,7 @@ class BenchReadings:
         return np.concatenate([part.ravel() for part in self._parts(state, balance)])
 
     def variables(self, readings: Array, ending: str = "", meaning: str = "") -> Variables:
-        """Return variables of readings (times, values), with a name suffix and a long-name prefix."""
+        """Return variables of readings (times, values); ``ending`` and ``meaning`` extend names."""
         variables: Variables = {}
         splits = np.cumsum([math.prod(size) for size in self.sizes])[:-1]
         parts = np.split(readings, splits, axis=1)

@@ -183,7 +183,7 @@ class DomainCost:
         self.room = wave.seam_room(self.times[0]) if closed else 0
 
     def at_rest(self) -> tuple[float, list[float]]:
-        """Return the highest frequency and, for each axis, the top speed of linear waves about rest."""
+        """Return the highest frequency and each axis's top speed of linear waves about rest."""
         lattice, rest = self.wave.lattice, self.wave.lattice.rest_slopes()
         return lattice.highest_frequency(rest), _signal_speeds(lattice, rest)
 
@@ -342,7 +342,7 @@ class DomainPlan(DomainCost):
             yield self.wave.ring(np.arange(first, last, dtype=np.float64), self.times[0])
 
     def check_wider(self, window: int | None) -> None:
-        """Raise ValueError if a run in a window of this size (None: on a ring) would cost too much."""
+        """Raise ValueError if a run in such a window (None: on a ring) would cost too much."""
         cells, expected = self.cost(self.fastest, self.signals, window)
         scene = f"scene of {cells:.3g} cells, since no smaller window can be fed with its wave,"
         check_request(scene, expected, REMEDY)
@@ -367,7 +367,7 @@ class DomainPlan(DomainCost):
         return bool(is_infinite and is_periodic and wave.lattice.dimension == 1)
 
     def seam_mismatch(self, rings: Sequence[Ends]) -> Array:
-        """Return the mismatch of the wave at the seam of each ring, relative to its largest value."""
+        """Return the wave's mismatch at the seam of each ring, relative to the values there."""
         near = np.arange(-SEAM_CELLS, SEAM_CELLS + 1)
         sides = []
         for firsts in np.array([(low, high + 1) for low, high in rings]).T:
@@ -395,7 +395,7 @@ class DomainPlan(DomainCost):
         return not self.room and self.wave.seam_room(self.times[0]) > 0
 
     def plain_ends(self, wider: int) -> list[Ends]:
-        """Return the ends of a causal ring without the cells that `ends` adds to fit a periodic wave."""
+        """Return the ends of a causal ring, without cells added to fit a periodic wave."""
         more = 2 * (self.room + self._spread) + wider
         return self.compared.ring(self.times, self.signals, more)
 
@@ -404,7 +404,7 @@ class DomainPlan(DomainCost):
         return self.wave.closed_ring(self.wave.ring(_grid(ends), self.times[0]), self.room)
 
     def limit(self, ring: InitialCells) -> float:
-        """Return the largest compared value, over the wave's scale, accepted in a run from ``ring``."""
+        """Return the largest compared value, over the wave's scale, accepted in a run."""
         largest = max(float(np.max(sizes[0])) for sizes in (self.sizes, self._sizes(ring)))
         return GROWTH * largest / self.wave.scale
 
@@ -444,7 +444,7 @@ def longest_step(fastest: float, carrier: float, scheme: Scheme = SCHEME) -> flo
 
 
 def check_rest(lattice: NumericLattice, slopes: Sequence[float]) -> None:
-    """Raise ValueError if waves about rest grow; ``slopes`` are those of the bonds' forces there."""
+    """Raise ValueError if waves about rest grow; ``slopes`` are those of the forces at rest."""
     if not lattice.is_stable(slopes):
         raise ValueError(
             f"constants must make waves of {lattice.name} stable, got one that grows at "

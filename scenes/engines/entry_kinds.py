@@ -26,7 +26,7 @@ class CellDomain(DomainRules):
 
 
 class WaveRuns(NamedTuple):
-    """Two functions: ``record`` runs a scene to its tolerance, ``cost`` predicts what that costs."""
+    """Two functions: ``record`` runs a scene to its tolerance, ``cost`` predicts the cost."""
 
     record: Callable[[Scene, Progress, Announce], RunRecord]
     cost: Callable[[Scene], ExpectedCost]
@@ -34,6 +34,6 @@ class WaveRuns(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class WaveEngine(EngineRules):
-    """Rules of an engine for scenes with a tolerance; ``runs`` imports and returns its functions."""
+    """Rules of an engine for scenes with a tolerance; ``runs`` imports and returns `WaveRuns`."""
 
     runs: Callable[[], WaveRuns]

@@ -51,7 +51,7 @@ def compared_cells(scene: Scene, wave: LatticeWave) -> ComparedCells:
 
 
 def scene_cost(scene: Scene) -> ExpectedCost:
-    """Return the expected cost of a scene; ValueError for some scenes that `record_scene` refuses."""
+    """Return the expected cost of a scene; ValueError if it is refused before any run."""
     return cells_cost(scene) if scene.tolerance is None else _runs(scene).cost(scene)
 
 
@@ -72,7 +72,7 @@ def rings_cost(scene: Scene) -> ExpectedCost:
 
 
 RING_SEARCH_COST = 4.0
-"""Expected cost of a whole search on spectral rings, in units of `spectral_cost`."""
+"""Cost of a whole search on spectral rings, in units of one run on each ring (`spectral_cost`)."""
 
 
 @lru_cache(maxsize=4)
@@ -148,7 +148,7 @@ def _spectral_runs(scene: Scene) -> SpectralRuns:
 
 
 def wave_size(scene: Scene, t: float, far_field: bool) -> float:
-    """Return the wave's largest deviation from its background or far field (`methods.wave_size`)."""
+    """Return the wave's largest deviation from background or far field (`methods.wave_size`)."""
     wave = _started_wave(scene)
     cells = compared_cells(scene, wave).cells(t)
     far = wave.far_field(cells.astype(np.int64), t) if far_field else wave.background(cells, t)
@@ -371,7 +371,7 @@ def _checked_record(
 
 
 def _add_pulse(record: run_record.RunRecord, engine: SiteEngine, step: float) -> None:
-    """Add the crest, its position and the energy of a wave in a disordered lattice to its record."""
+    """Add peak, delay and energy of a wave in a disordered lattice to its record, if measured."""
     readings, wave = engine.metered.get(step), engine.domains.wave
     if readings is None or not readings.size:
         return

@@ -122,7 +122,8 @@ class Recorder:
     def variables(self) -> Variables:
         """Return the recorded variables, and their times unless these are the snapshots.
 
-        The recorder's values are removed from it, because a large ring has no memory for a second copy.
+        The recorder's values are removed from it, because a large ring has no memory for a second
+        copy.
         """
         recorded: Variables = {}
         for variable in (variable for entry in self.entries for variable in entry.variables):
@@ -164,7 +165,7 @@ def recorded_variables(recorders: Sequence[Recorder]) -> Variables:
 
 
 class Samples:
-    """Observer that stores what ``take`` extracts from views, by default the compared quantities."""
+    """Observer that stores what ``take`` extracts from views; default: the compared quantities."""
 
     def __init__(
         self, times: Sequence[float], take: Callable[[Any], Array] = attrgetter("numerics")

@@ -47,9 +47,9 @@ class SpectralRuns:
     """Runs of a scene's wave on spectral rings: the engine and the records of its runs.
 
     The scene is in lattice times and states the times of its looks. The ring is the smallest causal
-    one; that of a control run has `EXTRA_CELLS` more cells on each axis. Raises ValueError, before any
-    large array is made, for a run that would take too much memory or time, and for a lattice whose
-    cells differ.
+    one; that of a control run has `EXTRA_CELLS` more cells on each axis. Raises ValueError, before
+    any large array is made, for a run that would take too much memory or time, and for a lattice
+    whose cells differ.
     """
 
     def __init__(self, scene: Scene, domains: DomainPlan) -> None:
@@ -123,7 +123,7 @@ class SpectralRuns:
         return cells.view(State(state.t, whole.f, whole.v))
 
     def _observed(self, state: FieldRing) -> Memory:
-        """Return the observables due at a state, by time dimension; at the first and last also energy."""
+        """Return the observables due at a state, by time dimension; energy at start and end."""
         view = self._view(state)
         rows = {
             recorder.dimension: recorder.measure(view)

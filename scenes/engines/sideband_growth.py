@@ -72,8 +72,8 @@ SLOPE_FACTOR = 2.5 / (15.0 / 16.0)
 ``sum |x| / sum x^2`` over `MEASUREMENTS` points x from -1/2 to 1/2."""
 
 GROWTH_EVALUATIONS = 32.0
-"""Inverse fraction of a run in which rounding errors matter: a mode that grows G-fold amplifies those
-made in the first 1/(2 ln G) of the run, a 32nd for G = 1e7."""
+"""Inverse fraction of a run in which rounding errors matter: a mode that grows G-fold amplifies
+those made in the first 1/(2 ln G) of the run, a 32nd for G = 1e7."""
 
 SIGNIFICANT_ERRORS = 3.0
 """A growth rate is significant if it exceeds this many times its error."""
@@ -307,7 +307,7 @@ cubed: 0.02 s on a chain and 0.21 s on a dimer."""
 
 
 def expected_growth_cost(plan: GrowthPlan, fastest: float | None = None) -> ExpectedCost:
-    """Return the expected cost; ``fastest`` is the highest frequency, by default that about rest."""
+    """Return the expected cost; ``fastest`` is the highest frequency, by default at rest."""
     lattice = plan.data.lattice
     fastest = fastest or lattice.highest_frequency(lattice.rest_slopes())
     steps = float(plan.moments[-1]) * fastest / (LIMIT_FRACTION * stability_limit(SCHEME))

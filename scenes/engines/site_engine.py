@@ -164,7 +164,7 @@ class SiteEngine(StepSearch):
         return trial
 
     def coarse_engine(self) -> SiteEngine:
-        """Return a cheaper engine with smaller windows and fewer times, or this one if there is none."""
+        """Return a cheaper engine with smaller windows and fewer times, or this one if none."""
         domains = self.domains
         if domains.window is None or domains.extent is None:
             return self
@@ -213,7 +213,7 @@ class SiteEngine(StepSearch):
         return SteppedCells(ring_plan, self.domains, ends, choices.nudged, self._fades)
 
     def _sized(self, choices: Choices, cells: float) -> Choices:
-        """Return the choices with a window of ``cells`` cells, or with a ring if the ring is smaller."""
+        """Return the choices with a window of ``cells`` cells, or a ring if that is smaller."""
         if self._widened * cells >= self._ring:
             return replace(choices, size=self._ring, causal=True)
         return replace(choices, size=float(round_up(cells)))
@@ -226,7 +226,7 @@ class SiteEngine(StepSearch):
         return previous if previous.shape == current.shape else np.full_like(current, np.nan)
 
     def control(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
-        """Return a control run's choices: shorter step, wider window, or a ring of the other size."""
+        """Return a control run's choices: shorter step, wider window or ring of the other size."""
         if "step" in kinds:
             step = shorter_step(self._stops, choices.step, self.order, STEP_RATIO)
             choices = replace(choices, step=step)
@@ -238,7 +238,7 @@ class SiteEngine(StepSearch):
         return choices
 
     def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
-        """Return choices that reduce one kind of error by ``excess``: shorter step or wider window."""
+        """Return choices that reduce a kind of error by ``excess``: shorter step, wider window."""
         if kind == "step":
             shorter = super().improved(choices, kind, excess)
             return replace(shorter, size=self._ring) if choices.causal else shorter

@@ -20,7 +20,8 @@ WIDTH_FACTOR = 1.5
 """Least circumference without its blended parts, in units of `WaveBounds.width`."""
 
 BLEND_DIVISOR = 32.0
-"""On a constant background the data are blended within circumference/BLEND_DIVISOR of the seam."""
+"""On a constant background the data are blended within at most circumference/BLEND_DIVISOR of the
+seam, but at least within `MIN_BLEND_WIDTH`."""
 
 MIN_BLEND_WIDTH = 6.0
 """Least width of the blended part, in units of the wave's variable xi."""
@@ -208,7 +209,7 @@ the order of the scheme: the error of two solitons was 1.9e-5 with 4 steps and 1
 
 
 def first_step(speed: float, duration: float, k: float, turning: float) -> float:
-    """Return the first step: the shortest of the times of nonlinearity, of dispersion and of the run.
+    """Return the first step: the shortest time scale of nonlinearity, dispersion and duration.
 
     ``turning`` is the `turning_time` of waves of wavenumber ``k``, the `rms_wavenumber`. In the
     long-wave limit both times are fixed fractions of the slow time T, so the number of steps does
@@ -231,7 +232,7 @@ def turning_time(constants: Model, state: FieldRing, k: float) -> float:
 
 
 def rms_wavenumber(state: FieldRing) -> float:
-    """Return the root mean square wavenumber of the strain, or its relative slope if that is larger.
+    """Return the root mean square wavenumber of the strain, or the relative slope if larger.
 
     The mean is excluded. The relative slope is the steepest slope over the largest strain; it
     matters for a kink, whose spectrum is dominated by its far fields.

@@ -33,14 +33,15 @@ SECONDS_PER_WORK = 2.2e-9
 """Seconds per unit of points times log2(points) times evaluations, with planning (measured)."""
 
 EVALUATION_FACTOR = 11.0
-"""Force evaluations per unit of 1 + b eps^3 t peak^3, the peak in y/eps, at tolerance 1 (measured)."""
+"""Force evaluations per unit of 1 + b eps^3 t peak^3, the peak in y/eps, at tolerance 1
+(measured)."""
 
 POINT_FACTOR = 1.7
 """Points per site, in units of `first_density` times the peak in y/eps (measured)."""
 
 TAIL_CHANGE = 20.0
-"""Constant C of the change C peak / (eps L/2)^3 of the result when a ring with absorber, on a constant
-background, is doubled to circumference L (measured)."""
+"""Constant C of the change C peak / (eps L/2)^3 of the result when a ring with absorber, on a
+constant background, is doubled to circumference L (measured)."""
 
 PERIODIC_CHANGE = 0.1
 """Constant C of the change C b eps^3 t peak^3 / (eps L/2)^2 of the result when a ring on a periodic
@@ -64,7 +65,8 @@ MIN_BUDGET = 10.0
 """Seconds that the spectral engine may use in any case."""
 
 CHANGE_FRACTION = 0.6
-"""Change of the result from doubling the ring, as a fraction of the tolerance, that ends a search."""
+"""Change of the result from doubling the ring, as a fraction of the tolerance, that ends a
+search."""
 
 
 POINT_BYTES = 530.0
@@ -73,7 +75,7 @@ POINT_BYTES = 530.0
 
 @lru_cache(maxsize=4)
 def spectral_cost(scene: Scene) -> ExpectedCost:
-    """Return the expected cost of a search on spectral rings, from the wave's peak and duration."""
+    """Return the expected cost of one run on each ring of a search, from the wave's peak."""
     moving, tolerance = moving_wave(scene), scene.target.tolerance
     data, numbers = spectral_data.spectral_start(moving, tolerance), moving.wave.numbers
     peak = float(np.max(np.abs(data.bounds.strain))) / moving.eps

@@ -37,8 +37,8 @@ from longwave.support.checkpoint import Loop, Memory, begin_loop
 from longwave.support.real_arrays import Array
 
 SIZE_RATIO = 1.5
-"""Ratio of a control run's circumference to that of the run before it. If the control run's ring would
-be causal, the first run's ring is made causal, too; a kink's ring always is."""
+"""Ratio of a control run's circumference to that of the run before it. If the control run's ring
+would be causal, the first run's ring is made causal, too; a kink's ring always is."""
 
 RING_SHIFT = 0.07
 """Distance by which a control run's ring is shifted, in circumferences."""
@@ -67,8 +67,8 @@ SMALL_STEEPNESS = 0.2
 """Largest a |y| at which the energies of the ring's interleaved lattices agree to rounding."""
 
 ENERGY_SPREAD_FACTOR = 2.2
-"""Largest ratio of the energy spread met to `crest_energy_spread`, for solitons with a |y| from 0.35
-to 0.6."""
+"""Largest ratio of the energy spread met to `crest_energy_spread`, for solitons with a |y| from
+0.35 to 0.6."""
 
 STEEP_DENSITY = 2.5
 """Points per site that a steep wave needs."""
@@ -81,8 +81,8 @@ SHORTEST_STEP = 0.02
 """Shortest step, in units of a site over the speed of sound; below it the stencil is cheaper."""
 
 LEAST_POINTS = 256
-"""Minimum number of points on a ring. Above it the sizes that suit the FFT lie so close together that
-a control run always has more points."""
+"""Minimum number of points on a ring. Above it the sizes that suit the FFT lie so close together
+that a control run always has more points."""
 
 MOST_POINTS = 2**20
 """Maximum number of points on a ring; a run needs 510 bytes a point (measured)."""
@@ -221,7 +221,7 @@ class SpectralEngine(SpectralSearch):
         self._soft: evolution.NotHyperbolicError | None = None
 
     def first(self) -> Choices:
-        """Return the first choices: the smallest ring, with sampling and step on the wave's scale."""
+        """Return the first choices: smallest ring, with sampling and step on the wave's scale."""
         choices = self._sized(Choices(1.0, 0.0, density=self._density), self._data.smallest)
         state, c = self._state(choices), self._moving.speed
         k = spectral_data.rms_wavenumber(state)
@@ -274,7 +274,7 @@ class SpectralEngine(SpectralSearch):
         return True
 
     def _handle_loss(self, error: evolution.RunawayError, step: float) -> None:
-        """Raise ``error`` again if a shorter step gave it too: the lattice itself carries no waves."""
+        """Raise ``error`` again if it recurs with all steps: then the lattice itself fails."""
         self._soft = error if isinstance(error, evolution.NotHyperbolicError) else None
         if self._soft and self._lost_again(error, step):
             raise error
@@ -293,7 +293,7 @@ class SpectralEngine(SpectralSearch):
         return choices
 
     def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
-        """Return choices that reduce one kind of error by the factor ``excess``, from its scaling law."""
+        """Return choices that reduce one kind of error by ``excess``, from its scaling law."""
         if kind == "step":
             shorter = self._shorter(choices, excess)
             if shorter.step * self._moving.speed < SHORTEST_STEP < self._duration:

@@ -74,7 +74,7 @@ class SteppedCells:
         return ring.nudged() if self._nudged else ring
 
     def stepper(self, restart: State | None) -> tuple[Stepper, float]:
-        """Return the stepper and the largest stable step; ValueError if the scene's step exceeds it."""
+        """Return the stepper and the largest stable step; ValueError if the scene's is larger."""
         stated = self.scene.discretisation
         limit = check_step(stated.step, stated.table, self.domains.fastest)
         state, domain = self._begin(restart)
@@ -251,7 +251,7 @@ class CellView(View):
 
     @property
     def extra_variables(self) -> dict[str, Any]:
-        """Sup error, slow time and, if there are several, all quantities; empty for moving mKdV waves."""
+        """Sup error, slow time and any further quantities; empty for moving mKdV waves."""
         if self.wave.watches_strains:
             return {}
         error = float(np.max(np.abs(self.numerics - self.analytics))) / self.wave.scale

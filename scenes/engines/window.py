@@ -57,7 +57,7 @@ class FedWave:
         return ring.nudged() if self.nudged else ring
 
     def rigid_offsets(self, speed: float, sites: Sites, t: float) -> Array:
-        """Return the sites' positions at time t in a frame at ``speed``, 0 at the wave frame's start."""
+        """Return positions of sites in a frame at ``speed`` that starts with the wave's frame."""
         begin = self.speed * self.t0
         return np.asarray((sites - begin) - speed * (t - self.t0), dtype=np.float64)
 
@@ -70,7 +70,7 @@ class FedWave:
         return f, wave.far_rates[1][:, np.newaxis] - speed * slopes
 
     def uniform(self, sites: Sites, t: float) -> Array:
-        """Return the fields of the uniform far field, less the mean strain that the bonds include."""
+        """Return the fields of the uniform far field, less the mean strain in the bonds."""
         wave, [mean] = self.domains.wave, self.ring.mean_strain
         growth, velocity = wave.far_rates
         slopes = growth - mean * np.array(wave.growth_shares)
@@ -85,9 +85,9 @@ WINDOW_DECAY = 5.0
 """Assumed power law: a window's error falls at least like size^-5 (measured: -5.8 to -7.4)."""
 
 WINDOW_SAFETY = 3.0
-"""Safety factor on the difference of two windows; it suffices if the error falls like 1/size^1.1. The
-slowest fall met was by a fifth when the size grew by 1.25, in a window hardly larger than its wave
-(rational, order 5)."""
+"""Safety factor on the difference of two windows; it suffices if the error falls like 1/size^1.1.
+The slowest fall met was by a fifth when the size grew by 1.25, in a window hardly larger than its
+wave (rational, order 5)."""
 
 MAX_SIZE_GROWTH = 4.0
 """Largest factor on a size from one choice to the next."""
@@ -249,7 +249,7 @@ class Window(Domain):
         return stored_chain(t, self.wave.first(t), ring.f, ring.v)
 
     def follow(self, state: State) -> BlowUp | None:
-        """Move the window to the state's time and fill front cells; return any mismatch as a fault."""
+        """Move the window to the state's time, fill front cells, and return any feed mismatch."""
         left, cells = self.wave.first(state.t), state.f.shape[1]
         fed = fed_cells(left - state.left, self._ratio)
         state.left = left
@@ -285,5 +285,5 @@ class Window(Domain):
 
 
 def stored_chain(t: float, left: int, f: Array, v: Array) -> State:
-    """Return the state of a chain whose first cell is ``left``, stored cyclically as in a window."""
+    """Return the state of a chain with first cell ``left``, stored cyclically as in a window."""
     return State(t, np.roll(f, left, axis=1), np.roll(v, left, axis=1), left)

@@ -39,8 +39,8 @@ MAX_POINTS = 100_000
 """Maximum number of measured points."""
 
 SMALLEST_SIZE = 1e-20
-"""Least magnitude of the largest stretch, of the largest force and of each deviation; its inverse is
-the greatest one. The squares of their sixth powers are then within the range of doubles."""
+"""Least magnitude of the largest stretch, of the largest force and of each deviation; its inverse
+is the greatest one. The squares of their sixth powers are then within the range of doubles."""
 
 TURN_FRACTION = 0.1
 """Least reversal of the stretch that counts as a turn, as a fraction of the range of stretches."""
@@ -171,7 +171,7 @@ def _turns(stretch: Points) -> list[int]:
 
 
 def _check_loop(rising: Points, falling: Points, turn: int) -> None:
-    """Raise ValueError if loading and unloading branches differ by more than noise in their overlap."""
+    """Raise ValueError if loading and unloading branches differ by more than noise."""
     rising, falling = (b[np.argsort(b[:, 0], kind="stable")] for b in (rising, falling))
     common = falling[(falling[:, 0] >= rising[0, 0]) & (falling[:, 0] <= rising[-1, 0])]
     if len(common) < MIN_POINTS:
@@ -232,7 +232,7 @@ _UNIT = re.compile(r"[A-Za-z\u00b5\u03bc]{1,30}")
 
 
 def _factors(units: str) -> tuple[float, float]:
-    """Return the factors that convert units such as "mm,N" to m and N; ValueError for other units."""
+    """Return the factors that convert units such as "mm,N" to m and N; ValueError for others."""
     parts = [part.strip() for part in units.split(",")]
     if len(parts) != 2 or not all(map(_UNIT.fullmatch, parts)):
         raise ValueError(f"--units must be a length and a force, got {shown(units)} (such as mm,N)")

@@ -55,7 +55,8 @@ AICC_MARGIN = 2.0
 """Difference of AICc up to which two laws count as equally good (Burnham and Anderson)."""
 
 MIN_POINTS_TO_CHOOSE = 12
-"""Minimum number of points from which a law is chosen without a warning (see the docs on coverage)."""
+"""Minimum number of points from which a law is chosen without a warning (see the docs on
+coverage)."""
 
 MAX_WIDENING = 1.3
 """Largest factor by which the choice of a law may widen a constant's interval without a warning."""
@@ -71,8 +72,8 @@ MAX_STARTS, BEST_STARTS = 1000, 3
 """Maximum number of starting points evaluated, and the number of best ones from which to fit."""
 
 MAX_EVALUATIONS, CONVERGED_DEVIATIONS = 300, 0.01
-"""Maximum number of evaluations of a search, and the standard deviations by which a further step may
-still move the law if the search counts as converged."""
+"""Maximum number of evaluations of a search, and the standard deviations by which a further step
+may still move the law if the search counts as converged."""
 
 ROUNDING_FRACTION = 1e-13
 """Least noise, as a fraction of the largest force; smaller residuals are rounding errors."""
@@ -123,7 +124,7 @@ class ForceFit(LeastSquares):
 
     @cached_property
     def tests(self) -> tuple[ResidualTest, ...]:
-        """Results of the tests of the residuals; empty if the residuals are only rounding errors."""
+        """Results of tests of the residuals; empty if residuals are only rounding errors."""
         if self.is_exact:
             return ()
         data, weight = self.data, 1 / self.errors
@@ -157,7 +158,7 @@ class ForceFit(LeastSquares):
         return doubts + self._doubts_of_choice() + self.undetermined_constants(is_linear)
 
     def _doubts_of_choice(self) -> list[str]:
-        """Return sentences that say why the intervals may be too narrow if the law was chosen by AICc."""
+        """Return sentences on why intervals may be too narrow if AICc chose the law."""
         points = self.data.stretch.size
         if not self.evidence or self.is_exact:
             return []
@@ -387,7 +388,7 @@ class _Problem:
         return constants if np.isfinite(self.jacobian(constants)).all() else undefined
 
     def least(self) -> Points:
-        """Return the constants of least chi^2; ValueError if the law is undefined at every start."""
+        """Return the constants of least chi^2; ValueError if every start is undefined."""
         with np.errstate(all="ignore"):
             starts = sorted(self._starts(), key=itemgetter(0))[:BEST_STARTS]
             if not starts:
@@ -429,7 +430,7 @@ class _Problem:
             )
 
     def _projected_jacobian(self, nonlinear: Points) -> Points:
-        """Return the derivatives, by the nonlinear constants, of the residuals after the linear fit."""
+        """Return the derivatives by nonlinear constants of the residuals after the linear fit."""
         slopes = self.jacobian(self.completed(nonlinear))
         others = slopes[:, ~self._linear]
         if not self._linear.any():
