@@ -184,8 +184,8 @@ def fitted_rate(
         float(np.max(np.abs(np.polyval(line, middles**power) - slopes)))
         for power, line in zip((1, 2), lines, strict=True)
     )
-    shares = np.array(own or np.zeros(len(errors)))[order] / np.exp(logs[1])
-    margin = misfit + float(np.max((shares[1:] + shares[:-1]) / widths))
+    relative_errors = np.array(own or np.zeros(len(errors)))[order] / np.exp(logs[1])
+    margin = misfit + float(np.max((relative_errors[1:] + relative_errors[:-1]) / widths))
     candidates = [value, float(slopes[0]), *(float(line[1]) for line in lines)]
     return FittedRate(value, min(candidates) - margin, max(candidates) + margin)
 

@@ -61,7 +61,7 @@ def _drive(label: str, given: Drive) -> Drive:
 
 def _truth(name: str, given: object) -> bool:
     if not isinstance(given, bool):
-        raise ValueError(f"{name} must be true or false, got {shown(given)}")
+        raise ValueError(f"{name} must be true or false, got {shown(given)} (without quotes)")
     return given
 
 
@@ -160,7 +160,9 @@ def _read(name: str, given: object, where: str = "") -> dict[str, Any]:
 
 def _rest(name: str, given: object) -> tuple[()]:
     if given is not True:
-        raise ValueError(f"{name} must be true, got {shown(given)}")
+        raise ValueError(
+            f"{name} must be true, got {shown(given)} (or state mode or impact instead)"
+        )
     return ()
 
 

@@ -44,7 +44,7 @@ def load_scene(text: str | Path, tolerance: float | None = None) -> Scene:
 
 
 def names_a_file(name: str, folder: Path = Path()) -> bool:
-    """Return whether this names a scene file in ``folder``, or the standard input."""
+    """Return whether ``name`` is that of a scene file in ``folder``, or of the standard input."""
     return name == STANDARD_INPUT or name.endswith(".toml") or (folder / name).is_file()
 
 
@@ -89,7 +89,8 @@ def _of_document(document: Mapping[str, Any], path: Path) -> Scene:
 
 
 FOLDER_NAMES = ("paper", "further", "lattices", "bench")
-"""Folders of shipped scenes: the paper's, other waves on its chain, other lattices, benches."""
+"""Folders of shipped scenes: the paper's, further ones on its chain, on other lattices, on a
+bench."""
 
 FOLDERS = {name: f"longwave.scenes.shipped.{name}" for name in FOLDER_NAMES}
 """Python package that contains the scene files of each folder."""

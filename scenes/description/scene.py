@@ -147,7 +147,9 @@ class Scene(SceneFields):
         """Return the scene that `json` wrote; with a custom wave it can be shown but not run."""
         given = json.loads(text)
         if not isinstance(given, Mapping):
-            raise ValueError(f"a scene must be an object of JSON, got {shown(given)}")
+            raise ValueError(
+                f"a scene must be an object of JSON, got {shown(given)} (such as Scene.json writes)"
+            )
         return cls.of(**given)
 
     def __post_init__(self) -> None:
@@ -267,7 +269,7 @@ class Scene(SceneFields):
                     )
         if isinstance(self.branch, bool) or not isinstance(self.branch, int | str):
             raise ValueError(
-                f"branch must be acoustic, optical or a number, got {shown(self.branch)}"
+                f"branch must be acoustic, optical or a number, got {shown(self.branch)} (such as 0)"
             )
         if self.branch != "acoustic" and not self.is_envelope:
             raise ValueError(
@@ -364,7 +366,7 @@ class Scene(SceneFields):
         return scene_file.document_of(self._stated())
 
     def _stated(self) -> dict[str, Any]:
-        """Return the keywords of `of`; a user-defined wave is replaced by a text with its name."""
+        """Return the keywords of `of`; a custom wave is replaced by a text with its name."""
         if isinstance(self.wave, str):
             return self._keywords()
         return self._keywords() | {"wave": f"{self.wave.name} (a closed form that is not shipped)"}

@@ -123,7 +123,7 @@ def as_table(name: str, given: object) -> Mapping[str, Any]:
 def refuse_unknown(
     given: Iterable[str], known: Iterable[str], where: str = "", what: str = "keys"
 ) -> None:
-    """Raise ValueError for an unknown key; its message begins with ``what`` and ``where``."""
+    """Raise ValueError for an unknown key; ``what`` and ``where`` name keys and table in it."""
     for key in given:
         if key not in known:
             remedy = known_names.one_of(key, known)

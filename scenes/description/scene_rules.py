@@ -21,7 +21,7 @@ LARGEST_EPS = 1.0
 
 
 def check_moving_wave(scene: SceneFields) -> None:
-    """Raise ValueError for numerics, observables or times that exclude a moving mKdV wave."""
+    """Raise ValueError for numerics, observables or times that moving mKdV waves do not admit."""
     numerics = scene.numerics
     if isinstance(numerics, Discretisation):
         check.enough_steps(numerics.step, scene.end - scene.t0)
@@ -45,7 +45,7 @@ def check_any_lattice(scene: SceneFields) -> None:
     if not isinstance(scene.wave, str):
         raise ValueError(
             f"wave must be the name of a closed form on {scene.lattice}, got {scene.wave.name}, "
-            "which is not in the catalogue"
+            "which is not in the catalogue (custom waves run on the paper's chain only)"
         )
     _check_numerics(scene)
     _check_losses(scene)

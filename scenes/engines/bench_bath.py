@@ -36,7 +36,7 @@ or more, intervals of 0.95 contained the true mode energy in 92 to 94 of 100 cas
 0.97 in 93 to 97."""
 
 LONGEST_STEP = 0.5
-"""Longest step, in units of the inverse highest frequency or of the inverse damping rate."""
+"""Longest step, in units of the inverse highest frequency or damping rate, whichever is shorter."""
 
 MAX_STEP_EXCESS = 2.0
 """Factor by which a step may exceed `LONGEST_STEP` at the strains met before it is shortened."""
@@ -150,9 +150,9 @@ class Bath:
             count = math.ceil((end - t) / self.step - 1e-9)
             h = (end - t) / max(count, 1)
             decay = np.exp(-0.25 * h * self.rates)
-            size = np.sqrt(self.noise.temperature * (1.0 - decay**2) / self.masses)
+            amplitude = np.sqrt(self.noise.temperature * (1.0 - decay**2) / self.masses)
             for index in range(count):
-                kicks = size * random.standard_normal((4, *size.shape))
+                kicks = amplitude * random.standard_normal((4, *amplitude.shape))
                 self._advance(coarse, decay, kicks, ((0, 1), (2, 3)), t + index * h, h)
                 self._advance(fine, decay, kicks, ((0,), (1, 2), (3,)), t + index * h, 0.5 * h)
                 if index % CHECK_INTERVAL == CHECK_INTERVAL - 1:

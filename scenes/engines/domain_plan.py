@@ -65,7 +65,7 @@ CHECKED_CELLS = 8
 
 
 def front(speed: float, duration: float) -> float:
-    """Return the cells by which the dispersive front of a signal of this speed leads it."""
+    """Return the distance in cells by which the dispersive front of a signal leads the signal."""
     return max(FRONT_CELLS, FRONT_AIRY_LENGTHS * (speed * duration / 8.0) ** (1.0 / 3.0))
 
 
@@ -376,8 +376,8 @@ class DomainPlan(DomainCost):
             indices = firsts[:, np.newaxis] + near - cells[0]
             rates = v[:, indices] / self.wave.rate_unit
             sides.append(np.concatenate([np.diff(f[:, indices]), rates], axis=2))
-        size = max(float(np.max(np.abs(sides[0]))), 1e-300)
-        return np.asarray(np.abs(sides[0] - sides[1]).max(axis=(0, 2)) / size)
+        largest = max(float(np.max(np.abs(sides[0]))), 1e-300)
+        return np.asarray(np.abs(sides[0] - sides[1]).max(axis=(0, 2)) / largest)
 
     def with_seam_distance(self, blow_up: BlowUp, ends: Sequence[Ends]) -> BlowUp:
         """Return the blow-up, with its distance from the ring's seam if that can have caused it."""

@@ -288,7 +288,8 @@ def record_by_rings(scene: Scene, progress: Progress, announce: Announce) -> run
 def choose_engine(scene: Scene) -> str:
     """Return the engine that is named, that the observables need, or else the cheaper one.
 
-    Raises ValueError if the observables exclude the named engine."""
+    Raises ValueError if the observables exclude the named engine.
+    """
     named = scene.target
     if named.engine and (named.steps_cells or not scene.has_moving_wave):
         return named.engine

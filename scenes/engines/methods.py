@@ -67,12 +67,13 @@ def run_scene(
 def expected_cost(scene: Scene) -> ExpectedCost:
     """Return the expected cost of running a scene in a new process.
 
-    Raises ValueError for scenes that are refused before any run."""
+    Raises ValueError for scenes that are refused before any run.
+    """
     return method_of(scene).scene_cost(scene)
 
 
 def wave_size(scene: Scene, t: float, far_field: bool = False) -> float:
-    """Return the wave's largest deviation from its background or, with ``far_field``, from that.
+    """Return the wave's largest deviation from its background, or with ``far_field`` from that.
 
     The maximum is over the compared cells and quantities at time t. NaN if the far field is None.
     """

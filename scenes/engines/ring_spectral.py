@@ -95,7 +95,8 @@ class SpectralRuns:
     def _ends(self, wider: bool) -> list[Ends]:
         """Return the ends, along each axis, of a causal ring of FFT-friendly size.
 
-        A wave of finite extent is contained; ``wider`` selects the ring of control runs."""
+        A wave of finite extent is contained; ``wider`` selects the ring of control runs.
+        """
         ends = self.domains.ends()
         low, high = self.domains.wave.support(self.times[0])
         if math.isfinite(high - low):

@@ -50,7 +50,8 @@ STEP_RATIO = 0.8
 """Ratio of a control run's step to the step of the run before it."""
 
 SIMILARITY_FRACTION = 1e-3
-"""Relative excess of the whole wave's data over those of a part that still represents it."""
+"""Largest relative excess of the whole wave's data over a part's data at which the part counts as
+representative."""
 
 CLEARANCE_CELLS = 128
 """Cells beyond the wave's extent that the coarse engine compares."""

@@ -104,7 +104,8 @@ class SpectralStart:
     def ring(self, circumference: float, shift: float = 0.0) -> SpectralDomain:
         """Return a ring of this circumference, or the causal ring if that is not larger.
 
-        The ring's middle is moved ahead by ``shift``, in circumferences."""
+        The ring's middle is moved ahead by ``shift``, in circumferences.
+        """
         if circumference >= self.causal.circumference:
             return self.causal
         lead = self.bounds.middle + shift * circumference

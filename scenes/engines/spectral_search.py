@@ -259,7 +259,8 @@ class SpectralEngine(SpectralSearch):
     def _spread_over(self, turns: float) -> float:
         """Return a bound, in y/eps, on how far interleaved lattices diverge (`crest_energy.py`).
 
-        ``turns`` is the duration over `spectral_data.turning_time`."""
+        ``turns`` is the duration over `spectral_data.turning_time`.
+        """
         data, bounds = self._data, self._data.bounds
         if self._steepness(bounds.strain) <= SMALL_STEEPNESS:
             return 0.0

@@ -64,7 +64,8 @@ class FedWave:
     def rigid_data(self, speed: float, offsets: Array) -> tuple[Array, Array]:
         """Return fields and velocities of the initial wave if it moved rigidly at ``speed``.
 
-        The `uniform` far field is subtracted from the fields."""
+        The `uniform` far field is subtracted from the fields.
+        """
         wave = self.domains.wave
         f, slopes = wave.rigid_fields(offsets, self.t0)
         return f, wave.far_rates[1][:, np.newaxis] - speed * slopes

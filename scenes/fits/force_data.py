@@ -247,13 +247,13 @@ def _factors(units: str) -> tuple[float, float]:
     return _factor(registry, parts[0], "m"), _factor(registry, parts[1], "N")
 
 
-def _factor(registry: Any, unit: str, base: str) -> float:
+def _factor(registry: Any, unit: str, target: str) -> float:
     import pint
 
     try:
-        return float(registry.Quantity(1.0, unit).to(base).magnitude)
+        return float(registry.Quantity(1.0, unit).to(target).magnitude)
     except pint.UndefinedUnitError:
         got = f"{unit}, which is not a known unit"
     except pint.DimensionalityError:
-        got = f"{unit}, which cannot be converted to {base}"
+        got = f"{unit}, which cannot be converted to {target}"
     raise ValueError(f"--units must be a length and a force, got {got} (such as mm,N)")

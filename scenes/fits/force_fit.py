@@ -119,8 +119,8 @@ class ForceFit(LeastSquares):
     @property
     def is_exact(self) -> bool:
         """Whether the residuals are only rounding errors."""
-        size = linalg.norm(self.residuals * self.errors) / math.sqrt(self.data.stretch.size)
-        return float(size) <= _rounding(self.data)
+        rms = linalg.norm(self.residuals * self.errors) / math.sqrt(self.data.stretch.size)
+        return float(rms) <= _rounding(self.data)
 
     @cached_property
     def tests(self) -> tuple[ResidualTest, ...]:
@@ -373,7 +373,8 @@ class _Problem:
     def completed(self, nonlinear: Points) -> Points:
         """Return all constants: the given nonlinear ones with the best linear ones.
 
-        All are NaN if the law or its derivatives are undefined there."""
+        All are NaN if the law or its derivatives are undefined there.
+        """
         constants = np.zeros(self._linear.size)
         constants[~self._linear] = nonlinear
         undefined = np.full(constants.size, math.nan)

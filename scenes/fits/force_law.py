@@ -138,7 +138,8 @@ def stated_law(
     for name in fixed or {}:
         if name not in known:
             raise ValueError(
-                f"fixed constants must be among {', '.join(sorted(known))}, got {shown(name)}"
+                f"fixed constants must be among {', '.join(sorted(known))}, got {shown(name)} "
+                "(rename it or leave it out)"
             )
     values = {known[name]: number_value(name, value) for name, value in (fixed or {}).items()}
     return ForceLaw(force, values)

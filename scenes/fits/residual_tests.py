@@ -157,8 +157,10 @@ class ResidualTests:
         variance = 2 * (degrees * square - trace**2) / (degrees**2 * (degrees + 2))
         reach = math.cos(math.pi / (points + 1))
         middle = (mean + reach) / (2 * reach)
-        size = middle * (1 - middle) / (variance / (4 * reach**2)) - 1 if variance > 0 else 0.0
-        if not size > 0:
+        concentration = (
+            middle * (1 - middle) / (variance / (4 * reach**2)) - 1 if variance > 0 else 0.0
+        )
+        if not concentration > 0:
             return math.nan
         scaled = (float(residuals[1:] @ residuals[:-1]) / total + reach) / (2 * reach)
-        return float(stats.beta.sf(scaled, middle * size, (1 - middle) * size))
+        return float(stats.beta.sf(scaled, middle * concentration, (1 - middle) * concentration))

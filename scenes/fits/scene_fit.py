@@ -284,7 +284,8 @@ class _Problem:
     def least(self, start: Array) -> optimize.OptimizeResult:
         """Fit from ``start``, repeatedly while the result needs a shorter time step.
 
-        Raises ValueError if the fit does not converge."""
+        Raises ValueError if the fit does not converge.
+        """
         result, self.step = None, math.inf
         while (step := self._model.step(start, self._times)) < STEP_FRACTION * self.step:
             self.step, self._cached = step, None

@@ -67,7 +67,8 @@ def chain_on_bench(
 ) -> DrivenChain:
     """Return the chain with the bench's ends, forces and defects for times in ``span``.
 
-    Raises ValueError for an unknown field."""
+    Raises ValueError for an unknown field.
+    """
     for given in bench.masses.values():
         for name in given if isinstance(given, Mapping) else ():
             _field(lattice, name, "[defects]")

@@ -169,7 +169,8 @@ class EnvelopeData(LatticeWave):
     def amplitude(self) -> EnvelopeWave:
         """Envelope A, with the next order if corrected.
 
-        Raises ValueError for corrected data before `start`."""
+        Raises ValueError for corrected data before `start`.
+        """
         if self._flow is None:
             raise ValueError(
                 "start must be called before corrected data are used, got no start time (the next "
@@ -297,8 +298,8 @@ def _integral(values: Array, slopes: Array, n: Array) -> Array:
 def _ends(wave: EnvelopeWave, T: float, wider: float = 1.0) -> tuple[float, float]:
     """Return the wave's ends in X, moved apart by the factor ``wider``; infinite if it has none."""
     X = np.linspace(-FARTHEST_X, FARTHEST_X, END_SAMPLES)
-    size = np.abs(wave.jets(X, T, 0)[0])
-    inside = X[size > END_LEVEL * np.max(size)]
+    modulus = np.abs(wave.jets(X, T, 0)[0])
+    inside = X[modulus > END_LEVEL * np.max(modulus)]
     if abs(inside[0]) == FARTHEST_X or abs(inside[-1]) == FARTHEST_X:
         return -np.inf, np.inf
     middle, half = (inside[0] + inside[-1]) / 2, (inside[-1] - inside[0]) / 2

@@ -106,10 +106,12 @@ class FirstCorrection:
         """Return the Fourier modes of Y1 at T.
 
         Raises ValueError before `start`, and if the largest number of points does not resolve
-        Y1."""
+        Y1.
+        """
         if not self._solved:
             raise ValueError(
-                f"start must be called before the corrected wave is evaluated, got T = {T}"
+                f"start must be called before the corrected wave is evaluated, got T = {T:g} (call "
+                "start with the time of the initial data)"
             )
         while T not in self._solved:
             nearest = min(self._solved, key=lambda time: abs(time - T))
@@ -137,10 +139,10 @@ class FirstCorrection:
             factor = growth(T)
             return np.asarray(self._space.modes(self._varying(T, factor * scaled)) / factor)
 
-        size = float(np.max(np.abs(self._further(self._jets(begin)))))
+        forcing = float(np.max(np.abs(self._further(self._jets(begin)))))
         # Y1_X needs small errors of short modes, too. This weight, a compromise between Y1 and
         # Y1_X, takes 1.4 times the steps instead of twice as many.
-        absolute = CORRECTION_TOLERANCE * size / np.sqrt(1.0 + np.abs(self._space.k))
+        absolute = CORRECTION_TOLERANCE * forcing / np.sqrt(1.0 + np.abs(self._space.k))
         solver = DOP853(slope, begin, modes, end, rtol=CORRECTION_TOLERANCE, atol=absolute)
         self._update_truncated(begin, modes)
         while solver.status == "running" and self._truncated <= MAX_TRUNCATED:

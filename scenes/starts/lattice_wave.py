@@ -103,7 +103,8 @@ class LatticeWave(ABC):
     def start(self, t: float) -> None:
         """Start the next order's correction from 0 at time t; no effect unless overridden.
 
-        Must be called before other methods of a corrected wave."""
+        Must be called before other methods of a corrected wave.
+        """
         return
 
     def crest(self, t: float) -> float | None:
@@ -253,7 +254,8 @@ class LatticeWave(ABC):
     def rigid_fields(self, offsets: Array, t: float) -> tuple[Array, Array]:
         """Return fields and slopes per cell at ``offsets`` from the frame's origin at time t.
 
-        The growth of the far field from cell to cell is subtracted from both."""
+        The growth of the far field from cell to cell is subtracted from both.
+        """
         raise NotImplementedError
 
     def rest_slopes(self, ring: InitialCells) -> list[float]:
@@ -274,7 +276,7 @@ def nearest_cell(speed: float, t: float) -> int:
     """
     position = speed * t + 0.5
     if not abs(position) < FARTHEST_CELL:
-        raise ValueError(f"t must leave c t within 2^53 sites, got t = {t:g}")
+        raise ValueError(f"t must leave c t within 2^53 sites, got t = {t:g} (end earlier)")
     return math.floor(position)
 
 

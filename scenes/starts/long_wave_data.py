@@ -329,7 +329,8 @@ class LongWaveData(LatticeWave):
     def extent(self, times: Sequence[float], tolerance: float) -> tuple[float, float]:
         """Return the wave's ends over all times, in cells from the frame's origin.
 
-        (inf, -inf) if the wave is equal to its background."""
+        (inf, -inf) if the wave is equal to its background.
+        """
         wave, supports = cast(NumericWave, self.wave), []
         level = wave.constant_background or 0.0
         for T in map(self.slow_time, sampled_times(times)):
@@ -341,7 +342,8 @@ class LongWaveData(LatticeWave):
     def rigid_fields(self, offsets: Array, t: float) -> tuple[Array, Array]:
         """Return fields and slopes per cell at ``offsets`` from the frame's origin at time t.
 
-        The growth of the background from cell to cell is subtracted from both."""
+        The growth of the background from cell to cell is subtracted from both.
+        """
         fields = [field for field, _ in self._series]
         derivatives = [field.slope() for field in fields]
         f, slopes = self._evaluate([fields, derivatives], self._unit * offsets, t)

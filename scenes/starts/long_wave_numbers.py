@@ -99,7 +99,8 @@ def _series(
 ) -> tuple[tuple[JetPolynomial, JetPolynomial], ...]:
     """Return each field and its time derivative as polynomials; () with a transverse variable.
 
-    Raises ValueError for several fields or variables with a transverse variable."""
+    Raises ValueError for several fields or variables with a transverse variable.
+    """
     if not reduction.pde.transverse:
         return tuple(
             (with_numbers(field, values, eps), with_numbers(rate, values, eps))
@@ -117,7 +118,8 @@ def _series(
 def _correction(reduction: Reduction, values: Values) -> tuple[int, JetPolynomial, JetPolynomial]:
     """Return the first correction's power, the flow of the reduced equation and the correction's.
 
-    Raises ValueError if no correction was derived."""
+    Raises ValueError if no correction was derived.
+    """
     powers = sorted(reduction.corrections)
     if not powers:
         obstruction = reduction.obstruction

@@ -294,7 +294,8 @@ class MovingWave(LatticeWave):
     def fading(self, t: float, speed: float) -> Fading | None:
         """Return the damping of cells that signals of this speed from the seam reach.
 
-        None for a ring without blending."""
+        None for a ring without blending.
+        """
         if not self.seam_room(t) or self.duration == 0.0:
             return None
         depth = max(float(FADING_DEPTH), (self.wave.wavelength or 0.0) / self.eps)
