@@ -61,7 +61,9 @@ def _drive(label: str, given: Drive) -> Drive:
 
 def _truth(name: str, given: object) -> bool:
     if not isinstance(given, bool):
-        raise ValueError(f"{name} must be true or false, got {shown(given)} (without quotes)")
+        raise ValueError(
+            f"{name} must be true or false, got {shown(given)} (such as {name.split()[0]} = true)"
+        )
     return given
 
 

@@ -269,7 +269,8 @@ class Scene(SceneFields):
                     )
         if isinstance(self.branch, bool) or not isinstance(self.branch, int | str):
             raise ValueError(
-                f"branch must be acoustic, optical or a number, got {shown(self.branch)} (such as 0)"
+                f"branch must be acoustic, optical or a number, got {shown(self.branch)} (0 is the "
+                "lowest)"
             )
         if self.branch != "acoustic" and not self.is_envelope:
             raise ValueError(

@@ -45,7 +45,8 @@ def check_any_lattice(scene: SceneFields) -> None:
     if not isinstance(scene.wave, str):
         raise ValueError(
             f"wave must be the name of a closed form on {scene.lattice}, got {scene.wave.name}, "
-            "which is not in the catalogue (custom waves run on the paper's chain only)"
+            "which is not in the catalogue (a custom wave needs the paper's chain with K3 = 0 and "
+            "leading data)"
         )
     _check_numerics(scene)
     _check_losses(scene)

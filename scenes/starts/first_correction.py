@@ -105,8 +105,7 @@ class FirstCorrection:
     def _at(self, T: float) -> Complex:
         """Return the Fourier modes of Y1 at T.
 
-        Raises ValueError before `start`, and if the largest number of points does not resolve
-        Y1.
+        Raises ValueError before `start`, and if `MAX_POINTS` points do not resolve Y1.
         """
         if not self._solved:
             raise ValueError(
