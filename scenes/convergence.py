@@ -259,8 +259,8 @@ def _point(run: RunRecord) -> ConvergencePoint:
 
 
 SEARCHED_ORDERS = 4
-"""Orders beyond the reduced equation that are searched for its next two corrections; mirror
-symmetric cells have even orders only."""
+"""Number of orders beyond the reduced equation that are searched for its next two corrections;
+lattices with mirror-symmetric cells have even orders only."""
 
 ZERO_COEFFICIENT = 1e-12
 """Magnitude below which a coefficient counts as 0; coefficients are O(1), computed to 60 digits."""

@@ -34,8 +34,8 @@ class ModulationGrid:
     """Coefficients of ``i A_T + p A_XX + q |A|^2 A = 0`` on a grid; all arrays have one shape.
 
     ``growth_rate`` is the largest growth rate, in T, of a perturbed plane wave; 0 where it is
-    stable.  At a resonance p, q and ``growth_rate`` are NaN; where the lattice is unstable, so is
-    omega.
+    stable.  At a resonance p, q and ``growth_rate`` are NaN; where the lattice itself is unstable,
+    omega is NaN as well.
     """
 
     k: Array
@@ -72,8 +72,8 @@ def modulation_grid(
     angle = real_array("every k", k)
     if not np.all((angle > 0) & (angle <= np.pi)):
         raise ValueError(
-            f"k must satisfy 0 < k <= pi, got {angle.min():g} .. {angle.max():g} (k and -k are the "
-            "same wave)"
+            f"k must satisfy 0 < k <= pi, got {angle.min():g} .. {angle.max():g} (k is the "
+            "carrier's wavenumber in radians per cell)"
         )
     fixed = {n: exact(n, np.asarray(v).item()) for n, v in constants.items() if np.ndim(v) == 0}
     varied = {n: real_array(f"every {n}", v) for n, v in constants.items() if n not in fixed}

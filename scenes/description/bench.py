@@ -87,7 +87,7 @@ def _end(name: str, given: object) -> str | Mapping[str, Drive]:
 
 
 def _factors(name: str, given: object) -> dict[int, Any]:
-    """Return factors by the number of a cell or bond.
+    """Return factors of masses or springs, by the number of the cell or bond.
 
     A factor is a number; for masses also a table by field, for springs also a list by bond.
     """

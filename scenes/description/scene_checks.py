@@ -71,11 +71,12 @@ REQUIRED = object()
 
 @dataclass(frozen=True)
 class Entry:
-    """Key of a table: function that checks a value, given its name; meaning; default value.
+    """Declaration of a table's key: its check, its meaning and its default value.
 
-    Messages call the key ``name``, or "KEY in [TABLE]" if ``name`` is empty, and append ``remedy``
-    if the key is missing. ``field`` is the record's field for the value, by default the key. A
-    default of None is passed to ``read``, which may refuse it.
+    ``read`` takes the key's name and a value, checks the value and returns it. Messages call the
+    key ``name``, or "KEY in [TABLE]" if ``name`` is empty, and append ``remedy`` if the key is
+    missing. ``field`` is the record's field for the value, by default the key. A default of None is
+    passed to ``read``, which may refuse it.
     """
 
     read: Callable[[str, Any], Any]
@@ -176,7 +177,7 @@ def whole(name: str, value: object, least: int = 1, most: float = LARGEST_WHOLE)
 
 
 def enough_steps(step: float, duration: float) -> None:
-    """Raise ValueError for a step so small that the run would never end."""
+    """Raise ValueError for a step so small that the run would take over `MOST_STEPS` steps."""
     if duration > MOST_STEPS * step:
         raise ValueError(
             f"step must satisfy step >= {duration / MOST_STEPS:.3g} for {duration:g} time units, "

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 @lru_cache(maxsize=4)
 def bench_and_chain(scene: Scene, lossless: bool = False) -> tuple[Bench, DrivenChain]:
-    """Return a scene's bench and numeric chain; ``lossless`` omits the cells' own losses."""
+    """Return a scene's bench and numeric chain, without its losses if ``lossless``."""
     bench = scene.own_bench
     values = {name: number_value(name, value) for name, value in scene.constants}
     lattice, losses = without_losses(scene.symbolic_lattice, values)

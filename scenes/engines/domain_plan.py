@@ -89,13 +89,13 @@ def least_window(reach: int, ratio: float = 1.0) -> int:
 
 
 def round_up(sites: float) -> int:
-    """Return the next larger multiple of ``SIZE_MULTIPLE``."""
+    """Return the smallest multiple of `SIZE_MULTIPLE` that is at least ``sites``."""
     return SIZE_MULTIPLE * math.ceil(sites / SIZE_MULTIPLE)
 
 
 @dataclass(frozen=True)
 class ComparedCells:
-    """Cells that are compared: those within ``reach`` (one number an axis) of the moving frame."""
+    """Cells that are compared: those within ``reach`` (per axis) of a moving frame's origin."""
 
     speed: float
     reach: tuple[int, ...]

@@ -320,9 +320,9 @@ class SidebandRuns:
 
     Runs are compared by the logarithms of the sideband sizes, times a ``scale`` such that their
     error bounds that of the growth rate in units of the largest theoretical rate. Rounding errors
-    may excite other modes that grow faster than the perturbation; the nudge of a control run is as
-    large as the rounding errors that accumulate before these modes dominate. Raises ValueError for
-    a scene that would take too long.
+    may excite other modes that grow faster than the perturbation; a control run's data are changed
+    by as much as the rounding errors that accumulate before these modes dominate. Raises ValueError
+    for a scene that would take too long.
     """
 
     def __init__(self, plan: GrowthPlan, scene: Scene) -> None:

@@ -55,7 +55,7 @@ FIRST_RING_RUNS = 2.0
 """Cost of all runs on the first ring, one for each step tried, in units of the last of them."""
 
 MOST_RELATIVE_COST = 300.0
-"""Cost at which the spectral engine gives up, in units of the stencil's; at least `MIN_BUDGET`.
+"""Cost at which the spectral engine gives up, in units of the stencil's first run (`MIN_BUDGET`).
 
 On a ring that short waves circle forever, a larger ring improves the result ever more slowly. Then
 the stencil in a moving window is much cheaper.

@@ -174,8 +174,7 @@ def solve_on_rings(
 ) -> Refined:
     """Run a wave on spectral rings to a tolerance on the sup error of y/eps at the compared sites.
 
-    ``most_work`` limits the work of each further step of the search, in points times log2(points)
-    times evaluations.
+    ``most_work`` limits the work of further runs, in points times log2(points) times evaluations.
     ``progress`` and ``announce`` are as in `refine`. Raises ValueError if the tolerance needs too
     many points or too short steps or is below the rounding error, OverBudgetError beyond
     ``most_work``, and FloatingPointError if the lattice blows up.

@@ -441,7 +441,7 @@ class _Problem:
         return np.asarray(others - basis @ (basis.T @ others))
 
     def _starts(self) -> Iterable[tuple[float, Points]]:
-        """Yield pairs (chi^2, starting values of the nonlinear constants), if chi^2 is finite."""
+        """Yield pairs (chi^2, starting values of nonlinear constants) where chi^2 is finite."""
         reach = float(np.max(np.abs(self._data.stretch)))
         sizes = sorted({scale * reach**power for scale in START_FACTORS for power in (-1, 0, 1)})
         choices = [

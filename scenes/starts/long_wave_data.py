@@ -329,7 +329,7 @@ class LongWaveData(LatticeWave):
     def extent(self, times: Sequence[float], tolerance: float) -> tuple[float, float]:
         """Return the wave's ends over all times, in cells from the frame's origin.
 
-        (inf, -inf) if the wave is equal to its background.
+        (inf, -inf) if the wave never differs noticeably from its background.
         """
         wave, supports = cast(NumericWave, self.wave), []
         level = wave.constant_background or 0.0

@@ -205,7 +205,9 @@ class MovingWave(LatticeWave):
         return self._scaled(self.wave.value_at(cells, t, self.eps, "background"))
 
     def far_field(self, sites: Sites, t: float) -> Array | None:
-        """Return the true far fields' strains: the left one on the left half of the sites.
+        """Return the strains of the true far fields on the sites.
+
+        On the left half of the sites they are those of the left far field, else of the right one.
 
         None on a constant background, which equals the far field, and for a bare periodic wave,
         which is its own far field.

@@ -31,7 +31,7 @@ decay."""
 
 DRIFT_FRACTION = 0.1
 """Margin added to a wave's ends, as a fraction of their drift over the run, because the wave on the
-lattice may drift otherwise than the closed form."""
+lattice may drift differently from the closed form."""
 
 
 def sampled_times(times: Sequence[float]) -> list[float]:
