@@ -25,8 +25,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 ZERO_DENOMINATOR = 1e-13
-"""Magnitude below which a denominator counts as 0, relative to the sum of the moduli of its
-terms."""
+"""Magnitude below which a denominator counts as 0, relative to the sum of its terms' moduli."""
 
 
 @dataclass(frozen=True)

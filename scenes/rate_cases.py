@@ -23,8 +23,7 @@ if TYPE_CHECKING:
 RATES_FILE = "rates.toml"
 
 LATE_TIMES = 61
-"""Number of late times at which an envelope is compared; many, as its error beats with the
-carrier."""
+"""Number of late times to compare an envelope at; many, as its error beats with the carrier."""
 
 
 @dataclass(frozen=True)

@@ -89,8 +89,7 @@ def _of_document(document: Mapping[str, Any], path: Path) -> Scene:
 
 
 FOLDER_NAMES = ("paper", "further", "lattices", "bench")
-"""Folders of shipped scenes: the paper's, further ones on its chain, on other lattices, on a
-bench."""
+"""Folders of shipped scenes: the paper's, further ones on its chain, other lattices, benches."""
 
 FOLDERS = {name: f"longwave.scenes.shipped.{name}" for name in FOLDER_NAMES}
 """Python package that contains the scene files of each folder."""

@@ -122,8 +122,7 @@ class Recorder:
     def variables(self) -> Variables:
         """Return the recorded variables, and their times unless these are the snapshots.
 
-        The recorder's values are removed from it, because a large ring has no memory for a second
-        copy.
+        The values are removed from the recorder, as a large ring has no memory for a second copy.
         """
         recorded: Variables = {}
         for variable in (variable for entry in self.entries for variable in entry.variables):

@@ -22,8 +22,7 @@ STEP_SECONDS = 3e-7
 """Seconds per step on a small ring: 2.6e-7 to 3.3e-7 on chains of 100 cells."""
 
 DRIVEN_STEP_SECONDS = 2.5e-5
-"""Seconds per step of a driven lattice with time-dependent weights; up to 4e-5 on a busy
-machine."""
+"""Seconds per step of a driven lattice with time-dependent weights; 4e-5 on a busy machine."""
 
 SECONDS_PER_DASHPOT = 3e-9
 """Seconds per dashpot and stage of a step, in which the rate of its bond is computed."""

@@ -65,8 +65,7 @@ MIN_BUDGET = 10.0
 """Seconds that the spectral engine may use in any case."""
 
 CHANGE_FRACTION = 0.6
-"""Change of the result from doubling the ring, as a fraction of the tolerance, that ends a
-search."""
+"""Largest change from doubling the ring, as a fraction of the tolerance, that ends a search."""
 
 
 POINT_BYTES = 530.0

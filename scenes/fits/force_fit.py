@@ -55,8 +55,7 @@ AICC_MARGIN = 2.0
 """Difference of AICc up to which two laws count as equally good (Burnham and Anderson)."""
 
 MIN_POINTS_TO_CHOOSE = 12
-"""Minimum number of points from which a law is chosen without a warning (see the docs on
-coverage)."""
+"""Minimum number of points from which a law is chosen without a warning."""
 
 MAX_WIDENING = 1.3
 """Largest factor by which the choice of a law may widen a constant's interval without a warning."""

@@ -41,8 +41,7 @@ LOSS_NAMES = {"siteloss": "losses.site", "bondloss": "losses.bond"}
 """Name of each numeric loss in a fit, by the name of the symbol that stands for it."""
 
 MAX_RUNS, CONVERGED_CHANGE = 200, 1e-10
-"""Maximum number of runs, and relative change of constants or chi^2 at which a fit has
-converged."""
+"""Maximum number of runs, and relative change of constants or chi^2 that ends a fit."""
 
 STEP_FRACTION = 0.9
 """If the fitted constants need a time step shorter than this fraction of the step of the fit, the

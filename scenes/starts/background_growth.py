@@ -93,8 +93,7 @@ USUAL_TOLERANCE = 1e-4
 """Rounding error of y/eps up to which a run without a tolerance can be trusted."""
 
 STABLE_RATE = 1e-6
-"""Growth rate per tau up to which a background counts as stable; rounding alone gives such
-rates."""
+"""Growth rate per tau, such as rounding causes, up to which a background counts as stable."""
 
 WAVE_SAMPLES = 8 * MOST_MODES
 """Number of samples of a periodic background over one wavelength."""

@@ -18,8 +18,7 @@ DECAY_EXPONENT = 36.0
 """Exponent of decay: the interval ends where the wave has fallen by exp(-DECAY_EXPONENT)."""
 
 LEAST_DECAY = 1e-6
-"""Smallest decay rate of a localised wave's flanks, in units of the fastest decay or
-oscillation."""
+"""Smallest decay rate of a localised wave's flanks, in units of the fastest rate."""
 
 POINTS = 1024
 """Number of points of the Fourier series on the interval of X."""
