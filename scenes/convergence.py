@@ -1,7 +1,7 @@
 """Convergence study of a scene: the rate at which its error falls with eps, at fixed slow times.
 
-In theory the error is that of the first neglected term: in the equation, the next order that does
-not vanish; in the initial data, the fields slaved to the wave.
+In theory the error is that of the first neglected term: the first nonzero correction of the reduced
+equation or, in leading initial data, the fields slaved to the wave.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -129,8 +129,9 @@ def scene_convergence(
 ) -> SceneConvergence:
     """Run the scene at each eps, from the largest to the smallest, and fit the rate.
 
-    A run whose own error is not small compared with the measured one is repeated with a smaller
-    tolerance. Raises ValueError for too few or invalid values of eps, and as `record_scene`.
+    A run whose discretisation error is not small compared with the measured error is repeated with
+    a smaller tolerance. Raises ValueError for too few or invalid values of eps, and the errors of
+    `record_scene`.
     """
     values = _eps_values(scene, eps)
     scene = scene.with_tolerance(scene.target.tolerance).changed(observables=("strain",))
@@ -157,8 +158,8 @@ def fitted_rate(
     The slope drifts with eps.  Local slopes are taken between neighbouring eps, at their geometric
     mean.  The interval contains the overall slope, the local slope at the two smallest eps, and the
     values at eps = 0 of lines fitted to the local slopes against eps and eps^2.  It is enlarged by
-    the misfit of these lines and by the effect of the runs' ``own`` errors.  Raises ValueError for
-    fewer than three errors, and for eps or errors that are not positive and finite.
+    the misfit of these lines and by the effect of ``own``, the runs' discretisation errors.  Raises
+    ValueError for fewer than three errors, and for eps or errors that are not positive and finite.
 
     >>> fitted_rate([0.1, 0.2, 0.4], [0.01, 0.04, 0.16]).value
     2.0
@@ -183,8 +184,8 @@ def fitted_rate(
         float(np.max(np.abs(np.polyval(line, middles**power) - slopes)))
         for power, line in zip((1, 2), lines, strict=True)
     )
-    shares = np.array(own or np.zeros(len(errors)))[order] / np.exp(logs[1])
-    margin = misfit + float(np.max((shares[1:] + shares[:-1]) / widths))
+    relative_errors = np.array(own or np.zeros(len(errors)))[order] / np.exp(logs[1])
+    margin = misfit + float(np.max((relative_errors[1:] + relative_errors[:-1]) / widths))
     candidates = [value, float(slopes[0]), *(float(line[1]) for line in lines)]
     return FittedRate(value, min(candidates) - margin, max(candidates) + margin)
 
@@ -221,7 +222,7 @@ def _run(scene: Scene, progress: Callable[[float], None], announce: Announce) ->
 
 
 def _sup_errors(run: RunRecord) -> Array:
-    """Return the sup errors at the times after the start, in units of the compared quantity."""
+    """Return the sup error at each snapshot after the start, in units of ``eps**power``."""
     pair = ("strains", "analytics") if "strains" in run.variables else ("strain", "analytic")
     numeric, analytic = (_later(run, name) for name in pair)
     axes = tuple(range(1, numeric.ndim))
@@ -230,7 +231,7 @@ def _sup_errors(run: RunRecord) -> Array:
 
 
 def _later(run: RunRecord, name: str) -> Array:
-    """Return the values of a variable at the times after the start."""
+    """Return the values of the variable ``name`` at the snapshots after the start."""
     return run.values(name)[np.array(run.reached) > run.scene.t0]
 
 
@@ -258,17 +259,17 @@ def _point(run: RunRecord) -> ConvergencePoint:
 
 
 SEARCHED_ORDERS = 4
-"""Orders beyond the reduced equation that are searched for its next two corrections; mirror
-symmetric cells have even orders only."""
+"""Number of orders beyond the reduced equation that are searched for its next two corrections;
+lattices with mirror-symmetric cells have even orders only."""
 
 ZERO_COEFFICIENT = 1e-12
-"""Size below which a coefficient counts as 0; coefficients are of order one, from 60 digits."""
+"""Magnitude below which a coefficient counts as 0; coefficients are O(1), computed to 60 digits."""
 
 
 def long_wave_rate(reduction: Reduction, lattice: Lattice, order: str) -> int | None:
-    """Return the theoretical power of the strain's error for data of this order, or None.
+    """Return the theoretical power of eps of the strain's error; ``order`` is that of the data.
 
-    There is none for leading data of several fields, which excite free waves that the expansion
+    Returns None for leading data of several fields, which excite free waves that the expansion
     does not describe, and if no correction of the equation is found.
 
     >>> from sympy import S
@@ -293,7 +294,7 @@ def long_wave_rate(reduction: Reduction, lattice: Lattice, order: str) -> int | 
 
 
 def envelope_rate(envelope: Envelope, numbers: Mapping[str, Number], order: str) -> int:
-    """Return the theoretical power of a carrier wave's error for data of this order.
+    """Return the theoretical power of eps of an envelope's error; ``order`` is that of the data.
 
     >>> from longwave.derive import LATTICES, envelope
     >>> found = envelope(LATTICES["fput_strain"], 1)
@@ -308,7 +309,7 @@ def envelope_rate(envelope: Envelope, numbers: Mapping[str, Number], order: str)
 
 
 def _has(terms: CarrierTerms, power: int) -> bool:
-    """Return whether there is a nonzero term with this power of eps."""
+    """Return whether any of the terms has this power of eps and a nonzero coefficient."""
     return any(term.power == power and abs(term.value) > ZERO_COEFFICIENT for term in terms)
 
 

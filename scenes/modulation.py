@@ -25,15 +25,16 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 ZERO_DENOMINATOR = 1e-13
-"""Size below which a denominator counts as 0, relative to the sum of its terms' moduli."""
+"""Magnitude below which a denominator counts as 0, relative to the sum of its terms' moduli."""
 
 
 @dataclass(frozen=True)
 class ModulationGrid:
     """Coefficients of ``i A_T + p A_XX + q |A|^2 A = 0`` on a grid; all arrays have one shape.
 
-    ``growth_rate`` is the plane wave's largest growth rate in T, 0 where it is stable.  At a
-    resonance p, q and ``growth_rate`` are NaN; where the lattice itself is unstable, omega too.
+    ``growth_rate`` is the largest growth rate, in T, of a perturbed plane wave; 0 where it is
+    stable.  At a resonance p, q and ``growth_rate`` are NaN; where the lattice itself is unstable,
+    omega is NaN as well.
     """
 
     k: Array
@@ -69,7 +70,10 @@ def modulation_grid(
     """
     angle = real_array("every k", k)
     if not np.all((angle > 0) & (angle <= np.pi)):
-        raise ValueError(f"k must satisfy 0 < k <= pi, got {angle.min():g} .. {angle.max():g}")
+        raise ValueError(
+            f"k must satisfy 0 < k <= pi, got {angle.min():g} .. {angle.max():g} (k is the "
+            "carrier's wavenumber in radians per cell)"
+        )
     fixed = {n: exact(n, np.asarray(v).item()) for n, v in constants.items() if np.ndim(v) == 0}
     varied = {n: real_array(f"every {n}", v) for n, v in constants.items() if n not in fixed}
     derived = envelope(lattice, branch=branch, **({} if lattice.definitions else fixed))
@@ -77,7 +81,10 @@ def modulation_grid(
 
 
 def scene_modulation(scene: Scene, k: Array, amplitude: float) -> ModulationGrid:
-    """Return p, q and growth rates of a scene at 0 < k <= pi; ValueError as its derivation."""
+    """Return p, q and growth rates of a scene's lattice at wavenumbers 0 < k <= pi.
+
+    Raises the ValueErrors of `scene_envelope`.
+    """
     from longwave.scenes.starts.lattice_derivation import scene_envelope
 
     derived, numbers = scene_envelope(scene.changed(carrier=1))
@@ -133,25 +140,25 @@ def _values(
 
 def _sum(terms: Any, names: list[str], point: Mapping[str, Any]) -> tuple[Any, Any]:
     """Return the value of a polynomial at ``point``, and the sum of its terms' moduli."""
-    total, size = np.clongdouble(0), np.longdouble(0)
+    total, magnitude = np.clongdouble(0), np.longdouble(0)
     for exponents, value in terms:
         term: Any = np.longdouble(value)
         for name, power in zip(names, exponents, strict=True):
             term = term * point[name] ** power if power else term
-        total, size = total + term, size + np.abs(term)
-    return total, size
+        total, magnitude = total + term, magnitude + np.abs(term)
+    return total, magnitude
 
 
 def _at(element: RationalFunction, point: Mapping[str, Any]) -> Any:
     """Return the value of a rational function at ``point``; NaN where its denominator vanishes."""
     names = [str(symbol) for symbol in element.field.symbols]
     above, _ = _sum(element.terms(), names, point)
-    below, size = _sum(element.terms(below=True), names, point)
-    return above / np.where(np.abs(below) <= ZERO_DENOMINATOR * size, np.nan, below)
+    below, magnitude = _sum(element.terms(below=True), names, point)
+    return above / np.where(np.abs(below) <= ZERO_DENOMINATOR * magnitude, np.nan, below)
 
 
 def _frequency_squared(derived: Envelope, point: Mapping[str, Any], shape: tuple[int, ...]) -> Any:
-    """Return omega^2 of the envelope's branch from the dispersion relation; NaN if complex."""
+    """Return omega^2 of the envelope's branch from the dispersion relation; NaN where complex."""
     names = [str(symbol) for symbol in derived.carrier.field.symbols]
     parts: dict[int, Any] = {}
     for exponents, value in derived.carrier.relation.terms():

@@ -23,14 +23,14 @@ if TYPE_CHECKING:
 RATES_FILE = "rates.toml"
 
 LATE_TIMES = 61
-"""Number of times at which an envelope is compared, because its errors beat with the carrier."""
+"""Number of late times to compare an envelope at; many, as its error beats with the carrier."""
 
 
 @dataclass(frozen=True)
 class RateCase:
     """Scene of a convergence study, with the ``orders`` of its data and the values of ``eps``.
 
-    Cases with ``is_long`` are run for the full report only.
+    A case with ``is_long`` takes long and is run for the full report only.
     """
 
     scene: Scene
@@ -39,7 +39,7 @@ class RateCase:
     is_long: bool
 
     def study(self, order: str) -> SceneConvergence:
-        """Run the convergence study for data of this order."""
+        """Run the convergence study with initial data of this order, such as "leading"."""
         from longwave.scenes.convergence import scene_convergence  # loads SymPy
 
         return scene_convergence(self.scene.changed(order=order), self.eps)

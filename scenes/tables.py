@@ -1,4 +1,4 @@
-"""Starts, domains and engines that a scene may name: each import is one entry.
+"""Starts, domains and engines that a scene may name: each imported object is one entry.
 
 Messages list the entries in this order. Their files are imported with the first scene.
 """

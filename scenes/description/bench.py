@@ -39,7 +39,7 @@ SENSOR_QUANTITIES = ("displacement", "velocity", "strain", "force")
 """Quantities that sensors read, of a cell or of the bond from it to the next cell."""
 
 MEAN_SUFFIXES = ("_error", "_spread")
-"""Name endings of a mean's half confidence interval and standard deviation over runs."""
+"""Suffixes of the variables with a mean's half confidence interval and its spread over runs."""
 
 END_DRIVES = ("displacement", "velocity", "force")
 """Quantities that may drive an end, as functions of time."""
@@ -52,7 +52,7 @@ FROM_0 = partial(check.whole, least=0)
 
 
 def _drive(label: str, given: Drive) -> Drive:
-    """Return the value; ValueError unless it is a function of time."""
+    """Return ``given``; ValueError, which names ``label``, unless it is a function of time."""
     from longwave.scenes.description.time_functions import time_function
 
     time_function(label, given)
@@ -61,12 +61,14 @@ def _drive(label: str, given: Drive) -> Drive:
 
 def _truth(name: str, given: object) -> bool:
     if not isinstance(given, bool):
-        raise ValueError(f"{name} must be true or false, got {shown(given)}")
+        raise ValueError(
+            f"{name} must be true or false, got {shown(given)} (such as {name.split()[0]} = true)"
+        )
     return given
 
 
 def _numbers(name: str, given: object, of: str, least: int = 0, few: int = 0) -> tuple[int, ...]:
-    """Return a list of at least ``few`` whole numbers, each at least ``least``."""
+    """Return at least ``few`` whole numbers, each at least ``least``; errors call them ``of``."""
     if not isinstance(given, list | tuple) or len(given) < few:
         raise ValueError(f"{name} must be a list of {of}, got {shown(given)} (such as [1, 2])")
     return tuple(check.whole(name, number, least) for number in given)
@@ -85,7 +87,7 @@ def _end(name: str, given: object) -> str | Mapping[str, Drive]:
 
 
 def _factors(name: str, given: object) -> dict[int, Any]:
-    """Return factors by the number of a cell or bond.
+    """Return factors of masses or springs, by the number of the cell or bond.
 
     A factor is a number; for masses also a table by field, for springs also a list by bond.
     """
@@ -138,7 +140,7 @@ class Cells:
 
 @dataclass(frozen=True)
 class Push:
-    """Force on one cell; ``kind`` is a key of `FORCE_TABLES`."""
+    """Force on one cell over time; ``kind``, a key of `FORCE_TABLES`, names its table."""
 
     site: int
     value: Drive
@@ -160,12 +162,14 @@ def _read(name: str, given: object, where: str = "") -> dict[str, Any]:
 
 def _rest(name: str, given: object) -> tuple[()]:
     if given is not True:
-        raise ValueError(f"{name} must be true, got {shown(given)}")
+        raise ValueError(
+            f"{name} must be true, got {shown(given)} (or state mode or impact instead)"
+        )
     return ()
 
 
 def _parts(label: str, given: object, record: type) -> list[Any]:
-    """Return the records of one table, or of a list of tables."""
+    """Return a list of records, read from one table or from a list of tables."""
     name = label.split()[0]
     return [record(**_read(name, part, f" of {name}")) for part in _as_list(given)]
 
@@ -277,7 +281,7 @@ KEYS: dict[str, Mapping[str, Entry]] = {
         "every": EVERY,
     },
 }
-"""Keys of each table."""
+"""Allowed keys of each table of a bench, by the table's name."""
 
 
 @dataclass(frozen=True)
@@ -338,7 +342,7 @@ class Bench:
 
     @classmethod
     def of_tables(cls, tables: Mapping[str, Any]) -> Bench:
-        """Return the bench that a scene's tables describe; ValueError in one line."""
+        """Return the bench that a scene's tables describe; ValueError for invalid tables."""
         stated = StatedTables(tables, "tables of a bench")
         given = stated.tables  # as lists, without NumPy arrays
         chain = _read("chain", given.get("chain", {}))
@@ -385,9 +389,10 @@ def check_bath(bench: Bench, losses: Losses | None) -> None:
 
 
 def bench_of(given: Mapping[str, Any]) -> Bench | None:
-    """Return the bench among a scene's keywords, None if there is none; ValueError in one line.
+    """Return the bench among a scene's keywords, or None; ValueError for an invalid one.
 
-    ``bench`` is a record or the JSON of its tables; other keywords with its tables replace them.
+    The keyword ``bench`` is a `Bench` or the JSON of its tables. A keyword named after one of these
+    tables, such as ``chain``, replaces it.
     """
     bench = given.get("bench")
     stated = dict(bench.stated.tables if isinstance(bench, Bench) else json.loads(bench or "{}"))

@@ -26,7 +26,7 @@ MAX_TABLE_BYTES = 1_000_000
 def with_columns(given: Any, folder: Path) -> Any:
     """Return tables in which ``file = "drive.csv"`` is replaced by the columns of that file.
 
-    The file is looked up in ``folder``. Raises ValueError in one line if it cannot be read.
+    The file is looked up in ``folder``. Raises ValueError if it cannot be read.
     """
     if isinstance(given, list | tuple):
         return [with_columns(entry, folder) for entry in given]
@@ -89,7 +89,7 @@ def _numbers(line: str, separator: str, names: Sequence[str], row: int) -> list[
 
 
 def number_list(label: str, given: ArrayLike) -> Numbers:
-    """Return a list of finite numbers as an array; ValueError in one line for anything else."""
+    """Return a list of finite numbers as an array; ValueError for anything else."""
     numbers = real_array(f"every {label}", given, allows_nan=True)
     if numbers.ndim != 1:
         raise ValueError(

@@ -1,4 +1,4 @@
-"""Hooks for the entries that a scene may name and for the function that runs a scene.
+"""Hooks: functions that look up starts, domains and engines by name, and that run a scene.
 
 Descriptions must not import starts and engines. Therefore `longwave.scenes` sets the hooks when it
 is imported, before any of its modules. The entries are listed in `scenes/tables.py`.
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 E = TypeVar("E")
 
 table: Callable[[type[E]], Mapping[str, E]]
-"""Function that returns the entries of a type, such as `StartRules`, by name."""
+"""Function that returns all entries of one record type, such as `StartRules`, by name."""
 
 run: Callable[..., xr.Dataset]
 """Function that runs a scene; it takes the scene and the callbacks of `Scene.run`."""

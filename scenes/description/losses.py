@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from longwave.lattice.numeric_lattice import NumericLattice
 
 EPS_POWERS = {"site": 3, "bond": 1}
-"""Keys of the table, and the power of eps by which numbers under a long wave are scaled."""
+"""Keys of [losses], each with the power of eps by which its numbers scale under a long wave."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Losses:
     """Losses of a scene's lattice as stated in its table.
 
     ``site`` is one rate, or pairs of field and rate; ``bond`` is one rate, or one for each spring.
-    None means no loss. Raises ValueError in one line for a negative number.
+    None means no loss. Raises ValueError for a negative number.
 
     >>> Losses.of({"site": "eps**3*gamma", "bond": 0.5})
     Losses(site='eps**3*gamma', bond=0.5)
@@ -67,7 +67,7 @@ class Losses:
 
     @property
     def table(self) -> dict[str, Any]:
-        """Table [losses], in which rates by field are a table as well."""
+        """Losses as the table [losses] of a scene file; rates by field are a nested table."""
         site = dict(self.site) if isinstance(self.site, tuple) else self.site
         bond = [*self.bond] if isinstance(self.bond, tuple) else self.bond
         return {key: rate for key, rate in (("site", site), ("bond", bond)) if rate is not None}
@@ -78,7 +78,7 @@ class Losses:
     def as_eps_formulas(self, eps: float) -> Losses:
         """Return the losses as formulas in eps that have the stated values at ``eps``.
 
-        A number for cells becomes a multiple of eps**3, one for bonds a multiple of eps.
+        A numeric ``site`` rate becomes a multiple of eps**3, a numeric ``bond`` rate one of eps.
 
         >>> Losses(bond=0.5).as_eps_formulas(0.1)
         Losses(site=None, bond='eps**1*(0.5/0.1**1)')
@@ -100,7 +100,7 @@ def _check_rate(key: str, given: object) -> Value:
 
 
 def lossy(lattice: Lattice, losses: Losses | None) -> Lattice:
-    """Return the lattice with the losses; ValueError in one line if they do not fit it."""
+    """Return the lattice with the losses; ValueError if they do not fit it."""
     if losses is None:
         return lattice
     table = losses.table

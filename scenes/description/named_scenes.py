@@ -44,12 +44,12 @@ def load_scene(text: str | Path, tolerance: float | None = None) -> Scene:
 
 
 def names_a_file(name: str, folder: Path = Path()) -> bool:
-    """Return whether this names a scene file in ``folder``, or the standard input."""
+    """Return whether ``name`` is that of a scene file in ``folder``, or of the standard input."""
     return name == STANDARD_INPUT or name.endswith(".toml") or (folder / name).is_file()
 
 
 def _load(text: str | Path, defaults: Mapping[str, Any]) -> Scene:
-    """Return a scene; ``defaults`` are keys for a file that states no scheme."""
+    """Return a scene from a file or by name; ``defaults`` are added to files without [scheme]."""
     name = str(text)
     if names_a_file(name):
         document = read_document(name)
@@ -66,12 +66,12 @@ def _load(text: str | Path, defaults: Mapping[str, Any]) -> Scene:
 
 
 def scene_of_toml(text: str) -> Scene:
-    """Return the scene that `Scene.toml` wrote; ValueError in one line for other text."""
+    """Return the scene that `Scene.toml` wrote; ValueError for other text."""
     return _of_document(parse_toml(text.encode(), "a text", "scene"), Path("scene"))
 
 
 def scene_of(run: xr.Dataset) -> Scene:
-    """Return the scene stored in a run; step and domain are stated if the program chose them.
+    """Return the scene stored in a run, with any step and domain that the program chose filled in.
 
     Raises KeyError for a data set without a scene, ValueError for an invalid one.
     """
@@ -89,10 +89,10 @@ def _of_document(document: Mapping[str, Any], path: Path) -> Scene:
 
 
 FOLDER_NAMES = ("paper", "further", "lattices", "bench")
-"""Folders of shipped scenes: of the paper, beyond it, on other lattices, on a bench."""
+"""Folders of shipped scenes: the paper's, further ones on its chain, other lattices, benches."""
 
 FOLDERS = {name: f"longwave.scenes.shipped.{name}" for name in FOLDER_NAMES}
-"""Package of the files of each folder."""
+"""Python package that contains the scene files of each folder."""
 
 
 @cache
@@ -117,7 +117,7 @@ HALF_WIDTH = 75.0
 def rational_family_scenes(
     orders: Sequence[int] = ORDERS, eps: Sequence[float] = EPS, tolerance: float = 1e-4
 ) -> dict[str, Scene]:
-    """Return the scenes of Y_j at each eps by name, with equal slow times and ranges of X.
+    """Return scenes of the rational solutions Y_j at each eps, with equal slow times and X ranges.
 
     >>> scene = rational_family_scenes()["Y5_eps_0.025"]
     >>> scene.wave, scene.t0, scene.compared
@@ -128,7 +128,7 @@ def rational_family_scenes(
 
 
 def _member(order: int, eps: float, tolerance: float) -> Scene:
-    """Return the scene of one order and eps; lattice times are rounded to whole numbers."""
+    """Return the scene of Y_order at one eps; lattice times are rounded to whole numbers."""
     t0, *snapshots = (float(round(T / eps**3)) for T in (SLOW_START, *SLOW_SNAPSHOTS))
     return Scene.of(
         name=f"Y{order}_eps_{eps:g}",

@@ -16,9 +16,9 @@ NUMERICS = ("step", "domain", "sites", "scheme", "tolerance", "engine")
 class DomainRules:
     """Rules for scenes that state a domain.
 
-    A domain that ``moves`` with its wave drops cells. It takes only long waves on a lattice that is
-    equal in all cells and has no losses. ``ends_meet`` marks a ring whose ends are made to meet;
-    only scenes of the paper's waves name it, since the rings of other waves always meet.
+    A domain that ``moves`` with its wave drops cells. It admits only long waves, on lattices with
+    equal cells and without losses. ``ends_meet`` marks a ring whose ends are blended into each
+    other; only scenes of the paper's waves name it, since rings of other waves always are.
     """
 
     moves: bool = False
@@ -29,7 +29,7 @@ class DomainRules:
 class EngineRules:
     """Rules for scenes that name an engine.
 
-    An engine that does not step cells takes no scheme, no stated step, no disorder and no losses.
+    An engine without ``steps_cells`` admits no scheme, stated step, disorder or losses.
     """
 
     steps_cells: bool = True
@@ -41,7 +41,7 @@ class Discretisation:
 
     ``step`` is the largest time step. ``domain`` is a ``window`` that moves with a wave on a
     constant background, a fixed ``ring``, or a ``closed_ring``, whose ends are blended smoothly.
-    ``sites`` is its number of cells. Raises ValueError in one line.
+    ``sites`` is its number of cells. Raises ValueError for inadmissible values.
     """
 
     step: float
@@ -60,12 +60,12 @@ class Discretisation:
 
     @property
     def rules(self) -> DomainRules:
-        """Entry of the domain."""
+        """Rules of the domain, from the entry that ``domain`` names."""
         return entries.table(DomainRules)[self.domain]
 
     @property
     def table(self) -> Scheme:
-        """Table of the scheme."""
+        """Coefficients of the scheme that ``scheme`` names."""
         return scheme_named(self.scheme)
 
     def __str__(self) -> str:
@@ -79,7 +79,7 @@ class Tolerance:
 
     ``tolerance`` bounds the sup error of y/eps over the compared sites, relative to the infinite
     lattice started from the same data. ``engine`` and ``scheme`` are optional names. Raises
-    ValueError in one line.
+    ValueError for inadmissible values.
     """
 
     tolerance: float
@@ -102,7 +102,7 @@ class Tolerance:
 
     @property
     def steps_cells(self) -> bool:
-        """Whether the engine steps cells; True if none is named."""
+        """Whether the named engine advances the lattice cell by cell; True if none is named."""
         return not self.engine or entries.table(EngineRules)[self.engine].steps_cells
 
     def __str__(self) -> str:
@@ -111,7 +111,7 @@ class Tolerance:
 
 
 def numerics_of(given: Mapping[str, Any]) -> Discretisation | Tolerance:
-    """Return the numerics among keywords; older files have empty values for keys not in use."""
+    """Return the numerics that a scene's keywords state; None and "" count as not stated."""
     values = {key: given[key] for key in NUMERICS if key in given and given[key] not in (None, "")}
     engine, scheme = values.get("engine", ""), values.get("scheme", "")
     if "tolerance" in values:

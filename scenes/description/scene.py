@@ -73,10 +73,10 @@ class Scene(SceneFields):
     tables of `scenes.description.bench` as keywords. The tolerance applies to its observables.
 
     The wave "perturbed_plane" measures the growth rate of a carrier's perturbed plane wave
-    (`is_growth`). Its parameters are `PERTURBATION`; times and region are computed. The tolerance
-    is that of the rate, in units of the largest rate of the envelope equation.
+    (`is_growth`). Its parameters are `PERTURBATION_PARAMETERS`; times and region are computed. The
+    tolerance is that of the rate, in units of the largest rate of the envelope equation.
 
-    Raises ValueError in one line: argument, condition, value, remedy.
+    Raises ValueError with a one-line message: argument, condition, value, remedy.
 
     >>> scene = Scene.of(name="short", wave="soliton_sech", parameters={"A": 1}, eps=0.1, t0=0,
     ...                  snapshots=[0, 50], K2=1, K4=1, compared=60, tolerance=1e-4)
@@ -135,7 +135,7 @@ class Scene(SceneFields):
 
     @classmethod
     def of_document(cls, document: Mapping[str, Any], path: Path) -> Scene:
-        """Return the scene described by the tables of a file at ``path``."""
+        """Return the scene of a parsed file; files it names are looked up beside ``path``."""
         try:
             fields = scene_file.scene_fields(document, path.parent)
             return cls.of(**{"name": file_stem(path)} | fields)
@@ -144,10 +144,12 @@ class Scene(SceneFields):
 
     @classmethod
     def from_json(cls, text: str) -> Scene:
-        """Return the scene that `json` wrote; one with your own wave can be shown but not run."""
+        """Return the scene that `json` wrote; with a custom wave it can be shown but not run."""
         given = json.loads(text)
         if not isinstance(given, Mapping):
-            raise ValueError(f"a scene must be an object of JSON, got {shown(given)}")
+            raise ValueError(
+                f"a scene must be an object of JSON, got {shown(given)} (such as Scene.json writes)"
+            )
         return cls.of(**given)
 
     def __post_init__(self) -> None:
@@ -198,7 +200,7 @@ class Scene(SceneFields):
             scene_rules.check_any_lattice(self)
 
     def _check_bench(self, bench: Bench) -> None:
-        """Raise ValueError for fields of a wave, or numerics that a bench does not admit."""
+        """Raise ValueError if fields of a wave are given, or numerics other than a tolerance."""
         for key in WAVE_FIELDS:
             if getattr(self, key) != _DEFAULTS[key] and not (key == "wave" and not self.wave):
                 raise ValueError(
@@ -267,7 +269,8 @@ class Scene(SceneFields):
                     )
         if isinstance(self.branch, bool) or not isinstance(self.branch, int | str):
             raise ValueError(
-                f"branch must be acoustic, optical or a number, got {shown(self.branch)}"
+                f"branch must be acoustic, optical or a number, got {shown(self.branch)} (0 is the "
+                "lowest)"
             )
         if self.branch != "acoustic" and not self.is_envelope:
             raise ValueError(
@@ -276,7 +279,7 @@ class Scene(SceneFields):
             )
 
     def _check_constants(self) -> None:
-        """Check and order the constants of the paper's chain; a missing K3 becomes 0."""
+        """Check the paper's chain's constants and put K2, K3, K4 first; a missing K3 becomes 0."""
         if self.lattice != CHAIN or self.declared:
             return
         given: dict[str, Value] = {"K3": 0} | dict(self.constants)
@@ -326,7 +329,7 @@ class Scene(SceneFields):
         return entries.run(self, progress, announce)
 
     def changed(self, **changes: Any) -> Scene:
-        """Return the scene with some keywords of `of` changed; they replace their alternatives."""
+        """Return the scene with some keywords of `of` changed; their `ALTERNATIVES` are dropped."""
         given = self._keywords()
         for other in alternatives_of([key for key in changes if _is_given(changes, key)]):
             given.pop(other, None)
@@ -345,7 +348,7 @@ class Scene(SceneFields):
         return self.changed(**stated | {"tolerance": tolerance, "observables": names})
 
     def json(self) -> str:
-        """Return the keywords of `of` as sorted JSON; your own wave is marked as not shipped."""
+        """Return the keywords of `of` as sorted JSON; a custom wave is marked as not shipped."""
         texts = {
             "disorder": self.disorder and self.disorder.pairs,
             "declared": self.declared and self.declared.json,
@@ -360,11 +363,11 @@ class Scene(SceneFields):
         return scene_file.toml_text(self.document())
 
     def document(self) -> dict[str, Any]:
-        """Return the tables of its file."""
+        """Return the scene as the tables of a scene file."""
         return scene_file.document_of(self._stated())
 
     def _stated(self) -> dict[str, Any]:
-        """Return the keywords of `of`; your own wave is replaced by a text with its name."""
+        """Return the keywords of `of`; a custom wave is replaced by a text with its name."""
         if isinstance(self.wave, str):
             return self._keywords()
         return self._keywords() | {"wave": f"{self.wave.name} (a closed form that is not shipped)"}
@@ -408,7 +411,7 @@ def _in_words(value: object) -> str:
 
 
 def alternatives_of(stated: Sequence[str]) -> list[str]:
-    """Return the keywords that the stated ones replace, see `ALTERNATIVES`.
+    """Return the keywords that must be dropped when the given ones are stated (`ALTERNATIVES`).
 
     >>> alternatives_of(["times", "eps"])
     ['slow_times', 't0', 'snapshots']

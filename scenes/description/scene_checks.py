@@ -1,6 +1,6 @@
-"""Checks of the fields of a scene, and the reader of tables: a new key is one `Entry`.
+"""Checks of a scene's fields, and a reader of tables whose keys are each declared by an `Entry`.
 
-A check raises ValueError in one line: argument, condition, value, remedy.
+A check raises ValueError with a one-line message: argument, condition, value, remedy.
 """
 
 import math
@@ -57,7 +57,7 @@ LEAST_TOLERANCE = 1e-11
 """Least sup error of y/eps distinguishable from rounding errors (Y2 over t = 15000)."""
 
 SMALLEST_NUMBER = 1e-50
-"""Smallest nonzero size of a number; below it or above its reciprocal computations may overflow."""
+"""Smallest nonzero magnitude; below it or above its reciprocal, computations may overflow."""
 
 FARTHEST_SITE = 2.0**52
 """Largest site number accepted; up to it, multiples of 1/2 are exact doubles."""
@@ -66,16 +66,17 @@ LARGEST_WHOLE = 1e9
 """Largest whole number accepted; more cells would exceed any memory."""
 
 REQUIRED = object()
-"""Default of a key that must be stated."""
+"""Sentinel: `Entry.default` of a key that has no default and must be stated."""
 
 
 @dataclass(frozen=True)
 class Entry:
-    """Key of a table: function that checks a value, given its name; meaning; default value.
+    """Declaration of a table's key: its check, its meaning and its default value.
 
-    Messages call the key ``name``, or "KEY in [TABLE]" if that is empty, and append ``remedy`` if
-    the key is missing. ``field`` is the field of the record, if not the key itself. A default of
-    None is passed to ``read`` as well.
+    ``read`` takes the key's name and a value, checks the value and returns it. Messages call the
+    key ``name``, or "KEY in [TABLE]" if ``name`` is empty, and append ``remedy`` if the key is
+    missing. ``field`` is the record's field for the value, by default the key. A default of None is
+    passed to ``read``, which may refuse it.
     """
 
     read: Callable[[str, Any], Any]
@@ -89,7 +90,7 @@ class Entry:
 def read_table(
     name: str, entries: Mapping[str, Entry], given: object, where: str = ""
 ) -> dict[str, Any]:
-    """Return a table as keyword arguments of a record: stated keys in order, then defaults.
+    """Return the checked values of the table ``name`` by field: stated keys first, then defaults.
 
     >>> read_table("noise", {"seed": Entry(whole, "of draws", 0)}, {})
     {'seed': 0}
@@ -109,12 +110,12 @@ def read_table(
 
 
 def table(document: Mapping[str, Any], name: str) -> Mapping[str, Any]:
-    """Return the table of that name, empty if there is none; ValueError unless it is a table."""
+    """Return the table ``name`` of a document, empty if absent; ValueError for a non-table."""
     return as_table(name, document.get(name, {}))
 
 
 def as_table(name: str, given: object) -> Mapping[str, Any]:
-    """Return a value that is a table; ValueError otherwise."""
+    """Return ``given`` if it is a mapping; otherwise raise ValueError, which calls it ``name``."""
     if not isinstance(given, Mapping):
         raise ValueError(f"{name} must be a table, got {shown(given)} (write [{name}])")
     return given
@@ -123,7 +124,7 @@ def as_table(name: str, given: object) -> Mapping[str, Any]:
 def refuse_unknown(
     given: Iterable[str], known: Iterable[str], where: str = "", what: str = "keys"
 ) -> None:
-    """Raise ValueError for an unknown key; ``where`` names its table in the message."""
+    """Raise ValueError for an unknown key; ``what`` and ``where`` name keys and table in it."""
     for key in given:
         if key not in known:
             remedy = known_names.one_of(key, known)
@@ -154,7 +155,7 @@ def positive(name: str, value: object) -> float:
 
 
 def tolerance(given: object) -> float:
-    """Return a tolerance as a float; ValueError unless it is positive and above rounding."""
+    """Return a tolerance as a float; ValueError unless it is at least `LEAST_TOLERANCE`."""
     value = positive("tolerance", given)
     if value < LEAST_TOLERANCE:
         raise ValueError(
@@ -176,7 +177,7 @@ def whole(name: str, value: object, least: int = 1, most: float = LARGEST_WHOLE)
 
 
 def enough_steps(step: float, duration: float) -> None:
-    """Raise ValueError for a step so small that the run would never end."""
+    """Raise ValueError for a step so small that the run would take over `MOST_STEPS` steps."""
     if duration > MOST_STEPS * step:
         raise ValueError(
             f"step must satisfy step >= {duration / MOST_STEPS:.3g} for {duration:g} time units, "
@@ -185,7 +186,7 @@ def enough_steps(step: float, duration: float) -> None:
 
 
 def within_reach(speed: float, times: Iterable[float]) -> None:
-    """Raise ValueError for times at which the wave is beyond `FARTHEST_SITE`."""
+    """Raise ValueError for times at which a wave of this speed is beyond `FARTHEST_SITE`."""
     farthest = max(map(abs, times))
     if speed * farthest > FARTHEST_SITE:
         raise ValueError(
@@ -195,7 +196,7 @@ def within_reach(speed: float, times: Iterable[float]) -> None:
 
 
 def text(name: str, value: object) -> str:
-    """Return a text that can be written to a file: no surrogates; ValueError for other values."""
+    """Return a text without surrogates, as files cannot store them; ValueError for other values."""
     if not isinstance(value, str):
         raise ValueError(f"{name} must be a text, got {shown(value)} (write it in quotes)")
     if any("\ud800" <= character <= "\udfff" for character in value):
@@ -214,7 +215,7 @@ def closed_form(value: object) -> None:
 
 
 def one_of(name: str, value: object, known: tuple[str, ...]) -> str:
-    """Return a known word; ValueError for other values."""
+    """Return ``value`` if it is one of the ``known`` words; ValueError otherwise."""
     if not isinstance(value, str) or value not in known:
         raise ValueError(
             f"{name} must be a known one, got {shown(value)} ({known_names.one_of(value, known)})"

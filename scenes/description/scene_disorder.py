@@ -35,9 +35,9 @@ LARGEST_SEED = 2**63 - 1
 class Disorder:
     """Deviations of a lattice's masses, or of one constant of its springs, from cell to cell.
 
-    ``of``: "mass" or the constant's name. ``spread``: the largest size of a deviation.
+    ``of``: "mass" or the constant's name. ``spread``: the largest relative deviation.
     ``distribution``: one of `DISTRIBUTIONS`. ``sites``: the first and the last cell that deviate,
-    None for all. Raises ValueError in one line for other values.
+    None for all. Raises ValueError for other values.
 
     >>> Disorder("K2", 0.1, seed=1, sites=(0, 9)).deviations([-1, 0, 1]).round(3)
     array([ 0.   , -0.04 , -0.092])
@@ -85,7 +85,7 @@ class Disorder:
         return tuple((name, value) for name, value in values if value != defaults[name])
 
     def deviations(self, cells: ArrayLike, row: int = 0) -> Array:
-        """Return the deviations of consecutive cells; independent ones for each ``row``."""
+        """Return relative deviations of consecutive cells, independent for each ``row``."""
         n = np.asarray(cells)
         deviations = self.spread * site_deviations(n, self.seed, row, self.distribution)
         if self.sites is None:
@@ -94,7 +94,7 @@ class Disorder:
 
 
 def _ends(given: object) -> tuple[int, int]:
-    """Return the first and the last of the sites."""
+    """Return the first and the last deviating cell, checked; ValueError for other values."""
     if not isinstance(given, Sequence) or isinstance(given, str) or len(given) != 2:
         raise ValueError(
             f"sites in [disorder] must be the first and the last cell that deviate, got "

@@ -24,15 +24,16 @@ if TYPE_CHECKING:
     from longwave.solutions import ClosedForm
 
 HALF_WIDTH_ROUNDING = 1e-12
-"""Relative rounding error by which a half-width may exceed a whole number of cells."""
+"""Relative excess over a whole number of cells that is ignored in a half-width as rounding."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class StartRules:
-    """Rules for scenes of one start; ``method`` is a key of `engines.methods.method_of`.
+    """Rules for all scenes with one kind of start, such as a closed form or a bench.
 
-    ``measured`` names a quantity that is measured instead of comparing a wave; times and region are
-    then computed. ``check`` raises ValueError in one line for an inadmissible scene.
+    ``method`` tells `engines.methods.method_of` which module runs them. ``measured`` names a
+    quantity that is measured instead of comparing a wave; times and region are then computed.
+    ``observables`` are the default ones. ``check`` raises ValueError for an inadmissible scene.
     """
 
     method: str = "ring"
@@ -44,7 +45,8 @@ class StartRules:
 BENCH = StartRules(method="bench", observables=())
 MOVING_WAVE = StartRules(method="moving_wave", observables=("strain", "error_curve"))
 CLOSED_FORM = StartRules()
-"""Rules for chains on a bench, for the paper's waves, and for all other closed forms."""
+"""`BENCH`: rules for chains on a bench; `MOVING_WAVE`: for scenes with `has_moving_wave`;
+`CLOSED_FORM`: for all other closed forms."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -85,12 +87,12 @@ class SceneFields:
 
     @property
     def named_start(self) -> StartRules | None:
-        """Entry of a wave that is not a closed form; None for a closed form."""
+        """Rules registered for a wave that is not a closed form; None for a closed form."""
         return entries.table(StartRules).get(self.wave) if isinstance(self.wave, str) else None
 
     @property
     def start(self) -> StartRules:
-        """Rules for the start of the run."""
+        """Rules that apply to this scene, by the way in which its run starts."""
         if self.bench:
             return BENCH
         return self.named_start or (MOVING_WAVE if self.has_moving_wave else CLOSED_FORM)
@@ -153,7 +155,7 @@ class SceneFields:
 
     @cached_property
     def model(self) -> Model:
-        """Constants of the paper's chain."""
+        """Model of the paper's chain with the scene's K2, K3 and K4; 0 for missing constants."""
         values = dict(self.constants)
         return Model(*(float(values.get(name, 0.0)) for name in CHAIN_CONSTANTS))
 
@@ -193,13 +195,13 @@ class SceneFields:
         return (self.t0, *(t for t in self.snapshots if t > self.t0))
 
     def cells_within(self, power: int) -> int:
-        """Return the number of cells compared on either side along an axis with X = eps^power n."""
+        """Return the number of compared cells on either side, on an axis with X = eps^power n."""
         if self.half_width is None:
             return self.compared
         return max(1, math.ceil(self.half_width / self.eps**power * (1.0 - HALF_WIDTH_ROUNDING)))
 
     def check_compared(self) -> None:
-        """Raise ValueError for a scene without a comparison: a bench, or a growth rate."""
+        """Raise ValueError for a scene that compares no wave: a bench or a growth rate."""
         if self.bench:
             raise ValueError(
                 f"scene must have a wave that the lattice is compared with, got {self.name}, a "

@@ -53,7 +53,7 @@ LATTICE_KEYS = ("fields", "masses", "positive", "spring", "site", "bond")
 """Keys of a table that declares a lattice, which has at least one of them."""
 
 NEEDED = {"step": "step in [scheme]", "domain": "kind in [domain]", "sites": "sites in [domain]"}
-"""Fields required without a tolerance, and their places in a file."""
+"""Fields required without a tolerance, each with its key and table in a scene file."""
 
 MAX_SCENE_BYTES = 1_000_000
 """Maximum size of a scene's file, in bytes."""
@@ -62,7 +62,7 @@ MAX_SCENE_BYTES = 1_000_000
 def read_document(path: str | Path, what: str = "scene") -> Mapping[str, Any]:
     """Return the tables of a TOML file, or of the standard input for ``-``.
 
-    Raises ValueError in one line for a file that cannot be read; ``what`` names its kind there.
+    Raises ValueError for a file that cannot be read; ``what`` is the word for it in the message.
     """
     try:
         return read_toml(path, what, MAX_SCENE_BYTES)
@@ -74,7 +74,7 @@ def read_document(path: str | Path, what: str = "scene") -> Mapping[str, Any]:
 
 
 def in_one_spelling(document: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the tables with the paper's chain by name and ``compared`` at the top.
+    """Return an equivalent document that names the paper's chain and has ``compared`` at the top.
 
     >>> in_one_spelling({"lattice": {"K2": 1, "K4": 2}, "domain": {"compared": 9}})
     {'lattice': 'fput_strain', 'constants': {'K2': 1, 'K4': 2}, 'compared': 9}
@@ -151,7 +151,7 @@ def scene_fields(given: Mapping[str, Any], folder: Path = Path()) -> dict[str, A
 
 
 def _lattice(given: object, folder: Path) -> dict[str, Any]:
-    """Return the keywords for a lattice given by name, file or table."""
+    """Return the keywords of `Scene.of` for a lattice given by name, file or table."""
     if isinstance(given, Mapping):
         return _declaration(given, "lattice")
     if not isinstance(given, str):
@@ -191,7 +191,7 @@ def lattice_keywords(given: object) -> dict[str, Any]:
 
 
 def _declaration(document: Mapping[str, Any], name: str) -> dict[str, Any]:
-    """Return the keywords for a declared lattice; ``name`` is used if its tables have none."""
+    """Return the keywords of `Scene.of` for a lattice's tables; ``name`` is the default name."""
     tables = dict(document)
     lattice_name = tables.pop("name", name)
     check.text("name in [lattice]", lattice_name)
@@ -225,8 +225,8 @@ _BARE = re.compile(r"[A-Za-z0-9_-]+")
 def toml_text(document: Mapping[str, object]) -> str:
     """Return the document as TOML: values first, then tables, whose inner tables are inline.
 
-    Reading gives equal tables, with numbers equal to the last bit. Values are texts, truth values,
-    numbers, lists or tables; ValueError for any other.
+    Parsing the text returns an equal document, with numbers equal to the last bit. Values must be
+    strings, booleans, numbers, lists or tables; ValueError for any other.
 
     >>> print(toml_text({"wave": "kink", "lattice": {"K2": 0.1}, "times": [0, 1e-5]}), end="")
     wave = "kink"

@@ -1,6 +1,6 @@
 """Rules between several fields of a scene.
 
-Each check raises ValueError in one line: argument, condition, value, remedy.
+Each check raises ValueError with a one-line message: argument, condition, value, remedy.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ LARGEST_EPS = 1.0
 
 
 def check_moving_wave(scene: SceneFields) -> None:
-    """Raise ValueError for numerics, observables or times that a moving wave does not admit."""
+    """Raise ValueError for numerics, observables or times that moving mKdV waves do not admit."""
     numerics = scene.numerics
     if isinstance(numerics, Discretisation):
         check.enough_steps(numerics.step, scene.end - scene.t0)
@@ -41,11 +41,12 @@ def check_eps(given: object) -> float:
 
 
 def check_any_lattice(scene: SceneFields) -> None:
-    """Raise ValueError for fields that only mKdV waves on the paper's chain may have."""
+    """Raise ValueError for fields that waves other than moving mKdV waves do not admit."""
     if not isinstance(scene.wave, str):
         raise ValueError(
             f"wave must be the name of a closed form on {scene.lattice}, got {scene.wave.name}, "
-            "which is not in the catalogue"
+            "which is not in the catalogue (a custom wave needs the paper's chain with K3 = 0 and "
+            "leading data)"
         )
     _check_numerics(scene)
     _check_losses(scene)

@@ -9,9 +9,9 @@ import numpy as np
 
 
 class StatedTables:
-    """Hashable tables; they are equal if their entries are, in the same order.
+    """Hashable nested tables, stored as JSON; two are equal if their JSON is, order included.
 
-    Raises ValueError for values that JSON cannot represent; ``what`` names the tables in it.
+    Raises ValueError for values that JSON cannot represent; ``what`` names them in the message.
 
     >>> StatedTables({"sites": 8}) == StatedTables({"sites": 8}), StatedTables({"sites": 8}).json
     (True, '{"sites": 8}')

@@ -21,15 +21,15 @@ if TYPE_CHECKING:
     from longwave.lattice.force_program import ForceProgram
 
 Smooth: TypeAlias = "ForceProgram | Samples"
-"""Function of an array of times, with a slope."""
+"""Callable that maps an array of times to values; its method ``slope`` returns derivatives."""
 
 SPLINE_DEGREE = 5
 """Degree of the spline through measured values. Its first four derivatives are continuous, so a
 scheme of order 6 keeps its order; a cubic spline gives order 4, a monotone one order 3."""
 
 OVERSHOOT = 0.5
-"""Fraction of the range of measured values by which a spline may exceed it; between values sampled
-densely enough it does by a few hundredths."""
+"""Largest excess of a spline over the range of measured values, as a fraction of that range; for
+densely sampled values the excess is a few hundredths."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class Samples:
 
     @classmethod
     def of(cls, label: str, given: Mapping[str, Any]) -> Samples:
-        """Return samples from lists ``t`` and ``value``; ValueError in one line for other tables.
+        """Return samples from lists ``t`` and ``value``; ValueError for other tables.
 
         >>> samples = Samples.of("value", {"t": range(7), "value": [0, 1, 4, 9, 16, 25, 36]})
         >>> round(float(samples(np.array(2.5))), 12), round(float(samples.slope(np.array(2.5))), 12)
@@ -103,7 +103,7 @@ def time_function(label: str, given: object) -> Smooth:
     """Return a drive as a function of an array of times.
 
     A drive is a formula in t, with the functions allowed in forces, or a table of ``t`` and
-    ``value``. Raises ValueError in one line for anything else.
+    ``value``. Raises ValueError for anything else.
 
     >>> time_function("value", "0.3*cos(0.9*t)")(np.array([0.0]))
     array([0.3])

@@ -36,10 +36,10 @@ or more, intervals of 0.95 contained the true mode energy in 92 to 94 of 100 cas
 0.97 in 93 to 97."""
 
 LONGEST_STEP = 0.5
-"""Longest step, in units of the inverse highest frequency or of the inverse damping rate."""
+"""Longest step, in units of the inverse highest frequency or damping rate, whichever is shorter."""
 
 MAX_STEP_EXCESS = 2.0
-"""Factor by which a step may exceed the longest one for the strains met; beyond it is shortened."""
+"""Factor by which a step may exceed `LONGEST_STEP` at the strains met before it is shortened."""
 
 HOT_BOND_ENERGY = 4.0
 """Bond energy, in units of the temperature, up to which the first step resolves the bond."""
@@ -48,7 +48,7 @@ CHECK_INTERVAL = 8
 """Steps between two checks of the strains; on 8 cells a check takes a third of a step's time."""
 
 STEP_REDUCTION, MOST_REDUCTIONS = 0.25, 4
-"""Factor on the step after a breakdown, and maximum number of such reductions."""
+"""Factor on the step after a breakdown, and maximum number of step reductions."""
 
 SIGNIFICANT_ERRORS = 3.0
 """Number of standard errors beyond which a difference is significant."""
@@ -58,7 +58,7 @@ RUNS_SAFETY = 1.1
 
 
 class BrokenRunError(ArithmeticError):
-    """Run whose fields are no longer finite at time ``t``."""
+    """Error raised when a run's fields are no longer finite at time ``t``."""
 
     def __init__(self, t: float) -> None:
         super().__init__(t)
@@ -98,7 +98,7 @@ class Bath:
         return ranges
 
     def pair_if_resolved(self, number: int) -> tuple[Array, Array] | None:
-        """Return `pair` of run ``number``; None if the step was shortened and all runs restart."""
+        """Return `pair` of run ``number``; None if a shortened step makes all runs restart."""
         try:
             values = self.pair(number)
         except BrokenRunError as error:
@@ -107,7 +107,7 @@ class Bath:
         return None if self.shorten_step(None) else values
 
     def shorten_step(self, broken: BrokenRunError | None) -> bool:
-        """Shorten a step that broke down or is too long; return whether it was shortened.
+        """Shorten the step if a run is ``broken`` or the step is too long; return whether it was.
 
         Raises ValueError if repeated shortening fails.
         """
@@ -150,9 +150,9 @@ class Bath:
             count = math.ceil((end - t) / self.step - 1e-9)
             h = (end - t) / max(count, 1)
             decay = np.exp(-0.25 * h * self.rates)
-            size = np.sqrt(self.noise.temperature * (1.0 - decay**2) / self.masses)
+            amplitude = np.sqrt(self.noise.temperature * (1.0 - decay**2) / self.masses)
             for index in range(count):
-                kicks = size * random.standard_normal((4, *size.shape))
+                kicks = amplitude * random.standard_normal((4, *amplitude.shape))
                 self._advance(coarse, decay, kicks, ((0, 1), (2, 3)), t + index * h, h)
                 self._advance(fine, decay, kicks, ((0,), (1, 2), (3,)), t + index * h, 0.5 * h)
                 if index % CHECK_INTERVAL == CHECK_INTERVAL - 1:
@@ -176,7 +176,8 @@ class Bath:
     ) -> None:
         """Advance by one or two steps between the four noise kicks of one coarse step.
 
-        ``parts`` groups the kicks: each group is applied before, between or after the steps.
+        ``parts`` groups the indices of the kicks; one step of size ``h`` is taken between
+        successive groups.
         """
         f, v = ring
         moving = v[:, : self.cells]
@@ -198,7 +199,7 @@ class Means:
         self._squares: Array = np.zeros(())
 
     def add(self, coarse: Array, fine: Array) -> None:
-        """Include one more run."""
+        """Add the readings of one run, computed with the coarse and with the fine step."""
         values = np.array([fine, coarse - fine])
         self.runs += 1
         before = values - self._mean
@@ -238,7 +239,8 @@ def record_means(
 ) -> RunRecord:
     """Run the chain until each mean's confidence interval is within the tolerance.
 
-    Raises ValueError for a diverging chain or too many runs, OverBudgetError for too long ones.
+    Raises ValueError for a diverging chain and if too many runs are needed, OverBudgetError if they
+    would take too long.
     """
     loop, allowed = begin_loop("means of a bath"), scene.target.tolerance
     bath, means, target = Bath(scene, bench, chain), Means(), FIRST_RUNS

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 @lru_cache(maxsize=4)
 def bench_and_chain(scene: Scene, lossless: bool = False) -> tuple[Bench, DrivenChain]:
-    """Return a scene's bench and numeric chain; ``lossless`` omits the cells' own losses."""
+    """Return a scene's bench and numeric chain, without its losses if ``lossless``."""
     bench = scene.own_bench
     values = {name: number_value(name, value) for name, value in scene.constants}
     lattice, losses = without_losses(scene.symbolic_lattice, values)
@@ -37,7 +37,7 @@ def bench_and_chain(scene: Scene, lossless: bool = False) -> tuple[Bench, Driven
 
 
 def reading_times(scene: Scene, bench: Bench) -> Array:
-    """Return the snapshots and every ``every`` between; ValueError beyond `MOST_READINGS` times."""
+    """Return the snapshots and, every ``bench.every``, times between; ValueError for too many."""
     begin, end, every = scene.t0, scene.end, bench.every
     if not (end - begin) / every <= MOST_READINGS:
         raise ValueError(
@@ -50,7 +50,7 @@ def reading_times(scene: Scene, bench: Bench) -> Array:
 
 
 class BenchReadings:
-    """Readings of a bench scene, with the engine that compares runs by them and their records."""
+    """Readings of a bench scene: the engine that compares runs by them, and records of runs."""
 
     def __init__(self, scene: Scene, bench: Bench, chain: DrivenChain) -> None:
         self.bench, self.chain, self.scene = bench, chain, scene
@@ -80,7 +80,7 @@ class BenchReadings:
         return np.concatenate([part.ravel() for part in self._parts(state, balance)])
 
     def variables(self, readings: Array, ending: str = "", meaning: str = "") -> Variables:
-        """Return variables of readings (times, values); ``ending``, ``meaning`` extend names."""
+        """Return variables of readings (times, values); ``ending`` and ``meaning`` extend names."""
         variables: Variables = {}
         splits = np.cumsum([math.prod(size) for size in self.sizes])[:-1]
         parts = np.split(readings, splits, axis=1)
@@ -101,7 +101,7 @@ class BenchReadings:
     def record(
         self, variables: Variables, steps: int, seconds: float, blow_up: object = None
     ) -> RunRecord:
-        """Return a record with coordinates; ``blow_up`` describes a breakdown, None without one."""
+        """Return a record, with coordinates added; ``blow_up`` describes a breakdown or is None."""
         for name, numbers, long_name in (
             ("sensor", self.bench.sensors, "number of the cell"),
             ("mode", self.bench.modes, "number of the mode"),

@@ -21,7 +21,7 @@ BALANCE_SECONDS = 4e-4
 """Seconds to stop at a step and update the energy balance; measured on 24 cells."""
 
 READING_SECONDS = 3e-4
-"""Seconds to stop at a time and take all readings: 3e-4 to 4.6e-4 on 31 and 60 cells."""
+"""Seconds to stop at a time and take all readings; measured: 3e-4 to 4.6e-4 (31, 60 cells)."""
 
 FIRST_STEP = 4.0
 """First step tried, in units of the inverse highest frequency at rest."""

@@ -39,40 +39,40 @@ EXTRA_CELLS = 64
 """Additional cells along each axis on the ring of a control run."""
 
 STRAIN_GROWTH = 0.05
-"""Fraction by which a lattice's strains may exceed those of the wave. Larger strains occur on few
-cells and for a short time, so their faster signals do not travel far."""
+"""Fraction by which strains on the lattice are assumed to exceed those of the wave. Larger strains
+occur on few cells and for a short time, so their faster signals do not travel far."""
 
 OUTER_CELLS = 32
 """Cells beyond the compared ones that are inspected for growth of rounding errors."""
 
 FRONT_CELLS = 64
-"""Cells that a window leaves for a signal's dispersive front, beyond the path of sound."""
+"""Cells that a window reserves for a signal's dispersive front, beyond the distance of sound."""
 
 FRONT_AIRY_LENGTHS = 12.0
 """Distance by which a signal's front leads the sound, in Airy lengths: Ai(12) is 1e-13."""
 
 SIZE_MULTIPLE = 64
-"""Divisor of all window sizes, chosen to suit the kernels."""
+"""Number of cells of which every window size is a multiple; it suits the kernels."""
 
 MOVE_CELLS = 64
 """Maximum number of cells by which a window moves at once."""
 
 REMEDY = "take a larger eps, end earlier or compare fewer cells"
-"""Remedy for a request that would cost too much."""
+"""Remedy in the message about a run that would cost too much."""
 
 CHECKED_CELLS = 8
-"""Number of cells next to the fed ones in which feed and lattice are compared."""
+"""Number of cells next to the filled front cells in which the fed values are checked."""
 
 
 def front(speed: float, duration: float) -> float:
-    """Return the distance in sites by which a signal's dispersive front leads the signal."""
+    """Return the distance in cells by which the dispersive front of a signal leads the signal."""
     return max(FRONT_CELLS, FRONT_AIRY_LENGTHS * (speed * duration / 8.0) ** (1.0 / 3.0))
 
 
 def fed_cells(moved: int, ratio: float) -> int:
     """Return the number of front cells that a window fills after it has ``moved`` by some cells.
 
-    Signals from the seam, ``ratio`` times as fast as the window, can have reached them since.
+    Signals from the seam, ``ratio`` times as fast as the window, may have reached these cells.
     """
     # the dispersive front takes the other half
     faster = math.ceil(ratio * moved) - FRONT_CELLS // 2
@@ -82,20 +82,20 @@ def fed_cells(moved: int, ratio: float) -> int:
 def least_window(reach: int, ratio: float = 1.0) -> int:
     """Return the fewest cells of a window whose ends do not affect those within ``reach``.
 
-    ``ratio`` is the speed of the fastest signal over the window's.
+    ``ratio`` is the speed of the fastest signal divided by the speed of the window.
     """
     front_part = fed_cells(MOVE_CELLS + 1, ratio) + CHECKED_CELLS
     return 2 * (reach + max(2 * (MOVE_CELLS + FRONT_CELLS), front_part))
 
 
 def round_up(sites: float) -> int:
-    """Return the next larger multiple of ``SIZE_MULTIPLE``."""
+    """Return the smallest multiple of `SIZE_MULTIPLE` that is at least ``sites``."""
     return SIZE_MULTIPLE * math.ceil(sites / SIZE_MULTIPLE)
 
 
 @dataclass(frozen=True)
 class ComparedCells:
-    """Cells that are compared: those within ``reach`` (one number an axis) of the moving frame."""
+    """Cells that are compared: those within ``reach`` (per axis) of a moving frame's origin."""
 
     speed: float
     reach: tuple[int, ...]
@@ -159,12 +159,12 @@ def _signal_speeds(lattice: NumericLattice, slopes: list[float]) -> list[float]:
 
 
 class DomainCost:
-    """Domain and expected cost of a search for the step of one wave, for a run over ``times``.
+    """Size of the domain of one wave, and expected cost of searching its step for ``times``.
 
-    The run starts at the first of the times. ``extent`` is the wave's extent (low, high) if it can
-    be run in a window to ``tolerance``; None for any other wave and without a tolerance. ``room``
-    is the number of cells at either end of a ring that are blended to close it; 0 if the domains
-    are not ``closed``.
+    The run starts at the first of the times. ``extent`` is the wave's extent (low, high), in cells
+    from the frame's origin, if the wave can be run in a window to ``tolerance``; otherwise None.
+    ``room`` is the number of cells at either end of a ring that are blended to close it; 0 if the
+    domains are not ``closed``.
     """
 
     def __init__(
@@ -183,21 +183,21 @@ class DomainCost:
         self.room = wave.seam_room(self.times[0]) if closed else 0
 
     def at_rest(self) -> tuple[float, list[float]]:
-        """Return the highest frequency and the fastest signals of linear waves about rest."""
+        """Return the highest frequency and each axis's top speed of linear waves about rest."""
         lattice, rest = self.wave.lattice, self.wave.lattice.rest_slopes()
         return lattice.highest_frequency(rest), _signal_speeds(lattice, rest)
 
     @property
     def driven_step(self) -> float:
-        """Longest step tried on a driven lattice; infinite for any other."""
+        """Longest step tried on a lattice with time-dependent parameters; infinite without them."""
         return DRIVEN_SHARE * self.wave.lattice.driven_within(self.times[0], self.times[:2][-1])
 
     def window_size(self, signals: Sequence[float]) -> int | None:
         """Return the size of the smallest window that holds the wave; None if a ring is smaller.
 
-        Signals from the window's rear, which travel through the far field, must not reach the
-        compared cells. A wave that runs ahead of its frame needs so wide a window that a ring is
-        smaller.
+        ``signals`` are the top speeds along each axis. Signals from the window's rear, which travel
+        through the far field, must not reach the compared cells. A wave that runs ahead of its
+        frame needs so wide a window that a ring is smaller.
         """
         if self.extent is None:
             return None
@@ -210,7 +210,10 @@ class DomainCost:
     def cost(
         self, fastest: float, signals: Sequence[float], window: int | None
     ) -> tuple[float, ExpectedCost]:
-        """Return the cells of ring or window, and the cost; ``fastest`` is the top frequency."""
+        """Return the number of cells and the cost of a run in a ``window`` or, if None, on a ring.
+
+        ``fastest`` is the highest frequency, ``signals`` are the top speeds along each axis.
+        """
         wave, compared, times = self.wave, self.compared, self.times
         duration = times[-1] - times[0]
         more = EXTRA_CELLS + 2 * (wave.lattice.spread_within(duration) + self.room)
@@ -239,13 +242,13 @@ SEAM_TOLERANCE, SEAM_CELLS = 1e-6, 4
 of the seam in which it is measured."""
 
 REPEAT_DISTANCE = 100.0
-"""Distance in X on either side of the frame after which an infinite wave repeats its behaviour."""
+"""Distance in X on either side of the frame beyond which an infinite wave adds nothing new."""
 
 
 def representative_cells(
     wave: LatticeWave, compared: ComparedCells, times: Sequence[float], signals: Sequence[float]
 ) -> ComparedCells | None:
-    """Return compared cells that represent all cells of a large chain; None if none do.
+    """Return fewer compared cells, which represent all those of a large chain; None if none do.
 
     For a wave of finite extent, they contain every cell that the wave can reach.
     """
@@ -339,13 +342,13 @@ class DomainPlan(DomainCost):
             yield self.wave.ring(np.arange(first, last, dtype=np.float64), self.times[0])
 
     def check_wider(self, window: int | None) -> None:
-        """Raise ValueError if a window of this size, or a ring for None, would cost too much."""
+        """Raise ValueError if a run in such a window (None: on a ring) would cost too much."""
         cells, expected = self.cost(self.fastest, self.signals, window)
         scene = f"scene of {cells:.3g} cells, since no smaller window can be fed with its wave,"
         check_request(scene, expected, REMEDY)
 
     def ends(self, wider: int = 0) -> list[Ends]:
-        """Return the ends of a causal ring, ``wider`` by cells and closed for a periodic wave."""
+        """Return the ends of a causal ring with ``wider`` more cells, fitted to a periodic wave."""
         if self._fills_line and wider not in self._fitting:
             most = max(MAX_ADDED_CELLS, self.room)
             tried = np.unique(np.linspace(0.0, most - 1.0, min(most, MAX_RING_SIZES)).astype(int))
@@ -364,7 +367,7 @@ class DomainPlan(DomainCost):
         return bool(is_infinite and is_periodic and wave.lattice.dimension == 1)
 
     def seam_mismatch(self, rings: Sequence[Ends]) -> Array:
-        """Return the carrier's mismatch at the seam of each ring, relative to its amplitude."""
+        """Return the wave's mismatch at the seam of each ring, relative to the values there."""
         near = np.arange(-SEAM_CELLS, SEAM_CELLS + 1)
         sides = []
         for firsts in np.array([(low, high + 1) for low, high in rings]).T:
@@ -373,11 +376,11 @@ class DomainPlan(DomainCost):
             indices = firsts[:, np.newaxis] + near - cells[0]
             rates = v[:, indices] / self.wave.rate_unit
             sides.append(np.concatenate([np.diff(f[:, indices]), rates], axis=2))
-        size = max(float(np.max(np.abs(sides[0]))), 1e-300)
-        return np.asarray(np.abs(sides[0] - sides[1]).max(axis=(0, 2)) / size)
+        largest = max(float(np.max(np.abs(sides[0]))), 1e-300)
+        return np.asarray(np.abs(sides[0] - sides[1]).max(axis=(0, 2)) / largest)
 
     def with_seam_distance(self, blow_up: BlowUp, ends: Sequence[Ends]) -> BlowUp:
-        """Return a blow-up with its distance from an open seam that can have caused it."""
+        """Return the blow-up, with its distance from the ring's seam if that can have caused it."""
         if len(ends) > 1 or not self._is_open(ends):
             return blow_up
         [(low, high)] = ends
@@ -392,7 +395,7 @@ class DomainPlan(DomainCost):
         return not self.room and self.wave.seam_room(self.times[0]) > 0
 
     def plain_ends(self, wider: int) -> list[Ends]:
-        """Return `ends` without the cells that close a periodic wave on the ring."""
+        """Return the ends of a causal ring, without cells added to fit a periodic wave."""
         more = 2 * (self.room + self._spread) + wider
         return self.compared.ring(self.times, self.signals, more)
 
@@ -401,14 +404,14 @@ class DomainPlan(DomainCost):
         return self.wave.closed_ring(self.wave.ring(_grid(ends), self.times[0]), self.room)
 
     def limit(self, ring: InitialCells) -> float:
-        """Return the largest compared value accepted in a run from ``ring``, in units of scale."""
+        """Return the largest compared value, over the wave's scale, accepted in a run."""
         largest = max(float(np.max(sizes[0])) for sizes in (self.sizes, self._sizes(ring)))
         return GROWTH * largest / self.wave.scale
 
     def _sizes(self, ring: InitialCells) -> Array:
-        """Return the largest values and cell-to-cell differences, (2, 2, quantities).
+        """Return the largest values and cell-to-cell differences, shape (2, 2, quantities).
 
-        The second axis is the quantity and its rate.
+        The second axis has the compared quantities and their rates.
         """
         cells, reach = ring.f.shape[-1], self.wave.lattice.reach
         if ring.cells.ndim > 1 or cells <= PIECE:
@@ -429,7 +432,7 @@ def _largest(values: Array) -> Array:
 
 
 def longest_step(fastest: float, carrier: float, scheme: Scheme = SCHEME) -> float:
-    """Return the longest step tried, from the highest and the carrier's frequency.
+    """Return the longest step tried, from the highest frequency and that of the carrier.
 
     >>> longest_step(2.0, 0.5) == LIMIT_FRACTION * stability_limit(SCHEME) / 2.0
     True
@@ -441,7 +444,7 @@ def longest_step(fastest: float, carrier: float, scheme: Scheme = SCHEME) -> flo
 
 
 def check_rest(lattice: NumericLattice, slopes: Sequence[float]) -> None:
-    """Raise ValueError if the lattice is unstable at rest, where its forces have these slopes."""
+    """Raise ValueError if waves about rest grow; ``slopes`` are those of the forces at rest."""
     if not lattice.is_stable(slopes):
         raise ValueError(
             f"constants must make waves of {lattice.name} stable, got one that grows at "
@@ -450,7 +453,7 @@ def check_rest(lattice: NumericLattice, slopes: Sequence[float]) -> None:
 
 
 def stiffest_slopes(ring: InitialCells) -> list[float]:
-    """Return each bond's largest slope of force; ValueError if undefined or a contact is open."""
+    """Return the largest slope of each bond's force; ValueError for undefined or open contacts."""
     stretches = ring.lattice.stretches(ring.f)
     slopes = [ring.lattice.steepest(i, x) for i, x in enumerate(stretches)]
     is_open = any(

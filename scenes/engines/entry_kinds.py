@@ -20,13 +20,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class CellDomain(DomainRules):
-    """Domain of a stated discretisation; ``cells`` builds the cells that are stepped."""
+    """Rules of a domain that a scene states, with the function ``cells`` that builds its cells."""
 
     cells: Callable[[Scene, DomainPlan], SteppedCells]
 
 
 class WaveRuns(NamedTuple):
-    """Functions that run a scene's wave to its tolerance and that predict the cost."""
+    """Two functions: ``record`` runs a scene to its tolerance, ``cost`` predicts the cost."""
 
     record: Callable[[Scene, Progress, Announce], RunRecord]
     cost: Callable[[Scene], ExpectedCost]
@@ -34,6 +34,6 @@ class WaveRuns(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class WaveEngine(EngineRules):
-    """Engine for a scene with a tolerance; ``runs`` imports and returns its functions."""
+    """Rules of an engine for scenes with a tolerance; ``runs`` imports and returns `WaveRuns`."""
 
     runs: Callable[[], WaveRuns]

@@ -36,22 +36,22 @@ if TYPE_CHECKING:
     from longwave.scenes.starts.lattice_wave import LatticeWave
 
 TRANSVERSE_POWER = 2
-"""Power of eps in the transverse slow variable, ``Z = eps**2 m``."""
+"""Power of eps in the transverse slow variable ``Z = eps**2 m`` of the second cell number m."""
 
 
 def scene_wave(scene: Scene) -> LatticeWave:
-    """Return the wave of a scene; the paper's chain needs no derivation, other lattices do."""
+    """Return the wave of a scene, which is derived from the lattice unless `has_moving_wave`."""
     return moving_wave(scene) if scene.has_moving_wave else scene_lattice_wave(scene)
 
 
 def compared_cells(scene: Scene, wave: LatticeWave) -> ComparedCells:
-    """Return the cells that a scene compares; the half-width in X also applies to Z."""
+    """Return the cells that a scene compares; its half-width in X is also the half-width in Z."""
     powers = (1, *(TRANSVERSE_POWER,) * (wave.lattice.dimension - 1))
     return ComparedCells(wave.speed, tuple(map(scene.cells_within, powers)))
 
 
 def scene_cost(scene: Scene) -> ExpectedCost:
-    """Return the expected cost; ValueError, as in `record_scene`, for a scene that is refused."""
+    """Return the expected cost of a scene; ValueError if it is refused before any run."""
     return cells_cost(scene) if scene.tolerance is None else _runs(scene).cost(scene)
 
 
@@ -72,7 +72,7 @@ def rings_cost(scene: Scene) -> ExpectedCost:
 
 
 RING_SEARCH_COST = 4.0
-"""Cost of a search on spectral rings, in units of its first run."""
+"""Cost of a whole search on spectral rings, in units of one run on each ring (`spectral_cost`)."""
 
 
 @lru_cache(maxsize=4)
@@ -135,10 +135,10 @@ def _observation_cost(timed: Scene, compared: ComparedCells) -> ExpectedCost:
 
 
 VIEW_SECONDS, CELL_SECONDS = 4e-4, 1e-6
-"""Seconds to evaluate wave and lattice once: fixed, and per cell (5e-7 to 1.6e-6)."""
+"""Seconds to evaluate wave and lattice once, and seconds per cell to add (5e-7 to 1.6e-6)."""
 
 VALUE_BYTES = 20.0
-"""Bytes for each stored number: in the recorder's rows, in an array and in the file."""
+"""Bytes for each stored number: its copies in the recorder's rows, in an array and in the file."""
 
 
 def _spectral_runs(scene: Scene) -> SpectralRuns:
@@ -148,7 +148,7 @@ def _spectral_runs(scene: Scene) -> SpectralRuns:
 
 
 def wave_size(scene: Scene, t: float, far_field: bool) -> float:
-    """Return `methods.wave_size` for a scene with a wave that is compared."""
+    """Return the wave's largest deviation from background or far field (`methods.wave_size`)."""
     wave = _started_wave(scene)
     cells = compared_cells(scene, wave).cells(t)
     far = wave.far_field(cells.astype(np.int64), t) if far_field else wave.background(cells, t)
@@ -195,7 +195,7 @@ def domain_plan(scene: Scene) -> tuple[Scene, DomainPlan]:
 
 
 def _window_tolerance(timed: Scene) -> float | None:
-    """Return the tolerance of a scene that may be run in a window; None if it needs a ring."""
+    """Return the scene's tolerance if it may be run in a window; None if it may not."""
     needs_ring = any(observable_named(name).needs_ring for name in timed.observables)
     if needs_ring or timed.tolerance is None or not timed.target.steps_cells:
         return None
@@ -203,7 +203,7 @@ def _window_tolerance(timed: Scene) -> float | None:
 
 
 def _check_axes(scene: Scene, wave: LatticeWave) -> None:
-    """Raise ValueError for requests that lattices of several axes or without energy cannot meet."""
+    """Raise ValueError for observables or a stated step that the lattice does not admit."""
     if wave.lattice.dimension > 1:
         if scene.tolerance is None:
             raise ValueError(
@@ -232,7 +232,7 @@ def record_scene(
     """Derive the scene's equation, run its lattice from the wave, and compare the two over time.
 
     ``progress`` is called with the completed fraction, ``announce`` with the expected seconds;
-    ``restart`` is a state of an earlier run of the same scene. Raises ValueError in one line for a
+    ``restart`` is a state of an earlier run of the same scene. Raises ValueError for a
     scene that lattice, wave or ansatz do not admit, for one that would take too long, and for a
     lattice that blows up.
     """
@@ -254,7 +254,7 @@ def record_scene(
 
 
 def stated_cells(timed: Scene, domains: DomainPlan) -> SteppedCells:
-    """Return the cells of the domain that a scene states."""
+    """Build the cells of the domain (ring or window) that a scene states."""
     return entries.table(CellDomain)[timed.discretisation.domain].cells(timed, domains)
 
 
@@ -286,7 +286,10 @@ def record_by_rings(scene: Scene, progress: Progress, announce: Announce) -> run
 
 
 def choose_engine(scene: Scene) -> str:
-    """Return the engine named, needed by observables, or cheaper; ValueError if they clash."""
+    """Return the engine that is named, that the observables need, or else the cheaper one.
+
+    Raises ValueError if the observables exclude the named engine.
+    """
     named = scene.target
     if named.engine and (named.steps_cells or not scene.has_moving_wave):
         return named.engine
@@ -338,7 +341,7 @@ LONG_NAMES = {
     "analytic": "the same of the closed-form wave",
     "background": "the same of the wave's background",
 }
-"""Long names on lattices other than the paper's; the compared quantity need not be a strain."""
+"""Long names of variables on lattices whose compared quantity need not be a strain."""
 
 
 def record_by_cells(scene: Scene, progress: Progress, announce: Announce) -> run_record.RunRecord:
@@ -369,7 +372,7 @@ def _checked_record(
 
 
 def _add_pulse(record: run_record.RunRecord, engine: SiteEngine, step: float) -> None:
-    """Add the crest, position and energy of a wave in a disordered lattice, if measured."""
+    """Add peak, delay and energy of a wave in a disordered lattice to its record, if measured."""
     readings, wave = engine.metered.get(step), engine.domains.wave
     if readings is None or not readings.size:
         return

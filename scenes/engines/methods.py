@@ -1,4 +1,4 @@
-"""Dispatch from the kind of a scene to its engine, whose modules are imported on first use."""
+"""Dispatch a scene to the module that runs it, which is imported on first use."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class Method(Protocol):
-    """Module that runs one kind of scene and predicts the cost."""
+    """Interface of a module that runs scenes with one ``start.method`` and predicts their cost."""
 
     def record_scene(
         self,
@@ -33,7 +33,7 @@ class Method(Protocol):
 
 
 def method_of(scene: Scene) -> Method:
-    """Return the module for the method of its start: a bench, sidebands, or any other wave."""
+    """Return the module that runs the scene, chosen by ``scene.start.method``."""
     if scene.start.method == "bench":
         from longwave.scenes.engines import bench_run
 
@@ -65,14 +65,17 @@ def run_scene(
 
 
 def expected_cost(scene: Scene) -> ExpectedCost:
-    """Return the expected cost in a new process; ValueError for a scene that a run refuses."""
+    """Return the expected cost of running a scene in a new process.
+
+    Raises ValueError for scenes that are refused before any run.
+    """
     return method_of(scene).scene_cost(scene)
 
 
 def wave_size(scene: Scene, t: float, far_field: bool = False) -> float:
-    """Return the wave's largest deviation from its background, or from its far field, at time t.
+    """Return the wave's largest deviation from its background, or with ``far_field`` from that.
 
-    The maximum is over the compared cells and quantities. NaN if the wave has no such far field.
+    The maximum is over the compared cells and quantities at time t. NaN if the far field is None.
     """
     from longwave.scenes.engines import lattice_run
 

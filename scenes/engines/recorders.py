@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 LOOK_EVALUATIONS = 1088
-"""Minimum number of force evaluations per site between looks, which then take 1 % of a run."""
+"""Minimum number of force evaluations per site between looks; looks then take 1 % of a run."""
 
 
 MOMENT_BYTES = 1000.0
@@ -53,7 +53,7 @@ class Moments:
 
 
 def moments_of(scene: Scene, kind: observables.Moment) -> Moments:
-    """Return the times at which a scene measures observables of one kind."""
+    """Return the times at which a scene measures observables with this ``measured_at``."""
     if kind == "snapshots":
         return Moments(scene.snapshots)
     if kind == "curve":
@@ -122,7 +122,7 @@ class Recorder:
     def variables(self) -> Variables:
         """Return the recorded variables, and their times unless these are the snapshots.
 
-        The recorder gives up its rows, because a large ring has no memory for a second copy.
+        The values are removed from the recorder, as a large ring has no memory for a second copy.
         """
         recorded: Variables = {}
         for variable in (variable for entry in self.entries for variable in entry.variables):
@@ -137,7 +137,7 @@ class Recorder:
 
 
 def _dimensions(variable: observables.Variable, count: int) -> tuple[str, ...]:
-    """Return the dimensions of a variable's values at one time; ``count`` is their number.
+    """Return the names of the ``count`` dimensions of a variable's values at one time.
 
     Cells of a plane add the dimension "row"; a state with several fields adds "field".
     """
@@ -159,12 +159,12 @@ def build_recorders(scene: Scene) -> list[Recorder]:
 
 
 def recorded_variables(recorders: Sequence[Recorder]) -> Variables:
-    """Return the variables of all recorders, which give up their rows."""
+    """Return the variables of all recorders; their values are removed from the recorders."""
     return {name: row for recorder in recorders for name, row in recorder.variables().items()}
 
 
 class Samples:
-    """Values that ``take`` extracts from views at exact times; by default all compared values."""
+    """Observer that stores what ``take`` extracts from views; default: the compared quantities."""
 
     def __init__(
         self, times: Sequence[float], take: Callable[[Any], Array] = attrgetter("numerics")
@@ -174,7 +174,7 @@ class Samples:
         self._take = take
 
     def observe(self, view: View) -> None:
-        """Store the sample of a view."""
+        """Extract one sample from a view and store it."""
         self.samples.append(self._take(view))
 
     def memory(self) -> Memory:

@@ -12,7 +12,8 @@ from longwave.lattice.numeric_lattice import NumericLattice
 from longwave.support.request_limits import ExpectedCost
 
 USUAL_RUNS = 4.5
-"""Cost of a search, in units of its first run: 3.9, 4.9 if rounding is estimated, at times 7."""
+"""Cost of a search, in units of its first run. Measured: 3.9, or 4.9 if rounding is estimated;
+sometimes 7."""
 
 BEGIN_SECONDS = 1.6
 """Seconds once per process: imports, deriving the equation and compiling its wave."""
@@ -21,10 +22,10 @@ STEP_SECONDS = 3e-7
 """Seconds per step on a small ring: 2.6e-7 to 3.3e-7 on chains of 100 cells."""
 
 DRIVEN_STEP_SECONDS = 2.5e-5
-"""Seconds per step of a driven lattice with time-dependent weights; up to 4e-5 if busy."""
+"""Seconds per step of a driven lattice with time-dependent weights; 4e-5 on a busy machine."""
 
 SECONDS_PER_DASHPOT = 3e-9
-"""Seconds per dashpot and stage; a dashpot needs the rate of its bond."""
+"""Seconds per dashpot and stage of a step, in which the rate of its bond is computed."""
 
 CELL_SECONDS = 5e-6
 """Seconds to compute one cell's initial data for all runs: 1e-6 to 2e-5, depending on the wave."""
@@ -44,13 +45,14 @@ SECONDS_PER_POWER = 2.6e-9
 """Seconds for a power whose exponent is neither an integer nor a half-integer."""
 
 PROCESS_BYTES = 3e8
-"""Memory of a process that has run a small scene."""
+"""Memory, in bytes, of a process that has run a small scene."""
 
 BYTES_PER_VALUE = 100.0
-"""Bytes per compared value at a time, over all runs of a search and their results."""
+"""Bytes for each compared value at each time, over all runs of a search and their results."""
 
 SINGLE_RUN_FRACTION = 0.4
-"""Fraction of `BYTES_PER_VALUE` without a search: 34 bytes at 1e7 cells of two fields."""
+"""Memory per value of a single run, as a fraction of `BYTES_PER_VALUE`. Measured: 34 bytes at
+1e7 cells of two fields."""
 
 BYTES_PER_CELL = 160.0
 """Bytes per field of a cell in a run: state, initial data and compared values."""
@@ -63,7 +65,7 @@ MIN_PART_RATIO = 8
 
 
 def cell_seconds(lattice: NumericLattice) -> float:
-    """Return the seconds needed to advance all fields of a cell by one stage.
+    """Return the seconds needed to advance all fields of a cell by one stage of a step.
 
     >>> from longwave.derive import LATTICES
     >>> from longwave.lattice.numeric_lattice import numeric_lattice

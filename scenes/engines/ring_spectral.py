@@ -33,7 +33,7 @@ from longwave.support.checkpoint import Memory
 from longwave.support.request_limits import ExpectedCost, check_request
 
 SECONDS_PER_WORK = 1e-8
-"""Seconds per field, step, point and log2(points)."""
+"""Seconds per field and unit of work: one step of one point, times log2(points)."""
 
 CARRIER_STEP_FACTOR = 2.5
 """Factor on the first step for a wave with a carrier, in units of the step chosen for other waves.
@@ -47,9 +47,9 @@ class SpectralRuns:
     """Runs of a scene's wave on spectral rings: the engine and the records of its runs.
 
     The scene is in lattice times and states the times of its looks. The ring is the smallest causal
-    one; a control run's has `EXTRA_CELLS` more cells along each axis. Raises ValueError, before any
-    large array is made, for a run that would take too much memory or time, and for a lattice whose
-    cells differ.
+    one; that of a control run has `EXTRA_CELLS` more cells on each axis. Raises ValueError, before
+    any large array is made, for a run that would take too much memory or time, and for a lattice
+    whose cells differ.
     """
 
     def __init__(self, scene: Scene, domains: DomainPlan) -> None:
@@ -93,7 +93,10 @@ class SpectralRuns:
         return self._cells[state.circumferences].ring.lattice, state
 
     def _ends(self, wider: bool) -> list[Ends]:
-        """Return the ends along each axis of an FFT-sized ring that contains a finite wave."""
+        """Return the ends, along each axis, of a causal ring of FFT-friendly size.
+
+        A wave of finite extent is contained; ``wider`` selects the ring of control runs.
+        """
         ends = self.domains.ends()
         low, high = self.domains.wave.support(self.times[0])
         if math.isfinite(high - low):
@@ -121,7 +124,7 @@ class SpectralRuns:
         return cells.view(State(state.t, whole.f, whole.v))
 
     def _observed(self, state: FieldRing) -> Memory:
-        """Return the observables due, by time dimension, and the first and last energy."""
+        """Return the observables due at a state, by time dimension; energy at start and end."""
         view = self._view(state)
         rows = {
             recorder.dimension: recorder.measure(view)

@@ -110,7 +110,7 @@ class RunRecord:
 def stencil_cost(
     scheme: Scheme, steps: int, sites: int, seconds: float, blow_up: object, **more: float
 ) -> dict[str, Any]:
-    """Return engine, scheme and cost of a run cell by cell; ``blow_up`` describes a breakdown."""
+    """Return the attributes engine, scheme, cost and ``blow_up`` of a run cell by cell."""
     return {
         "engine": "stencil",
         "scheme": scheme.name,
@@ -146,7 +146,7 @@ def add_error_estimate(
 
 
 class UnfinishedRun(KeyboardInterrupt):
-    """Ctrl-C during a run; carries what was recorded as ``record``, and as Dataset ``run``.
+    """Ctrl-C during a run; ``record`` and the Dataset ``run`` hold the values recorded so far.
 
     The run's attribute ``unfinished`` says when or why it was interrupted.
     """
@@ -166,7 +166,7 @@ def search_interrupt(
 ) -> KeyboardInterrupt:
     """Return the exception for a search ended by Ctrl-C: UnfinishedRun with its best run.
 
-    A plain KeyboardInterrupt if nothing was recorded. ``error`` is the run's estimated error, or
+    Returns a plain KeyboardInterrupt if ``run`` is None. ``error`` is the run's estimated error, or
     None if it was not estimated.
     """
     if run is None:
@@ -188,7 +188,7 @@ def refine_scene(
     announce: Announce,
     record_of: Callable[[Trial], RunRecord | None] = lambda trial: trial.payload,
 ) -> Refined:
-    """Run `refine` to the scene's tolerance; ``record_of`` returns the record of a run.
+    """Run `refine` to the scene's tolerance; ``record_of`` returns the record of a trial run.
 
     Raises the errors of `refine`, and on Ctrl-C UnfinishedRun with the best run so far.
     """
@@ -207,7 +207,8 @@ def refine_on_part(
     A search takes four or five runs, all but one of them to measure the effect of a shorter step.
     If a part of the cells represents the whole wave, these runs compute that part alone
     (``within``). The final run is compared with the last run of the part; their difference is added
-    to the error. Returns None if the error then exceeds the tolerance. Raises as `refine_scene`.
+    to the error. Returns None if the error then exceeds the tolerance. Raises the errors of
+    `refine_scene`.
     """
     sizes = within.first().size * USUAL_WORK, whole.first().size
     share = sizes[0] / sum(sizes)

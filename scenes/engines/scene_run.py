@@ -35,13 +35,13 @@ def run(
     site nearest to c t) and others that observables add. The variables are those of the requested
     observables (table in `observables.py`).
 
-    Attributes: the scene as TOML, provenance, cost, ``blow_up`` (empty if there was none), and for
-    how long the run can be trusted. A run that blows up keeps the times before it. With a tolerance
-    also ``error_estimate`` and its parts (`add_error_estimate`), and, for runs site by site,
-    ``plan``: the scene with step and domain filled in. ``progress`` is called with the completed
-    fraction, 0 .. 1; ``announce`` with the expected seconds, if they are many.
+    Attributes: the scene as TOML, provenance, cost, ``blow_up`` (empty if there was none), and the
+    time for which the run can be trusted. A run that blows up keeps the times before the blow-up.
+    With a tolerance there are also ``error_estimate`` and its parts (`add_error_estimate`), and,
+    for runs site by site, ``plan``: the scene with step and domain filled in. ``progress`` is
+    called with the completed fraction, 0 .. 1; ``announce`` with the expected seconds, if many.
 
-    Raises ValueError in one line for an argument that is not a scene and for a scene that the wave,
+    Raises ValueError for an argument that is not a scene and for a scene that the wave,
     the lattice or the limits do not admit. Raises UnfinishedRun on Ctrl-C.
     """
     if isinstance(scene, str | Path):
@@ -70,7 +70,7 @@ INSTEAD = {
     "State": "longwave.lattice.integrate takes a lattice, a state and times",
     "dict": "Scene.of(**...) makes a scene of keywords",
 }
-"""Remedy for each type of argument that is not a scene."""
+"""Remedy in the message about an argument that is not a scene, by the type's name."""
 
 EXAMPLE = "such as 'rogue_cn_k_0.5'"
 

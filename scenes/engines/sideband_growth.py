@@ -64,7 +64,7 @@ vanished and the perturbation is still small."""
 
 STABLE_BEATS = 4
 """Duration of the measurement of a stable wave, in beats of its sidebands with the other modes of
-the data. It lasts at least as long as that of the fastest growing perturbation; otherwise slow
+the data. The duration is at least that for the fastest growing perturbation; otherwise slow
 changes of the plane wave would look like growth."""
 
 SLOPE_FACTOR = 2.5 / (15.0 / 16.0)
@@ -72,8 +72,8 @@ SLOPE_FACTOR = 2.5 / (15.0 / 16.0)
 ``sum |x| / sum x^2`` over `MEASUREMENTS` points x from -1/2 to 1/2."""
 
 GROWTH_EVALUATIONS = 32.0
-"""One in so many rounding errors matters: a mode that grows G-fold amplifies those of the first
-1/(2 ln G) of a run, a 32nd for G = 1e7."""
+"""Inverse fraction of a run in which rounding errors matter: a mode that grows G-fold amplifies
+those made in the first 1/(2 ln G) of the run, a 32nd for G = 1e7."""
 
 SIGNIFICANT_ERRORS = 3.0
 """A growth rate is significant if it exceeds this many times its error."""
@@ -140,7 +140,7 @@ class SidebandGrowth:
         return self.plan.moments * self.scene.eps**2
 
     def verdict(self) -> str:
-        """Return measured and theoretical rate in one line of text."""
+        """Return one line of text that compares the measured with the theoretical rate."""
         ring, wave = self.plan.ring, self.plan.wave
         measurement = f"k = {float(ring.k):.6g}, kappa = {wave.kappa:.4g}: growth rate "
         measurement += f"{self.measured:.4g} +- {self.error:.1g} in T"
@@ -204,7 +204,7 @@ def record_scene(
 
 
 def scene_cost(scene: Scene) -> ExpectedCost:
-    """Return the expected cost; ValueError, as in `measure_growth`, for a scene that is refused."""
+    """Return the expected cost of a growth scene; ValueError for an inadmissible wave."""
     return expected_growth_cost(growth_plan(scene))
 
 
@@ -214,7 +214,7 @@ def measure_growth(
     """Derive the scene's envelope equation and measure the growth of its perturbed plane wave.
 
     ``progress`` is called with the completed fraction, ``announce`` with the expected seconds.
-    Raises ValueError in one line for a scene that the envelope does not admit, one that would take
+    Raises ValueError for a scene that the envelope does not admit, one that would take
     too long, and a lattice that blows up.
     """
     begun = perf_counter()
@@ -307,7 +307,7 @@ cubed: 0.02 s on a chain and 0.21 s on a dimer."""
 
 
 def expected_growth_cost(plan: GrowthPlan, fastest: float | None = None) -> ExpectedCost:
-    """Return the expected cost; ``fastest`` is the highest frequency, by default about rest."""
+    """Return the expected cost; ``fastest`` is the highest frequency, by default at rest."""
     lattice = plan.data.lattice
     fastest = fastest or lattice.highest_frequency(lattice.rest_slopes())
     steps = float(plan.moments[-1]) * fastest / (LIMIT_FRACTION * stability_limit(SCHEME))
@@ -320,9 +320,9 @@ class SidebandRuns:
 
     Runs are compared by the logarithms of the sideband sizes, times a ``scale`` such that their
     error bounds that of the growth rate in units of the largest theoretical rate. Rounding errors
-    may excite other modes that grow faster than the perturbation; the nudge of a control run is as
-    large as the rounding errors that accumulate before these modes dominate. Raises ValueError for
-    a scene that would take too long.
+    may excite other modes that grow faster than the perturbation; a control run's data are changed
+    by as much as the rounding errors that accumulate before these modes dominate. Raises ValueError
+    for a scene that would take too long.
     """
 
     def __init__(self, plan: GrowthPlan, scene: Scene) -> None:
@@ -369,8 +369,8 @@ class SidebandRuns:
     def _sidebands(self, state: State, _: EnergyBalance | None) -> Complex:
         """Return the amplitudes of both sidebands and the carrier, shape (3, fields).
 
-        Only waves in the carrier's direction count; the carrier's phase rotation is removed. NaN
-        if the lattice has left the plane wave.
+        Only waves in the carrier's direction count; the carrier's phase rotation is removed. All
+        amplitudes are NaN if the fields have grown far beyond the initial plane wave.
         """
         ring, omega = self.plan.ring, self.plan.data.carrier.omega
         spectrum = np.fft.fft(state.f + 1j * state.v / omega)

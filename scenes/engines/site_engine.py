@@ -47,10 +47,11 @@ from longwave.scenes.engines.window import LARGEST_MISFIT
 from longwave.support.real_arrays import Array
 
 STEP_RATIO = 0.8
-"""Step of a control run, in units of the run before it."""
+"""Ratio of a control run's step to the step of the run before it."""
 
 SIMILARITY_FRACTION = 1e-3
-"""Fraction by which the whole wave's data may exceed a representative part's data."""
+"""Largest relative excess of the whole wave's data over a part's data at which the part counts as
+representative."""
 
 CLEARANCE_CELLS = 128
 """Cells beyond the wave's extent that the coarse engine compares."""
@@ -59,7 +60,7 @@ FEED_FRACTION = 0.3
 """Largest fraction of the tolerance allowed for the error of a window's feed."""
 
 MISFIT_GROWTH = 1.4
-"""Factor on the size of a window whose feed did not match the lattice; such a run ends early."""
+"""Factor on the size of a window after a run whose feed did not match the lattice."""
 
 FEED_SAFETY = 2.0
 """Factor on a feed's mismatch in the error estimate: at each move, half of the mismatch travels to
@@ -71,7 +72,7 @@ class SiteEngine(StepSearch):
 
     The scene is in lattice times. A trial's values are the compared quantities and their rates, in
     units of the wave's scale; the rates reveal an error that happens to vanish at one of the times.
-    A trial's payload is a `RunRecord`. ``metered`` holds the readings of the wave's meter by step.
+    A trial's payload is a `RunRecord`. ``metered`` maps a run's step to its `PulseMeter` readings.
     Runs are compared on the cells ``judged``, by default all compared cells.
     """
 
@@ -164,7 +165,7 @@ class SiteEngine(StepSearch):
         return trial
 
     def coarse_engine(self) -> SiteEngine:
-        """Return a cheaper engine: smaller windows, fewer times; this one if none suffices."""
+        """Return a cheaper engine with smaller windows and fewer times, or this one if none."""
         domains = self.domains
         if domains.window is None or domains.extent is None:
             return self
@@ -181,7 +182,8 @@ class SiteEngine(StepSearch):
     def parts(self) -> tuple[SiteEngine, SiteEngine] | None:
         """Return the engines of a representative part and of all cells, both compared on the part.
 
-        None if no part is representative: nowhere may the data be larger or steeper than there.
+        Returns None if no part is representative, that is, if the data elsewhere are larger or
+        steeper than in the part.
         """
         domains = self.domains
         part = representative_cells(domains.wave, domains.compared, domains.times, domains.signals)
@@ -212,7 +214,7 @@ class SiteEngine(StepSearch):
         return SteppedCells(ring_plan, self.domains, ends, choices.nudged, self._fades)
 
     def _sized(self, choices: Choices, cells: float) -> Choices:
-        """Return the choices with a window of ``cells`` cells, or a ring if that has fewer."""
+        """Return the choices with a window of ``cells`` cells, or a ring if that is smaller."""
         if self._widened * cells >= self._ring:
             return replace(choices, size=self._ring, causal=True)
         return replace(choices, size=float(round_up(cells)))
@@ -225,7 +227,7 @@ class SiteEngine(StepSearch):
         return previous if previous.shape == current.shape else np.full_like(current, np.nan)
 
     def control(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
-        """Return a control run's choices: shorter step, wider window; rings alternate in size."""
+        """Return a control run's choices: shorter step, wider window or ring of the other size."""
         if "step" in kinds:
             step = shorter_step(self._stops, choices.step, self.order, STEP_RATIO)
             choices = replace(choices, step=step)
@@ -237,7 +239,7 @@ class SiteEngine(StepSearch):
         return choices
 
     def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
-        """Return choices with a shorter step (a ring then has its least size) or wider window."""
+        """Return choices that reduce a kind of error by ``excess``: shorter step, wider window."""
         if kind == "step":
             shorter = super().improved(choices, kind, excess)
             return replace(shorter, size=self._ring) if choices.causal else shorter

@@ -17,16 +17,17 @@ MIN_WAVELENGTHS = 16
 """Minimum number of wavelengths of a periodic background on a ring."""
 
 WIDTH_FACTOR = 1.5
-"""Least circumference without its blended parts, in units of the width it must contain."""
+"""Least circumference without its blended parts, in units of `WaveBounds.width`."""
 
 BLEND_DIVISOR = 32.0
-"""On a constant background the data are blended within circumference/BLEND of the seam."""
+"""On a constant background the data are blended within at most circumference/BLEND_DIVISOR of the
+seam, but at least within `MIN_BLEND_WIDTH`."""
 
 MIN_BLEND_WIDTH = 6.0
 """Least width of the blended part, in units of the wave's variable xi."""
 
 SPEED_SAMPLES = 4096
-"""Points at which the largest speed of sound is sought."""
+"""Number of points at which the speed of sound is evaluated to find its maximum."""
 
 ABSORBED_WAVENUMBER = 2.0
 """Wavenumber below which left-going waves are absorbed."""
@@ -101,7 +102,10 @@ class SpectralStart:
         return max(SMOOTH_EDGE / circumference, 4.0 * math.asin(math.sqrt(lag)))
 
     def ring(self, circumference: float, shift: float = 0.0) -> SpectralDomain:
-        """Return a ring of this circumference, moved by ``shift`` of it, or the causal ring."""
+        """Return a ring of this circumference, or the causal ring if that is not larger.
+
+        The ring's middle is moved ahead by ``shift``, in circumferences.
+        """
         if circumference >= self.causal.circumference:
             return self.causal
         lead = self.bounds.middle + shift * circumference
@@ -125,7 +129,7 @@ class SpectralStart:
 
     @property
     def fastest(self) -> float:
-        """Largest speed of sound over the strains of the bounds and of the data."""
+        """Largest speed of sound over the strains of ``bounds`` and of the initial data."""
         x = self.smallest * (np.arange(SPEED_SAMPLES) / SPEED_SAMPLES - 0.5) + self.bounds.middle
         strain = np.concatenate([self._strain(x), self.bounds.strain])
         return self.moving.constants.highest_frequency(strain) / 2.0
@@ -192,11 +196,11 @@ def spectral_start(moving: MovingWave, tolerance: float) -> SpectralStart:
 
 
 POINTS_PER_RADIAN = 2.0
-"""First sampling: points per unit of the wave's own variable xi."""
+"""Points of a search's first run, per unit of the wave's own variable xi."""
 
 
 def first_density(moving: MovingWave) -> float:
-    """Return the number of points per site of a search's first run."""
+    """Return the number of points per site with which a search begins."""
     return POINTS_PER_RADIAN * moving.wave.numbers.a * moving.eps
 
 
@@ -206,11 +210,11 @@ the order of the scheme: the error of two solitons was 1.9e-5 with 4 steps and 1
 
 
 def first_step(speed: float, duration: float, k: float, turning: float) -> float:
-    """Return the first step: the shortest time scale of nonlinearity, dispersion or the duration.
+    """Return the first step: the shortest time scale of nonlinearity, dispersion and duration.
 
     ``turning`` is the `turning_time` of waves of wavenumber ``k``, the `rms_wavenumber`. In the
-    long-wave limit both scales are fixed fractions of the slow time T, so the number of steps does
-    not depend on eps. Dispersion is the faster for weak, short waves.
+    long-wave limit both times are fixed fractions of the slow time T, so the number of steps does
+    not depend on eps. For weak, short waves the time of dispersion is the shorter one.
     """
     longest = duration / MIN_STEPS if duration > 0 else 1.0
     return min(longest, turning, 24.0 / (speed * k**3))
@@ -219,7 +223,7 @@ def first_step(speed: float, duration: float, k: float, turning: float) -> float
 def turning_time(constants: Model, state: FieldRing, k: float) -> float:
     """Return the time in which nonlinearity shifts the phase of waves of wavenumber ``k`` by 1 rad.
 
-    At strain y its frequency differs from the mean by k (V''(y) - mean(V'')) / (2 c).
+    At strain y their frequency differs from the mean by k (V''(y) - mean(V'')) / (2 c).
     """
     stiffness = constants.stiffness(state.f)
     spread = float(np.max(np.abs(stiffness - np.mean(stiffness))))
@@ -229,10 +233,10 @@ def turning_time(constants: Model, state: FieldRing, k: float) -> float:
 
 
 def rms_wavenumber(state: FieldRing) -> float:
-    """Return the root mean square wavenumber of a strain, or of its steepest slope if larger.
+    """Return the root mean square wavenumber of the strain, or the relative slope if larger.
 
-    The spectrum excludes the mean. The slope, in units of the largest strain, matters for a kink,
-    whose spectrum is dominated by its far fields.
+    The mean is excluded. The relative slope is the steepest slope over the largest strain; it
+    matters for a kink, whose spectrum is dominated by its far fields.
     """
     modes = modes_of(state.f[0])
     k = 2.0 * math.pi / state.circumferences[0] * np.arange(modes.size)

@@ -27,33 +27,35 @@ from longwave.scenes.starts.moving_wave import MovingWave, moving_wave
 from longwave.support.request_limits import ExpectedCost, OverBudgetError
 
 START_SECONDS = 0.08
-"""Seconds before the first step, measured with the planning."""
+"""Seconds before the first step, including the planning (measured)."""
 
 SECONDS_PER_WORK = 2.2e-9
-"""Seconds per point, log2(points) and evaluation, measured with the planning."""
+"""Seconds per unit of points times log2(points) times evaluations, with planning (measured)."""
 
 EVALUATION_FACTOR = 11.0
-"""Evaluations per unit of b eps^3 t times peak^3, at tolerance 1 (measured)."""
+"""Force evaluations per unit of 1 + b eps^3 t peak^3, the peak in y/eps, at tolerance 1
+(measured)."""
 
 POINT_FACTOR = 1.7
-"""Points per site in units of the first density times the peak (measured)."""
+"""Points per site, in units of `first_density` times the peak in y/eps (measured)."""
 
 TAIL_CHANGE = 20.0
-"""Change of the result when a ring on a constant background is doubled to circumference L, times
-(eps L/2)^3 and per unit of the peak; law of a ring with absorber (measured)."""
+"""Constant C of the change C peak / (eps L/2)^3 of the result when a ring with absorber, on a
+constant background, is doubled to circumference L (measured)."""
 
 PERIODIC_CHANGE = 0.1
-"""Same on a periodic background, times (eps L/2)^2 per b eps^3 t peak^3 (measured)."""
+"""Constant C of the change C b eps^3 t peak^3 / (eps L/2)^2 of the result when a ring on a periodic
+background is doubled to circumference L (measured)."""
 
 LATTICE_SPREAD = 400.0
 """Variation of a wave's energy with its position between two sites, in units of exp(-pi^2/s) for
 steepness s = a |y|; 250 to 520 for solitons of s from 0.35 to 0.6."""
 
 FIRST_RING_RUNS = 2.0
-"""Cost of the runs on the first ring with all steps tried, in units of the last of them."""
+"""Cost of all runs on the first ring, one for each step tried, in units of the last of them."""
 
 MOST_RELATIVE_COST = 300.0
-"""Cost at which the spectral engine gives up, in units of the stencil's; at least `MIN_BUDGET`.
+"""Cost at which the spectral engine gives up, in units of the stencil's first run (`MIN_BUDGET`).
 
 On a ring that short waves circle forever, a larger ring improves the result ever more slowly. Then
 the stencil in a moving window is much cheaper.
@@ -63,7 +65,7 @@ MIN_BUDGET = 10.0
 """Seconds that the spectral engine may use in any case."""
 
 CHANGE_FRACTION = 0.6
-"""Largest change from doubling the last ring, as a fraction of the tolerance."""
+"""Largest change from doubling the ring, as a fraction of the tolerance, that ends a search."""
 
 
 POINT_BYTES = 530.0
@@ -72,7 +74,7 @@ POINT_BYTES = 530.0
 
 @lru_cache(maxsize=4)
 def spectral_cost(scene: Scene) -> ExpectedCost:
-    """Return the expected cost on spectral rings; the wave's peak sets points and steps."""
+    """Return the expected cost of one run on each ring of a search, from the wave's peak."""
     moving, tolerance = moving_wave(scene), scene.target.tolerance
     data, numbers = spectral_data.spectral_start(moving, tolerance), moving.wave.numbers
     peak = float(np.max(np.abs(data.bounds.strain))) / moving.eps
@@ -116,7 +118,7 @@ def run_spectral(
 ) -> tuple[RunRecord, Refined]:
     """Run a scene to its tolerance on spectral rings; return its record and the search's result.
 
-    ``site_by_site`` is the time in seconds that the stencil would need. Looks are taken at
+    ``site_by_site`` is the time in seconds of a first run with the stencil. Looks are taken at
     equidistant times, and only the compared sites are evaluated. The record ends where their
     strains show a blow-up. Raises ValueError for a tolerance that cannot be met and for a lattice
     that blows up, UnfinishedRun on Ctrl-C.

@@ -37,17 +37,17 @@ from longwave.support.checkpoint import Loop, Memory, begin_loop
 from longwave.support.real_arrays import Array
 
 SIZE_RATIO = 1.5
-"""Circumference of a control run, in units of the run before it. If the control's ring would be
-causal, the first one is made causal, too; a kink's ring always is."""
+"""Ratio of a control run's circumference to that of the run before it. If the control run's ring
+would be causal, the first run's ring is made causal, too; a kink's ring always is."""
 
 RING_SHIFT = 0.07
-"""Shift of a control run's ring, in circumferences."""
+"""Distance by which a control run's ring is shifted, in circumferences."""
 
 ABSORBER_RATIO = 0.5
-"""Strength of a control run's absorber, in units of the run before it."""
+"""Ratio of the absorber's strength in a control run to that in the run before it."""
 
 MAX_SIZE_FACTOR = 3.0
-"""Largest factor on a size, from one choice to the next."""
+"""Largest factor by which the ring grows from one choice to the next."""
 
 POINTS_GROWTH = 1.5
 """Factor on the points when a run restarts because the tail of its spectrum rose."""
@@ -64,24 +64,25 @@ LARGEST_STEEPNESS = 0.65
 width in sites is 1/(a |y|)), and no long step is possible."""
 
 SMALL_STEEPNESS = 0.2
-"""Value of a |y| up to which the energies of the ring's interleaved lattices agree to rounding."""
+"""Largest a |y| at which the energies of the ring's interleaved lattices agree to rounding."""
 
 ENERGY_SPREAD_FACTOR = 2.2
-"""Largest energy spread over `crest_energy_spread`; solitons with a |y| from 0.35 to 0.6."""
+"""Largest ratio of the energy spread met to `crest_energy_spread`, for solitons with a |y| from
+0.35 to 0.6."""
 
 STEEP_DENSITY = 2.5
 """Points per site that a steep wave needs."""
 
 MAX_STEEP_WORK = 4e9
-"""Largest work of a run with such short steps, about ten seconds on the causal ring. A steep wave
-radiates all the time, so no smaller ring suffices."""
+"""Largest work of a run of a steep wave with short steps, about ten seconds on the causal ring. A
+steep wave radiates all the time, so no smaller ring suffices."""
 
 SHORTEST_STEP = 0.02
 """Shortest step, in units of a site over the speed of sound; below it the stencil is cheaper."""
 
 LEAST_POINTS = 256
-"""Minimum number of points on a ring. From here on the sizes that suit the FFT lie so close
-together that a control run always has more points."""
+"""Minimum number of points on a ring. Above it the sizes that suit the FFT lie so close together
+that a control run always has more points."""
 
 MOST_POINTS = 2**20
 """Maximum number of points on a ring; a run needs 510 bytes a point (measured)."""
@@ -127,7 +128,7 @@ class SpectralIntegration:
         self._state, self._step, self._ring = state, step, self._make(state, step)
 
     def _tallies(self) -> list[tuple[float, float, int, int]]:
-        """Return smallest strain, largest strain, steps and evaluations of each ring so far."""
+        """Return (smallest strain, largest strain, steps, evaluations) of each ring used so far."""
         integrator = self._ring.integrator
         return [*self._left, (*self._ring.strain, integrator.steps, integrator.evaluations)]
 
@@ -219,7 +220,7 @@ class SpectralEngine(SpectralSearch):
         self._soft: evolution.NotHyperbolicError | None = None
 
     def first(self) -> Choices:
-        """Return the first choices: the smallest ring, sampling and step of the wave's scale."""
+        """Return the first choices: smallest ring, with sampling and step on the wave's scale."""
         choices = self._sized(Choices(1.0, 0.0, density=self._density), self._data.smallest)
         state, c = self._state(choices), self._moving.speed
         k = spectral_data.rms_wavenumber(state)
@@ -255,7 +256,10 @@ class SpectralEngine(SpectralSearch):
         return self._moving.wave.numbers.a * float(np.max(np.abs(strain)))
 
     def _spread_over(self, turns: float) -> float:
-        """Return a bound, in y/eps, on how far interleaved lattices diverge (`crest_energy.py`)."""
+        """Return a bound, in y/eps, on how far interleaved lattices diverge (`crest_energy.py`).
+
+        ``turns`` is the duration over `spectral_data.turning_time`.
+        """
         data, bounds = self._data, self._data.bounds
         if self._steepness(bounds.strain) <= SMALL_STEEPNESS:
             return 0.0
@@ -270,7 +274,7 @@ class SpectralEngine(SpectralSearch):
         return True
 
     def _handle_loss(self, error: evolution.RunawayError, step: float) -> None:
-        """Raise the error again if the lattice itself stops carrying waves, whatever the step."""
+        """Raise ``error`` again if it recurs with all steps: then the lattice itself fails."""
         self._soft = error if isinstance(error, evolution.NotHyperbolicError) else None
         if self._soft and self._lost_again(error, step):
             raise error
@@ -278,7 +282,7 @@ class SpectralEngine(SpectralSearch):
     def control(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
         """Return the choices of a control run: shorter step, more points, wider and shifted ring.
 
-        The points are counted from those that the run really had, as `LEAST_POINTS` may raise them.
+        More points means more than the run really had, as `LEAST_POINTS` may have raised them.
         """
         dense = replace(choices, density=self._dense(choices) / choices.finer)
         choices = super().control(dense, kinds)
@@ -327,7 +331,7 @@ class SpectralEngine(SpectralSearch):
         return replace(choices, size=size)
 
     def _run(self, choices: Choices, progress: Progress) -> Trial:
-        """Run; again on a wider ring if the strains met carry too fast signals for a causal one."""
+        """Run a trial; repeat it on a wider ring if signals were too fast for the causal ring."""
         trial = self._integrate(replace(choices, density=self._dense(choices), finer=1.0), progress)
         self._soft = None
         data = self._data

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Recording:
-    """Outcome of a run: its stepper with the last state, and its seconds without compilation.
+    """Outcome of a run: its stepper, which holds the last state, and its seconds.
 
     ``step_limit`` is the largest stable step; ``stopped`` is true if Ctrl-C ended the run.
     """
@@ -102,7 +102,7 @@ def refinements(scene: Scene) -> list[str]:
 
 
 def refined_scene(scene: Scene, measure: str) -> Scene:
-    """Return the scene refined: half the step (``time_step_error``), twice the sites otherwise."""
+    """Return the scene with half the step for ``time_step_error``, else with twice the sites."""
     stated = scene.discretisation
     if measure == "time_step_error":
         finer = replace(stated, step=stated.step / 2.0)
@@ -174,7 +174,7 @@ def run_from(
 def _reached(
     scene: Scene, recorders: Sequence[Recorder], recording: Recording
 ) -> tuple[float, ...]:
-    """Return the snapshots that a run recorded, or passed if it has no recorder for snapshots."""
+    """Return the snapshots that a run recorded, or reached if it records none at snapshots."""
     if recording.stopped:
         for recorder in recorders:
             if recorder.dimension == "time":
@@ -185,7 +185,7 @@ def _reached(
 
 
 def _split_progress(progress: Progress, costs: Sequence[float]) -> list[Progress]:
-    """Return one progress callback for each part, which reports the progress of the whole."""
+    """Return a progress callback for each part of a run, which reports the whole run's progress."""
 
     def part(start: float, cost: float) -> Progress:
         return lambda share: progress(min(1.0, (start + share * cost) / sum(costs)))

@@ -32,7 +32,7 @@ LOOK_SECONDS = 0.02
 
 
 class SteppedCells:
-    """Cells of a run on a ring.
+    """Cells of a run on a ring, with its initial data, stepper and views.
 
     The scene is in lattice times. The ring has the scene's number of sites, or the given ``ends``.
     With ``nudged`` the last digits of the initial data are changed. With ``fades`` the cells that
@@ -115,7 +115,7 @@ class SteppedCells:
         return state.arrays
 
     def refined(self, scene: Scene) -> SteppedCells:
-        """Return the cells for a refined scene about the same wave."""
+        """Return the cells of a refined scene with the same wave."""
         return type(self)(scene, self.domains)
 
     def attributes(self, stepper: Stepper) -> dict[str, Any]:
@@ -131,7 +131,7 @@ class SteppedCells:
 
 
 def measures_all_cells(scene: Scene) -> bool:
-    """Return whether an observable of the scene measures all cells, not the compared ones only."""
+    """Return whether an observable of the scene measures more than the compared cells."""
     return any(observable_named(name).all_sites for name in scene.observables)
 
 
@@ -178,7 +178,7 @@ class RingDomain(FixedDomain):
 def steps_between_looks(
     lattice: NumericLattice, state: State, scheme: Scheme, watches_strains: bool
 ) -> int:
-    """Return the number of steps that a ring takes in about ``LOOK_SECONDS``.
+    """Return the number of steps of a ring that take about ``LOOK_SECONDS``.
 
     It is at least `LEAST_CHUNK` on a chain. For a wave whose strains are checked
     (`blow_up.find_blow_up`) it is at most `CHUNK`, as the seam needs damping that often.
@@ -217,7 +217,7 @@ class CellView(View):
 
     @property
     def crest_law(self) -> float | None:
-        """Crest of the first quantity by the wave's law of losses; None without one."""
+        """Height of the crest by the amplitude law of a damped soliton; None for other waves."""
         return self.wave.crest(self.t)
 
     @cached_property
@@ -251,7 +251,7 @@ class CellView(View):
 
     @property
     def extra_variables(self) -> dict[str, Any]:
-        """Sup error, slow time and all quantities if several; empty for the paper's wave."""
+        """Sup error, slow time and any further quantities; empty for moving mKdV waves."""
         if self.wave.watches_strains:
             return {}
         error = float(np.max(np.abs(self.numerics - self.analytics))) / self.wave.scale
@@ -261,7 +261,7 @@ class CellView(View):
         return variables | {"strains": self.numerics, "analytics": self.analytics}
 
     def displaced(self, shift: float) -> tuple[Array, Array, Array, Array]:
-        """Return wave, background and their slopes, shifted by ``shift`` cells."""
+        """Return wave, background and the slopes of both, moved ahead by ``shift`` cells."""
         return self.wave.values_and_slopes(self._cells - shift, self.t)
 
     @property
@@ -279,12 +279,12 @@ class CellView(View):
 
     @property
     def stored(self) -> tuple[int, Array, Array]:
-        """Leftmost cell, and copies of fields and velocities, without axis for a single field."""
+        """Leftmost cell, and copies of fields and velocities; a single field has no field axis."""
         f, v = (values[0] if len(values) == 1 else values for values in self.arrays)
         return self.ends[0][0], f.copy(), v.copy()
 
     def judged(self, beyond: int = 0, compared: ComparedCells | None = None) -> Array:
-        """Return the compared quantities and their rates, in units of the scale.
+        """Return the compared quantities and their rates over `rate_unit`, in units of the scale.
 
         The cells are ``compared``, by default those of the view, and ``beyond`` cells around them.
         """

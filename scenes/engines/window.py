@@ -57,18 +57,21 @@ class FedWave:
         return ring.nudged() if self.nudged else ring
 
     def rigid_offsets(self, speed: float, sites: Sites, t: float) -> Array:
-        """Return positions at time t, relative to the frame's start, in a frame at ``speed``."""
+        """Return positions of sites in a frame at ``speed`` that starts with the wave's frame."""
         begin = self.speed * self.t0
         return np.asarray((sites - begin) - speed * (t - self.t0), dtype=np.float64)
 
     def rigid_data(self, speed: float, offsets: Array) -> tuple[Array, Array]:
-        """Return the initial wave moved rigidly at ``speed``, less its `uniform` far field."""
+        """Return fields and velocities of the initial wave if it moved rigidly at ``speed``.
+
+        The `uniform` far field is subtracted from the fields.
+        """
         wave = self.domains.wave
         f, slopes = wave.rigid_fields(offsets, self.t0)
         return f, wave.far_rates[1][:, np.newaxis] - speed * slopes
 
     def uniform(self, sites: Sites, t: float) -> Array:
-        """Return the fields of the uniform far field, without the mean strain held by the bonds."""
+        """Return the fields of the uniform far field, less the mean strain in the bonds."""
         wave, [mean] = self.domains.wave, self.ring.mean_strain
         growth, velocity = wave.far_rates
         slopes = growth - mean * np.array(wave.growth_shares)
@@ -77,14 +80,14 @@ class FedWave:
 
 
 SIZE_RATIO = 1.3
-"""Size of a control run's window, in units of the run before it."""
+"""Ratio of the window's size in a control run to that in the run before it."""
 
 WINDOW_DECAY = 5.0
 """Assumed power law: a window's error falls at least like size^-5 (measured: -5.8 to -7.4)."""
 
 WINDOW_SAFETY = 3.0
 """Safety factor on the difference of two windows; it suffices if the error falls like 1/size^1.1.
-The slowest decay met was by a fifth for a size factor of 1.25, in a window hardly larger than its
+The slowest fall met was by a fifth when the size grew by 1.25, in a window hardly larger than its
 wave (rational, order 5)."""
 
 MAX_SIZE_GROWTH = 4.0
@@ -95,7 +98,7 @@ COMPARED_MOVES = 16
 
 
 def widened(sites: float, excess: float, decay: float) -> float:
-    """Return the window size that reduces the error by ``excess``, if it falls like size^-decay."""
+    """Return the window size that reduces an error ~ size^-decay by the factor ``excess``."""
     return sites * min(MAX_SIZE_GROWTH, max(1.2, 1.05 * excess ** (1.0 / decay)))
 
 
@@ -113,10 +116,10 @@ def window_moves(wave: FedWave) -> tuple[float, ...]:
 
 
 CHEBYSHEV_DEGREES = (16, 32, 64, 128)
-"""Degrees tried for the interpolation; the far field of Y2 needs the first."""
+"""Degrees tried for the interpolation; the first suffices for the far field of Y2."""
 
 INTERPOLATION_ERROR = 1e-14
-"""Largest interpolation error, relative to the wave's scale or to the largest value."""
+"""Largest interpolation error, in units of the wave's scale or of the largest value if larger."""
 
 
 def _chebyshev_sums(coefficients: Array, u: Array) -> Array:
@@ -247,7 +250,7 @@ class Window(Domain):
         return stored_chain(t, self.wave.first(t), ring.f, ring.v)
 
     def follow(self, state: State) -> BlowUp | None:
-        """Move to the state's time and fill front cells; return a fault if the feed is wrong."""
+        """Move the window to the state's time, fill front cells, and return any feed mismatch."""
         left, cells = self.wave.first(state.t), state.f.shape[1]
         fed = fed_cells(left - state.left, self._ratio)
         state.left = left
@@ -259,7 +262,7 @@ class Window(Domain):
         return fault
 
     def _misfit(self, state: State, sites: Sites, feed: Array) -> BlowUp | None:
-        """Return a fault at the first cell where feed and lattice differ too much; None without."""
+        """Return a `BlowUp` at the first cell where feed and lattice differ too much, else None."""
         differences = np.abs(state.f.take(sites, axis=1, mode="wrap") - feed)
         misses = differences.max(axis=0) / self.wave.scale
         most = float(misses.max())
@@ -283,5 +286,5 @@ class Window(Domain):
 
 
 def stored_chain(t: float, left: int, f: Array, v: Array) -> State:
-    """Return a state of (fields, cells) from ``left`` on, stored cyclically as in a window."""
+    """Return the state of a chain with first cell ``left``, stored cyclically as in a window."""
     return State(t, np.roll(f, left, axis=1), np.roll(v, left, axis=1), left)

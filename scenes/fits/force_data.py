@@ -30,28 +30,28 @@ COMMENT, LENGTHS = "#", ("m", "in", "inch")
 """Prefix of comment lines; suffixes of unit names by which units of length are recognised."""
 
 MAX_FILE_BYTES = 10_000_000
-"""Largest file in bytes."""
+"""Maximum size of a file, in bytes."""
 
 MIN_POINTS = 4
-"""Minimum number of points, so that some remain to test a law by."""
+"""Minimum number of points, so that a fit leaves degrees of freedom to test the law."""
 
 MAX_POINTS = 100_000
 """Maximum number of measured points."""
 
 SMALLEST_SIZE = 1e-20
-"""Least size of the largest stretch, largest force and each deviation; its inverse is the largest
-size. The squares of their sixth powers are then within the range of doubles."""
+"""Least magnitude of the largest stretch, of the largest force and of each deviation; its inverse
+is the greatest one. The squares of their sixth powers are then within the range of doubles."""
 
 TURN_FRACTION = 0.1
-"""Least reversal of the stretch that is a turn and not noise, as a fraction of its range."""
+"""Least reversal of the stretch that counts as a turn, as a fraction of the range of stretches."""
 
 MIN_BRANCH_POINTS = 4
 """Minimum mean number of points between two turns; with fewer, points are unordered."""
 
 LOOP_FRACTION, LOOP_DEVIATIONS = 0.005, 4.0
-"""Width above which loading and unloading form a loop: a fraction of the range of forces, which
-allows for interpolation between points, and a number of standard deviations of the mean width. It
-must also exceed the noise of a point."""
+"""Mean width above which loading and unloading form a loop, as a fraction of the range of forces
+(which allows for interpolation between points) and in standard deviations of the mean width. It
+must exceed both, and the noise of a point."""
 
 
 @dataclass(frozen=True)
@@ -135,7 +135,7 @@ def _check_points(rows: Points) -> None:
 
 
 def _check_order(rows: Points) -> None:
-    """Raise ValueError for unordered points and for a hysteresis loop."""
+    """Raise ValueError for points in random order and for a hysteresis loop."""
     turns = _turns(rows[:, 0])
     ends = [0, *turns, len(rows) - 1]
     if turns and len(rows) < MIN_BRANCH_POINTS * (len(turns) + 1):
@@ -153,7 +153,7 @@ def _check_order(rows: Points) -> None:
 
 
 def _turns(stretch: Points) -> list[int]:
-    """Return the rows at which the stretch reverses by more than noise."""
+    """Return the rows at which the stretch reverses by more than `TURN_FRACTION` of its range."""
     least = TURN_FRACTION * float(np.ptp(stretch))
     turns: list[int] = []
     lowest = highest = 0
@@ -171,7 +171,7 @@ def _turns(stretch: Points) -> list[int]:
 
 
 def _check_loop(rising: Points, falling: Points, turn: int) -> None:
-    """Raise ValueError if loading and unloading differ by more than the noise where both exist."""
+    """Raise ValueError if loading and unloading branches differ by more than noise."""
     rising, falling = (b[np.argsort(b[:, 0], kind="stable")] for b in (rising, falling))
     common = falling[(falling[:, 0] >= rising[0, 0]) & (falling[:, 0] <= rising[-1, 0])]
     if len(common) < MIN_POINTS:
@@ -232,7 +232,7 @@ _UNIT = re.compile(r"[A-Za-z\u00b5\u03bc]{1,30}")
 
 
 def _factors(units: str) -> tuple[float, float]:
-    """Return the factors from units such as "mm,N" to m and N; ValueError for other units."""
+    """Return the factors that convert units such as "mm,N" to m and N; ValueError for others."""
     parts = [part.strip() for part in units.split(",")]
     if len(parts) != 2 or not all(map(_UNIT.fullmatch, parts)):
         raise ValueError(f"--units must be a length and a force, got {shown(units)} (such as mm,N)")
@@ -247,13 +247,13 @@ def _factors(units: str) -> tuple[float, float]:
     return _factor(registry, parts[0], "m"), _factor(registry, parts[1], "N")
 
 
-def _factor(registry: Any, unit: str, base: str) -> float:
+def _factor(registry: Any, unit: str, target: str) -> float:
     import pint
 
     try:
-        return float(registry.Quantity(1.0, unit).to(base).magnitude)
+        return float(registry.Quantity(1.0, unit).to(target).magnitude)
     except pint.UndefinedUnitError:
         got = f"{unit}, which is not a known unit"
     except pint.DimensionalityError:
-        got = f"{unit}, which cannot be converted to {base}"
+        got = f"{unit}, which cannot be converted to {target}"
     raise ValueError(f"--units must be a length and a force, got {got} (such as mm,N)")

@@ -55,22 +55,24 @@ AICC_MARGIN = 2.0
 """Difference of AICc up to which two laws count as equally good (Burnham and Anderson)."""
 
 MIN_POINTS_TO_CHOOSE = 12
-"""Minimum number of points to choose a law by without a warning (coverage: see the docs)."""
+"""Minimum number of points from which a law is chosen without a warning."""
 
 MAX_WIDENING = 1.3
-"""Largest ratio, without a warning, by which the choice of law widens a constant's interval."""
+"""Largest factor by which the choice of a law may widen a constant's interval without a warning."""
 
 POSITIVE_DEVIATIONS = 5.0
 """Number of standard deviations above 0 from which a constant is declared positive."""
 
 START_FACTORS = (0.1, 1.0, 10.0)
-"""Factors on powers of the largest stretch, as starting values of nonlinear constants."""
+"""Factors whose products with powers of the largest stretch are starting values of nonlinear
+constants."""
 
 MAX_STARTS, BEST_STARTS = 1000, 3
 """Maximum number of starting points evaluated, and the number of best ones from which to fit."""
 
 MAX_EVALUATIONS, CONVERGED_DEVIATIONS = 300, 0.01
-"""Maximum number of evaluations; standard deviations that a further step may move the law."""
+"""Maximum number of evaluations of a search, and the standard deviations by which a further step
+may still move the law if the search counts as converged."""
 
 ROUNDING_FRACTION = 1e-13
 """Least noise, as a fraction of the largest force; smaller residuals are rounding errors."""
@@ -83,7 +85,7 @@ class ForceFit(LeastSquares):
     ``values`` and ``covariance`` are those of ``law.free``, ``errors`` the standard deviations of
     the points, equal for all if they were not measured.  If the law was chosen by AICc,
     ``evidence`` lists the constants and the AICc of each law tried, and ``alone`` is the covariance
-    without the uncertainty of the choice.
+    without the uncertainty from choosing the law.
     """
 
     data: ForceData
@@ -116,12 +118,12 @@ class ForceFit(LeastSquares):
     @property
     def is_exact(self) -> bool:
         """Whether the residuals are only rounding errors."""
-        size = linalg.norm(self.residuals * self.errors) / math.sqrt(self.data.stretch.size)
-        return float(size) <= _rounding(self.data)
+        rms = linalg.norm(self.residuals * self.errors) / math.sqrt(self.data.stretch.size)
+        return float(rms) <= _rounding(self.data)
 
     @cached_property
     def tests(self) -> tuple[ResidualTest, ...]:
-        """Tests of the residuals; none if the residuals are only rounding errors."""
+        """Results of tests of the residuals; empty if residuals are only rounding errors."""
         if self.is_exact:
             return ()
         data, weight = self.data, 1 / self.errors
@@ -136,7 +138,7 @@ class ForceFit(LeastSquares):
 
     @property
     def widening(self) -> Points:
-        """Factors by which the choice of the law enlarges the constants' deviations."""
+        """Factors by which choosing the law enlarges the standard deviations of the constants."""
         alone = self.covariance if self.alone is None else self.alone
         return np.asarray(self.deviations / np.sqrt(np.diag(alone)))
 
@@ -155,7 +157,7 @@ class ForceFit(LeastSquares):
         return doubts + self._doubts_of_choice() + self.undetermined_constants(is_linear)
 
     def _doubts_of_choice(self) -> list[str]:
-        """Return sentences that say why the intervals of a chosen law may be too narrow."""
+        """Return sentences on why intervals may be too narrow if AICc chose the law."""
         points = self.data.stretch.size
         if not self.evidence or self.is_exact:
             return []
@@ -214,10 +216,10 @@ def fit_force(
     """Fit a force law to points, given in the order of measurement.
 
     ``law`` is a formula in the stretch x and constants, some of them ``fixed`` to values, or
-    "hertz", or "table" for a cubic spline.  By default it is a polynomial K2 x + K3 x^2 + ..., or
-    an odd one.  Among polynomials, or splines, the one with the fewest constants is chosen whose
-    AICc is within `AICC_MARGIN` of the least.  Raises ValueError for invalid points or laws, and
-    for constants that the points do not determine.
+    "hertz", or "table" for a cubic spline.  The default is a polynomial K2 x + K3 x^2 + ..., or
+    an odd one.  Of the polynomials or splines whose AICc is within `AICC_MARGIN` of the least, the
+    one with the fewest constants is chosen.  Raises ValueError for invalid points or laws, and for
+    constants that the points do not determine.
 
     >>> fitted = fit_force([-2, -1, 0, 1, 2], [-2.1, -0.9, 0.1, 1.0, 1.9], law="K2*x")
     >>> f"{fitted.values[0]:.2f} +- {fitted.deviations[0]:.2f}"
@@ -348,8 +350,8 @@ def _fit_law(data: ForceData, law: ForceLaw) -> ForceFit:
 class _Problem:
     """Least-squares problem of a law, solved by variable projection.
 
-    Linear constants are eliminated: they are the best ones for given nonlinear constants, so only
-    the nonlinear ones are searched for (Golub and Pereyra 1973, Kaufman 1975).
+    The linear constants follow from the nonlinear ones by linear least squares, so only the
+    nonlinear ones are searched for (Golub and Pereyra 1973, Kaufman 1975).
     """
 
     def __init__(self, data: ForceData, law: ForceLaw) -> None:
@@ -368,7 +370,10 @@ class _Problem:
         return slopes * np.reshape(self._weight, (-1, 1))
 
     def completed(self, nonlinear: Points) -> Points:
-        """Return the nonlinear constants with the best linear ones; all NaN if undefined."""
+        """Return all constants: the given nonlinear ones with the best linear ones.
+
+        All are NaN if the law or its derivatives are undefined there.
+        """
         constants = np.zeros(self._linear.size)
         constants[~self._linear] = nonlinear
         undefined = np.full(constants.size, math.nan)
@@ -383,7 +388,7 @@ class _Problem:
         return constants if np.isfinite(self.jacobian(constants)).all() else undefined
 
     def least(self) -> Points:
-        """Return the constants of least chi^2; ValueError if the law is undefined at all starts."""
+        """Return the constants of least chi^2; ValueError if every start is undefined."""
         with np.errstate(all="ignore"):
             starts = sorted(self._starts(), key=itemgetter(0))[:BEST_STARTS]
             if not starts:
@@ -425,7 +430,7 @@ class _Problem:
             )
 
     def _projected_jacobian(self, nonlinear: Points) -> Points:
-        """Return the derivatives of the projected residuals by the nonlinear constants."""
+        """Return the derivatives by nonlinear constants of the residuals after the linear fit."""
         slopes = self.jacobian(self.completed(nonlinear))
         others = slopes[:, ~self._linear]
         if not self._linear.any():
@@ -435,7 +440,7 @@ class _Problem:
         return np.asarray(others - basis @ (basis.T @ others))
 
     def _starts(self) -> Iterable[tuple[float, Points]]:
-        """Yield chi^2, with the best linear constants, and starts of the nonlinear ones."""
+        """Yield pairs (chi^2, starting values of nonlinear constants) where chi^2 is finite."""
         reach = float(np.max(np.abs(self._data.stretch)))
         sizes = sorted({scale * reach**power for scale in START_FACTORS for power in (-1, 0, 1)})
         choices = [

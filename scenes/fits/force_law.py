@@ -22,7 +22,7 @@ from longwave.scenes.fits.force_data import Points
 from longwave.support.user_files import shown
 
 HERTZ = "hertz"
-"""Keyword for the law of the catalogue's granular chain."""
+"""Keyword for Hertz's law of contact, the force of the catalogue's granular chain."""
 
 TABLE: Literal["table"] = "table"
 """Keyword for a spline, for data without a known formula."""
@@ -47,14 +47,14 @@ class ForceLaw:
 
     @property
     def text(self) -> str:
-        """Formula of the force as text."""
+        """Right-hand side of the force law as text, such as "K2*x"."""
         return formula_as_text(self.force)
 
     @property
     def parts(self) -> list[str]:
-        """Formulas of forces with at most one contact each, whose sum is the force.
+        """Formulas, with at most one ``contact`` each, that add up to the force.
 
-        A spring of a lattice file may open at one stretch only.
+        The force is split because a spring of a lattice file may open at one stretch only.
         """
         terms = self.force.as_ordered_terms()
         contacts = [term for term in terms if term.has(contact)]
@@ -76,10 +76,10 @@ class ForceLaw:
 
 
 class LawValues:
-    """Numeric evaluation of a law and of its derivatives by each constant.
+    """Numeric evaluation of a law and of its derivatives with respect to each constant.
 
-    ``linear`` and ``positive`` say for each constant whether it enters the law linearly and
-    whether it must be positive.
+    ``linear`` and ``positive`` are flags, one for each constant: whether the law is linear in it,
+    and whether it must be positive.
     """
 
     def __init__(self, force: Expr, free: Sequence[Symbol]) -> None:
@@ -99,7 +99,7 @@ class LawValues:
         return self._at(self._force, stretch, constants)
 
     def slopes(self, stretch: Points, constants: Points) -> Points:
-        """Return the derivatives of the forces, one column for each constant."""
+        """Return the derivatives of the forces by the constants, shape (points, constants)."""
         return np.column_stack([self._at(slope, stretch, constants) for slope in self._slopes])
 
     @staticmethod
@@ -114,9 +114,8 @@ def stated_law(
 ) -> ForceLaw | Literal["table"] | None:
     """Return the force law of a formula or of ``hertz``, with some constants ``fixed`` to values.
 
-    Returns None for None and "table" for ``table``, whose formula depends on the points.  Raises
-    ValueError for a formula that is not a force, and for a wrong name or value in
-    ``fixed``.
+    If ``text`` is None or "table" it is returned unchanged: the law then depends on the points.
+    Raises ValueError for a formula that is not a force, and for a wrong name or value in ``fixed``.
 
     >>> stated_law("K2*x + K4*x**3").free, stated_law("hertz").text, stated_law("table")
     ((K2, K4), '-A*contact(d - x)**(3/2)', 'table')
@@ -139,7 +138,8 @@ def stated_law(
     for name in fixed or {}:
         if name not in known:
             raise ValueError(
-                f"fixed constants must be among {', '.join(sorted(known))}, got {shown(name)}"
+                f"fixed constants must be among {', '.join(sorted(known))}, got {shown(name)} "
+                "(rename it or leave it out)"
             )
     values = {known[name]: number_value(name, value) for name, value in (fixed or {}).items()}
     return ForceLaw(force, values)

@@ -14,13 +14,14 @@ DOUBT_LEVEL = 0.01
 """Significance level: p-values below it cast doubt on a fit."""
 
 RANK_TOLERANCE = 1e-8
-"""Least ratio of the scaled Jacobian's singular values for identifiable constants."""
+"""Least ratio of the smallest to the largest singular value of the scaled Jacobian at which all
+constants count as identifiable."""
 
 LEAST_P_VALUE = 1e-300
-"""Smallest probability that is reported as a number."""
+"""Smallest probability that is reported as a number, not as an upper bound."""
 
 MIN_DEGREES = 3
-"""Minimum number of degrees of freedom for which Student's distribution has a variance."""
+"""Fewest degrees of freedom for which the variance of Student's distribution is finite."""
 
 
 class LeastSquares:
@@ -83,13 +84,13 @@ class LeastSquares:
 
     @property
     def p_value(self) -> float:
-        """Probability of so large a chi^2 if the law is right; NaN without measured deviations."""
+        """Probability of so large a chi^2 if the law holds; NaN if deviations are unmeasured."""
         if not self.has_deviations:
             return math.nan
         return float(stats.chi2.sf(self.chi_squared, self.degrees))
 
     def undetermined_constants(self, is_linear: Sequence[bool] | None = None) -> list[str]:
-        """Return a sentence for each nonlinear constant whose deviation exceeds its value."""
+        """Return a sentence for each nonlinear constant with a deviation above its value."""
         flags = is_linear or [False] * len(self.names)
         rows = zip(self.names, flags, self.values, self.deviations, strict=True)
         return [
@@ -101,8 +102,8 @@ class LeastSquares:
     def doubts_of_size(self, law: str, points: str, level: float = DOUBT_LEVEL) -> list[str]:
         """Return sentences that say whether the residuals are too large or too small.
 
-        ``law`` and ``points`` are the words for the model and its data, ``level`` is the
-        significance level.
+        ``law`` and ``points`` are the words for the model and its data in these sentences;
+        ``level`` is the significance level.
         """
         doubts, reduced = [], self.chi_squared / self.degrees
         if self.p_value < level:
@@ -141,10 +142,10 @@ def unit_covariance(jacobian: Points, names: Sequence[object], data: str, remedy
 
 
 def estimate_noise(inverse: Points, residuals: Points, least: float) -> tuple[Points, float]:
-    """Estimate one deviation for all points from the residuals; return covariance and deviation.
+    """Estimate one deviation for all points; return (covariance of the constants, deviation).
 
     ``inverse`` is the covariance for deviation 1, ``least`` the smallest deviation returned. The
-    covariance has the variance of Student's distribution.
+    returned covariance is that of Student's distribution.
     """
     degrees = residuals.size - len(inverse)
     noise = max(math.sqrt(float(residuals @ residuals) / degrees), least)

@@ -21,12 +21,13 @@ ALARM_RATE = 0.05
 """Rate of false alarms: fraction of fits of a right law that are doubted."""
 
 OVERLAP_FACTOR = 1.06
-"""Factor by which the levels may sum to more than `ALARM_RATE`, because some alarms coincide."""
+"""Ratio of the sum of all significance levels to `ALARM_RATE`; above 1, as some alarms coincide."""
 
 ODD, EVEN, SMOOTH, SERIAL, SIZE = "odd", "even", "smooth", "serial", "size"
 
 ALARM_SHARES = {ODD: 18.0, EVEN: 0.5, SMOOTH: 0.5, SERIAL: 2.0, SIZE: 1.5}
-"""Relative shares of the false alarm rate by test; `SIZE`, chi^2, applies to known deviations."""
+"""Relative shares of the false alarm rate by kind of test. `SIZE` is the test of chi^2, which needs
+known deviations."""
 
 HIGHEST_TERM = 8
 """Highest power of the stretch tested as a missing term."""
@@ -36,7 +37,7 @@ TREND_DEGREE = 5
 
 
 def level(kind: str, known: bool) -> float:
-    """Return the significance level of a kind of test; ``known`` if deviations are known."""
+    """Return the significance level of a kind of test; ``known``: whether deviations are known."""
     total = sum(share for name, share in ALARM_SHARES.items() if known or name != SIZE)
     return OVERLAP_FACTOR * ALARM_RATE * ALARM_SHARES[kind] / total
 
@@ -52,7 +53,7 @@ class ResidualTest:
 
     @property
     def is_alarm(self) -> bool:
-        """Whether the test rejects the law."""
+        """Whether the test rejects the law at its significance level."""
         return self.p_value < self.level
 
 
@@ -74,12 +75,12 @@ class ResidualTests:
 
     @cached_property
     def _basis(self) -> Points:
-        """Orthonormal basis of the residuals that the constants can absorb, as columns."""
+        """Orthonormal basis, as columns, of the changes of the residuals with the constants."""
         return np.asarray(linalg.qr(self.slopes / norms(self.slopes), mode="economic")[0])
 
     @cached_property
     def all(self) -> tuple[ResidualTest, ...]:
-        """Results of all tests that apply."""
+        """Results of the tests for missing odd and even powers, smooth trends and correlation."""
         results = [
             (kind, f"x**{power}", self._p_value(self._left_over(self._scaled**power)), 1)
             for kind, power in ((ODD, self._next_power(1)), (EVEN, self._next_power(2)))
@@ -107,7 +108,7 @@ class ResidualTests:
         return self.stretch / np.max(np.abs(self.stretch))
 
     def _left_over(self, curves: NDArray[Any]) -> Points:
-        """Return an orthonormal basis of the curves after projecting out the constants' effect."""
+        """Return an orthonormal basis of the weighted curves with `_basis` projected out."""
         weighted = np.reshape(curves.T, (-1, self.weight.size)).T * self.weight[:, np.newaxis]
         weighted = weighted / norms(weighted)
         for _ in range(2):  # twice is enough (Kahan and Parlett)
@@ -121,7 +122,7 @@ class ResidualTests:
         return next((p for p in powers if self._left_over(self._scaled**p).size), 0)
 
     def _p_value(self, curves: Points) -> float:
-        """Return the p-value of the curves' fit to the residuals: chi^2 test or F test."""
+        """Return the p-value (chi^2 or F test) of the part of the residuals along the curves."""
         count = curves.shape[1]
         explained = float(np.sum((curves.T @ self.residuals) ** 2))
         if self.known:
@@ -156,8 +157,10 @@ class ResidualTests:
         variance = 2 * (degrees * square - trace**2) / (degrees**2 * (degrees + 2))
         reach = math.cos(math.pi / (points + 1))
         middle = (mean + reach) / (2 * reach)
-        size = middle * (1 - middle) / (variance / (4 * reach**2)) - 1 if variance > 0 else 0.0
-        if not size > 0:
+        concentration = (
+            middle * (1 - middle) / (variance / (4 * reach**2)) - 1 if variance > 0 else 0.0
+        )
+        if not concentration > 0:
             return math.nan
         scaled = (float(residuals[1:] @ residuals[:-1]) / total + reach) / (2 * reach)
-        return float(stats.beta.sf(scaled, middle * size, (1 - middle) * size))
+        return float(stats.beta.sf(scaled, middle * concentration, (1 - middle) * concentration))

@@ -38,22 +38,23 @@ FITTED_TABLES = ("chain", "start", *FORCE_TABLES, "observables")
 """Tables of a bench that are allowed in a fit; derivatives of readings exist for these."""
 
 LOSS_NAMES = {"siteloss": "losses.site", "bondloss": "losses.bond"}
-"""Names of numeric losses by the names of their symbols."""
+"""Name of each numeric loss in a fit, by the name of the symbol that stands for it."""
 
 MAX_RUNS, CONVERGED_CHANGE = 200, 1e-10
-"""Maximum number of runs; relative change of constants and chi^2 of a converged fit."""
+"""Maximum number of runs, and relative change of constants or chi^2 that ends a fit."""
 
 STEP_FRACTION = 0.9
-"""Fraction of a fit's step: if its result needs a step shorter than this, the fit is continued."""
+"""If the fitted constants need a time step shorter than this fraction of the step of the fit, the
+fit is continued with the shorter step."""
 
 MAX_LAG = 5
 """Largest lag, in readings, at which the correlation of residuals is tested."""
 
 TINY_SQUARES = 1e-300
-"""Smallest sum of squares; avoids division by 0."""
+"""Lower bound of a sum of squares used as a divisor; avoids division by 0."""
 
 TOLERANCE_FRACTION = 0.1
-"""Largest tolerance of the scene, as a fraction of a reading's deviation, without a warning."""
+"""Largest tolerance of the scene that causes no doubt, as a fraction of a reading's deviation."""
 
 
 class SceneModel:
@@ -93,11 +94,11 @@ class SceneModel:
         self.least = np.where(positive, 0.0, -math.inf)
 
     def at(self, values: ArrayLike) -> dict[str, float]:
-        """Return all constants and numeric losses by name, with these values of the free ones."""
+        """Return all constants and numeric losses by name, with ``values`` for the free ones."""
         return self.stated | dict(zip(self.free, np.asarray(values).tolist(), strict=True))
 
     def chain(self, values: ArrayLike) -> DrivenChain:
-        """Return the chain on its bench with these values of the free constants."""
+        """Return the chain on its bench; ``values`` are those of the free constants."""
         numbers = self.at(values)
         constants = {str(s): exact(name, numbers[name]) for name, s in self._symbols.items()}
         lattice, losses = without_losses(self._lattice, constants)
@@ -141,7 +142,7 @@ class SceneFit(least_squares.LeastSquares):
     """Result of fitting a scene's constants and losses to sensor records.
 
     ``values`` and ``covariance`` are those of ``model.free``. ``left`` holds the weighted residuals
-    of each record, (times, sensors). ``noise`` is the deviation estimated from them; None if
+    of each record, (times, sensors). ``noise`` is the deviation estimated from residuals; None if
     deviations were recorded. ``at_bounds`` names the constants at their lower bound.
     """
 
@@ -175,8 +176,8 @@ class SceneFit(least_squares.LeastSquares):
 
         For each lag from 1 to `MAX_LAG` readings, the products of residuals are summed over all
         sensors; the squared sums over their variances add up to a chi^2 of `MAX_LAG` degrees. The
-        variances are estimated from the products. The theoretical ones give p < 0.01 in 3 of 100
-        cases for sensors with 10 readings.
+        variances are estimated from the products, because theoretical variances would give
+        p < 0.01 in 3 of 100 cases for sensors with 10 readings.
         """
         total = 0.0
         for lag in range(1, MAX_LAG + 1):
@@ -206,7 +207,7 @@ class SceneFit(least_squares.LeastSquares):
         return doubts
 
     def document(self) -> dict[str, Any]:
-        """Return the tables of a lattice file: lattice, fitted constants and covariance."""
+        """Return the tables of a lattice file, with constants and the fitted ones' covariance."""
         lattice = self.model.scene.symbolic_lattice.with_losses()
         numbers, names = self.model.at(self.values), [str(symbol) for symbol in lattice.constants]
         rows = (dict(zip(self.names, row, strict=True)) for row in self.covariance.tolist())
@@ -224,8 +225,8 @@ def fit_scene(
 ) -> SceneFit:
     """Fit constants, ``losses.site`` and ``losses.bond`` of a scene to records of its sensors.
 
-    The fit starts from the scene's values. Raises ValueError in one line for an unsuitable scene or
-    record, and for constants that the records do not determine, which it names.
+    The fit starts from the scene's values. Raises ValueError for an unsuitable scene or record, and
+    for constants that the records do not determine; the message names them.
     """
     model = SceneModel(scene if isinstance(scene, Scene) else load_scene(scene), free)
     chain, span = model.chain(model.start), (model.scene.t0, model.scene.end)
@@ -270,7 +271,7 @@ def _check_records(model: SceneModel, records: Sequence[SensorRecord]) -> bool:
 
 
 class _Problem:
-    """Least-squares problem of all records, evaluated by one run of the model."""
+    """Least-squares problem of all records; each evaluation is one run of the model."""
 
     def __init__(self, model: SceneModel, records: Sequence[SensorRecord]) -> None:
         self._model, self._records = model, records
@@ -280,7 +281,10 @@ class _Problem:
         self.step = math.nan
 
     def least(self, start: Array) -> optimize.OptimizeResult:
-        """Fit from ``start``, again if a step is too long; ValueError without convergence."""
+        """Fit from ``start``, repeatedly while the result needs a shorter time step.
+
+        Raises ValueError if the fit does not converge.
+        """
         result, self.step = None, math.inf
         while (step := self._model.step(start, self._times)) < STEP_FRACTION * self.step:
             self.step, self._cached = step, None
@@ -309,7 +313,7 @@ class _Problem:
         return least_squares.unit_covariance(jacobian, self._model.free, "records", remedy)
 
     def _evaluate(self, values: Array) -> Array:
-        """Return residuals and their derivatives, shape (readings, 1 + free); cached."""
+        """Return residuals and their derivatives, (readings, 1 + free); the latest is cached."""
         at = tuple(values.tolist())
         if self._cached is None or self._cached[0] != at:
             readings = self._model.readings(values, self._times, self._sensors, self.step)

@@ -64,7 +64,7 @@ def read_record(
 ) -> SensorRecord:
     """Read a sensor record from a CSV file, for a chain of ``cells`` cells.
 
-    ``span`` is the interval in which the times must lie. Raises ValueError, with file and line, for
+    All times must lie within ``span``. Raises ValueError, with file and line, for
     an invalid table, and OSError if the file cannot be read.
     """
     text = read_text(path, "record of sensors", MAX_FILE_BYTES)

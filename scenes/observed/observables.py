@@ -51,7 +51,7 @@ TIME_DIMENSION: Mapping[Moment, str] = {
     "looks": "look_time",
     "refinement": "time",
 }
-"""Time dimension of the variables measured at each kind of times.
+"""Name of the time dimension by the value of ``Observable.measured_at``.
 
 ``snapshots`` and ``curve`` times are exact: steps are fitted to them. ``looks`` are taken where the
 run stops anyway, so they change no step. A ``refinement`` runs the scene again.
@@ -62,7 +62,7 @@ Measure = Callable[[View], Mapping[str, Any]]
 
 @dataclass(frozen=True)
 class Variable:
-    """Array that an observable adds to the run; ``dimensions`` follow the time."""
+    """Array that an observable adds to the run; ``dimensions`` come after the time dimension."""
 
     name: str
     dimensions: tuple[str, ...]
@@ -82,7 +82,7 @@ class Observable:
 
     ``measure`` maps a view to the values of ``variables`` at one time; optional variables may be
     missing from a run. ``needs_ring`` means that the sites must form a ring, ``all_sites`` that
-    sites beyond the compared ones are used, ``one_axis`` that it is for chains only.
+    sites beyond the compared ones are used, ``one_axis`` that the observable is for chains only.
     """
 
     name: str
@@ -107,7 +107,7 @@ OBSERVABLES: dict[str, Observable] = {}
 def observable(
     summary: str, measured_at: Moment, *variables: Variable, **needs: bool
 ) -> Callable[[Measure], Measure]:
-    """Return a decorator that registers a measuring function as the observable of its name."""
+    """Return a decorator that registers a function as the observable with the function's name."""
 
     def declare(measure: Measure) -> Measure:
         name = measure.__name__
@@ -132,13 +132,13 @@ def observable_named(name: str) -> Observable:
 
 
 SITE_UNIT, RATIO_UNIT = "sites", "1"
-"""Units of lengths and of dimensionless variables."""
+"""Unit of lengths, and unit of dimensionless variables."""
 
 TIME_ATTRIBUTES = {"units": "lattice time", "long_name": "time on the lattice"}
 """Dataset attributes of every time axis."""
 
 MAP_CELLS = 256
-"""Largest number of cells of a space-time map."""
+"""Maximum number of cells, each of several sites, along a space-time map."""
 
 
 def cell_width(compared: int) -> int:
@@ -153,7 +153,7 @@ def cell_width(compared: int) -> int:
 def axis_values(
     dimension: str, reach: Sequence[int]
 ) -> tuple[NDArray[np.generic], dict[str, str]] | None:
-    """Return values and attributes of a dimension; None for a dimension without coordinates.
+    """Return coordinates and attributes of a dimension; None for one without coordinates.
 
     ``reach`` is the number of compared cells on either side of the frame, along each axis.
     """
@@ -193,7 +193,7 @@ RELATIVE_FAR = "relative sup error against the true far field"
     Variable("slow_time", (), "slow time", "T, the wave's own time", optional=True),
 )
 def strain(view: View) -> Mapping[str, Any]:
-    """Return strains, site numbers and errors, which are NaN if the wave is its background."""
+    """Return strains, site numbers and errors; errors are NaN if the wave equals its background."""
     rows: dict[str, Any] = {"strain": view.numeric, "analytic": view.analytic}
     rows |= {"background": view.background, "n": view.sites}
     if not np.array_equal(view.analytics, view.backgrounds):
@@ -209,7 +209,7 @@ def strain(view: View) -> Mapping[str, Any]:
     Variable("error_curve_far_field", (), RATIO_UNIT, RELATIVE_FAR, optional=True),
 )
 def error_curve(view: View) -> Mapping[str, Any]:
-    """Return the relative sup errors against background and far field, without strains."""
+    """Return the sup errors relative to background and to far field, without strains."""
     return _errors(view, "error_curve")
 
 
@@ -333,7 +333,7 @@ def extremum(f: Array) -> tuple[float, float]:
     one_axis=True,
 )
 def space_time(view: View) -> Mapping[str, Array]:
-    """Return the strain farthest from the uniform level in each cell of sites, so crests remain."""
+    """Return, for each cell of sites, the strain farthest from the uniform level; crests remain."""
     starts = np.arange(0, view.numeric.size, cell_width((view.numeric.size - 1) // 2))
     high = np.maximum.reduceat(view.numeric, starts)
     low = np.minimum.reduceat(view.numeric, starts)
@@ -378,7 +378,7 @@ def error_split(view: View) -> Mapping[str, float]:
 def fit(view: View) -> tuple[float, float]:
     """Fit shift (sites) and scale of the wave to the run by least squares; return both.
 
-    The fit starts from zero shift and from the distance of the crests, and keeps the better result.
+    Fits start from zero shift and from the distance between the crests; the better one is returned.
     """
     from scipy.optimize import least_squares  # import takes 0.2 s, for this observable only
 
@@ -414,13 +414,13 @@ def _slopes(view: View, unknown: Array) -> Array:
     one_axis=True,
 )
 def state(view: View) -> Mapping[str, Any]:
-    """Return strains and velocities of all computed sites, from the leftmost one on."""
+    """Return strains and velocities of all computed sites, and the number of the leftmost one."""
     left, positions, velocities = view.stored
     return {"state_y": positions, "state_s": velocities, "state_left": left}
 
 
 def _refinement(name: str, change: str) -> None:
-    """Register an observable that is measured by a second run with this ``change``."""
+    """Register an observable that compares the run with a second one; ``change`` describes it."""
     summary = f"largest difference of y/eps to the run with {change}"
     variable = Variable(name, (), "strain / eps", "sup difference to the refined run")
     OBSERVABLES[name] = Observable(name, summary, "refinement", (variable,), lambda _: {})
@@ -436,8 +436,8 @@ MEASURED = ("time_step_error", "domain_error")
 def measured_error(run: Labelled) -> NDArray[np.float64] | None:
     """Return the error bound of y/eps at each snapshot, from step and domain; None if unmeasured.
 
-    The difference to a refined run can be as little as half the error, if the error falls only
-    linearly with the step or 1/size; hence the factor ``SAFETY``.
+    The difference to a refined run may be only half the error, if the error is proportional to the
+    step or to 1/size; hence the factor ``SAFETY``.
     """
     parts = [run.variables[name].values for name in MEASURED if name in run.variables]
     return SAFETY * sum(parts[1:], start=parts[0]) if parts else None

@@ -15,8 +15,8 @@ def relative_sup_error(numeric: Array, analytic: Array, background: Array) -> fl
 
     All three are strains at the same integer sites. With the bare wave of the same phase as
     ``background`` this is the paper's eq. (16). With the wave's true far field it is the second
-    error reported for waves on periodic backgrounds. A sup over sites depends on the position of
-    the crest between them; in the paper's scenes it is on site 0.
+    error reported for waves on periodic backgrounds. A sup over sites depends on where between two
+    sites the crest is; in the paper's scenes it is on site 0.
 
     Raises ValueError if shapes differ, no site is compared, a value is not finite, or the wave
     equals its background.
@@ -107,7 +107,7 @@ class View(ABC):
 
     @property
     def crest_law(self) -> float | None:
-        """Crest of a damped soliton by the law of its losses; None without one."""
+        """Height of a damped soliton's crest by its amplitude law; None for other waves."""
         return None
 
     @property
@@ -117,12 +117,12 @@ class View(ABC):
 
     @property
     def extra_variables(self) -> dict[str, Any]:
-        """Further variables recorded with the strains; none unless overridden."""
+        """Further variables, by name, that `observables.strain` records; none unless overridden."""
         return {}
 
     @abstractmethod
     def displaced(self, shift: float) -> tuple[Array, Array, Array, Array]:
-        """Return wave, background and their slopes in n, at n - ``shift`` for the compared n."""
+        """Return wave, background and their n-derivatives, all at n - ``shift`` for compared n."""
 
     @property
     @abstractmethod

@@ -1,1 +1,1 @@
-"""Scenes on further lattices and waves, as TOML files."""
+"""Shipped scenes as TOML files, one folder for each kind."""

@@ -23,7 +23,8 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 BLOCH_POINTS = 25
-"""Bloch wavenumbers on the initial grid, before the best is refined to 1e-3 of the zone's edge."""
+"""Number of Bloch wavenumbers on the first grid. The fastest growing one is then refined to 1e-3 of
+the zone's edge."""
 
 RATE_DIGITS = 8
 """Significant digits kept of a rate. LAPACK's results vary from the twelfth digit on with the
@@ -43,7 +44,7 @@ def fastest_rate(U: Array, wavelength: float, speed: float, s: int) -> float:
     """Return the largest growth rate per tau over all perturbations, to `RATE_DIGITS` digits.
 
     ``U`` are samples of the wave over one wavelength, several for each significant mode. NaN if
-    there are more than `MOST_MODES`, as for a train of very distant crests.
+    more than `MOST_MODES` modes are needed, as for a train of very distant crests.
     """
     modes = resolving_modes(U)
     if modes > MOST_MODES:
@@ -70,7 +71,7 @@ def resolving_modes(U: Array) -> int:
 
 
 def mkdv_rate(U: Array, wavelength: float, speed: float, s: int, kappa: float, modes: int) -> float:
-    """Return the largest rate per tau at wavenumber ``kappa``, with 2 ``modes`` + 1 modes."""
+    """Return the largest rate per tau at Bloch wavenumber ``kappa``, with 2 ``modes`` + 1 modes."""
     j = np.arange(-modes, modes + 1)
     q = kappa + 2.0 * np.pi * j / wavelength
     potential = 6.0 * s * multiplication(U * U, j)
@@ -79,28 +80,28 @@ def mkdv_rate(U: Array, wavelength: float, speed: float, s: int, kappa: float, m
 
 
 def multiplication(samples: Array, j: NDArray[np.int64]) -> Complex:
-    """Return the matrix, in Fourier modes j, of multiplication by a sampled periodic function."""
+    """Return the matrix, on Fourier modes ``j``, that multiplies by a sampled periodic function."""
     modes = np.fft.fft(samples) / samples.size
     matrix: Complex = modes[np.subtract.outer(j, j) % samples.size]
     return matrix
 
 
 UNIT_ROUNDOFF = 2.0**-53
-"""Relative size of the perturbation caused by rounding."""
+"""Relative magnitude of the perturbation caused by rounding."""
 
 USUAL_TOLERANCE = 1e-4
-"""Largest accepted rounding error of y/eps in a scene without a tolerance."""
+"""Rounding error of y/eps up to which a run without a tolerance can be trusted."""
 
 STABLE_RATE = 1e-6
-"""Growth rate per tau below which a background is stable; rounding alone gives such rates."""
+"""Growth rate per tau, such as rounding causes, up to which a background counts as stable."""
 
 WAVE_SAMPLES = 8 * MOST_MODES
-"""Samples of a wave over one wavelength."""
+"""Number of samples of a periodic background over one wavelength."""
 
 
 @dataclass(frozen=True)
 class Trust:
-    """Growth rate (per lattice time) of the fastest perturbation, and the predictability time."""
+    """Growth rate (per lattice time) of the fastest perturbation; implied predictability time."""
 
     rate: float
     predictability_time: float
@@ -110,10 +111,10 @@ class Trust:
 def trust_in(scene: Scene, tolerance: float) -> Trust:
     """Return the growth rate of perturbations and the time until rounding reaches ``tolerance``.
 
-    ``tolerance`` is that of y/eps. The rate is that of the reduced equation, of relative accuracy
-    eps^2, maximised over all perturbations of the infinite lattice. On a constant or stable
-    background the rate is 0 and the time infinite. Both are NaN if the background is too sharp for
-    `fastest_rate`.
+    ``tolerance`` is that of y/eps. The rate follows from the reduced equation, with a relative
+    error of order eps^2, and is the maximum over all perturbations of the infinite lattice. On a
+    constant or stable background the rate is 0 and the time infinite. Both are NaN if the
+    background is too sharp for `fastest_rate`.
     """
     wave = moving_wave(scene).wave
     if wave.wavelength is None:
@@ -151,7 +152,7 @@ def check_trust(scene: Scene) -> None:
 def predictability_time(rate: float, tolerance: float, rounding: float) -> float:
     """Return the time in which a perturbation grows from ``rounding`` to ``tolerance`` at ``rate``.
 
-    A run about an unstable wave can be trusted up to then, however small its step.
+    A run on an unstable background can be trusted for this time only, however small its step.
 
     >>> round(predictability_time(0.001, 1e-4, 1e-16))
     27631

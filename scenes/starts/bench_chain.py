@@ -21,7 +21,7 @@ from longwave.support.user_files import shown
 
 
 class Moment(NamedTuple):
-    """Chain at a time: fields, velocities and, if it is integrated, energy flow and power."""
+    """Chain at one time: fields and velocities; if integrated, energy flows and their rates."""
 
     chain: DrivenChain
     f: Array
@@ -35,7 +35,7 @@ Reader = Callable[[Moment], ArrayLike]
 
 @dataclass(frozen=True)
 class BenchVariable:
-    """Variable of a run: its dimensions besides time, and the function that reads it."""
+    """Variable of a run: dimensions besides time, and a function that reads it from a `Moment`."""
 
     name: str
     dimensions: tuple[str, ...]
@@ -56,7 +56,7 @@ READINGS = {
         BenchVariable("force", ("bond",), _UNIT, _FORCE, lambda at: at.chain.forces(at.f)),
     )
 }
-"""Quantities that sensors read, in all cells; the cells are the last axis."""
+"""Quantities that sensors read, by name; each is read in all cells, along the last axis."""
 
 
 def chain_on_bench(
@@ -65,7 +65,10 @@ def chain_on_bench(
     span: tuple[float, float],
     losses: LossRates | None = None,
 ) -> DrivenChain:
-    """Return the driven chain for a span of times; ValueError for an unknown field."""
+    """Return the chain with the bench's ends, forces and defects for times in ``span``.
+
+    Raises ValueError for an unknown field.
+    """
     for given in bench.masses.values():
         for name in given if isinstance(given, Mapping) else ():
             _field(lattice, name, "[defects]")
@@ -105,7 +108,7 @@ def _end(side: str, given: str | Mapping[str, Drive], begin: float, end: float) 
 
 
 def _field(lattice: NumericLattice, name: str, where: str) -> int:
-    """Return the index of a field; 0 for an empty name."""
+    """Return the index of a field, 0 for an empty name; ``where`` locates the name in errors."""
     if name and name not in lattice.fields:
         raise ValueError(
             f"field in {where} must be one of {lattice.name}, got {shown(name)} "
@@ -115,7 +118,7 @@ def _field(lattice: NumericLattice, name: str, where: str) -> int:
 
 
 def start_on_bench(bench: Bench, chain: DrivenChain, t: float) -> State:
-    """Return the initial state."""
+    """Return the state at time ``t`` from which the bench starts."""
     f, v = np.zeros((2, len(chain.fields), bench.sites))
     for part in bench.start:
         if isinstance(part, Impact):
@@ -131,7 +134,7 @@ def start_on_bench(bench: Bench, chain: DrivenChain, t: float) -> State:
 
 
 def _mode(bench: Bench, number: int) -> Array:
-    """Return the shape of a mode between fixed walls; ValueError for too large a number."""
+    """Return mode ``number`` of a chain between fixed walls, as a sine over the cells."""
     if number > bench.sites:
         raise ValueError(
             f"modes must be 1 to {bench.sites}, got {number} (a chain has as many as cells)"
@@ -141,17 +144,17 @@ def _mode(bench: Bench, number: int) -> Array:
 
 
 def energy_cuts(bench: Bench, chain: DrivenChain) -> Sequence[int] | None:
-    """Return the cuts through which energy flow is integrated; None without an energy balance."""
+    """Return the cells left of the cuts whose energy flow is integrated; None without any."""
     return bench.flux if bench.flux or has_balance(bench, chain) else None
 
 
 def has_balance(bench: Bench, chain: DrivenChain) -> bool:
-    """Return whether work and heat are recorded with the energy; they are not for a heat bath."""
+    """Return whether work and heat are recorded with the energy, which a heat bath excludes."""
     return bench.energy and bench.noise is None and chain.exchanges_energy
 
 
 def bench_variables(bench: Bench, chain: DrivenChain) -> Iterator[BenchVariable]:
-    """Yield the recorded variables, in the order of their values in a reading."""
+    """Yield the recorded variables, in the order in which a reading stores their values."""
     for name in bench.sensed if bench.sensors else ():
         yield _in_cells(f"sensor_{name}", "sensor", name, bench.sensors)
     if bench.energy:
@@ -178,7 +181,7 @@ def bench_variables(bench: Bench, chain: DrivenChain) -> Iterator[BenchVariable]
 
 
 def _in_cells(name: str, dimension: str, what: str, cells: Sequence[int]) -> BenchVariable:
-    """Return the variable that reads a quantity of `READINGS` in some cells."""
+    """Return the variable ``name`` that reads the quantity ``what`` of `READINGS` in some cells."""
     whole, indices = READINGS[what], list(cells)
     return replace(
         whole,
@@ -189,7 +192,7 @@ def _in_cells(name: str, dimension: str, what: str, cells: Sequence[int]) -> Ben
 
 
 def _mode_reader(bench: Bench, chain: DrivenChain) -> Reader:
-    """Return the reader of mode energies, by the force's slope at rest."""
+    """Return a function that reads the energies of the bench's modes in the linearised chain."""
     is_even = bench.ends == ("fixed", "fixed") and not (bench.masses or bench.springs)
     if len(chain.fields) > 1 or not is_even:
         raise ValueError(

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def scene_lattice_wave(scene: Scene) -> LatticeWave:
-    """Return `lattice_derivation.lattice_wave` of a scene, from the cache if possible."""
+    """Return the wave of a scene, from the cache if possible, else by `lattice_wave`."""
     if isinstance(start := scene.start, WaveStart):
         return start.wave(scene)
     if not _is_cached(scene):
@@ -45,7 +45,7 @@ def equation_of(scene: Scene) -> tuple[str, bool]:
 
 
 def _is_cached(scene: Scene) -> bool:
-    """Return whether results are cached: for shipped closed forms as lossless long waves."""
+    """Return whether results are cached: only for named long waves without losses or disorder."""
     needs_more = scene.is_envelope or scene.losses or scene.disorder or scene.named_start
     return isinstance(scene.wave, str) and not needs_more
 
@@ -64,7 +64,7 @@ def _derived_wave(scene: Scene) -> Wave:
 
 
 def _derived_parts(scene: Scene) -> tuple[Any, ...]:
-    """Return the wave's numbers as plain data."""
+    """Derive the wave's `LongWaveNumbers` and return them as nested tuples for the cache."""
     from longwave.scenes.starts.lattice_derivation import derivation
     from longwave.scenes.starts.long_wave_numbers import long_wave_numbers
 
@@ -74,7 +74,7 @@ def _derived_parts(scene: Scene) -> tuple[Any, ...]:
 
 
 def _numbers_of(parts: tuple[Any, ...]) -> LongWaveNumbers:
-    """Return the wave's numbers from `_derived_parts`."""
+    """Rebuild the `LongWaveNumbers` from the nested tuples of `_derived_parts`."""
     (name, fields, masses, bonds), frames, series, correction, *plain = parts
     return LongWaveNumbers(
         NumericLattice(name, fields, masses, tuple(map(_bond_of, bonds))),

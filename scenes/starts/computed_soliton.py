@@ -15,16 +15,16 @@ from longwave.scenes.starts.jet_coefficients import with_numbers
 from longwave.support.real_arrays import Array
 
 DECAY_EXPONENT = 36.0
-"""The interval ends where the wave has fallen by exp(-DECAY_EXPONENT)."""
+"""Exponent of decay: the interval ends where the wave has fallen by exp(-DECAY_EXPONENT)."""
 
 LEAST_DECAY = 1e-6
-"""Smallest decay rate of a localised wave's flanks, in units of the largest."""
+"""Smallest decay rate of a localised wave's flanks, in units of the fastest rate."""
 
 POINTS = 1024
-"""Number of points on the interval."""
+"""Number of points of the Fourier series on the interval of X."""
 
 CONVERGED_CHANGE = 1e-14
-"""Change of the modes in an iteration, relative to the largest mode, at which it has converged."""
+"""Change of the modes in one step, relative to the largest mode, below which the iteration ends."""
 
 MAX_ITERATIONS = 1000
 """Maximum number of iterations."""
@@ -33,8 +33,8 @@ MAX_ITERATIONS = 1000
 class ComputedSoliton(DecayingWave):
     """Soliton of given ``speed`` in X/T of a reduction's equation; implements `JetWave`.
 
-    Raises ValueError for an equation with other terms than those above, and for a speed at which
-    linear waves of some wavelength propagate.
+    The equation must be a conservation law with one power of Y and even dispersion in its flux.
+    Raises ValueError for other equations and for a speed that linear waves have.
     """
 
     def __init__(self, reduction: Reduction, speed: float) -> None:

@@ -22,14 +22,14 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 DAMPED_WAVES = ("kdv_soliton", "soliton_sech")
-"""Closed forms that have such an amplitude law."""
+"""Closed forms whose crest follows an amplitude law under losses."""
 
 FLANK_POSITION = 0.1
 """Position on the soliton's flank, in widths, from which its speed is computed."""
 
 
 class DecayingWave:
-    """Wave that deviates from 0."""
+    """Base of waves that tend to 0 on both sides: their background is 0."""
 
     constant_background = 0.0
 
@@ -51,7 +51,7 @@ class DampedSoliton(DecayingWave):
         self._quadratic = law.power * float(law.further) * self._first**law.power
 
     def _scale_and_position(self, T: float) -> tuple[float, float]:
-        """Return r and x at T, from ``s' = -linear s - quadratic s^2`` with ``s = r^2``.
+        """Return scale r and position x at T, from ``s' = -linear s - quadratic s^2``, ``s = r^2``.
 
         Raises ValueError for a T at which the law gives an infinite soliton.
         """
@@ -67,7 +67,7 @@ class DampedSoliton(DecayingWave):
         return r, self._speed * path + self._drift * T
 
     def crest(self, T: float) -> float:
-        """Return the height a(T) of the crest."""
+        """Return the height a(T) of the crest, in Y."""
         return float(self._first * self._scale_and_position(T)[0] ** (2.0 / self._power))
 
     def jets(self, X: ArrayLike, T: float, highest: int) -> Array:

@@ -1,4 +1,4 @@
-"""Disordered lattice of a wave, and the meter of the wave on it."""
+"""Disordered lattice on which a wave runs, and the meter that measures the wave there."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class WaveDisorder:
     ``symbolic`` is the lattice's declaration and ``values`` are its constants. ``far`` is the
     constant background of a long wave; None for an envelope or an infinite wave. ``uniform`` is the
     uniform strain of each field. Only a wave that tends to 0 has a crest, which is where the force
-    is largest. Raises ValueError in one line for a lattice without such a disorder, and for unequal
+    is largest. Raises ValueError for a lattice without such a disorder, and for unequal
     springs that a background stretches.
     """
 
@@ -58,7 +58,7 @@ class WaveDisorder:
             )
 
     def on(self, lattice: NumericLattice, cells: Array) -> DisorderedLattice:
-        """Return the ordered lattice, about any mean strain, with the deviations of these cells."""
+        """Return the given ordered lattice with the deviations of these cells."""
         rows = range(self._variation.rows(len(lattice.fields)))
         deviations = [self._disorder.deviations(cells, row) for row in rows]
         return disordered(lattice, self._variation, deviations)
@@ -82,14 +82,14 @@ class WaveDisorder:
         return mean_inverse(self._disorder.distribution, share * self._disorder.spread) ** -0.5
 
     def meter(self, ring: InitialCells) -> PulseMeter | None:
-        """Return the meter of the crest; None for a wave without a crest."""
+        """Return a meter for runs that start on ``ring``; None for a wave without a crest."""
         return PulseMeter(ring, self._rest) if self._has_crest else None
 
 
 def variation_of(
     disorder: Disorder, symbolic: Lattice, values: Mapping[str, Expr], lattice: NumericLattice
 ) -> Variation:
-    """Return the varying masses or forces; ValueError in one line for an inadmissible disorder."""
+    """Return which masses or parts of forces vary; ValueError for an inadmissible disorder."""
     name = disorder.of
     if lattice.dimension != 1:
         raise ValueError(

@@ -33,7 +33,7 @@ HIGHEST_POWERS = {"leading": 1, "slaved": 2, "corrected": 3}
 
 
 END_LEVEL = 1e-9
-"""Size, relative to the largest, below which a wave has ended."""
+"""Modulus of A, relative to the largest, below which a wave counts as ended."""
 
 FARTHEST_X = 400.0
 """Distance in X at which a wave that has not ended counts as infinite."""
@@ -50,7 +50,7 @@ class EnvelopeWave(Protocol):
 
 
 class PlaneBackground:
-    """Plane wave that a closed form deviates from; 0 if the closed form is a plane wave itself."""
+    """Plane-wave background of a closed form; 0 if the closed form is a plane wave itself."""
 
     def __init__(self, wave: Wave) -> None:
         self._wave = wave
@@ -58,7 +58,7 @@ class PlaneBackground:
     def jets(self, X: Array, T: float, highest: int) -> Complex:
         """Return A and its X-derivatives up to order ``highest``, (highest + 1, *points).
 
-        Each derivative is the same multiple of the one before it.
+        Each derivative is the one before it times the same factor, i times the wavenumber.
         """
         A, far = self._wave.background(X, T), np.linspace(-FARTHEST_X, FARTHEST_X, END_SAMPLES)
         if np.array_equal(self._wave.background(far, T).Y, self._wave.jets(far, T, 0)[0]):
@@ -77,14 +77,14 @@ class EnvelopeData(LatticeWave):
     ``numbers`` are the lattice's constants; ``k`` and ``branch`` default to those of the envelope.
     The order "leading" is the carrier with its amplitude only; "slaved" adds the terms in eps^2;
     "corrected" adds those in eps^3, and from `start` on its amplitude follows the envelope equation
-    with the next order (`EnvelopeFlow`).  That is solved on a periodic ``interval`` of X: whole
-    periods, or many widths of the wave.  A wave of finite extent needs no interval.
+    with the next order (`EnvelopeFlow`), solved on a periodic ``interval`` of X: whole periods, or
+    many widths of the wave.  A wave of finite extent needs no interval.
 
     Slaved data contain the mean strain that belongs to the wave.  Leading data contain a uniform
     mean strain only: that of ``mean_square``, the mean of |A|^2 over the ring, or far away on an
     infinite chain.  Without it the frequency of a wave on a background is off by order eps^2.
 
-    On a lattice of displacements, cells must be consecutive; a common constant is arbitrary.
+    Displacements need consecutive cells and are determined up to a common constant.
     """
 
     power = 1
@@ -131,16 +131,16 @@ class EnvelopeData(LatticeWave):
 
     @property
     def growth_shares(self) -> tuple[float, ...]:
-        """Factors on the mean strain by which the displacements of each field grow per cell."""
+        """Growth of each field's displacement per cell, in units of the mean strain."""
         return self.carrier.shares
 
     def support(self, t: float) -> tuple[float, float]:
-        """Return the cells between which there is a wave at time t; infinite if endless."""
+        """Return the wave's first and last cell at time t; infinite for a wave without ends."""
         first, last = _ends(self.wave, self.eps**2 * t)
         return first / self.eps + self.speed * t, last / self.eps + self.speed * t
 
     def start(self, t: float) -> None:
-        """Start the corrected amplitude from the wave at time t; nothing for other orders.
+        """Start the corrected amplitude from the wave at time t; no effect in other orders.
 
         Raises ValueError for an infinite wave without an interval.
         """
@@ -167,7 +167,10 @@ class EnvelopeData(LatticeWave):
 
     @property
     def amplitude(self) -> EnvelopeWave:
-        """Envelope A, with the next order if corrected; ValueError for that before `start`."""
+        """Envelope A, with the next order if corrected.
+
+        Raises ValueError for corrected data before `start`.
+        """
         if self._flow is None:
             raise ValueError(
                 "start must be called before corrected data are used, got no start time (the next "
@@ -241,11 +244,11 @@ class EnvelopeData(LatticeWave):
         return np.stack(self.strained_lattice(mean_strain).stretches(fields))
 
     def _terms(self, terms: CarrierTerms) -> CarrierTerms:
-        """Return the terms up to the power of eps of the data's order."""
+        """Return the terms up to the power of eps that ``order`` includes (`HIGHEST_POWERS`)."""
         return tuple(term for term in terms if term.power <= HIGHEST_POWERS[self.order])
 
     def _field(self, terms: CarrierTerms, jets: _Jets, theta: Array) -> tuple[Array, Array]:
-        """Return a field without the mean, and its time derivative."""
+        """Return a field without its mean over the carrier, and the time derivative of this."""
         f, v = np.zeros_like(theta), np.zeros_like(theta)
         used = self._terms(terms)
         for j in sorted({term.harmonic for term in used}):
@@ -258,8 +261,8 @@ class EnvelopeData(LatticeWave):
     def _mean(self, jets: _Jets, n: Array) -> tuple[Array, Array, Array]:
         """Return the mean of the fields, its time derivative and its slope from cell to cell.
 
-        For slaved displacements the first is the mean strain, which `state` integrates over cells;
-        the slope is only given then.
+        For displacements beyond "leading", the first array is the mean strain, which `state`
+        integrates over cells, and the third its slope; otherwise the third is 0.
         """
         form, eps, zero = self.carrier, self.eps, np.zeros_like(n)
         if self.order == "leading":
@@ -280,7 +283,8 @@ def _pieces(n: Array) -> list[slice]:
 def _integral(values: Array, slopes: Array, n: Array) -> Array:
     """Integrate over consecutive cells, by the trapezoidal rule with its end correction.
 
-    The error is values'''/720 for any length. Raises ValueError unless cells are consecutive.
+    The error is values'''/720, however many cells there are. Raises ValueError unless the cells are
+    consecutive.
     """
     if n.ndim != 1 or not np.allclose(np.diff(n), 1.0):
         raise ValueError(
@@ -292,10 +296,10 @@ def _integral(values: Array, slopes: Array, n: Array) -> Array:
 
 
 def _ends(wave: EnvelopeWave, T: float, wider: float = 1.0) -> tuple[float, float]:
-    """Return the X between which there is a wave, widened by a factor; infinite if it fills X."""
+    """Return the wave's ends in X, moved apart by the factor ``wider``; infinite if it has none."""
     X = np.linspace(-FARTHEST_X, FARTHEST_X, END_SAMPLES)
-    size = np.abs(wave.jets(X, T, 0)[0])
-    inside = X[size > END_LEVEL * np.max(size)]
+    modulus = np.abs(wave.jets(X, T, 0)[0])
+    inside = X[modulus > END_LEVEL * np.max(modulus)]
     if abs(inside[0]) == FARTHEST_X or abs(inside[-1]) == FARTHEST_X:
         return -np.inf, np.inf
     middle, half = (inside[0] + inside[-1]) / 2, (inside[-1] - inside[0]) / 2
@@ -303,7 +307,7 @@ def _ends(wave: EnvelopeWave, T: float, wider: float = 1.0) -> tuple[float, floa
 
 
 class _Jets:
-    """A and its X-derivatives at cells and a time, with their time derivatives."""
+    """A and its X-derivatives at cells and a time, and the time derivatives of all of these."""
 
     def __init__(self, data: EnvelopeData, n: Array, t: float) -> None:
         form, self.eps = data.carrier, data.eps
@@ -326,7 +330,7 @@ class _Jets:
         return total
 
     def sums(self, terms: Sequence[Any]) -> tuple[Complex, Complex]:
-        """Return a polynomial in the jets, and its time derivative at fixed carrier phase."""
+        """Return a polynomial in A and its X-derivatives, and its time derivative."""
         rate = np.zeros_like(self.values[0])
         for term in terms:
             for i, jet in enumerate(term.jets):

@@ -19,14 +19,14 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 LONGEST_TURN = 0.005
-"""Longest step, in units of the time in which the largest amplitude shifts the phase by 1 rad. The
+"""Step, in units of the time in which the largest initial amplitude shifts the phase by 1 rad. The
 Peregrine wave, three times as high at its crest as at its start, is then accurate to 1e-6."""
 
 TIME_ROUNDING = 1e-12
-"""Relative rounding by which a requested time may precede the start."""
+"""Fraction of the start time by which a requested time may be earlier, because of rounding."""
 
 SUM_ERROR = 1e-13
-"""Error of a nonuniform Fourier sum, relative to its terms."""
+"""Largest error of a nonuniform Fourier sum, relative to its terms."""
 
 
 class EnvelopeFlow:
@@ -113,7 +113,7 @@ class EnvelopeFlow:
 
 
 def _sum(modes: Complex, phases: Array) -> Complex:
-    """Return the Fourier sum of modes, in NumPy's order, at arbitrary phases."""
+    """Return the Fourier sum of ``modes``, ordered as by np.fft.fft, at arbitrary phases."""
     total = ducc0.nufft.u2nu(
         grid=np.fft.fftshift(modes),
         coord=np.mod(phases, 2 * np.pi).reshape(-1, 1),

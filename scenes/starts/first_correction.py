@@ -30,14 +30,17 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 CORRECTION_TOLERANCE = 1e-8
-"""Tolerance on Y1, in units of the largest change that F_p causes per unit of T."""
+"""Error tolerance of Y1: relative, and absolute in units of the largest ``|F_p[Y0]|`` at the
+start."""
 
 FIRST_POINTS, MAX_POINTS = 384, 24576
-"""First and largest number of points on the interval; doubled while modes are too large."""
+"""First and largest number of points on the interval. The number is doubled while truncated modes
+are too large."""
 
 MAX_TRUNCATED = 3e-7
-"""Largest accepted truncated mode, in units of the largest mode. The errors of steps to TOLERANCE
-contribute less there (1.3e-7 in scene 1:108 of `searches/soak.py`)."""
+"""Largest accepted truncated mode, in units of the largest mode. Step errors to
+CORRECTION_TOLERANCE contribute less to truncated modes (1.3e-7 in scene 1:108 of
+`searches/soak.py`)."""
 
 
 class JetWave(Protocol):
@@ -50,7 +53,7 @@ class JetWave(Protocol):
         """Return W with W_X = Y, up to a constant at each T."""
 
     def background(self, X: ArrayLike, T: float) -> WaveValues:
-        """Return the bare wave or the constant that the wave deviates from."""
+        """Return the background, a periodic wave or a constant, with its X- and T-derivatives."""
 
 
 class FirstCorrection:
@@ -100,10 +103,14 @@ class FirstCorrection:
         return self._space.antiderivative(modes, X)
 
     def _at(self, T: float) -> Complex:
-        """Return the modes at T; ValueError before `start`, and for an unresolved correction."""
+        """Return the Fourier modes of Y1 at T.
+
+        Raises ValueError before `start`, and if `MAX_POINTS` points do not resolve Y1.
+        """
         if not self._solved:
             raise ValueError(
-                f"start must be called before the corrected wave is evaluated, got T = {T}"
+                f"start must be called before the corrected wave is evaluated, got T = {T:g} (call "
+                "start with the time of the initial data)"
             )
         while T not in self._solved:
             nearest = min(self._solved, key=lambda time: abs(time - T))
@@ -121,7 +128,7 @@ class FirstCorrection:
         return self._solved[T]
 
     def _advanced(self, modes: Complex, begin: float, end: float) -> Complex:
-        """Integrate the modes to ``end``, or until the truncated modes are too large."""
+        """Integrate the modes from ``begin`` to ``end``, or until truncated modes are too large."""
         from scipy.integrate import DOP853
 
         def growth(T: float) -> Complex:
@@ -131,10 +138,10 @@ class FirstCorrection:
             factor = growth(T)
             return np.asarray(self._space.modes(self._varying(T, factor * scaled)) / factor)
 
-        size = float(np.max(np.abs(self._further(self._jets(begin)))))
+        forcing = float(np.max(np.abs(self._further(self._jets(begin)))))
         # Y1_X needs small errors of short modes, too. This weight, a compromise between Y1 and
         # Y1_X, takes 1.4 times the steps instead of twice as many.
-        absolute = CORRECTION_TOLERANCE * size / np.sqrt(1.0 + np.abs(self._space.k))
+        absolute = CORRECTION_TOLERANCE * forcing / np.sqrt(1.0 + np.abs(self._space.k))
         solver = DOP853(slope, begin, modes, end, rtol=CORRECTION_TOLERANCE, atol=absolute)
         self._update_truncated(begin, modes)
         while solver.status == "running" and self._truncated <= MAX_TRUNCATED:
@@ -150,7 +157,7 @@ class FirstCorrection:
         return np.asarray(self._wave.jets(self._space.X, T, highest))
 
     def _varying(self, T: float, modes: Complex) -> Array:
-        """Return Y1_T on the interval without the terms with constant coefficients."""
+        """Return Y1_T at the points, without the terms that have constant coefficients."""
         jets = self._jets(T)
         total = self._further(jets)
         for count, slope in enumerate(self._flow.variation(jets)):
@@ -167,7 +174,7 @@ class FirstCorrection:
 
 
 TINY_DENOMINATOR = 1e-300
-"""Smallest denominator; avoids division by 0."""
+"""Lower bound of a divisor; avoids division by 0."""
 
 
 HALF_LENGTHS = {True: 8.0, False: 2.0}
@@ -180,10 +187,10 @@ change by less than 1 %; on a longer interval the crest of a rogue wave would no
 def correction_interval(
     scene: Scene, wave: NumericWave | ComputedSoliton | DampedSoliton
 ) -> tuple[float, float] | None:
-    """Return the interval of X for a scene's next order; None if it needs none.
+    """Return the interval of X on which a scene's next order is solved; None if none is needed.
 
-    It contains whole periods of the wave, or several times the compared region. A wave of finite
-    extent needs none, nor does any order but "corrected".
+    The interval contains whole periods of the wave, or several times the compared region. None is
+    needed for a wave that tends to 0, nor for any order but "corrected".
     """
     if scene.order != "corrected" or wave.constant_background == 0.0:
         return None

@@ -15,7 +15,8 @@ MAX_POINTS_AT_ONCE = 2048
 class FourierInterval:
     """Interval with equidistant ``points``; the lower two thirds of the Fourier modes are used.
 
-    Functions are real, given by modes, and 0 outside the interval, or periodic if it ``repeats``.
+    Functions are real and given by their modes. Outside the interval they are 0, or periodic if the
+    interval ``repeats``.
     """
 
     def __init__(self, interval: tuple[float, float], points: int, repeats: bool = False) -> None:
@@ -29,11 +30,11 @@ class FourierInterval:
         return np.asarray(self.interval[0] + self.length * np.arange(self.points) / self.points)
 
     def modes(self, values: Array) -> Complex:
-        """Return the modes of a function from its values at the points."""
+        """Return the Fourier modes of a real function from its values at the points."""
         return np.asarray(np.fft.rfft(values)[: self.k.size] / self.points)
 
     def values(self, modes: Complex, derivatives: int = 0) -> Array:
-        """Return a function, or its derivative of order ``derivatives``, at the points."""
+        """Return a function, or its derivative of order ``derivatives`` > 0, at the points."""
         return np.asarray(
             np.fft.irfft((1j * self.k) ** derivatives * modes * self.points, self.points)
         )

@@ -33,7 +33,7 @@ class InitialCells:
         return self.lattice.slopes(self.lattice.stretches(self.f))
 
     def smoothed(self, room: int) -> InitialCells:
-        """Return a chain of equal mean strain, blended within ``room`` cells of the seam."""
+        """Return a chain's state blended within ``room`` cells of the seam; same mean strain."""
         if not room:
             return self
         share = np.sin(np.pi / 4 * (np.arange(room) + 0.5) / room) ** 2
@@ -48,6 +48,6 @@ class InitialCells:
         return replace(self, f=f, v=v)
 
     def nudged(self, times: float = 1.0) -> InitialCells:
-        """Return the ring with the last digits of its state changed (`trial.nudged`)."""
+        """Return the ring with the last digits of its state changed by `trial.nudged`."""
         f, v = nudged(self.f, self.v, times=times)
         return replace(self, f=f, v=v)

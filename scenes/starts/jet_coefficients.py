@@ -12,7 +12,7 @@ from longwave.derive.algebra.rational_functions import RationalFunction
 from longwave.scenes.starts.jet_polynomial import JetPolynomial
 
 DECIMAL_DIGITS = 40
-"""Decimal digits of the constants, because terms of a coefficient may cancel."""
+"""Decimal digits used for the constants; many, because terms of a coefficient may cancel."""
 
 _EXACT = mpmath.MPContext()
 _EXACT.dps = DECIMAL_DIGITS
@@ -21,7 +21,7 @@ _EXACT.dps = DECIMAL_DIGITS
 def with_numbers(
     series: EpsSeries | DifferentialPolynomial, values: Mapping[Symbol, Expr], eps: float = 1.0
 ) -> JetPolynomial:
-    """Return a series at eps, or a polynomial, with numeric coefficients.
+    """Return a differential polynomial, or the sum of a series at ``eps``, with float coefficients.
 
     ``values`` are those of the constants. Raises ValueError for derivatives other than by X, and
     for a constant without a value.
@@ -44,7 +44,7 @@ def with_numbers(
 
 
 def _sum(element: RationalFunction, below: bool, numbers: Mapping[Symbol, Any]) -> Any:
-    """Return the value of an element's numerator, or of its denominator with ``below``."""
+    """Return the value of a rational function's numerator, or with ``below`` of its denominator."""
     total = _EXACT.mpf(0)
     for exponents, coefficient in element.terms(below=below):
         product = _EXACT.mpf(coefficient)

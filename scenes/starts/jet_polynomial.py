@@ -13,9 +13,9 @@ from longwave.support.real_arrays import Array
 
 @dataclass(frozen=True)
 class JetPolynomial:
-    """Polynomial ``sum coefficient prod U_{iX}**times`` in an unknown U and its X-derivatives.
+    """Polynomial ``sum coefficient prod U_{iX}**power`` in an unknown U and its X-derivatives.
 
-    ``terms`` hold a coefficient and pairs (i, times) for the factors.
+    Each term is a coefficient with a pair (i, power) for each factor.
 
     >>> square = JetPolynomial(((3.0, ((1, 2),)), (1.0, ())))
     >>> square(np.array([[5.0], [2.0]]))
@@ -36,16 +36,16 @@ class JetPolynomial:
         """
         total = np.zeros(jets.shape[1:])
         for coefficient, factors in self.terms:
-            total += math.prod((jets[i] ** times for i, times in factors), start=coefficient)
+            total += math.prod((jets[i] ** power for i, power in factors), start=coefficient)
         return total
 
     def variation(self, jets: Array) -> list[Array]:
         """Return the partial derivatives by U, U_X, ..., one array for each row of ``jets``."""
         partials = [np.zeros(jets.shape[1:]) for _ in jets]
         for coefficient, factors in self.terms:
-            for i, times in factors:
+            for i, power in factors:
                 others = (jets[j] ** (n - (j == i)) for j, n in factors)
-                partials[i] += math.prod(others, start=coefficient * times)
+                partials[i] += math.prod(others, start=coefficient * power)
         return partials
 
     def slope(self) -> JetPolynomial:
@@ -56,12 +56,12 @@ class JetPolynomial:
         """
         total: dict[tuple[tuple[int, int], ...], float] = {}
         for coefficient, factors in self.terms:
-            for i, times in factors:
+            for i, power in factors:
                 counts = Counter(dict(factors))
                 counts.subtract({i: 1})
                 counts.update({i + 1: 1})
                 key = tuple(sorted(item for item in counts.items() if item[1]))
-                total[key] = total.get(key, 0.0) + coefficient * times
+                total[key] = total.get(key, 0.0) + coefficient * power
         return JetPolynomial(tuple((value, key) for key, value in sorted(total.items())))
 
     @property

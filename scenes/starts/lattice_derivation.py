@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from longwave.derive.amplitude_law import AmplitudeLaw
 
 FURTHER_ORDERS = 2
-"""Number of orders beyond the reduced equation that initial data of the next order need."""
+"""Number of orders derived beyond the reduced equation, as corrected initial data need."""
 
 
 @dataclass(frozen=True)
@@ -44,8 +44,8 @@ class LatticeDerivation:
     """Derived equation of a scene's lattice: its reduction or envelope, with the normal form.
 
     For a reduction the constants' values, which may contain eps, are already in ``lattice``. An
-    envelope has symbols, whose values are ``numbers``. A computed soliton needs no normal form.
-    With an amplitude ``law`` the normal form is the lossless one, whose soliton follows the law.
+    envelope has symbols, whose values are ``numbers``. ``normal_form`` is None for a computed
+    soliton; with an amplitude ``law`` it is the lossless form, whose soliton follows the law.
     """
 
     lattice: Lattice
@@ -56,7 +56,7 @@ class LatticeDerivation:
 
     @property
     def equation(self) -> str:
-        """Name of the equation, with its sign if waves depend on it."""
+        """Name of the equation, with the sign of its nonlinearity if waves depend on that."""
         if self.normal_form is None or self.law is not None:
             assert isinstance(self.source, Reduction)
             return self.source.pde.kind
@@ -81,7 +81,7 @@ class LatticeDerivation:
 
 
 def derivation(scene: Scene) -> LatticeDerivation:
-    """Return the equation derived from the scene's lattice that its wave solves.
+    """Derive equations from the scene's lattice and return the one that the scene's wave solves.
 
     Raises ValueError for missing or wrong constants, for a lattice without such an equation, and
     for a wave of another equation; the message names the derived equation and its waves.
@@ -114,7 +114,7 @@ def derivation(scene: Scene) -> LatticeDerivation:
 
 @lru_cache(maxsize=8)
 def _derivations(scene: Scene) -> tuple[LatticeDerivation, ...]:
-    """Return all equations derived from a scene's lattice, for any wave."""
+    """Return all equations that are derived from a scene's lattice, whatever its wave; cached."""
     symbolic = scene.symbolic_lattice
     values = _constant_values(scene, symbolic)
     numeric = symbolic.with_values(values)
@@ -144,7 +144,7 @@ def equation_of_form(form: ClosedForm) -> str:
 
 
 def _fits(form: ClosedForm, derived: LatticeDerivation) -> bool:
-    """Return whether the form solves the derived equation, and follows its law if it has one."""
+    """Return whether the form solves the derived equation and, if that has a law, can follow it."""
     equation, normal = form.equation, derived.normal_form
     if normal is None or (derived.law is not None and form.name not in DAMPED_WAVES):
         return False
@@ -155,7 +155,7 @@ def _fits(form: ClosedForm, derived: LatticeDerivation) -> bool:
 
 
 def _reductions(scene: Scene, lattice: Lattice, mean: Expr) -> Iterator[LatticeDerivation]:
-    """Yield the reductions to long waves that have a normal form or law; ValueError if none has."""
+    """Yield the reductions that have a normal form or an amplitude law; ValueError if none has."""
     if mean and lattice.is_displacement:
         raise ValueError(
             f"background must be 0 on a lattice of displacements, got {shown(str(mean))} (their "
@@ -182,7 +182,7 @@ def _reductions(scene: Scene, lattice: Lattice, mean: Expr) -> Iterator[LatticeD
 
 
 def _constant_values(scene: Scene, lattice: Lattice) -> dict[str, Expr]:
-    """Return the scene's constants exactly; ValueError if one of the lattice's is missing."""
+    """Return the exact values of the scene's constants; ValueError for a missing constant."""
     values = {name: constant_value(name, value) for name, value in scene.constants}
     for name, value in values.items() if scene.is_envelope else ():
         if value.free_symbols:
@@ -214,10 +214,10 @@ def _envelope(
 
 
 def scene_envelope(scene: Scene) -> tuple[Envelope, Mapping[str, Expr]]:
-    """Return the envelope equation of a scene's lattice and branch, and the lattice's numbers.
+    """Return the envelope equation of a scene's lattice and branch, and the constants' values.
 
     It is derived once for all wavenumbers, and separately at k = pi, where it is shorter. Raises
-    ValueError as `derivation` does.
+    ValueError for missing or wrong constants and for a lattice without such an equation.
     """
     unused = {"eps": 0.1, "tolerance": 1.0, "name": "", "title": ""}
     at_pi = exact_value("k", scene.carrier) == pi
@@ -237,12 +237,14 @@ def _scene_envelope(scene: Scene) -> tuple[Envelope, Mapping[str, Expr]]:
 def _values(
     pairs: Iterable[tuple[str, Value]], names: Mapping[str, Expr] | None = None
 ) -> dict[str, Expr]:
-    """Return exact values by name."""
+    """Return exact values by name; formulas may contain ``names``."""
     return {name: exact_value(name, value, names) for name, value in pairs}
 
 
 def exact_parameters(parameters: Pairs) -> dict[str, float | Expr]:
-    """Return a wave's parameters, formulas exactly; K in them is the quarter period of modulus k.
+    """Return a wave's parameters by name, with formulas as exact expressions.
+
+    K in a formula is the quarter period of the modulus, the parameter k.
 
     >>> exact_parameters((("k", 0.5), ("alpha", "3*K/4")))["alpha"]
     3*elliptic_k(1/4)/4
@@ -254,7 +256,7 @@ def exact_parameters(parameters: Pairs) -> dict[str, float | Expr]:
 
 
 def wave_of(scene: Scene) -> Wave | ComputedSoliton | DampedSoliton:
-    """Return the scene's wave with numbers; ValueError for inadmissible parameters."""
+    """Return the scene's wave with numeric parameters; ValueError for inadmissible ones."""
     derived = derivation(scene)
     if isinstance(start := scene.start, ReducedStart):
         return start.solve(scene, cast(Reduction, derived.source), _values(scene.parameters))
@@ -267,7 +269,7 @@ def wave_of(scene: Scene) -> Wave | ComputedSoliton | DampedSoliton:
 def lattice_wave(scene: Scene) -> LatticeWave:
     """Return the wave on the scene's lattice, with initial data, theory and compared quantities.
 
-    Raises ValueError as `derivation` and `wave_of` do, and for an inadmissible disorder.
+    Raises the ValueErrors of `derivation` and `wave_of`, and one for an inadmissible disorder.
     """
     wave = _ordered_wave(scene)
     if scene.losses:
@@ -303,11 +305,12 @@ def _ordered_wave(scene: Scene) -> LatticeWave:
 
 
 FAR_WIDTHS, MEAN_SAMPLES = 200.0, 4096
-"""Distance of an envelope's far field from its middle, in widths; number of points of a mean."""
+"""Distance of an envelope's far field from its middle, in widths, and number of points on either
+side over which its mean is taken."""
 
 
 def mean_square_far(wave: Wave) -> float:
-    """Return the mean of |A|^2 in the far field, which sets the uniform strain of initial data."""
+    """Return the mean of |A|^2 in the far field, which sets the uniform strain of leading data."""
     reach = FAR_WIDTHS / float(wave.normal_form.a)
     right = np.linspace(reach, 2.0 * reach, MEAN_SAMPLES)
     X = np.concatenate([-right, right])

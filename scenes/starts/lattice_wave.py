@@ -27,12 +27,12 @@ if TYPE_CHECKING:
 
 
 class LatticeWave(ABC):
-    """Long wave or envelope on a lattice with numbers.
+    """Long wave or envelope on a lattice with numeric constants.
 
     ``lattice`` has no mean strain. ``order`` is one of `ORDERS`. The compared quantities have the
     size ``eps**power``; the slow time is ``T = eps**slow t``. ``speed`` is that of the frame along
-    the first axis, in cells per unit of time. ``disorder`` and ``losses`` are those of its rings
-    and of ``lattice``, which then only gives frequencies and speeds, since it has no cells.
+    the first axis, in cells per unit of time. ``disorder`` and ``losses`` are those of the rings
+    and of ``lattice``; with them ``lattice`` is only used for frequencies and speeds, not for runs.
     ``watches_strains``: whether a run ends when linear waves about some strain become unstable, and
     records its smallest and largest strain.
     """
@@ -49,11 +49,11 @@ class LatticeWave(ABC):
 
     @abstractmethod
     def state(self, cells: ArrayLike, t: float) -> tuple[Array, Array]:
-        """Return fields, growing displacements included, and rates, each (fields, *sites)."""
+        """Return fields and time derivatives, (fields, *sites); mean growth is included."""
 
     @abstractmethod
     def strain(self, cells: ArrayLike, t: float) -> Array:
-        """Return the theory's compared quantities at a time, (quantities, *sites)."""
+        """Return the theory's compared quantities at cells and a time, (quantities, *sites)."""
 
     @property
     def quantities(self) -> tuple[str, ...]:
@@ -63,11 +63,11 @@ class LatticeWave(ABC):
 
     @abstractmethod
     def quantity_values(self, f: ArrayLike, mean_strain: tuple[float, ...]) -> Array:
-        """Return the compared quantities of the fields' periodic parts on a ring."""
+        """Return the compared quantities of a ring with periodic fields and a mean strain."""
 
     @cached_property
     def rate_unit(self) -> float:
-        """Unit of rates: the carrier's frequency, or the lattice's highest."""
+        """Unit of rates: the carrier's frequency, or the lattice's highest for a long wave."""
         return self.frequency or self.lattice.highest_frequency(self.lattice.rest_slopes())
 
     def values_and_rates(self, f: Array, v: Array, mean_strain: tuple[float, ...]) -> Array:
@@ -85,7 +85,7 @@ class LatticeWave(ABC):
         )
 
     def with_neighbours(self, slices: Sequence[slice]) -> tuple[list[slice], list[slice]]:
-        """Return slices widened by the reach of bonds, and the given slices relative to them."""
+        """Return slices widened by the reach of bonds, and the given slices relative to those."""
         reach = self.lattice.reach
         wide = [slice(max(0, cells.start - reach), cells.stop + reach) for cells in slices]
         starts = [cells.start - more.start for cells, more in zip(slices, wide, strict=True)]
@@ -94,18 +94,21 @@ class LatticeWave(ABC):
 
     @abstractmethod
     def support(self, t: float) -> tuple[float, float]:
-        """Return the first and last cell of the wave along the first axis; infinite if endless."""
+        """Return the wave's first and last cell on the first axis; infinite if it has no ends."""
 
     @abstractmethod
     def strained_lattice(self, mean_strain: tuple[float, ...]) -> NumericLattice:
-        """Return the lattice about a uniform strain, one entry for each axis."""
+        """Return the lattice about a uniform strain, which has one entry for each axis."""
 
     def start(self, t: float) -> None:
-        """Start the next order's correction from 0 at t, before other calls; nothing by default."""
+        """Start the next order's correction from 0 at time t; no effect unless overridden.
+
+        Must be called before other methods of a corrected wave.
+        """
         return
 
     def crest(self, t: float) -> float | None:
-        """Return the first quantity at the crest by the law of losses; None unless overridden."""
+        """Return a damped soliton's first quantity at the crest by its law; None by default."""
         return None
 
     @property
@@ -125,7 +128,7 @@ class LatticeWave(ABC):
 
     @abstractmethod
     def background(self, cells: ArrayLike, t: float) -> Array:
-        """Return the wave's background, as `strain` does: the bare wave on its uniform strain."""
+        """Return the compared quantities of the wave's background on its uniform strain."""
 
     def uniform(self) -> Array:
         """Return the uniform strain of each quantity; 0 unless overridden."""
@@ -134,8 +137,8 @@ class LatticeWave(ABC):
     def mean_strain(self, cells: Array, t: float) -> tuple[float, ...]:
         """Return the mean growth of displacements per cell over a ring of these cells.
 
-        Without it displacements are periodic; a soliton's displacement differs between its two
-        sides. Zero on every axis unless overridden.
+        Displacements less this growth are periodic on the ring; a soliton's displacement, for
+        example, differs between its two sides. Zero on every axis unless overridden.
         """
         return (0.0,) * self.lattice.dimension
 
@@ -147,7 +150,7 @@ class LatticeWave(ABC):
     def ring(self, cells: ArrayLike, t: float) -> InitialCells:
         """Return the initial state at a time on a ring of these consecutive cells.
 
-        The ring of an infinite wave has a seam. Its signals must not reach the compared cells.
+        The ring of an infinite wave has a seam, whose signals must not reach the compared cells.
         """
         n = np.asarray(cells, dtype=np.float64)
         mean = self.mean_strain(n, t)
@@ -171,9 +174,9 @@ class LatticeWave(ABC):
         return ring.smoothed(room)
 
     def blended_ring(self, ring: InitialCells, room: int) -> InitialCells:
-        """Return a ring of strains blended, within ``room`` cells of its ends, with its copy.
+        """Return a ring of strains, blended within ``room`` cells of either end.
 
-        The copy is the wave beyond the other end. The blending weights move with the wave.
+        Each end is blended with the wave beyond the other end, by weights that move with the wave.
         """
         if not room:
             return ring
@@ -192,11 +195,11 @@ class LatticeWave(ABC):
         return replace(ring, f=f, v=v)
 
     def fading(self, t: float, speed: float) -> Fading | None:
-        """Return the damping where signals from the seam arrive, at ``speed``; None by default."""
+        """Return the damping of cells that seam signals of this speed reach; None by default."""
         return None
 
     def amplifies_rounding(self, t: float) -> bool:
-        """Return whether perturbations may grow: for an infinite wave, unless overridden."""
+        """Return whether perturbations may grow; by default they may on an infinite wave."""
         return math.isinf(max(map(abs, self.support(t))))
 
     @property
@@ -214,7 +217,7 @@ class LatticeWave(ABC):
         return None
 
     def values_and_slopes(self, cells: Array, t: float) -> tuple[Array, Array, Array, Array]:
-        """Return the first quantity of wave and background, then their slopes by differences."""
+        """Return the first quantity of wave and background, then the slopes of both per cell."""
         points = [cells + shift for shift in (0.0, SLOPE_STEP, -SLOPE_STEP)]
         results = []
         for function in (self.strain, self.background):
@@ -223,12 +226,12 @@ class LatticeWave(ABC):
         return results[0], results[2], results[1], results[3]
 
     def stretch_range(self, times: Sequence[float]) -> Array | None:
-        """Return the range of the bonds' stretches over all times; None to use initial data."""
+        """Return smallest and largest stretch of the bonds over all times; None if not known."""
         return None
 
     @property
     def far_speed(self) -> float | None:
-        """Speed of sound far from the wave; None, the default, if a window cannot be fed."""
+        """Speed of sound far from the wave; None, the default, if the wave cannot feed a window."""
         return None
 
     @property
@@ -244,16 +247,19 @@ class LatticeWave(ABC):
     def extent(self, times: Sequence[float], tolerance: float) -> tuple[float, float]:
         """Return the ends of a wave with a `far_speed`, in cells from the frame's origin.
 
-        They hold over all times; beyond them the wave is negligible for errors up to ``tolerance``.
+        Beyond them the wave is at all times negligible for errors up to ``tolerance``.
         """
         raise NotImplementedError
 
     def rigid_fields(self, offsets: Array, t: float) -> tuple[Array, Array]:
-        """Return fields and slopes per cell at ``offsets`` from the frame, less the far growth."""
+        """Return fields and slopes per cell at ``offsets`` from the frame's origin at time t.
+
+        The growth of the far field from cell to cell is subtracted from both.
+        """
         raise NotImplementedError
 
     def rest_slopes(self, ring: InitialCells) -> list[float]:
-        """Return each bond's slope of force far from the wave, taken from the first cell."""
+        """Return the slope of each bond's force far from the wave: in the ring's first cell."""
         corner = (0,) * ring.lattice.dimension
         return [float(slopes[corner]) for slopes in ring.slopes]
 
@@ -270,7 +276,7 @@ def nearest_cell(speed: float, t: float) -> int:
     """
     position = speed * t + 0.5
     if not abs(position) < FARTHEST_CELL:
-        raise ValueError(f"t must leave c t within 2^53 sites, got t = {t:g}")
+        raise ValueError(f"t must leave c t within 2^53 sites, got t = {t:g} (end earlier)")
     return math.floor(position)
 
 
@@ -291,7 +297,8 @@ def _frequencies(lattice: NumericLattice, slopes: Sequence[float], k: Array, axi
 def sound_speed(lattice: NumericLattice, slopes: Sequence[float], near: float) -> float:
     """Return the speed of infinitely long waves along the first axis that is nearest to ``near``.
 
-    Forces have these slopes. The speed is extrapolated from waves of three lengths.
+    ``slopes`` are those of the bonds' forces. The speed is extrapolated from waves of three
+    lengths.
     """
     k = LONG_WAVENUMBER * np.array([1.0, 2.0, 4.0])
     speeds = _frequencies(lattice, slopes, k, 0) / k[:, np.newaxis]
@@ -302,10 +309,10 @@ def sound_speed(lattice: NumericLattice, slopes: Sequence[float], near: float) -
 
 
 SLOPE_STEP = 1e-3
-"""Half step, in cells, of the difference quotients for slopes; waves are much longer."""
+"""Half step, in cells, of the central differences for slopes; waves are much longer."""
 
 LONG_WAVENUMBER = 0.02
-"""Smallest wavenumber for the speed of sound; dispersion errors are below 1e-11, rounding 1e-12."""
+"""Smallest wavenumber from which the speed of sound is extrapolated; errors are below 1e-11."""
 
 WAVENUMBER_COUNT = 1025
-"""Number of wavenumbers in 0 .. pi between which group velocities are difference quotients."""
+"""Number of wavenumbers in 0 .. pi; group velocities are difference quotients between them."""

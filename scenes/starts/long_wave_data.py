@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 END_LEVEL = 1e-9
-"""Relative change below which a wave has ended."""
+"""Change of the profile, relative to the largest, below which a wave counts as ended."""
 
 FARTHEST_X = 400.0
 """Distance in X at which a wave that has not ended counts as infinite."""
@@ -53,8 +53,9 @@ class LongWaveNumbers:
     ``frames`` are X and, if there is one, Z. ``background`` is the uniform strain. ``shares`` are
     the relative amplitudes of the fields in the wave. ``series`` holds each field and its time
     derivative as polynomials in X-derivatives of the unknown: W with ``is_displacement``, Y on a
-    lattice of strains. It is empty if there is a Z. ``correction`` holds the power of the first
-    correction, the flow of the reduced equation and that of the correction; None unless requested.
+    lattice of strains. ``series`` is empty if there is a Z. ``correction`` holds the power of the
+    first correction, the flow of the reduced equation and that of the correction; None unless
+    requested.
     """
 
     lattice: NumericLattice
@@ -71,12 +72,12 @@ class LongWaveNumbers:
 class LongWaveData(LatticeWave):
     """Long wave of a reduction on its lattice: initial data and reference values.
 
-    ``numbers`` are the reduction's (`long_wave_numbers`).  The order "leading" is the wave alone;
+    ``numbers`` are those of `long_wave_numbers`.  The order "leading" is the wave alone;
     "slaved" adds the fields slaved to it, up to the order of the reduction; "corrected" also adds
     the first correction of the reduced equation, see `FirstCorrection`.  ``interval`` is the
     interval of X for the correction of an infinite wave: many widths or whole periods.
 
-    Raises ValueError for a correction of a wave that is too narrow, or infinite without interval.
+    Raises ValueError for a correction if the wave is too narrow, or infinite without an interval.
     """
 
     def __init__(
@@ -108,7 +109,7 @@ class LongWaveData(LatticeWave):
 
     @property
     def growth_shares(self) -> tuple[float, ...]:
-        """Factors on the mean strain by which the displacements of each field grow per cell."""
+        """Growth of each field's displacement per cell, in units of the mean strain."""
         return self.numbers.shares
 
     def _correction(self, interval: tuple[float, float] | None) -> FirstCorrection | None:
@@ -151,7 +152,7 @@ class LongWaveData(LatticeWave):
         return np.asarray(self.eps**self._space.exponent * (along - self._frame * t))
 
     def start(self, t: float) -> None:
-        """Start the correction from 0 at time t; nothing for other orders."""
+        """Start the correction from 0 at time t; no effect in other orders than "corrected"."""
         if self.correction is not None:
             self.correction.start(self.slow_time(t))
 
@@ -166,7 +167,7 @@ class LongWaveData(LatticeWave):
     def _evaluate(
         self, groups: Sequence[Sequence[JetPolynomial]], position: Array, t: float
     ) -> list[Array]:
-        """Return the values at X of groups of polynomials in the unknown, (polynomials, *sites).
+        """Return each group's polynomials at X = ``position`` and time t, (polynomials, *sites).
 
         Derivatives are computed for `PIECE` cells at a time, because they need many arrays.
         """
@@ -189,7 +190,8 @@ class LongWaveData(LatticeWave):
     def strain(self, cells: ArrayLike, t: float) -> Array:
         """Return the compared quantities at cells and a time, (quantities, *sites).
 
-        These are the fields of strains, or the growth of displacements along each axis of the wave.
+        These are the fields if they are strains, or else the differences of displacements to the
+        next cell along each axis in which the wave varies.
         """
         if not self._is_displacement:
             return self._fields(cells, t)
@@ -226,7 +228,7 @@ class LongWaveData(LatticeWave):
         )
 
     def quantity_values(self, f: ArrayLike, mean_strain: tuple[float, ...]) -> Array:
-        """Return the compared quantities of the fields' periodic parts on a ring."""
+        """Return the compared quantities of a ring with periodic fields and a mean strain."""
         fields = np.asarray(f, dtype=np.float64)
         if not self._is_displacement:
             return fields
@@ -243,7 +245,7 @@ class LongWaveData(LatticeWave):
         return np.full(rows * len(self.lattice.fields), self.numbers.background)
 
     def background(self, cells: ArrayLike, t: float) -> Array:
-        """Return the uniform strain plus the wave's bare background, to leading order."""
+        """Return the background's compared quantities: uniform strain plus bare wave."""
         X = self.slow_position(cells, t)
         strain = np.add.outer(self.uniform(), np.zeros(X.shape))
         if self._planar is None:
@@ -274,7 +276,7 @@ class LongWaveData(LatticeWave):
         return tuple(slopes)
 
     def support(self, t: float) -> tuple[float, float]:
-        """Return the cells between which there is a wave at time t; infinite if endless."""
+        """Return the wave's first and last cell at time t; infinite for a wave without ends."""
         T = self.slow_time(t)
         low, high = wave_ends(lambda X: self._profile(X, T))
         ends = sorted((X / self._unit + self.speed * t) for X in (low, high))
@@ -308,7 +310,7 @@ class LongWaveData(LatticeWave):
 
     @cached_property
     def far_rates(self) -> tuple[Array, Array]:
-        """Growth of each field per cell on the constant background, and its velocity there."""
+        """Growth per cell, and velocity, of each field on the constant background."""
         (f, v), middle = self._far_fields(), self.lattice.reach
         return f[:, middle + 1] - f[:, middle], v[:, middle]
 
@@ -325,7 +327,10 @@ class LongWaveData(LatticeWave):
         return f, v
 
     def extent(self, times: Sequence[float], tolerance: float) -> tuple[float, float]:
-        """Return the ends of the wave relative to the frame over all times; (inf, -inf) if flat."""
+        """Return the wave's ends over all times, in cells from the frame's origin.
+
+        (inf, -inf) if the wave never differs noticeably from its background.
+        """
         wave, supports = cast(NumericWave, self.wave), []
         level = wave.constant_background or 0.0
         for T in map(self.slow_time, sampled_times(times)):
@@ -335,7 +340,10 @@ class LongWaveData(LatticeWave):
         return low / self._unit, high / self._unit
 
     def rigid_fields(self, offsets: Array, t: float) -> tuple[Array, Array]:
-        """Return fields at offsets and slopes per cell, less the growth of the background."""
+        """Return fields and slopes per cell at ``offsets`` from the frame's origin at time t.
+
+        The growth of the background from cell to cell is subtracted from both.
+        """
         fields = [field for field, _ in self._series]
         derivatives = [field.slope() for field in fields]
         f, slopes = self._evaluate([fields, derivatives], self._unit * offsets, t)
@@ -348,7 +356,7 @@ class LongWaveData(LatticeWave):
         return float(self._direction[0] * self.eps**self._space.exponent)
 
     def seam_room(self, t: float) -> int:
-        """Return the number of blended cells at either end of a ring: half a kink's width, else 0.
+        """Return the number of blended cells at either end of a ring: half a kink's width, or 0.
 
         Without blending, the strains on both sides of a kink would overshoot at the seam.
         """
@@ -369,7 +377,7 @@ class LongWaveData(LatticeWave):
         return [axis for axis, step in enumerate(self._direction) if step]
 
     def _unknown(self, X: Array, T: float, highest: int, W: Array | None) -> Array:
-        """Return the unknown, W if it is given and Y otherwise, and its X-derivatives."""
+        """Return the unknown (W if given, else Y) and its X-derivatives up to order ``highest``."""
         if W is None:
             return self._corrected(self.wave.jets(X, T, highest), X, T, highest)
         jets = np.empty((highest + 1, *X.shape))
@@ -394,11 +402,11 @@ END_SAMPLES = 4097
 """Number of points in X at which a wave's ends are searched for."""
 
 INTERVAL_FACTOR = 3.0
-"""Length of a correction's interval, in units of the wave's."""
+"""Length of the interval on which a correction is solved, in units of the wave's length."""
 
 
 def wave_ends(profile: Callable[[Array], Array]) -> tuple[float, float]:
-    """Return the X between which a profile varies; infinite if it varies beyond `FARTHEST_X`."""
+    """Return the ends in X of the region where a profile varies; infinite beyond `FARTHEST_X`."""
     reach = 1.0
     while reach <= FARTHEST_X:
         X = np.linspace(-2.0 * reach, 2.0 * reach, END_SAMPLES)
@@ -416,10 +424,10 @@ class PlanarWave(Protocol):
     """Solution of a reduced equation with Z, such as a `solutions.Wave` of KP."""
 
     def potential(self, X: ArrayLike, T: ArrayLike, *, Z: ArrayLike) -> PlanarValues:
-        """Return W with ``W_X = Y``, and its derivatives."""
+        """Return W with ``W_X = Y``, and its first derivatives by X, T and Z."""
 
     def __call__(self, X: ArrayLike, T: ArrayLike, *, Z: ArrayLike) -> PlanarValues:
-        """Return Y and its derivatives."""
+        """Return Y and its first derivatives by X, T and Z."""
 
 
 class PlanarFields:

@@ -37,9 +37,9 @@ def long_wave(
 ) -> LongWaveData:
     """Return a long wave of a reduction on its lattice.
 
-    ``constants`` are the values of the lattice's constants.  ``lattice`` is the one to run, if the
-    reduction expanded forces that are not polynomials.  The other arguments are those of
-    `LongWaveData`.
+    ``constants`` are the values of the lattice's constants.  ``lattice`` is the lattice to run; it
+    must be given if the reduction expanded forces that are not polynomials.  The other arguments
+    are those of `LongWaveData`.
 
     Raises ValueError for missing or invalid constants, and for the order "corrected" if the
     reduction has no correction.
@@ -97,7 +97,10 @@ def _lattice_at_rest(
 def _series(
     reduction: Reduction, order: str, values: Values, eps: float
 ) -> tuple[tuple[JetPolynomial, JetPolynomial], ...]:
-    """Return fields and rates as polynomials; () with a transverse variable, or a ValueError."""
+    """Return each field and its time derivative as polynomials; () with a transverse variable.
+
+    Raises ValueError for several fields or variables with a transverse variable.
+    """
     if not reduction.pde.transverse:
         return tuple(
             (with_numbers(field, values, eps), with_numbers(rate, values, eps))
@@ -113,7 +116,10 @@ def _series(
 
 
 def _correction(reduction: Reduction, values: Values) -> tuple[int, JetPolynomial, JetPolynomial]:
-    """Return the correction's power, the equation's flow and its own; ValueError without one."""
+    """Return the first correction's power, the flow of the reduced equation and the correction's.
+
+    Raises ValueError if no correction was derived.
+    """
     powers = sorted(reduction.corrections)
     if not powers:
         obstruction = reduction.obstruction
@@ -132,7 +138,7 @@ def _correction(reduction: Reduction, values: Values) -> tuple[int, JetPolynomia
 
 
 class FieldSeries:
-    """Series in eps of each field and its time derivative, in X-derivatives of the unknown.
+    """Series in eps of fields and their time derivatives, in X-derivatives of the unknown.
 
     The unknown is W on a lattice of displacements, Y on one of strains.
     """
@@ -147,7 +153,7 @@ class FieldSeries:
 
     @property
     def fields(self) -> list[tuple[EpsSeries, EpsSeries]]:
-        """Series of each field and of its time derivative."""
+        """Pairs of series, one for each field: the field and its time derivative."""
         fields = []
         for share, slaved in self._reduction.slaved.values():
             field = share * self._expansion.ansatz()
@@ -160,7 +166,7 @@ class FieldSeries:
         """Return the T-derivative of the unknown: Y_T of the reduction, or its antiderivative W_T.
 
         A correction without local antiderivative is neglected. It would change the velocity of
-        displacements at its own power times that of d/dT, the size of the next correction.
+        displacements only by terms of the size of the next correction.
         """
         flows = {0: self._reduction.pde.flow}
         if self._order == "corrected":

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 FAR_FIELDS: tuple[Side, ...] = ("left", "right")
 
 END_LEVEL = 1e-9
-"""Deviation from the far fields, in units of eps, below which the wave has ended."""
+"""Deviation from the far fields, in units of eps, below which the wave counts as ended."""
 
 
 @lru_cache(maxsize=8)
@@ -43,7 +43,7 @@ def moving_wave(scene: "Scene") -> "MovingWave":
 def build_wave(
     wave: "str | ClosedForm", constants: "Model", values: Mapping[str, float | str]
 ) -> NumericWave:
-    """Return a closed form, given as such or by name, with numeric parameters and constants.
+    """Return a closed form, given as an object or by name, with numeric parameters and constants.
 
     Raises ValueError for a parameter outside its domain, K3 != 0 and K4 of the wrong sign.
     """
@@ -77,7 +77,7 @@ def _make_wave(
 
 
 Polynomial = list[tuple[float, list[tuple[str, int]]]]
-"""Polynomial as a list of terms: a coefficient, and factors with their powers."""
+"""Polynomial as a list of terms, each a coefficient with pairs (name, power) of its factors."""
 
 
 @cache
@@ -107,12 +107,12 @@ def _value(polynomial: Polynomial, values: Mapping[str, "Array | float"]) -> Arr
 
 
 KINK_BLEND_WIDTHS = 40.0
-"""Blended cells for a kink at either end of a ring, in units of its width."""
+"""Number of blended cells at either end of a kink's ring, in units of the kink's width."""
 
 
 @dataclass(frozen=True)
 class MovingWave(LatticeWave):
-    """Closed-form wave on the paper's chain of strains, evaluated at sites to the last digit.
+    """Closed-form wave on the paper's chain of strains, evaluated at sites to rounding accuracy.
 
     It starts at ``times[0]`` and is compared at the later ``times``, within ``compared`` sites of
     c t.  Raises ValueError if the times are not in increasing order.
@@ -182,7 +182,7 @@ class MovingWave(LatticeWave):
 
     @property
     def far_rates(self) -> tuple[Array, Array]:
-        """Growth from cell to cell and velocity of the far field, both 0 for strains."""
+        """Growth of the far field from cell to cell, and its velocity; both are 0 for strains."""
         return np.zeros(1), np.zeros(1)
 
     def compared_sites(self, t: float) -> Sites:
@@ -190,7 +190,7 @@ class MovingWave(LatticeWave):
         return nearest_cell(self.speed, t) + np.arange(-self.compared, self.compared + 1)
 
     def state(self, cells: ArrayLike, t: float) -> tuple[Array, Array]:
-        """Return strain y_n = eps Y and velocity s_n of the ansatz, at real sites and time t."""
+        """Return strain y_n = eps Y and its time derivative s_n at real sites, each (1, *sites)."""
         value = self.wave.at(cells, t, self.eps)
         values: dict[str, Array | float] = {"Y_X": value.Y_X, "Y_T": value.Y_T}
         values |= {"c": self.speed, "eps": self.eps}
@@ -205,7 +205,9 @@ class MovingWave(LatticeWave):
         return self._scaled(self.wave.value_at(cells, t, self.eps, "background"))
 
     def far_field(self, sites: Sites, t: float) -> Array | None:
-        """Return the strains of the true far field: the left one on the left half of the sites.
+        """Return the strains of the true far fields on the sites.
+
+        On the left half of the sites they are those of the left far field, else of the right one.
 
         None on a constant background, which equals the far field, and for a bare periodic wave,
         which is its own far field.
@@ -217,7 +219,7 @@ class MovingWave(LatticeWave):
         return np.concatenate(strains, axis=1)
 
     def values_and_slopes(self, cells: Array, t: float) -> tuple[Array, Array, Array, Array]:
-        """Return wave, background and their slopes from cell to cell."""
+        """Return strains of wave and background, then the slopes of both from cell to cell."""
         wave, background = (
             at(cells, t, self.eps) for at in (self.wave.at, self.wave.background_at)
         )
@@ -241,7 +243,7 @@ class MovingWave(LatticeWave):
         return self.lattice
 
     def support(self, t: float) -> tuple[float, float]:
-        """Return the sites between which there is a wave; infinite on a periodic background."""
+        """Return the wave's first and last site at time t; infinite on a periodic background."""
         if self.wave.wavelength is not None:
             return -math.inf, math.inf
         x, deviation = _deviation(self.constants, self.wave, self.eps, t)
@@ -265,7 +267,7 @@ class MovingWave(LatticeWave):
         return self._scaled(value.Y), self.eps**2 * value.Y_X[np.newaxis]
 
     def seam_room(self, t: float) -> int:
-        """Return the cells blended at a ring's ends: a wavelength, a kink's widths, or 0."""
+        """Return the number of blended cells at either end: a wavelength, a kink's widths, or 0."""
         wave = self.wave
         if wave.constant_background is not None:
             return 0
@@ -277,7 +279,7 @@ class MovingWave(LatticeWave):
     def closed_ring(self, ring: InitialCells, room: int) -> InitialCells:
         """Return the ring with its ends blended into each other within ``room`` sites of the seam.
 
-        The far fields of a kink differ; it is closed by its own negative, centred at the seam.
+        The far fields of a kink differ; its ring is closed by the kink's negative at the seam.
         """
         if not room or self.wave.wavelength is not None:
             return self.blended_ring(ring, room)
@@ -292,7 +294,10 @@ class MovingWave(LatticeWave):
         return replace(ring, f=f, v=v)
 
     def fading(self, t: float, speed: float) -> Fading | None:
-        """Return the damping where seam signals arrive, at ``speed``; None without blending."""
+        """Return the damping of cells that signals of this speed from the seam reach.
+
+        None for a ring without blending.
+        """
         if not self.seam_room(t) or self.duration == 0.0:
             return None
         depth = max(float(FADING_DEPTH), (self.wave.wavelength or 0.0) / self.eps)
@@ -305,7 +310,7 @@ class MovingWave(LatticeWave):
 
 @dataclass(frozen=True)
 class WaveBounds:
-    """Interval ``low`` .. ``high`` of sites relative to c t with the wave and the compared sites.
+    """Interval ``low`` .. ``high``, in sites from c t, that contains wave and compared sites.
 
     ``strain`` holds the smallest and the largest strain of the wave at any time.
     """
@@ -326,14 +331,14 @@ class WaveBounds:
 
 
 def find_bounds(moving: MovingWave, tolerance: float) -> WaveBounds:
-    """Return the bounds of the compared sites and the wave (`wave_extent`) at all times."""
+    """Return bounds that contain, at all times, the compared sites and the wave (`wave_extent`)."""
     low, high = moving.extent(moving.times, tolerance)
     edge = float(moving.compared)
     return WaveBounds(min(-edge, low), max(edge, high), moving.stretch_range(moving.times))
 
 
 CACHED_TIMES = 256
-"""Number of times whose profiles are cached, enough for the sampled times of a few waves."""
+"""Number of profiles, each of a wave at one time, that are cached; enough for a few waves."""
 
 
 @lru_cache(maxsize=4)
@@ -345,7 +350,7 @@ def _deviations(
 
 
 def _deviation(constants: "Model", wave: NumericWave, eps: float, t: float) -> tuple[Array, Array]:
-    """Return sorted positions relative to c t, and the deviation from the far fields there."""
+    """Return sorted positions relative to c t, and how far Y is there from the nearer far field."""
     x, value = _values(constants, wave, eps, t)
     cells = constants.sound_speed() * t + x
     left, right = (wave.value_at(cells, t, eps, side) for side in FAR_FIELDS)
@@ -354,7 +359,7 @@ def _deviation(constants: "Model", wave: NumericWave, eps: float, t: float) -> t
 
 @lru_cache(maxsize=CACHED_TIMES)
 def _values(constants: "Model", wave: NumericWave, eps: float, t: float) -> tuple[Array, Array]:
-    """Return sorted positions relative to c t, and Y there; enough for the range of strains."""
+    """Return sorted positions relative to c t, dense enough to find the range of Y, and Y there."""
     origin = constants.sound_speed() * t
     zeros = wave.phase_zeros(t, eps) or [origin]
     x = sample_points([zero - origin for zero in zeros], 1.0 / (wave.numbers.a * eps))

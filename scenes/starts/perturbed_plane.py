@@ -17,8 +17,8 @@ from sympy import Expr, Rational, pi
 from longwave.support.real_arrays import Array
 
 PERTURBATION_SIZE = 1e-5
-"""Initial size of the perturbation. Its size at the end of the measurement is 1e-3, which adds 1e-6
-to the rate; rounding errors are as much smaller."""
+"""Initial amplitude of the perturbation, in units of the plane wave's. At the end of the
+measurement it is 1e-3, which adds an error of 1e-6 to the rate."""
 
 
 def squared_rate(p: Any, q: Any, a: Any, kappa: Any) -> Any:
@@ -28,9 +28,10 @@ def squared_rate(p: Any, q: Any, a: Any, kappa: Any) -> Any:
 
 
 def chosen_kappa(p: Any, q: Any, given: Mapping[str, float]) -> Any:
-    """Return ``kappa``, or the fastest growing wavenumber times ``share`` (default 1).
+    """Return ``kappa`` or, if not given, ``share`` times the fastest growing wavenumber.
 
-    The fastest growing one is ``amplitude sqrt(|q/p|)``. Numbers or arrays.
+    The fastest growing wavenumber is ``amplitude sqrt(|q/p|)``; ``share`` is 1 by default. p and q
+    are numbers or arrays; ``given`` holds the parameters of the wave.
     """
     with np.errstate(all="ignore"):
         fastest = np.sqrt(np.abs(np.divide(q, p)))
@@ -48,7 +49,7 @@ class PerturbedPlane:
 
     @property
     def rate(self) -> complex:
-        """Rate lambda in T: the growth rate, or an imaginary number if the wave is stable."""
+        """Rate lambda of the perturbation in T: real if it grows, imaginary if it oscillates."""
         squared = squared_rate(self.p, self.q, self.a, self.kappa)
         if squared >= 0:
             return complex(np.sqrt(squared))
@@ -63,7 +64,7 @@ class PerturbedPlane:
 
     @property
     def largest_growth(self) -> float:
-        """Growth rate of the fastest growing perturbation, if any grows: ``|q| a^2``."""
+        """Growth rate ``|q| a^2`` of the fastest growing perturbation, if any grows."""
         return abs(self.q) * self.a**2
 
     @property
@@ -93,7 +94,7 @@ class PlaneDomain:
 
     @property
     def k(self) -> Expr:
-        """Wavenumber of the carrier."""
+        """Wavenumber of the carrier, in radians per cell, as an exact multiple of pi."""
         return 2 * pi * Rational(self.turns, self.cells)
 
     @property
@@ -103,7 +104,8 @@ class PlaneDomain:
 
 
 NEAR_K, NEAR_KAPPA = 1e-3, 1e-2
-"""Largest deviation of the carrier's wavenumber, and relative deviation of the perturbation's."""
+"""Largest change of the carrier's wavenumber (absolute) and of the perturbation's (relative) by
+which both fit on a ring."""
 
 CLOSED_MISMATCH = 1e-9
 """Largest mismatch, in wavelengths, of a carrier that closes on its ring."""
@@ -112,15 +114,15 @@ MAX_WAVES = 100
 """Maximum number of perturbation wavelengths on a ring."""
 
 LARGEST_DENOMINATOR = 200
-"""Largest denominator of a rational multiple k of pi that is kept exactly."""
+"""Largest denominator of k/pi at which a rational k/pi is kept exactly on the ring."""
 
 
 def plane_domain(k: Expr, perturbation: float) -> PlaneDomain:
     """Return the smallest ring on which both waves fit; ``perturbation`` in radians per cell.
 
-    A rational multiple of pi is kept exactly and any other k within `NEAR_K`; the perturbation is
-    kept within the fraction `NEAR_KAPPA`. Raises ValueError if the lower sideband has no wavenumber
-    in 0 .. pi, or if no ring is small enough.
+    A k that is a simple rational multiple of pi is kept exactly, any other k to within `NEAR_K`;
+    the perturbation's wavenumber is kept to within the fraction `NEAR_KAPPA`. Raises ValueError if
+    the lower sideband has no wavenumber in 0 .. pi, or if no ring is small enough.
 
     >>> plane_domain(pi / 2, 0.1)
     PlaneDomain(cells=188, turns=47, waves=3)

@@ -11,20 +11,20 @@ from longwave.scenes.starts.initial_cells import InitialCells
 from longwave.support.real_arrays import Array
 
 ENERGY_FRACTION = 0.999
-"""Fraction of the energy inside the window about the crest at the start."""
+"""Fraction of the initial energy that the window about the crest contains at the start."""
 
 CLOSED_FRACTION = 1e-4
 """A ring of strains counts as closed if its velocities sum to at most this fraction of the sum of
-their moduli. If the ring's ends cut off part of the wave, up to 2e-6 of its energy is missing then;
-the control run misses another amount, so the estimated error is larger."""
+their moduli. If its ends cut off part of the wave, up to 2e-6 of the energy is missing; the control
+run misses another amount, so the loss is part of the estimated error."""
 
 
 class Pulse(NamedTuple):
     """Measured wave at one time.
 
-    ``peak`` is the largest force of a bond, ``place`` its cell, ``energy`` that in the window about
-    the crest, ``whole`` the ring's. Energies are NaN for a ring of strains that does not
-    close and for a lattice without an energy.
+    ``peak`` is the largest force of a bond, ``place`` its position in cells, ``energy`` the energy
+    in the window about the crest, ``whole`` the energy of the ring. Energies are NaN for a ring of
+    strains that does not close and for a lattice without an energy.
     """
 
     peak: float
@@ -58,7 +58,7 @@ class PulseMeter:
         self._reach = float(distances[order][min(int(index), enclosed.size - 1)])
 
     def __call__(self, f: Array, v: Array) -> Pulse:
-        """Return the pulse of a state of the ring."""
+        """Measure the wave in the ring's state of fields ``f`` and velocities ``v``."""
         energies = self._energies(f, v)
         peak, position = self._crest(f)
         near = np.abs(self._cells - position) <= self._reach + 0.5
@@ -90,8 +90,8 @@ def pulse_track(
 ) -> tuple[dict[str, Array], dict[str, float]]:
     """Return peak, delay and energy over time with their errors, and the values at the last time.
 
-    ``readings`` are those of a `PulseMeter`, (times, 4); ``coarser`` those of the run with the next
-    longer step, whose difference gives the errors. ``theory`` holds height and position of the
+    ``readings`` are those of a `PulseMeter`, (times, 4); ``coarser`` are those of the run with the
+    next longer step; their differences give the errors. ``theory`` holds height and position of the
     ordered lattice's crest at the times. Values missing in one of the runs are NaN.
     """
     values, others = _relative(readings, theory), _relative(coarser, theory)

@@ -1,4 +1,4 @@
-"""Starts whose wave is not a closed form: their record types, and the entries of longwave."""
+"""Starts whose wave is not a closed form: record types, and the starts of longwave."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 class WaveStart(StartRules):
     """Start with a wave of the lattice itself, without a reduced equation.
 
-    ``wave`` builds the wave and raises ValueError in one line for inadmissible parameters. Runs
-    record ``equation``.
+    ``wave`` builds the wave and raises ValueError for inadmissible parameters. ``equation`` is the
+    text that runs record as their equation.
     """
 
     wave: Callable[[Scene], LatticeWave]
@@ -35,7 +35,7 @@ class WaveStart(StartRules):
 class ReducedStart(StartRules):
     """Start with a numerical solution of the lattice's reduced equation.
 
-    ``solve`` computes it and raises ValueError in one line for inadmissible parameters.
+    ``solve`` computes it and raises ValueError for inadmissible parameters.
     """
 
     solve: Callable[[Scene, Reduction, Mapping[str, Expr]], ComputedSoliton]
@@ -60,12 +60,12 @@ def _solve_soliton(
 
 
 PERTURBATION_PARAMETERS = ("amplitude", "kappa", "share")
-"""Parameters of a perturbed plane wave: |A|, and the perturbation's wavenumber in X or its ratio to
-the wavenumber that grows fastest, 1 by default."""
+"""Parameters of a perturbed plane wave: |A|; the perturbation's wavenumber in X; or instead the
+ratio of that wavenumber to the fastest growing one, 1 by default."""
 
 
 def _check_growth(scene: SceneFields) -> None:
-    """Raise ValueError for fields that are computed, or not in the theory, for a growth rate."""
+    """Raise ValueError for scene fields that a growth-rate measurement does not admit."""
     t0 = None if scene.t0 == NOT_GIVEN else scene.t0
     given = ("times", scene.snapshots), ("compared", scene.compared or None), ("t0", t0)
     for key, value in (*given, *((k, getattr(scene, k)) for k in ("slow_times", "half_width"))):
@@ -102,4 +102,4 @@ computed_soliton = ReducedStart(solve=_solve_soliton)
 """Soliton, of a ``speed`` in X/T, of an equation without a soliton in closed form."""
 
 perturbed_plane = StartRules(method="sidebands", measured="growth rate", check=_check_growth)
-"""Plane wave of a carrier, with a perturbation that grows."""
+"""Plane wave of a carrier with a perturbation, whose growth rate is measured."""

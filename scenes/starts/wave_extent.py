@@ -16,23 +16,26 @@ SAMPLED_TIMES = 17
 """Number of equidistant times at which the wave is sampled, in addition to some snapshots."""
 
 DISTANCES = np.concatenate([np.linspace(0.0, 1.0, 21)[:-1], np.geomspace(1.0, 1e5, 360)])
-"""Distances of sample points from a phase's zero, in units of xi; beyond 1 they grow by 3.2 %."""
+"""Distances of sample points from a phase's zero, in units of xi; beyond 1 each is 3.2 % larger."""
 
 LEVEL_FRACTION = 0.01
 """Least deviation from the far field counted as part of the wave, in units of the tolerance."""
 
 CREST_FRACTION = 0.05
-"""Least deviation counted as part of a wave with algebraic decay, in units of the largest."""
+"""Least deviation counted as part of a wave with algebraic decay, in units of the largest
+deviation."""
 
 POWER_RATIO = 0.05
-"""Least ratio of the deviations at twice the distance and at the distance, for algebraic decay."""
+"""Ratio of the deviations at twice a distance and at that distance; a larger one means algebraic
+decay."""
 
 DRIFT_FRACTION = 0.1
-"""Fraction of a wave's drift by which the lattice's wave may differ from the closed form."""
+"""Margin added to a wave's ends, as a fraction of their drift over the run, because the wave on the
+lattice may drift differently from the closed form."""
 
 
 def sampled_times(times: Sequence[float]) -> list[float]:
-    """Return equidistant times, some of ``times``, and t = 0, where rogue waves peak, if inside."""
+    """Return equidistant times, some of ``times``, and t = 0 (rogue waves' peak) if between."""
     t0, end = times[0], times[-1]
     crest = {0.0} if t0 < 0.0 < end else set()
     subset = times[:: max(1, len(times) // SAMPLED_TIMES)]
@@ -59,10 +62,11 @@ def extent(supports: Sequence[tuple[float, float] | None]) -> tuple[float, float
 
 
 def support_of(x: Array, deviation: Array, tolerance: float) -> tuple[float, float] | None:
-    """Return the ends of a wave from its deviation at points x; None if it is below tolerance.
+    """Return the ends of a wave from its deviation at points x; None if the deviation is too small.
 
-    Between the ends the deviation exceeds a fraction of ``tolerance`` or, for algebraic decay, a
-    fraction of its largest value; the control run with another domain covers the rest.
+    Outside the ends the deviation is below a fraction of ``tolerance`` or, for algebraic decay,
+    below a fraction of its largest value; a control run in another domain reveals the effect of the
+    part cut off.
     """
     level, largest = LEVEL_FRACTION * tolerance, float(deviation.max())
     if largest <= level:
@@ -77,7 +81,7 @@ def support_of(x: Array, deviation: Array, tolerance: float) -> tuple[float, flo
 
 
 def _decays_like_a_power(x: Array, deviation: Array, index: int) -> bool:
-    """Return whether the deviation beyond the end at ``index`` decays slowly, like a power."""
+    """Return whether the deviation beyond the wave's end at ``index`` decays like a power."""
     crest = float(x[int(np.argmax(deviation))])
     if index in (0, x.size - 1):
         return True

@@ -1,1 +1,1 @@
-"""The paper's scenes, as TOML files."""
+"""Scenes on the paper's chain that are not in the paper, as TOML files."""

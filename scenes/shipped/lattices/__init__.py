@@ -1,1 +1,1 @@
-"""Scenes on further lattices and waves, as TOML files."""
+"""Scenes with other lattices or other reduced equations than the paper's, as TOML files."""
