@@ -34,7 +34,7 @@ MAX_CERTIFICATES = 100
 
 @dataclass(frozen=True)
 class ProofFile:
-    """Output file for proofs: their certificates or, for a ``system``, one script for each.
+    """Output file for proofs: certificates, or one script each for the proof assistant ``system``.
 
     Several scripts get numbered names. Without ``output`` nothing is written.
     """
@@ -186,7 +186,7 @@ def _distinct_keys(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 
 MOST_SECONDS, MOST_MEMORY = 5, 500_000_000
-"""Limits of a check: seconds of processor time, and bytes of memory."""
+"""Limits for checking one certificate: seconds of processor time, and bytes of memory."""
 
 
 def run_limited(work: Callable[..., T], *arguments: object) -> T:

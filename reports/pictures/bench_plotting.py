@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 MAX_LINES = len(CURVES)
-"""Most lines in a panel; of more lines, evenly spaced ones are drawn."""
+"""Largest number of lines in a panel; of more lines, an evenly spaced selection is drawn."""
 
 PANEL_HEIGHT = 1.9
 """Height of a panel in inches."""
@@ -33,7 +33,7 @@ MIN_READINGS = 32
 """Fewest evenly spaced readings for which a spectrum is drawn."""
 
 MIN_RATIO_AMPLITUDE = 1e-2
-"""Least amplitude of the first sensor at which ratios are drawn, relative to its largest."""
+"""Amplitude of the first sensor, relative to its largest, below which no ratio is drawn."""
 
 BALANCE = ("energy", "work", "heat")
 """Variables of the energy balance."""
@@ -121,11 +121,11 @@ def sensor_spectra(figure: FigureBase, data: LabelledArrays) -> None:
 
 
 MIN_VISIBLE_AMPLITUDE = 1e-5
-"""Amplitude, relative to the largest, below which the last frequencies are cut off."""
+"""Amplitude, relative to the largest, below which the highest frequencies are not drawn."""
 
 
 def _visible_part(frequencies: Array, amplitudes: Array) -> tuple[Array, Array]:
-    """Return the spectra up to the last frequency with a visible amplitude."""
+    """Return frequencies and amplitudes up to just past the last visible amplitude."""
     largest = amplitudes[1:].max(axis=1)
     end = 2 + int(np.flatnonzero(largest >= MIN_VISIBLE_AMPLITUDE * largest.max())[-1])
     return frequencies[:end], amplitudes[:end]
@@ -152,7 +152,7 @@ def _line_panels(
     along: str = "time",
     x: str = "$t$",
 ) -> None:
-    """Draw a panel for each variable, with a line for each index of ``each``, and a legend."""
+    """Draw a panel for each variable in ``names``, a line for each index of dimension ``each``."""
     panels = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
     for ax, name in zip(panels, names, strict=True):
         _lines(ax, data, name, each, along)

@@ -16,7 +16,7 @@ from longwave.support.processes import Key
 from longwave.support.user_files import read_text
 
 MAX_REFERENCE_ERROR = 0.1
-"""Largest error of the reference, in units of the estimate, for a reliable ratio."""
+"""Largest error of a reference run, relative to the estimate, for which the ratio is reliable."""
 
 MAX_BYTES = 100_000_000
 """Largest accepted file of records, in bytes."""
@@ -57,24 +57,24 @@ class Judged:
 
     @property
     def ratio(self) -> float:
-        """True error in units of the estimate."""
+        """True error divided by its estimate."""
         if self.estimate > 0:
             return self.true / self.estimate
         return math.inf if self.true > 0 else 0.0
 
     @property
     def is_reliable(self) -> bool:
-        """Whether the scene is honest and its reference accurate enough for a meaningful ratio."""
+        """Whether the verdict is "honest" and the reference accurate enough for the ratio."""
         return self.verdict == "honest" and self.own <= MAX_REFERENCE_ERROR * self.estimate
 
     @property
     def kind(self) -> str:
-        """The reason without its numbers, to group equal reasons."""
+        """Reason of a refusal with each number replaced by N, so that equal reasons can be grouped."""
         return re.sub(r"-?\d[\d.e+-]*", "N", self.reason)[:100]
 
     @property
     def sound(self) -> bool:
-        """Whether the verdict is not a fault of the run."""
+        """Whether the verdict shows no fault of the code: honest, refused or undecided."""
         return self.verdict in ("honest", "refused", "undecided")
 
     def json(self) -> str:
@@ -114,7 +114,7 @@ class EstimateRow:
 
 
 QUANTILES = (0.05, 0.5, 0.95, 1.0)
-"""Probabilities of the quantiles in a row."""
+"""Probabilities of the quantiles of true error over estimate; 1.0 gives the largest."""
 
 
 def estimate_rows(found: Iterable[Judged]) -> list[EstimateRow]:

@@ -232,7 +232,7 @@ def measure_at_eps(eps: float, with_reference: bool) -> list[ScalingPoint]:
 
 
 def _own_error(result: xr.Dataset, eps: float) -> float:
-    """Return the run's own error over the denominator of its relative error."""
+    """Return the run's numerical error over the denominator of its relative error."""
     height = float(np.max(np.abs(result["analytic"] - result["background"]))) / eps
     return float(result.attrs["error_estimate"]) / height
 
