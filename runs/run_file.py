@@ -31,10 +31,10 @@ if TYPE_CHECKING:
     from longwave.support.labelled_arrays import Labelled
 
 COMPLEX_PARTS = "real_imag"
-"""Last dimension of a complex variable in a file: real and imaginary part."""
+"""Name of the extra last dimension of a complex variable in a file: real and imaginary part."""
 
 SWEPT = "sweep"
-"""Attribute by which the result of a sweep differs from a run."""
+"""Attribute that the result of a sweep has and a run has not: the sweep as JSON."""
 
 JSON_ATTRIBUTES = "json_attributes"
 """Attribute that lists the attributes stored as JSON."""
@@ -42,7 +42,7 @@ JSON_ATTRIBUTES = "json_attributes"
 COMPRESSION = {"zlib": True, "complevel": 4, "shuffle": True}
 
 SIGNATURES = {b"\x89HDF\r\n\x1a\n": "NetCDF-4", b"CDF": "netCDF 3"}
-"""First bytes of runs in files, and their formats; the second is that of an older version."""
+"""First bytes of a run's file -> its format; older versions wrote NetCDF 3."""
 
 
 def save_run(run: xr.Dataset, path: str | Path, force: bool = True) -> None:
@@ -172,7 +172,7 @@ def scene_of_run(run: Labelled) -> Scene:
 
 
 def strain_fault(run: Labelled) -> str:
-    """Return a message if the strain in a run's file cannot be used, else an empty string.
+    """Return the error message for a run whose strain cannot be used, or "" if it can.
 
     >>> import xarray as xr
     >>> strain_fault(xr.Dataset({"strain": (("time", "site"), np.zeros((2, 3), dtype=int))}))

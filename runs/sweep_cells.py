@@ -80,7 +80,7 @@ class Batch:
 
 
 class WorkerStopped(BaseException):
-    """A worker was asked to stop. Not an Exception, so that no general handler catches it."""
+    """Raised in a worker that is asked to stop; a BaseException, so that no handler swallows it."""
 
 
 def run_cells(
@@ -197,7 +197,7 @@ def record_of(key: str, scene: Scene, run: xr.Dataset) -> CellRecord:
 
 
 def numbers_of(scene: Scene, run: xr.Dataset) -> Mapping[str, float]:
-    """Return a cell's numbers (see `NUMBERS`), among them its largest error and that error's own."""
+    """Return a cell's `NUMBERS`: its run's attributes, largest error and numerical error there."""
     numbers = {name: run.attrs[name] for name in NUMBERS if name in run.attrs}
     numbers |= {name: run.variables[name].values for name in OPTIONAL if name in run.variables}
     for name in (name for name in ("error", "error_curve") if name in run.variables):

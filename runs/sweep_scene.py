@@ -22,7 +22,7 @@ from longwave.support.user_files import STANDARD_INPUT, file_stem, shown
 Document: TypeAlias = Mapping[str, Any]
 
 UNVARIED = ("name", "title")
-"""Fields that do not affect a run."""
+"""Fields of a scene that do not affect its run, and that no sweep varies."""
 
 VARIED = {
     **{key: () for key in scene_file.TOP_KEYS if key not in UNVARIED},
@@ -31,7 +31,7 @@ VARIED = {
     "losses": EPS_POWERS,
     **{name: KEYS[name] for name in ("chain", "start", "defects")},
 }
-"""Fields that may vary: those at the top, and tables with their keys."""
+"""Fields that a sweep may vary: top-level key -> (), or table -> those of its keys."""
 
 
 def base_document(given: object, folder: Path = Path()) -> tuple[str, Document]:
@@ -81,7 +81,7 @@ def _changed(source: str, changes: Mapping[str, Any], tolerance: float | None) -
 
 
 def canonical_field(field: str) -> str:
-    """Return the field's usual name; constants and domain of the paper's chain have two.
+    """Return the usual dotted name of a field that can be written in two ways.
 
     >>> canonical_field("lattice.K4"), canonical_field("domain.compared")
     ('constants.K4', 'compared')
@@ -139,7 +139,7 @@ def changed_document(document: Document, changes: Mapping[str, Any]) -> Document
 
 
 def _leave_to_tolerance(document: dict[str, Any]) -> None:
-    """Remove what a tolerance determines: scheme, step, domain, and observables of a refinement."""
+    """Remove the entries that a tolerance replaces: scheme, domain, observables of a refinement."""
     document.pop("scheme", None)
     document.pop("domain", None)
     observables = document.get("observables")

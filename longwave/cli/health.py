@@ -22,7 +22,7 @@ VECTOR_WIDTHS = {"avx512f": 8, "avx2": 4, "sve": 4, "neon": 2, "sse2": 2}
 
 @dataclass(frozen=True)
 class Finding:
-    """Result of one check: part checked, text found, state, and the cost if the state is not good."""
+    """Result of one check: part checked, what was found, state, and the cost unless it is good."""
 
     part: str
     found: str

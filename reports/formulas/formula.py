@@ -134,7 +134,7 @@ class Naming:
             self.first = self.first.xreplace(changes)
 
     def _name_functions(self) -> None:
-        """Replace each elliptic function that has the same argument everywhere by its name, as sn."""
+        """Replace each elliptic function that always has the same argument by its name, as sn."""
         nodes = list(
             dict.fromkeys(node for row in self.rows for node in atoms(row, JacobiFunction))
         )

@@ -36,7 +36,7 @@ CONTOUR_LINES = 5
 
 
 class Film:
-    """Frames of a placed run, one a snapshot, in one fixed layout; a subclass draws the strains."""
+    """Frames in one layout, one for each snapshot of a placed run; subclasses draw the strains."""
 
     def __init__(self, run: LabelledArrays, title: str, dpi: float) -> None:
         self._run = run

@@ -83,7 +83,7 @@ def _value(text: str) -> str:
 
 
 def cost_table(costs: Iterable[EvaluationCost]) -> str:
-    """Return the table of digits and microseconds a point: a row a wave, columns by arithmetic."""
+    """Return the table of digits and microseconds per point, by wave (rows) and arithmetic."""
     rows = []
     for wave, group in groupby(costs, attrgetter("wave")):
         by_arithmetic = {cost.arithmetic: cost for cost in group}
@@ -128,7 +128,7 @@ def panels(points: Iterable[tuple[str, str, tuple[float, float]]]) -> CostPanels
 
 
 def cost_panels(costs: Iterable[EvaluationCost]) -> CostPanels:
-    """Return one panel for each wave: correct digits against seconds, a curve an arithmetic."""
+    """Return a panel per wave: correct digits against seconds for each family of arithmetics."""
     points = ((c.wave, c.arithmetic.partition(",")[0], (c.seconds, c.digits)) for c in costs)
     return panels((wave.replace("_", " "), family, point) for wave, family, point in points)
 
@@ -167,7 +167,7 @@ def _power(value: float) -> str:
 
 
 def precision_panels(points: Iterable[lattice_cost.CostPoint]) -> CostPanels:
-    """Return one panel a problem: error against seconds for each series."""
+    """Return one panel for each problem: error against seconds, with a curve for each series."""
     return panels((p.problem, PRINTED[p.series], (p.seconds, p.error)) for p in points)
 
 

@@ -135,7 +135,7 @@ def _wave(scene: Scene) -> str:
 
 
 def interval(rate: FittedRate) -> str:
-    """Return the interval ``low`` .. ``high`` of a fitted rate in LaTeX, rounded outwards to 0.1."""
+    """Return the interval ``low`` .. ``high`` of a fitted rate as LaTeX, rounded outward to 0.1."""
     return rf"{floor(10 * rate.low) / 10:.1f}\ldots {ceil(10 * rate.high) / 10:.1f}"
 
 

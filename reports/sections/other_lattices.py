@@ -36,7 +36,7 @@ def model_jobs() -> dict[Key, Job]:
 
 
 def model_rows(index: int) -> list[tuple[str, list[str]]]:
-    """Return the table rows (lattice in words, LaTeX cells) of `lattice_models` number ``index``."""
+    """Return the rows (lattice in words, LaTeX cells) of `lattice_models` number ``index``."""
     model = list(lattice_models())[index]
     return [(_model(model, reduction), _cells(reduction)) for reduction in model.reductions()]
 

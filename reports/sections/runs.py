@@ -152,7 +152,7 @@ def _peak(point: PeakError) -> list[str]:
 
 
 def peak_panels(points: Iterable[PeakError]) -> CostPanels:
-    """Return the resolved errors against eps, a curve an order, with a line of slope eps**2."""
+    """Return the resolved errors against eps, one curve per order, and a line of slope eps**2."""
     curves: dict[str, list[tuple[float, float]]] = {}
     for point in points:
         if point.resolved:

@@ -48,7 +48,7 @@ def mode_return(run: xr.Dataset) -> Return:
 
 
 def _peak(times: Array, values: Array, index: int) -> tuple[float, float]:
-    """Return time and height of the parabola through the value at ``index`` and its neighbours."""
+    """Return time and height of the peak of the parabola through three values around ``index``."""
     quadratic, linear, constant = np.polyfit([-1.0, 0.0, 1.0], values[index - 1 : index + 2], 2)
     offset = -0.5 * linear / quadratic
     spacing = times[index + 1] - times[index]

@@ -74,7 +74,7 @@ CLAIMS: list[Callable[[MeasuredRuns], Claim]] = []
 def claim(
     statement: str, depends_on: str
 ) -> Callable[[Callable[[MeasuredRuns], ClaimEvidence]], Callable[[MeasuredRuns], Claim]]:
-    """Decorate a function that measures a statement; its name is the statement's name."""
+    """Register the decorated function as the measurement of the statement named like it."""
 
     def declare(
         measure: Callable[[MeasuredRuns], ClaimEvidence],
@@ -327,7 +327,7 @@ def breather_and_modulus(evidence: MeasuredRuns) -> ClaimEvidence:
 
 @claim("The dn soliton fits very well", "$|t| <= 100$; 'very well' is read as below 20 %")
 def dn_fit(evidence: MeasuredRuns) -> ClaimEvidence:
-    """Return the dn soliton's last error, over the bare wave and over the far field."""
+    """Return the dn soliton's error at the last snapshot, over the bare wave and the far field."""
     end = evidence.scenes[SOLITON].end
     variables = {"bare wave": "error", "far field": "error_far_field"}
     errors = {w: evidence.relative_error(SOLITON, end, name) for w, name in variables.items()}

@@ -1,7 +1,7 @@
 """Cost of each effect of a chain on a bench: per cell and stage, and of a run to a tolerance.
 
-The beta chain of 4096 cells in displacements, with one effect at a time. Code is generated for
-requested effects only. Operations are those of `StagePlan`, a fused multiply-add counted once.
+The beta chain of 4096 cells in displacements is run with one effect at a time. Code is generated
+for requested effects only. Operations are those of `StagePlan`, a fused multiply-add counted once.
 """
 
 from __future__ import annotations

@@ -22,12 +22,13 @@ MAX_BYTES = 100_000_000
 """Largest accepted file of records, in bytes."""
 
 VERDICTS = ("honest", "dishonest", "undecided", "refused", "false alarm", "no answer")
-"""Verdicts on a scene.
+"""Possible verdicts on a random scene's error estimate.
 
-``undecided``: the reference is not accurate enough. ``refused``: no estimate but a reason in one
-line. ``false alarm``: a blow-up is reported that the reference does not have. ``no answer``:
-anything else, such as an estimate that is not finite, an exception other than ValueError, or a
-run that does not end.
+``honest``: the true error is within the estimate. ``dishonest``: it is not. ``undecided``: the
+reference is not accurate enough. ``refused``: no estimate but a reason in one line.
+``false alarm``: a blow-up is reported that the reference does not have. ``no answer``: anything
+else, such as an estimate that is not finite, an exception other than ValueError, or a run that does
+not end.
 """
 
 
@@ -69,7 +70,7 @@ class Judged:
 
     @property
     def kind(self) -> str:
-        """Reason of a refusal with each number replaced by N, so that equal reasons can be grouped."""
+        """Reason with each number replaced by N, so that equal reasons can be grouped."""
         return re.sub(r"-?\d[\d.e+-]*", "N", self.reason)[:100]
 
     @property
@@ -104,7 +105,7 @@ def judged_findings(path: Path | None) -> dict[Key, Judged]:
 
 @dataclass(frozen=True)
 class EstimateRow:
-    """Counts of verdicts and quantiles of reliable ratios for the scenes of one wave or engine."""
+    """Counts of verdicts, and quantiles of the reliable ratios, over scenes of a wave or engine."""
 
     name: str
     count: int
