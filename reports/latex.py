@@ -158,7 +158,7 @@ PRINTED = {
     "kahan_li_8": "Kahan-Li (8)",
     "spectral": "spectral ring",
 }
-"""Printed names of the methods, with the orders of the splittings."""
+"""Scheme or engine -> its printed name, with the order of a splitting scheme in brackets."""
 
 
 def titled(title: str, name: str, fault: str = "") -> str:
@@ -228,7 +228,7 @@ COMMANDS = {"dt": r"\Delta t", "<=": r"\le "}
 
 
 def mathematics(text: str) -> str:
-    r"""Return a record's text as LaTeX: escaped outside the dollars, commands inside.
+    r"""Convert a record's text to LaTeX: escape it outside dollars, replace names (eps) inside.
 
     >>> mathematics("below 20 % at $eps = 0.05$")
     'below 20 \\% at $\\epsilon = 0.05$'
@@ -244,7 +244,7 @@ def _commands(text: str) -> str:
 
 
 def greek(text: str) -> str:
-    r"""Return mathematics with the names of Greek letters as LaTeX's commands.
+    r"""Return the text with names of Greek letters replaced by LaTeX commands.
 
     >>> greek("xi - 6 tau"), greek("eps"), greek("taut")
     ('\\xi - 6 \\tau', '\\epsilon', 'taut')
@@ -273,7 +273,7 @@ def domain_latex(domain: str) -> str:
 
 
 def _domain_word(word: str) -> str:
-    """Return one word of a domain: relations and symbols in mathematics."""
+    """Return the LaTeX of one word of a domain, in math mode if it is a relation or symbol."""
     if word in ("real", "positive"):
         return word
     named = {"<=": r"\le", "elliptic_k(k**2)": "K(k)", "2*A": "2A"}

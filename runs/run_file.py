@@ -246,7 +246,7 @@ def _damage_error(path: str | Path, error: Exception) -> ValueError:
 
 
 def _storage_options(run: xr.Dataset) -> dict[str, dict[str, Any]]:
-    """Return each variable's encoding: arrays of numbers compressed, no fill value."""
+    """Return each variable's NetCDF encoding, which compresses numbers and sets no fill value."""
     options: dict[str, dict[str, Any]] = {}
     for name, variable in run.variables.items():
         is_compressed = variable.ndim and variable.size and variable.dtype.kind not in "OUST"

@@ -73,7 +73,7 @@ class RunStore:
         return self.folder / key[:2] / f"{key}.nc"
 
     def find(self, scene: Scene) -> Path | None:
-        """Return the file of the scene's run; None if it has no own file or a damaged one."""
+        """Return the run's file; None if the run has no file of its own or a damaged one."""
         path = self.path(scene)
         return path if is_whole(path) else None
 

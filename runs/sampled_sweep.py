@@ -47,7 +47,7 @@ EXCLUDED = ("slow_time", "error", "sup_error", "error_far_field", "time_step_err
 def sampled_sweep(source: str | Path | Scene, samples: int, seed: int = 0) -> Sweep:
     """Return a sweep over constants sampled from the covariance in the scene's lattice file.
 
-    Errors are taken to be normal. Constants that the scene overrides are exact. A larger number of
+    Errors are taken as normal. Constants that the scene overrides are exact. A larger number of
     samples starts with the same ones. Raises ValueError in one line for a scene without such
     constants, or with too few samples.
     """

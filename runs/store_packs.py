@@ -118,7 +118,7 @@ def relocated_runs(runs: Sequence[PackedRun]) -> list[PackedRun]:
 
 
 class PackIndex:
-    """Index of a store's packs by key; of several attempts at a cell, one with a run is kept.
+    """Index of a store's packs by key; if a cell was tried several times, a result with a run wins.
 
     ``table`` has one row for each key and is sorted by key; ``packs`` are the names to which the
     numbers in its column ``pack`` refer.

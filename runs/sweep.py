@@ -75,7 +75,7 @@ class SweepState:
 
     @property
     def seconds_left(self) -> float:
-        """Estimated seconds to the sweep's end, from expected costs or the recent pace; 0 at first."""
+        """Estimated seconds until the end, from expected costs or the recent pace; 0 at first."""
         cells_left = self.cells - self.stored - self.done
         cells, expected, taken = self.recent
         if not expected:

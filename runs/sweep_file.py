@@ -312,7 +312,7 @@ def _listed_values(field: str, given: object) -> Sequence[Any]:
 
 
 def _checked_value(field: str, value: object) -> Any:
-    """Return a number, a text, or a list or table of them; other checks are left to the scene."""
+    """Return the value if it is a number, text, or list or table of them; else raise ValueError."""
     if isinstance(value, list):
         return [_checked_value(field, part) for part in value]
     if isinstance(value, Mapping):

@@ -54,7 +54,7 @@ def changed_scene(
     tolerance: float | None = None,
     engine: str | None = None,
 ) -> Scene:
-    """Return the scene in a file or of that name, with other values in some fields.
+    """Load a scene by file or name and return it with ``changes`` to some fields.
 
     ``tolerance`` and ``engine`` are options of their own. Raises ValueError in one line for an
     unknown field, or if the scene is not admissible.
@@ -113,7 +113,7 @@ def check_field(field: str, document: Document | None = None) -> None:
 
 
 def changed_document(document: Document, changes: Mapping[str, Any]) -> Document:
-    """Return a copy of the tables with other values; fields have dotted names.
+    """Return a copy of a scene's tables with new values; ``changes`` maps dotted names to them.
 
     >>> changed_document({"eps": 1, "parameters": {"k": 2}}, {"parameters.k": 3, "times": [0, 1]})
     {'eps': 1, 'parameters': {'k': 3}, 'times': [0, 1]}

@@ -148,13 +148,13 @@ class Naming:
         self.parts |= {name: node for node, name in names.items()}
 
     def _name_what_is_repeated(self) -> None:
-        """Name the sums and roots that occur often in all rows, the widest first."""
+        """Name sums and roots that occur at least `OFTEN` times in all rows, the largest first."""
         while True:
             counted: Counter[sp.Expr] = Counter()
             for row in self.rows:
                 counted.update(occurrences(row))
                 counted[row] -= 1
-            repeated = (part for part, times in counted.items() if times >= OFTEN)
+            repeated = (part for part, count in counted.items() if count >= OFTEN)
             wide_enough = (part for part in repeated if is_wide(part, WORTH) or is_phase(part))
             part = max(wide_enough, key=size, default=None)
             if part is None:
@@ -218,7 +218,7 @@ def shared_arguments(expression: sp.Expr) -> bool:
     counted = Counter(
         node.args[0] for node in expression.atoms(sp.Function, sp.exp) if not node.args[0].is_Atom
     )
-    return any(times >= OFTEN for times in counted.values())
+    return any(count >= OFTEN for count in counted.values())
 
 
 Change = Callable[[sp.Dummy], sp.Expr]

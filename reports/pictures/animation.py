@@ -177,7 +177,7 @@ def _frames(times: Sequence[float], count: int) -> tuple[float, ...]:
 
 
 def _within(source: Labelled, times: tuple[float, float] | None) -> LabelledArrays:
-    """Return the snapshots between two times whose strains are finite; ValueError if none is."""
+    """Return the snapshots between two times with finite strains; ValueError if there is none."""
     data = LabelledArrays.of(source)
     if SWEPT in data.attrs:
         raise ValueError(

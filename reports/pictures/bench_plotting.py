@@ -69,7 +69,7 @@ def fluxes(figure: FigureBase, data: LabelledArrays) -> None:
 
 
 def has_spectra(data: LabelledArrays) -> bool:
-    """Return whether there are `MIN_READINGS` times or more, evenly spaced, as for a spectrum."""
+    """Return whether a run has at least `MIN_READINGS` evenly spaced times, as spectra require."""
     gaps = np.diff(data["time"].values)
     return gaps.size >= MIN_READINGS and bool(np.ptp(gaps) <= 1e-6 * gaps.max())
 
@@ -139,7 +139,7 @@ def mode_energies(figure: FigureBase, data: LabelledArrays) -> None:
 
 @part(0.4 + 1.4 * PANEL_HEIGHT)
 def cells_at_times(figure: FigureBase, data: LabelledArrays) -> None:
-    """Draw the displacement of all cells at some times."""
+    """Draw the displacement over the cells, one line for each of at most `MAX_LINES` times."""
     _line_panels(figure, data, ("displacement",), "time", "$t = {:g}$", along="cell", x="$n$")
 
 

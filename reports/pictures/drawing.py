@@ -91,7 +91,7 @@ LEGEND_ENTRY_WIDTH = 1.5
 
 
 def even_indices(count: int, most: int) -> list[int]:
-    """Return at most ``most`` evenly spaced indices of ``count``, the first and last among them.
+    """Return at most ``most`` evenly spaced indices of ``count`` items, first and last included.
 
     >>> even_indices(7, 3), even_indices(2, 3), even_indices(0, 3)
     ([0, 3, 6], [0, 1], [])
@@ -243,7 +243,7 @@ BAND_FRACTION = 0.5
 """Least fraction of times with a known numerical error for which it is drawn as a band."""
 
 MIN_MAP_CELLS = 24
-"""Fewest cells of sites that a space-time map shows."""
+"""Least number of cells (groups of adjacent sites) that a space-time map shows."""
 
 
 def field_label(run: LabelledArrays | LabelledValues, strain: str = "$y_n$") -> str:
@@ -324,7 +324,9 @@ def time_edges(times: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def cell_edges(starts: NDArray[np.integer]) -> NDArray[np.float64]:
-    """Return the edges of cells of sites that begin at ``starts`` and lie evenly about 0.
+    """Return the edges of cells (groups of adjacent sites) whose first sites are ``starts``.
+
+    The cells must lie evenly about site 0.
 
     >>> cell_edges(np.array([-4, -1, 2]))
     array([-4.5, -1.5,  1.5,  4.5])

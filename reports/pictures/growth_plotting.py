@@ -100,7 +100,7 @@ def _rows_and_lines(data: xr.Dataset, along: str) -> tuple[list[str], list[str]]
 
 
 def _is_numerical(data: xr.Dataset, field: str) -> bool:
-    """Return whether no theory depends on a field; it depends on eps if a constant contains eps."""
+    """Return whether a field only affects a run's numerics; not eps if a constant contains eps."""
     if field != "eps":
         return field in NUMERICAL_FIELDS
     columns = (data[name] for name in data.coords if data[name].dtype.kind in "UO")
@@ -387,8 +387,8 @@ def _draw_rates(ax: Axes, panel: GrowthPanel, looks: Looks) -> None:
 
 
 def _set_rates(ax: Axes, panel: GrowthPanel) -> float:
-    """Set the axis to the measured rates and their theory; return its upper end. The curve in
-    theory may exceed it next to a resonance."""
+    """Set the limits of the rate axis to the measured rates and their theory; return the upper
+    one. The curve in theory may exceed it next to a resonance."""
     known = np.concatenate([v for c in panel.curves for v in (c[RATE] + c[RATE_ERROR], c[THEORY])])
     known = known[np.isfinite(known)]
     top = 1.1 * float(known.max()) if known.size and known.max() > 0.0 else 1.0

@@ -68,7 +68,7 @@ MIN_TICK_DISTANCE = 0.2
 def rate_figure(panels: Mapping[float, Mapping[str, Sequence[ConvergencePoint]]]) -> Figure:
     """Return a log-log figure of errors over eps, with the runs' numerical errors as bars.
 
-    ``panels`` has curves by their labels, for each power of eps that a panel's dotted line shows.
+    ``panels`` maps the power of eps of a panel's dotted line to the panel's curves by label.
     """
     down = -(-len(panels) // RATES_ACROSS)
     figure = Figure((page_width(), RATE_HEIGHT * down), layout="constrained")

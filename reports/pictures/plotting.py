@@ -352,8 +352,8 @@ def draw(
 ) -> int:
     """Draw ``source`` to ``path`` and print the path; return the exit status.
 
-    The status is 0, 2 for wrong input, or 130 after Ctrl-C; then the unfinished run is drawn if it
-    can be, and ``program`` is the name in the message.
+    The status is 0, 2 for wrong input, or 130 after Ctrl-C, when the unfinished run is drawn if it
+    can be. ``program`` is the command's name in messages.
     """
     try:
         content = read_source(changed_source(source, changes))

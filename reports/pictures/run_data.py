@@ -74,8 +74,8 @@ def snapshots(
 ) -> list[LabelledArrays]:
     """Return the snapshots of a run, at the times ``places`` or all, near the site next to c t.
 
-    The sites are up to ``half_width`` to either side of it. Each snapshot has the run's ``own``
-    error, NaN where it was not measured, and that of a carrier the variables of `with_envelope`.
+    The sites are up to ``half_width`` to either side of it. Each snapshot has the run's numerical
+    error ``own``, NaN where it was not measured, and for a carrier those of `with_envelope`.
     """
     data = LabelledArrays.of(run)
     data = with_envelope(with_own(data if "offset" in data else placed(data)))
@@ -103,7 +103,7 @@ DIMENSIONS: Mapping[str, tuple[str, ...]] = {
 
 
 def check_run(data: Labelled) -> None:
-    """Raise ValueError if a variable of `DIMENSIONS` in a data set has not the form of a run's."""
+    """Raise ValueError if a variable of `DIMENSIONS` has dimensions or a type that no run has."""
     used = {name: data.variables[name] for name in DIMENSIONS if name in data.variables}
     for name, variable in used.items():
         dims = tuple(dim for dim in variable.dims if dim != "row" or name == "n")

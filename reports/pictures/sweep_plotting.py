@@ -209,7 +209,7 @@ def _families(data: xr.Dataset, drawn: Sequence[str], repeated: bool) -> list[st
 
 
 def axis_of(data: xr.Dataset, name: str) -> sweep_drawing.SweptAxis:
-    """Return a dimension as an axis: by its field, or by one with different values in all cells."""
+    """Return a dimension as an axis: a field with distinct values along it, or else 0, 1, 2, ..."""
     fields = [data[name]] if name in data.coords else []
     fields += [data[c] for c in data.coords if data[c].dims == (name,) and c != name]
     for field in fields:

@@ -84,7 +84,7 @@ class Findings:
 
     @property
     def sound(self) -> bool:
-        """Whether every result in `SUCCEEDED` and every long run is as it should be."""
+        """Whether all results pass the test in `SUCCEEDED`, and long runs are within tolerance."""
         judged = (SUCCEEDED[key[0]](v) for key, v in self.results.items() if key[0] in SUCCEEDED)
         return all(judged) and all(long.within_tolerance for long in self.long_runs.values())
 

@@ -125,7 +125,7 @@ def peaks(_: MeasuredRuns) -> ClaimEvidence:
     "nothing: exact, in $X$, for the wave less its background",
 )
 def degrees(_: MeasuredRuns) -> ClaimEvidence:
-    """Return the excess of the denominator's degree over the numerator's, background subtracted."""
+    """Return degree of denominator minus numerator for Y_2, Y_3 minus background; should be 2."""
     excess = {j: _excess(j) for j in (2, 3)}
     measurements = tuple(
         Measurement(f"$Y_{j}$: degree {facts(j).degree} over {facts(j).degree - excess[j]}, by", e)

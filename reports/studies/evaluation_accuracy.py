@@ -124,7 +124,7 @@ class WaveCase:
 
     @property
     def form(self) -> ClosedForm:
-        """Closed form; rational solutions keep the shifts that have values as parameters."""
+        """Closed form of the wave; a rational solution has only the shifts that the case sets."""
         if self.name in CATALOGUE.names:
             return closed_form(self.name)
         order = int(self.name.removeprefix("rational_"))
@@ -298,8 +298,8 @@ def measure_accuracy(
 ) -> Accuracy:
     """Return the worst errors of one case at ``per_time`` points for each lattice time.
 
-    The points are chosen among ``grid`` sites on either scale around each centre. ``times``
-    default to those of the case.
+    The points are chosen among ``grid`` sites on each scale in `WIDTHS` around each centre.
+    ``times`` default to those of the case.
 
     Raises FloatingPointError if NumPy meets an overflow, a division by zero or a NaN.
     """

@@ -70,7 +70,7 @@ class HardCase:
 
 HARD_CASES: dict[str, HardCase] = {}
 MEASURES: dict[str, Callable[[], Reading]] = {}
-"""Name -> (hard case, function that measures it), in the order of declaration."""
+"""Name of a hard case -> function that measures it (`HARD_CASES`: name -> the case itself)."""
 
 
 def hard_case(
