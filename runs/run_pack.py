@@ -405,7 +405,7 @@ def check_keys(group: Any, rows: Sequence[int], keys: Sequence[str]) -> None:
     """Raise ValueError if rows of a group do not have these keys; an empty key matches any row."""
     expected = [(row, key) for row, key in zip(rows, keys, strict=True) if key]
     if any(local_member(group, "key").asstr()[row] != key for row, key in expected):
-        raise ValueError("pack must have the indexed keys, got others: it changed since then")
+        raise ValueError("pack must have the indexed keys, got others (it changed: open it again)")
 
 
 def load_row(path: Path, group: int, row: int, key: str = "", link_free: int = 1) -> xr.Dataset:

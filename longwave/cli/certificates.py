@@ -181,7 +181,7 @@ def _refuse_constant(text: str) -> NoReturn:
 def _distinct_keys(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     entries = dict(pairs)
     if len(entries) != len(pairs):
-        raise ValueError("an object has the same key twice")
+        raise ValueError("an object must have distinct keys, got one twice (write the file anew)")
     return entries
 
 

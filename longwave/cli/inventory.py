@@ -80,7 +80,7 @@ def _background(form: ClosedForm, catalogue: Iterable[ClosedForm]) -> str:
 
 
 def schemes() -> list[Record]:
-    """Return the schemes: name, order, forces a step, stable step times frequency, source."""
+    """Return the schemes: name, order, force evaluations per step, stability limit, source."""
     from longwave.lattice.schemes import SCHEMES, stability_limit
 
     return [

@@ -27,8 +27,8 @@ from longwave.verify.published import chosen
 from longwave.verify.verdict import Outcome
 
 DEFAULT_LIMIT = 120.0
-"""Default seconds for each system and proof. Most proofs take Coq 2 s of processor time, mainly for
-the part that all scripts share; PARI and Maxima take less than 1 s."""
+"""Default time limit in seconds for each system and proof. Most proofs take Coq 2 s of processor
+time, mainly for the part that all scripts share; PARI and Maxima take less than 1 s."""
 
 PROOF_SECONDS, REPETITION_SECONDS = 0.5, 3.5
 """Approximate seconds for a proof, and for its repetition by all three systems."""

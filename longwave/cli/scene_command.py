@@ -287,7 +287,7 @@ def _cost_line(attrs: Mapping[str, Any]) -> str:
 
 
 def _accuracy_text(attrs: Mapping[str, Any]) -> str:
-    """Return the error estimate against the tolerance, and the cost of a ten times smaller one."""
+    """Return the error estimate against the tolerance, and the cost of a tenth of the estimate."""
     line = (
         f"; error estimate {attrs['error_estimate']:.2g} of {attrs['tolerance']:g} allowed, "
         f"planned in {attrs['planning_seconds']:.2f} s"
