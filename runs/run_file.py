@@ -70,10 +70,10 @@ def file_content(run: xr.Dataset) -> bytes:
 def load_run(path: str | Path, follow: bool = True) -> xr.Dataset:
     """Read a run into memory.
 
-    ``follow`` says whether symbolic links are followed; a file in a store is read without: neither
-    it nor its folder may be a link, and its checksum must be right. Raises OSError if there is no
-    file, ValueError in one line if the file is no run, damaged or of an older format, and
-    MemoryError if the run does not fit.
+    ``follow`` says whether symbolic links are followed. Without it, as for files in a store,
+    neither the file nor its folder may be a link, and its checksum must be right. Raises OSError if
+    there is no file, ValueError in one line if the file is no run, damaged or of an older format,
+    and MemoryError if the run does not fit.
     """
     with open_run(path, follow) as run:
         try:

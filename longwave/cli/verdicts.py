@@ -55,10 +55,10 @@ PROOF_LAW = TimeLaw(0.2, 0.15, 7.0)
 STABLE_LAW = TimeLaw(0.3, 1.5, 3.3)
 RESIDUAL_LAW = TimeLaw(0.3, 1.0, 4.0)
 MUTANT_LAW = TimeLaw(35.0 / len(CATALOGUE), 29.0, 6.5)
-"""Time laws for proofs, numerically stable forms, residuals and the mutants of a form.
+"""Time laws: proofs, proofs that evaluation form = canonical form (--stable), residuals, mutants.
 
 Those of the rational family were measured in processor seconds on one core of a 3 GHz server:
-orders 7 to 12 for proofs, 4 to 8 for stable forms, 4 to 7 for the others. Beyond these orders only
+orders 7 to 12 for proofs, 4 to 8 for --stable, 4 to 7 for the others. Beyond these orders only
 the order of magnitude is right.
 """
 

@@ -281,7 +281,7 @@ class ExplorePage:
         return entry
 
     def _update_sliders(self, choices: exploration.Choices) -> None:
-        """Fit the ranges of the parameters' sliders to their domains, given the other values."""
+        """Set the range of each parameter's slider to its domain, which other values may bound."""
         from longwave.solutions import closed_form
 
         values = {
