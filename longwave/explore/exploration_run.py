@@ -104,7 +104,7 @@ class Comparison:
     ended: str = ""
 
     def columns(self, values: Array) -> Array:
-        """Reduce values (time, cell) to `MAP_COLUMNS` columns by the largest modulus in each.
+        """Reduce values (time, cell) to at most `MAP_COLUMNS` columns, by the largest modulus.
 
         >>> texts = WaveTexts("kink", "", "", "")
         >>> shown = Comparison(*[np.zeros((1, 600))] * 7, 0.0, "eps", "", "", texts, ())
