@@ -27,14 +27,14 @@ if TYPE_CHECKING:
     from longwave.solutions import ClosedForm
 
 ProgressCallback = Callable[[float], object]
-"""Callback for the finished share of the work, 0 to 1, or for the expected seconds."""
+"""A function called with the finished fraction, 0 to 1, or with the expected seconds."""
 
 
 @contextmanager
 def display_progress(
     name: str, progress: ProgressCallback | None, announce: ProgressCallback | None
 ) -> Iterator[tuple[Any, Any]]:
-    """Yield the user's callbacks, or those of the progress display of `support.console`."""
+    """Yield the callbacks (progress, announce); if both are None, those of a progress bar."""
     if progress is not None or announce is not None:
         yield progress, announce
         return

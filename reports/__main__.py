@@ -11,7 +11,7 @@ import click
 from longwave.support import command_line
 
 FOLDER = "longwave-report"
-"""Default folder of the report, in the working folder."""
+"""Default output folder of the report, relative to the working directory."""
 
 
 @click.command(epilog=command_line.example("longwave report --output report"))

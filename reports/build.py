@@ -72,7 +72,7 @@ def all_jobs(scenes: Mapping[str, Scene], full: bool) -> dict[Key, Job]:
 
 
 def study_jobs(full: bool) -> dict[Key, Job]:
-    """Return the jobs of the studies of cost and of hard cases; long runs only if ``full``."""
+    """Return the jobs of the studies of cost and hard cases and, if ``full``, of long runs."""
     jobs = evaluation_cost_jobs() | lattice_cost_jobs(full) | hard_case_jobs(full) | effect_jobs()
     return jobs | long_run_jobs() if full else jobs
 
@@ -86,7 +86,7 @@ def _mutants(name: str) -> MutationCount:
 
 
 PROCESS_BYTES, WORKER_BYTES = 6e8, 4e8
-"""Memory that the command and each worker need at most, in bytes."""
+"""Bytes of memory that the main process needs at most, and that each worker needs."""
 
 
 def report_cost(jobs: Mapping[Key, Job], workers: int) -> ExpectedCost:
@@ -116,7 +116,7 @@ STUDY_TABLES: Mapping[str, Callable[[Findings], str]] = {
     "split_table": lambda found: runs.split_table(found.of("split")),
     "long_table": lambda found: runs.long_table(found.long_runs),
 }
-"""Functions that build the tables of the studies of cost, hard cases and long runs."""
+"""Table name -> function that builds it, for the studies of cost, hard cases and long runs."""
 
 TABLES: Mapping[str, Callable[[Findings], str]] = {
     **STUDY_TABLES,
@@ -152,16 +152,16 @@ TABLES: Mapping[str, Callable[[Findings], str]] = {
     "rate_table": lambda found: lattice_runs.rate_table(found.all("rate")),
     "rate_errors": lambda found: lattice_runs.rate_errors(found.all("rate")),
 }
-"""Functions that build each table, by its name in the templates."""
+"""Name of each table in the templates -> function that builds its LaTeX."""
 
 
 def _lossy(findings: Findings) -> dict[str, Any]:
-    """Return the runs of waves on lattices with losses."""
+    """Return the scenes on lattices with losses, with their runs, by name."""
     return {name: run for name, run in findings.of("scene").items() if run.scene.losses}
 
 
 def _of_paper(records: Sequence[Any]) -> list[Any]:
-    """Return the records of forms of the paper's equation; other forms have their own chapter."""
+    """Return the records whose closed form solves the paper's equation (mKdV)."""
     equation = other_lattices.PAPER_EQUATION
     return [record for record in records if CATALOGUE.equation(record.name) == equation]
 

@@ -5,7 +5,7 @@ import subprocess
 from pathlib import Path
 
 ENGINE = "latexmk"
-"""Program that runs LaTeX until references are settled."""
+"""Program that runs LaTeX as often as cross-references need."""
 
 APT_PACKAGES = ("latexmk", "texlive-latex-recommended", "texlive-fonts-recommended", "lmodern")
 """Debian and Ubuntu packages that contain the engine; `make latex` installs them."""

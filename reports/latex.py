@@ -67,16 +67,16 @@ def render(template: str, **content: object) -> str:
 
 
 DASH = "--"
-"""Printed instead of a missing number."""
+"""LaTeX that is printed in place of a missing number."""
 
 MAX_DIGITS = 6
-"""Most digits of a measured value that are printed."""
+"""Largest number of digits of a measured value that are printed."""
 
 MAX_UNBROKEN_ROWS = 8
-"""Longest table, in rows, that is not broken over pages."""
+"""Number of rows up to which a table is kept on one page."""
 
 Row = Sequence[str] | str
-"""Cells of a row, or a heading across the table."""
+"""One row of a table: its cells, or a text that is a heading across all columns."""
 
 
 def table(
@@ -142,7 +142,7 @@ def _broken(rows: Sequence[Row], across: int, gap: str) -> Iterator[str]:
 
 
 def heading_row(words: str, across: int, spaced: bool) -> str:
-    """Return a heading across the columns without widening them; space above if ``spaced``."""
+    """Return a heading across the columns that does not widen them; ``spaced`` adds space above."""
     above = r"\addlinespace " if spaced else ""
     text = rf"\parbox[t]{{\linewidth}}{{\raggedright\strut {words}\strut}}"
     return rf"{above}\multicolumn{{{across}}}{{@{{}}l@{{}}}}{{\makebox[0pt][l]{{{text}}}}}"
@@ -158,11 +158,11 @@ PRINTED = {
     "kahan_li_8": "Kahan-Li (8)",
     "spectral": "spectral ring",
 }
-"""Printed names of the methods, with the orders of the splittings."""
+"""Scheme or engine -> its printed name, with the order of a splitting scheme in brackets."""
 
 
 def titled(title: str, name: str, fault: str = "") -> str:
-    """Return the heading of a run: title in LaTeX, name of the scene, and why it did not run."""
+    """Return a run's heading: title, scene name and, with a ``fault``, why it did not run."""
     words = rf"{title} (\texttt{{{escape(name)}}})"
     return f"{words} did not run: {escape(fault)}" if fault else words
 
@@ -224,11 +224,11 @@ def write(path: Path, text: str) -> Path:
 _GREEK = re.compile(rf"(?<![\\A-Za-z])(?:eps|{'|'.join(GREEK)})(?![A-Za-z])")
 
 COMMANDS = {"dt": r"\Delta t", "<=": r"\le "}
-"""LaTeX of names that are not Greek letters."""
+"""LaTeX of the names and signs in records that are not Greek letters."""
 
 
 def mathematics(text: str) -> str:
-    r"""Return a record's text as LaTeX: escaped outside the dollars, commands inside.
+    r"""Convert a record's text to LaTeX: escape it outside dollars, replace names (eps) inside.
 
     >>> mathematics("below 20 % at $eps = 0.05$")
     'below 20 \\% at $\\epsilon = 0.05$'
@@ -244,7 +244,7 @@ def _commands(text: str) -> str:
 
 
 def greek(text: str) -> str:
-    r"""Return mathematics with the names of Greek letters as LaTeX's commands.
+    r"""Return the text with names of Greek letters replaced by LaTeX commands.
 
     >>> greek("xi - 6 tau"), greek("eps"), greek("taut")
     ('\\xi - 6 \\tau', '\\epsilon', 'taut')
@@ -273,7 +273,7 @@ def domain_latex(domain: str) -> str:
 
 
 def _domain_word(word: str) -> str:
-    """Return one word of a domain: relations and symbols in mathematics."""
+    """Return the LaTeX of one word of a domain, in math mode if it is a relation or symbol."""
     if word in ("real", "positive"):
         return word
     named = {"<=": r"\le", "elliptic_k(k**2)": "K(k)", "2*A": "2A"}
@@ -281,7 +281,7 @@ def _domain_word(word: str) -> str:
 
 
 _INDEXED = re.compile(r"\b[a-z]_(?:\w|\{[^}]*\})(?: [=+-] [a-z]_(?:\w|\{[^}]*\}))*")
-"""Fields with their indices, and sums of them, in a lattice's title."""
+"""Pattern of indexed fields such as y_n, and sums of them, in a lattice's title."""
 
 
 def title_latex(title: str) -> str:

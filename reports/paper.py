@@ -15,23 +15,23 @@ EQUATIONS = (
     "alg-decaying solitons on dn-wave background", "(24)", "def. of theta",
     "rogue-wave on cn-wave", "(27)", "defn. of theta_cn", "Defn of five para",
 )  # fmt: skip
-"""Labels of the numbered equations in order; one without a label is listed by its number."""
+"""LaTeX labels of the paper's numbered equations in order; "(3)" is one without a label."""
 
 UNNUMBERED = {"Eq.2 first-order": "Eq.1 first-order"}
-"""Labels of lines without a number -> the label of the line whose number they share."""
+"""Labels of equation lines without a number -> the label of the line whose number they share."""
 
 FIGURES = (
     "Second-order solns comparison", "Third-order solns comparison", "L_inf loss plot",
     "dark-breather on dn-background", "DB error plot",
     "soliton solution on the dn-wave background", "rogue-wave on cn-background comparison",
 )  # fmt: skip
-"""Labels of the figures in order."""
+"""LaTeX labels of the paper's figures in order."""
 
 SECTIONS = {
     "Sec: Local waves on constant back": "IV",
     "subsec: Dark breathers on snoidal waves": "V~A",
 }
-"""Labels of the cited sections and their numbers."""
+"""LaTeX label of each cited section of the paper -> its number."""
 
 SOURCES = {
     "ablowitz1981solitons": r"M.~J.~Ablowitz and H.~Segur, \emph{Solitons and the Inverse "
@@ -54,7 +54,7 @@ SOURCES = {
     "mucalica2024dark": r"A.~Mucalica and D.~E.~Pelinovsky, Dark breathers on a snoidal wave "
     r"background in the defocusing mKdV equation, Lett. Math. Phys. \textbf{114} (2024) 100.",
 }
-"""References of the closed forms, by the citations of their records."""
+"""Citation key in a closed form's record -> bibliography entry in LaTeX."""
 
 
 def cited(label: str) -> str:

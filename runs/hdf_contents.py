@@ -84,8 +84,11 @@ def _is_external(array: Any) -> bool:
 
 
 def _members(item: Any, deepest: int, addresses: set[Any]) -> Iterator[Any]:
-    """Yield an array or group and all members below it, following hard links only. ``addresses``
-    collects the objects met so far. Raises ValueError if one is met twice."""
+    """Yield an array or group and all members below it.
+
+    ``addresses`` collects the objects met so far. Raises ValueError for a link that is not hard,
+    an object with two names, and a group nested too deep.
+    """
     import h5py
 
     _check_new(item, addresses)
@@ -188,7 +191,7 @@ class _ByteCount:
             self._count_texts(item, count)
 
     def _count_texts(self, array: Any, count: int) -> None:
-        """Count an array of texts in blocks that fit even if each text is as long as the file."""
+        """Count the bytes of an array of texts, in blocks that fit even for the longest texts."""
         if array.ndim != 1:
             self._check_text_count(array.name, count)
             self._count_letters(np.asarray(array[()], object).ravel())
@@ -198,7 +201,7 @@ class _ByteCount:
             self._count_letters(array[begin : begin + step])
 
     def _check_text_count(self, name: str, count: int) -> None:
-        """Raise ValueError if this many texts would be too large, were each as long as the file."""
+        """Raise ValueError if ``count`` texts as long as the file exceed the allowed bytes."""
         if count * self.size > self.allowed:
             most = self.allowed // self.size
             raise ValueError(f"{name} must have at most {most} texts for its file, got {count}")
@@ -233,7 +236,7 @@ def _is_length_only(array: Any) -> bool:
 
 
 def _is_reference_list(type_: Any) -> bool:
-    """Whether a type is that of lists of references, of variable length."""
+    """Whether an HDF5 type is a list of object references with variable length."""
     from h5py import h5t
 
     return type_.get_class() == h5t.VLEN and type_.get_super().get_class() == h5t.REFERENCE

@@ -34,7 +34,7 @@ def scaled_own_error(run: Labelled) -> NDArray[np.float64] | None:
 
 
 def own_error_at(run: Labelled, scene: Scene, name: str, index: int) -> float:
-    """Return the run's own error in units of its variable ``name`` at index ``index``.
+    """Return the run's own error at ``index`` of its variable ``name``, in that variable's units.
 
     ``name`` is ``error``, ``error_curve`` or ``error_curve_far_field``. Returns NaN where the error
     was not measured.

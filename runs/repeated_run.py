@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 TIMED = ("seconds", "planning_seconds")
-"""Attributes that differ between any two runs."""
+"""Attributes with measured times, in which any two runs differ; they are not compared."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class RunComparison:
         return not self.differences
 
     def lines(self) -> Iterator[str]:
-        """Yield the lines of the report."""
+        """Yield the result of the comparison as lines of text."""
         if self.is_same:
             yield f"same bits: all {self.values} values, and what was chosen and estimated"
         else:
@@ -81,7 +81,7 @@ def _variable_line(name: str, stored: xr.Dataset, repeated: xr.Dataset) -> str:
 
 
 def _distance(old: NDArray[np.generic], new: NDArray[np.generic]) -> str:
-    """Return how many values differ, and by how much at most."""
+    """Describe how many values of two arrays differ, and by how much at most."""
     size = old.dtype.itemsize
     bits = [np.ascontiguousarray(values).view(f"V{size}").ravel() for values in (old, new)]
     count = int(np.count_nonzero(bits[0] != bits[1]))

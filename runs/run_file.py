@@ -31,10 +31,10 @@ if TYPE_CHECKING:
     from longwave.support.labelled_arrays import Labelled
 
 COMPLEX_PARTS = "real_imag"
-"""Last dimension of a complex variable in a file: real and imaginary part."""
+"""Name of the extra last dimension of a complex variable in a file: real and imaginary part."""
 
 SWEPT = "sweep"
-"""Attribute by which the result of a sweep differs from a run."""
+"""Attribute that the result of a sweep has and a run has not: the sweep as JSON."""
 
 JSON_ATTRIBUTES = "json_attributes"
 """Attribute that lists the attributes stored as JSON."""
@@ -42,7 +42,7 @@ JSON_ATTRIBUTES = "json_attributes"
 COMPRESSION = {"zlib": True, "complevel": 4, "shuffle": True}
 
 SIGNATURES = {b"\x89HDF\r\n\x1a\n": "NetCDF-4", b"CDF": "netCDF 3"}
-"""First bytes of runs in files, and their formats; the second is that of an older version."""
+"""First bytes of a run's file -> its format; older versions wrote NetCDF 3."""
 
 
 def save_run(run: xr.Dataset, path: str | Path, force: bool = True) -> None:
@@ -70,10 +70,10 @@ def file_content(run: xr.Dataset) -> bytes:
 def load_run(path: str | Path, follow: bool = True) -> xr.Dataset:
     """Read a run into memory.
 
-    ``follow`` says whether symbolic links are followed; a file in a store is read without: neither
-    it nor its folder may be a link, and its checksum must be right. Raises OSError if there is no
-    file, ValueError in one line if the file is no run, damaged or of an older format, and
-    MemoryError if the run does not fit.
+    ``follow`` says whether symbolic links are followed. Without it, as for files in a store,
+    neither the file nor its folder may be a link, and its checksum must be right. Raises OSError if
+    there is no file, ValueError in one line if the file is no run, damaged or of an older format,
+    and MemoryError if the run does not fit.
     """
     with open_run(path, follow) as run:
         try:
@@ -172,7 +172,7 @@ def scene_of_run(run: Labelled) -> Scene:
 
 
 def strain_fault(run: Labelled) -> str:
-    """Return a message if the strain in a run's file cannot be used, else an empty string.
+    """Return the error message for a run whose strain cannot be used, or "" if it can.
 
     >>> import xarray as xr
     >>> strain_fault(xr.Dataset({"strain": (("time", "site"), np.zeros((2, 3), dtype=int))}))
@@ -246,7 +246,7 @@ def _damage_error(path: str | Path, error: Exception) -> ValueError:
 
 
 def _storage_options(run: xr.Dataset) -> dict[str, dict[str, Any]]:
-    """Return each variable's encoding: arrays of numbers compressed, no fill value."""
+    """Return each variable's NetCDF encoding, which compresses numbers and sets no fill value."""
     options: dict[str, dict[str, Any]] = {}
     for name, variable in run.variables.items():
         is_compressed = variable.ndim and variable.size and variable.dtype.kind not in "OUST"

@@ -41,7 +41,7 @@ def check_run_output(output: str | None, force: bool) -> None:
 
 
 def save_anywhere(run: xr.Dataset, output: str, force: bool) -> int:
-    """Write a run to ``output``; if that fails, save it in a spare folder and name that on stderr.
+    """Write a run to ``output``; if that fails, save it in a spare folder and print the path.
 
     Returns the exit status: 0, or ``BROKEN`` if the run was not written to ``output``.
     """

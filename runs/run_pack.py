@@ -36,7 +36,7 @@ DONE, BLOWN_UP, REFUSED, FAILED = "done", "blown up", "refused", "failed"
 that another attempt may not meet (no memory, worker killed)."""
 
 FINAL = (DONE, BLOWN_UP, REFUSED)
-"""Statuses that another attempt would only repeat."""
+"""Statuses of cells that are not run again, because the result would be the same."""
 
 OPTIONAL: Mapping[str, tuple[str, str]] = {
     "last_peak": ("1", "largest force at the end, 1 at the start"),
@@ -48,7 +48,7 @@ OPTIONAL: Mapping[str, tuple[str, str]] = {
     "carrier_k": ("1/site", "wavenumber of the carrier on the ring"),
     "perturbation_kappa": ("1/X", "wavenumber of the perturbation, in X"),
 }
-"""Unit and meaning of the numbers that only some cells have."""
+"""Name -> (unit, meaning) of the numbers that only some kinds of cells have."""
 
 NUMBERS: Mapping[str, tuple[str, str]] = {
     "error": ("1", "largest relative sup error against the wave"),
@@ -61,20 +61,20 @@ NUMBERS: Mapping[str, tuple[str, str]] = {
     "planning_seconds": ("s", "seconds of the search for it"),
     **OPTIONAL,
 }
-"""Unit and meaning of every number that is recorded for a cell."""
+"""Name -> (unit, meaning) of every number that is recorded for a cell."""
 
 RATES: Mapping[str, tuple[str, str]] = {
     "error": ("1", "growth rate off theory, over the largest"),
     "error_estimate": ("1", "estimated error of the rate by the run's steps, over the largest"),
 }
-"""Unit and meaning of the numbers that differ for cells measuring a growth rate; "the largest" is
-the largest rate in theory."""
+"""Name -> (unit, meaning) of the `NUMBERS` that mean something else for cells that measure a growth
+rate; "the largest" is the largest rate in theory."""
 
 TEXTS = ("key", "status", "message", "attributes")
 """Names of the arrays of texts in a group of a pack."""
 
 MIN_COMPRESSED_BYTES = 4096
-"""Bytes from which a run's array is compressed, one chunk for each run."""
+"""Size in bytes from which a run's array is compressed; each run is a chunk of its own."""
 
 COMPRESSION_LEVEL = 1
 """Deflate level: with shuffled bytes, a snapshot of 3000 sites takes 0.7 ms and shrinks by a tenth
@@ -132,7 +132,7 @@ COLUMN_TYPES: Mapping[str, type | str] = {
     "group": np.int32,
     "row": np.int32,
 }
-"""Types of a table's columns, except for its numbers."""
+"""Column of a `CellTable` -> NumPy type, except for the numbers, which are doubles."""
 
 
 def concatenate_tables(tables: Sequence[CellTable]) -> CellTable:
@@ -209,7 +209,7 @@ class _RunStack:
 
     @property
     def layout(self) -> str:
-        """Text that is equal for stacks that can be concatenated."""
+        """Description of the arrays, which is equal for two stacks if they can be concatenated."""
         parts = [
             (name, values.shape[1:], "S" if values.dtype.kind == "S" else values.dtype.str, attrs)
             for name, (values, attrs) in sorted(self.arrays.items())
@@ -302,7 +302,8 @@ MAX_REMEMBERED = 4096
 """Largest number of checked packs that are remembered."""
 
 _remembered: dict[tuple[int, ...], None] = {}
-"""Packs that were checked, by device, inode, size and times; users cannot set the change time."""
+"""Packs that this process has checked, keyed by device, inode, size and times. (Users cannot set
+the change time.)"""
 
 
 class DamagedPackError(ValueError):
@@ -404,7 +405,7 @@ def check_keys(group: Any, rows: Sequence[int], keys: Sequence[str]) -> None:
     """Raise ValueError if rows of a group do not have these keys; an empty key matches any row."""
     expected = [(row, key) for row, key in zip(rows, keys, strict=True) if key]
     if any(local_member(group, "key").asstr()[row] != key for row, key in expected):
-        raise ValueError("pack must have the indexed keys, got others: it changed since then")
+        raise ValueError("pack must have the indexed keys, got others (it changed: open it again)")
 
 
 def load_row(path: Path, group: int, row: int, key: str = "", link_free: int = 1) -> xr.Dataset:

@@ -73,7 +73,7 @@ class RunStore:
         return self.folder / key[:2] / f"{key}.nc"
 
     def find(self, scene: Scene) -> Path | None:
-        """Return the file of the scene's run; None if it has no own file or a damaged one."""
+        """Return the run's file; None if the run has no file of its own or a damaged one."""
         path = self.path(scene)
         return path if is_whole(path) else None
 
@@ -202,7 +202,7 @@ def _save(path: Path, run: xr.Dataset) -> Path:
 
 
 def _canonical(value: Any) -> Any:
-    """Return a value that is the same for equal values: 1, 1.0 and True; 0.0 and -0.0.
+    """Return a value with one form for equal numbers, such as 1, 1.0 and True, or 0.0 and -0.0.
 
     >>> _canonical([1, -0.0, "a", {"k": 2.5}])
     [1.0, 0.0, 'a', {'k': 2.5}]
@@ -230,7 +230,7 @@ def code_digest() -> str:
 
 @lru_cache
 def runs_its_sources() -> bool:
-    """Whether the modules in memory are those in the source files."""
+    """Whether the loaded modules are the same as the source files on disk."""
     from longwave.support.compiled.source_digest import runs_as_written
     from longwave.support.provenance import code_files
 

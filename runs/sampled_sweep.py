@@ -41,13 +41,13 @@ MIN_SAMPLES = 39
 """Least number of samples: the smallest and largest of 39 are the ends of a 95 % interval."""
 
 EXCLUDED = ("slow_time", "error", "sup_error", "error_far_field", "time_step_error", "domain_error")
-"""Variables of a run that are parts of an interval and get no interval of their own."""
+"""Variables of a run that get no interval: slow time, and errors, which are parts of intervals."""
 
 
 def sampled_sweep(source: str | Path | Scene, samples: int, seed: int = 0) -> Sweep:
     """Return a sweep over constants sampled from the covariance in the scene's lattice file.
 
-    Errors are taken to be normal. Constants that the scene overrides are exact. A larger number of
+    Errors are taken as normal. Constants that the scene overrides are exact. A larger number of
     samples starts with the same ones. Raises ValueError in one line for a scene without such
     constants, or with too few samples.
     """
@@ -146,7 +146,7 @@ def observed_numbers(
 
 
 def _readings(dataset: xr.Dataset) -> Iterator[tuple[str, NDArray[np.float64]]]:
-    """Yield (label, samples) of the largest readings and of the last values of other variables."""
+    """Yield (label, samples) of each sensor's largest reading and other variables' last values."""
     for name in map(str, dataset.data_vars):
         values, label = dataset[name], name.replace("_", " ")
         inner_dims = values.dims[1:]

@@ -118,7 +118,7 @@ def relocated_runs(runs: Sequence[PackedRun]) -> list[PackedRun]:
 
 
 class PackIndex:
-    """Index of a store's packs by key; of several attempts at a cell, one with a run is kept.
+    """Index of a store's packs by key; if a cell was tried several times, a result with a run wins.
 
     ``table`` has one row for each key and is sorted by key; ``packs`` are the names to which the
     numbers in its column ``pack`` refer.
@@ -268,7 +268,10 @@ def _list_packs(folder: Path) -> dict[str, PackStamp]:
 def _list_folder(
     folder: Path, prefix: str, listed: dict[str, PackStamp], known_files: set[tuple[int, int]]
 ) -> None:
-    """Add the packs of a folder to ``listed``; ``known_files`` are files with more hard links."""
+    """Add the packs of a folder to ``listed``; a file with several hard links is added once.
+
+    ``known_files`` collects the device and inode of files with several hard links.
+    """
     with suppress(FileNotFoundError, NotADirectoryError), os.scandir(folder) as entries:
         for entry in entries:
             if entry.name.startswith(".") or entry.is_symlink():
@@ -314,7 +317,7 @@ def _similar_packs(packs: Sequence[tuple[int, str]]) -> Iterator[Sequence[tuple[
 
 
 def _size_limited_parts(packs: Sequence[tuple[int, str]]) -> Iterator[list[str]]:
-    """Yield the packs in parts of several packs, each part at most the largest size."""
+    """Yield the names of packs in groups of two or more with at most `MOST_BYTES` together."""
     part: list[str] = []
     total = 0
     for size, name in packs:

@@ -29,17 +29,17 @@ MIN_BATCH_SECONDS, MAX_BATCH_SECONDS = 0.3, 3.0
 so that all workers finish together."""
 
 BATCHES_LEFT = 4
-"""Least number of batches of each worker into which the remaining work is divided."""
+"""Number of batches per worker into which the remaining cells are divided, if long enough."""
 
 MAX_QUEUED = 2
-"""Batches assigned to a worker, including the current one, so that it never waits for the next."""
+"""Number of batches assigned to a worker, the current one included, so that it never waits."""
 
 RECENT_BATCHES = 5
-"""Batches of each worker that determine the recent pace. In the estimate of the remaining time they
-weigh as much as this many of the cells whose cost was estimated beforehand."""
+"""Number of batches per worker that determine the recent pace. In `SweepState.seconds_left` their
+mean cost counts as much as the estimated costs of this many cells."""
 
 MAX_LOST_WORKERS = 3
-"""Workers that a cell, run alone, may lose before it is recorded as failed."""
+"""Number of lost workers after which a cell that runs alone is recorded as failed."""
 
 SweepProgress = Callable[["SweepState"], None]
 
@@ -63,19 +63,19 @@ class SweepState:
     worker_seconds: float = 0.0
     first_fault: str = ""
     pace: float = 0.0
-    """Recent seconds for one cell."""
+    """Running mean of the seconds per cell."""
     expected: Mapping[int, float] = field(default_factory=dict)
     """Estimated seconds by cell number, for the cells whose cost was estimated (`SweepCost`)."""
     next_number: int = 0
     """Number after the last cell that was done."""
     batches: int = 0
     recent: tuple[float, float, float] = 0.0, 0.0, 0.0
-    """Cells, estimated seconds and measured seconds of recent batches, without each worker's first
-    batch, which loads code."""
+    """Weighted sums over recent batches: cells, estimated seconds and measured seconds. The first
+    batch of each worker, which loads code, is left out."""
 
     @property
     def seconds_left(self) -> float:
-        """Estimated seconds left, by expected costs or the recent pace; 0 at first."""
+        """Estimated seconds until the end, from expected costs or the recent pace; 0 at first."""
         cells_left = self.cells - self.stored - self.done
         cells, expected, taken = self.recent
         if not expected:

@@ -46,10 +46,10 @@ if TYPE_CHECKING:
     from longwave.scenes.description.scene import Scene
 
 MAX_ESTIMATED = 5
-"""Most cells of a batch whose expected cost is estimated, which takes 5 ms for each."""
+"""Largest number of cells of a batch whose cost is estimated, which takes 5 ms each."""
 
 MIN_FILE_SECONDS = 10.0
-"""Expected seconds from which a cell's run gets its own file in the store, with checkpoints."""
+"""Expected seconds of a run above which it is stored in its own file, with checkpoints."""
 
 
 @dataclass(frozen=True)
@@ -76,11 +76,11 @@ class Batch:
     first_fault: str = ""
     pack: bytes | None = None
     expected: float = 0.0
-    """Estimated seconds of the cells."""
+    """Estimated seconds of all cells of the batch."""
 
 
 class WorkerStopped(BaseException):
-    """A worker was asked to stop. Not an Exception, so that no general handler catches it."""
+    """Raised in a worker that is asked to stop; a BaseException, so that no handler swallows it."""
 
 
 def run_cells(
@@ -197,7 +197,7 @@ def record_of(key: str, scene: Scene, run: xr.Dataset) -> CellRecord:
 
 
 def numbers_of(scene: Scene, run: xr.Dataset) -> Mapping[str, float]:
-    """Return a cell's numbers: attributes of its run, its largest error and the run's own error."""
+    """Return a cell's `NUMBERS`: its run's attributes, largest error and numerical error there."""
     numbers = {name: run.attrs[name] for name in NUMBERS if name in run.attrs}
     numbers |= {name: run.variables[name].values for name in OPTIONAL if name in run.variables}
     for name in (name for name in ("error", "error_curve") if name in run.variables):

@@ -21,9 +21,9 @@ MAX_SAMPLED, MIN_SAMPLED = 200, 5
 factor of 100 are estimated to about 20 %."""
 
 FREE_SAMPLING_SECONDS, SAMPLING_FRACTION, MAX_SAMPLING_SECONDS = 0.2, 0.01, 3.0
-"""Limits on the processor time for these estimates, not counting the first: seconds always allowed,
-fraction of the sweep's expected time, and the most seconds. A cell takes 30 ms if an equation must
-be derived."""
+"""Limits on the processor time for estimating costs after the first: seconds that are always
+allowed, fraction of the sweep's expected time, and the most seconds. An estimate takes 30 ms if an
+equation must be derived."""
 
 
 @dataclass(frozen=True)
@@ -63,14 +63,14 @@ class SweepCost:
 
 
 CELL_SECONDS = 0.05
-"""Overhead of a sweep cell in seconds: derivation, plan, data set, place in a pack."""
+"""Overhead of a sweep cell in seconds: derivation, plan, data set, writing to a pack."""
 
 WORKER_SECONDS = 1.5
 """Seconds that a worker needs before its first cell."""
 
 
 def expected_cell_cost(scene: Scene) -> ExpectedCost:
-    """Return the cost of a run in a process with many, without costs that occur only once."""
+    """Return the expected cost of a cell in a process that runs many, without one-time costs."""
     cost = expected_cost(scene)
     return replace(cost, seconds=CELL_SECONDS + max(0.0, cost.seconds - cost.once))
 

@@ -25,7 +25,7 @@ RunLocation: TypeAlias = PackedRun | Path
 
 
 class FieldKind(NamedTuple):
-    """Properties in which the variables of all runs must agree to form one array."""
+    """Properties of a run's variable that must be equal in all runs to make one array of them."""
 
     dims: tuple[str, ...]
     shape: tuple[int, ...]
@@ -44,7 +44,7 @@ def _group_locations(locations: Mapping[int, RunLocation]) -> Sequence[dict[int,
 
 
 def _field_kinds(location: RunLocation) -> Iterator[tuple[str, FieldKind]]:
-    """Yield name and kind of each variable of a run; all runs of a group agree in them."""
+    """Yield name and `FieldKind` of a run's variables, which are equal in all runs of a group."""
     for name, variable in load_location(location).variables.items():
         dims, attrs = tuple(map(str, variable.dims)), json.dumps(variable.attrs, sort_keys=True)
         layout = variable.shape, variable.dtype.str, dims == (name,), attrs

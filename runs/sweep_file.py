@@ -56,13 +56,13 @@ RANDOM_KEYS = ("from", "to", "log", "whole", "choose")
 """Keys at the top of a sweep's file, of a range, and of a field in [random]."""
 
 MAX_SHOWN = 120
-"""Most characters of a dimension's values that a notebook shows."""
+"""Largest number of characters of a dimension's values that a notebook shows."""
 
 CASE, SAMPLE = "case", "sample"
 """Names of the dimensions of a list and of a random sample."""
 
 RESERVED_NAMES = (CASE, SAMPLE, "time", "site", "row", "quantity", "background", *TEXTS, *NUMBERS)
-"""Names with another meaning in runs or in the data set of a sweep."""
+"""Names that no swept dimension may have, as they mean something else in a data set."""
 
 SHIPPED_FOLDER = files("longwave.runs.sweeps")
 """Folder of the shipped sweeps."""
@@ -211,7 +211,7 @@ def sweep_of(
 
 
 def _name_dimensions(dimensions: Sequence[SweptDimension]) -> tuple[SweptDimension, ...]:
-    """Name each dimension by the last part of its field's name, if that is unique and free."""
+    """Shorten each dimension's dotted name to its last part, if that is unique and not reserved."""
     short = [d.name.rpartition(".")[2] for d in dimensions]
     free = {name for name in short if short.count(name) == 1} - {*RESERVED_NAMES}
     return tuple(
@@ -267,7 +267,10 @@ def _check_distinct(field: str, values: Sequence[Any]) -> None:
 
 
 def _sample_dimension(given: dict[str, Any]) -> SweptDimension:
-    """Draw the samples, each field from its own random stream: a new field changes no other."""
+    """Draw the random samples of [random].
+
+    Each field has its own random stream, so a new field leaves the samples of others unchanged.
+    """
     for key in ("count", "seed"):
         if key not in given:
             raise ValueError(f"{key} in [random] must be stated, got nothing (such as {key} = 100)")
@@ -309,7 +312,7 @@ def _listed_values(field: str, given: object) -> Sequence[Any]:
 
 
 def _checked_value(field: str, value: object) -> Any:
-    """Return a number, a text, or a list or table of them; other checks are left to the scene."""
+    """Return the value if it is a number, text, or list or table of them; else raise ValueError."""
     if isinstance(value, list):
         return [_checked_value(field, part) for part in value]
     if isinstance(value, Mapping):

@@ -22,7 +22,7 @@ from longwave.support.user_files import STANDARD_INPUT, file_stem, shown
 Document: TypeAlias = Mapping[str, Any]
 
 UNVARIED = ("name", "title")
-"""Fields that do not affect a run."""
+"""Fields of a scene that do not affect its run, and that no sweep varies."""
 
 VARIED = {
     **{key: () for key in scene_file.TOP_KEYS if key not in UNVARIED},
@@ -31,7 +31,7 @@ VARIED = {
     "losses": EPS_POWERS,
     **{name: KEYS[name] for name in ("chain", "start", "defects")},
 }
-"""Fields that may vary: those at the top, and tables with their keys."""
+"""Fields that a sweep may vary: top-level key -> (), or table -> those of its keys."""
 
 
 def base_document(given: object, folder: Path = Path()) -> tuple[str, Document]:
@@ -54,7 +54,7 @@ def changed_scene(
     tolerance: float | None = None,
     engine: str | None = None,
 ) -> Scene:
-    """Return the scene in a file or of that name, with other values in some fields.
+    """Load a scene by file or name and return it with ``changes`` to some fields.
 
     ``tolerance`` and ``engine`` are options of their own. Raises ValueError in one line for an
     unknown field, or if the scene is not admissible.
@@ -81,7 +81,7 @@ def _changed(source: str, changes: Mapping[str, Any], tolerance: float | None) -
 
 
 def canonical_field(field: str) -> str:
-    """Return the field's usual name; constants and domain of the paper's chain have two.
+    """Return the usual dotted name of a field that can be written in two ways.
 
     >>> canonical_field("lattice.K4"), canonical_field("domain.compared")
     ('constants.K4', 'compared')
@@ -113,7 +113,7 @@ def check_field(field: str, document: Document | None = None) -> None:
 
 
 def changed_document(document: Document, changes: Mapping[str, Any]) -> Document:
-    """Return a copy of the tables with other values; fields have dotted names.
+    """Return a copy of a scene's tables with new values; ``changes`` maps dotted names to them.
 
     >>> changed_document({"eps": 1, "parameters": {"k": 2}}, {"parameters.k": 3, "times": [0, 1]})
     {'eps': 1, 'parameters': {'k': 3}, 'times': [0, 1]}
@@ -139,7 +139,7 @@ def changed_document(document: Document, changes: Mapping[str, Any]) -> Document
 
 
 def _leave_to_tolerance(document: dict[str, Any]) -> None:
-    """Remove what a tolerance determines: scheme, step, domain, and observables of a refinement."""
+    """Remove the entries that a tolerance replaces: scheme, domain, observables of a refinement."""
     document.pop("scheme", None)
     document.pop("domain", None)
     observables = document.get("observables")

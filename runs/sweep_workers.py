@@ -61,13 +61,13 @@ def use_one_thread() -> None:
 
 
 DIGEST = "digest"
-"""Key of the digest in `process_code`."""
+"""Key under which `process_code` returns the digest of the code."""
 
 COMPARED_PARTS = ("code", "versions")
-"""Parts of `provenance` by which a difference between two codes is reported."""
+"""Parts of `provenance` that are compared to report how the code of two processes differs."""
 
 MAX_REPORT_CHARACTERS = 200
-"""Largest length of the report on a difference between two codes."""
+"""Largest number of characters of the report on how two codes differ."""
 
 
 @lru_cache

@@ -26,13 +26,13 @@ from longwave.support.processes import Job, LocalWorkers, in_order
 from longwave.support.user_files import shown
 
 CASE_SECONDS = 0.3
-"""Approximate seconds for one case in a process."""
+"""Approximate seconds that one worker process takes for one case of a wave."""
 
 MAX_JOBS, MAX_DRAWN = 1000, 100_000
-"""Largest accepted values of --jobs and --drawn; larger ones are taken for typing errors."""
+"""Largest accepted values of --jobs and --drawn; larger ones are refused as typing errors."""
 
 WORKER_SECONDS, WORKER_BYTES = 3.0, 3e8
-"""Seconds to start a process, and the bytes of memory that it takes."""
+"""Seconds to start a worker process, and the bytes of memory that it uses."""
 
 
 def print_accuracy(

@@ -36,7 +36,7 @@ MAX_CERTIFICATES = 100
 
 @dataclass(frozen=True)
 class ProofFile:
-    """Output file for proofs: their certificates or, for a ``system``, one script for each.
+    """Output file for proofs: certificates, or one script each for the proof assistant ``system``.
 
     Several scripts get numbered names. Without ``output`` nothing is written.
     """
@@ -186,12 +186,12 @@ def _refuse_constant(text: str) -> NoReturn:
 def _distinct_keys(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     entries = dict(pairs)
     if len(entries) != len(pairs):
-        raise ValueError("an object has the same key twice")
+        raise ValueError("an object must have distinct keys, got one twice (write the file anew)")
     return entries
 
 
 MOST_SECONDS, MOST_MEMORY = 5, 500_000_000
-"""Limits of a check: seconds of processor time, and bytes of memory."""
+"""Limits for checking one certificate: seconds of processor time, and bytes of memory."""
 
 
 def run_limited(work: Callable[..., T], *arguments: object) -> T:

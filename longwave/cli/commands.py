@@ -50,7 +50,7 @@ _certificates = command_line.path_option("--output", "FILE", "Write the proofs' 
 
 
 def _decision_options(command: Wrapped) -> Wrapped:
-    """Add the options of a command that decides statements in text."""
+    """Decorate a command with the options for deciding statements that are given as text."""
     for option in (
         command_line.limit_options,
         command_line.json_option,
@@ -70,7 +70,7 @@ def _decision_options(command: Wrapped) -> Wrapped:
 
 
 def _refuse_both(*pairs: tuple[object, str, object, str]) -> None:
-    """Raise UsageError for the first pair of options that are both given."""
+    """Raise UsageError if both options of a pair (value, name, value, name) are given."""
     for one, option, other, name in pairs:
         if one and other:
             raise click.UsageError(f"{option} must not be given with {name}, got both")

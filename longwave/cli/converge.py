@@ -62,7 +62,7 @@ def print_convergence(study: SceneConvergence, json_wanted: bool) -> None:
 
 
 def convergence_figure(study: SceneConvergence) -> ShownFigure:
-    """Draw errors against eps on logarithmic axes, with the runs' own errors and the fit."""
+    """Draw errors against eps on logarithmic axes, with the runs' numerical errors and the fit."""
     points = [(point.eps, point.error, point.discretisation) for point in study.points]
     eps, errors, run_errors = np.transpose(points)
     figure = ShownFigure((WIDTHS[1], 2.8), layout="constrained")
@@ -84,7 +84,7 @@ def convergence_figure(study: SceneConvergence) -> ShownFigure:
 
 
 TITLE_WIDTH = 44
-"""Characters in a line of a picture's title."""
+"""Most characters in one line of the title of the convergence picture."""
 
 
 def converge_and_draw(

@@ -32,7 +32,7 @@ from longwave.support.console import (
 from longwave.support.user_files import STANDARD_INPUT, on_one_line
 
 TEST_WORDS = {ODD: "the term", EVEN: "the term", SMOOTH: "smooth curves to", SERIAL: "neighbours"}
-"""Words for the alternatives that residuals are tested against, by the kind of test."""
+"""Kind of residual test -> words that are printed before what the test looks for."""
 
 MAX_CORRELATIONS = 6
 """Largest number of constants for which the table has columns of correlations."""
@@ -180,7 +180,7 @@ def _scene_quality_lines(fit: SceneFit) -> Iterator[str]:
 
 
 def _order_lines(fit: ForceFit) -> Iterator[str]:
-    """Yield lines on the choice of the polynomial's order, if there was one."""
+    """Yield lines on how AICc chose the order of the force polynomial; none if it was given."""
     if fit.evidence:
         least = min(value for _, value in fit.evidence)
         above = ", ".join(f"{names} {value - least:.1f}" for names, value in fit.evidence)
@@ -202,7 +202,7 @@ def _quality_lines(fit: ForceFit) -> Iterator[str]:
 
 
 def _residual_size(fit: LeastSquares, point: str, noise: float | None) -> str:
-    """Return a line on the size of the residuals, relative to stated deviations if any."""
+    """Return a line on the residuals: chi^2, or the noise that they imply if ``noise`` is given."""
     degrees = f"{fit.degrees} degrees of freedom"
     if noise is not None:
         return f"noise of {point} {noise:.3g}, from the residuals; {degrees}"

@@ -17,12 +17,12 @@ from longwave.support.compiled.source_digest import installed_version
 State = Literal["good", "costs", "broken"]
 
 VECTOR_WIDTHS = {"avx512f": 8, "avx2": 4, "sve": 4, "neon": 2, "sse2": 2}
-"""Doubles in a vector register by processor feature, widest first."""
+"""Processor feature -> number of doubles in its vector registers, widest first."""
 
 
 @dataclass(frozen=True)
 class Finding:
-    """Result of one check: part, text found, state, and the cost if the state is not good."""
+    """Result of one check: part checked, what was found, state, and the cost unless it is good."""
 
     part: str
     found: str

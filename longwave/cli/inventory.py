@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 Record = dict[str, Any]
 
 CACHED_KINDS = ("lattices", "waves", "lattice-scenes")
-"""Kinds that depend on the sources alone; computing them takes a second, so they are cached."""
+"""Kinds of entries that depend on the sources alone and take a second, so they are cached."""
 
 PIPE_WIDTH = 160
 """Width of a table if stdout is not a terminal."""
@@ -71,7 +71,7 @@ def waves() -> list[Record]:
 
 
 def _background(form: ClosedForm, catalogue: Iterable[ClosedForm]) -> str:
-    """Return a background as the name of the closed form that it is, or else as a formula."""
+    """Return the name of the closed form that equals a form's background, or else its formula."""
     for other in catalogue:
         is_bare = other.period is not None and other.background == 0  # cheap test comes first
         if is_bare and other.expression == form.background:
@@ -80,7 +80,7 @@ def _background(form: ClosedForm, catalogue: Iterable[ClosedForm]) -> str:
 
 
 def schemes() -> list[Record]:
-    """Return the schemes: name, order, forces a step, stable step times frequency, source."""
+    """Return the schemes: name, order, force evaluations per step, stability limit, source."""
     from longwave.lattice.schemes import SCHEMES, stability_limit
 
     return [
@@ -148,7 +148,7 @@ def lattice_scenes() -> list[Record]:
 
 
 def bench_scenes() -> list[Record]:
-    """Return the shipped chains on a bench: lattice, cells, times, tolerance."""
+    """Return the shipped scenes of bench chains: lattice, cells, end time, tolerance."""
     from longwave.scenes.description.named_scenes import load_scene, shipped_scenes
 
     return [
@@ -197,8 +197,10 @@ def observables() -> list[Record]:
 
 
 class _Kind(NamedTuple):
-    """A kind of entries: its records, the columns of its table, and a note below the table. A
-    column is a format string for a record, or a function of it."""
+    """One kind of `longwave list`: its records, the columns of its table, and a note below it.
+
+    A column is a format string that is filled from a record, or a function of the record.
+    """
 
     records: Callable[[], list[Record]]
     columns: Mapping[str, str | Callable[[Record], str]]
@@ -206,7 +208,7 @@ class _Kind(NamedTuple):
 
 
 def _plain_columns(*names: str) -> dict[str, str]:
-    """Return columns that show entries of a record unchanged."""
+    """Return columns that show the named entries of a record as they are."""
     return {name: f"{{{name}}}" for name in names}
 
 

@@ -27,22 +27,22 @@ from longwave.verify.published import chosen
 from longwave.verify.verdict import Outcome
 
 DEFAULT_LIMIT = 120.0
-"""Default seconds for each system and proof. Most proofs take Coq 2 s of processor time, mainly for
-the part that all scripts share; PARI and Maxima take less than 1 s."""
+"""Default time limit in seconds for each system and proof. Most proofs take Coq 2 s of processor
+time, mainly for the part that all scripts share; PARI and Maxima take less than 1 s."""
 
 PROOF_SECONDS, REPETITION_SECONDS = 0.5, 3.5
 """Approximate seconds for a proof, and for its repetition by all three systems."""
 
 NO_APT = "LONGWAVE_NO_APT"
-"""Environment variable that forbids the installation of systems."""
+"""Environment variable that forbids installing PARI/GP, Maxima and Coq with apt-get."""
 
 MISSING, NO_SCRIPT = "not installed", "no script"
-"""Answers of a system that is missing, and to a proof that cannot be written as a script."""
+"""Table entries for a system that is not installed, and for a proof without a script."""
 
 
 @dataclass(frozen=True)
 class Recheck:
-    """Answer of each system to a statement, the premises of its proof, and the seconds in all."""
+    """Answer of each system to one statement, the premises of its proof, and the total seconds."""
 
     name: str
     answers: Mapping[str, str]
@@ -140,7 +140,7 @@ def _answers(proofs: Sequence[WrittenProof], system: str, limit: float) -> list[
 
 
 def worst_of(outcomes: Sequence[str]) -> str:
-    """Return one outcome for all parts of a statement: accepted only if every part is."""
+    """Return one outcome for a statement in parts: rejected if any part is, accepted if all are."""
     if systems.REJECTED in outcomes:
         return systems.REJECTED
     others = [outcome for outcome in outcomes if outcome != systems.ACCEPTED]

@@ -160,11 +160,11 @@ COLUMNS = {
     "work": "work",
     "heat": "heat",
 }
-"""Headings of a run's table by variable; ``unit`` is the unit of its errors."""
+"""Variable of a run -> heading of its column in the table; ``unit`` is the unit of errors."""
 
 
 MAX_SENSORS = 8
-"""Most sensors whose readings are printed."""
+"""Largest number of sensors whose readings are printed."""
 
 
 def _print_run(run: RunRecord, scene: Scene, json_wanted: bool) -> None:
@@ -206,7 +206,7 @@ def print_summary(run: RunRecord, scene: Scene, console: Console) -> None:
 
 
 def summary_lines(run: RunRecord, scene: Scene) -> Iterator[str]:
-    """Yield the lines below the table."""
+    """Yield the lines that are printed below a run's table: equation, cost, readings, stability."""
     attrs = run.attrs
     if "equation" in attrs:
         yield f"{scene.lattice}, eps = {scene.eps:g}, {scene.order} order; {attrs['equation']}"
@@ -227,7 +227,7 @@ def summary_lines(run: RunRecord, scene: Scene) -> Iterator[str]:
 
 
 def _disorder_lines(run: RunRecord) -> Iterator[str]:
-    """Yield lines on how disorder changed a wave: force, energy, delay."""
+    """Yield lines on how disorder changed a wave: its peak force, energy and delay at the end."""
     peak, energy, delay = (
         f"{run.values(name)[-1]:.4g} +- {run.values(name + '_error')[-1]:.1g}"
         for name in ("peak", "energy", "delay")
@@ -287,7 +287,7 @@ def _cost_line(attrs: Mapping[str, Any]) -> str:
 
 
 def _accuracy_text(attrs: Mapping[str, Any]) -> str:
-    """Return the error estimate against the tolerance, and the cost of a ten times smaller one."""
+    """Return the error estimate against the tolerance, and the cost of a tenth of the estimate."""
     line = (
         f"; error estimate {attrs['error_estimate']:.2g} of {attrs['tolerance']:g} allowed, "
         f"planned in {attrs['planning_seconds']:.2f} s"

@@ -46,13 +46,13 @@ if TYPE_CHECKING:
     from distributed import Client
 
 DEFAULT_LIMIT = 60.0
-"""Default seconds for a statement."""
+"""Default time limit for deciding one statement, in seconds."""
 
 MIN_LIMIT, MAX_LIMIT = 0.01, 1e6
-"""Least and largest accepted limit for a statement, in seconds."""
+"""Smallest and largest accepted time limit for one statement, in seconds."""
 
 HINT_SECONDS = 5.0
-"""Longest search for a true statement close to a refuted one."""
+"""Time limit of the search for a true statement close to a refuted one, in seconds."""
 
 SECONDS_BEFORE_NOTICE = 3.0
 """Seconds after which the remaining time is announced; it cannot be estimated in advance."""
@@ -64,13 +64,13 @@ GRACE_SECONDS = 1.0
 """Seconds after the limit in which a process may still report its last stage."""
 
 MOST_MEMORY = 2_000_000_000
-"""Bytes of memory for a statement, beyond those of the idle process."""
+"""Limit on the memory for deciding one statement, in bytes beyond those of the idle process."""
 
 MAX_SHOWN = 20
-"""Most unreadable statements that are printed."""
+"""Largest number of unreadable statements that are printed."""
 
 FIRST_STAGE = "start"
-"""Stage of a statement on which the prover has not reported."""
+"""Stage of a statement before the prover's first report."""
 
 STAGES = {
     "find_witness": "looking for a counterexample",
@@ -318,7 +318,10 @@ def check_cluster(client: Client) -> None:
 def _decide_in_worker(
     statement: Statement, limit: float, hinting: float, send: Callable[[object], None]
 ) -> StatementVerdict:
-    """Decide a statement in a worker process; send stages and the verdict, then add a hint."""
+    """Decide a statement in a worker process and return the verdict; ``send`` gets each stage.
+
+    A refutation is also sent, before a hint to it is searched for at most ``hinting`` seconds.
+    """
     start = time.monotonic()
     stage = [FIRST_STAGE]
 
@@ -349,7 +352,7 @@ def _decide_in_worker(
 
 
 def _current_step(trace: TracebackType | None) -> str:
-    """Return the prover's step at the time of an exception, from the functions in its traceback."""
+    """Return the prover's step when an exception was raised, as ", STEP"; empty if unknown."""
     step = ""
     while trace is not None:
         step = STAGES.get(trace.tb_frame.f_code.co_name, step)
@@ -379,7 +382,7 @@ def _print_decisions(decisions: Sequence[Decision], latex: bool) -> None:
 
 
 def _decision_lines(decision: Decision) -> list[str]:
-    """Return the verdict in words: where it holds or fails, and further remarks."""
+    """Return the lines that explain a verdict: where the statement holds or fails, and remarks."""
     problem, verdict = decision
     first, *further = [verdict.detail]
     if isinstance(verdict, ConditionalVerdict):

@@ -131,7 +131,7 @@ def _saved_text(state: SweepState) -> str:
 
 
 def _check_overwriting(sweep: Sweep, output: Path, force: bool) -> None:
-    """Raise ValueError, before anything is run, if the output is not a result of this sweep."""
+    """Raise ValueError if the output file exists and is not a result of this sweep."""
     if force or not output.exists():
         return
     existing = ""

@@ -29,10 +29,10 @@ MUTATION_COLUMNS = ("mutants", "refuted", "proved", "undecided")
 
 @dataclass(frozen=True)
 class TimeLaw:
-    """Expected seconds for closed forms.
+    """Expected time in seconds to process closed forms.
 
-    ``seconds`` is the time for a form of the catalogue, ``rational`` that for order 7 of the
-    rational family, where it grows as a power of the order.
+    ``seconds`` is the time for one form of the catalogue, ``rational`` the time for order 7 of the
+    rational family; there it grows as (order / 7) ** ``exponent``.
     """
 
     seconds: float
@@ -55,9 +55,12 @@ PROOF_LAW = TimeLaw(0.2, 0.15, 7.0)
 STABLE_LAW = TimeLaw(0.3, 1.5, 3.3)
 RESIDUAL_LAW = TimeLaw(0.3, 1.0, 4.0)
 MUTANT_LAW = TimeLaw(35.0 / len(CATALOGUE), 29.0, 6.5)
-"""Approximate cost of the forms. The laws of the rational family were measured in processor seconds
-on one core of a 3 GHz server: orders 7 to 12 for proofs, 4 to 8 for stable forms, 4 to 7 for the
-others. Beyond these orders only the magnitude is right."""
+"""Time laws: proofs, proofs that evaluation form = canonical form (--stable), residuals, mutants.
+
+Those of the rational family were measured in processor seconds on one core of a 3 GHz server:
+orders 7 to 12 for proofs, 4 to 8 for --stable, 4 to 7 for the others. Beyond these orders only
+the order of magnitude is right.
+"""
 
 
 def print_verdicts(
@@ -104,7 +107,7 @@ def _form_count(count: int) -> str:
 
 
 def _relative_effort(sampling: Sampling) -> float:
-    """Return the work in units of the default: proportional to points and to squared digits."""
+    """Return the work of a sampling relative to the default one: points times digits squared."""
     default = Sampling()
     digit_work = sum(max(number, 30) ** 2 for number in sampling.digits)
     default_work = sum(number**2 for number in default.digits)
@@ -178,7 +181,7 @@ def _print_table(verdicts: Sequence[Verdict], noun: str) -> None:
 
 
 def _evidence(verdict: Verdict) -> str:
-    """Return the size of the certificate, else the residual with two digits, else a dash."""
+    """Return the table entry for the evidence: certificate size, else the residual, else a dash."""
     if isinstance(verdict, ProofVerdict) and verdict.certificate_bytes is not None:
         return f"{verdict.certificate_bytes} bytes"
     if verdict.residual is None:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from longwave.solutions import ClosedForm, Parameter
 
 CHAIN = "fput_chain"
-"""Name of the setting of mKdV waves without a shipped scene: the paper's chain."""
+"""Name of the setting for mKdV waves that have no shipped scene: the paper's FPUT chain."""
 
 FRAMES = 41
 """Number of equidistant times at which lattice and wave are compared."""
@@ -46,8 +46,8 @@ OTHER_CONSTANTS: Mapping[str, tuple[str, Mapping[str, float]]] = {
     "modified_kawahara_soliton": ("kawahara_soliton", {"K3": 0, "K4": 1}),
     "nls_dark": ("fput_peregrine", {"K4": -1}),
 }
-"""Waves whose equation no shipped scene has: a scene, and the constants that change its lattice so
-that it has the wave's equation."""
+"""Waves whose equation no shipped scene has -> a shipped scene, and the lattice constants to change
+so that its reduced equation is that of the wave."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ class Choices:
 
 
 def waves_by_equation() -> dict[str, dict[str, str]]:
-    """Return the waves that have a lattice here, as equation -> title -> name.
+    """Return the waves that the explorer can put on a lattice, as equation -> title -> name.
 
     The wave of the mKdV-Burgers equation is missing, because no scene with its losses is shipped.
 
@@ -145,7 +145,7 @@ def settings(wave: str) -> tuple[WaveSetting, ...]:
 
 
 def _same_equation(form: ClosedForm, other: ClosedForm) -> bool:
-    """Whether both forms solve one equation, with equal signs where the wave depends on them."""
+    """Whether both forms solve the same normal form with equal r, and equal s unless it is free."""
     first, second = form.equation, other.equation
     same_sign = not isinstance(first.s, int) or first.s == second.s
     return first.normal == second.normal and same_sign and first.r == second.r
@@ -200,7 +200,7 @@ def bounds(
 
 
 def _end_value(value: Any, values: Mapping[str, float | None]) -> float | None:
-    """Return the value of a bound, or None if it depends on an unknown or inadmissible value."""
+    """Evaluate a bound at the parameters' values; None if one is unknown or it is not finite."""
     known = {symbol: values.get(symbol.name) for symbol in value.free_symbols}
     if None in known.values():
         return None
@@ -209,7 +209,7 @@ def _end_value(value: Any, values: Mapping[str, float | None]) -> float | None:
 
 
 SLIDER_SPAN = 3.0
-"""Length of a slider if the domain is unbounded; other values can be typed."""
+"""Length of a parameter's slider if its domain is unbounded; values beyond it can be typed."""
 
 SLIDER_MARGIN = 0.01
 """Distance of a slider's end from an open end of the domain, as a fraction of its length."""

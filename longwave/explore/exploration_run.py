@@ -36,7 +36,7 @@ DEFAULT_LIMITS = RequestLimits(memory_bytes=2e9, seconds=10.0)
 """Default limits of a run; a run that is expected to exceed them is refused."""
 
 DEADLINE_FACTOR = 6.0
-"""A run is stopped after this multiple of its time limit."""
+"""Multiple of a run's time limit after which the run is stopped."""
 
 CHEAPER_ADVICE = (
     "take a larger eps, shorter times or a smaller half_width; `longwave run` takes the file"
@@ -104,7 +104,7 @@ class Comparison:
     ended: str = ""
 
     def columns(self, values: Array) -> Array:
-        """Reduce values (time, cell) to at most `MAP_COLUMNS` cells, each the largest in modulus.
+        """Reduce values (time, cell) to at most `MAP_COLUMNS` columns, by the largest modulus.
 
         >>> texts = WaveTexts("kink", "", "", "")
         >>> shown = Comparison(*[np.zeros((1, 600))] * 7, 0.0, "eps", "", "", texts, ())
@@ -202,7 +202,7 @@ class Refusal:
 
 
 Answer = float | Comparison | Refusal
-"""State of a run: finished share 0 to 1, its result, or the reason why there is none."""
+"""State of a run: the finished fraction 0 to 1, the `Comparison`, or why there is none."""
 
 
 class Explorer:
@@ -263,7 +263,7 @@ PRELOADED = (
 """Modules that the worker imports at its start."""
 
 LEAST_MEMORY = 5e8
-"""Bytes that the worker may always use, to find and report that a run exceeds a smaller limit."""
+"""Bytes that a worker may use even under a smaller limit, so that it can report the excess."""
 
 
 def _prepare_worker(limits: RequestLimits) -> None:

@@ -67,7 +67,7 @@ class Picture:
             axis.update(start=low, end=high, reset_start=low, reset_end=high)
 
     def add_time_line(self, dimension: str, colour: str) -> None:
-        """Add the line at the current time, along the width or the height."""
+        """Add the dashed line at the current time; ``dimension`` "width" makes it horizontal."""
         look: dict[str, Any] = {"line_color": colour, "line_width": 1.5, "line_dash": [4, 3]}
         self.time_line = Span(dimension=dimension, **look)
         self.picture.add_layout(self.time_line)
@@ -134,7 +134,7 @@ class SpaceTimeMap(Picture):
 
 
 class ErrorPicture(Picture):
-    """Largest difference against slow time, with a band for the run's own error."""
+    """Largest difference against slow time, with a band for the run's numerical error."""
 
     def __init__(self) -> None:
         super().__init__(240, "slow time T")

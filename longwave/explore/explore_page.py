@@ -29,7 +29,7 @@ SLIDERS = {
     "eps": ("small parameter \u03b5", 0.02, 0.2),
     "half_width": ("compared: |X| up to", 5.0, 40.0),
 }
-"""Numbers of every scene that have a slider: label and range."""
+"""Numbers of every scene that have a slider -> (label, lower end, upper end)."""
 
 TEXT_FIELDS = {
     "begin": "from slow time T",
@@ -110,7 +110,7 @@ class EventBlock:
 
 
 class NumberEntry:
-    """A number with a text box and a slider; the text counts."""
+    """A number with a text box and a slider; the typed text is the value that is used."""
 
     def __init__(self, name: str, label: str, value: str, changed: Callable[[], None]) -> None:
         self.name = name
@@ -281,7 +281,7 @@ class ExplorePage:
         return entry
 
     def _update_sliders(self, choices: exploration.Choices) -> None:
-        """Fit the ranges of the parameters' sliders to their domains, given the other values."""
+        """Set the range of each parameter's slider to its domain, which other values may bound."""
         from longwave.solutions import closed_form
 
         values = {
@@ -410,7 +410,7 @@ def _group(title: str, parts: Iterable[Any]) -> Any:
 
 
 def _pairs(parts: Iterable[Any]) -> list[Any]:
-    """Arrange the parts in rows of two."""
+    """Return rows with two controls each."""
     part_list = list(parts)
     return [pn.Row(*part_list[i : i + 2], **WIDE, margin=0) for i in range(0, len(part_list), 2)]
 

@@ -102,7 +102,7 @@ def refuse_foreign_requests(application: Any, port: int, token: str) -> None:
     hosts = (f"{HOST}:{port}", f"localhost:{port}")
 
     class Foreign(Matcher):
-        """Matcher of the requests to refuse."""
+        """Tornado matcher of requests with another host, without the token or with a zero byte."""
 
         def match(self, request: Any) -> dict[str, Any] | None:
             token_given = request.query_arguments.get(TOKEN_KEY, [b""])[0]
@@ -117,7 +117,7 @@ def refuse_foreign_requests(application: Any, port: int, token: str) -> None:
 
 
 def _free_port(port: int) -> int:
-    """Return the port if it is free, any free one for 0; raise OSError if it is taken."""
+    """Return ``port`` if it is free, or any free port if it is 0; raise OSError if it is taken."""
     with closing(socket.socket(socket.AF_INET, socket.SOCK_STREAM)) as trial_socket:
         trial_socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         trial_socket.bind((HOST, port))

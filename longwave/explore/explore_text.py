@@ -96,7 +96,7 @@ def equation_html(comparison: Comparison) -> str:
 
 
 def wave_html(comparison: Comparison) -> str:
-    """Return the closed form in the variables of its normal form, and that equation."""
+    """Return the closed form in the variables of its normal form, and the normal form itself."""
     title, reference, normal_form, formula = comparison.wave_texts
     too_long = "<div>its formula is too long to show</div>"
     formula_part = formula_html(formula, "") if formula else too_long

@@ -32,26 +32,26 @@ from longwave.solutions.functions.jacobi import JacobiFunction
 from longwave.solutions.symbols import complementary_modulus, k, xi
 
 HEAVY = 55.0
-"""Width of a row above which the repeated parts of a formula are named."""
+"""Row width, in characters, above which repeated parts of a formula get names."""
 
 COMPANION = 25.0
-"""Width above which a denominator is named if the numerator is, and vice versa."""
+"""Width above which a denominator gets a name if the numerator has one, and vice versa."""
 
 STATED = 45.0
-"""Widest phase that is defined in the sentence after the display."""
+"""Width up to which a phase is defined in the sentence after the display, not in a row."""
 
 MARK = "MARK"
 
 EXPONENTIALS = (sp.exp, sp.sinh, sp.cosh, sp.tanh, sp.sech)
 
 ARGUMENTS = {"phi": (JacobiFunction, sp.sin, sp.cos), "eta": EXPONENTIALS}
-"""Letters that name arguments, with the functions they belong to."""
+"""Letter for a named argument -> the functions whose arguments it names."""
 
 OFTEN = 2
-"""Number of occurrences for which a part of a wide formula gets a name."""
+"""Least number of occurrences for which a part of a wide formula gets a name."""
 
 WORTH = 10.0
-"""Narrowest repeated part that gets a name."""
+"""Least width, in characters, of a repeated part that gets a name."""
 
 
 class Naming:
@@ -134,7 +134,7 @@ class Naming:
             self.first = self.first.xreplace(changes)
 
     def _name_functions(self) -> None:
-        """Name each elliptic function that occurs with one argument only."""
+        """Replace each elliptic function that always has the same argument by its name, as sn."""
         nodes = list(
             dict.fromkeys(node for row in self.rows for node in atoms(row, JacobiFunction))
         )
@@ -148,13 +148,13 @@ class Naming:
         self.parts |= {name: node for node, name in names.items()}
 
     def _name_what_is_repeated(self) -> None:
-        """Name the sums and roots that occur often in all rows, the widest first."""
+        """Name sums and roots that occur at least `OFTEN` times in all rows, the largest first."""
         while True:
             counted: Counter[sp.Expr] = Counter()
             for row in self.rows:
                 counted.update(occurrences(row))
                 counted[row] -= 1
-            repeated = (part for part, times in counted.items() if times >= OFTEN)
+            repeated = (part for part, count in counted.items() if count >= OFTEN)
             wide_enough = (part for part in repeated if is_wide(part, WORTH) or is_phase(part))
             part = max(wide_enough, key=size, default=None)
             if part is None:
@@ -203,7 +203,7 @@ class Naming:
         return term
 
     def _inline(self) -> None:
-        """Expand names that are used once if their row still fits one line."""
+        """Undo names that occur once if the row with the part written out still fits one line."""
         for name in [name for name in self.parts if name.name == "P"]:
             users = [row for row in self.rows if row.has(name)]
             if len(users) == 1 and list(sp.preorder_traversal(users[0])).count(name) == 1:
@@ -214,19 +214,22 @@ class Naming:
 
 
 def shared_arguments(expression: sp.Expr) -> bool:
-    """Return whether functions share an argument that is more than a symbol."""
+    """Return whether several functions have the same argument, which is more than a symbol."""
     counted = Counter(
         node.args[0] for node in expression.atoms(sp.Function, sp.exp) if not node.args[0].is_Atom
     )
-    return any(times >= OFTEN for times in counted.values())
+    return any(count >= OFTEN for count in counted.values())
 
 
 Change = Callable[[sp.Dummy], sp.Expr]
-"""Map from the name of a function's argument to the function."""
+"""A callable that takes the name of a function's argument and returns the function of it."""
 
 
 def based(node: sp.Expr, bases: Iterable[sp.Expr]) -> tuple[sp.Expr, Change]:
-    """Return the base to name in a function's argument, and the function in terms of the name."""
+    """Return the part of the argument to name, and a map from its name to the function.
+
+    The argument is a multiple of that part plus a constant; one of ``bases`` is taken if possible.
+    """
     argument, *rest = node.args
     shifts = ((base, sign, argument - sign * base) for base in bases for sign in (1, -1))
     number, factor = argument.as_coeff_Mul()
@@ -283,7 +286,7 @@ def product_roots(row: sp.Expr) -> Iterator[sp.Expr]:
 
 
 def divided(node: sp.Expr, product: sp.Expr, name: sp.Dummy) -> sp.Expr | None:
-    """Return the node with powers of the product replaced by the name; None if it is no factor."""
+    """Return the node with its power of the product replaced; None if the product is no factor."""
     powers = node.as_powers_dict()
     exponents = {powers.get(base, sp.S.Zero) for base in sp.Mul.make_args(product)}
     if len(exponents) != 1 or not (power := exponents.pop()).is_positive:
@@ -332,7 +335,7 @@ class Formula:
 
     @property
     def printed_parts(self) -> dict[sp.Dummy, tuple[sp.Dummy, sp.Expr]]:
-        """Return each part's printed letter and printed expression, in reading order."""
+        """Return name -> (printed letter, printed expression) of each part, in reading order."""
         return {
             name: (self.letters[name], tidied(part).xreplace(self.letters))
             for name, part in self._in_reading_order()
@@ -373,7 +376,7 @@ class Formula:
 
 
 def _functions_stated(functions: list[tuple[sp.Dummy, sp.Expr]]) -> list[str]:
-    """Return clauses that say at which argument each elliptic function is taken."""
+    """Return one LaTeX clause for each argument: "sn, cn are taken at (argument; k)"."""
     arguments = dict.fromkeys(function.args[0] for _, function in functions)
     ordered = sorted(functions, key=lambda pair: FUNCTION_ORDER.index(pair[0].name))
     return [
@@ -384,7 +387,7 @@ def _functions_stated(functions: list[tuple[sp.Dummy, sp.Expr]]) -> list[str]:
 
 
 def _place(name: sp.Dummy, row: sp.Expr) -> int:
-    """Return the position of the name in the printed row."""
+    """Return the character position at which the name first occurs in the row's LaTeX."""
     marked = latex(tidied(row).xreplace({name: sp.Dummy(MARK)}))
     return marked.index(MARK)
 

@@ -40,7 +40,7 @@ def function_name(function: sp.Expr) -> str:
 
 
 def ordered_terms(total: sp.Expr) -> list[sp.Expr]:
-    """Return a sum's terms in printing order; a positive term comes first if one is at an end.
+    """Return a sum's terms in printing order, reversed if that avoids a leading minus sign.
 
     >>> k = sp.Symbol("k")
     >>> ordered_terms(k**2 - 1 + k), ordered_terms(1 - k**2), ordered_terms(tau * k + xi)
@@ -58,7 +58,7 @@ def ordered_terms(total: sp.Expr) -> list[sp.Expr]:
 
 
 def is_linear(total: sp.Expr) -> bool:
-    """Return whether the expression is of first degree in xi and tau."""
+    """Return whether the expression is p xi + q tau + r with p, q, r free of both and p not 0."""
     if not total.has(xi):
         return False
     slopes = [term.as_independent(xi, tau)[1] for term in sp.Add.make_args(total)]
@@ -66,7 +66,7 @@ def is_linear(total: sp.Expr) -> bool:
 
 
 def is_phase(total: sp.Expr) -> bool:
-    """Return whether the expression is of first degree in xi and tau, without named parts."""
+    """Return whether an expression `is_linear` and has no named parts."""
     return is_linear(total) and not total.atoms(sp.Dummy)
 
 
@@ -131,7 +131,7 @@ NAMES: dict[type[sp.Expr], str] = {
     sp.sin: r"\sin", sp.cos: r"\cos", sp.sinh: r"\sinh", sp.cosh: r"\cosh", sp.tanh: r"\tanh",
     sp.sech: r"\mathrm{sech}",
 }  # fmt: skip
-"""Functions written without brackets before a single symbol, and their LaTeX."""
+"""LaTeX of functions that are written without brackets before a single symbol."""
 
 
 def latex(expression: sp.Basic) -> str:
@@ -167,7 +167,7 @@ def _has_fraction(total: sp.Expr) -> bool:
 
 
 def _product(factors: list[str]) -> str:
-    """Return the factors side by side, with a space before a function's name."""
+    """Join the LaTeX of factors, with a thin space before a function's upright name."""
     return " ".join(
         rf"\, {factor}" if index and factor.startswith((r"\mathrm", r"\mathcal")) else factor
         for index, factor in enumerate(factors)
@@ -195,7 +195,7 @@ class _Printer(ExpressionLatexPrinter):
         return _product(texts if coefficient == 1 else [self._print(coefficient), *texts])
 
     def _fraction(self, numerator: sp.Expr, denominator: sp.Expr) -> str:
-        """Return the LaTeX of a fraction; sums of fractions in its numerator stand after it."""
+        """Return a fraction's LaTeX, then the factors of its numerator that contain fractions."""
         if numerator.as_coeff_Mul()[0].is_negative:
             return f"- {self._fraction(-numerator, denominator)}"
         factors = sp.Mul.make_args(numerator)
@@ -257,13 +257,13 @@ def joined(lines: Sequence[str]) -> str:
 
 
 LINE = 76.0
-"""Widest line of a display, in characters as `measure` counts them."""
+"""Widest line of a display, in characters as `width` counts them."""
 
 HUGE = 200
-"""Number of nodes above which an expression is wide; it is not printed to measure it."""
+"""Number of tree nodes above which an expression counts as wide without being measured."""
 
 GAIN = 0.9
-"""Factor by which another form of a row must be narrower to be chosen."""
+"""Ratio of widths, new to old, below which an equal form with the same nesting replaces a row."""
 
 
 @cache
@@ -309,7 +309,7 @@ def tidied(row: sp.Expr) -> sp.Expr:
 
 
 def _tidied_inside(part: sp.Expr) -> sp.Expr:
-    """Return a term or factor with the sums inside it tidied."""
+    """Return a term or factor with each sum inside it replaced by its `tidied` form."""
     if part.is_Add:
         return tidied(part)
     if part.is_Mul:
@@ -320,7 +320,10 @@ def _tidied_inside(part: sp.Expr) -> sp.Expr:
 
 
 def _content(factor: sp.Expr) -> tuple[sp.Expr, ...]:
-    """Return a sum's numerical factor, negative if all its terms are, and the rest."""
+    """Split a sum into its numerical factor and the rest; other factors are returned alone.
+
+    The numerical factor is negative if all terms of the sum are.
+    """
     if not factor.is_Add:
         return (factor,)
     number, rest = factor.primitive()
@@ -330,7 +333,7 @@ def _content(factor: sp.Expr) -> tuple[sp.Expr, ...]:
 
 
 def _clumsiness(form: sp.Expr) -> tuple[int, float]:
-    """Return the nesting depth of fractions, at least 1, and the width; smaller is better."""
+    """Return a sort key that prefers less nested fractions, then narrower forms."""
     return max(nesting(latex(form)), 1), width(form)
 
 

@@ -82,14 +82,14 @@ def prose_latex(text: str) -> str:
 
 
 _BESIDE = re.compile(r"(?<=[\w)])\s+(?=[\w(])")
-"""Space between factors."""
+"""Pattern of the blanks that stand for a product between two factors."""
 
 
 MODULAR = ("sn", "cn", "dn")
-"""Jacobi functions that a sentence names without their prefix."""
+"""Jacobi functions that a sentence calls sn, cn, dn instead of jacobi_sn and so on."""
 
 _DERIVED = re.compile(r"\(([^()]*)\)_([xyzt])$")
-"""Bracket with a derivative's subscript."""
+"""Pattern of an expression in brackets with a derivative's subscript: (u^2)_x."""
 
 
 def _formula_or_none(text: str) -> str | None:
@@ -109,5 +109,5 @@ def _formula_or_none(text: str) -> str | None:
 
 
 def _side(text: str) -> str:
-    """Return the LaTeX of a side of a relation, or of its sign."""
+    """Return the LaTeX of one piece of a relation: its left or right side, or its sign."""
     return SIGNS.get(text) or (text if _RELATION.fullmatch(text) else typed_text_latex(text))

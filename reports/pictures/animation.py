@@ -35,20 +35,20 @@ from longwave.support.request_limits import Announcer, ExpectedCost, check_reque
 Array = NDArray[np.float64]
 
 CHEAPER_RUN = "take a larger eps, end earlier or compare fewer sites"
-"""The advice in the error message of a run that costs too much."""
+"""Advice in the error message for a run that exceeds the limits of time or memory."""
 
 BOUNDS = {"duration": (0.2, 600.0), "fps": (1.0, 50.0), "dpi": (30.0, 400.0)}
-"""Smallest and largest duration in seconds, frames per second and pixels per inch. A GIF's frames
-last a whole number of 1/100 s."""
+"""Allowed ranges of a film's duration in seconds, frames per second and pixels per inch. (A GIF's
+frames last a whole number of 1/100 s.)"""
 
 MAX_FRAMES, MAX_STRAINS = 3000, 2e7
-"""Most frames of a film, and most strains in all of them: a run holds four numbers for each."""
+"""Largest number of frames of a film, and of strains in all frames (four numbers each)."""
 
 FEW_FRAMES = 25
 """Number of frames below which `draw_film` prints that the run has few snapshots."""
 
 MAX_TITLE_CHARACTERS = 100
-"""Most characters of a film's title, which has one line."""
+"""Largest number of characters of a film's title, which has one line."""
 
 
 @dataclass(frozen=True)
@@ -119,13 +119,13 @@ def animate(
 
 
 FRAME_SECONDS, PIXEL_SECONDS = 0.012, 3e-8
-"""Seconds to draw and write a frame, and for each of its pixels.
+"""Seconds to draw and write a frame: a constant part, and a part for each of its pixels.
 
 A frame takes 9 to 150 ms from 50 to 400 dpi, in processor time and with ffmpeg, on a 3 GHz server.
 """
 
 FILM_BYTES, PIXEL_BYTES = 4e8, 120.0
-"""Bytes of a process that draws, and bytes for each pixel of the frame that it draws."""
+"""Memory of the drawing process in bytes: a constant part, and a part for each pixel of a frame."""
 
 
 def _check_cost(
@@ -177,7 +177,7 @@ def _frames(times: Sequence[float], count: int) -> tuple[float, ...]:
 
 
 def _within(source: Labelled, times: tuple[float, float] | None) -> LabelledArrays:
-    """Return the snapshots between two times whose strains are finite; ValueError if none is."""
+    """Return the snapshots between two times with finite strains; ValueError if there is none."""
     data = LabelledArrays.of(source)
     if SWEPT in data.attrs:
         raise ValueError(

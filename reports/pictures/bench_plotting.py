@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 MAX_LINES = len(CURVES)
-"""Most lines in a panel; of more lines, evenly spaced ones are drawn."""
+"""Largest number of lines in a panel; of more lines, an evenly spaced selection is drawn."""
 
 PANEL_HEIGHT = 1.9
 """Height of a panel in inches."""
@@ -33,7 +33,7 @@ MIN_READINGS = 32
 """Fewest evenly spaced readings for which a spectrum is drawn."""
 
 MIN_RATIO_AMPLITUDE = 1e-2
-"""Least amplitude of the first sensor at which ratios are drawn, relative to its largest."""
+"""Amplitude of the first sensor, relative to its largest, below which no ratio is drawn."""
 
 BALANCE = ("energy", "work", "heat")
 """Variables of the energy balance."""
@@ -69,7 +69,7 @@ def fluxes(figure: FigureBase, data: LabelledArrays) -> None:
 
 
 def has_spectra(data: LabelledArrays) -> bool:
-    """Return whether there are `MIN_READINGS` times or more, evenly spaced, as for a spectrum."""
+    """Return whether a run has at least `MIN_READINGS` evenly spaced times, as spectra require."""
     gaps = np.diff(data["time"].values)
     return gaps.size >= MIN_READINGS and bool(np.ptp(gaps) <= 1e-6 * gaps.max())
 
@@ -121,11 +121,11 @@ def sensor_spectra(figure: FigureBase, data: LabelledArrays) -> None:
 
 
 MIN_VISIBLE_AMPLITUDE = 1e-5
-"""Amplitude, relative to the largest, below which the last frequencies are cut off."""
+"""Amplitude, relative to the largest, below which the highest frequencies are not drawn."""
 
 
 def _visible_part(frequencies: Array, amplitudes: Array) -> tuple[Array, Array]:
-    """Return the spectra up to the last frequency with a visible amplitude."""
+    """Return frequencies and amplitudes up to just past the last visible amplitude."""
     largest = amplitudes[1:].max(axis=1)
     end = 2 + int(np.flatnonzero(largest >= MIN_VISIBLE_AMPLITUDE * largest.max())[-1])
     return frequencies[:end], amplitudes[:end]
@@ -139,7 +139,7 @@ def mode_energies(figure: FigureBase, data: LabelledArrays) -> None:
 
 @part(0.4 + 1.4 * PANEL_HEIGHT)
 def cells_at_times(figure: FigureBase, data: LabelledArrays) -> None:
-    """Draw the displacement of all cells at some times."""
+    """Draw the displacement over the cells, one line for each of at most `MAX_LINES` times."""
     _line_panels(figure, data, ("displacement",), "time", "$t = {:g}$", along="cell", x="$n$")
 
 
@@ -152,7 +152,7 @@ def _line_panels(
     along: str = "time",
     x: str = "$t$",
 ) -> None:
-    """Draw a panel for each variable, with a line for each index of ``each``, and a legend."""
+    """Draw a panel for each variable in ``names``, a line for each index of dimension ``each``."""
     panels = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
     for ax, name in zip(panels, names, strict=True):
         _lines(ax, data, name, each, along)

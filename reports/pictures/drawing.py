@@ -29,9 +29,9 @@ def snapshot_panels(
     """Draw two panels for each of `run_data.snapshots`, a row per run, lettered (A), (B), ....
 
     The upper panel has the strains. The lower one has the lattice's strain minus the wave's, over
-    the band of the run's own error. ``wave`` is the label of the wave in the legend, by default
-    that of the run. Each row has its own axis limits, unless all rows are ``of_one`` run. The
-    legend stands in the gap of a shorter row, or else above the figure.
+    the band of the run's numerical error. ``wave`` is the label of the wave in the legend, by
+    default that of the run. Each row has its own axis limits, unless all rows are ``of_one`` run.
+    The legend stands in the gap of a shorter row, or else above the figure.
     """
     across, letters = max(len(row) for row in rows), iter(ascii_uppercase)
     signs: dict[str, Any] = {}
@@ -65,7 +65,7 @@ SNAPSHOT_HEIGHT = 2.2
 """Height of a row of snapshots, in inches."""
 
 MOVING = "$n - c\\,t$  (sites)"
-"""Axis label of the sites in the moving frame."""
+"""Axis label for the position in the moving frame, n - c t in sites."""
 
 
 def _hide_axes(axes: NDArray[Any]) -> Axes | None:
@@ -78,7 +78,7 @@ def _hide_axes(axes: NDArray[Any]) -> Axes | None:
 
 
 def add_legend(axes_or_figure: FigureBase | Axes, signs: Mapping[str, Any]) -> None:
-    """Draw a legend with these handles by their labels, in empty axes or above a figure."""
+    """Draw a legend in empty axes or above a figure; ``signs`` maps labels to handles."""
     if isinstance(axes_or_figure, Axes):
         axes_or_figure.legend(signs.values(), signs.keys(), loc="center")
         return
@@ -91,7 +91,7 @@ LEGEND_ENTRY_WIDTH = 1.5
 
 
 def even_indices(count: int, most: int) -> list[int]:
-    """Return at most ``most`` evenly spaced indices of ``count``, the first and last among them.
+    """Return at most ``most`` evenly spaced indices of ``count`` items, first and last included.
 
     >>> even_indices(7, 3), even_indices(2, 3), even_indices(0, 3)
     ([0, 3, 6], [0, 1], [])
@@ -100,8 +100,10 @@ def even_indices(count: int, most: int) -> list[int]:
 
 
 def _draw_snapshot(ax: Axes, at: LabelledArrays, letter: str, wave: str) -> dict[str, Any]:
-    """Draw one panel, the wave as a thin line on the lattice; return the handles by their labels.
-    Of a carrier with too many waves to be seen the envelopes are drawn."""
+    """Draw a panel with the wave as a thin line over the lattice; return legend handles by label.
+
+    If a carrier's oscillations are too dense to be seen, the envelopes are drawn instead.
+    """
     offset, beads = at["offset"].values, _are_beads(ax, at["strain"].size)
     strain_envelope = at.get("strain_envelope")
     if strain_envelope is not None and np.isfinite(strain_envelope.values).any() and not beads:
@@ -133,26 +135,26 @@ def _draw_envelopes(ax: Axes, at: LabelledArrays) -> dict[str, Any]:
 
 
 def _are_beads(ax: Axes, count: int) -> bool:
-    """Return whether that many values in axes are few enough to be drawn as beads."""
+    """Return whether ``count`` values are few enough for the axes to be drawn as beads."""
     cell = ax.get_subplotspec()
     columns = 1 if cell is None else cell.get_gridspec().ncols
     return count <= style.BEADS_AN_INCH * style.page_width() / columns
 
 
 def _largest_difference(at: LabelledArrays) -> float:
-    """Return the larger of the largest |lattice - wave| and the run's own error, for the axis."""
+    """Return the scale of an axis: max |lattice - wave| or, if larger, the numerical error."""
     difference = np.abs(at["strain"].values - at["analytic"].values)
     return max(float(np.max(difference[np.isfinite(difference)], initial=0.0)), _own(at) or 0.0)
 
 
 def _own(at: LabelledArrays) -> float | None:
-    """Return the own error of a snapshot, None if it was not measured."""
+    """Return the numerical error of a snapshot, None if it was not measured."""
     own = float(at["own"].values) if "own" in at else math.nan
     return own if math.isfinite(own) else None
 
 
 def _draw_difference(ax: Axes, at: LabelledArrays, largest: float) -> dict[str, Any]:
-    """Draw lattice minus wave over the band of the own error; return the handles by label."""
+    """Draw lattice minus wave over the band of the numerical error; return the handles by label."""
     offset, own = at["offset"].values, _own(at)
     difference = at["strain"].values - at["analytic"].values
     (line,) = ax.plot(offset, difference, color="black", linewidth=0.8)
@@ -168,7 +170,7 @@ def _draw_difference(ax: Axes, at: LabelledArrays, largest: float) -> dict[str, 
 
 
 OWN_ERROR = "own error of the run"
-"""Label of a run's own error in legends."""
+"""Legend label of a run's numerical error, which is due to its step and domain."""
 
 
 def error_text(own: float) -> str:
@@ -196,7 +198,7 @@ def spread_limits(arrays: Sequence[Sites]) -> tuple[float, float]:
 
 
 ErrorPanels = Mapping[str, Mapping[str, ErrorCurve]]
-"""Curves by their labels, for each panel's title; labels may have LaTeX in dollars."""
+"""Panel title -> curve label -> error curve; labels may have LaTeX in dollars."""
 
 
 @style.part(2.0)
@@ -220,8 +222,10 @@ def error_panels(figure: FigureBase, panels: ErrorPanels) -> None:
 
 
 def _draw_own(ax: Axes, times: Sites, errors: Sites, own: Sites, colour: str) -> None:
-    """Draw a run's own error as a band, or as bars where it is known at few times. The label states
-    the largest own error, as the band is often thinner than the line."""
+    """Draw a run's numerical error as a band, or as bars if it is known at few times.
+
+    The legend states the largest value, as the band is often thinner than the line.
+    """
     label = rf"own error $\leq$ {error_text(float(np.nanmax(own)))}"
     known = np.isfinite(own)
     if known.mean() > BAND_FRACTION:
@@ -233,13 +237,13 @@ def _draw_own(ax: Axes, times: Sites, errors: Sites, own: Sites, colour: str) ->
 
 
 LEGEND_ENTRY_HEIGHT = 0.1
-"""Fraction of a panel's height that each legend entry beyond the second takes."""
+"""Height of each legend entry beyond the second, as a fraction of the panel's height."""
 
 BAND_FRACTION = 0.5
-"""Fraction of the times above which a known own error is drawn as a band."""
+"""Least fraction of times with a known numerical error for which it is drawn as a band."""
 
 MIN_MAP_CELLS = 24
-"""Fewest cells of sites that a space-time map shows."""
+"""Least number of cells (groups of adjacent sites) that a space-time map shows."""
 
 
 def field_label(run: LabelledArrays | LabelledValues, strain: str = "$y_n$") -> str:
@@ -320,7 +324,9 @@ def time_edges(times: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def cell_edges(starts: NDArray[np.integer]) -> NDArray[np.float64]:
-    """Return the edges of cells of sites that begin at ``starts`` and lie evenly about 0.
+    """Return the edges of cells (groups of adjacent sites) whose first sites are ``starts``.
+
+    The cells must lie evenly about site 0.
 
     >>> cell_edges(np.array([-4, -1, 2]))
     array([-4.5, -1.5,  1.5,  4.5])
@@ -329,11 +335,11 @@ def cell_edges(starts: NDArray[np.integer]) -> NDArray[np.float64]:
 
 
 CREST_LABELS = {"crest_position": "crest at " + MOVING, "crest_strain": "$y$ at the crest"}
-"""Axis labels of the panels of a crest's track, by the variables that they show."""
+"""Variable of a run -> axis label of its panel in the picture of the crest's track."""
 
 
 def _crest_rows() -> int:
-    """Return the number of rows of crest panels: two in one column of a journal, else one."""
+    """Return the number of rows of crest panels: two on a page one column wide, else one."""
     return 1 if style.page_width() > len(CREST_LABELS) * 2.0 else len(CREST_LABELS)
 
 
@@ -366,14 +372,14 @@ def crest_track(figure: FigureBase, run: LabelledArrays) -> None:
 
 
 MAX_CREST_POINTS = 50
-"""Most points that are drawn of a crest's track."""
+"""Largest number of points that are drawn of a crest's track."""
 
 JUMP_SITES, JUMP_STEPS = 3.0, 8.0
-"""Sites, and multiples of the median step, beyond which a step is a jump to another crest."""
+"""Sites, and multiples of the median step: a step beyond both is a jump to another crest."""
 
 
 def _is_steady(position: Sites) -> NDArray[np.bool_]:
-    """Return where the crest's step from the time before is not a jump to another crest."""
+    """Return a mask of the times at which the crest did not jump to another crest."""
     values = np.asarray(position, dtype=float)
     steps = np.abs(np.diff(values, prepend=values[:1]))
     known = steps[np.isfinite(steps)]
@@ -381,12 +387,12 @@ def _is_steady(position: Sites) -> NDArray[np.bool_]:
 
 
 MAX_SPECTRA = 6
-"""Most times at which spectra are drawn."""
+"""Largest number of times at which spectra are drawn."""
 
 
 @style.part(lambda spectra: 1.9 * grid_shape(spectra.sizes["time"])[0] + 0.35)
 def spectrum_panels(figure: FigureBase, spectra: LabelledArrays) -> None:
-    """Draw a panel for each time of `run_data.spectra`; the line is the run's own error."""
+    """Draw a panel for each time of `run_data.spectra`; the line is the run's numerical error."""
     amplitude = f"amplitude of {field_label(spectra, '$y$')}"
     grid, free = panel_grid(figure, spectra.sizes["time"], "wavenumber  (1/site)", amplitude)
     signs: dict[str, Any] = {}
@@ -429,10 +435,10 @@ def panel_grid(
 
 
 WAVENUMBER_TICKS = [0.0, np.pi / 2, np.pi], ["0", r"$\pi/2$", r"$\pi$"]
-"""Ticks and their texts on an axis of wavenumbers per site."""
+"""Tick positions and tick labels on an axis of wavenumbers per site."""
 
 STABLE = "#d9d9d9"
-"""Colour of the region in which plane waves are stable."""
+"""Colour of the region in which plane carrier waves are modulationally stable."""
 
 
 def draw_grid(ax: Axes) -> None:
@@ -475,10 +481,10 @@ def _amplitude_limits(spectra: LabelledArrays) -> tuple[float, float]:
 
 
 MAX_LEGEND_COLUMNS = 4
-"""Most entries in a row of the legend of costs."""
+"""Largest number of entries in a row of the legend of a cost figure."""
 
 CostPanels = Mapping[str, Mapping[str, Sequence[tuple[float, float]]]]
-"""Points (x, y), both positive, by each curve's label, for each panel's title."""
+"""Panel title -> curve label -> points (x, y) with both numbers positive."""
 
 
 def cost_figure(
@@ -532,7 +538,7 @@ def cost_figure(
 
 
 CHEAPEST_TITLE = "points: {}; lines: the cheapest\nfor an error (monotone envelope)"
-"""Title of a legend of runs, whose lines are drawn through `cheapest_indices`."""
+"""Legend title if lines join the points of `cheapest_indices`; the braces name the points."""
 
 
 def cheapest_indices(work: Sites, errors: Sites) -> NDArray[np.intp]:

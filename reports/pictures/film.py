@@ -29,14 +29,14 @@ MAX_BEADS = 420
 """Most sites that are drawn as beads; more are drawn as a line."""
 
 FILL_COLOUR, CURVE_COLOUR = "#DDEFFA", "#BBBBBB"
-"""Colours of the area below the lattice, and of the error curve at all times."""
+"""Colours of the area below the lattice's strain, and of the error curve at all times."""
 
 CONTOUR_LINES = 5
 """Number of contour lines of the wave's strain."""
 
 
 class Film:
-    """Frames of a placed run, one a snapshot, in one fixed layout; a subclass draws the strains."""
+    """Frames in one layout, one for each snapshot of a placed run; subclasses draw the strains."""
 
     def __init__(self, run: LabelledArrays, title: str, dpi: float) -> None:
         self._run = run
@@ -81,7 +81,7 @@ class Film:
         return np.asarray(self._agg.buffer_rgba())[:, :, :3].copy()
 
     def _draw_track(self) -> None:
-        """Draw the error at all times in grey, an empty coloured line over it, and a dot."""
+        """Draw the error at all times in grey, and create the line and dot that mark the frame."""
         ax, times = self._below, self._times
         ax.plot(times, self._errors, color=CURVE_COLOUR, linewidth=1.0)
         (self._past,) = ax.plot([], [], color=LATTICE, linewidth=1.4)
@@ -145,12 +145,12 @@ class ChainFilm(Film):
         self._line.set_data(self._offset[index], self._wave[index])
 
     def _filled(self, index: int) -> tuple[Array, Array]:
-        """Return x and y of the outline of the area between the lattice and the level."""
+        """Return x and y of the outline of the area between the lattice's strain and ``level``."""
         offset = np.pad(self._offset[index], 1, "edge")
         return offset, np.pad(self._strain[index], 1, constant_values=self._level)
 
     def _common(self) -> tuple[float, float]:
-        """Return the range of offsets that all frames have, though they move between sites."""
+        """Return the range of offsets n - c t that all frames contain."""
         first, last = self._offset[:, 0], self._offset[:, -1]
         left, right = float(first.max()), float(last.min())
         return (left, right) if left < right else (float(first[0]) - 0.5, float(last[0]) + 0.5)

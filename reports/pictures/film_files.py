@@ -21,22 +21,22 @@ from longwave.reports.pictures.film import Film, Image
 from longwave.support.atomic_file import write_atomically
 
 SUFFIXES = (".mp4", ".gif")
-"""Suffixes of films."""
+"""File suffixes with which a film can be written."""
 
 GIF_COLOURS = 64
 """Number of colours of a GIF: enough for lines in four colours with smooth edges, or a map."""
 
 MIN_WHITE = 246
-"""Least red, green and blue, of 255, of a colour that becomes white."""
+"""Least value, 0 to 255, of red, green and blue of a colour that is replaced by white."""
 
 PALETTE_FRAMES = 5
 """Number of frames from which the colours of a GIF are taken."""
 
 MAX_GIF_PIXELS = 4e8
-"""Most pixels in all frames of a GIF, which are in memory together, a byte each."""
+"""Largest number of pixels in all frames of a GIF; they are all in memory, one byte each."""
 
 Show = Callable[[float], object]
-"""A function that is called with the share of the frames that is written."""
+"""Progress callback, called with the fraction of frames that are written."""
 
 
 def has_ffmpeg() -> bool:
@@ -59,7 +59,7 @@ def film_path(output: str | Path) -> Path:
 def save_film(film: Film, path: Path, fps: float, show: Show = lambda _: None) -> None:
     """Write a film to a path, as MP4 or GIF by its suffix.
 
-    ``show`` is called with the share of the frames that is written. Raises OSError if the file
+    ``show`` is called with the fraction of frames that are written. Raises OSError if the file
     cannot be written, ValueError for a GIF that does not fit into memory.
     """
     write = _write_gif if path.suffix.lower() == ".gif" else _write_mp4

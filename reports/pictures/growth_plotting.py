@@ -34,29 +34,29 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 CARRIER = "envelope.k"
-"""The field over which rates are drawn: the carrier's wavenumber k."""
+"""Swept field along the x axis: the carrier's wavenumber k."""
 
 RATE, RATE_ERROR, THEORY = "growth_rate", "growth_rate_error", "growth_rate_theory"
 NEEDED = (RATE, RATE_ERROR, THEORY, "carrier_k", "perturbation_kappa")
-"""The variables that a picture is drawn from, besides the status of the cells."""
+"""Variables of the sweep that the picture requires, besides the status of the cells."""
 
 MAX_ROWS = 6
-"""Most rows in a picture; each has its own map."""
+"""Largest number of rows in a picture; each row has its own map."""
 
 MAP_POINTS = 400
-"""Number of points of a map along k, and along kappa."""
+"""Number of points of a map along each axis: carrier k and perturbation kappa."""
 
 KAPPA_MARGIN = 1.25
-"""Largest kappa of a map, in units of the largest kappa that was run and grows."""
+"""Upper end of a map's kappa axis, relative to the largest growing kappa that was run."""
 
 NUMERICAL_FIELDS = ("eps", "order", "tolerance")
-"""Fields on which no theory depends; any other field may change a map."""
+"""Swept fields that only affect the run's numerics, not the theoretical map of growth rates."""
 
 PERTURBATION_FIELDS = ("parameters.share", "parameters.kappa")
-"""Fields on which a curve in theory depends, but not its map."""
+"""Swept fields on which the theoretical curve depends, but not the map of growth rates."""
 
 UNNAMED_FIELDS = ("lattice", "envelope.branch")
-"""Fields whose values are in titles without their name."""
+"""Swept fields whose values appear in titles without the field's name."""
 
 
 def growth_panels(data: xr.Dataset, most_curves: int) -> Sequence[GrowthPanel]:
@@ -78,7 +78,7 @@ def growth_panels(data: xr.Dataset, most_curves: int) -> Sequence[GrowthPanel]:
 
 
 def _rows_and_lines(data: xr.Dataset, along: str) -> tuple[list[str], list[str]]:
-    """Return the coordinates that differ between panels, and those that differ within a panel."""
+    """Return the swept coordinates that tell panels apart, and those that tell curves apart."""
     fields = {str(n): data[n].attrs["field"] for n in data.coords if "field" in data[n].attrs}
     swept = [name for name in fields if data[name].ndim == 1 and fields[name] != CARRIER]
     chosen = [name for name in swept if fields[name] in PERTURBATION_FIELDS]
@@ -100,7 +100,7 @@ def _rows_and_lines(data: xr.Dataset, along: str) -> tuple[list[str], list[str]]
 
 
 def _is_numerical(data: xr.Dataset, field: str) -> bool:
-    """Return whether no theory depends on a field; it depends on eps if a constant contains eps."""
+    """Return whether a field only affects a run's numerics; not eps if a constant contains eps."""
     if field != "eps":
         return field in NUMERICAL_FIELDS
     columns = (data[name] for name in data.coords if data[name].dtype.kind in "UO")
@@ -172,8 +172,10 @@ def _cells(data: xr.Dataset, dims: Sequence[str]) -> xr.Dataset:
 
 
 def _titles(parts: Sequence[xr.Dataset], names: Sequence[str]) -> list[str]:
-    """Return a title of each panel from the values that differ between panels. Values that are
-    tables stand in titles only if the titles would be equal without them."""
+    """Return a title for each panel: the values that differ between panels.
+
+    Values that are tables are included only if the titles would be equal without them.
+    """
     scalar = [str(name) for name in parts[0].coords if parts[0][name].ndim == 0]
     fields = {name: parts[0][name].attrs.get("field", name) for name in (*names, *scalar)}
     unnamed = [name for field in UNNAMED_FIELDS for name in fields if fields[name] == field]
@@ -189,7 +191,7 @@ def _titles(parts: Sequence[xr.Dataset], names: Sequence[str]) -> list[str]:
 
 
 def _with_differences(titles: Sequence[str], tables: Sequence[dict[str, Any]]) -> list[str]:
-    """Return the titles, each with the entries of its table that are not the same in all tables."""
+    """Return each title followed by those entries of its table that differ between the tables."""
     names = dict.fromkeys(name for table in tables for name in table)
     differing = [name for name in names if len({repr(table.get(name)) for table in tables}) > 1]
     texts = (_assignments({n: table[n] for n in differing if n in table}) for table in tables)
@@ -298,10 +300,10 @@ def _value(value: Any) -> Any:
 
 
 UNKNOWN = "#a6a6a6"
-"""Colour of the wavenumbers at which plane waves have no NLS equation."""
+"""Colour of the carrier wavenumbers at which no NLS equation can be derived."""
 
 LEGEND_LETTERS = 88
-"""Letters in a row of the legend, over which up to four entries are spread."""
+"""Number of letters that fit into a row of the legend, which has up to four entries."""
 
 
 @dataclass(frozen=True)
@@ -341,7 +343,7 @@ def growth_map(figure: FigureBase, panels: Sequence[GrowthPanel]) -> None:
 
 
 Looks = Mapping[str, Mapping[str, Any]]
-"""Colour, line style and marker of each curve by its label, the same in all panels."""
+"""Curve label -> Matplotlib colour, line style and marker; the same in all panels."""
 
 
 def _theory_looks(panel: GrowthPanel, looks: Looks) -> dict[str, dict[str, Any]]:
@@ -358,7 +360,7 @@ def _theory_looks(panel: GrowthPanel, looks: Looks) -> dict[str, dict[str, Any]]
 
 
 def _draw_rates(ax: Axes, panel: GrowthPanel, looks: Looks) -> None:
-    """Draw the measured rates and the curves in theory, on grey where plane waves are stable."""
+    """Draw measured rates and theoretical curves, on grey where plane carrier waves are stable."""
     theory = _theory_looks(panel, looks)
     for curve in panel.curves:
         colour, marker = (looks[curve.attrs["label"]][key] for key in ("color", "marker"))
@@ -385,8 +387,8 @@ def _draw_rates(ax: Axes, panel: GrowthPanel, looks: Looks) -> None:
 
 
 def _set_rates(ax: Axes, panel: GrowthPanel) -> float:
-    """Set the axis to the measured rates and their theory; return its upper end. The curve in
-    theory may exceed it next to a resonance."""
+    """Set the limits of the rate axis to the measured rates and their theory; return the upper
+    one. The curve in theory may exceed it next to a resonance."""
     known = np.concatenate([v for c in panel.curves for v in (c[RATE] + c[RATE_ERROR], c[THEORY])])
     known = known[np.isfinite(known)]
     top = 1.1 * float(known.max()) if known.size and known.max() > 0.0 else 1.0

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 MAX_TIMES = 3
-"""Most times of a scene side by side."""
+"""Largest number of snapshots of a scene that are drawn side by side."""
 
 
 def even_times(run: Labelled) -> list[int]:
@@ -32,7 +32,7 @@ def even_times(run: Labelled) -> list[int]:
 
 @part(4.6)
 def strain_maps(figure: FigureBase, run: LabelledArrays) -> None:
-    """Draw heat maps of strain, and of lattice minus theory titled with the run's own error."""
+    """Draw heat maps of strain and of lattice minus theory; titles state the numerical error."""
     places = even_times(run)
     panels = figure.subplots(2, len(places), squeeze=False, sharey=True)
     strain = run["strain"].values
@@ -59,16 +59,16 @@ def strain_maps(figure: FigureBase, run: LabelledArrays) -> None:
 
 
 RATE_HEIGHT, RATES_ACROSS = 2.3, 2
-"""Height of a row of panels of errors over eps, in inches, and most panels in a row."""
+"""Height in inches of a row of panels of errors over eps, and number of panels in a row."""
 
 MIN_TICK_DISTANCE = 0.2
 """Least distance of two printed values of eps, as a fraction of the axis's length."""
 
 
 def rate_figure(panels: Mapping[float, Mapping[str, Sequence[ConvergencePoint]]]) -> Figure:
-    """Return a figure of errors over eps, on logarithmic axes, with the runs' own errors as bars.
+    """Return a log-log figure of errors over eps, with the runs' numerical errors as bars.
 
-    ``panels`` has curves by their labels, for each power of eps that a panel's dotted line shows.
+    ``panels`` maps the power of eps of a panel's dotted line to the panel's curves by label.
     """
     down = -(-len(panels) // RATES_ACROSS)
     figure = Figure((page_width(), RATE_HEIGHT * down), layout="constrained")
@@ -97,7 +97,7 @@ def _draw_errors(
 
 
 def _draw_power(ax: Axes, points: Sequence[ConvergencePoint], power: float) -> None:
-    """Draw a line of slope ``power`` below all points, and ticks at round values of eps."""
+    """Set log-log axes, draw a line of slope ``power`` below all points, and set ticks of eps."""
     ax.set(xscale="log", yscale="log")
     factor = 0.5 * min(point.error / point.eps**power for point in points)
     ends = np.array([min(p.eps for p in points), max(p.eps for p in points)])
@@ -114,7 +114,7 @@ def _draw_power(ax: Axes, points: Sequence[ConvergencePoint], power: float) -> N
 
 
 def modulation_figure(grid: ModulationGrid, quadratic: Array) -> Figure:
-    """Return a figure of the growth rate over wavenumber and K3; it is grey where p q < 0."""
+    """Return a figure of the growth rate over wavenumber and K3, grey where p q < 0 (stable)."""
     figure = Figure((0.8 * page_width(), 3.0), layout="constrained")
     ax = figure.subplots()
     unstable = grid.product > 0

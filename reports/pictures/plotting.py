@@ -42,23 +42,24 @@ if TYPE_CHECKING:
     import xarray as xr
 
 ALL, GROWTH = "all", "growth"
-"""Kinds of pictures: all that a run has, and the growth of sidebands."""
+"""Names of two kinds of pictures: all pictures of a run, and the growth of sidebands."""
 
 MAX_COLUMNS, MAX_PANELS = 3, 12
-"""Most snapshots side by side, and in all; of more, evenly spaced ones are drawn."""
+"""Largest number of snapshots in a row, and in all; of more, evenly spaced ones are drawn."""
 
 TITLE_CHARACTERS_AN_INCH = 12.9
-"""Characters of a title in an inch."""
+"""Number of characters of a figure's title that fit into one inch."""
 
 VISIBLE_DEVIATION, MIN_HALF_WIDTH = 0.02, 20
-"""Visible deviation from the background over the largest one; least half-width in sites."""
+"""Deviation from the background, relative to the largest, that a picture must contain; and the
+least half-width of a picture in sites."""
 
 MAX_TITLE_CHARACTERS = 270
-"""Most characters of a line in a figure's title."""
+"""Largest number of characters in a line of a figure's title."""
 
 MAP_TIMES, SNAPSHOT_TIMES = 201, 101
-"""Number of times of map and crest track if the scene states none; number of snapshots for the
-curves of a scene on any lattice."""
+"""Number of times of a map or crest track if the scene states none, and number of snapshots added
+to a scene on any lattice for its curves over time."""
 
 Source = Labelled | Scene | str | Path
 """A run (a data set is one), or a scene or file to be run or read first."""
@@ -180,7 +181,7 @@ def _for_pictures(scene: Scene, kind: str) -> Scene:
 
     With kind "all" the error curve is included only if the scene asks for it, as computing it
     raises an error for a wave that cannot be distinguished from its background. With the error
-    curve come the run's own errors, if the scene asks for them.
+    curve come the run's numerical errors, if the scene asks for them.
     """
     if kind == GROWTH:
         raise ValueError(
@@ -254,7 +255,7 @@ def _pictures(data: LabelledArrays, kind: str) -> Sequence[Picture]:
 
 
 def _has(data: LabelledArrays, picture: Picture) -> bool:
-    """Return whether the run has the picture's variables, with finite numbers, and fits."""
+    """Return whether the run has the picture's variables with finite numbers and `Picture.fits`."""
     names = picture.variables
     has_numbers = all(name in data and np.isfinite(data[name].values).any() for name in names)
     return has_numbers and picture.fits(data)
@@ -323,7 +324,7 @@ PICTURES: Mapping[str, Picture] = {
     "cells": Picture("", ("displacement",), bench_plotting.cells_at_times),
     GROWTH: Picture("", ("sideband_size", "sideband_theory", "slow_time"), _sizes),
 }
-"""The kinds of pictures, in the order in which they are drawn."""
+"""Kind of picture -> how it is drawn and what it needs, in drawing order."""
 
 
 def changed_source(source: str, changes: Mapping[str, Any]) -> str | Scene:
@@ -351,8 +352,8 @@ def draw(
 ) -> int:
     """Draw ``source`` to ``path`` and print the path; return the exit status.
 
-    The status is 0, 2 for wrong input, or 130 after Ctrl-C; then the unfinished run is drawn if it
-    can be, and ``program`` is the name in the message.
+    The status is 0, 2 for wrong input, or 130 after Ctrl-C, when the unfinished run is drawn if it
+    can be. ``program`` is the command's name in messages.
     """
     try:
         content = read_source(changed_source(source, changes))

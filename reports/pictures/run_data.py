@@ -1,4 +1,4 @@
-"""Data of a run, on any lattice, for pictures: frame, own errors, spectra, map and crest.
+"""Data of a run, on any lattice, for pictures: frame, numerical errors, spectra, map and crest.
 
 `placed` adds numbers of the run's scene. `with_looks` adds, to a run that has only snapshots, the
 space-time map, the error over time and the track of the crest.
@@ -23,13 +23,13 @@ from longwave.support.user_files import shown
 Array = NDArray[np.float64]
 
 MIN_MAP_TIMES = 8
-"""Fewest snapshots for which a map or a curve over time is drawn."""
+"""Least number of snapshots for which a space-time map or a curve over time is drawn."""
 
 MIN_CARRIER_CELL = 8
-"""Fewest sites in a cell of an envelope's map: at least a few carrier waves, unless very long."""
+"""Least number of sites in a map cell of a carrier wave whose envelope is unknown."""
 
 LARGEST_POWER = 20
-"""Largest power of eps in the unit of errors."""
+"""Largest accepted exponent p of the error unit eps**p."""
 
 UNIT_ROUNDOFF = 2.0**-53
 """Half a unit in the last place of 1."""
@@ -74,8 +74,8 @@ def snapshots(
 ) -> list[LabelledArrays]:
     """Return the snapshots of a run, at the times ``places`` or all, near the site next to c t.
 
-    The sites are up to ``half_width`` to either side of it. Each snapshot has the run's ``own``
-    error, NaN where it was not measured, and that of a carrier the variables of `with_envelope`.
+    The sites are up to ``half_width`` to either side of it. Each snapshot has the run's numerical
+    error ``own``, NaN where it was not measured, and for a carrier those of `with_envelope`.
     """
     data = LabelledArrays.of(run)
     data = with_envelope(with_own(data if "offset" in data else placed(data)))
@@ -103,7 +103,7 @@ DIMENSIONS: Mapping[str, tuple[str, ...]] = {
 
 
 def check_run(data: Labelled) -> None:
-    """Raise ValueError if a variable of `DIMENSIONS` in a data set has not the form of a run's."""
+    """Raise ValueError if a variable of `DIMENSIONS` has dimensions or a type that no run has."""
     used = {name: data.variables[name] for name in DIMENSIONS if name in data.variables}
     for name, variable in used.items():
         dims = tuple(dim for dim in variable.dims if dim != "row" or name == "n")
@@ -129,7 +129,7 @@ def _refuse(what: str) -> NoReturn:
 
 
 def own_error(data: LabelledArrays) -> Array | None:
-    """Return the own error of a placed run's strain at each snapshot; None if it has none."""
+    """Return the numerical error of a placed run's strain at each snapshot; None if it has none."""
     scaled = scaled_own_error(data)
     return None if scaled is None else data.attrs["unit"] * scaled
 
@@ -186,22 +186,23 @@ def envelope(strain: Array) -> Array:
 
 
 TAPERED_FRACTION, MIN_TAPER = 0.125, 0.7
-"""Fraction of the sites next to each end over which a strain is tapered to zero, and the value of
-the taper above which the envelope is known."""
+"""Fraction of the sites over which a strain is tapered to zero at each end before it is filtered,
+and the value of the taper, 0 to 1, above which the envelope is known."""
 
 BAND_WIDTH = 0.7
-"""Half-width of the filter's band, over the distance between the carrier and 0 or pi."""
+"""Half-width of the band-pass filter around the carrier, as a fraction of the carrier's distance
+from 0 or pi."""
 
 MIN_ENVELOPE_SITES, MIN_CARRIER_DISTANCE = 48, 0.3
-"""Fewest sites of an envelope, and least distance of its carrier from 0 and pi, per site."""
+"""Least number of sites, and least distance of the carrier k from 0 and pi, for an envelope."""
 
 
 def spectra(data: LabelledArrays, places: Sequence[int]) -> LabelledArrays:
     """Return the amplitudes of ``lattice`` and ``wave`` over the compared sites at some snapshots.
 
     ``rounding`` is the mean amplitude of errors from rounding the strain to doubles. ``own`` is a
-    bound of the amplitudes' error: 2 e if the run's own error in the strain is at most e. It is NaN
-    if that was not measured.
+    bound of the amplitudes' error: 2 e if the run's numerical error in the strain is at most e. It
+    is NaN if that was not measured.
     """
     middle = _middle_row(with_own(data).isel(time=list(places)))
     strain, analytic = (
@@ -226,16 +227,16 @@ def spectra(data: LabelledArrays, places: Sequence[int]) -> LabelledArrays:
 
 
 def _kind(data: LabelledArrays) -> dict[str, Any]:
-    """Return the attribute ``field_kind``, the field that a run compares, if the run has it."""
+    """Return {"field_kind": name of the compared field}, empty if the run has no such attribute."""
     return {key: data.attrs[key] for key in ("field_kind",) if key in data.attrs}
 
 
 CURVES = {"error_curve": "over background", "error_curve_far_field": "over far field"}
-"""Labels of the errors over time: the part of the wave that each is relative to."""
+"""Variable of a run -> legend label of this error, which says what the error is relative to."""
 
 
 def error_curves(data: LabelledArrays) -> dict[str, ErrorCurve]:
-    """Return the error curves of a placed run by their labels, with the run's own errors."""
+    """Return the error curves of a placed run by their labels, with the run's numerical errors."""
     known = data["own"].values if "own" in data else None
     return {
         label: ErrorCurve.of(data, name, _own(data, name) if known is None else known)
@@ -245,7 +246,7 @@ def error_curves(data: LabelledArrays) -> dict[str, ErrorCurve]:
 
 
 def _own(data: LabelledArrays, name: str) -> Array:
-    """Return the run's own error for each value of a variable, in that variable's units."""
+    """Return the run's numerical error for each value of a variable, in that variable's units."""
     scene = scene_of_run(data)
     return np.array([own_error_at(data, scene, name, i) for i in range(data[name].size)])
 

@@ -13,13 +13,13 @@ from longwave.reports.pictures.style import styled
 from longwave.support.user_files import shown_path
 
 SHARPNESS = 2
-"""Pixels of a picture for each pixel at which a notebook shows it, for dense screens."""
+"""Image pixels per displayed notebook pixel (in each direction), for sharp dense screens."""
 
 NOTEBOOK_DPI = 96.0
 """Pixels of a notebook for each inch of a figure."""
 
 MOST_BYTES = 30_000_000
-"""Most bytes of a film that is embedded in a notebook; of a larger one the path is shown."""
+"""Largest film in bytes that a notebook embeds; for a larger one the path is shown."""
 
 
 class ShownFigure(Figure):

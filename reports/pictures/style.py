@@ -28,20 +28,20 @@ WIDTHS = {1: 3.4, 2: 7.0}
 """Widths of pictures for one column and for two columns of a journal, in inches."""
 
 LATTICE, WAVE, OWN = "#56B4E9", "#D55E00", "#E69F00"
-"""Colours of the lattice, the wave in theory and a run's own error in all pictures."""
+"""Colours of the lattice, the wave in theory and a run's numerical error in all pictures."""
 
 NUMERICAL: dict[str, Any] = {"color": LATTICE, "linestyle": "-", "linewidth": 2.6}
-"""Look of the lattice's strain: a broad line, which remains visible under a thin one."""
+"""Line style of the lattice's strain: broad, so that it remains visible under a thin line."""
 
 BEADS: dict[str, Any] = {"color": LATTICE, "linestyle": "", "marker": "o", "markersize": 3.6}
 BEADS |= {"markeredgewidth": 0.5, "markeredgecolor": "#0072B2"}
 """Look of the lattice's strain where single values can be distinguished: each is a bead."""
 
 ANALYTICAL: dict[str, Any] = {"color": WAVE, "linestyle": "-", "linewidth": 0.9}
-"""Look of the wave in theory."""
+"""Line style of the wave in theory."""
 
 BEADS_AN_INCH = 22.0
-"""Most values per inch that are drawn as beads."""
+"""Largest number of values per inch that are drawn as separate beads."""
 
 CURVES: tuple[dict[str, Any], ...] = (
     {"color": "#0072B2", "linestyle": "-", "marker": "o"},
@@ -85,13 +85,13 @@ _FONTS: Mapping[str, dict[str, Any]] = {
         "axes.formatter.use_mathtext": True,
     },
 }
-"""Matplotlib settings of fonts: those of journals, in Unicode and searchable, and those of TeX."""
+"""Matplotlib font settings: "times" as in journals (searchable Unicode), "tex" as in TeX."""
 
 _FAMILIES = "STIXGeneral, 'STIX Two Text', 'Times New Roman', Times, serif"
-"""Fonts of an SVG's text: a browser uses the first that it has."""
+"""CSS font families for the text of an SVG; a browser uses the first that it has."""
 
 _NOT_IN_TEX = re.compile(r'[<>_|{}"\\$]')
-"""Characters that TeX's fonts have at other positions."""
+"""Pattern of characters that TeX's text fonts show as other characters."""
 
 
 @dataclass(frozen=True)
@@ -167,7 +167,7 @@ class PowerTicks(ScalarFormatter):
 
 
 _CHANGING = {".pdf": "CreationDate", ".svg": "Date"}
-"""Entry of a picture's metadata that would differ each time, by suffix."""
+"""File suffix -> metadata entry that would differ each time a picture is written."""
 
 
 @contextmanager
@@ -220,7 +220,7 @@ def _write_pixels(figure: Figure, path: Path) -> None:
 
 
 def _set_in_tex(figure: Figure) -> None:
-    """Turn characters that TeX's text fonts lack into mathematics."""
+    """Replace characters in a figure's texts that TeX's text fonts lack by mathematics."""
     for text in figure.findobj(Text):
         words = text.get_text()
         parts = words.split("$") if text.get_parse_math() else [words]
@@ -231,7 +231,7 @@ def _set_in_tex(figure: Figure) -> None:
 
 
 def _as_mathematics(found: re.Match[str]) -> str:
-    """Return such a character as mathematics."""
+    """Return the Matplotlib markup for a character matched by `_NOT_IN_TEX`."""
     return {"$": r"\$", "\\": r"$\backslash$", '"': "''"}.get(
         found[0], rf"$\{found[0]}$" if found[0] in "_{}" else f"${found[0]}$"
     )

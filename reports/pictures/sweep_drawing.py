@@ -30,22 +30,22 @@ Array = NDArray[np.float64]
 Cells = NDArray[np.bool_]
 
 MAX_HEAT_COLUMNS = 3
-"""Most heat maps side by side."""
+"""Largest number of heat maps side by side."""
 
 LOG_SCALE_RATIO = 30.0
-"""Ratio of the largest to the smallest positive value from which scales are logarithmic."""
+"""Ratio of the largest to the smallest positive value above which a scale is logarithmic."""
 
 EMPTY_COLOUR = "#d9d9d9"
 """Colour of a cell without a value."""
 
 LARGE_ERROR, HATCH = 0.1, "////"
-"""Own error over the value above which a heat map's cell is hatched, and the hatch."""
+"""Numerical error relative to the value above which a heat map's cell is hatched; the hatch."""
 
 DARK_FRACTION = 0.6
 """Fraction of the colour range that is dark; hatches are white there, else black."""
 
 CURVE_OFFSET = 0.1
-"""Distance between the points of different curves at the same text, in units of the axis."""
+"""Sideways distance between points of different curves at one text, where texts are 1 apart."""
 
 ROW_HEIGHT = 0.04
 """Height of a row of crosses, as a fraction of the axes' height."""
@@ -54,20 +54,20 @@ NO_RESULT = "\N{MULTIPLICATION SIGN}: no result"
 """Explanation of the crosses at the lower edge of curves."""
 
 OF_ESTIMATE, OF_WAVE = "estimated", "relative to the wave"
-"""Labels of estimated errors, and of errors against the wave."""
+"""Legend labels of a run's estimated error, and of its error relative to the wave."""
 
 LETTER = re.compile(r"\\[a-z]+|[A-Za-z](_?[0-9A-Za-z])?")
-"""Pattern of names that are one letter (Greek ones as LaTeX commands), with or without an index."""
+"""Pattern of names to set as mathematics: one letter or a LaTeX command, perhaps with an index."""
 
 LONGEST_TICK, LONGEST_BESIDE, LONGEST_ABOVE, LONGEST_IN_TWO = 16, 24, 80, 50
-"""Most characters of a tick's text, of one in a legend beside a picture or in a map's title, of one
-in a legend above a picture, and of one there in two columns."""
+"""Largest number of characters of a tick label, of a legend entry beside a picture or a map's
+title, of a legend entry above a picture, and of an entry there in two columns."""
 
 CUT = "..."
-"""Replacement of the middle of a text that is too long."""
+"""Text that replaces the middle of a text that is too long."""
 
 MAX_TICKS = 6
-"""Most ticks of a logarithmic axis, at some of its values."""
+"""Largest number of ticks of a logarithmic axis; they are at some of its values."""
 
 
 @dataclass(frozen=True)
@@ -196,7 +196,7 @@ def _draw_curve(
 
 
 def _leave_room(ax: Axes, rows: int) -> None:
-    """Extend the y axis downwards, in grey, by that many rows of crosses."""
+    """Extend the y axis downwards by a grey strip for ``rows`` rows of crosses."""
     if rows:
         height, scale = ROW_HEIGHT * rows, ax.yaxis.get_transform()
         low, high = scale.transform(np.array(ax.get_ylim()))
@@ -339,7 +339,10 @@ def _plain_legend(legend: Any, longest: int) -> None:
 
 
 def _short(text: str, longest: int) -> str:
-    """Return a text shortened in its middle, as texts of one axis may begin alike."""
+    """Return a text with its middle cut out if it has more than ``longest`` characters.
+
+    Texts of one axis often begin alike, so the end is kept.
+    """
     if len(text) <= longest:
         return text
     half = (longest - len(CUT)) // 2

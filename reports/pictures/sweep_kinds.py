@@ -11,7 +11,7 @@ SWEEP_PICTURES = (VALUES, WORK_PRECISION, GROWTH_MAP)
 """Kinds of pictures of a sweep."""
 
 Choice = Mapping[str, str | float]
-"""Values of swept fields that choose the cells that are drawn."""
+"""Swept field -> the value that a cell must have to be drawn."""
 
 
 def is_sweep(data: Labelled) -> bool:

@@ -23,34 +23,34 @@ from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
 
 SAMPLE = "sample"
-"""Dimension of random samples."""
+"""Name of the dimension of a sweep's random samples."""
 
 REALISATION = "disorder.seed"
-"""Field whose values are realisations of the same disorder."""
+"""Swept field whose values number the realisations of one disorder."""
 
 MAX_CURVES, MAX_MAPS = 8, 12
-"""Most curves in a picture, as many as colours distinguish, and most heat maps on a page."""
+"""Largest number of curves in a picture (the number of colours), and of heat maps on a page."""
 
 MAX_LABEL_CHARACTERS = 50
-"""Most characters of a long name as an axis label; the variable's name replaces longer ones."""
+"""Largest length of a variable's long name as an axis label; else its short name is used."""
 
 MAX_LISTED_VALUES = 20
-"""Most values that an error message lists."""
+"""Largest number of values that an error message lists."""
 
 FIELD_NAMES = {"scheme.name": "scheme", "domain.kind": "domain", "disorder.of": "disorder of"}
-"""Names in pictures of fields whose last part would not be clear alone."""
+"""Dotted field -> its name in pictures, if the last part of the field is not clear alone."""
 
 OWN_ERRORS = {"error": "own_error", "growth_rate": "growth_rate_error"}
-"""Variables with own errors, and the variables with these, in the same units."""
+"""Variable of a sweep -> the variable with its numerical error, in the same units."""
 
 WORK = ("tolerance", "scheme.step", "step", "lattice.order", "order", "scheme.name", "scheme")
-"""Fields along which a run takes more work for less error, the preferred ones first."""
+"""Fields that trade work for accuracy; the first that is swept is the dimension of work."""
 
 ENDED = ("done", "blown up")
-"""Statuses of cells whose numbers are drawn."""
+"""Statuses of the cells whose numbers are drawn: those with a run."""
 
 PULSE = ("last_peak", "last_energy")
-"""Peak and energy of a pulse at the end, drawn before its error, which a mere delay makes large."""
+"""Variables drawn in preference to a pulse's error, which is large even for a mere delay."""
 
 
 def sweep_parts(data: xr.Dataset, kind: str | None, at: Choice, variable: str) -> list[Part]:
@@ -93,7 +93,10 @@ def chosen(data: xr.Dataset, at: Choice) -> xr.Dataset:
 
 
 def _matching(name: str, values: NDArray[Any], value: str | float) -> list[int]:
-    """Return the indices of the values equal to ``value``, or else of those printed as it is."""
+    """Return the indices of values equal to ``value``, or else of values with its printed text.
+
+    Raises ValueError if there is none, or if several different values have that text.
+    """
     for as_text in (str, _text):
         indices = [index for index, entry in enumerate(values) if _same(entry, value, as_text)]
         matches = list(dict.fromkeys(str(values[index]) for index in indices))
@@ -149,7 +152,7 @@ def values_part(data: xr.Dataset, variable: str) -> Part:
 
 
 def _cells(data: xr.Dataset, variable: str) -> xr.Dataset:
-    """Return each cell's ``value`` of a variable, its ``own`` error, and whether it is ``faulty``.
+    """Return each cell's ``value`` of a variable, ``own`` numerical error, and whether ``faulty``.
 
     A value is NaN if the cell has no result or the value is not known. A cell is faulty if it was
     run without a usable value.
@@ -206,7 +209,7 @@ def _families(data: xr.Dataset, drawn: Sequence[str], repeated: bool) -> list[st
 
 
 def axis_of(data: xr.Dataset, name: str) -> sweep_drawing.SweptAxis:
-    """Return a dimension as an axis: by its field, or by one with different values in all cells."""
+    """Return a dimension as an axis: a field with distinct values along it, or else 0, 1, 2, ..."""
     fields = [data[name]] if name in data.coords else []
     fields += [data[c] for c in data.coords if data[c].dims == (name,) and c != name]
     for field in fields:
@@ -221,7 +224,7 @@ def axis_of(data: xr.Dataset, name: str) -> sweep_drawing.SweptAxis:
 
 
 def _titles(axis: sweep_drawing.SweptAxis, bare: bool = False) -> list[str]:
-    """Return each value with the axis's name, or texts alone if ``bare``."""
+    """Return a title for each value of an axis: "name = value", or the text alone if ``bare``."""
     return [_text(v) if bare and axis.is_text else f"{axis.name} = {_text(v)}" for v in axis.values]
 
 
@@ -249,14 +252,14 @@ def _curves(
 
 
 BY_MEDIAN = "median of {}, bars to the quartiles"
-"""Caption of random samples; the braces are for their number."""
+"""Caption of curves over random samples; the braces stand for the number of samples."""
 
 BY_MEAN = "mean of {}, bars: standard error, band: standard deviation"
-"""Caption of realisations of disorder; the braces are for their number."""
+"""Caption of curves over realisations of disorder; the braces stand for their number."""
 
 
 def _error_caption(cells: xr.Dataset) -> str:
-    """Return a caption with the largest relative own error; bars may be too small to see."""
+    """Return a caption with the largest relative numerical error; bars may be too small to see."""
     size = abs(cells["value"])
     known = np.isfinite(cells["own"]) & (size > 0.0)
     if not known.any():
@@ -306,7 +309,7 @@ def _maps(data: xr.Dataset, cells: xr.Dataset) -> Part:
 
 
 def work_dimension(data: xr.Dataset) -> str | None:
-    """Return the dimension along which more work is done, None if there is none."""
+    """Return the dimension of the first swept field of `WORK`; None if no such field is swept."""
     names = [str(name) for name in data["status"].dims]
     fields = {data[n].attrs.get("field", n) if n in data.coords else n: n for n in names}
     return next((fields[field] for field in WORK if field in fields), None)

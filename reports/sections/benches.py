@@ -23,7 +23,7 @@ from longwave.support.labelled_arrays import LabelledArrays
 
 
 def bench_table(runs: Mapping[str, SceneRun]) -> str:
-    """Return the table of bench runs: ends, effects, cells, tolerance, own error, steps, time."""
+    """Return the table of bench runs: ends, effects, cells, tolerance, error, steps, time."""
     head = ["ends and effects", "cells", "tolerance", "own error", "steps", "time (s)"]
     lines: list[latex.Row] = []
     for name, entry in runs.items():
@@ -67,7 +67,7 @@ def balance_table(runs: Mapping[str, SceneRun]) -> str:
 
 
 def effects(bench: Bench, losses: Losses | None = None) -> str:
-    """Return a description of a chain's ends and effects.
+    """Return the ends of a bench chain and its effects (losses, forces, bath, defects) in words.
 
     >>> effects(Bench(8, ("fixed", "free"), energy=True), Losses(site=0.1))
     'ends: fixed, free; losses of cells'
@@ -85,7 +85,7 @@ def effects(bench: Bench, losses: Losses | None = None) -> str:
 
 
 def effect_table(costs: Mapping[str, EffectCost]) -> str:
-    """Return the table of effects: cost for a cell and stage, and of a run to each tolerance."""
+    """Return the table of each effect's cost: per cell and stage, and per run to a tolerance."""
     head = ["effect", "operations", "time (ns)", r"share (\%)"]
     for tolerance in TOLERANCES:
         head += [f"error to {latex.scientific(tolerance)}", "(s)"]
@@ -103,7 +103,7 @@ def effect_table(costs: Mapping[str, EffectCost]) -> str:
 
 
 def bench_laws(runs: Mapping[str, SceneRun], struck: Sequence[tuple[float, float]]) -> str:
-    """Return the table of known values for these chains beside the measured ones."""
+    """Return the table of laws known for bench chains: known value, measured value and error."""
     lines = []
     fput = runs.get("fput_1955")
     if fput is not None and fput.run is not None:
@@ -130,8 +130,7 @@ DRAWN = {
     "crest_law": crest_track,
     "strain": lambda run: PICTURES["snapshots"].part(placed(run)),
 }
-"""Plot of a run by the variable it contains: modes, sensors, a crest with its law, the strain.
-The first match is drawn."""
+"""Variable of a run -> the picture of it; the first variable that the run has is drawn."""
 
 
 def bench_figures(runs: Mapping[str, SceneRun]) -> Iterator[tuple[str, Figure]]:

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from longwave.reports.studies.hard_cases import HardCase
 
 TABULATED = ("double-double", "balls, 40 digits", "mpmath, 15 digits", "mpmath, 60 digits")
-"""Arithmetics in the cost table; the figure shows all of them."""
+"""Arithmetics that have columns in the cost table; the figure shows all arithmetics."""
 
 ERROR_UNIT = 1e-16
 """Unit of the errors in the accuracy table."""
@@ -58,7 +58,7 @@ def accuracy_table(results: Iterable[Accuracy]) -> str:
 
 
 def _where(text: str) -> tuple[str, str, str]:
-    """Return the parameters, the site and the time in a description of a point, as LaTeX."""
+    """Split a description such as "k = 0.5, n = 3, t = 1" into LaTeX: parameters, site and time."""
     fields = dict(re.findall(r"(\w+) = ((?:1 - )?[^\s,]+)", text))
     site, time = (_value(fields.pop(name)) if name in fields else "" for name in ("n", "t"))
     parameters = ", ".join(
@@ -68,7 +68,7 @@ def _where(text: str) -> tuple[str, str, str]:
 
 
 def _value(text: str) -> str:
-    r"""Format a number with three digits; a value written "1 - d" is printed as 1 - d.
+    r"""Format a number with three digits; one written as "1 - d" keeps that form.
 
     >>> _value("160149996.8"), _value("1 - 1e-12"), _value("-9.2")
     ('$1.6\\times 10^{8}$', '$1-10^{-12}$', '$-9.2$')
@@ -83,7 +83,7 @@ def _value(text: str) -> str:
 
 
 def cost_table(costs: Iterable[EvaluationCost]) -> str:
-    """Return the table of digits and microseconds a point: a row a wave, columns by arithmetic."""
+    """Return the table of digits and microseconds per point, by wave (rows) and arithmetic."""
     rows = []
     for wave, group in groupby(costs, attrgetter("wave")):
         by_arithmetic = {cost.arithmetic: cost for cost in group}
@@ -103,7 +103,7 @@ def cost_table(costs: Iterable[EvaluationCost]) -> str:
 
 
 SHORT_NAMES = ("dd", "balls", "mp 15", "mp 60")
-"""Column heads for the arithmetics in `TABULATED`."""
+"""Column heads for the arithmetics in `TABULATED`, in the same order."""
 
 
 def digits(value: float) -> str:
@@ -128,13 +128,13 @@ def panels(points: Iterable[tuple[str, str, tuple[float, float]]]) -> CostPanels
 
 
 def cost_panels(costs: Iterable[EvaluationCost]) -> CostPanels:
-    """Return one panel a wave: digits against seconds for each family of arithmetics."""
+    """Return a panel per wave: correct digits against seconds for each family of arithmetics."""
     points = ((c.wave, c.arithmetic.partition(",")[0], (c.seconds, c.digits)) for c in costs)
     return panels((wave.replace("_", " "), family, point) for wave, family, point in points)
 
 
 ERROR_LEVELS = (1e-2, 1e-4, 1e-6)
-"""Error levels for which the table gives each series' fastest run."""
+"""Errors of y/eps for which the precision table gives each series' fastest run within them."""
 
 
 def precision_table(points: Sequence[lattice_cost.CostPoint]) -> str:
@@ -167,7 +167,7 @@ def _power(value: float) -> str:
 
 
 def precision_panels(points: Iterable[lattice_cost.CostPoint]) -> CostPanels:
-    """Return one panel a problem: error against seconds for each series."""
+    """Return one panel for each problem: error against seconds, with a curve for each series."""
     return panels((p.problem, PRINTED[p.series], (p.seconds, p.error)) for p in points)
 
 
@@ -217,7 +217,7 @@ def scaling_panels(points: Iterable[lattice_cost.ScalingPoint]) -> CostPanels:
 
 
 def rk4_table(points: Iterable[lattice_cost.ScalingPoint]) -> str:
-    """Return the table of the paper's error figure by RK4 step, and the share due to the step."""
+    """Return the table of the error of Y_2 at t = 0 by RK4's step, and the part due to the step."""
     errors = {point.x: point.value for point in points}
     exact, rows = errors[0.0], []
     for step, value in errors.items():

@@ -32,12 +32,12 @@ SUCCEEDED: Mapping[str, Callable[[Any], bool]] = {
     "hard": lambda case: case.passed,
     "estimate": lambda judged: judged.sound,
 }
-"""Whether the result of a job is as it should be, by kind; other kinds are only reported."""
+"""Kind of job -> test whether its result is as it should be; other kinds are not tested."""
 
 
 @dataclass(frozen=True)
 class Findings:
-    """Results of the jobs, keyed by (kind, subject), and the ``scenes`` of the paper's runs."""
+    """Results of a report's jobs, keyed by (kind, subject), and the paper's ``scenes`` by name."""
 
     results: Mapping[Key, Any]
     scenes: Mapping[str, Scene]
@@ -84,14 +84,14 @@ class Findings:
 
     @property
     def sound(self) -> bool:
-        """Whether every result in `SUCCEEDED` and every long run is as it should be."""
+        """Whether all results pass the test in `SUCCEEDED`, and long runs are within tolerance."""
         judged = (SUCCEEDED[key[0]](v) for key, v in self.results.items() if key[0] in SUCCEEDED)
         return all(judged) and all(long.within_tolerance for long in self.long_runs.values())
 
 
 @dataclass(frozen=True)
 class Headline:
-    """One main result: quantity, value and own error in LaTeX, and the section with the details."""
+    """One main result: quantity, value and error in LaTeX, and the section with the details."""
 
     quantity: str
     value: str
@@ -100,10 +100,10 @@ class Headline:
 
 
 EXACT = "exact"
-"""Entry for the own error of a count."""
+"""Table entry for the error of a result that is a count."""
 
 THIRD_ORDER_RUN = "rational_3_eps_0.05"
-"""Name of the run whose largest error is a main result."""
+"""Name of the run of Y_3 whose largest error is reported as a main result."""
 
 
 def headlines(findings: Findings) -> dict[str, Headline]:
@@ -113,7 +113,7 @@ def headlines(findings: Findings) -> dict[str, Headline]:
 
 
 def headline_table(results: Iterable[Headline]) -> str:
-    """Return the table of main results with their own errors and sections."""
+    """Return the table of main results with their numerical errors and sections."""
     rows = [[r.quantity, r.value, r.error, rf"\ref{{sec:{r.section}}}"] for r in results]
     caption = (
         "Main results. Own error: estimated error by time step, domain and sampling; a count of "

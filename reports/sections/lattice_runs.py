@@ -135,12 +135,12 @@ def _wave(scene: Scene) -> str:
 
 
 def interval(rate: FittedRate) -> str:
-    """Return the interval of a rate's limit in LaTeX, its ends rounded outwards to 0.1."""
+    """Return the interval ``low`` .. ``high`` of a fitted rate as LaTeX, rounded outward to 0.1."""
     return rf"{floor(10 * rate.low) / 10:.1f}\ldots {ceil(10 * rate.high) / 10:.1f}"
 
 
 def rate_title(scene: Scene) -> str:
-    """Return a case's heading in LaTeX: its number, the lattice and the values of its constants."""
+    """Return a case's heading in LaTeX: name of its scene, lattice and values of its constants."""
     lattice = scene.symbolic_lattice
     numbers = [*scene.constants]
     numbers += [(str(ybar), scene.background)] if scene.background else []
@@ -168,16 +168,16 @@ ROGUES = ("alpha_beta_rogue", "dimer_rogue")
 """Scenes with the paper's rogue wave on other lattices."""
 
 PEREGRINES = ("fput_peregrine", "dimer_peregrine", "granular_peregrine")
-"""Scenes with the Peregrine breather as an envelope."""
+"""Scenes in which the Peregrine breather is the envelope of a carrier wave."""
 
 ROGUE_CELLS, PEREGRINE_CELLS, CARRIER_CELLS = 120, 180, 16
-"""Cells shown on either side of c t: of rogue waves, of envelopes, and of their carriers."""
+"""Cells on either side of c t in pictures of rogue waves, of Peregrine envelopes, of carriers."""
 
 
 def lattice_figures(
     scenes: Mapping[str, SceneRun], papers: xr.Dataset, rates: Iterable[SceneConvergence]
 ) -> Iterator[tuple[str, Figure]]:
-    """Yield name and figure of the pictures of other lattices; ``papers`` is the paper's run."""
+    """Yield (name, figure) for runs on other lattices; ``papers`` is the rogue wave's paper run."""
     ran = {name: found.run for name, found in scenes.items() if found.run is not None}
     rogues = [snapshots(papers, ROGUE_CELLS)]
     for run in (ran[name] for name in ROGUES if name in ran):

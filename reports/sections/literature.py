@@ -13,7 +13,7 @@ from longwave.verify.problem_file import ProblemText
 from longwave.verify.verdict import Outcome
 
 NO_TEXT = r"$^*$"
-"""Mark after a source that was cited without its text at hand."""
+"""LaTeX mark after a source whose text was not available when it was cited."""
 
 
 def library_counts(verdicts: Sequence[PublishedVerdict]) -> str:
@@ -112,7 +112,7 @@ def _entry(verdict: PublishedVerdict, wrong: Sequence[PublishedVerdict]) -> str:
 
 
 def _variant(verdict: PublishedVerdict) -> str:
-    """Return a wrong variant's note, with its verdict if that is not "refuted"."""
+    """Return the note on a wrong variant of a formula, with its verdict unless "refuted"."""
     note = prose_latex(verdict.text.note or verdict.text.name.replace("_", " "))
     printed = r" \textbf{(in print)}" if verdict.text.misprint_in else ""
     outcome = verdict.outcome.lower()

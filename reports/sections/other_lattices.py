@@ -25,7 +25,7 @@ from longwave.support.processes import Job, Key
 from longwave.verify.verdict import Verdict
 
 PAPER_EQUATION = "mKdV"
-"""Equation of the paper; its waves have sections of their own."""
+"""Name of the paper's equation, whose closed forms have sections of their own."""
 
 
 def model_jobs() -> dict[Key, Job]:
@@ -36,7 +36,7 @@ def model_jobs() -> dict[Key, Job]:
 
 
 def model_rows(index: int) -> list[tuple[str, list[str]]]:
-    """Return the rows of one of `lattice_models`, (lattice in words, cells) in LaTeX."""
+    """Return the rows (lattice in words, LaTeX cells) of `lattice_models` number ``index``."""
     model = list(lattice_models())[index]
     return [(_model(model, reduction), _cells(reduction)) for reduction in model.reductions()]
 
@@ -78,7 +78,7 @@ def _equation_latex(reduction: Reduction) -> str:
 
 
 def shortest(value: sp.Expr, symbols: Iterable[sp.Symbol]) -> str:
-    """Return the LaTeX of a factored value, factors collected by the symbols if that is shorter.
+    """Return a value's LaTeX, with its sums collected in powers of the symbols if that is shorter.
 
     >>> a, b, m = sp.symbols("a b m")
     >>> shortest(sp.expand(m**2 * (a + b) ** 3 + a * m), [m])
@@ -119,7 +119,7 @@ def wave_names(names: Sequence[str]) -> str:
 
 
 COEFFICIENTS = ("v", "p", "q")
-"""Coefficients shown for each envelope."""
+"""Columns for each envelope: group velocity v and the NLS coefficients p and q."""
 
 
 def envelope_row(index: int) -> list[str]:
@@ -145,7 +145,7 @@ def envelope_table(rows: Iterable[list[str]]) -> str:
 FURTHER_FORMS = tuple(
     name for name in CATALOGUE.names if CATALOGUE.equation(name) != PAPER_EQUATION
 )
-"""Names of the closed forms of other equations than the paper's."""
+"""Names of the closed forms that solve other equations than the paper's."""
 
 
 def normal_equations() -> list[tuple[str, str]]:

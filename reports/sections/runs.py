@@ -43,7 +43,7 @@ def claim_table(claims: Iterable[Claim]) -> str:
 
 
 def _measured(measurements: Iterable[Measurement]) -> list[list[str]]:
-    """Return rows of measurements, equal values of several cases merged in one row."""
+    """Return table rows of measurements; cases "CASE: quantity" with equal values share a row."""
     cases: dict[tuple[str, tuple[str, str]], list[str]] = {}
     for measurement in measurements:
         case, colon, what = measurement.of.partition(": ")
@@ -116,14 +116,14 @@ def caption_part(scene: Scene) -> str:
 
 
 SPLIT_HALF_WIDTH = 150
-"""Sites of the split wave shown on either side of c t."""
+"""Number of sites on either side of c t in the snapshots of the split wave."""
 
 SNAPSHOTS_PER_ROW = 3
-"""Snapshots of the split wave in one row of the figure."""
+"""Number of snapshots of the split wave in one row of its figure."""
 
 
 def peak_table(points: Iterable[PeakError]) -> str:
-    """Return the table of the reduction's error by order and eps: value, own error, engine, law."""
+    """Return the table of the reduction's error by order and eps, with the fitted power of eps."""
     all_points = list(points)
     laws = peak_laws(all_points)
     rows = []
@@ -143,7 +143,7 @@ def peak_table(points: Iterable[PeakError]) -> str:
 
 
 def _peak(point: PeakError) -> list[str]:
-    """Return value, own error, engine and time; if the run failed, its reason as the value."""
+    """Return the cells of a run: value, error, engine and time, or the reason of its failure."""
     time = latex.scientific(point.seconds) if np.isfinite(point.seconds) else "--"
     if point.fault:
         return [f"did not run: {latex.escape(point.fault)}", "--", point.engine or "--", time]
@@ -152,7 +152,7 @@ def _peak(point: PeakError) -> list[str]:
 
 
 def peak_panels(points: Iterable[PeakError]) -> CostPanels:
-    """Return the resolved errors against eps, a curve an order, with a line of slope eps**2."""
+    """Return the resolved errors against eps, one curve per order, and a line of slope eps**2."""
     curves: dict[str, list[tuple[float, float]]] = {}
     for point in points:
         if point.resolved:
@@ -204,7 +204,7 @@ def _split_rows(run: xr.Dataset, eps: float) -> list[list[str]]:
 
 
 def long_table(runs: Mapping[str, LongRun]) -> str:
-    """Return the table of long runs: errors, own error, difference between engines, times."""
+    """Return the table of long runs: errors, numerical error, difference between engines, times."""
     times = _times(runs)
     rows = [_long_row(name, long_run) for name, long_run in runs.items()]
     head = [r"$L^\infty_\epsilon$ at $t=$", *(f"${time:g}$" for time in times)]

@@ -24,7 +24,7 @@ PAPER_FORMS = CATALOGUE.of("mKdV")
 """The closed forms of the paper's equation."""
 
 DERIVATION_ORDERS = 7
-"""Highest power of eps shown: two beyond the mKdV equation."""
+"""Highest power of eps to which the derivation is shown, two above that of the mKdV equation."""
 
 
 def derivation() -> dict[str, Any]:
@@ -109,16 +109,16 @@ COEFFICIENT_WORDS = {
     "nonlinear": "coefficient of $Y^2Y_X$",
     "dispersive": "coefficient of $Y_{XXX}$",
 }
-"""Printed names of the reduced equation's coefficients."""
+"""Name of a coefficient of the reduction -> its printed name."""
 
 METHODS = {"differential algebra": "A", "exact at more points than the degree": "P"}
-"""One-letter codes of the proof methods in the table; the text above it explains them."""
+"""Method of proof -> its letter in the proof table; the text above the table explains it."""
 
 _OUTERMOST = re.compile(r"\((?:[^()]|\((?:[^()]|\((?:[^()]|\([^()]*\))*\))*\))*\)")
 """Pattern of a bracket with up to three levels of nested brackets."""
 
 MAX_PART_CHARACTERS = 20
-"""Longest misprinted part that is printed in full, in characters."""
+"""Number of characters up to which a misprinted part of a formula is printed in full."""
 
 
 def proof_table(records: Iterable[ProofRecord], residuals: Mapping[str, Verdict]) -> str:
@@ -190,7 +190,10 @@ def survivor_table(counts: Iterable[MutationCount]) -> str:
 
 
 def _part_and_change(description: str) -> tuple[str, str]:
-    """Return the part that a description names, deep brackets as dots, and its change; in LaTeX."""
+    """Split the description of a misprint into the changed part and the change, in LaTeX.
+
+    Deeply nested brackets in the part are printed as dots.
+    """
     words, _, change = description.rpartition(": ")
     text = words.partition(" ")[2]
     change = escape(change.replace("coefficient times 101/100", "1 % more"))
@@ -203,7 +206,7 @@ def _part_and_change(description: str) -> tuple[str, str]:
 
 
 def _mathematics(text: str) -> str:
-    r"""Return the text of a short part as LaTeX.
+    r"""Return the LaTeX of a short part of a formula, which is given as SymPy prints it.
 
     >>> _mathematics("-6*tau + xi"), _mathematics("k*jacobi_sn(\\cdots)")
     ('-6 \\tau + \\xi', 'k \\mathrm{sn}(\\cdots)')
@@ -214,7 +217,7 @@ def _mathematics(text: str) -> str:
 
 
 def _reason(survivor: Survivor) -> str:
-    """Return the reason why a misprint is still a solution, symbols in LaTeX."""
+    """Return the reason why a misprinted form is still a solution, with symbols in LaTeX."""
     signs = survivor.reason.replace("U to -U", "$U\\to-U$")
     return re.sub(r"another value of (\w+)", r"another value of $\1$", signs)
 

@@ -16,16 +16,18 @@ from longwave.support.processes import Job, Key
 Array = NDArray[np.float64]
 
 VELOCITIES = (0.0125, 0.05, 0.2, 0.8)
-"""Velocities of the first grain. The wave's speed grows as their fifth root (Nesterenko 1983)."""
+"""Initial velocities of the struck grain. In theory the speed of the wave that it starts grows as
+their fifth root (Nesterenko 1983)."""
 
 FIRST, SECOND = 20, 40
-"""Cells between which the wave is timed."""
+"""Numbers of the two cells between which the wave's travel time is measured."""
 
 
 class Return(NamedTuple):
-    """Largest return of a mode: its time in periods at small amplitude, its fraction of the energy.
+    """Largest return of energy to the first mode (FPUT recurrence).
 
-    ``reading`` is the time between two readings in the same unit.
+    ``periods`` is its time in the mode's linear periods, ``share`` the mode's energy then over its
+    initial energy, ``reading`` the time between two readings in linear periods.
     """
 
     periods: float
@@ -34,7 +36,7 @@ class Return(NamedTuple):
 
 
 def mode_return(run: xr.Dataset) -> Return:
-    """Return the largest energy of the first mode after it has fallen below half, with its time."""
+    """Return the first mode's largest energy after it has fallen below half, and when that is."""
     energy, times = run.mode_energy.values[:, 0], run.time.values
     half_lost = int(np.argmax(energy < 0.5 * energy[0]))
     returned = half_lost + int(np.argmax(energy[half_lost:]))
@@ -46,7 +48,7 @@ def mode_return(run: xr.Dataset) -> Return:
 
 
 def _peak(times: Array, values: Array, index: int) -> tuple[float, float]:
-    """Return time and height of the parabola through the value at ``index`` and its neighbours."""
+    """Return time and height of the peak of the parabola through three values around ``index``."""
     quadratic, linear, constant = np.polyfit([-1.0, 0.0, 1.0], values[index - 1 : index + 2], 2)
     offset = -0.5 * linear / quadratic
     spacing = times[index + 1] - times[index]

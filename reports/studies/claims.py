@@ -65,16 +65,16 @@ def ruling(*holds: bool) -> Ruling:
 
 
 ClaimEvidence = tuple[Iterable[Measurement], Iterable[bool]]
-"""Measurements for a statement, and the conditions for it to be confirmed."""
+"""Numbers measured for a statement, and whether each condition of the statement holds."""
 
 CLAIMS: list[Callable[[MeasuredRuns], Claim]] = []
-"""Functions that evaluate each statement, in the order of declaration."""
+"""Functions that each evaluate one statement of the paper, in the order of declaration."""
 
 
 def claim(
     statement: str, depends_on: str
 ) -> Callable[[Callable[[MeasuredRuns], ClaimEvidence]], Callable[[MeasuredRuns], Claim]]:
-    """Decorate a function that measures a statement; its name is the statement's name."""
+    """Register the decorated function as the measurement of the statement named like it."""
 
     def declare(
         measure: Callable[[MeasuredRuns], ClaimEvidence],
@@ -92,13 +92,13 @@ def claim(
 
 
 ORDERS = range(2, 9)
-"""Orders of the rational waves with exact facts."""
+"""Orders j of the rational waves Y_j whose `facts` are computed exactly."""
 
 ROGUE_MODULI = (0.1, 0.3, 0.5, 0.7, 0.9, 0.99)
-"""Moduli of the cn rogue wave whose maximum is searched."""
+"""Moduli k at which the maximum of the cn rogue wave is searched for."""
 
 LATE_TIME = 1e4
-"""Late slow time at which the rational waves are evaluated again."""
+"""Slow time, long after the peak, at which the rational waves are evaluated."""
 
 SEARCH_POINTS = 401
 """Points along each axis in a search for a maximum."""
@@ -125,7 +125,7 @@ def peaks(_: MeasuredRuns) -> ClaimEvidence:
     "nothing: exact, in $X$, for the wave less its background",
 )
 def degrees(_: MeasuredRuns) -> ClaimEvidence:
-    """Return the excess of the denominator's degree over the numerator's, background subtracted."""
+    """Return degree of denominator minus numerator for Y_2, Y_3 minus background; should be 2."""
     excess = {j: _excess(j) for j in (2, 3)}
     measurements = tuple(
         Measurement(f"$Y_{j}$: degree {facts(j).degree} over {facts(j).degree - excess[j]}, by", e)
@@ -147,7 +147,7 @@ def _excess(j: int) -> int:
     "nothing: exact, at every fixed time",
 )
 def localised_in_space(_: MeasuredRuns) -> ClaimEvidence:
-    """Return the far-field limits of Y_2 and Y_3, the same on both sides at every time."""
+    """Return the far-field limits of Y_2 and Y_3, which should be 1 and -1."""
     backgrounds = {j: facts(j).background for j in (2, 3)}
     measurements = [Measurement(f"$Y_{j}$, background", float(b)) for j, b in backgrounds.items()]
     return measurements, [backgrounds[2] == 1, backgrounds[3] == -1]
@@ -158,7 +158,7 @@ def localised_in_space(_: MeasuredRuns) -> ClaimEvidence:
     "nothing: extrema at distance 4 from the background persist and separate like $t^{1/3}$",
 )
 def localised_in_time(_: MeasuredRuns) -> ClaimEvidence:
-    """Return the largest distance from the background long after the peak."""
+    """Return the largest |Y - background| of the rational waves at `LATE_TIME`."""
     words = f"largest distance at $T={LATE_TIME:g}$"
     measurements = [Measurement(f"$Y_{j}$, {words}", _late_amplitude(j)) for j in (2, 3)]
     return measurements, (item.value < 0.1 for item in measurements)
@@ -213,11 +213,11 @@ def _rogue_search(k: float) -> tuple[float, float]:
 
 
 TWENTY_PERCENT = 0.2
-"""Largest relative error of a good fit, as the paper's words are read."""
+"""Largest relative error of "good agreement", as the paper's words are interpreted."""
 
 RUN_ORDERS = (2, 3)
 EPSILONS = ("0.05", "0.075")
-"""Orders and eps of the rational waves that are run, as in the names of the scenes."""
+"""Values of eps of the rational waves that are run (orders `RUN_ORDERS`), as in scene names."""
 
 
 @claim(
@@ -252,7 +252,7 @@ def peak_of_the_error(evidence: MeasuredRuns) -> ClaimEvidence:
 
 
 def _split(evidence: MeasuredRuns) -> list[Measurement]:
-    """Return one run's error at its peak, split into the shift of the crest and the other parts."""
+    """Return the shift of the crest in the run `SPLIT` at its peak, and the parts of its error."""
     parts = evidence.split(SPLIT, 0.0)
     words = "$Y_2$, $eps=0.05$, $t=0$, the lattice's wave is shifted by sites"
     shares = (Measurement(f"there, part by {name}", *parts[name]) for name in PARTS)
@@ -311,7 +311,7 @@ def third_order_agreement(evidence: MeasuredRuns) -> ClaimEvidence:
 
 BREATHER_MODULI = ("0.5", "0.6", "0.7")
 ROGUE, SOLITON = "rogue_cn_k_0.5", "soliton_dn_k_0.7"
-"""Moduli in the names of the breather's scenes, and names of the other periodic scenes."""
+"""Names of the scenes of the cn rogue wave and of the soliton on the dn background."""
 
 
 @claim(
@@ -327,7 +327,7 @@ def breather_and_modulus(evidence: MeasuredRuns) -> ClaimEvidence:
 
 @claim("The dn soliton fits very well", "$|t| <= 100$; 'very well' is read as below 20 %")
 def dn_fit(evidence: MeasuredRuns) -> ClaimEvidence:
-    """Return the dn soliton's last error, over the bare wave and over the far field."""
+    """Return the dn soliton's error at the last snapshot, over the bare wave and the far field."""
     end = evidence.scenes[SOLITON].end
     variables = {"bare wave": "error", "far field": "error_far_field"}
     errors = {w: evidence.relative_error(SOLITON, end, name) for w, name in variables.items()}

@@ -1,7 +1,7 @@
 """Cost of each effect of a chain on a bench: per cell and stage, and of a run to a tolerance.
 
-The beta chain of 4096 cells in displacements, with one effect at a time. Code is generated for
-requested effects only. Operations are those of `StagePlan`, a fused multiply-add counted once.
+The beta chain of 4096 cells in displacements is run with one effect at a time. Code is generated
+for requested effects only. Operations are those of `StagePlan`, a fused multiply-add counted once.
 """
 
 from __future__ import annotations
@@ -23,18 +23,18 @@ from longwave.scenes.description.time_functions import time_function
 from longwave.support.processes import Job, Key
 
 CELLS, STEPS, STEP, ROUNDS = 4096, 64, 0.2, 20
-"""Cells of the chain, steps of a timed round, their length, and number of rounds."""
+"""Timing of a stage: cells of the chain, steps per round, time step, and number of rounds."""
 
 WIDTH, END = 10.0, 100.0
-"""Width of the pulse in cells, and end time, of a run to a tolerance."""
+"""Pulse width in cells and end time of the runs to `TOLERANCES`."""
 
 TOLERANCES = (1e-6, 1e-10)
-"""Tolerances of the timed runs."""
+"""Tolerances of the runs whose whole time is measured."""
 
 
 @cache
 def effects() -> dict[str, NumericLattice]:
-    """Return the chain with each effect, by the effect's name."""
+    """Return effect name -> the beta chain with this one effect."""
     chain = numeric_lattice(LATTICES["beta_fput"], {"K2": 1, "K4": 2})
     push = SiteForce(3, time_function("force", "0.3*cos(9*t/10)"))
     shaken = time_function("wall", "0.05*sin(13*t/10)")
@@ -54,10 +54,10 @@ def effects() -> dict[str, NumericLattice]:
 
 @dataclass(frozen=True)
 class EffectCost:
-    """Cost of an effect: operations and seconds for a cell and stage, and error and time of runs.
+    """Cost of an effect: ``operations`` and ``seconds`` are those of one cell in one stage.
 
-    ``share`` is the rate of operations over the core's multiply-add rate, ``runs`` the error
-    estimate and seconds of a run to each of `TOLERANCES`.
+    ``share`` is the rate of operations over the core's multiply-add rate, ``runs`` has the error
+    estimate and the seconds of a run to each of `TOLERANCES`.
     """
 
     operations: int

@@ -16,18 +16,19 @@ from longwave.support.processes import Key
 from longwave.support.user_files import read_text
 
 MAX_REFERENCE_ERROR = 0.1
-"""Largest error of the reference, in units of the estimate, for a reliable ratio."""
+"""Largest error of a reference run, relative to the estimate, for which the ratio is reliable."""
 
 MAX_BYTES = 100_000_000
 """Largest accepted file of records, in bytes."""
 
 VERDICTS = ("honest", "dishonest", "undecided", "refused", "false alarm", "no answer")
-"""Verdicts on a scene.
+"""Possible verdicts on a random scene's error estimate.
 
-``undecided``: the reference is not accurate enough. ``refused``: no estimate but a reason in one
-line. ``false alarm``: a blow-up is reported that the reference does not have. ``no answer``:
-anything else, such as an estimate that is not finite, an exception other than ValueError, or a
-run that does not end.
+``honest``: the true error is within the estimate. ``dishonest``: it is not. ``undecided``: the
+reference is not accurate enough. ``refused``: no estimate but a reason in one line.
+``false alarm``: a blow-up is reported that the reference does not have. ``no answer``: anything
+else, such as an estimate that is not finite, an exception other than ValueError, or a run that does
+not end.
 """
 
 
@@ -57,24 +58,24 @@ class Judged:
 
     @property
     def ratio(self) -> float:
-        """True error in units of the estimate."""
+        """True error divided by its estimate."""
         if self.estimate > 0:
             return self.true / self.estimate
         return math.inf if self.true > 0 else 0.0
 
     @property
     def is_reliable(self) -> bool:
-        """Whether the scene is honest and its reference accurate enough for a meaningful ratio."""
+        """Whether the verdict is "honest" and the reference accurate enough for the ratio."""
         return self.verdict == "honest" and self.own <= MAX_REFERENCE_ERROR * self.estimate
 
     @property
     def kind(self) -> str:
-        """The reason without its numbers, to group equal reasons."""
+        """Reason with each number replaced by N, so that equal reasons can be grouped."""
         return re.sub(r"-?\d[\d.e+-]*", "N", self.reason)[:100]
 
     @property
     def sound(self) -> bool:
-        """Whether the verdict is not a fault of the run."""
+        """Whether the verdict shows no fault of the code: honest, refused or undecided."""
         return self.verdict in ("honest", "refused", "undecided")
 
     def json(self) -> str:
@@ -104,7 +105,7 @@ def judged_findings(path: Path | None) -> dict[Key, Judged]:
 
 @dataclass(frozen=True)
 class EstimateRow:
-    """Counts of verdicts and quantiles of reliable ratios for the scenes of one wave or engine."""
+    """Counts of verdicts, and quantiles of the reliable ratios, over scenes of a wave or engine."""
 
     name: str
     count: int
@@ -114,7 +115,7 @@ class EstimateRow:
 
 
 QUANTILES = (0.05, 0.5, 0.95, 1.0)
-"""Probabilities of the quantiles in a row."""
+"""Probabilities of the quantiles of true error over estimate; 1.0 gives the largest."""
 
 
 def estimate_rows(found: Iterable[Judged]) -> list[EstimateRow]:

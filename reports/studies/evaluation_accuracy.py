@@ -59,13 +59,14 @@ _SOLITONS = {
     "nls_akhmediev a": "1e-8; 1/8; 1/4; 0.49999999; 0.4999999999995",
     "nls_kuznetsov_ma a": "0.5000000000005; 0.50000001; 1; 40; 1000",
 }
-"""Parameters of waves without a modulus: values at the ends of the domains, and between."""
+"""Wave and names of its parameters -> cases separated by ";", for waves without a modulus. Values
+are at the ends of the domains, and between."""
 
 SOLITON_VALUES: dict[str, tuple[tuple[tuple[str, sp.Rational], ...], ...]] = {
     name: tuple(tuple(zip(names, _rationals(row), strict=True)) for row in rows.split(";"))
     for (name, *names), rows in ((head.split(), rows) for head, rows in _SOLITONS.items())
 }
-"""Cases of each wave in `_SOLITONS`; a case is a tuple of (name, exact value)."""
+"""Wave -> its cases in `_SOLITONS`; a case is a tuple of (parameter name, exact value) pairs."""
 
 
 MODULI = _rationals("1e-8 1/100 1/2 9/10 99/100 0.9999 0.99999999 0.999999999999")
@@ -75,10 +76,10 @@ LARGEST_ORDER = 8
 SHIFTS = _rationals("-7/3 11/2")
 
 TIMES = (0, 2960, 800_000, 80_000_000, -80_000_000)
-"""Lattice times: T = 0, 0.37, 100, 1e4 and -1e4 at eps = 1/20."""
+"""Lattice times t of the points; at eps = 1/20 they are T = 0, 0.37, 100, 1e4 and -1e4."""
 
 DRAWN = 24
-"""Number of random cases for each wave."""
+"""Default number of random cases for each wave."""
 
 FARTHEST_SITE = 1e8
 SMALLEST, BELOW_ONE = 1e-8, 1e-12
@@ -95,7 +96,7 @@ CORNERS: tuple[tuple[sp.Rational, sp.Rational, sp.Rational], ...] = tuple(
         (STRONGEST, STRONGEST, COARSEST),
     )
 )
-"""Ends of K2, K4 and eps; at the first, phases reach 1e19 and more at late times."""
+"""Extreme combinations (K2, K4, eps); with the first, phases reach 1e19 and more at late times."""
 
 USUAL_EPS = sp.Rational(1, 20)
 
@@ -123,7 +124,7 @@ class WaveCase:
 
     @property
     def form(self) -> ClosedForm:
-        """Closed form; rational solutions keep the shifts that have values as parameters."""
+        """Closed form of the wave; a rational solution has only the shifts that the case sets."""
         if self.name in CATALOGUE.names:
             return closed_form(self.name)
         order = int(self.name.removeprefix("rational_"))
@@ -221,7 +222,7 @@ def _random_values(name: str, rng: random.Random) -> Values:
 
 
 def _between(rng: random.Random) -> sp.Rational:
-    """Return a random fraction of a bounded domain: near 0, near 1 or anywhere."""
+    """Return a random number between 0 and 1: near 0, near 1 or uniform, equally often."""
     near_end = rng.choice((None, SMALLEST, BELOW_ONE))
     if near_end is None:
         return sp.Rational(rng.randrange(1, 10**6), 10**6)
@@ -258,15 +259,15 @@ def _short(value: sp.Expr) -> str:
 
 
 PROMISED_ERROR = 1e-13
-"""Promised bound on every error."""
+"""Promised bound on the errors of Y, Y_X, Y_T, in units of max(1, |value|)."""
 
 REFERENCE_DIGITS = 60
 WIDTHS = (4.0, 60.0)
-"""Half-widths, in units of xi, of the intervals searched for points."""
+"""Half-widths, in units of xi, of the intervals around each centre that are searched for points."""
 
 CASE_SECONDS = {False: 0.2, True: 2.0}
-"""Expected seconds of a case, by whether its background is periodic: the reference values are
-elliptic functions then."""
+"""Whether the background is periodic (the reference values are then elliptic functions) ->
+expected seconds of a case."""
 
 GRID = 2001
 BISECTIONS = 60
@@ -274,7 +275,7 @@ BISECTIONS = 60
 
 @dataclass(frozen=True)
 class Accuracy:
-    """Worst errors of Y, Y_X, Y_T over some points of one wave, and the point of the worst."""
+    """Largest errors of Y, Y_X, Y_T at points of one wave; ``worst`` describes the worst point."""
 
     name: str
     points: int
@@ -297,8 +298,8 @@ def measure_accuracy(
 ) -> Accuracy:
     """Return the worst errors of one case at ``per_time`` points for each lattice time.
 
-    The points are chosen among ``grid`` sites on either scale around each centre. ``times``
-    default to those of the case.
+    The points are chosen among ``grid`` sites on each scale in `WIDTHS` around each centre.
+    ``times`` default to those of the case.
 
     Raises FloatingPointError if NumPy meets an overflow, a division by zero or a NaN.
     """

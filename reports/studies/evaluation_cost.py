@@ -28,22 +28,22 @@ from longwave.support.processes import Job, Key
 from longwave.verify.proof.balls import BallEvaluator, JetShape
 
 POINTS: tuple[sp.Rational, ...] = tuple(sp.Rational(7 * i - 24, 16) for i in range(8))
-"""X (or xi) of the points: exact as doubles, so the same in every arithmetic."""
+"""Positions X (or xi) of the points; they are exact in every arithmetic."""
 
 TIME = sp.Rational(5, 16)
-"""T (or tau) of the points."""
+"""Slow time T (or tau) of all points."""
 
 ARRAY = 20_000
-"""Number of points in a timed array."""
+"""Number of points in the array on which double-doubles are timed."""
 
 REPEATS = 3
 EXACT_DIGITS = 120
-"""Digits of the reference values."""
+"""Number of digits of the reference values."""
 
 _ORDINARY = {"k": "7/10", "alpha": "1/2", "A": "1", "X_0": "0", "p": "6/5", "q": "4/5"}
 _ORDINARY |= {"A_1": "7/5", "A_2": "3/5", "kappa": "9/10", "U_0": "1/2"}
 ORDINARY = {name: sp.Rational(value) for name, value in _ORDINARY.items()}
-"""Generic values of the parameters."""
+"""Parameter name -> the value at which every wave with this parameter is measured."""
 
 Errors = Iterable[float]
 Row = Sequence[Any]
@@ -100,7 +100,7 @@ def least_seconds(function: Callable[[], object], repeats: int = REPEATS) -> flo
 
 
 def measure_array(case: WaveCase) -> tuple[Errors, float]:
-    """Measure double-doubles, at n and t with eps = 1, for which X and T are exact."""
+    """Measure double-doubles on lattice points (n, t) at eps = 1, where X and T are exact."""
     wave = case.wave()
     speed = int(wave.normal_form.c)
     rows = [wave.pairs_at(float(x + speed * TIME), float(TIME), 1.0) for x in POINTS]
@@ -179,7 +179,7 @@ def _to_mpf(context: Any, exact: sp.Expr) -> Any:
 
 
 def _errors(values: Sequence[Sequence[Any]], exact: Sequence[Row]) -> list[float]:
-    """Return errors relative to max(1, |value|); a value is the sum of its parts."""
+    """Return |value - exact| / max(1, |exact|); a value is given as parts to be added."""
     context = mpmath.MPContext()
     context.dps = EXACT_DIGITS
     pairs = ((v, e) for row in zip(values, exact, strict=True) for v, e in zip(*row, strict=True))

@@ -29,22 +29,22 @@ from longwave.support.processes import Job, Key
 Array = NDArray[np.float64]
 
 LINEAR, HARDENING = Model(4.0, 0.0, 0.0), Model(1.0, 0.0, 1.0)
-"""Chains with linear springs, and with springs that harden."""
+"""The models (K2, K3, K4) of a chain with linear springs, and of one with hardening springs."""
 
 NOISE = 1e-12
-"""Amplitude of noise in strains."""
+"""Amplitude of the alternating strains +-NOISE from which an instability grows."""
 
 CN = ("wave_cn", 0.8, 20, 1, 1)
-"""Form, k, period in sites, K2, K4 of the unstable background."""
+"""The unstable cn background: name of the closed form, k, period in sites, K2, K4."""
 
 CN_WAVELENGTHS, CN_STEP = 16, 0.25
-"""Wavelengths of the ring with the unstable background, and its time step."""
+"""Ring with the unstable cn background: its length in wavelengths, and its time step."""
 
 CN_SITES = np.arange(float(CN_WAVELENGTHS * CN[2]))
-"""Sites of that ring."""
+"""Site numbers of the ring with the unstable cn background."""
 
 Reading = float | tuple[float, str]
-"""Number that a hard case is judged by, optionally with the message that it produced."""
+"""Number that a hard case is judged by, alone or with the message that the case produced."""
 
 
 @dataclass(frozen=True)
@@ -70,13 +70,13 @@ class HardCase:
 
 HARD_CASES: dict[str, HardCase] = {}
 MEASURES: dict[str, Callable[[], Reading]] = {}
-"""Hard cases, and the functions that measure them, by name in the order of declaration."""
+"""Name of a hard case -> function that measures it (`HARD_CASES`: name -> the case itself)."""
 
 
 def hard_case(
     setup: str, criterion: str, bound: float, slow: bool = False
 ) -> Callable[[Callable[[], Reading]], Callable[[], Reading]]:
-    """Decorate a function that measures a hard case; its name is the name of the case."""
+    """Register the decorated function as the measurement of the hard case named like it."""
 
     def declare(measure: Callable[[], Reading]) -> Callable[[], Reading]:
         name = measure.__name__.lstrip("_")
@@ -93,8 +93,10 @@ def hard_case(
     1e-3,
 )
 def _step_limit() -> Reading:
-    """Return the largest relative distance between the stated limit and that of the kernels.
-    Infinite unless a step just past the limit is refused; one just below must be accepted."""
+    """Return the largest relative difference between a scheme's stated and observed step limit.
+
+    It is infinite unless steps just above all limits are refused.
+    """
     worst, messages = 0.0, []
     for scheme in schemes.SCHEMES:
         limit = schemes.stability_limit(scheme) / LINEAR.highest_frequency(np.zeros(1))
@@ -300,7 +302,10 @@ def energy_errors(
 
 
 def drift(scheme: schemes.Scheme, h: float, steps: int, sites: int = 32) -> float:
-    """Return a late over an early rms energy error: about 1 if bounded, 16 if it grows linearly."""
+    """Return the rms energy error late in a run over the early one: about 1 if it is bounded.
+
+    An error that grows linearly gives about 16.
+    """
     y, s = 0.1 * np.random.default_rng(11).standard_normal((2, sites))
     s -= np.mean(s)
     squares = energy_errors(scheme, h, [steps // 1000] * 1000, HARDENING, y, s) ** 2

@@ -32,23 +32,23 @@ from longwave.support.processes import Job, Key
 Array = NDArray[np.float64]
 
 SHARES = (0.95, 0.6, 0.4, 0.25, 0.15)
-"""Time steps as shares of the largest stable one."""
+"""Time steps of the timed runs, as fractions of the scheme's largest stable step."""
 
 RING_TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
 """Tolerances of the timed runs on the spectral ring."""
 
 FINEST_TOLERANCE, FINEST_SHARE = 1e-7, 0.1
-"""Tolerance of the ring, and share of the largest stable step, of the reference runs."""
+"""Reference runs: tolerance of the spectral ring, and the stencil's step over the stable one."""
 
 SPECTRAL = "spectral"
-"""Name of the series of runs on the spectral ring."""
+"""Series name of the runs on the spectral ring."""
 
 REPEATS = 3
 MEDIANS = f"medians of {REPEATS} runs"
-"""Number of timed repeats, and how the seconds are summarised."""
+"""Words for how repeated timings are summarised."""
 
 COMPARED, SITES = 200, 3072
-"""Compared sites to either side, and sites of the ring."""
+"""Number of compared sites to either side of c t, and number of sites of the ring."""
 
 
 @dataclass(frozen=True)
@@ -70,8 +70,11 @@ PROBLEMS = {
     "crest": ("rational_2_eps_0.05", -125.0, 125.0),
     "periodic": ("rogue_cn_k_0.5", -400.0, 400.0),
 }
-"""Problems: the shipped scene, start and end. Y_2 long before its peak, where it is weak and wide,
-Y_2 through its peak, and the cn rogue wave through its peak."""
+"""Problem -> (shipped scene, start time, end time).
+
+They are Y_2 long before its peak, where it is weak and wide, Y_2 through its peak, and the cn rogue
+wave through its peak.
+"""
 
 
 def problem_scene(problem: str) -> Scene:
@@ -103,7 +106,7 @@ def work_precision(problem: str) -> list[CostPoint]:
 
 
 def by_scheme(scene: Scene, name: str, share: float) -> Scene:
-    """Return the scene with a scheme at a share of its largest stable step."""
+    """Return the scene with the named scheme at ``share`` times its largest stable step."""
     fastest = 2.0 * scene.model.sound_speed(scene.eps * 5.0)
     return scene.changed(scheme=name, step=share * stability_limit(scheme_named(name)) / fastest)
 
@@ -115,7 +118,7 @@ def spectral(scene: Scene, tolerance: float) -> Scene:
 
 @cache
 def warmed(scheme: str) -> None:
-    """Compile a scheme's kernel (the ring's if ``scheme`` is ""), so that no timing includes it."""
+    """Compile the kernel of a scheme, or of the spectral ring for "", by a short run."""
     scene = problem_scene("smooth")
     short = replace(scene, snapshots=(scene.t0 + 1.0,))
     run(by_scheme(short, scheme, SHARES[0]) if scheme else spectral(short, RING_TOLERANCES[0]))
@@ -132,18 +135,18 @@ def march_seconds(scene: Scene, result: xr.Dataset) -> float:
 
 
 def _timed(scene: Scene) -> xr.Dataset:
-    """Run the scene after compiling its kernels."""
+    """Run the scene with its kernels compiled before, so that its seconds do not include that."""
     warmed("" if scene.tolerance else scene.discretisation.scheme)
     return run(scene)
 
 
 def _strain(result: xr.Dataset) -> Array:
-    """Return the strains at the end."""
+    """Return the strains at the last snapshot of a run."""
     return np.asarray(result["strain"].values[-1])
 
 
 SLOW_TIME = 1.25
-"""T starts at minus this value and ends at 0, the peak."""
+"""Length in slow time T of the runs over eps, which end at the peak T = 0."""
 
 SPECTRAL_TOLERANCE, FINER_SPECTRAL_TOLERANCE = 1e-3, 1e-4
 WINDOW_SCHEME = "reduced_phase_6"
@@ -152,16 +155,16 @@ STEPS = 400
 """Number of steps that are timed if the whole run is too long."""
 
 WINDOW_COMPARED = 400
-"""Compared sites to either side, in runs of several windows."""
+"""Number of compared sites to either side of c t in the study of window sizes."""
 
 COMPARED_X, WINDOW_X = 10.0, 200.0
-"""Half-width compared, and width of a window, in X."""
+"""Half-width of the compared range, and width of the window, in the study over eps; in X."""
 
 FITTED_POINTS = 3
-"""Number of points, at the small-eps end, through which a law is fitted."""
+"""Number of points, those of smallest eps, through which a power law is fitted."""
 
 REDUCTION, TRUE_ERROR = "error of the reduction", "error of the spectral run"
-"""Names of the series of errors."""
+"""Series names of the reduction's error, and of the error of the spectral run itself."""
 
 
 @dataclass(frozen=True)
@@ -232,13 +235,13 @@ def measure_at_eps(eps: float, with_reference: bool) -> list[ScalingPoint]:
 
 
 def _own_error(result: xr.Dataset, eps: float) -> float:
-    """Return the run's own error over the denominator of its relative error."""
+    """Return the run's error estimate relative to the wave's height, as relative errors are."""
     height = float(np.max(np.abs(result["analytic"] - result["background"]))) / eps
     return float(result.attrs["error_estimate"]) / height
 
 
 def _scaled(base: Scene, scheme: str, step: float, sites: int) -> float:
-    """Return the seconds of the whole run in a window of ``sites``, scaled from STEPS steps."""
+    """Return the seconds of a whole run with that many sites, extrapolated from `STEPS` steps."""
     part = base.changed(scheme=scheme, step=step, snapshots=(base.t0 + STEPS * step,))
     part = part.changed(sites=sites, compared=min(base.compared, 200))
     seconds = float(run(part).attrs["seconds"])
@@ -262,7 +265,7 @@ def window_error(sites: Sequence[int], t0: float = -10000.0) -> list[ScalingPoin
 
 
 def rk4_share(steps: Sequence[float], t0: float = -10000.0) -> list[ScalingPoint]:
-    """Return the paper's error figure of Y_2 at t = 0 by RK4's step; x = 0 means an exact flow."""
+    """Return the relative error of Y_2 at t = 0 by RK4's step x; x = 0 is an exact time flow."""
     scene = to_peak(t0)
     variants = {step: scene.changed(scheme="rk4", step=step) for step in steps}
     return [
@@ -272,13 +275,13 @@ def rk4_share(steps: Sequence[float], t0: float = -10000.0) -> list[ScalingPoint
 
 
 HALF_WIDTH = 25.0
-"""Half-width compared, in X: covers all extrema of Y_2 .. Y_5 from the first slow time on."""
+"""Half-width in X of the compared range, which contains all extrema of Y_2 .. Y_5 in the runs."""
 
 PEAK_TOLERANCES = {2: 1e-4, 3: 2e-4, 4: 1e-3, 5: 2e-3}
-"""Tolerance of y/eps by order: the higher the order, the larger the error that is measured."""
+"""Order j of Y_j -> tolerance of y/eps; a higher order has a larger error to be measured."""
 
 RESOLVED = 0.1
-"""Largest ratio of discretisation error to value for a resolved value."""
+"""Ratio of discretisation error to measured error below which the latter counts as resolved."""
 
 
 @dataclass(frozen=True)
@@ -342,10 +345,10 @@ def peak_laws(points: Iterable[PeakError]) -> dict[int, float | None]:
 EPSILONS, MORE_EPSILONS = (0.1, 0.05, 0.025, 0.0125), (0.00625,)
 RK4_STEPS, MORE_RK4_STEPS = (0.4, 0.25, 0.125), (0.0625,)
 WINDOWS, MORE_WINDOWS = (2048, 4096, 8192), (16384, 32768)
-"""Values in the short report, and those added in the full one."""
+"""Values of eps, RK4 steps and window sizes: in the short report, and added in the full one."""
 
 PEAK_SECONDS, WIDE_PEAK_SECONDS = {2: 5.0, 3: 20.0, 4: 45.0, 5: 75.0}, 3.0
-"""Expected seconds of a family member: by order for eps below ``NARROW``, else the second."""
+"""Expected seconds of a run to the peak: by order if eps is below `NARROW`, else one number."""
 
 NARROW = 0.02
 

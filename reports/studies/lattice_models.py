@@ -43,7 +43,7 @@ class LatticeModel:
 
 
 def _can_be_met(reduction: Reduction) -> bool:
-    """Return whether no condition requires a nonzero expression to vanish."""
+    """Return whether no condition of the reduction requires a nonzero expression to vanish."""
     defined = dict(reduction.lattice.definitions)
     expressions = (condition.expression.xreplace(defined) for condition in reduction.conditions)
     return not any(expression.is_zero is False for expression in expressions)
@@ -67,7 +67,7 @@ def lattice_models() -> Iterator[LatticeModel]:
 
 
 def closed_waves(reduction: Reduction) -> tuple[str, ...]:
-    """Return the names of closed forms that solve the reduced equation, signs compared if known.
+    """Return the names of closed forms that solve the reduced equation, with matching known signs.
 
     >>> from longwave.derive import LATTICES, find_scaling
     >>> closed_waves(find_scaling(LATTICES["toda"])[0])
@@ -92,16 +92,16 @@ ENVELOPES: tuple[tuple[str, Expr | None], ...] = (
     ("klein_gordon", pi),
     ("mass_dimer", pi),
 )
-"""Lattices and wavenumbers (None: any) whose envelope has short coefficients, the same on every
-branch."""
+"""(Lattice, carrier wavenumber or None for any) with short NLS coefficients, which are the same on
+every branch."""
 
 
 LARGEST_K3, POINTS = 1.5, 240
-"""Largest K3 in the map of plane carrier waves, and its points along each axis."""
+"""Largest K3 in the stability map of plane carrier waves, and number of points along each axis."""
 
 
 def modulation_plane(points: int = POINTS) -> tuple[ModulationGrid, np.ndarray]:
-    """Return the modulation grid of the alpha+beta FPUT lattice over (K3, k), K2 = K4 = 1, and K3.
+    """Return the modulation grid of the alpha+beta FPUT lattice over (K3, k), and the values of K3.
 
     >>> grid, quadratic = modulation_plane(4)
     >>> grid.product.shape, quadratic.shape

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from longwave.scenes.convergence import SceneConvergence
 
 SECONDS = {"alpha_beta_rogue": 4.0, "dimer_rogue": 6.0}
-"""Processor seconds of the long scenes, with rings of 40 000 and 30 000 cells; others `USUAL`."""
+"""Scene -> expected processor seconds, for scenes on long rings; others take `USUAL`."""
 
 USUAL = 1.0
 
@@ -55,13 +55,14 @@ def scene_run_jobs() -> dict[Key, Job]:
 
 
 RATE_SECONDS = {"leading": 1.0, "slaved": 3.0, "corrected": 15.0}
-"""Processor seconds of a case by the order of its data; a long case takes ``LONGER`` times that."""
+"""Order of the initial data -> expected processor seconds of a case; long ones take `LONGER` times
+that."""
 
 LONGER = 10.0
 
 
 def measured_rate(name: str, order: str) -> SceneConvergence:
-    """Measure one of the `rate_cases`, started from data of an order.
+    """Measure the rate of one of the `rate_cases`; ``order`` names the order of the initial data.
 
     >>> found = measured_rate("2", "leading")
     >>> found.equation, found.theory, found.reached

@@ -20,10 +20,10 @@ from longwave.support.processes import Job, Key
 
 LONG_SCENES = ("breather_sn_k_0.7_long", "rogue_cn_k_0.5_long", "soliton_dn_k_0.7_long")
 SPLIT_SCENE = "split_rational_3"
-"""Names of the scenes of long runs, and of the split wave."""
+"""Name of the scene of the third-order rational wave whose shift splits its peak."""
 
 SHARES = (0.6, 0.45)
-"""Time steps of the stencil runs, in units of the longest allowed; the second is the reference."""
+"""Steps of the coarse and the fine stencil run, as fractions of the longest allowed step."""
 
 
 @dataclass(frozen=True)
@@ -64,12 +64,13 @@ def by_ring(name: str, progress: Progress | None = None) -> xr.Dataset:
 
 
 def by_sites(name: str, share: float, progress: Progress | None = None) -> xr.Dataset:
-    """Run the scene on the stencil, with a share of the longest step."""
+    """Run the scene with the stencil engine at ``share`` times the longest allowed step."""
     return run(site_by_site(load_scene(name), share), progress)
 
 
 def site_by_site(scene: Scene, share: float) -> Scene:
-    """Return the scene on a ring whose seam cannot affect compared sites, with a stated step."""
+    """Return the scene at ``share`` times the longest step, on a ring whose seam cannot affect
+    compared sites."""
     from longwave.scenes.engines.domain_plan import SCHEME, count_cells, longest_step
     from longwave.scenes.engines.lattice_run import domain_plan
 

@@ -15,10 +15,10 @@ from longwave.scenes.observed.observables import measured_error
 from longwave.support.processes import Job
 
 RK4_STEP = 0.25
-"""RK4 time step that is stable but contributes to the error shown."""
+"""Time step at which RK4 is stable but visibly adds to the error against the wave."""
 
 SPLIT = "rational_2_eps_0.05"
-"""Name of the run whose error is split into parts."""
+"""Name of the run whose error is split into position, amplitude and shape."""
 
 PARTS = ("position", "amplitude", "shape")
 
@@ -38,7 +38,7 @@ class MeasuredRuns:
     scenes: Mapping[str, Scene]
 
     def discretisation(self, name: str) -> xr.DataArray:
-        """Return the error of y/eps by step and domain, as far as measured, at each snapshot."""
+        """Return the measured error of y/eps that is due to step and domain, at each snapshot."""
         error = measured_error(self.runs[name])
         assert error is not None, f"{name} measured no error"
         return xr.DataArray(error, {"time": self.runs[name]["time"].values}, "time")

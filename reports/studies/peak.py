@@ -13,10 +13,10 @@ from numba.extending import intrinsic
 from longwave.support.compiled.jit import njit
 
 WIDTHS = (4, 8)
-"""Doubles in a vector: AVX2 has registers for the first only, AVX-512 runs the second faster."""
+"""Vector widths in doubles that are tried: 4 fit a register of AVX2, 8 one of AVX-512."""
 
 ACCUMULATORS = 12
-"""Independent chains: two units of latency 4 need 8; 16 registers fit these and a constant."""
+"""Number of independent accumulators: two units of latency 4 need 8, and 16 registers fit 12."""
 
 ROUNDS = 3_000_000
 
@@ -27,7 +27,7 @@ def _loop(width: int) -> Callable[[int], float]:
 
     @intrinsic
     def multiply_add(_context: Any, rounds: Any) -> Any:
-        """Compute x <- x / 2 + 1/2 on every accumulator each round; return a sum that needs all."""
+        """Apply x -> x / 2 + 1/2 to each accumulator ``rounds`` times; return a sum over all."""
 
         def codegen(_target: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
             kind = ir.VectorType(ir.DoubleType(), width)

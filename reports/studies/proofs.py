@@ -65,7 +65,7 @@ LIMIT = 60.0
 """Time limit for one statement, in processor seconds."""
 
 STATEMENT_WEIGHT = 0.1
-"""Expected seconds for one statement: 343 took 37 s with eight processes on two cores."""
+"""Expected seconds for deciding one statement (343 took 37 s with 8 processes on 2 cores)."""
 
 
 @dataclass(frozen=True)

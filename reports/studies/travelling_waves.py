@@ -32,12 +32,12 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 MODES = 24
-"""Highest Fourier mode of the profile."""
+"""Number of the highest Fourier mode of a wave's profile."""
 
 NEWTON_STEPS = 12
 
 OVERSAMPLING = 8
-"""Samples per mode in products; V' is cubic and V'' quadratic, so nothing is aliased."""
+"""Samples per mode for products, enough that V' (cubic) and V'' (quadratic) are not aliased."""
 
 
 @dataclass(frozen=True)
