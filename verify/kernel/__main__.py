@@ -11,7 +11,7 @@ from .limits import FILE_BYTES, CertificateError
 
 
 def main(arguments: list[str]) -> int:
-    """Print what every certificate of a file states, and "accepted"; 1 at the first that fails."""
+    """Print each certificate's statement; return 0 if all are accepted, 1 at the first failure."""
     if len(arguments) != 1:
         print("usage: python -m longwave.verify.kernel FILE", file=sys.stderr)
         return 2
