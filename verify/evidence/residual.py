@@ -28,11 +28,11 @@ from longwave.verify.proof.samples import rational_near
 from longwave.verify.verdict import Outcome, Verdict, timed
 
 SLACK_DIGITS = 4
-"""Digits by which the decay may fall short of d2 - d1; covers rounding at the worst point."""
+"""Digits that the decay from d1 to d2 digits may lack, for rounding at the worst point."""
 
 MOST_DIGITS = 10_000
 MINIMUM_GAP = 2 * SLACK_DIGITS + 1
-"""Smallest gap in digits between two precisions at which the decay is still meaningful."""
+"""Smallest difference in digits between two precisions, so that the decay is significant."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ def scientific(level: float) -> str:
 
 
 HALF_WIDTH = 4
-"""Bound of drawn variables; unbounded domains are cut this far beyond 0 and the other end."""
+"""Variables are drawn within +-HALF_WIDTH; an unbounded domain is cut so far beyond 0."""
 
 DENOMINATOR = 1009
 """Denominator of drawn values; a prime, so that no drawn value is exact in binary."""
@@ -112,7 +112,7 @@ def sample_points(form: ClosedForm, count: int, seed: int) -> list[Point]:
 
 
 def _interval(domain: Domain, known: Point) -> tuple[sp.Rational, sp.Rational]:
-    """Return the interval from which a parameter is drawn: its domain less a margin at each end."""
+    """Return the ends between which a parameter is drawn: its domain without margins."""
     lower, upper = map(rational_near, domain.ends(known))
     if lower is None:
         lower = min(sp.S.Zero if upper is None else upper, sp.S.Zero) - HALF_WIDTH

@@ -398,7 +398,7 @@ class Field:
             self._add(node, value)
 
     def relate(self, place: int, degree: int, value: Element, factor: Element) -> fmpq_mpoly:
-        """Enter the relation of g = d * factor * root; return d, which makes g**degree polynomial."""
+        """Enter the relation of g = d * factor * root; return d: g**degree is a polynomial."""
         if place in value.places and not (factor - self.one).is_zero:
             raise CertificateError("a multiple of a root of unity is no generator")
         value = value * factor**degree

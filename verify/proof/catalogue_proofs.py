@@ -57,7 +57,7 @@ def _problems(form: ClosedForm) -> Sequence[Callable[[ClosedForm], Problem]]:
 
 
 def lab_problem(form: ClosedForm) -> Problem:
-    """Return the problem that ``form``, one of mKdV, solves the equation in the lab variables."""
+    """Return the problem to prove that an mKdV ``form`` solves the equation in lab variables."""
     frame = lab_frame(form.equation.s)
     return solution_problem(
         frame.residual(sp.Function("U")(X, T)),
@@ -69,7 +69,7 @@ def lab_problem(form: ClosedForm) -> Problem:
 
 
 def own_problem(form: ClosedForm) -> Problem:
-    """Return the problem that ``form`` solves its equation in its own variables."""
+    """Return the problem to prove that ``form`` solves its equation, in its own variables."""
     equation, domains = form.equation, form_domains(form)
     unknown = sp.Function("U")(*equation.variables)
     left = equation.residual(unknown)
@@ -93,7 +93,7 @@ def prove_stable(form: ClosedForm) -> ProofVerdict:
 
 
 def stable_problem(form: ClosedForm) -> Problem:
-    """Return the problem that the evaluation form of ``form`` equals its canonical one."""
+    """Return the problem to prove that the evaluation form of ``form`` equals its canonical one."""
     return equality_problem(
         form.expression, form.stable, form.equation.variables, form.name,
         "stable form = canonical form", form_domains(form),

@@ -107,13 +107,13 @@ class _Witness:
     witness: Mapping[str, str]
 
     def leaves_nothing(self, trees: StatementTrees) -> bool:
-        """Return whether the residuals of ``trees`` are small at the point."""
+        """Return whether all residuals of ``trees`` vanish at the point, to `QUICK` precision."""
         trees, point = witness_trees(self.statement, trees, self.witness)
         return TypedValues(trees, self.domains).fails_at(point, QUICK) is False
 
 
 def _is_as_strong(witness: _Witness, trees: StatementTrees) -> bool:
-    """Return whether no equation is trivial, such as ``u_x - u_x``, and no variable is lost."""
+    """Return whether changed ``trees`` lose no variable and have no equation ``u_x - u_x``."""
     letters = [syntax.Name(name) for name in trees.variables]
     terms = [syntax.Product((syntax.Number(Fraction(1, i + 3)), v)) for i, v in enumerate(letters)]
     terms.append(syntax.Product((*letters, *letters)))
@@ -211,7 +211,7 @@ def _difference(old: FormulaTree, new: FormulaTree) -> tuple[FormulaTree, Formul
 
 
 def _moduli(formula: FormulaTree) -> Iterator[tuple[str, FormulaTree]]:
-    """Yield the parameters of all elliptic functions squared, or their roots taken."""
+    """Yield words and the formula with an elliptic parameter squared, or its root, everywhere."""
 
     def is_elliptic(node: FormulaTree) -> bool:
         return isinstance(node, syntax.Call) and node.name.startswith(("jacobi_", "elliptic_"))

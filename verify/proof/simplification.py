@@ -31,11 +31,11 @@ ROOT_DIGITS, LARGEST_DENOMINATOR = 40, 10**6
 """Decimals to which a cube root is evaluated, and largest denominator in its exact form."""
 
 REAL_ON_THE_LINE = (sp.exp, *HYPERBOLIC, *TRIGONOMETRIC)
-"""Meromorphic functions that take conjugates to conjugates."""
+"""Meromorphic functions f with f(conj z) = conj f(z)."""
 
 
 class Rewriting:
-    """Simpler forms of expressions on domains; ``found`` maps nodes, as they stood, to new ones."""
+    """Simpler forms of expressions on domains; ``found`` maps original nodes to new ones."""
 
     def __init__(self, signs: DomainSigns) -> None:
         self.signs = signs
@@ -264,7 +264,7 @@ SQUARES: Mapping[Any, Callable[..., dict[sp.Expr, sp.Expr]]] = {
     jacobi_cn: lambda f, z, m: {1 - f**2: jacobi_sn(z, m), 1 - m + m * f**2: jacobi_dn(z, m)},
     jacobi_dn: lambda f, z, m: {1 - f**2: sp.sqrt(m) * jacobi_sn(z, m)},
 }
-"""Sums that are the square of another function: root by sum."""
+"""For each function f, expressions in f that are a square, mapped to a square root."""
 
 
 def _squared_function(total: sp.Expr) -> sp.Expr | None:
@@ -373,10 +373,10 @@ def conjugated(expression: sp.Expr, signs: DomainSigns) -> sp.Expr | None:
     return None if any(argument is None for argument in arguments) else expression.func(*arguments)
 
 
-def needs_integers(size: sp.Expr) -> bool:
-    """Return whether a modulus or sign is known only for integer symbols: abs(n-1) for n > 0."""
-    whole = [s for s in size.free_symbols if s.is_integer]
+def needs_integers(node: sp.Expr) -> bool:
+    """Return whether an abs or sign simplifies only for integers, such as abs(n-1) for n > 0."""
+    whole = [s for s in node.free_symbols if s.is_integer]
     real = {s: sp.Dummy(real=True, positive=s.is_positive, negative=s.is_negative) for s in whole}
-    if not whole or isinstance(sp.Abs(size.args[0]), sp.Abs):
+    if not whole or isinstance(sp.Abs(node.args[0]), sp.Abs):
         return False
-    return isinstance(sp.Abs(size.args[0].xreplace(real)), sp.Abs)
+    return isinstance(sp.Abs(node.args[0].xreplace(real)), sp.Abs)

@@ -264,7 +264,7 @@ class _Reading:
             self._keep(self.variables[letter], replace(domain, lower=lower, upper=upper))
 
     def _limited(self, part: TextPart, plain: Mapping[str, sp.Symbol]) -> tuple[str, Domain]:
-        """Return the variable that an inequality restricts (a lone side first), and its domain."""
+        """Return the variable that a condition restricts, and its domain."""
         first: FormulaError | None = None
         for name in self._subjects(part, [*plain]):
             try:
@@ -275,7 +275,7 @@ class _Reading:
         raise first
 
     def _subjects(self, part: TextPart, letters: Sequence[str]) -> list[str]:
-        """Return the variables that an inequality may restrict."""
+        """Return the variables that a condition may restrict: one that is a side, or else all."""
         sides: list[list[Token]] = [[]]
         for word in part.words[:-1]:
             if word.kind == "sign" and word.text in ("<", "<=", ">", ">=", "!="):

@@ -143,14 +143,14 @@ class ElementaryJacobi:
     """Jacobi functions for m = 0 and m = 1: sn, cn, dn, epsilon, and zeta for m = 0."""
 
     K = E = acb(1)
-    """Complete integrals, up to a common factor."""
+    """Complete integrals K and E up to a common factor; only the ratio E/K is used."""
 
     def __init__(self, m: acb) -> None:
         self.m = m
         self.sn, self.cn = (acb.sin, acb.cos) if m == 0 else (acb.tanh, acb.sech)
 
     def dn(self, z: acb) -> acb:
-        """Return dn."""
+        """Return dn(z)."""
         return acb(1) if self.m == 0 else z.sech()
 
     def epsilon(self, z: acb) -> acb:
@@ -179,7 +179,7 @@ class Elliptic:
         return [start, *(_product(dn, dn, n) / (n + 1) for n in range(order))]
 
     def zeta(self, z: acb, order: int) -> Series:
-        """Theta'/Theta."""
+        """Return the series of zeta = Theta'/Theta."""
         rest, mean = self.epsilon(z, order)[1:], self._values.E / self._values.K
         return [self._values.zeta(z), *(c - mean * (n == 0) for n, c in enumerate(rest))]
 

@@ -51,7 +51,7 @@ OPAQUE = (sp.log, sp.atan)
 
 @dataclass(frozen=True)
 class Typed:
-    """Part of a tree without unknowns; SymPy's simplified ``value`` and the ``plain`` form."""
+    """Part of a tree without unknowns: SymPy's simplified ``value`` and unevaluated ``plain``."""
 
     tree: FormulaTree
     value: sp.Expr
@@ -157,7 +157,7 @@ def typed_nodes(
 
 
 def put_in(trees: StatementTrees, formula: FormulaTree) -> FormulaTree:
-    """Substitute unknowns and defined names in a formula by their formulas."""
+    """Replace unknowns and defined names in a formula by their formulas."""
 
     def image(node: FormulaTree) -> FormulaTree | None:
         if not isinstance(node, syntax.Unknown):

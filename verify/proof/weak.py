@@ -102,7 +102,7 @@ def _decided(statement: Statement, progress: Progress) -> StatementVerdict:
 def _solved(
     statement: Statement, conditions: Sequence[sp.Expr], sides: StatementVerdict, words: str
 ) -> ConditionalVerdict:
-    """Return the values of the ``targets`` parameters for which the jump conditions hold."""
+    """Return the values of the ``solve_for`` parameters for which the jump conditions hold."""
     if not conditions:
         raise ValueError("every value holds, since the jump gives no condition")
     targets = [str(symbol) for symbol in statement.solve_for]
@@ -164,7 +164,7 @@ def _vanishes(statement: Statement, condition: sp.Expr) -> ProofVerdict:
 
 @dataclass(frozen=True)
 class Plane:
-    """The plane ``variable = end``; ``sides`` has the trees of the formulas above and below it."""
+    """The plane ``variable = end``; ``sides``: the trees of the formulas above and below it."""
 
     variable: sp.Symbol
     end: sp.Expr
@@ -173,7 +173,7 @@ class Plane:
 
 
 def travelling_plane(statement: Statement) -> Plane:
-    """Return the one plane at which the formulas jump; raises ValueError if there is not one."""
+    """Return the plane at which the formulas jump; raises ValueError unless there is just one."""
     if statement.complexes or statement.functions:
         raise ValueError("with weak a statement must be real and without functions")
     places = seams(statement)
@@ -224,7 +224,7 @@ def travelling_plane(statement: Statement) -> Plane:
 
 
 def _check_smooth(tree: FormulaTree, value: sp.Expr, domains: Domains) -> None:
-    """Raise ValueError unless SymPy leaves a formula unchanged and it is smooth everywhere."""
+    """Raise ValueError unless a formula has only functions in `SAFE` and is smooth everywhere."""
     for node in tree.nodes():
         power = rational(node.parts[1]) if isinstance(node, Power) else None
         whole = power is not None and power.denominator == 1
@@ -287,7 +287,7 @@ def _summands(tree: FormulaTree) -> Iterator[FormulaTree]:
 
 
 def _values(statement: Statement, plane: Plane, inner: FormulaTree) -> tuple[sp.Expr, sp.Expr]:
-    """Return a formula in the unknowns above and below the plane."""
+    """Return the values above and below the plane of ``inner``, a formula in the unknowns."""
     build = ExpressionBuilder(vocabulary(statement)).expression
     domains = all_domains(statement, *statement.equations)
     values = []
