@@ -172,22 +172,22 @@ class ResidualProgram:
         self._terms = tape.formula(self.symbols, entries)
 
     def level(self, point: Point, digits: int) -> float:
-        """Return log10 of |residual| / sum of |terms|; EvaluationError if it is not finite."""
+        """Return log10 of |sum of terms| / sum of |terms|; raises EvaluationError if not finite."""
         context = self._context
         context.dps = digits
         values = [context.mpf(point[s].p) / point[s].q for s in self.symbols]
         try:
             terms = self._terms(context, *values)
-            total, size = abs(context.fsum(terms)), context.fsum(terms, absolute=True)
+            total, magnitude = abs(context.fsum(terms)), context.fsum(terms, absolute=True)
         except (ArithmeticError, ValueError, TypeError, NameError) as error:
             raise EvaluationError(f"{type(error).__name__}: {error}") from error
-        if not context.isfinite(size):
+        if not context.isfinite(magnitude):
             raise EvaluationError("the residual is not finite")
-        return float(context.log10(total / size)) if total else float("-inf")
+        return float(context.log10(total / magnitude)) if total else float("-inf")
 
 
 def _term_entries(tape: Tape, expression: sp.Expr, equation: Equation) -> list[sp.Expr]:
-    """Return tape entries of the residual's terms, expanded with an undefined function."""
+    """Record the terms of the expanded residual on the tape, and return their entries."""
     field = sp.Function("U")(*equation.variables)
     residual = sp.expand(equation.residual(field))
     value, entries = tape.record(expression), {}
@@ -229,7 +229,7 @@ def _judge(form: ClosedForm, sampling: Sampling) -> dict[str, Any]:
 def _sweep(
     program: ResidualProgram, points: Sequence[Point], digits: Sequence[int]
 ) -> tuple[Decay, Point]:
-    """Return the largest residuals until one does not fall, and the point of the last one."""
+    """Return the decay up to the first precision that fails, and the worst point there."""
     decay = Decay((), ())
     for precision in digits:
         levels = [_level_at(program, point, precision) for point in points]

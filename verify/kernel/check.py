@@ -73,9 +73,9 @@ def prove(statement: Statement, proof: Mapping[str, Any], part: bool = False) ->
 def vanishes(field: Field, statement: Statement, equation: int) -> bool:
     """Return whether an equation holds with the statement's formulas in place of its unknowns."""
     for answer in field.rules.tried("equation", "="):
-        found = answer(field, statement, equation)
-        if found is not None:
-            return found
+        result = answer(field, statement, equation)
+        if result is not None:
+            return result
     residual = Substitution(field.nodes, statement.variables, statement.formulas)(equation)
     field.walk([residual])
     return field.image(residual).is_zero

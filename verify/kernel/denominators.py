@@ -62,19 +62,19 @@ class Denominators:
         field, nodes, own = self._field, self._field.nodes, self._statement
         put = Substitution(nodes, own.variables, own.formulas)
         stated = [*own.formulas, *map(put, own.equations)] if own.unknowns else []
-        found = [*_divisors(nodes, stated), *field.primitives("exp")]
+        singular = [*_divisors(nodes, stated), *field.primitives("exp")]
         for node in field.primitives("lambert_w"):
             if not any(map(self._jumps, nodes.below(nodes.all[node][1:]))):
-                found += [node, nodes.add("Add", node, nodes.rational(1))]
-        images = (field.image(node) for node in found)
+                singular += [node, nodes.add("Add", node, nodes.rational(1))]
+        images = (field.image(node) for node in singular)
         powers = [field.ring.split(i.numerator)[1] for i in images if not i.is_zero]
         return [field.ring.factors[place] for place in chain.from_iterable(powers)]
 
     def _formulas(self, polynomial: fmpq_mpoly) -> set[int]:
         """Return the formulas of the generators in a polynomial, also of those in their scales."""
         degrees = polynomial.degrees()[::-1]
-        found = [g for g, n in zip(self._field.generators, degrees, strict=False) if n]
-        return {g.formula for g in found}.union(*(self._formulas(g.scale) for g in found))
+        occurring = [g for g, n in zip(self._field.generators, degrees, strict=False) if n]
+        return {g.formula for g in occurring}.union(*(self._formulas(g.scale) for g in occurring))
 
     def _at(self, turns: tuple[tuple[int, fmpq], ...]) -> list[acb]:
         if turns not in self._values:

@@ -256,9 +256,9 @@ class Field:
         if turned is not None:
             return turned
         name, *arguments = self.nodes.all[node]
-        for found in (answer(self, node) for answer in self.rules.tried("image", name)):
-            if found is not None:
-                return found
+        for result in (answer(self, node) for answer in self.rules.tried("image", name)):
+            if result is not None:
+                return result
         own = FUNCTIONS.get(name)
         if own is None or not own.definition:
             raise CertificateError(f"there is no generator for a {name}")
@@ -342,10 +342,10 @@ class Field:
         value = self.hinted(key)
         if value is None or self.nodes.all[value][0] != self.nodes.all[key][0]:
             return None
-        found = self.nodes.add(name, *self.nodes.all[value][1:])
-        if found != node and not self._alike(key, value):
+        rewritten = self.nodes.add(name, *self.nodes.all[value][1:])
+        if rewritten != node and not self._alike(key, value):
             raise CertificateError("the sum given for an argument is not equal to it")
-        return found
+        return rewritten
 
     def _turned(self, node: int) -> Element | None:
         """Return the image of f(z) by symmetry, if f(-z) has a generator or hint; else None."""

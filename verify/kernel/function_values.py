@@ -59,8 +59,8 @@ class Jacobi:
         return self._ratio(z, self._places[1])
 
     def _ratio(self, z: acb, place: int) -> acb:
-        found = self._thetas(self._root * z)
-        return self._zeros[3] * found[place] / (self._zeros[place] * found[3])
+        thetas = self._thetas(self._root * z)
+        return self._zeros[3] * thetas[place] / (self._zeros[place] * thetas[3])
 
     def epsilon(self, z: acb) -> acb:
         """Return epsilon(z, m), the integral of dn**2 from 0 to z."""

@@ -111,8 +111,8 @@ class Nodes:
 
     def value(self, node: int) -> fmpq | None:
         """Return the rational number of a number node; None for any other node."""
-        found = self.all[node]
-        return found[1] if found[0] == "number" else None
+        parts = self.all[node]
+        return parts[1] if parts[0] == "number" else None
 
     def terms(self, node: int) -> tuple[int, ...]:
         """Return the terms of a sum; any other node is its own only term."""

@@ -114,12 +114,12 @@ class _Partials:
 
 
 def _rows(polynomial: fmpq_mpoly, x: int, t: int) -> Rows:
-    found = [fmpq_poly()]
+    rows = [fmpq_poly()]
     for exponents, coefficient in polynomial.terms():
         powers = exponents[::-1]
-        found += [fmpq_poly() for _ in range(int(powers[t]) + 1 - len(found))]
-        found[int(powers[t])][int(powers[x])] = coefficient
-    return found
+        rows += [fmpq_poly() for _ in range(int(powers[t]) + 1 - len(rows))]
+        rows[int(powers[t])][int(powers[x])] = coefficient
+    return rows
 
 
 def _value(rows: Rows, t: int) -> fmpq_poly:
@@ -149,10 +149,10 @@ def long_quotient(field: Field, statement: Statement) -> tuple[Element, int, int
 
 def quotient_vanishes(field: Field, statement: Statement, equation: int) -> bool | None:
     """Return whether an equation holds for a long quotient; None for any other formula."""
-    own, found = shape(field.nodes, equation), long_quotient(field, statement)
-    if own is None or found is None:
+    own_shape, found = shape(field.nodes, equation), long_quotient(field, statement)
+    if own_shape is None or found is None:
         return None
-    (top, orders), (image, x, t, rates) = own, found
+    (top, orders), (image, x, t, rates) = own_shape, found
     parts = image.numerator, image.denominator()
     above, below = (_rows(part, x, t) for part in parts)
     last = (top * (max(len(above), len(below)) - 1) + 1) // 2

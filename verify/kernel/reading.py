@@ -111,16 +111,16 @@ def tokens(text: object) -> list[tuple[str, str]]:
     """Split a text into pairs of kind and word; raises CertificateError for any other character."""
     if not isinstance(text, str):
         raise CertificateError(f"formulas must be text, got {type(text).__name__}")
-    found, place = [], 0
+    words, place = [], 0
     while place < len(text):
         match = TOKEN.match(text, place)
         if match is None:
             got = text[place : place + 20]
             raise CertificateError(f"formulas must follow the grammar, got {got!a}")
         if match.lastgroup is not None:
-            found.append((match.lastgroup, match[0]))
+            words.append((match.lastgroup, match[0]))
         place = match.end()
-    return found
+    return words
 
 
 def rational(text: str) -> fmpq:
@@ -164,10 +164,10 @@ class TextReader:
 
     def expect(self, *signs: str) -> str:
         """Read the next word and return it; raises CertificateError if it is none of ``signs``."""
-        found = self.take(*signs)
-        if not found:
+        taken = self.take(*signs)
+        if not taken:
             raise CertificateError(f"expected {' or '.join(signs)}, got {self.next[:40]!a}")
-        return found
+        return taken
 
     def name(self) -> str:
         """Read the next word, which must be a name, and return it."""
@@ -182,9 +182,9 @@ class TextReader:
 
     def whole(self) -> int:
         """Read a sum that must extend to the end of the text; return its node."""
-        found = self.sum()
+        total = self.sum()
         self.end()
-        return found
+        return total
 
     def sum(self) -> int:
         """Read a sum of one or more terms; return its node."""
@@ -255,9 +255,9 @@ class TextReader:
             case "place" if int(word[1:]) < len(self._places):
                 return self._places[int(word[1:])]
             case "sign" if word == "(":
-                found = self.sum()
+                inner = self.sum()
                 self.expect(")")
-                return found
+                return inner
             case "name" if self.next in ("(", "'"):
                 return self._function(word)
             case "name" if self.next == "[" and word in self._scope.unknowns:
@@ -270,11 +270,11 @@ class TextReader:
 
     def _listed(self, opening: str, closing: str) -> list[int]:
         self.expect(opening)
-        found = [self.sum()]
+        arguments = [self.sum()]
         while self.take(","):
-            found.append(self.sum())
+            arguments.append(self.sum())
         self.expect(closing)
-        return found
+        return arguments
 
     def _function(self, name: str) -> int:
         order = 0
@@ -300,9 +300,9 @@ class TextReader:
         """Return the variables of a derivative, with ``x, 3`` expanded to ``x, x, x``."""
         steps: list[int] = []
         for node in listed:
-            times = self._nodes.value(node)
-            if steps and times is not None and times.q == 1 and 0 < times <= ORDER:
-                steps += steps[-1:] * (int(times.p) - 1)
+            count = self._nodes.value(node)
+            if steps and count is not None and count.q == 1 and 0 < count <= ORDER:
+                steps += steps[-1:] * (int(count.p) - 1)
             else:
                 steps.append(node)
         if not set(steps) <= set(self._scope.variables):

@@ -107,15 +107,15 @@ class Signs:
             return Interval()
         if node not in self._intervals:
             self._intervals[node] = Interval()  # no rule asks for its own node
-            found = self._interval(node) & self._stated(node)
-            if node in self._witnesses and not found.is_not_zero:
+            bounds = self._interval(node) & self._stated(node)
+            if node in self._witnesses and not bounds.is_not_zero:
                 other = self._witnesses[node]
                 if node != other and not (self._image(node) - self._image(other)).is_zero:
                     raise CertificateError("the witness of a sign has another image")
                 witnessed = self.interval(other)  # an open end is where the witness is defined
                 ends = Interval(witnessed.low, witnessed.high)
-                found = found & (witnessed if self.is_bounded(other) else ends)
-            self._intervals[node] = found
+                bounds = bounds & (witnessed if self.is_bounded(other) else ends)
+            self._intervals[node] = bounds
         return self._intervals[node]
 
     def _interval(self, node: int) -> Interval:
@@ -151,12 +151,12 @@ class Signs:
 
     def _stated(self, node: int) -> Interval:
         """Return the bounds of a node by inequalities of the domain for it, or for r * node + c."""
-        found = Interval()
+        result = Interval()
         if node in self._positive:
-            found = Interval(fmpq(0), None, not self._positive[node])
+            result = Interval(fmpq(0), None, not self._positive[node])
         linear = self._nodes.all[node][0] in ("Add", "Mul", "symbol")
         for bound, weak in self._positive.items() if linear else ():
-            found = found & self._beside_constant(node, bound, weak)
+            result = result & self._beside_constant(node, bound, weak)
             try:
                 multiple = _multiple(self._image(node), self._image(bound))
             except CertificateError:  # what the proof has no generator for
@@ -164,8 +164,8 @@ class Signs:
             if multiple is not None:
                 ratio, gap = multiple
                 up, down = Interval(gap, None, not weak), -Interval(-gap, None, not weak)
-                found = found & (up if ratio > 0 else down)
-        return found
+                result = result & (up if ratio > 0 else down)
+        return result
 
     def _beside_constant(self, node: int, bound: int, weak: bool) -> Interval:
         """Return the bounds of a node if ``bound`` is ``node + c`` or ``c - node``, c constant."""

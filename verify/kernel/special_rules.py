@@ -124,5 +124,5 @@ def _of_order(
 def odd_or_even(field: Field, node: int) -> Element | None:
     """Return a theta function from a generator at -z; theta_1 is odd in z, the others are even."""
     _, z, q, (label, order) = field.nodes.all[node]
-    found = field.known(field.nodes.add("theta", field.nodes.negative(z), q, (label, order)))
-    return found if found is None or (label == THETA[0]) == (order % 2 == 1) else -found
+    turned = field.known(field.nodes.add("theta", field.nodes.negative(z), q, (label, order)))
+    return turned if turned is None or (label == THETA[0]) == (order % 2 == 1) else -turned

@@ -42,9 +42,9 @@ def read_statement(nodes: Nodes, data: object) -> tuple[Statement, Scope]:
     for name in scope.known:
         scope.refuse_likeness(name)
     known = tuple(scope.variables), tuple(scope.unknowns), tuple(solutions), tuple(left_sides)
-    found = Statement(nodes, *known, tuple(domain))
-    _check(found)
-    return found, scope
+    result = Statement(nodes, *known, tuple(domain))
+    _check(result)
+    return result, scope
 
 
 def _declared(nodes: Nodes, texts: Mapping[str, list[Any]]) -> Scope:
@@ -107,17 +107,17 @@ def _parameter(scope: Scope, text: str) -> list[tuple[bool, int, int]]:
 
 def _conditions(scope: Scope, parser: TextReader, name: str) -> list[tuple[bool, int, int]]:
     """Return the inequalities of entries between commas: chains, or words like ``positive``."""
-    found = []
+    limits = []
     while True:
         if name and parser.next in DOMAIN_WORDS:
             word = parser.name()
             if word in ("positive", "negative"):
                 zero, own = scope.nodes.rational(0), scope.node(name)
-                found.append((False, zero, own) if word == "positive" else (False, own, zero))
+                limits.append((False, zero, own) if word == "positive" else (False, own, zero))
         else:
-            found += _chain(parser)
+            limits += _chain(parser)
         if parser.ended:
-            return found
+            return limits
         parser.expect(",")
 
 

@@ -55,12 +55,12 @@ def _relation(arcs: Sequence[sp.Expr], points: Sequence[Point]) -> list[int] | N
     """Return integer factors, one +-1, of the arcs and `UNIT` in a sum that is numerically 0."""
     columns = [[_value(part, point) for part in (*arcs, UNIT)] for point in points[:SAMPLE_POINTS]]
     known = [[v for v in column if v is not None] for column in columns if None not in column]
-    size = len(arcs) + 1
+    count = len(arcs) + 1
     with ctx.workprec(BITS):
         scaled = [[int((v * 2**SHIFT).real.mid().floor().unique_fmpz()) for v in c] for c in known]
-    table = [[int(i == j) for j in range(size)] + [c[i] for c in scaled] for i in range(size)]
+    table = [[int(i == j) for j in range(count)] + [c[i] for c in scaled] for i in range(count)]
     for row in fmpz_mat(table).lll().table() if known else []:
-        integers = [int(n) for n in row[:size]]
+        integers = [int(n) for n in row[:count]]
         if max(map(abs, integers)) > LARGEST_INTEGER or not any(abs(n) == 1 for n in integers[:-1]):
             continue
         with ctx.workprec(BITS):

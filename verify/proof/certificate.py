@@ -222,12 +222,12 @@ class SquareRoots:
         self._images: dict[int, Element] = {}
 
     def odd_factors(self, root: int) -> frozenset[Key]:
-        """Return the factors of a root's radicand that have odd powers."""
+        """Return the factors of a square root's radicand that have odd powers in it."""
         image = self._field.image(self._field.nodes.all[root][1])
         return frozenset(key for key, power in self._exponents(image).items() if power % 2)
 
     def value(self, root: int) -> tuple[int, list[int]] | None:
-        """Return the node of a root's value and the roots in it; None if independent."""
+        """Return the node of a dependent root's value, and the roots in it; None if independent."""
         image = self._field.image(self._field.nodes.all[root][1])
         odd, members = self.odd_factors(root), frozenset[int]()
         for row, row_members in self._rows:
@@ -261,7 +261,7 @@ class SquareRoots:
         return exponents
 
     def _written(self, polynomial: fmpq_mpoly) -> int:
-        """Write a polynomial in the generators as a node in their formulas."""
+        """Return the index of a node for a polynomial in the generators."""
         terms = []
         for exponents, coefficient in polynomial.terms():
             pairs = [(place, int(n)) for place, n in enumerate(reversed(exponents)) if n]

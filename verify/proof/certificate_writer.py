@@ -165,8 +165,8 @@ class Certificate(Data):
         return ", ".join(sorted(parts))
 
     def __repr__(self) -> str:
-        size = f"{self.generators} generators, {len(json.dumps(self))} bytes"
-        return f"<Certificate of {self['name']}: {size}, digest {self['digest'][:8]}>"
+        extent = f"{self.generators} generators, {len(json.dumps(self))} bytes"
+        return f"<Certificate of {self['name']}: {extent}, digest {self['digest'][:8]}>"
 
 
 class ProofWriter:

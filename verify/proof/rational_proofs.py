@@ -46,10 +46,10 @@ WITNESS = 5
 """Largest coordinate tried in the search for a witness."""
 
 SPACE = "A*A_xx + B*B_xx - A_x**2 - B_x**2 - 2*A_x*B + 2*A*B_x"
-"""Half of ``D_x**2 f.f* - 2 i D_x f.f*``."""
+"""Half of ``D_x**2 f.f* - 2 i D_x f.f*`` as text, an equation in A and B."""
 
 TIME = "A*B_t - A_t*B + A*B_xxx - A_xxx*B - 3*A_x*B_xx + 3*A_xx*B_x"
-"""``(D_t + D_x**3) f.f*`` divided by ``2 i``."""
+"""``(D_t + D_x**3) f.f*`` divided by ``2 i`` as text, an equation in A and B."""
 
 
 @timed

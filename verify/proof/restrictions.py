@@ -290,7 +290,7 @@ def _bound(restriction: Restriction, signs: DomainSigns) -> tuple[sp.Symbol, Dom
 
 
 def _end(symbol: sp.Symbol, factor: sp.Expr, signs: DomainSigns) -> sp.Expr | None:
-    """Return the zero of a linear factor."""
+    """Return the zero in ``symbol`` of a linear factor; None if it is not known to have one."""
     if sp.degree(factor, symbol) != 1 or not signs.is_nonzero(factor.coeff(symbol, 1)):
         return None
     return tidy(-factor.coeff(symbol, 0) / factor.coeff(symbol, 1))

@@ -218,8 +218,8 @@ class Rewriting:
             return self._absolute(inner)
         if not (self.signs.is_positive(inner) or self.signs.is_positive(-inner)):
             return None
-        if isinstance(size := sp.Abs(inner), sp.Abs):
-            self.found[size] = self._absolute(inner)
+        if isinstance(modulus := sp.Abs(inner), sp.Abs):
+            self.found[modulus] = self._absolute(inner)
         return sp.S.One if self.signs.is_positive(inner) else sp.S.NegativeOne
 
     def _real_part(self, node: sp.Expr) -> sp.Expr | None:
@@ -305,10 +305,10 @@ def _denested(base: sp.Expr) -> sp.Expr | None:
     try:
         for a, b, square in _quadratics(base):
             unit, powers = factored(a**2 - b**2 * square)
-            size = sp.sqrt(unit)
-            if not size.is_Rational or any(power % 2 for _, power in powers):
+            root_of_unit = sp.sqrt(unit)
+            if not root_of_unit.is_Rational or any(power % 2 for _, power in powers):
                 continue
-            half = sp.Mul(size, *(f ** (power // 2) for f, power in powers)) / 2
+            half = sp.Mul(root_of_unit, *(f ** (power // 2) for f, power in powers)) / 2
             high, low = sp.expand(a / 2 + half), sp.expand(a / 2 - half)
             return _joined_roots(high, low, b, square)
     except TooLong:

@@ -28,7 +28,7 @@ def statement_latex(statement: Statement) -> str:
 
 
 def conditions_latex(statement: Statement) -> tuple[str, ...]:
-    """Return the conditions on parameters and variables in LaTeX; real names have none."""
+    """Return the conditions on parameters and variables in LaTeX, none for a name that is real."""
     return tuple(filter(None, map(_condition, conditions(statement.texts))))
 
 

@@ -57,7 +57,7 @@ class TextPart:
         return FormulaError(self.label, words, self.text, self.words[place].start)
 
     def index(self, *signs: str) -> int | None:
-        """Return the position of the first of the signs, or None."""
+        """Return the position of the first word among ``signs``, or None."""
         positions = (i for i, w in enumerate(self.words) if w.kind == "sign" and w.text in signs)
         return next(positions, None)
 

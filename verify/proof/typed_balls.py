@@ -61,7 +61,7 @@ class TypedBalls:
             self._need(equation, {(0,) * len(self.letters)})
 
     def residuals(self, point: TextPoint, bits: int) -> Iterator[acb]:
-        """Yield a ball for each equation; raises ValueError if there is none."""
+        """Yield the ball of each equation's residual; raises ValueError if it has no value."""
         with ctx.workprec(bits):
             shapes = {key: shape_of(frozenset(tops)) for key, tops in self._needed.items()}
             top = TypedPlace(self, point, ball_jets.JetShape([(0,) * len(self.letters)]))

@@ -151,7 +151,7 @@ class TracedField(Field):
         return traced(plain(value), ("node", node))
 
     def sum(self, parts: Sequence[Element]) -> Element:
-        """Return the sum."""
+        """Return the sum of elements, as one term for the script."""
         whole = super().sum([plain(part) for part in parts])
         return traced(plain(whole), terms.added([term_of(part) for part in parts]))
 
@@ -165,7 +165,7 @@ class TracedField(Field):
         return self.words.sentence(f"{purpose} {{}}", node)
 
     def premise(self, question: Question, comment: str) -> Premise:
-        """Return a premise for the script."""
+        """Return a question that holds as a premise for the script."""
         form, parts = RELATIONS[question.relation], question.nodes
         if question.nodes and self.nodes.value(parts[0]) == 0 and len(parts) == 2:
             form, parts = {"less": "{} > 0", "at_most": "{} >= 0"}[question.relation], parts[1:]
