@@ -11,7 +11,7 @@ from collections.abc import Callable
 import sympy as sp
 
 DEPTH = 4
-"""Levels of a subexpression that an abbreviation shows."""
+"""Nesting depth to which an abbreviation shows a subexpression."""
 
 
 def distinct_nodes(expression: sp.Expr) -> list[sp.Expr]:

@@ -1,4 +1,4 @@
-"""Single-change mutants of a closed form: how many are refuted, and why the others are solutions.
+"""Single-change mutants of a closed form: how many are refuted, and the reasons for the others.
 
 Each subexpression is changed wherever it occurs, as if the line that defines it were misprinted.
 A change multiplies the coefficient of a term by 101/100, flips its sign, drops the term, or swaps

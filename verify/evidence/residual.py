@@ -86,7 +86,7 @@ DENOMINATOR = 1009
 """Denominator of drawn values; a prime, so that no drawn value is exact in binary."""
 
 MARGIN = sp.Rational(1, 20)
-"""Fraction of the drawn interval left out at each end, where the formula nears its limit."""
+"""Fraction of a parameter's interval that is not drawn, at each end, where forms degenerate."""
 
 
 def sample_points(form: ClosedForm, count: int, seed: int) -> list[Point]:

@@ -28,7 +28,7 @@ def main(arguments: list[str]) -> int:
 
 
 def certificates(path: str) -> list[Any]:
-    """Return the certificates of a file, one or a list of them."""
+    """Read a JSON file with one certificate or a list of them; return them as a list."""
     with open(path, "rb") as file:
         text = file.read(FILE_BYTES + 1)
     if len(text) > FILE_BYTES:

@@ -213,7 +213,7 @@ class Field:
         return None
 
     def image(self, node: int) -> Element:
-        """Return the image of a node; raises CertificateError if none follows."""
+        """Return the image of a node in the ring; raises CertificateError if it has none."""
         if node not in self._images:
             if node in self._underway:
                 raise CertificateError("an image must not be defined by itself")

@@ -1,9 +1,9 @@
 """Check an equation for a quotient of long polynomials in two generators, at many values of one.
 
-U = N/D in x and t is put in at more values of t than the residual's degree.  A derivative of order
-n has the numerator P over D**(n + 1), where
+U = N/D is substituted at more values of t than the degree of the residual in t.  A derivative of
+order n is P/D**(n + 1), where
 
-    P -> P_x D - (n + 1) P D_x    raises the order in x,   P = N_t D - N D_t is the first in t.
+    P -> P_x D - (n + 1) P D_x    raises the order in x,   P = N_t D - N D_t belongs to U_t.
 
 If N and D have degree at most d in t, the residual times D**top has degree at most top d in t, so
 that it is 0 if it is the zero polynomial in x at top d + 1 values of t.  Exact, and far cheaper

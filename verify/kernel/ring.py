@@ -188,7 +188,7 @@ class Element:
         return inverse
 
     def cancelled(self) -> Element:
-        """Divide out common polynomial factors."""
+        """Return the element without common factors of numerator and denominator."""
         if self.is_zero or not self.powers:
             return Element(self.ring, self.numerator)
         numerator, powers = self.numerator, dict(self.powers)

@@ -121,7 +121,7 @@ class Quotients:
 
     @property
     def square_roots(self) -> list[tuple[sp.Expr, sp.Expr]]:
-        """Atoms with known squares, and these squares."""
+        """Pairs of an atom whose square is known and that square."""
         roots = [(base, base) for base, degree in self._degrees.items() if degree == 2]
         return roots + [(b, sp.S.NegativeOne) for b in self._bases if b is sp.I]
 

@@ -30,7 +30,7 @@ from .typed_statement import Statement, StatementTexts, StatementTrees, names_in
 from .typed_values import TypedValues
 
 SIGNS, EXPONENTS, HALVES, OTHERS = range(4)
-"""Kinds of changes in the order of their trial; modulus and parameter come before all."""
+"""Ranks of changes: the order of their trial, after exchanges of modulus and parameter."""
 
 FACTORS = {
     **{Fraction(text): HALVES for text in ("2", "1/2")},
@@ -43,7 +43,7 @@ QUICK = (64,)
 """Precisions in bits at which a change is tested before it is decided."""
 
 Change = tuple[int, FormulaTree]
-"""Kind of a change, and the changed formula."""
+"""Rank of a change in the order of trial (such as `SIGNS`), and the changed formula."""
 
 
 @dataclass(frozen=True)
@@ -154,7 +154,7 @@ def near_misses(statement: Statement) -> list[NearMiss]:
 
 
 def _near_misses(texts: StatementTexts, trees: StatementTrees) -> Iterator[tuple[int, NearMiss]]:
-    """Yield changes of the formulas of unknowns and of defined names, and of equations."""
+    """Yield rank and statement for each change of a solution, a defined name or an equation."""
     headings = [text.partition("=")[0].strip() for text in texts.solutions]
     for place, (name, formula) in enumerate(trees.solutions.items()):
         for rank, words, new in _changes(formula):
@@ -184,7 +184,7 @@ def _put(texts: tuple[str, ...], place: int, text: str) -> tuple[str, ...]:
 
 
 def _changes(formula: FormulaTree) -> Iterator[tuple[int, str, FormulaTree]]:
-    """Yield the formula with one change, and the words for it."""
+    """Yield the rank, the words and the resulting formula of each single change."""
     names = names_in(formula)
     for words, changed in _moduli(formula):
         yield -1, words, changed

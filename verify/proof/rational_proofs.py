@@ -166,8 +166,9 @@ class RationalFacts:
     """Exact facts about the rational solution of ``order`` with the free shifts ``free``.
 
     ``peak`` is the value at the origin, ``background`` the limit for large |x|, and ``degree`` that
-    of the denominator in x.  ``reduced``: there is no common factor.  ``symmetric``: it is the same
-    with other signs of x, t and shifts.  ``positive``: the denominator has no real zero.
+    of the denominator in x.  ``reduced``: numerator and denominator have no common factor.
+    ``symmetric``: changing the signs of x, t and all shifts leaves the solution unchanged.
+    ``positive``: the denominator has no real zero.
     """
 
     order: int

@@ -39,7 +39,7 @@ NO_VERDICT = (
     *(ValueError, TypeError, RecursionError, NotImplementedError, OverflowError),
     sp.PolynomialError,
 )
-"""Errors of a search without a proof; exponents above 64 bits overflow in FLINT."""
+"""Errors that end a search without a proof; exponents above 64 bits overflow in FLINT."""
 
 MOST_FUNCTIONS = 80
 """Most functions, powers and names in the trees."""

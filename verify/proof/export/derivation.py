@@ -93,7 +93,7 @@ class _Premises:
 
     @property
     def all(self) -> list[Premise]:
-        """All premises; `guards` has their indices."""
+        """All premises in order; `guards` refers to them by index."""
         stated = [self._field.premise(*entry) for entry in self._comments.items()]
         return [*stated, *self._denominators]
 
