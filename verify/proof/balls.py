@@ -30,7 +30,7 @@ Index = tuple[int, ...]
 
 
 class JetShape:
-    """All multi-indices below the given ones, and the pairs whose sum is among them."""
+    """Set of all multi-indices below the given ones, and the pairs whose sum belongs to it."""
 
     def __init__(self, tops: Sequence[Index]) -> None:
         indices = {tuple(0 for _ in tops[0])}
@@ -141,7 +141,7 @@ ELEMENTARY = {
 
 
 def touches_cut(function: type, value: acb) -> bool:
-    """Return whether a value may lie on a function's branch cut; powers have the logarithm's."""
+    """Return whether a value may lie on a function's branch cut (for a power, on that of log)."""
     if function in ENTIRE:
         return False
     if function is sp.LambertW:
@@ -185,7 +185,7 @@ class BallEvaluator:
         self._elliptic: dict[sp.Expr, functions.Elliptic] = {}
 
     def jet(self, expression: sp.Expr) -> Jet:
-        """Return an expression's jet; ValueError without a value and where it is not smooth."""
+        """Return an expression's jet; raises ValueError if it has no value or is not smooth."""
         if expression not in self._found:
             self._found[expression] = self._jet(expression)
         return self._found[expression]

@@ -195,7 +195,7 @@ class ProofWriter:
             self.values[place] = value
 
     def words(self, place: int, terms: Sequence[tuple[str, int]]) -> None:
-        """Record that the argument of the function at ``place`` is a sum of multiples of nodes."""
+        """Record the argument of the function at ``place`` as a sum of (number, node) products."""
         name, _, *more = self.table.nodes[place]
         self.values[place] = self.table.add(name, self.table.combination(terms), *more)
 

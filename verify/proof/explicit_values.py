@@ -12,7 +12,7 @@ from .case_tree import Constants, SystemCase
 from .factors import factors_of
 
 MOST_RELATIONS = 3
-"""Most algebraic constants in which a root is sought."""
+"""Most algebraic constants, with known squares, in which a square root is written."""
 
 LONGEST_SIMPLIFIED = 60
 """Most operations of a quotient of exponentials in which hyperbolic functions are sought."""

@@ -199,7 +199,7 @@ def _instead(new: FormulaTree, old: FormulaTree) -> str:
 
 
 def _difference(old: FormulaTree, new: FormulaTree) -> tuple[FormulaTree, FormulaTree]:
-    """Return the smallest terms or arguments that contain all differences."""
+    """Return the smallest terms or arguments of both formulas that contain all differences."""
     if not old.inner() or len(old.inner()) != len(new.inner()) or old.made_of(new.inner()) != new:
         return old, new
     pairs = [pair for pair in zip(old.inner(), new.inner(), strict=True) if pair[0] != pair[1]]

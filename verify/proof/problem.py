@@ -106,7 +106,7 @@ class Problem:
         return number, known, jets
 
     def _jets(self, factor: sp.Expr) -> list[list[int]]:
-        """Return the power of an unknown or derivative as a list of orders, one for each factor."""
+        """Return a power of a derivative as one entry per factor: its orders in the variables."""
         base, power = factor.as_base_exp()
         inner = base.expr if isinstance(base, sp.Derivative) else base
         pairs = base.variable_count if isinstance(base, sp.Derivative) else ()

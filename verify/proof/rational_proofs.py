@@ -238,7 +238,7 @@ def reflected(polynomial: fmpq_mpoly) -> fmpq_mpoly:
 
 
 def _is_reduced(N: fmpq_mpoly, D: fmpq_mpoly) -> bool:
-    """Return whether N and D are coprime at t = 1, shifts 0; for a D monic in x then everywhere."""
+    """Return whether N and D are coprime at t = 1, shifts 0, hence everywhere for D monic in x."""
     others: dict[str | int, int | fmpz | fmpq] = dict.fromkeys(D.context().names()[1:], 0)
     others["t"] = 1
     leading, _ = leading_in_x(D)

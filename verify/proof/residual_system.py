@@ -276,11 +276,11 @@ LARGEST_MINOR = 3
 """Most arguments whose independence is decided by minors."""
 
 SHOWN_LENGTH = 60
-"""Characters shown of a function."""
+"""Most characters of a function that a message shows."""
 
 
 class GeneratorFormulas:
-    """Expressions of the generators of a field; ``forms`` has those that are linear forms."""
+    """SymPy expressions of a field's generators; ``forms`` has those that are linear forms."""
 
     def __init__(
         self, field: Field, symbols: Mapping[str, sp.Symbol], dependence: Dependence

@@ -24,7 +24,7 @@ LONGEST_SIGNED = 60
 
 @dataclass(frozen=True)
 class Restriction:
-    """Restriction of ``value``: > 0, >= 0, != 0, or the ``relation`` "real" or "integer"."""
+    """Condition on ``value`` by its ``relation``: >, >= or != 0, or "real" or "integer"."""
 
     value: sp.Expr
     relation: str = ">"

@@ -19,7 +19,7 @@ MARGINS = (sp.Rational(1, 20),) * 3 + (sp.Rational(1, 1000), sp.Rational(1, 10**
 """Fractions of a bounded domain to leave out at each end, one of which is chosen."""
 
 NARROW_MARGIN, NARROW_PERIOD = sp.Rational(1, 10**31), 4
-"""Margin of one symbol in every ``NARROW_PERIOD``-th of the later points."""
+"""Margin of one symbol, used in every ``NARROW_PERIOD``-th of the later points."""
 
 REJECTIONS = 1000
 """Successive points outside the domains after which these are taken to be empty."""
@@ -97,7 +97,7 @@ def _length(end: sp.Rational, scale: sp.Rational) -> sp.Rational:
 
 
 def rational_near(end: sp.Expr) -> sp.Rational | None:
-    """Return a rational number close to a real end, within the margins; None if it is infinite."""
+    """Return a rational number closer to a real end than any margin; None if it is infinite."""
     if end in (sp.oo, -sp.oo):
         return None
     if end.is_Rational:

@@ -28,7 +28,7 @@ from .domain_signs import BELOW_PI, DomainSigns, lies_between
 from .factors import Quotients, TooLong, factored
 
 ROOT_DIGITS, LARGEST_DENOMINATOR = 40, 10**6
-"""Decimals to which a cube root is evaluated, and largest denominator in its exact form."""
+"""Decimals to which a cube root is evaluated, and largest denominator in its exact value."""
 
 REAL_ON_THE_LINE = (sp.exp, *HYPERBOLIC, *TRIGONOMETRIC)
 """Meromorphic functions f with f(conj z) = conj f(z)."""
@@ -132,7 +132,7 @@ class Rewriting:
         return lies_between(self.signs.range(sp.expand(angle)), -BELOW_PI, BELOW_PI)
 
     def _known_factors(self, factors: Sequence[sp.Expr]) -> tuple[list[sp.Expr], sp.Expr]:
-        """Return the absolute values of factors of known sign, and the rest with the total sign."""
+        """Split off factors of known sign: return their absolute values, and the signed rest."""
         outside, inside, sign = [], sp.S.One, 1
         for factor in factors:
             if self.signs.is_nonnegative(factor):
@@ -184,7 +184,7 @@ class Rewriting:
         return None
 
     def _factors(self, product: sp.Expr, degree: int) -> Sequence[sp.Expr]:
-        """Return the factors of a product, or of a sum with a monomial or a power >= ``degree``."""
+        """Return the factors of a product, or of a sum if one is a power >= ``degree`` or no sum."""
         if product.is_Mul:
             return tuple(product.args)
         below = product.is_Pow and product.exp == -1

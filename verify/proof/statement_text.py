@@ -170,7 +170,7 @@ class _Reading:
         return expression
 
     def _ordered_entries(self) -> list[TextPart]:
-        """Return the entries, first those of parameters that bound the domains of others."""
+        """Return the parameters' entries, those that bound the domains of others first."""
         waiting, ordered = list(self.entries), list[TextPart]()
 
         def is_free(entry: TextPart) -> bool:
@@ -391,7 +391,7 @@ class _Reading:
         return misread(name, spelling, declared=declared)
 
     def _target(self, part: TextPart) -> sp.Symbol:
-        """Return the parameter to solve for."""
+        """Return the symbol of a parameter to solve for, named by a part of ``solve``."""
         symbol = self.names.get(part.words[0].text)
         if len(part.words) > 2 or not isinstance(symbol, sp.Symbol):
             known = ", ".join(n for n, value in self.names.items() if value.is_Symbol) or "none"

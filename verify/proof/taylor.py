@@ -23,7 +23,7 @@ def _product(left: Sequence[acb], right: Sequence[acb], place: int) -> acb:
 
 
 def periodic(name: str) -> Callable[[acb, int], Series]:
-    """Return the series of sin, cos, sinh or cosh, whose derivatives alternate between two."""
+    """Return the series of sin, cos, sinh or cosh, from the alternating derivatives."""
     other = {"sin": "cos", "cos": "sin", "sinh": "cosh", "cosh": "sinh"}[name]
     signs = {"sin": (1, 1, -1, -1), "cos": (1, -1, -1, 1)}.get(name, (1, 1, 1, 1))
 
@@ -140,7 +140,7 @@ INVERSE_SLOPES: dict[str, Callable[[acb_series], acb_series]] = {
 
 
 class ElementaryJacobi:
-    """Jacobi functions for m = 0 and m = 1: sn, cn, dn, epsilon, and zeta for m = 0."""
+    """Jacobi functions at m = 0 and at m = 1: sn, cn, dn and epsilon; zeta only at m = 0."""
 
     K = E = acb(1)
     """Complete integrals K and E up to a common factor; only the ratio E/K is used."""
@@ -162,7 +162,7 @@ class ElementaryJacobi:
         return acb(0) if self.m == 0 else self.theta(z)
 
     def theta(self, _z: acb) -> acb:
-        """Raise ValueError: theta is not defined here."""
+        """Raise ValueError: Theta is not available at m = 0 and m = 1."""
         raise ValueError(f"this function needs 0 < m < 1, got m = {self.m.str(10)}")
 
 

@@ -26,7 +26,7 @@ WORDS = {
     "negative": Domain(upper=sp.S.Zero),
     "nonzero": Domain(nonzero=True),
 }
-"""Domains in one word; `complex` is not a domain and must be the only word."""
+"""Domains by their word; ``complex`` is not a domain and must be the only word."""
 
 RESERVED = (*WORDS, "complex", "function")
 """Words for domains and kinds, which cannot be names."""

@@ -11,7 +11,7 @@ from longwave.derive.algebra.formula_tree import ATOM, POWER, PRODUCT, SUM, Part
 Node = list[Any]
 
 Meaning = Callable[[int], Part]
-"""Function that returns the text of the node at a place, for use in the text of another."""
+"""Function that maps the index of a node to its text, for use within another text."""
 
 LEAVES = ("number", "symbol", "constant")
 

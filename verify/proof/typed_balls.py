@@ -44,7 +44,7 @@ class TypedBall:
 
     @classmethod
     def of(cls, jet: ball_jets.Jet, is_real: bool) -> TypedBall:
-        """Return a ball; for a real formula, drop the imaginary parts left by rounding."""
+        """Return a `TypedBall`; for a real formula, drop the imaginary parts left by rounding."""
         parts = tuple(acb(c.real) for c in jet.coefficients) if is_real else jet.coefficients
         return cls(ball_jets.Jet(jet.shape, parts), is_real)
 

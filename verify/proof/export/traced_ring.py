@@ -110,7 +110,7 @@ def _note_factors(ring: Ring, powers: Mapping[int, int]) -> None:
 
 
 class Trace:
-    """Recorded steps with the checker's values; ``open`` has the slopes that are being stated."""
+    """Recorded steps with the checker's values; ``open`` has the slopes being computed."""
 
     def __init__(self) -> None:
         self.steps: list[tuple[Step, Element | None]] = []
@@ -126,7 +126,7 @@ class Trace:
             self.settle()
 
     def settle(self) -> None:
-        """Add the waiting vanishing terms if no slope is open."""
+        """Record the waiting claims that terms vanish, if no slope is being computed."""
         if not self.open:
             self.steps += [(step, None) for step in self._waiting]
             self._waiting.clear()
