@@ -184,7 +184,7 @@ class Rewriting:
         return None
 
     def _factors(self, product: sp.Expr, degree: int) -> Sequence[sp.Expr]:
-        """Return the factors of a product, or of a sum if one is a power >= ``degree`` or no sum."""
+        """Return a product's factors, or a sum's if one is a power >= ``degree`` or no sum."""
         if product.is_Mul:
             return tuple(product.args)
         below = product.is_Pow and product.exp == -1

@@ -175,13 +175,15 @@ class Plane:
 def travelling_plane(statement: Statement) -> Plane:
     """Return the plane at which the formulas jump; raises ValueError unless there is just one."""
     if statement.complexes or statement.functions:
-        raise ValueError("with weak a statement must be real and without functions")
+        rule = "with weak a statement must be real and without functions"
+        raise ValueError(f"{rule} (declare real parameters)")
     places = seams(statement)
     by_name = {str(v): v for v in statement.variables}
     name = places[0].place.partition(" = ")[0] if len(places) == 1 else ""
     if name not in by_name or places[0].at_sites:
         listed = ", ".join(seam.place for seam in places) or "none"
-        raise ValueError(f"with weak the formulas must jump at one plane, got {listed}")
+        rule = "with weak the formulas must jump at one plane"
+        raise ValueError(f"{rule}, got {listed} (write the jump by sign or abs)")
     trees, words = statement.trees, vocabulary(statement)
     build = ExpressionBuilder(words).expression
     whole = {name: put_in(trees, tree) for name, tree in trees.solutions.items()}
@@ -199,7 +201,7 @@ def travelling_plane(statement: Statement) -> Plane:
         ends.add(sp.expand(-(value - slope * variable) / slope))
         slopes[kink] = 1 if signs.is_positive(slope) else -1
         if not (signs.is_positive(slope) or signs.is_positive(-slope)):
-            raise ValueError(f"the sign of {slope} must be known from the parameters")
+            raise ValueError(f"the sign of {slope} must be known (state it, as in c: c>0)")
     if len(ends) != 1 or any(end.has(variable) for end in ends):
         raise ValueError("with weak the formulas must jump at one plane by abs and sign alone")
     (end,) = ends
