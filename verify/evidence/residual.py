@@ -80,7 +80,7 @@ def scientific(level: float) -> str:
 
 
 HALF_WIDTH = 4
-"""Variables are drawn within +-HALF_WIDTH; an unbounded domain is cut so far beyond 0."""
+"""Variables are drawn within +-HALF_WIDTH; unbounded domains are cut HALF_WIDTH beyond 0."""
 
 DENOMINATOR = 1009
 """Denominator of drawn values; a prime, so that no drawn value is exact in binary."""

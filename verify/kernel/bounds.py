@@ -47,7 +47,7 @@ class Interval:
 
     @property
     def is_below(self) -> bool:
-        """Whether every number in it is at most 0, and it is not the interval from 0 to 0."""
+        """Whether every number in it is at most 0, and not all are 0."""
         return self.high is not None and self.high <= 0 and not self.is_not_negative
 
     @property

@@ -53,7 +53,7 @@ class Denominators:
 
     @cached_property
     def _own(self) -> list[fmpq_mpoly]:
-        """Factors that may jump: they vanish where the statement is not smooth, or almost nowhere.
+        """Factors allowed to jump: 0 only where the statement is not smooth, or almost nowhere.
 
         They are divisors and arguments of logarithms in the statement (a part, without unknowns,
         has none) and in the definitions of its functions; exponentials, which are nowhere 0; and,

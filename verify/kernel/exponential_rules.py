@@ -1,6 +1,6 @@
 """Rules for exponentials, roots of unity and powers of negative numbers without generators.
 
-A sum of arguments is taken apart term by term.  exp(i pi k/n), k and n coprime, is a primitive root
+A sum in the exponent is split term by term.  exp(i pi k/n), k and n coprime, is a primitive root
 of unity, of order n for even k and 2 n for odd k, and a root of the cyclotomic polynomial.  For an
 integer n and f < 0, f**n = (-1)**n (-f)**n.
 """

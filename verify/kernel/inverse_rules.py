@@ -1,4 +1,4 @@
-"""Logarithms and inverse functions: by signs, by bounds, by continuity.
+"""Rules for logarithms and inverse functions, whose branch is shown by signs, bounds or continuity.
 
 Let v be real and continuous on a connected domain.  If tan v is f there, which is finite, v is at
 no odd multiple of pi/2 anywhere; if it lies between -pi/2 and pi/2 at one point, it does so at all

@@ -1,4 +1,4 @@
-"""Signs, conjugates and smoothness of formulas, as a domain shows them.
+"""Signs, conjugates and smoothness of formulas, derived from the inequalities of a domain.
 
 Signs are those of intervals, which are derived from the structure of formulas and the inequalities
 of the domain.  An expression such as 1 - k**2 is decided by a witness: a formula with the same
@@ -25,7 +25,7 @@ ANALYTIC = ("number", "symbol", "I", "pi", "Add", "Mul", "Pow")
 
 
 class Signs:
-    """Signs, conjugates and smoothness of the nodes of a table on a domain.
+    """Signs, conjugates and smoothness of a table's nodes on the domain of a statement.
 
     ``positive`` has the nodes that the domain states to be > 0 (True: >= 0).  ``witnesses`` maps a
     node to one with the same ``image``, whose structure shows the sign.

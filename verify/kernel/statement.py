@@ -83,7 +83,7 @@ def _declared(nodes: Nodes, texts: Mapping[str, list[Any]]) -> Scope:
 
 
 def _kind(words: Sequence[str]) -> str:
-    """Return the kind that is an entry of its own between commas; without one, real."""
+    """Return the kind named by an entry between commas, such as ``complex``; without one, real."""
     befores, afters = (",", *words), (*words[1:], ",")
     alone = zip(befores, words, afters, strict=False)
     named = [word for before, word, after in alone if word in KINDS and before == after == ","]
@@ -135,7 +135,7 @@ def _chain(parser: TextReader) -> Iterator[tuple[bool, int, int]]:
 
 
 def _solution(scope: Scope, text: str) -> int:
-    """Return the formula of ``u = formula`` or ``u[n] = formula``."""
+    """Return the node of the formula in ``u = formula`` or ``u[n] = formula``."""
     parser = TextReader(scope, text)
     if parser.atom() != scope.node(tokens(text)[0][1]):
         raise CertificateError("a solution must define the unknown at its own variables")
@@ -144,7 +144,7 @@ def _solution(scope: Scope, text: str) -> int:
 
 
 def _equation(scope: Scope, text: object) -> int:
-    """Return the left-hand side minus the right-hand side, if there is one."""
+    """Return the node of the left-hand side minus the right-hand side, if there is one."""
     parser = TextReader(scope, text)
     left = parser.sum()
     if parser.take("="):

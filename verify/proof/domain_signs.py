@@ -305,7 +305,7 @@ SHARPER: dict[type, Callable[[Interval], Interval]] = {
     sp.acos: lambda z: Interval(fmpq(0), fmpq(4)),
     sp.LambertW: lambda z: z.side(),
 }
-"""Functions from the range of z to a range narrower than that in the checker's table."""
+"""Functions that map the range of z to a range narrower than that in the checker's table."""
 
 
 def domain_of(values: Interval) -> Domain:

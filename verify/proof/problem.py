@@ -70,7 +70,7 @@ class Problem:
 
     @property
     def solutions(self) -> dict[AppliedUndef, sp.Expr]:
-        """Formula of the unknown, by the unknown."""
+        """Dictionary that maps the unknown to its formula."""
         return {self.unknown: self.formula}
 
     @property

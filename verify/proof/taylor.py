@@ -154,11 +154,11 @@ class ElementaryJacobi:
         return acb(1) if self.m == 0 else z.sech()
 
     def epsilon(self, z: acb) -> acb:
-        """Return the integral of dn**2 from 0."""
+        """Return epsilon(z), the integral of dn**2 from 0 to z."""
         return z if self.m == 0 else z.tanh()
 
     def zeta(self, z: acb) -> acb:
-        """Return Theta'/Theta for m = 0; raises ValueError for m = 1."""
+        """Return zeta = Theta'/Theta for m = 0, where it is 0; raises ValueError for m = 1."""
         return acb(0) if self.m == 0 else self.theta(z)
 
     def theta(self, _z: acb) -> acb:
@@ -173,7 +173,7 @@ class Elliptic:
         self._values = (ElementaryJacobi if m in (0, 1) else Jacobi)(m)
 
     def epsilon(self, z: acb, order: int) -> Series:
-        """Return the integral of dn**2 from 0."""
+        """Return the series of epsilon, the integral of dn**2 from 0 to z."""
         dn = self.dn(z, order)
         start = self._values.epsilon(z)
         return [start, *(_product(dn, dn, n) / (n + 1) for n in range(order))]

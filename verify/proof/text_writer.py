@@ -60,7 +60,7 @@ def node_text(
 
 
 def _product(parts: Sequence[Part]) -> str:
-    """Return a product; a number comes first, and -1 is a sign."""
+    """Return a product as text; a number comes first, and -1 is written as a sign."""
     (head, level), *rest = parts
     texts = [head if level >= POWER or (head[-1].isdigit() and level) else f"({head})"]
     texts += [text if level >= POWER else f"({text})" for text, level in rest]

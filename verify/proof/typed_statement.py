@@ -28,7 +28,7 @@ class StatementTexts:
     domain: tuple[str, ...] = ()
 
     def with_values(self, values: Mapping[str, str]) -> StatementTexts:
-        """Return the texts with parameters defined by formulas instead of free.
+        """Return the texts with formulas as the definitions of parameters that were free.
 
         >>> texts = StatementTexts(("x",), ("u_x - b",), ("u = x",), ("b: b>0",))
         >>> texts.with_values({"b": "1"}).parameters

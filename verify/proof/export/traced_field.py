@@ -48,11 +48,11 @@ class TracedSlopes(Slopes):
         return value
 
     def derivative(self, element: Element, variable: int) -> Element:
-        """Return the derivative of an element."""
+        """Return the derivative of an element, as a term for the script if possible."""
         return self._left(super().derivative(element, variable), element, variable)
 
     def rate(self, node: int, variable: int) -> Element:
-        """Return the derivative of a formula."""
+        """Return the derivative of a formula, as a term for the script if possible."""
         return self._left(super().rate(node, variable), self._traced.image(node), variable)
 
     def _left(self, value: Element, element: Element, variable: int) -> Element:

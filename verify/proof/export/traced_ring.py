@@ -67,7 +67,7 @@ class TracedElement(Element):
         return traced(value, terms.raised(base.term, abs(exponent)))
 
     def inverse(self) -> TracedElement:
-        """Return one over the element."""
+        """Return one over the element, as a traced element."""
         return _inverse(self)
 
 
@@ -141,9 +141,9 @@ class TracedRing(Ring):
         self.divisors: dict[int, None] = {}
 
     def number(self, value: fmpq | int) -> TracedElement:
-        """Return a rational number."""
+        """Return a rational number as a traced element."""
         return traced(super().number(value), terms.number(value))
 
     def generator(self, place: int) -> TracedElement:
-        """Return the generator number ``place``."""
+        """Return generator number ``place`` as a traced element."""
         return traced(super().generator(place), ("generator", place))
