@@ -287,7 +287,7 @@ class CaseTree:
     def _nonlinear(
         self, node: _Node, rest: _Node, equation: fmpq_mpoly, place: int
     ) -> list[_Node] | SystemCase:
-        """Reduce the others modulo ``equation``, which becomes a rule if no other has the symbol."""
+        """Reduce the others modulo ``equation``; with no others it becomes a rule."""
         others = [e for e in rest.equations if int(e.degrees()[place])]
         if others:
             reduced = [self._constants.remainder(e, equation, place) for e in others]

@@ -86,7 +86,7 @@ def make_certificate(
 
 
 def statement_texts(problem: Problem) -> StatementTexts:
-    """Return the texts of equations, solutions and domains that a certificate of ``problem`` states."""
+    """Return the typed texts (equations, solutions, domains) that a certificate states."""
     table = NodeTable(list(problem.solutions))
     variables = [symbol.name for symbol in problem.variables]
     taken = {symbol.name for symbol in problem.domains}
