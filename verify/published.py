@@ -36,7 +36,7 @@ def published() -> tuple[ProblemText, ...]:
 
 
 def chosen(names: Sequence[str] = (), others: Sequence[str] = ()) -> list[ProblemText]:
-    """Return statements by name or equation, all without names; ValueError for an unknown name.
+    """Return the statements with these names or equations, or all; ValueError for an unknown name.
 
     >>> [text.name for text in chosen(["kdv_one_soliton"])]
     ['kdv_one_soliton']

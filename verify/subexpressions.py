@@ -11,7 +11,7 @@ from collections.abc import Callable
 import sympy as sp
 
 DEPTH = 4
-"""Levels of a subexpression that an abbreviation shows."""
+"""Nesting depth to which an abbreviation shows a subexpression."""
 
 
 def distinct_nodes(expression: sp.Expr) -> list[sp.Expr]:
@@ -54,7 +54,7 @@ def rebuilt(
     build: Callable[[sp.Expr, list[sp.Expr]], sp.Expr],
     images: dict[sp.Expr, sp.Expr] | None = None,
 ) -> sp.Expr:
-    """Fold ``build(node, images of its arguments)``, once a node; ``images`` is extended."""
+    """Fold ``build(node, images of its arguments)``, once per node; extend ``images``."""
     images = {} if images is None else images
 
     def image(node: sp.Expr) -> sp.Expr:

@@ -29,7 +29,7 @@ class Outcome(enum.StrEnum):
 
     @property
     def passed(self) -> bool:
-        """Whether the closed form stands.
+        """Whether the outcome is PROVED or CHECKED.
 
         >>> Outcome.CHECKED.passed, Outcome.UNDECIDED.passed
         (True, False)
@@ -80,7 +80,7 @@ class Verdict:
 
     @property
     def point(self) -> str:
-        """The witness in words."""
+        """The witness point in words."""
         return ", ".join(f"{name} = {value}" for name, value in (self.witness or {}).items())
 
     def json(self) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Single-change mutants of a closed form: how many are refuted, and why the others are solutions.
+"""Single-change mutants of a closed form: how many are refuted, and the reasons for the others.
 
 Each subexpression is changed wherever it occurs, as if the line that defines it were misprinted.
 A change multiplies the coefficient of a term by 101/100, flips its sign, drops the term, or swaps
@@ -63,11 +63,11 @@ def mutants(expression: sp.Expr) -> Iterator[Mutant]:
 
 
 Change = tuple[str, sp.Expr]
-"""Description of a change, and the new subexpression."""
+"""Change in words, and the subexpression after the change."""
 
 
 def _changes(node: sp.Expr) -> Iterator[Change]:
-    """Yield the changes of one node; an argument that is a sum has changes of its own."""
+    """Yield the changes of one node; those of a sum within a function belong to the sum's node."""
     if node.is_Add:
         for index, term in enumerate(node.args):
             rest = sp.Add(*node.args[:index], *node.args[index + 1 :])
@@ -126,7 +126,7 @@ class MutationCount:
         return self.mutants - len(self.survivors)
 
     def json(self) -> dict[str, Any]:
-        """Return the record as plain data."""
+        """Return the counts and survivors as plain data."""
         counts = {"refuted": self.refuted, "proved": self.proved, "undecided": self.undecided}
         return asdict(self) | counts
 

@@ -28,11 +28,11 @@ from longwave.verify.proof.samples import rational_near
 from longwave.verify.verdict import Outcome, Verdict, timed
 
 SLACK_DIGITS = 4
-"""Digits by which the decay may fall short of d2 - d1; covers rounding at the worst point."""
+"""Digits that the decay from d1 to d2 digits may lack, for rounding at the worst point."""
 
 MOST_DIGITS = 10_000
 MINIMUM_GAP = 2 * SLACK_DIGITS + 1
-"""Smallest gap in digits between two precisions at which the decay is still meaningful."""
+"""Smallest difference in digits between two precisions, so that the decay is significant."""
 
 
 @dataclass(frozen=True)
@@ -80,13 +80,13 @@ def scientific(level: float) -> str:
 
 
 HALF_WIDTH = 4
-"""Bound of drawn variables; unbounded domains are cut this far beyond 0 and the other end."""
+"""Variables are drawn within +-HALF_WIDTH; unbounded domains are cut HALF_WIDTH beyond 0."""
 
 DENOMINATOR = 1009
 """Denominator of drawn values; a prime, so that no drawn value is exact in binary."""
 
 MARGIN = sp.Rational(1, 20)
-"""Fraction of the drawn interval left out at each end, where the formula nears its limit."""
+"""Fraction of a parameter's interval that is not drawn, at each end, where forms degenerate."""
 
 
 def sample_points(form: ClosedForm, count: int, seed: int) -> list[Point]:
@@ -112,7 +112,7 @@ def sample_points(form: ClosedForm, count: int, seed: int) -> list[Point]:
 
 
 def _interval(domain: Domain, known: Point) -> tuple[sp.Rational, sp.Rational]:
-    """Return the interval from which a parameter is drawn: its domain less a margin at each end."""
+    """Return the ends between which a parameter is drawn: its domain without margins."""
     lower, upper = map(rational_near, domain.ends(known))
     if lower is None:
         lower = min(sp.S.Zero if upper is None else upper, sp.S.Zero) - HALF_WIDTH
@@ -172,22 +172,22 @@ class ResidualProgram:
         self._terms = tape.formula(self.symbols, entries)
 
     def level(self, point: Point, digits: int) -> float:
-        """Return log10 of |residual| / sum of |terms|; EvaluationError if it is not finite."""
+        """Return log10 of |sum of terms| / sum of |terms|; raises EvaluationError if not finite."""
         context = self._context
         context.dps = digits
         values = [context.mpf(point[s].p) / point[s].q for s in self.symbols]
         try:
             terms = self._terms(context, *values)
-            total, size = abs(context.fsum(terms)), context.fsum(terms, absolute=True)
+            total, magnitude = abs(context.fsum(terms)), context.fsum(terms, absolute=True)
         except (ArithmeticError, ValueError, TypeError, NameError) as error:
             raise EvaluationError(f"{type(error).__name__}: {error}") from error
-        if not context.isfinite(size):
+        if not context.isfinite(magnitude):
             raise EvaluationError("the residual is not finite")
-        return float(context.log10(total / size)) if total else float("-inf")
+        return float(context.log10(total / magnitude)) if total else float("-inf")
 
 
 def _term_entries(tape: Tape, expression: sp.Expr, equation: Equation) -> list[sp.Expr]:
-    """Return tape entries of the residual's terms, expanded with an undefined function."""
+    """Record the terms of the expanded residual on the tape, and return their entries."""
     field = sp.Function("U")(*equation.variables)
     residual = sp.expand(equation.residual(field))
     value, entries = tape.record(expression), {}
@@ -229,7 +229,7 @@ def _judge(form: ClosedForm, sampling: Sampling) -> dict[str, Any]:
 def _sweep(
     program: ResidualProgram, points: Sequence[Point], digits: Sequence[int]
 ) -> tuple[Decay, Point]:
-    """Return the largest residuals until one does not fall, and the point of the last one."""
+    """Return the decay up to the first precision that fails, and the worst point there."""
     decay = Decay((), ())
     for precision in digits:
         levels = [_level_at(program, point, precision) for point in points]

@@ -11,7 +11,7 @@ from .limits import FILE_BYTES, CertificateError
 
 
 def main(arguments: list[str]) -> int:
-    """Print what every certificate of a file states, and "accepted"; 1 at the first that fails."""
+    """Print each certificate's statement; return 0 if all are accepted, 1 at the first failure."""
     if len(arguments) != 1:
         print("usage: python -m longwave.verify.kernel FILE", file=sys.stderr)
         return 2
@@ -28,7 +28,7 @@ def main(arguments: list[str]) -> int:
 
 
 def certificates(path: str) -> list[Any]:
-    """Return the certificates of a file, one or a list of them."""
+    """Read a JSON file with one certificate or a list of them; return them as a list."""
     with open(path, "rb") as file:
         text = file.read(FILE_BYTES + 1)
     if len(text) > FILE_BYTES:

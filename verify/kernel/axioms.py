@@ -1,7 +1,7 @@
 """Axioms of each function as data: one row for each, with formulas as text.
 
-The formulas are in the grammar of `reading`, in letters that stand for the arguments; z is the one
-in which a function is differentiated.  ``docs/trust.md`` says more of each.
+The formulas are in the grammar of `reading`.  Their letters stand for the function's arguments, and
+a slope is the derivative in z.  ``docs/trust.md`` explains each row.
 """
 
 from __future__ import annotations
@@ -16,25 +16,24 @@ from .bounds import POSITIVE, UNIT, Interval
 from .function_values import jet_ball, theta_ball, weierstrass
 
 HALF_PI = fmpq(15707963, 10**7)
-"""A little less than pi/2."""
+"""Rational lower bound of pi/2, less than 1e-7 below it."""
 
 ANYWHERE = Interval()
 
 Ends = tuple[fmpq | None, fmpq | None]
-"""Two numbers; None is no end."""
+"""Lower and upper end of an interval; None if it is unbounded on that side."""
 
 
 @dataclass(frozen=True)
 class Function:
-    """Row of a function.
+    """Axioms and properties of one function f.
 
-    ``kind`` says where it is analytic: "entire"; "regular", but for poles off the real
-    axis; "poles", also on it; "arc", but for cuts off the real axis; "cut", also on it; "tame",
-    nowhere, but without poles and jumps; "jump".
-    ``values`` has its values at real arguments, z ``between`` two numbers (None: they are not known
-    to be real).  ``symmetry`` is "odd" or "even" in z, "same" if it is odd and of a real z's
-    sign, "inverse" if f(-z) = 1/f(z).  ``free``: it satisfies no polynomial relation, and may be a
-    generator.  ``below_one``, ``above_zero``: its parameter is.
+    ``kind``: "entire"; "regular", with poles only off the real axis; "poles", also on it; "arc",
+    with cuts only off the real axis; "cut", also on it; "tame", not analytic but without poles and
+    jumps; "jump", none of these.  ``values`` is the range for real arguments with z ``between`` two
+    numbers (None: not known to be real).  ``symmetry`` is "odd" or "even" in z, "same" if f is odd
+    and has the sign of a real z, "inverse" if f(-z) = 1/f(z).  A ``free`` f satisfies no polynomial
+    relation and may be a generator.  ``below_one``, ``above_zero``: it needs a parameter < 1, > 0.
     """
 
     kind: str
@@ -50,11 +49,11 @@ class Function:
     ball: Callable[..., acb] | None = None
 
     def arguments(self, *nodes: int) -> dict[str, int]:
-        """Return the arguments by their letters."""
+        """Return the nodes of the arguments by their letters in the axioms."""
         return dict(zip(self.letters, nodes, strict=True))
 
     def parameters(self, *nodes: int) -> list[int]:
-        """Return the arguments besides z."""
+        """Return the nodes of the arguments other than z."""
         return [node for letter, node in self.arguments(*nodes).items() if letter != "z"]
 
 
@@ -65,7 +64,7 @@ ABOVE: Ends = (fmpq(0), None)
 UNIT_ENDS: Ends = (fmpq(-1), fmpq(1))
 
 CYLINDER = {"bessel_j": (-1, 1), "bessel_y": (-1, 1), "bessel_i": (1, 1), "bessel_k": (-1, -1)}
-"""Bessel functions C of order v, with a and b in C' = v/z C + a C(v + 1) = b C(v - 1) - v/z C."""
+"""Pairs (a, b) for Bessel functions C(v): C' = v/z C + a C(v + 1) = b C(v - 1) - v/z C."""
 
 
 def _elliptic(kind: str, slope: str, symmetry: str, **more: Any) -> Function:
@@ -157,7 +156,7 @@ SQUARES: Mapping[tuple[str, str], str] = {
     ("weierstrass_p_prime", "weierstrass_p"):
         "4*weierstrass_p(z, g, h)**3 - g*weierstrass_p(z, g, h) - h",
 }  # fmt: skip
-"""The square of one function in another of the same arguments."""
+"""Square of the first function in a key, in terms of the second at the same arguments."""
 
 SINE_OF_SUM = "1 - m*jacobi_sn(u, m)**2*jacobi_sn(v, m)**2"
 
@@ -173,7 +172,7 @@ SUMS: Mapping[str, str] = {
         for name in ("jacobi_epsilon", "jacobi_zeta")
     },
 }
-"""The addition theorems: the functions of z = u + v."""
+"""Addition theorems: each function at z = u + v."""
 
 SPECIAL_VALUES: Mapping[str, tuple[str, str]] = {
     "jacobi_sn": ("0", "1"),
@@ -182,13 +181,13 @@ SPECIAL_VALUES: Mapping[str, tuple[str, str]] = {
     "jacobi_epsilon": ("0", "elliptic_e(m)"),
     "jacobi_zeta": ("0", "0"),
 }
-"""The functions of 0 and of K."""
+"""Values of each function at z = 0 and at z = K(m)."""
 
 ZETA = "jacobi_epsilon(z, m) - z*elliptic_e(m)/elliptic_k(m)"
-"""Zeta where it is no generator."""
+"""Jacobi's zeta in terms of epsilon, used if no zeta is a generator."""
 
 BEHIND = (
     "(jacobi_theta(d, m)*jacobi_theta(u, m)/jacobi_theta(0, m))**2"
     "*(1 - m*jacobi_sn(u, m)**2*jacobi_sn(d, m)**2)/jacobi_theta(u + d, m)"
 )
-"""Theta(u - d)."""
+"""Theta(u - d) by the product theorem, in terms of Theta at u + d, u, d and 0."""

@@ -9,21 +9,21 @@ from operator import mul
 from flint import arb, fmpq
 
 MICRO = 10**6
-"""Bounds of constants are multiples of 1/MICRO."""
+"""Bounds of constants are rounded outwards to multiples of 1/MICRO."""
 
 LARGEST = 20
-"""The highest power whose bounds are taken."""
+"""Highest exponent whose bounds are computed; above it only the sign of the power is kept."""
 
 _FAR = fmpq(20)
-"""The farthest end of which an exponential is taken; it is below 2**53/MICRO."""
+"""Largest argument at which exp is bounded; exp(_FAR) is below 2**53/MICRO."""
 
 End = tuple[fmpq | None, bool]
-"""An end, None if there is none, and whether it is open."""
+"""One end of an interval (None: unbounded), and whether it is open."""
 
 
 @dataclass(frozen=True)
 class Interval:
-    """The numbers between two ends (None: no end), without those that are open."""
+    """Real numbers between ``low`` and ``high`` (None: unbounded); an open end is excluded."""
 
     low: fmpq | None = None
     high: fmpq | None = None
@@ -32,27 +32,27 @@ class Interval:
 
     @property
     def is_positive(self) -> bool:
-        """Whether all of it is greater than 0."""
+        """Whether every number in it is greater than 0."""
         return self.low is not None and (self.low > 0 or (self.low == 0 and self.low_open))
 
     @property
     def is_not_negative(self) -> bool:
-        """Whether all of it is at least 0."""
+        """Whether every number in it is at least 0."""
         return self.low is not None and self.low >= 0
 
     @property
     def is_not_zero(self) -> bool:
-        """Whether all of it is greater than 0, or less."""
+        """Whether every number in it is greater than 0, or every one is less than 0."""
         return self.is_positive or (-self).is_positive
 
     @property
     def is_below(self) -> bool:
-        """Whether all of it is at most 0, and some of it less."""
+        """Whether every number in it is at most 0, and not all are 0."""
         return self.high is not None and self.high <= 0 and not self.is_not_negative
 
     @property
     def ends(self) -> tuple[End, End]:
-        """The two ends."""
+        """The lower and the upper end."""
         return (self.low, self.low_open), (self.high, self.high_open)
 
     def __neg__(self) -> Interval:
@@ -89,18 +89,18 @@ class Interval:
         return Interval(low, high, low_open, high_open)
 
     def power(self, exponent: int) -> Interval:
-        """Return an integer power."""
+        """Return an interval that contains the integer powers of its numbers."""
         if exponent <= 0:
             return self.power(-exponent).inverse() if exponent else Interval(fmpq(1), fmpq(1))
         if exponent % 2 == 0 or self.is_not_negative:
-            size = self.absolute()
+            magnitude = self.absolute()
             if exponent > LARGEST:
-                return Interval(fmpq(0), None, size.is_positive)
-            return reduce(mul, [size] * exponent)
+                return Interval(fmpq(0), None, magnitude.is_positive)
+            return reduce(mul, [magnitude] * exponent)
         return -(-self).power(exponent) if self.is_below else Interval()
 
     def absolute(self) -> Interval:
-        """Return the absolute values."""
+        """Return an interval that contains the absolute values of its numbers."""
         if self.is_not_negative:
             return self
         if self.is_below:
@@ -111,7 +111,7 @@ class Interval:
         return Interval(fmpq(0), high, False, high_open)
 
     def inverse(self) -> Interval:
-        """Return the interval of 1/x for x other than 0."""
+        """Return an interval that contains 1/x for each x != 0 in it."""
         if self.is_below:
             return -(-self).inverse()
         if not self.is_positive:
@@ -121,27 +121,27 @@ class Interval:
         return Interval(low, high, self.high is None or self.high_open, self.low_open)
 
     def side(self) -> Interval:
-        """Return the side of 0 that it is on."""
+        """Return the half-line from 0 that contains it; the whole line if it has both signs."""
         if self.is_below:
             return -(-self).side()
         return Interval(fmpq(0), None, self.is_positive) if self.is_not_negative else Interval()
 
     def exponential(self) -> Interval:
-        """Return the interval of exp, by rational bounds of its values at the ends."""
+        """Return an interval with rational ends that contains exp(x) for each x in it."""
         least = None if self.low is None else of_constant(arb(min(self.low, _FAR)).exp()).low
         is_far = self.high is None or self.high > _FAR
         most = None if is_far else of_constant(arb(self.high).exp()).high
         return POSITIVE & Interval(least, most, self.low_open, self.high_open)
 
     def root(self) -> Interval:
-        """Return a real root: on the same side of 1."""
+        """Return an interval with x**(1/n) for each x >= 0 in it, for any n >= 1."""
         low = fmpq(1) if self.low is not None and self.low >= 1 else fmpq(0)
         high = fmpq(1) if self.high is not None and self.high <= 1 else None
         return Interval(low, high, low == 0 and self.is_positive)
 
 
 def _product(left: End, right: End) -> End:
-    """Return the product of two ends, open unless it is taken."""
+    """Return the product of two ends; it is open unless it is attained."""
     (a, a_open), (b, b_open) = left, right
     if a == 0 or b == 0:
         return fmpq(0), not ((a == 0 and not a_open) or (b == 0 and not b_open))
@@ -149,7 +149,7 @@ def _product(left: End, right: End) -> End:
 
 
 def _reach(end: End) -> tuple[fmpq, bool]:
-    """Return the sort key of an upper end, a number: a closed end reaches further."""
+    """Return the sort key of a finite upper end: of equal ends the closed one is larger."""
     return end[0] or fmpq(0), not end[1]
 
 
@@ -157,7 +157,7 @@ POSITIVE, UNIT = Interval(fmpq(0), None, True), Interval(fmpq(-1), fmpq(1))
 
 
 def of_constant(value: arb) -> Interval:
-    """Return rational bounds of a ball, on the side of 0 that it is on."""
+    """Return rational bounds of a ball; a bound 0 is open if the ball excludes 0."""
     scaled = value * MICRO
     low, high = scaled.lower().floor().unique_fmpz(), scaled.upper().ceil().unique_fmpz()
     if low is None or high is None:

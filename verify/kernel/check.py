@@ -1,4 +1,4 @@
-"""From a certificate's plain data to the statement that it proves."""
+"""Check a certificate: from its plain data to the statement that it proves."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def _check(data: object) -> str:
 
 
 def opened(data: Mapping[str, Any]) -> Statement:
-    """Return the statement of a certificate; ``nodes.places`` has the formulas of its proof."""
+    """Return the statement of a certificate, with the proof's formulas in its ``nodes.places``."""
     nodes = Nodes()
     statement, scope = read_statement(nodes, data["statement"])
     symbols = len(scope.known)
@@ -71,11 +71,11 @@ def prove(statement: Statement, proof: Mapping[str, Any], part: bool = False) ->
 
 
 def vanishes(field: Field, statement: Statement, equation: int) -> bool:
-    """Return whether an equation holds with the formulas for the unknowns."""
+    """Return whether an equation holds with the statement's formulas in place of its unknowns."""
     for answer in field.rules.tried("equation", "="):
-        found = answer(field, statement, equation)
-        if found is not None:
-            return found
+        result = answer(field, statement, equation)
+        if result is not None:
+            return result
     residual = Substitution(field.nodes, statement.variables, statement.formulas)(equation)
     field.walk([residual])
     return field.image(residual).is_zero
@@ -87,7 +87,7 @@ def registered(
     part: bool = False,
     field_type: type[Field] = Field,
 ) -> Field:
-    """Return the field of a proof with its generators."""
+    """Return the field in which a proof is checked, with the proof's generators and hints."""
     nodes = statement.nodes
     hints = Hints(*(_places(nodes, proof[kind]) for kind in ("values", "signs")))
     generators = listed(proof["generators"], GENERATORS, "generators")

@@ -24,7 +24,7 @@ from .statement import Statement, Substitution
 
 
 class Denominators:
-    """The check of the factors of a field's ring at a point of a statement's domain."""
+    """Check that no denominator's factor vanishes identically, by values at one point."""
 
     def __init__(self, field: Field, statement: Statement, point: Mapping[int, fmpq]) -> None:
         self._field, self._statement, self._point = field, statement, point
@@ -32,7 +32,7 @@ class Denominators:
         self._values: dict[tuple[tuple[int, fmpq], ...], list[acb]] = {}
 
     def check(self, factor: fmpq_mpoly) -> None:
-        """Raise CertificateError if ``factor`` is not shown to differ from 0."""
+        """Raise CertificateError unless ``factor`` is shown to be nonzero on every branch."""
         within_it = self._field.nodes.below(list(self._formulas(factor)))
         nodes = [node for node in within_it if not self._field.nodes.is_constant(node)]
         turning = [node for node in nodes if self._turns(node)]
@@ -53,7 +53,7 @@ class Denominators:
 
     @cached_property
     def _own(self) -> list[fmpq_mpoly]:
-        """Factors that may jump and vanish where the statement is not smooth, or almost nowhere.
+        """Factors allowed to jump: 0 only where the statement is not smooth, or almost nowhere.
 
         They are divisors and arguments of logarithms in the statement (a part, without unknowns,
         has none) and in the definitions of its functions; exponentials, which are nowhere 0; and,
@@ -62,19 +62,19 @@ class Denominators:
         field, nodes, own = self._field, self._field.nodes, self._statement
         put = Substitution(nodes, own.variables, own.formulas)
         stated = [*own.formulas, *map(put, own.equations)] if own.unknowns else []
-        found = [*_divisors(nodes, stated), *field.primitives("exp")]
+        singular = [*_divisors(nodes, stated), *field.primitives("exp")]
         for node in field.primitives("lambert_w"):
             if not any(map(self._jumps, nodes.below(nodes.all[node][1:]))):
-                found += [node, nodes.add("Add", node, nodes.rational(1))]
-        images = (field.image(node) for node in found)
+                singular += [node, nodes.add("Add", node, nodes.rational(1))]
+        images = (field.image(node) for node in singular)
         powers = [field.ring.split(i.numerator)[1] for i in images if not i.is_zero]
         return [field.ring.factors[place] for place in chain.from_iterable(powers)]
 
     def _formulas(self, polynomial: fmpq_mpoly) -> set[int]:
-        """Return the formulas of the generators that occur, also in the scales of others."""
+        """Return the formulas of the generators in a polynomial, also of those in their scales."""
         degrees = polynomial.degrees()[::-1]
-        found = [g for g, n in zip(self._field.generators, degrees, strict=False) if n]
-        return {g.formula for g in found}.union(*(self._formulas(g.scale) for g in found))
+        occurring = [g for g, n in zip(self._field.generators, degrees, strict=False) if n]
+        return {g.formula for g in occurring}.union(*(self._formulas(g.scale) for g in occurring))
 
     def _at(self, turns: tuple[tuple[int, fmpq], ...]) -> list[acb]:
         if turns not in self._values:
@@ -85,7 +85,7 @@ class Denominators:
         return self._values[turns]
 
     def _turns(self, node: int) -> bool:
-        """Return whether a function may have another branch in another part of the domain."""
+        """Return whether a root, absolute value or sign may change its branch within the domain."""
         match self._field.nodes.all[node]:
             case ("Pow", _, exponent) if exponent.q != 1:
                 return not (self._connected and self._field.signs.is_analytic(node))
@@ -94,7 +94,7 @@ class Denominators:
         return False
 
     def _jumps(self, node: int) -> bool:
-        """Return whether a function may differ, on a part of the domain, from its continuation."""
+        """Return whether a function may differ from its continuation in some part of the domain."""
         nodes, signs = self._field.nodes, self._field.signs
         name, inner = nodes.all[node][0], children(nodes.all[node])
         own = FUNCTIONS.get(name)
@@ -108,7 +108,7 @@ class Denominators:
 
 
 def _divisors(nodes: Nodes, stated: Sequence[int]) -> Iterator[int]:
-    """Yield the divisors and arguments of logarithms in formulas and in functions' definitions."""
+    """Yield divisors and arguments of logarithms in the ``stated`` nodes and their definitions."""
     waiting, visited = list(stated), set[int]()
     while waiting:
         new = set(nodes.below(waiting)) - visited
@@ -126,8 +126,8 @@ def _divisors(nodes: Nodes, stated: Sequence[int]) -> Iterator[int]:
 def is_connected(field: Field, statement: Statement) -> bool:
     """Return whether the domain is evidently connected.
 
-    Linear inequalities give a convex one; s < K(m), m < 1, may bound one symbol s more that has
-    nothing but numbers <= 0 below it.
+    Linear inequalities define a convex domain.  A symbol s may also be bounded by s < K(m), m < 1,
+    if its only other bounds are lower ones by numbers <= 0.
     """
     nodes = field.nodes
     for place, (_, left, right) in enumerate(statement.domain):
@@ -146,7 +146,7 @@ def is_connected(field: Field, statement: Statement) -> bool:
 
 
 def is_continuous_end(field: Field, node: int) -> bool:
-    """Return whether an end of the domain is evidently real and continuous."""
+    """Return whether a node that bounds the domain is evidently real and continuous."""
     signs, nodes = field.signs, field.nodes
     name, *arguments = nodes.all[node]
     if name == "elliptic_k":

@@ -1,6 +1,6 @@
-"""Exponentials, roots of unity, and powers of negative numbers that are no generators.
+"""Rules for exponentials, roots of unity and powers of negative numbers without generators.
 
-A sum of arguments is taken apart term by term.  exp(i pi k/n), k and n coprime, is a primitive root
+A sum in the exponent is split term by term.  exp(i pi k/n), k and n coprime, is a primitive root
 of unity, of order n for even k and 2 n for odd k, and a root of the cyclotomic polynomial.  For an
 integer n and f < 0, f**n = (-1)**n (-f)**n.
 """
@@ -19,10 +19,10 @@ from .ring import Element
 from .root_rules import angle_of, whole
 
 UNITY = {1: "-1", 2: "I", 3: "(1 + I*sqrt(3))/2", 4: "(1 + I)*sqrt(2)/2", 6: "(sqrt(3) + I)/2"}
-"""exp(i pi/n)."""
+"""exp(i pi/n) as text, by n."""
 
 PHASE, HALF_PHASE = "(1 + I*z)/(1 - I*z)", "(1 + I*z)/sqrt(1 + z**2)"
-"""exp(2 i atan z) and exp(i atan z)."""
+"""Formulas of exp(2 i atan z) and of exp(i atan z)."""
 
 LARGEST_ORDER = 60
 """Largest denominator of q for which exp(i pi q) gets a relation."""
@@ -38,7 +38,7 @@ def exponential_of_lambert(field: Field, node: int) -> Element | None:
 
 
 def turn_of(nodes: Nodes, z: int) -> tuple[fmpq, list[int]] | None:
-    """Return a number q and the factors of a node i pi q times these; None for any other."""
+    """Return the rational q and the factors f, g, ... of a node i pi q f g ...; else None."""
     fraction, letters, others, waiting = fmpq(1), list[str](), list[int](), [z]
     while waiting:
         factor = waiting.pop()
@@ -57,13 +57,13 @@ def turn_of(nodes: Nodes, z: int) -> tuple[fmpq, list[int]] | None:
 
 
 def fraction_of_turn(nodes: Nodes, z: int) -> fmpq | None:
-    """Return q of a node i pi q, with a number q of small denominator; else None."""
+    """Return q of a node i pi q if q is rational with denominator <= `LARGEST_ORDER`; else None."""
     fraction, others = turn_of(nodes, z) or (None, [])
     return fraction if fraction is not None and not others and fraction.q <= LARGEST_ORDER else None
 
 
 def cyclotomic_relation(field: Field, node: int) -> tuple[int, Element] | None:
-    """Return the degree of exp(i pi q), a root of unity, and that power of it in lower ones."""
+    """Return the degree n of w = exp(i pi q), and w**n in lower powers; else None."""
     fraction = fraction_of_turn(field.nodes, field.nodes.all[node][1])
     if fraction is None:
         return None
@@ -74,7 +74,7 @@ def cyclotomic_relation(field: Field, node: int) -> tuple[int, Element] | None:
 
 
 def root_of_unity(field: Field, node: int) -> Element | None:
-    """Return exp(i pi q) as a power of a generator, or of exp(i pi/n) for some small n."""
+    """Return exp(i pi q) as a power of a generator or of an entry of `UNITY`; else None."""
     fraction = fraction_of_turn(field.nodes, field.nodes.all[node][1])
     if fraction is None:
         return None
@@ -88,7 +88,7 @@ def root_of_unity(field: Field, node: int) -> Element | None:
 
 
 def turns_of_integer(field: Field, node: int) -> Element | None:
-    """Apply exp(i pi n) = (-1)**n for an integer n, if such powers are generators."""
+    """Apply exp(i pi j n) = (-1)**n for odd j, if any (-1)**n is a generator, and 1 for even j."""
     fraction, others = turn_of(field.nodes, field.nodes.all[node][1]) or (fmpq(1, 2), [])
     if fraction.q != 1 or not others or not all(map(field.nodes.is_integer, others)):
         return None
@@ -99,7 +99,7 @@ def turns_of_integer(field: Field, node: int) -> Element | None:
 
 
 def phase_of_arctangent(field: Field, node: int) -> Element | None:
-    """Return exp(n i atan f) as a power of a fraction, times a root for odd n."""
+    """Return exp(n i atan f): `PHASE` to the power n // 2, times `HALF_PHASE` for odd n."""
     times, u = field.nodes.multiple(field.nodes.all[node][1])
     angle = angle_of(field, u)
     if angle is None or field.nodes.all[angle][0] != "atan":
@@ -110,14 +110,14 @@ def phase_of_arctangent(field: Field, node: int) -> Element | None:
 
 
 def parity_relation(field: Field, node: int) -> tuple[int, Element]:
-    """Return the square of (-1)**n for an integer symbol n."""
+    """Return the relation of g = (-1)**n for an integer symbol n: degree 2, and g**2 = 1."""
     if field.nodes.all[field.nodes.all[node][1]][::2] != ("symbol", "integer"):
         raise CertificateError("parity is no generator")
     return 2, field.one
 
 
 def parity(field: Field, node: int) -> Element:
-    """(-1)**z of a sum of integer symbols times integers, and of an integer."""
+    """Return (-1)**z for a sum z of integers and of integer multiples of integer symbols."""
     z = field.nodes.all[node][1]
     terms, (times, rest) = field.nodes.terms(z), field.nodes.multiple(z)
     if len(terms) > 1:
@@ -130,7 +130,7 @@ def parity(field: Field, node: int) -> Element:
 
 
 def power_of_negative(field: Field, node: int) -> Element | None:
-    """Return f**n for f < 0, unless f has a logarithm among the generators."""
+    """Return f**n = (-1)**n (-f)**n for f < 0 and an integer n, unless log f is a generator."""
     _, base, exponent = field.nodes.all[node]
     negative = field.nodes.negative(base)
     turns = field.nodes.is_integer(exponent) and field.signs.positive(negative)

@@ -1,4 +1,4 @@
-"""The images of a certificate's formulas in its generators, with the generators' relations.
+"""Field of a proof: images of its formulas in its generators, and the generators' relations.
 
 A generator is given by its meaning alone, a formula.  Relations and slopes follow from the axioms;
 sums, products and integer powers are computed; a function must be a generator, or follow from
@@ -27,7 +27,7 @@ from .signs import Signs
 
 @dataclass(frozen=True)
 class Rule:
-    """Rule whose ``answer`` to a question on some functions is None where it does not apply."""
+    """Rule for one question about some functions; ``answer`` returns None if it does not apply."""
 
     question: str
     functions: tuple[str, ...]
@@ -46,20 +46,20 @@ class Rules:
                 self._answers[row.question, name].append(row.answer)
 
     def tried(self, question: str, function: str) -> Sequence[Callable[..., Any]]:
-        """Return the answers to a question about a function, in order."""
+        """Return the ``answer`` callables of the rules for a question and a function, in order."""
         return self._answers[question, function]
 
 
 Row = tuple[Sequence[int], int]
-"""The factors of some functions in a linear form, and what is added."""
+"""Linear form in given functions: the nodes of their factors, and of the term added to them."""
 
 
 @dataclass(frozen=True)
 class Hints:
     """Hints for a proof, all of which are checked.
 
-    ``values[f]`` is what a root, absolute value, logarithm or inverse function equals, or the same
-    function of a sum; ``signs[f]`` is a formula with the image of f whose structure shows its sign.
+    ``values`` maps a root, absolute value, logarithm or inverse function to an equal node, or f(z)
+    to f of a sum equal to z; ``signs`` maps a node to an equal one whose structure shows its sign.
     """
 
     values: Mapping[int, int]
@@ -70,7 +70,7 @@ class Hints:
 class Generator:
     """Meaning of a generator: the node ``formula`` times ``scale``, a polynomial in others.
 
-    The formula is the sum of ``form``, factors and primitives, and of another node.
+    The formula is a linear form plus another node; ``form`` has its pairs of factor and primitive.
     """
 
     formula: int
@@ -79,7 +79,7 @@ class Generator:
 
 
 class Slopes:
-    """The derivatives of the generators of a field, and of all that is made of them."""
+    """Derivatives of a field's generators, and of the elements and formulas made of them."""
 
     def __init__(self, field: Field) -> None:
         self._field = field
@@ -97,7 +97,7 @@ class Slopes:
         return derivation(element)
 
     def slope(self, place: int, variable: int) -> Element:
-        """Return the derivative of a generator."""
+        """Return the derivative of generator number ``place``."""
         if (place, variable) not in self._slopes:
             generator = self._field.generators[place]
             rate = self.rate(generator.formula, variable)
@@ -151,7 +151,7 @@ class Slopes:
         return self.derivative(field.image(node), variable)
 
     def _free_rate(self, node: int, variable: int) -> Element:
-        """Return the derivative of a jet by the chain rule; f_zz = -4 q f_q of a theta function."""
+        """Return the derivative of an arbitrary or theta function; theta has f_zz = -4 q f_q."""
         field = self._field
         name, z, *nome, (label, order) = field.nodes.all[node]
         total = field.zero
@@ -169,8 +169,8 @@ class Slopes:
 class Field:
     """Generators, images of nodes, and derivatives.
 
-    ``positive`` are the nodes that the domain states to be positive (True: or 0).  ``circles`` maps
-    a symbol s to the node of sqrt(1 - s**2), which is a generator before it.
+    ``positive`` has the nodes that the domain states to be > 0 (True: >= 0).  ``circles`` maps a
+    symbol s to the node of sqrt(1 - s**2), if that is an earlier generator than s.
     """
 
     ring_type: ClassVar[type[Ring]] = Ring
@@ -195,7 +195,7 @@ class Field:
         self.slopes = self.slopes_type(self)
 
     def walk(self, nodes: Iterable[int]) -> None:
-        """Make the images of ``nodes`` from the inside out."""
+        """Compute the images of ``nodes``, arguments first, so that recursion stays shallow."""
         needed = set(nodes)
         for node in range(max(needed, default=-1), -1, -1):
             if node in needed and node not in self._images:
@@ -205,7 +205,7 @@ class Field:
             self.image(node)
 
     def _size(self, node: int) -> int | None:
-        """Return f for an even power of abs(f), which is a power of f conj(f); else None."""
+        """Return f if a node is an even power of abs(f), hence a power of f conj(f); else None."""
         match self.nodes.all[node]:
             case ("Pow", base, exponent) if exponent.q == 1 and exponent.p % 2 == 0:
                 name, *inner = self.nodes.all[base]
@@ -213,7 +213,7 @@ class Field:
         return None
 
     def image(self, node: int) -> Element:
-        """Return the image of a node; raises CertificateError if none follows."""
+        """Return the image of a node in the ring; raises CertificateError if it has none."""
         if node not in self._images:
             if node in self._underway:
                 raise CertificateError("an image must not be defined by itself")
@@ -256,9 +256,9 @@ class Field:
         if turned is not None:
             return turned
         name, *arguments = self.nodes.all[node]
-        for found in (answer(self, node) for answer in self.rules.tried("image", name)):
-            if found is not None:
-                return found
+        for result in (answer(self, node) for answer in self.rules.tried("image", name)):
+            if result is not None:
+                return result
         own = FUNCTIONS.get(name)
         if own is None or not own.definition:
             raise CertificateError(f"there is no generator for a {name}")
@@ -269,11 +269,11 @@ class Field:
         return self.image(self.nodes.add(name, *arguments))
 
     def read(self, text: str, **letters: int) -> Element:
-        """Return the image of an axiom, its letters standing for nodes."""
+        """Return the image of an axiom's text, with nodes in place of its letters."""
         return self.image(axiom(self.nodes, text, **letters))
 
     def sum(self, parts: Sequence[Element]) -> Element:
-        """Return the sum over one common denominator, what is over the same one added first."""
+        """Return the sum over a common denominator; parts with equal ones are added first."""
         by_denominator: dict[frozenset[tuple[int, int]], Element] = {}
         for part in parts:
             key = frozenset(part.powers.items())
@@ -282,11 +282,11 @@ class Field:
         return total(self.ring, list(by_denominator.values())).cancelled()
 
     def product(self, factors: Iterable[int]) -> Element:
-        """Return the image of a product."""
+        """Return the product of the images of ``factors``."""
         return reduce(mul, map(self.image, factors))
 
     def squared(self, inner: int) -> Element:
-        """Return the image of abs(f)**2 = f conj(f)."""
+        """Return the image of abs(f)**2 = f conj(f) for the node ``inner`` of f."""
         return self.image(inner) * self.image(self.signs.conjugate(inner))
 
     def equal(self, left: int, right: int) -> bool:
@@ -294,12 +294,12 @@ class Field:
         return left == right or (self.image(left) - self.image(right)).is_zero
 
     def moves(self, node: int) -> bool:
-        """Return whether a formula contains a variable along which there are derivatives."""
+        """Return whether a formula contains a real variable of the statement."""
         real = {v for v in self.variables if self.nodes.all[v][2] == "real"}
         return not real.isdisjoint(self.nodes.below([node]))
 
     def is_kept(self, name: str, f: int, value: int) -> bool:
-        """Return whether ``value``, of which the function is ``f``, is principal by continuity."""
+        """Return whether continuity shows that ``value`` is the principal ``name`` of ``f``."""
         return any(rule(self, name, f, value) for rule in self.rules.tried("continuity", name))
 
     def derivative(self, element: Element, variable: int) -> Element:
@@ -307,23 +307,23 @@ class Field:
         return self.slopes.derivative(element, variable)
 
     def primitives(self, name: str) -> list[int]:
-        """Return the nodes of the function ``name`` of which a generator is made."""
+        """Return the nodes of the function ``name`` from which generators are made."""
         return self._primitives.get(name, [])
 
     def known(self, node: int) -> Element | None:
-        """Return the image of the same function of equal arguments, if it has a generator."""
+        """Return the image of ``node`` if the same function of equal arguments has a generator."""
         others = self.primitives(self.nodes.all[node][0])
         return next((self._images[other] for other in others if self._alike(node, other)), None)
 
     def hinted(self, node: int) -> int | None:
-        """Return the value that a hint names for a node, or for its function of equal arguments."""
+        """Return the hinted value of a node, or of its function at equal arguments; else None."""
         values = self.hints.values
         if node in values:
             return values[node]
         return next((values[other] for other in values if self._alike(node, other)), None)
 
     def _alike(self, node: int, other: int) -> bool:
-        """Return whether two nodes are the same function of arguments of equal images."""
+        """Return whether two nodes are the same function, with arguments whose images are equal."""
         left, right = self.nodes.all[node], self.nodes.all[other]
         inner, outer = children(left), children(right)
         if left[0] != right[0] or left[len(inner) + 1 :] != right[len(outer) + 1 :]:
@@ -334,7 +334,7 @@ class Field:
             return False
 
     def renamed(self, node: int) -> int | None:
-        """Return the same function with its argument written as a checked hint gives it."""
+        """Return the same function with the argument that a checked hint gives it; else None."""
         name, *arguments = self.nodes.all[node]
         if name not in FUNCTIONS or FUNCTIONS[name].symmetry in ("", "same"):
             return None
@@ -342,13 +342,13 @@ class Field:
         value = self.hinted(key)
         if value is None or self.nodes.all[value][0] != self.nodes.all[key][0]:
             return None
-        found = self.nodes.add(name, *self.nodes.all[value][1:])
-        if found != node and not self._alike(key, value):
+        rewritten = self.nodes.add(name, *self.nodes.all[value][1:])
+        if rewritten != node and not self._alike(key, value):
             raise CertificateError("the sum given for an argument is not equal to it")
-        return found
+        return rewritten
 
     def _turned(self, node: int) -> Element | None:
-        """Return the image by the same function of -z, if a generator or hint is of that."""
+        """Return the image of f(z) by symmetry, if f(-z) has a generator or hint; else None."""
         name, *arguments = self.nodes.all[node]
         symmetry = FUNCTIONS[name].symmetry if name in FUNCTIONS else ""
         if not symmetry:
@@ -362,7 +362,7 @@ class Field:
         return value.inverse() if symmetry == "inverse" else value if symmetry == "even" else -value
 
     def register(self, node: int) -> None:
-        """Register a generator for a function or symbol; reuse that of an equal function."""
+        """Register the next generator, a function or symbol; an equal function shares its image."""
         self._enter_circle(node)
         self.walk(children(self.nodes.all[node]) if node not in self.circles.values() else ())
         known = self.known(node)
@@ -373,7 +373,7 @@ class Field:
             self.register_forms([node], [((self.nodes.rational(1),), self.nodes.rational(0))])
 
     def register_forms(self, nodes: Sequence[int], rows: Sequence[Row]) -> None:
-        """Register linear forms in symbols or functions, or a root's multiple, as generators."""
+        """Register as generators linear forms ``rows`` in ``nodes``, or a multiple of one root."""
         relations = [self._relation(node) for node in nodes]
         for node in nodes:
             self._divide_by_argument(node)
@@ -398,7 +398,7 @@ class Field:
             self._add(node, value)
 
     def relate(self, place: int, degree: int, value: Element, factor: Element) -> fmpq_mpoly:
-        """Enter the power of a root times a factor, and times what makes it a polynomial."""
+        """Enter the relation of g = d * factor * root; return d: g**degree is a polynomial."""
         if place in value.places and not (factor - self.one).is_zero:
             raise CertificateError("a multiple of a root of unity is no generator")
         value = value * factor**degree
@@ -409,7 +409,7 @@ class Field:
         return below
 
     def register_part(self, left: int, right: int) -> None:
-        """Enter a generator for either of two formulas that were proved equal."""
+        """Register one generator for two formulas that were proved equal."""
         image = self.ring.generator(len(self.generators))
         one = self.nodes.rational(1)
         self.generators.append(Generator(left, self.ring.context.constant(1), ((one, left),)))
@@ -423,7 +423,7 @@ class Field:
         self._primitives.setdefault(self.nodes.all[node][0], []).append(node)
 
     def _enter_circle(self, root: int) -> None:
-        """Take sqrt(1 - s**2), of a parameter s without an image, for a generator before s."""
+        """Add ``root`` to ``circles`` if it is sqrt(1 - s**2) of a parameter s without an image."""
         for symbol in self.nodes.below([root]):
             is_symbol = self.nodes.all[symbol][0] == "symbol" and symbol not in self.variables
             of = axiom(self.nodes, "sqrt(1 - z**2)", z=symbol) if is_symbol else None
@@ -431,7 +431,7 @@ class Field:
                 self.circles[symbol] = root
 
     def _relation(self, node: int) -> tuple[int, Element] | None:
-        """Return the degree of an algebraic function and that power of it; else None."""
+        """Return n and the image of f**n for an algebraic node f; None if f is a free generator."""
         self.need_parameters(node)
         match self.nodes.all[node]:
             case ("Pow", *_) if node in self.circles.values():
@@ -460,7 +460,7 @@ class Field:
         raise CertificateError(f"{self.nodes.all[node][0]} is no generator")
 
     def need_parameters(self, node: int) -> None:
-        """Check that the arguments besides z are constant, or a nome, and in their range."""
+        """Check that the arguments besides z are in range, and constant except for a nome."""
         name, arguments = self.nodes.all[node][0], children(self.nodes.all[node])
         if name not in FUNCTIONS or FUNCTIONS[name].letters == "z" or name == "power":
             return
@@ -471,13 +471,13 @@ class Field:
             raise CertificateError(f"{name} needs {needed}, which is not shown on the domain")
 
     def _divide_by_argument(self, node: int) -> None:
-        """Enter the argument of a function that is singular at 0, if it may be 0, as a divisor."""
+        """Record the argument of log, bessel_y or bessel_k, if it may be 0, as a divisor."""
         match self.nodes.all[node]:
             case ("log", z) | (("bessel_y" | "bessel_k"), _, z) if not self.signs.positive(z):
                 self.image(z).inverse()
 
     def balls(self, balls: Balls) -> list[acb]:
-        """Return the values of the generators at a point."""
+        """Return the values of the generators at the point of ``balls``."""
         values: list[acb] = []
         for generator in self.generators:
             rest = [*values, *[acb(0)] * (len(self.ring.names) - len(values))]
@@ -486,20 +486,20 @@ class Field:
 
 
 SINES = ("jacobi_cn", "jacobi_dn", "jacobi_epsilon", "jacobi_zeta")
-"""Functions to whose arguments a hint for that of sn applies."""
+"""Functions that use the hint for sn of the same argument."""
 
 
 def solved(table: list[list[Element]]) -> list[Element]:
-    """Return the solution of linear equations, rows with right-hand sides, by elimination."""
-    size = len(table)
-    for column in range(size):
-        pivot = next((i for i in range(column, size) if not table[i][column].is_zero), None)
+    """Solve linear equations by elimination; a row has coefficients, then the right-hand side."""
+    count = len(table)
+    for column in range(count):
+        pivot = next((i for i in range(column, count) if not table[i][column].is_zero), None)
         if pivot is None:
             raise CertificateError("linear forms must be independent")
         table[column], table[pivot] = table[pivot], table[column]
         unit = table[column][column].inverse()
         table[column] = [entry * unit for entry in table[column]]
-        for i in range(size):
+        for i in range(count):
             factor = table[i][column]
             if i != column and not factor.is_zero:
                 pairs = zip(table[i], table[column], strict=True)

@@ -1,4 +1,4 @@
-"""Values of special functions in ball arithmetic, where FLINT does not have them.
+"""Values in ball arithmetic of special functions that FLINT does not provide.
 
 Weierstrass' function of any invariants has the series
 p(z) = 1/z**2 + sum of c_k z**(2 k - 2), k >= 2, with c_2 = g2/20, c_3 = g3/28 and, from k = 4 on,
@@ -17,16 +17,16 @@ from flint import acb, acb_series, arb, ctx, fmpq
 from .limits import CertificateError
 
 THETA = tuple(f"jacobi_theta_{place}" for place in (1, 2, 3, 4))
-"""Theta functions of z and the nome q, 0 < q < 1."""
+"""Names of the theta functions of z and the nome q, 0 < q < 1."""
 
 Jet = tuple[str, int]
-"""The name of a function and the order of a derivative."""
+"""Name of a function, and order of its derivative."""
 
 TERMS = 80
-"""Terms of the series, which is taken where B |z|**2 <= 1/16."""
+"""Number of terms of Weierstrass' series, which is used where B |z|**2 < 1/16."""
 
 POSITIVE_SHIFT = arb(2) ** -60
-"""FLINT has no cube root of 0."""
+"""Added to a radicand that may be 0, since FLINT has no cube root of 0."""
 
 
 class Jacobi:
@@ -46,34 +46,34 @@ class Jacobi:
         self.root_k = self._zeros[1] / self._zeros[2]
 
     def sn(self, z: acb) -> acb:
-        """Return sn."""
+        """Return sn(z, m)."""
         one, _, _, four = self._thetas(self._root * z)
         return one / (self.root_k * four * self._root)
 
     def cn(self, z: acb) -> acb:
-        """Return cn."""
+        """Return cn(z, m)."""
         return self._ratio(z, self._places[0])
 
     def dn(self, z: acb) -> acb:
-        """Return dn."""
+        """Return dn(z, m)."""
         return self._ratio(z, self._places[1])
 
     def _ratio(self, z: acb, place: int) -> acb:
-        found = self._thetas(self._root * z)
-        return self._zeros[3] * found[place] / (self._zeros[place] * found[3])
+        thetas = self._thetas(self._root * z)
+        return self._zeros[3] * thetas[place] / (self._zeros[place] * thetas[3])
 
     def epsilon(self, z: acb) -> acb:
-        """Return the integral of dn**2 from 0."""
+        """Return epsilon(z, m), the integral of dn**2 from 0 to z."""
         w = self._root * z
         below = self._zeta(w) + self.E / self.K * w
         return below if self._root == 1 else (1 - self.m) * z + self._root * below
 
     def zeta(self, z: acb) -> acb:
-        """Return Theta'/Theta."""
+        """Return Jacobi's zeta(z, m) = Theta'/Theta."""
         return self._zeta(self._below_one(z))
 
     def theta(self, z: acb) -> acb:
-        """Return Theta."""
+        """Return Jacobi's Theta(z, m)."""
         return self._thetas(self._below_one(z))[3]
 
     def eta(self, z: acb) -> acb:
@@ -86,7 +86,7 @@ class Jacobi:
         return z
 
     def _zeta(self, z: acb) -> acb:
-        """Return zeta, from Weierstrass' zeta function of the periods 1 and tau."""
+        """Return Jacobi's zeta, from Weierstrass' zeta function with periods 1 and tau."""
         v = z / (2 * self.K) + self._tau / 2
         eta = acb(0.5).elliptic_zeta(self._tau)
         slope = v.elliptic_zeta(self._tau) - 2 * eta * v + acb(0, 1) * acb.pi()
@@ -97,7 +97,7 @@ class Jacobi:
 
 
 def weierstrass(z: acb, g2: acb, g3: acb) -> tuple[acb, acb]:
-    """Return p and its derivative at ``z``, by halving z and adding points of the cubic curve."""
+    """Return p(z) and p'(z) with invariants g2, g3: halve z, then double points of the cubic."""
     bound = _upper(abs(g2) / 60).sqrt() + _upper(abs(g3) / 84 + POSITIVE_SHIFT).root(3)
     halvings = 0
     while not bound * abs(z) ** 2 < arb(1) / 16 and halvings < 64:
@@ -111,7 +111,7 @@ def weierstrass(z: acb, g2: acb, g3: acb) -> tuple[acb, acb]:
 
 
 def _series(z: acb, g2: acb, g3: acb, bound: arb) -> tuple[acb, acb]:
-    """Return enclosures of p and p': terms k < TERMS; ``bound`` of the growth bounds the rest."""
+    """Return enclosures of p and p': terms k < `TERMS`, and the rest by |c_k| <= 3 ``bound``**k."""
     c = [acb(0), acb(0), g2 / 20, g3 / 28]
     for k in range(4, TERMS):
         products = sum((c[i] * c[k - i] for i in range(2, k - 1)), acb(0))
@@ -126,7 +126,7 @@ def _series(z: acb, g2: acb, g3: acb, bound: arb) -> tuple[acb, acb]:
 
 
 def _upper(value: arb) -> arb:
-    """Return the upper end of a ball."""
+    """Return the upper end of a ball, as an exact ball."""
     return arb(value.upper())
 
 
@@ -136,7 +136,7 @@ def _blurred(value: acb, error: arb) -> acb:
 
 
 def theta_ball(z: acb, q: acb, jet: Jet) -> acb:
-    """Return a derivative of a theta function."""
+    """Return the derivative of a theta function that ``jet`` names, at z and the nome q."""
     label, order = jet
     tau = q.log() / (acb(0, 1) * acb.pi())
     values = (z / acb.pi()).modular_theta(tau, order)
@@ -144,7 +144,7 @@ def theta_ball(z: acb, q: acb, jet: Jet) -> acb:
 
 
 def jet_ball(z: acb, jet: Jet) -> acb:
-    """Return a derivative of a shifted 1/gamma, which has no algebraic differential equation."""
+    """Return a derivative of 1/gamma(z + s), which satisfies no algebraic differential equation."""
     label, order = jet
     place = z + acb(arb(generic_shift(label)))
     terms, ctx.cap = ctx.cap, order + 1  # FLINT's series take the terms beyond for 0
@@ -154,5 +154,5 @@ def jet_ball(z: acb, jet: Jet) -> acb:
 
 
 def generic_shift(label: str) -> fmpq:
-    """Return the number s of a name: 1/gamma(z + s) stands for any function."""
+    """Return the shift s for a function's name: 1/gamma(z + s) stands for an arbitrary function."""
     return fmpq(sum(map(ord, label)) % 89, 97)

@@ -1,9 +1,9 @@
-"""Logarithms and inverse functions: by signs, by bounds, by continuity.
+"""Rules for logarithms and inverse functions, whose branch is shown by signs, bounds or continuity.
 
 Let v be real and continuous on a connected domain.  If tan v is f there, which is finite, v is at
 no odd multiple of pi/2 anywhere; if it lies between -pi/2 and pi/2 at one point, it does so at all
-of them, and is atan f.  So is v = asin f if sin v = f is between -1 and 1, and v = acos f, between
-0 and pi, if cos v is.
+of them, and is atan f.  Likewise v = asin f if sin v = f is between -1 and 1, and v = acos f, with
+v between 0 and pi, if cos v = f is between -1 and 1.
 """
 
 from __future__ import annotations
@@ -31,11 +31,11 @@ PRINCIPAL: Mapping[str, Ends] = {
     "acosh": (fmpq(0), None),
     "atanh": (None, None),
 }
-"""Between which real numbers the values of inverse functions lie."""
+"""Ends of the real principal values of inverse functions, rounded inwards (None: unbounded)."""
 
 
 def logarithm(field: Field, node: int) -> Element | None:
-    """Return log of a product as a sum of logs; all factors but one must be positive. log 1 = 0."""
+    """Return log f as a hinted sum of logs, by log 1 = 0, log exp z = z or log(-f); else None."""
     nodes, inner = field.nodes, field.nodes.all[node][1]
     if nodes.value(inner) == 1:
         return field.zero
@@ -78,7 +78,7 @@ def _logarithm_of_negative(field: Field, f: int) -> Element | None:
 
 
 def inverse_function(field: Field, node: int) -> Element | None:
-    """Return the principal one of the numbers of which the function is f; else the definition."""
+    """Return the hinted value of an inverse function, checked to be principal; else None."""
     name, f = field.nodes.all[node]
     value = field.hinted(node)
     if value is None:
@@ -91,7 +91,7 @@ def inverse_function(field: Field, node: int) -> Element | None:
 
 
 def is_value(field: Field, name: str, f: int, value: int) -> bool:
-    """Return whether a function of ``value`` is ``f``; tan v by exp(2 i v)."""
+    """Return whether sin v = f for ``name`` asin, with v = ``value``; tan v by exp(2 i v)."""
     nodes = field.nodes
     if name == "atan":
         turned = field.image_of("exp", nodes.product(nodes.rational(2), nodes.add("I"), value))
@@ -100,7 +100,7 @@ def is_value(field: Field, name: str, f: int, value: int) -> bool:
 
 
 def is_kept(field: Field, name: str, f: int, value: int) -> bool:
-    """Return whether ``value``, of which the function is ``f``, is principal everywhere."""
+    """Return whether ``value``, known to solve e.g. sin value = f, is principal by continuity."""
     if name not in ("atan", "asin", "acos") or not is_convex(field):
         return False
     if not (is_continuous(field, f) and is_continuous(field, value)):
@@ -114,7 +114,7 @@ def is_kept(field: Field, name: str, f: int, value: int) -> bool:
 
 
 def is_convex(field: Field) -> bool:
-    """Return whether all inequalities of the domain are linear in real symbols."""
+    """Return whether the domain is convex: linear inequalities without integer symbols."""
     nodes = field.nodes
     inside = (nodes.all[node] for node in nodes.below([*field.positive]))
     whole = any(node[2:] == ("integer",) for node in inside)
@@ -141,7 +141,7 @@ def _is_continuous(field: Field, node: int) -> bool:
 
 
 def lambert(field: Field, node: int) -> Element | None:
-    """Return r = W(f) if r exp(r) = f and r >= -1, where r exp(r) increases."""
+    """Return the hinted r = W(f), checked by r exp(r) = f and r >= -1; None without a hint."""
     value = field.hinted(node)
     if value is None:
         return None

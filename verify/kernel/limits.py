@@ -1,4 +1,4 @@
-"""The outer form of a certificate, how much it may cost, and the error of one that is refused."""
+"""Format of certificates, limits on their cost, and the error for one that is rejected."""
 
 from __future__ import annotations
 
@@ -10,46 +10,46 @@ from typing import Any
 FORMAT = "longwave proof 4"
 
 FILE_BYTES = 8_000_000
-"""The largest certificate of the catalogue has 0.2 MB."""
+"""Largest file of certificates; the largest certificate of the catalogue has 0.2 MB."""
 
 NODES, DEPTH = 20_000, 500
 GENERATORS, ORDER = 64, 12
 DIGITS, EXPONENT, NAME, SHIFT = 2_000, 1_000, 60, 1_000
 
 NESTING = 60
-"""Brackets in brackets in one text; what is deeper has names."""
+"""Deepest nesting of brackets in one text; deeper formulas refer to named parts."""
 
 FORMS, PARTS = 4, 8
-"""Most linear forms that belong together, and most equal parts that a proof may rest on."""
+"""Most linear forms in one group, and most equal parts on which a proof may rest."""
 
 WORK = 50_000_000
 """Most products of terms in all polynomial multiplications; the catalogue needs a tenth."""
 
 HEIGHT = 1_000_000
-"""Bits of the coefficients of a power; the catalogue's have at most some hundred."""
+"""Most bits of a coefficient of a power; those of the catalogue have at most a few hundred."""
 
 DEGREE = 3_000
-"""Total degree of a polynomial."""
+"""Highest total degree of a polynomial."""
 
 BRANCHES = 64
-"""Branches of roots and absolute values that a denominator is tried on."""
+"""Most branches of roots and absolute values on which a denominator is tested."""
 
 FACTOR_TERMS, FACTOR_DEGREE = 400, 100
-"""A denominator beyond either is not split into irreducible factors."""
+"""Most terms, and highest total degree, of a denominator that is split into irreducible factors."""
 
 
 class CertificateError(ValueError):
-    """A certificate does not prove what it says; the message says where it fails."""
+    """Raised for a certificate that does not prove its statement; the message gives the reason."""
 
 
 def within(what: str, got: int, limit: int) -> int:
-    """``got`` if it is at most ``limit``; raises CertificateError otherwise."""
+    """Return ``got``, or raise CertificateError if it exceeds ``limit``; ``what`` names it."""
     if got > limit:
         raise CertificateError(f"{what} must be at most {limit}, got {got} (prove less at once)")
     return got
 
 
 def digest(body: Mapping[str, Any]) -> str:
-    """Return a checksum of everything but itself, against slips of the pen."""
+    """Return a checksum of all entries but "digest", which detects accidental changes."""
     plain = {key: value for key, value in body.items() if key != "digest"}
     return hashlib.sha256(json.dumps(plain, sort_keys=True).encode()).hexdigest()

@@ -14,14 +14,14 @@ from .limits import CertificateError
 from .nodes import Nodes, children
 
 BITS = 320
-"""Precision of balls: they only show that something is not 0."""
+"""Precision of balls in bits; they only have to show that a value is not 0."""
 
 
 class Balls:
     """Balls around the nodes of a table, with its symbols at ``point``.
 
-    Roots, absolute values and signs in ``turns`` are on another branch: times a root of unity,
-    given as a fraction of a turn.  ``conjugate`` gives the formulas of complex conjugates there.
+    ``turns`` puts roots, absolute values and signs on another branch: it maps their nodes to a
+    fraction r, for a factor exp(2 i pi r).  ``conjugate`` gives the formula of a conjugate there.
     """
 
     def __init__(
@@ -37,7 +37,7 @@ class Balls:
         self._elliptic: dict[int, Jacobi] = {}
 
     def ball(self, node: int) -> acb:
-        """Return the ball of a node; raises CertificateError where there is none."""
+        """Return the ball of a node; raises CertificateError if it has no value."""
         with ctx.workprec(BITS):
             for inner in self._nodes.below([node]):
                 if inner not in self._found:
@@ -78,7 +78,7 @@ class Balls:
         raise CertificateError("a node has no value")
 
     def _root(self, node: int, value: acb, degree: int) -> acb:
-        """Return a root; on another branch any, off the cut, for all of them are tried."""
+        """Return a root; it is principal unless ``turns`` gives the node another branch."""
         if degree == 1:
             return value
         if node not in self._turns:
@@ -113,7 +113,7 @@ class Balls:
 
 
 def constant(nodes: Nodes, node: int) -> acb | None:
-    """Return the value of a formula without symbols, if it is finite."""
+    """Return the value of a node without symbols; None if it has symbols or is not finite."""
     if not nodes.is_constant(node):
         return None
     try:
@@ -136,7 +136,7 @@ def _parity(value: acb) -> acb:
 
 
 def value_at(element: fmpq_mpoly, generators: list[acb]) -> acb:
-    """Return a polynomial of the ring at the values of its generators, the first one first."""
+    """Return the value of a polynomial of the ring from the values of its generators, in order."""
     total = acb(0)
     for exponents, coefficient in element.terms():
         powers = zip(generators[::-1], exponents, strict=True)

@@ -23,7 +23,7 @@ NUMBER = re.compile(r"(-?[0-9]+)(?:/([0-9]+))?")
 KINDS = ("real", "integer", "complex", "function")
 
 DOMAIN_WORDS = (*KINDS, "nonzero", "positive", "negative")
-"""Words for the domain of a name; none of them is a name itself."""
+"""Words that state the kind or sign of a name; none of them may be used as a name."""
 
 Node = tuple[Any, ...]
 
@@ -55,7 +55,7 @@ def integer(value: object, least: int, limit: int, what: str) -> int:
 
 
 def listed(value: object, limit: int, what: str, exactly: bool = False) -> list[Any]:
-    """Return a list of at most ``limit`` entries, or of ``exactly`` so many."""
+    """Return ``value`` if it is a list of at most (``exactly``: just) ``limit`` entries."""
     if not isinstance(value, list) or (exactly and len(value) != limit):
         raise CertificateError(f"{what} must be a list{f' of {limit}' if exactly else ''}")
     within(f"the length of {what}", len(value), limit)
@@ -63,7 +63,7 @@ def listed(value: object, limit: int, what: str, exactly: bool = False) -> list[
 
 
 class Nodes:
-    """Nodes of a certificate and its axioms; ``places`` are those that a proof refers to.
+    """Table of the nodes of a certificate; ``places`` are the nodes of the proof's formulas.
 
     >>> nodes = Nodes()
     >>> x, two = nodes.add("symbol", "x", "real"), nodes.rational(2)
@@ -78,11 +78,11 @@ class Nodes:
         self.places: list[int] = []
 
     def place(self, value: object) -> int:
-        """Return the node that a place in the proof's list of formulas means."""
+        """Return the node of formula number ``value`` in the proof's list."""
         return self.places[integer(value, 0, len(self.places) - 1, "a place in formulas")]
 
     def add(self, name: str, *arguments: Any) -> int:
-        """Return the node ``(name, *arguments)``; sums and products know no order."""
+        """Return the node ``(name, *arguments)``, added if new; Add and Mul sort the arguments."""
         if name in ("Add", "Mul"):
             arguments = tuple(sorted(arguments))
         node = (name, *arguments)
@@ -110,27 +110,27 @@ class Nodes:
         return negative if self.value(right) == 0 else self.add("Add", right, negative)
 
     def value(self, node: int) -> fmpq | None:
-        """Return the value of a number's node; None for any other."""
-        found = self.all[node]
-        return found[1] if found[0] == "number" else None
+        """Return the rational number of a number node; None for any other node."""
+        parts = self.all[node]
+        return parts[1] if parts[0] == "number" else None
 
     def terms(self, node: int) -> tuple[int, ...]:
-        """Return the terms of a sum; what is no sum is one term."""
+        """Return the terms of a sum; any other node is its own only term."""
         return self.all[node][1:] if self.all[node][0] == "Add" else (node,)
 
     def multiple(self, node: int) -> tuple[fmpq, int]:
-        """Return the numbers in a product, multiplied, and the rest, 1 if there is none."""
+        """Split a product into its rational coefficient and the node of the rest, maybe 1."""
         factors = self.all[node][1:] if self.all[node][0] == "Mul" else (node,)
         values = [value for value in map(self.value, factors) if value is not None]
         rest = [factor for factor in factors if self.value(factor) is None]
         return prod(values, start=fmpq(1)), self.product(*rest)
 
     def times(self, number: int, node: int) -> int:
-        """Return a multiple of a node."""
+        """Return the node of ``number`` times ``node``."""
         return node if number == 1 else self.add("Mul", self.rational(number), node)
 
     def product(self, *factors: int) -> int:
-        """Return the product of some nodes, of none 1."""
+        """Return the node of a product, which is 1 without factors."""
         if len(factors) < 2:
             return factors[0] if factors else self.rational(1)
         return self.add("Mul", *factors)
@@ -153,7 +153,7 @@ class Nodes:
         return False
 
     def rebuilt(self, node: int, images: Callable[[int], int]) -> int:
-        """Return the node with the images of its children in their places."""
+        """Return the node with each child replaced by its image."""
         name, *rest = self.all[node]
         inner = children(self.all[node])
         if not inner:
@@ -162,7 +162,7 @@ class Nodes:
         return self.add(name, *moved, *rest[len(inner) :])
 
     def below(self, roots: Sequence[int]) -> Iterator[int]:
-        """Yield the nodes in ``roots``, each once, arguments first."""
+        """Yield ``roots`` and all nodes below them, each once, arguments first."""
         reached = set(roots)
         for node in range(max(roots, default=-1), -1, -1):
             if node in reached:
@@ -171,7 +171,7 @@ class Nodes:
 
 
 def children(node: Node) -> tuple[int, ...]:
-    """Return the nodes that a node is made of."""
+    """Return the arguments of a node that are nodes."""
     match node[0]:
         case "number" | "symbol" | "I" | "pi" | "unknown":
             return ()

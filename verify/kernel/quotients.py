@@ -1,9 +1,9 @@
-"""An equation for a quotient of long polynomials in two generators, at many values of one of them.
+"""Check an equation for a quotient of long polynomials in two generators, at many values of one.
 
-U = N/D in x and t is put in at more values of t than the residual's degree.  A derivative of order
-n has the numerator P over D**(n + 1), where
+U = N/D is substituted at more values of t than the degree of the residual in t.  A derivative of
+order n is P/D**(n + 1), where
 
-    P -> P_x D - (n + 1) P D_x    raises the order in x,   P = N_t D - N D_t is the first in t.
+    P -> P_x D - (n + 1) P D_x    raises the order in x,   P = N_t D - N D_t belongs to U_t.
 
 If N and D have degree at most d in t, the residual times D**top has degree at most top d in t, so
 that it is 0 if it is the zero polynomial in x at top d + 1 values of t.  Exact, and far cheaper
@@ -26,23 +26,23 @@ from .ring import Element
 from .statement import Statement
 
 Rows = list[fmpq_poly]
-"""Polynomials in x, the factors of the powers of t."""
+"""Polynomial in x and t: its coefficients of 1, t, t**2, ... as polynomials in x."""
 
 Rates = dict[int, tuple[fmpq, fmpq]]
-"""For each variable, the constant derivatives of x and t."""
+"""Constant derivatives of the generators x and t in each variable."""
 
 LONG = 20
-"""Terms of a numerator from which a quotient in two generators is evaluated, not multiplied out."""
+"""Fewest terms of a numerator for which a quotient is evaluated instead of multiplied out."""
 
 WORK_PER_TERM = 50
-"""Operations on a coefficient for each value of t: order 9 of the rational family takes 40."""
+"""Operations charged per coefficient and value of t; order 9 of the rational family takes 40."""
 
 Shape = tuple[int, frozenset[int]]
-"""The power of D below an equation, and whether its terms' orders are even (0) or odd (1)."""
+"""Power of D in an equation's denominator, and parities of its terms' orders (0 even, 1 odd)."""
 
 
 def shape(nodes: Nodes, node: int) -> Shape | None:
-    """Return the shape of a rational polynomial in an unknown's derivatives; else None."""
+    """Return the shape of a polynomial in the derivatives of an unknown; else None."""
     match nodes.all[node]:
         case ("number", _):
             return 0, frozenset({0})
@@ -69,7 +69,7 @@ def _times(left: Shape | None, right: Shape | None) -> Shape | None:
 
 
 class _Partials:
-    """Numerators of derivatives at one value of t, each with the power of D below it."""
+    """Numerators of U and its derivatives at one value of t, as polynomials in x."""
 
     def __init__(self, nodes: Nodes, N: Rows, D: Rows, t: int, rates: Rates) -> None:
         self._nodes, self._rates = nodes, rates
@@ -79,7 +79,7 @@ class _Partials:
         self._found: dict[tuple[int, int], fmpq_poly] = {(0, 0): n, (0, 1): first}
 
     def value(self, node: int) -> tuple[fmpq_poly, int]:
-        """Return an equation, its numerator and the power of D below it."""
+        """Return the numerator of an equation, and the power of D below it."""
         match self._nodes.all[node]:
             case ("number", value):
                 return fmpq_poly([value]), 0
@@ -99,7 +99,7 @@ class _Partials:
         return self._found[0, 0], 1
 
     def _jet(self, along: Sequence[int]) -> fmpq_poly:
-        """Return the numerator of a derivative along variables."""
+        """Return the numerator of the derivative of U in the variables ``along``."""
         weights = reduce(mul, (fmpq_poly([*self._rates[variable]]) for variable in along))
         terms = ((b, weight) for b, weight in enumerate(weights.coeffs()) if weight != 0)
         return sum((w * self._partial(len(along) - b, b) for b, w in terms), fmpq_poly([0]))
@@ -114,12 +114,12 @@ class _Partials:
 
 
 def _rows(polynomial: fmpq_mpoly, x: int, t: int) -> Rows:
-    found = [fmpq_poly()]
+    rows = [fmpq_poly()]
     for exponents, coefficient in polynomial.terms():
         powers = exponents[::-1]
-        found += [fmpq_poly() for _ in range(int(powers[t]) + 1 - len(found))]
-        found[int(powers[t])][int(powers[x])] = coefficient
-    return found
+        rows += [fmpq_poly() for _ in range(int(powers[t]) + 1 - len(rows))]
+        rows[int(powers[t])][int(powers[x])] = coefficient
+    return rows
 
 
 def _value(rows: Rows, t: int) -> fmpq_poly:
@@ -131,7 +131,7 @@ def _slope(rows: Rows, t: int) -> fmpq_poly:
 
 
 def long_quotient(field: Field, statement: Statement) -> tuple[Element, int, int, Rates] | None:
-    """Return the formula if it is a long quotient in two generators x and t of constant slopes."""
+    """Return the image of a long quotient, the places of x and t, and their rates; else None."""
     if field.ring.relations or len(field.generators) != 2 or len(statement.formulas) > 1:
         return None
     image = field.image(statement.formulas[0])
@@ -149,10 +149,10 @@ def long_quotient(field: Field, statement: Statement) -> tuple[Element, int, int
 
 def quotient_vanishes(field: Field, statement: Statement, equation: int) -> bool | None:
     """Return whether an equation holds for a long quotient; None for any other formula."""
-    own, found = shape(field.nodes, equation), long_quotient(field, statement)
-    if own is None or found is None:
+    own_shape, found = shape(field.nodes, equation), long_quotient(field, statement)
+    if own_shape is None or found is None:
         return None
-    (top, orders), (image, x, t, rates) = own, found
+    (top, orders), (image, x, t, rates) = own_shape, found
     parts = image.numerator, image.denominator()
     above, below = (_rows(part, x, t) for part in parts)
     last = (top * (max(len(above), len(below)) - 1) + 1) // 2

@@ -1,4 +1,4 @@
-"""Formulas from text, as they stand: nothing is simplified but the arithmetic of numbers.
+"""Read formulas from text without simplification, except for the arithmetic of numbers.
 
     sum      product (+|- product)...        product  sign (*|/ sign)...
     sign     (+|-)... power                  power    atom (** sign)?
@@ -29,7 +29,7 @@ TOKEN = re.compile(
 )
 
 HIDDEN = ("Abs", "power", "parity", "diff", "jet", "theta")
-"""Nodes that are not written as functions of the same name."""
+"""Names of nodes that a text cannot use as names of functions."""
 
 
 def arity(name: str) -> int:
@@ -39,13 +39,13 @@ def arity(name: str) -> int:
 
 
 def is_reserved(name: str) -> bool:
-    """Return whether a name means something everywhere."""
+    """Return whether a name has a fixed meaning in every statement."""
     return name in ("I", "pi", "diff", "sqrt", *THETA, *DOMAIN_WORDS) or arity(name) > 0
 
 
 @dataclass
 class Scope:
-    """Meaning of names: variables, symbols, definitions and unknowns; new ones are parameters."""
+    """Meanings of the names in a statement; an undeclared name becomes a real parameter."""
 
     nodes: Nodes
     variables: list[int] = field(default_factory=list)
@@ -54,7 +54,7 @@ class Scope:
     pending: set[str] = field(default_factory=set)
 
     def node(self, name: str) -> int:
-        """Return the node that a name means; raises CertificateError where it means none."""
+        """Return the node that a name means; raises CertificateError if it has no meaning."""
         if name in self.unknowns:
             return self.unknown(name, (0,) * len(self.variables))
         if name in self.known and not self.is_function(name):
@@ -76,23 +76,23 @@ class Scope:
         return self.nodes.all[self.known[name]][::2] == ("symbol", "function")
 
     def declare(self, name: str, kind: str) -> int:
-        """Return a new symbol."""
+        """Give a new name to a new symbol, and return its node."""
         within("the length of a name", len(name), NAME)
         self.define(name, self.nodes.add("symbol", name, kind))
         return self.known[name]
 
     def define(self, name: str, node: int) -> None:
-        """Let a new name mean ``node``."""
+        """Give a new name to ``node``; raises CertificateError if the name is taken."""
         if name in (*self.known, *self.unknowns) or is_reserved(name):
             raise CertificateError(f"the name {name[:40]} means two things (rename it)")
         self.known[name] = node
 
     def unknown(self, name: str, shifts: tuple[int, ...]) -> int:
-        """Return an unknown at shifted variables."""
+        """Return the node of an unknown, with an integer shift for each variable."""
         return self.nodes.add("unknown", self.unknowns.index(name), shifts)
 
     def letters(self) -> dict[str, int]:
-        """Return the variables by their names."""
+        """Return the nodes of the variables by their names."""
         return {self.nodes.all[variable][1]: variable for variable in self.variables}
 
     def refuse_likeness(self, name: str) -> None:
@@ -108,23 +108,23 @@ class Scope:
 
 
 def tokens(text: object) -> list[tuple[str, str]]:
-    """Return the words of a text, each with its kind; raises CertificateError for anything else."""
+    """Split a text into pairs of kind and word; raises CertificateError for any other character."""
     if not isinstance(text, str):
         raise CertificateError(f"formulas must be text, got {type(text).__name__}")
-    found, place = [], 0
+    words, place = [], 0
     while place < len(text):
         match = TOKEN.match(text, place)
         if match is None:
             got = text[place : place + 20]
             raise CertificateError(f"formulas must follow the grammar, got {got!a}")
         if match.lastgroup is not None:
-            found.append((match.lastgroup, match[0]))
+            words.append((match.lastgroup, match[0]))
         place = match.end()
-    return found
+    return words
 
 
 def rational(text: str) -> fmpq:
-    """Return a decimal number, exactly.
+    """Return the exact value of a decimal number.
 
     >>> rational("0.25"), rational("3e-1")
     (1/4, 3/10)
@@ -137,7 +137,7 @@ def rational(text: str) -> fmpq:
 
 
 class TextReader:
-    """A reader of one text; ``places`` are the nodes that ``#0``, ``#1``, ... mean."""
+    """Parser of one text; ``places`` are the nodes that ``#0``, ``#1``, ... mean."""
 
     def __init__(self, scope: Scope, text: object, places: Sequence[int] = ()) -> None:
         self._scope, self._nodes, self._places = scope, scope.nodes, places
@@ -147,7 +147,7 @@ class TextReader:
 
     @property
     def next(self) -> str:
-        """The word that comes."""
+        """The next word."""
         return self._words[self._at][1]
 
     @property
@@ -156,21 +156,21 @@ class TextReader:
         return self._words[self._at][0] == "end"
 
     def take(self, *signs: str) -> str:
-        """Return the word that comes and move on if it is one of ``signs``; else nothing."""
+        """Read the next word and return it if it is one of ``signs``; else return an empty text."""
         if self.ended or self.next not in signs:
             return ""
         self._at += 1
         return self._words[self._at - 1][1]
 
     def expect(self, *signs: str) -> str:
-        """Return the word that comes, which must be one of ``signs``."""
-        found = self.take(*signs)
-        if not found:
+        """Read the next word and return it; raises CertificateError if it is none of ``signs``."""
+        taken = self.take(*signs)
+        if not taken:
             raise CertificateError(f"expected {' or '.join(signs)}, got {self.next[:40]!a}")
-        return found
+        return taken
 
     def name(self) -> str:
-        """Return the name that comes."""
+        """Read the next word, which must be a name, and return it."""
         if self._words[self._at][0] != "name":
             raise CertificateError(f"expected a name, got {self.next[:40]!a}")
         return self.take(self.next)
@@ -181,13 +181,13 @@ class TextReader:
             raise CertificateError(f"expected the end of the formula, got {self.next[:40]!a}")
 
     def whole(self) -> int:
-        """Return the sum that all words that are left make."""
-        found = self.sum()
+        """Read a sum that must extend to the end of the text; return its node."""
+        total = self.sum()
         self.end()
-        return found
+        return total
 
     def sum(self) -> int:
-        """Return a sum of one or more terms."""
+        """Read a sum of one or more terms; return its node."""
         self._nesting = within("brackets in brackets", self._nesting + 1, NESTING)
         terms = [self._product(fmpq(1))]
         while sign := self.take("+", "-"):
@@ -196,7 +196,7 @@ class TextReader:
         return terms[0] if len(terms) == 1 else self._nodes.add("Add", *terms)
 
     def _product(self, number: fmpq) -> int:
-        """Return a product with a number before it; numbers in it are one."""
+        """Read a product; return its node, with ``number`` and all numbers in it as one factor."""
         factors: list[int] = []
         sign = "*"
         while sign:
@@ -228,13 +228,13 @@ class TextReader:
         return self._power_of(base, exponent if negative == 1 else self._nodes.negative(exponent))
 
     def power(self, base: int, exponent: fmpq) -> int:
-        """Return a node to a rational power, the principal one."""
+        """Return the node of the principal power ``base**exponent`` with a rational exponent."""
         for part, what in ((exponent.p, "exponents"), (exponent.q, "the degree of a root")):
             within(what, abs(int(part)), EXPONENT)
         return base if exponent == 1 else self._nodes.add("Pow", base, exponent)
 
     def _power_of(self, base: int, exponent: int) -> int:
-        """Return a node to a power that is no number: by the logarithm, or of -1 to an integer."""
+        """Return the node of a power with symbols in the exponent; (-r)**n is (-1)**n r**n."""
         value, add = self._nodes.value(base), self._nodes.add
         if value == 0:
             raise CertificateError("0 must not be raised to a symbol")
@@ -246,7 +246,7 @@ class TextReader:
         return add("Mul", turn, add("power", add("number", -value), exponent))
 
     def atom(self) -> int:
-        """Return a formula that binds its parts together."""
+        """Read a number, name, function call, reference or bracketed sum; return its node."""
         kind, word = self._words[self._at]
         self._at += kind != "end"
         match kind:
@@ -255,9 +255,9 @@ class TextReader:
             case "place" if int(word[1:]) < len(self._places):
                 return self._places[int(word[1:])]
             case "sign" if word == "(":
-                found = self.sum()
+                inner = self.sum()
                 self.expect(")")
-                return found
+                return inner
             case "name" if self.next in ("(", "'"):
                 return self._function(word)
             case "name" if self.next == "[" and word in self._scope.unknowns:
@@ -270,11 +270,11 @@ class TextReader:
 
     def _listed(self, opening: str, closing: str) -> list[int]:
         self.expect(opening)
-        found = [self.sum()]
+        arguments = [self.sum()]
         while self.take(","):
-            found.append(self.sum())
+            arguments.append(self.sum())
         self.expect(closing)
-        return found
+        return arguments
 
     def _function(self, name: str) -> int:
         order = 0
@@ -297,12 +297,12 @@ class TextReader:
         return add("Abs" if name == "abs" else name, *arguments)
 
     def _steps(self, listed: Sequence[int]) -> list[int]:
-        """Return the variables of a derivative; ``x, 3`` is ``x, x, x``."""
+        """Return the variables of a derivative, with ``x, 3`` expanded to ``x, x, x``."""
         steps: list[int] = []
         for node in listed:
-            times = self._nodes.value(node)
-            if steps and times is not None and times.q == 1 and 0 < times <= ORDER:
-                steps += steps[-1:] * (int(times.p) - 1)
+            count = self._nodes.value(node)
+            if steps and count is not None and count.q == 1 and 0 < count <= ORDER:
+                steps += steps[-1:] * (int(count.p) - 1)
             else:
                 steps.append(node)
         if not set(steps) <= set(self._scope.variables):
@@ -311,7 +311,7 @@ class TextReader:
         return steps
 
     def _unknown(self, name: str) -> int:
-        """``u[n+1]``: an index for each integer variable, or for each variable."""
+        """Read ``u[n+1]``, with one index for each integer variable or for each variable."""
         indices, variables = self._listed("[", "]"), self._scope.variables
         sites = [v for v in variables if self._nodes.all[v][2] == "integer"]
         shifts = dict.fromkeys(variables, 0)
@@ -330,10 +330,10 @@ class TextReader:
 
 
 def formula(scope: Scope, text: object, places: Sequence[int] = ()) -> int:
-    """Return the node of a whole text."""
+    """Parse a whole text; return its node."""
     return TextReader(scope, text, places).whole()
 
 
 def axiom(nodes: Nodes, text: str, **letters: int) -> int:
-    """Return the node of an axiom, its letters standing for nodes."""
+    """Parse an axiom with nodes in place of its letters; return its node."""
     return formula(Scope(nodes, known=letters), text)

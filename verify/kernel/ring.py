@@ -24,7 +24,7 @@ Powers = Mapping[int, int]
 
 
 class Ring:
-    """Polynomials in ``count`` generators; ``factors`` are the denominators met so far."""
+    """Ring of polynomials in ``count`` generators; ``factors`` has those of all denominators."""
 
     def __init__(self, count: int) -> None:
         self.names = tuple(f"g{place}" for place in range(count))
@@ -35,15 +35,15 @@ class Ring:
         self._work = 0
 
     def number(self, value: fmpq | int) -> Element:
-        """Return a rational number as a fraction."""
+        """Return a rational number as an element."""
         return Element(self, self.context.constant(value))
 
     def generator(self, place: int) -> Element:
-        """Return a generator as a fraction."""
+        """Return generator number ``place`` as an element."""
         return Element(self, self.generators[place])
 
     def relate(self, place: int, degree: int, value: fmpq_mpoly) -> None:
-        """Enter that ``generators[place] ** degree`` is ``value``, of lower degree in it."""
+        """Add the relation ``generators[place] ** degree = value``; ``value`` has lower powers."""
         *later, own = value.degrees()[: len(self.names) - place]
         if any(later) or own >= degree:
             raise CertificateError(f"the relation of generator {place} needs a later one")
@@ -58,7 +58,7 @@ class Ring:
         return self.reduced(left * right)
 
     def reduced(self, polynomial: fmpq_mpoly) -> fmpq_mpoly:
-        """Return the remainder of the division by the relations."""
+        """Return the normal form of a polynomial modulo the relations."""
         for index, degree, modulus in self.relations:
             top = int(polynomial.degrees()[index])
             if top >= degree:
@@ -67,23 +67,23 @@ class Ring:
         return polynomial
 
     def roots(self) -> list[tuple[int, int, fmpq_mpoly]]:
-        """Return the generators with a relation in ``factors``: place there, degree, value."""
+        """Return (index in ``factors``, degree, value) of each factor that has a relation."""
         known = ((self.context.gens()[index], n, modulus) for index, n, modulus in self.relations)
         return [(self.factors.index(g), n, g**n - m) for g, n, m in known if g in self.factors]
 
     def spend(self, work: int) -> None:
-        """Count work; raises CertificateError when it is too much."""
+        """Add ``work`` to the total; raises CertificateError if that exceeds the limit."""
         self._work = within("the work of polynomial products", self._work + work, WORK)
 
     def quotient(self, polynomial: fmpq_mpoly, factor: fmpq_mpoly) -> fmpq_mpoly | None:
-        """``polynomial / factor`` where the division of polynomials leaves nothing."""
+        """Return ``polynomial / factor`` if it is a polynomial; else None."""
         try:
             return polynomial / factor
         except DomainError:
             return None
 
     def split(self, polynomial: fmpq_mpoly) -> tuple[fmpq, dict[int, int]]:
-        """``polynomial`` as a number times powers of entries of ``factors``."""
+        """Return a number and powers of ``factors``, by index, whose product is ``polynomial``."""
         if len(polynomial) > FACTOR_TERMS or polynomial.total_degree() > FACTOR_DEGREE:
             unit, parts = fmpq(1), [(polynomial, 1)]
         else:
@@ -96,7 +96,7 @@ class Ring:
         return unit, powers
 
     def multiplied_out(self, powers: Powers) -> fmpq_mpoly:
-        """Return the product of the factors to ``powers``."""
+        """Return the product of ``factors[i] ** powers[i]`` as a polynomial."""
         product = self.context.constant(1)
         for place, power in powers.items():
             for _ in range(power):
@@ -119,25 +119,25 @@ class Element:
 
     @property
     def value(self) -> fmpq | None:
-        """The value of a rational number; None for any other element."""
+        """Rational value of the element; None if it is not a number."""
         if self.powers or not self.numerator.is_constant():
             return None
         return fmpq(0) if self.is_zero else self.numerator.leading_coefficient()
 
     @property
     def places(self) -> set[int]:
-        """The generators that occur."""
+        """Indices of the generators that occur."""
         polynomials = (self.numerator, *(self.ring.factors[i] for i in self.powers))
         degrees = (reversed(polynomial.degrees()) for polynomial in polynomials)
         return {place for row in degrees for place, degree in enumerate(row) if degree > 0}
 
     def over(self, powers: Powers) -> fmpq_mpoly:
-        """Return the numerator over a multiple of the denominator."""
+        """Return the numerator over the denominator ``powers``, a multiple of the element's own."""
         rest = self.ring.multiplied_out(Counter(powers) - Counter(self.powers))
         return self.ring.product(self.numerator, rest)
 
     def denominator(self) -> fmpq_mpoly:
-        """Return the denominator multiplied out."""
+        """Return the denominator as a polynomial."""
         return self.ring.multiplied_out(self.powers)
 
     def __add__(self, other: Element) -> Element:
@@ -172,7 +172,7 @@ class Element:
         return result
 
     def inverse(self) -> Element:
-        """``1 / self``; raises CertificateError if the normal form is 0."""
+        """Return ``1 / self``; raises CertificateError if the normal form is 0."""
         if self.is_zero:
             raise CertificateError("a denominator vanishes identically")
         unit, powers = self.ring.split(self.numerator)
@@ -188,7 +188,7 @@ class Element:
         return inverse
 
     def cancelled(self) -> Element:
-        """Divide out common polynomial factors."""
+        """Return the element without common factors of numerator and denominator."""
         if self.is_zero or not self.powers:
             return Element(self.ring, self.numerator)
         numerator, powers = self.numerator, dict(self.powers)
@@ -200,12 +200,12 @@ class Element:
 
 
 def common(elements: Iterable[Element]) -> Counter[int]:
-    """Return the least common denominator."""
+    """Return the least common denominator of elements, as powers of the ring's factors."""
     return reduce(or_, (Counter(element.powers) for element in elements), Counter())
 
 
 def total(ring: Ring, elements: Sequence[Element]) -> Element:
-    """Return the sum over one common denominator, not cancelled."""
+    """Return the sum of elements over their least common denominator, not cancelled."""
     below = common(elements)
     numerator = ring.context.constant(0)
     for element in elements:
@@ -214,7 +214,7 @@ def total(ring: Ring, elements: Sequence[Element]) -> Element:
 
 
 class Derivation:
-    """The derivation of the ring that takes each generator to its slope."""
+    """Derivation of the ring that maps each generator to its slope, 0 unless given."""
 
     def __init__(self, ring: Ring, slopes: Mapping[int, Element]) -> None:
         self.ring = ring
@@ -224,7 +224,7 @@ class Derivation:
         self._moved: dict[int, tuple[fmpq_mpoly, bool]] = {}
 
     def along(self, polynomial: fmpq_mpoly) -> fmpq_mpoly:
-        """Return the derivative of a polynomial times the common denominator of the slopes."""
+        """Return a polynomial's derivative, multiplied by the common denominator of the slopes."""
         total = self.ring.context.constant(0)
         for place, step in self._steps.items():
             partial = polynomial.derivative(self.ring.names[place])
@@ -233,7 +233,7 @@ class Derivation:
         return total
 
     def __call__(self, element: Element) -> Element:
-        """(N / F)' for F a product of powers of factors f: N'/F - sum of n N f'/(f F)."""
+        """Return (N/F)' = N'/F - sum of n N f'/(f F), where F is the product of factors f**n."""
         powers = Counter(element.powers) + self.below
         parts = [Element(self.ring, self.along(element.numerator), powers)]
         for place, power in element.powers.items():
@@ -244,7 +244,7 @@ class Derivation:
         return total(self.ring, parts).cancelled()
 
     def _factor_slope(self, place: int) -> tuple[fmpq_mpoly, bool]:
-        """Return a factor's derivative (times the common denominator), over it if divisible."""
+        """Return a factor's derivative by `along`; with True it is divided by the factor."""
         if place not in self._moved:
             factor = self.ring.factors[place]
             slope = self.along(factor)

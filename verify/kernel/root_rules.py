@@ -1,4 +1,4 @@
-"""Roots, absolute values, conjugates and derivatives that are no generators.
+"""Rules for roots, absolute values, conjugates and derivatives that are not generators.
 
 Signs show which value is the principal one; real parts and angles show principal square roots.
 """
@@ -17,7 +17,7 @@ HALF = fmpq(1, 2)
 
 
 def root(field: Field, node: int) -> Element:
-    """Return base**(1/q): a hint whose power and whose branch are checked."""
+    """Return the hinted value of base**(1/q), whose q-th power and branch are checked."""
     _, base, exponent = field.nodes.all[node]
     value = field.hinted(node)
     if value is None:
@@ -30,19 +30,19 @@ def root(field: Field, node: int) -> Element:
 
 
 def is_branch(field: Field, value: int, exponent: fmpq) -> bool:
-    """Return whether a rule shows that a value is the principal root."""
+    """Return whether a rule shows that ``value`` is a principal root, with ``exponent`` = 1/q."""
     return any(answer(field, value, exponent) for answer in field.rules.tried("branch", "Pow"))
 
 
 def is_not_negative(field: Field, node: int, _exponent: fmpq) -> bool:
-    """Return whether a value is real and not negative."""
+    """Return whether ``node`` is shown to be real and at least 0."""
     return field.signs.not_negative(node)
 
 
 def is_multiple(field: Field, node: int, exponent: fmpq) -> bool:
-    """Return whether a value is r f**s with r >= 0 and 0 < s <= 1/q.
+    """Return whether ``node`` is r f**s with r >= 0 and 0 < s <= ``exponent``, a principal root.
 
-    So is r f**s g**t if f and g are real, and f + g > 0: one of the two is positive.
+    So is r f**s g**t if f and g are real and f + g > 0: then one of f and g is positive.
     """
     nodes = field.nodes
     factors = nodes.all[node][1:] if nodes.all[node][0] == "Mul" else (node,)
@@ -73,7 +73,7 @@ def _is_sum_positive(field: Field, left: int, right: int) -> bool:
 
 
 def is_principal(field: Field, node: int, exponent: fmpq) -> bool:
-    """Return whether w is the principal root of w**2: Re w > 0, or w = i s with s >= 0."""
+    """Return whether ``node`` w is the principal root of w**2: Re w > 0, or w = i s with s >= 0."""
     if exponent != HALF:
         return False
     height, real = angle_of(field, node), real_part(field, node)
@@ -83,7 +83,7 @@ def is_principal(field: Field, node: int, exponent: fmpq) -> bool:
 
 
 def real_part(field: Field, node: int) -> int | None:
-    """Return a node for the real part of a sum of real terms, phases and multiples of them."""
+    """Return the real part of a sum of real multiples of 1, I, phases and roots; else None."""
     nodes, add = field.nodes, field.nodes.add
     if field.signs.is_real(node):
         return node
@@ -108,7 +108,7 @@ def real_part(field: Field, node: int) -> int | None:
 
 
 def angle_of(field: Field, z: int) -> int | None:
-    """Return the real factor of I in a node ``I * angle``."""
+    """Return the node of a real ``angle`` if ``z`` is ``I * angle``; else None."""
     match field.nodes.all[z]:
         case ("Mul", *factors):
             rest = [f for f in factors if field.nodes.all[f] != ("I",)]
@@ -118,7 +118,7 @@ def angle_of(field: Field, z: int) -> int | None:
 
 
 def absolute_value(field: Field, node: int) -> Element:
-    """Return abs(f): a hint whose square is right, and that is not negative."""
+    """Return the hinted value of abs(f), checked to be at least 0 and to have the right square."""
     value = field.hinted(node)
     if value is None:
         raise CertificateError("there is no generator for a Abs")
@@ -139,14 +139,14 @@ def conjugate(field: Field, node: int) -> Element:
 
 
 def derivative(field: Field, node: int) -> Element:
-    """Return a derivative of an image, step by step."""
+    """Return the image of a ``diff`` node, differentiated in one variable at a time."""
     _, inner, *before, variable = field.nodes.all[node]
     lower = field.image_of("diff", inner, *before) if before else field.image(inner)
     return field.derivative(lower, variable)
 
 
 def whole(value: fmpq) -> int:
-    """Return the integer that a coefficient in an argument must be."""
+    """Return a coefficient in an argument as an int; raises CertificateError for a fraction."""
     if value.q != 1:
         raise CertificateError("coefficients in a sum of arguments must be integers")
     within("coefficients", abs(int(value.p)), EXPONENT)

@@ -1,4 +1,4 @@
-"""Signs, conjugates and smoothness of formulas, as a domain shows them.
+"""Signs, conjugates and smoothness of formulas, derived from the inequalities of a domain.
 
 Signs are those of intervals, which are derived from the structure of formulas and the inequalities
 of the domain.  An expression such as 1 - k**2 is decided by a witness: a formula with the same
@@ -21,14 +21,14 @@ from .nodes import Nodes, children
 from .ring import Element
 
 ANALYTIC = ("number", "symbol", "I", "pi", "Add", "Mul", "Pow")
-"""Nodes that are analytic if their parts are, an integer power but for poles."""
+"""Nodes that are analytic if their arguments are, except for poles and for roots."""
 
 
 class Signs:
-    """Signs, conjugates and smoothness of the nodes of a table on a domain.
+    """Signs, conjugates and smoothness of a table's nodes on the domain of a statement.
 
-    ``positive`` are the nodes that it states to be positive (True: or 0).  ``witnesses`` maps a
-    node to another with the same ``image``.
+    ``positive`` has the nodes that the domain states to be > 0 (True: >= 0).  ``witnesses`` maps a
+    node to one with the same ``image``, whose structure shows the sign.
     """
 
     def __init__(
@@ -74,7 +74,7 @@ class Signs:
         return False
 
     def needed(self, name: str, *arguments: int) -> str:
-        """Return the condition on a function's parameter that is not shown, if any."""
+        """Return the condition on a function's parameter that is not shown; empty if none."""
         own = FUNCTIONS[name]
         if own.below_one and not all(map(self.below_one, own.parameters(*arguments))):
             return "m < 1"
@@ -95,27 +95,27 @@ class Signs:
         return self.positive(self._nodes.gap(m, self._nodes.rational(1)))
 
     def is_between(self, node: int, low: fmpq | None, high: fmpq | None) -> bool:
-        """Return whether ``node`` is real and not outside two rational numbers (None: any)."""
+        """Return whether ``node`` is shown to be real with low <= node <= high (None: no bound)."""
         add, gap = self._nodes.add, self._nodes.gap
         gaps = [] if low is None else [gap(add("number", low), node)]
         gaps += [] if high is None else [gap(node, add("number", high))]
         return self.is_real(node) and all(map(self.not_negative, gaps))
 
     def interval(self, node: int) -> Interval:
-        """Return the interval of a node's values; no ends if it is not shown to be real."""
+        """Return an interval of a node's values; unbounded if the node is not shown to be real."""
         if not self.is_real(node):
             return Interval()
         if node not in self._intervals:
             self._intervals[node] = Interval()  # no rule asks for its own node
-            found = self._interval(node) & self._stated(node)
-            if node in self._witnesses and not found.is_not_zero:
+            bounds = self._interval(node) & self._stated(node)
+            if node in self._witnesses and not bounds.is_not_zero:
                 other = self._witnesses[node]
                 if node != other and not (self._image(node) - self._image(other)).is_zero:
                     raise CertificateError("the witness of a sign has another image")
                 witnessed = self.interval(other)  # an open end is where the witness is defined
                 ends = Interval(witnessed.low, witnessed.high)
-                found = found & (witnessed if self.is_bounded(other) else ends)
-            self._intervals[node] = found
+                bounds = bounds & (witnessed if self.is_bounded(other) else ends)
+            self._intervals[node] = bounds
         return self._intervals[node]
 
     def _interval(self, node: int) -> Interval:
@@ -150,13 +150,13 @@ class Signs:
         return Interval()
 
     def _stated(self, node: int) -> Interval:
-        """Return the bounds that the domain states for a node, or for a multiple plus a number."""
-        found = Interval()
+        """Return the bounds of a node by inequalities of the domain for it, or for r * node + c."""
+        result = Interval()
         if node in self._positive:
-            found = Interval(fmpq(0), None, not self._positive[node])
+            result = Interval(fmpq(0), None, not self._positive[node])
         linear = self._nodes.all[node][0] in ("Add", "Mul", "symbol")
         for bound, weak in self._positive.items() if linear else ():
-            found = found & self._beside_constant(node, bound, weak)
+            result = result & self._beside_constant(node, bound, weak)
             try:
                 multiple = _multiple(self._image(node), self._image(bound))
             except CertificateError:  # what the proof has no generator for
@@ -164,11 +164,11 @@ class Signs:
             if multiple is not None:
                 ratio, gap = multiple
                 up, down = Interval(gap, None, not weak), -Interval(-gap, None, not weak)
-                found = found & (up if ratio > 0 else down)
-        return found
+                result = result & (up if ratio > 0 else down)
+        return result
 
     def _beside_constant(self, node: int, bound: int, weak: bool) -> Interval:
-        """Return the bounds of a node by ``node + c > 0`` or ``c - node > 0``, c a constant."""
+        """Return the bounds of a node if ``bound`` is ``node + c`` or ``c - node``, c constant."""
         terms = self._nodes.terms(bound)
         rest = [term for term in terms if self._nodes.is_constant(term)]
         moving = [term for term in terms if term not in rest]
@@ -181,7 +181,7 @@ class Signs:
         return Interval()
 
     def conjugate(self, node: int) -> int:
-        """Return the complex conjugate of a node as a node."""
+        """Return the node of the complex conjugate; raises CertificateError if no rule gives it."""
         add, inside = self._nodes.add, self.conjugate
         if self.is_real(node):
             return node
@@ -208,7 +208,7 @@ class Signs:
         raise CertificateError(f"the conjugate of {name} does not follow from the domain")
 
     def is_analytic(self, node: int) -> bool:
-        """Return whether a formula is analytic on the whole domain but for isolated poles."""
+        """Return whether a formula is analytic on the whole domain except for isolated poles."""
         return all(map(self._is_analytic, self._nodes.below([node])))
 
     def _is_analytic(self, node: int) -> bool:
@@ -222,9 +222,9 @@ class Signs:
         return own.kind == "entire"
 
     def is_bounded(self, node: int) -> bool:
-        """Return whether a formula and its sign's witnesses have evidently no poles or jumps.
+        """Return whether a formula and its witnesses evidently have no poles or jumps.
 
-        Then it is positive at every point if it is shown to be; 1/(1 + 1/x**2) is 0 at 0.
+        Only then is a sign sure at every point of the domain: 1/(1 + 1/x**2) is 0 at x = 0.
         """
         todo, visited = [node], set[int]()
         while todo:
@@ -249,7 +249,7 @@ class Signs:
 
 
 def _multiple(element: Element, other: Element) -> tuple[fmpq, fmpq] | None:
-    """Return rational r, not 0, and c with ``element = r * other + c``."""
+    """Return rational r != 0 and c with ``element = r * other + c``; None if there are none."""
     above, below = element.numerator, other.numerator
     if element.powers or other.powers or above.is_constant() or below.is_constant():
         return None

@@ -1,7 +1,7 @@
-"""Elliptic, theta and Bessel functions that are no generators.
+"""Rules for elliptic, theta and Bessel functions that are not generators.
 
-A sum of arguments is taken apart by an addition theorem; at the ends 0 and 1 of their parameter
-elliptic functions are elementary.  Bessel functions follow from those of two orders.
+Addition theorems split sums of arguments; for the parameters 0 and 1 elliptic functions are
+elementary.  Bessel functions of all orders follow from those of two orders.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ ENDS: Mapping[str, tuple[str, str]] = {
     "elliptic_k": ("pi/2", ""),
     "elliptic_e": ("pi/2", "1"),
 }
-"""What they are at m = 0 and m = 1; K has a pole there."""
+"""Elliptic functions at m = 0 and at m = 1, where K has a pole."""
 
 
 def at_end(field: Field, node: int) -> Element | None:
-    """Return a function of a parameter whose image is 0 or 1."""
+    """Return an elliptic function as an elementary one if its parameter is 0 or 1; else None."""
     name, *arguments = field.nodes.all[node]
     m = field.image(arguments[-1])
     if not (m.is_zero or (m - field.one).is_zero):
@@ -61,7 +61,7 @@ def elliptic(field: Field, node: int) -> Element | None:
 
 
 def theta(field: Field, node: int) -> Element:
-    """Return Theta(u - d) by the product theorem."""
+    """Return Theta(u - d) by the product theorem, from Theta at u + d, u, d and 0."""
     _, z, m = field.nodes.all[node]
     field.need_parameters(node)
     terms = field.nodes.terms(z)
@@ -78,7 +78,7 @@ HALF_ORDERS: Mapping[str, tuple[str, str]] = {
     "bessel_i": ("cosh(z)", "sinh(z)"),
     "bessel_k": ("pi/2*exp(-z)", "pi/2*exp(-z)"),
 }
-"""sqrt(pi/2) sqrt(z) times the functions of the orders -1/2 and 1/2."""
+"""sqrt(pi/2) sqrt(z) times the Bessel functions of the orders -1/2 and 1/2."""
 
 
 def cylinder(field: Field, node: int) -> Element:
@@ -106,7 +106,7 @@ def cylinder(field: Field, node: int) -> Element:
 def _of_order(
     field: Field, node: int, pair: tuple[Element, Element], place: Element, steps: int
 ) -> Element:
-    """Return the Bessel function some steps from the order ``place``, of a pair there."""
+    """Return the Bessel function of order place + steps; ``pair``: orders place, place + 1."""
     name, _, z = field.nodes.all[node]
     up, down = map(field.ring.number, CYLINDER[name])
     lower, higher = pair
@@ -122,7 +122,7 @@ def _of_order(
 
 
 def odd_or_even(field: Field, node: int) -> Element | None:
-    """Return a theta function from that of -z with a generator; the first is odd, others even."""
+    """Return a theta function from a generator at -z; theta_1 is odd in z, the others are even."""
     _, z, q, (label, order) = field.nodes.all[node]
-    found = field.known(field.nodes.add("theta", field.nodes.negative(z), q, (label, order)))
-    return found if found is None or (label == THETA[0]) == (order % 2 == 1) else -found
+    turned = field.known(field.nodes.add("theta", field.nodes.negative(z), q, (label, order)))
+    return turned if turned is None or (label == THETA[0]) == (order % 2 == 1) else -turned

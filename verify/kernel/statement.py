@@ -15,9 +15,9 @@ PARTS = ("variables", "equations", "solutions", "parameters", "domain")
 
 @dataclass(frozen=True)
 class Statement:
-    """``equations`` (left-hand sides, "= 0") hold if ``formulas`` are put for ``unknowns``.
+    """Statement that ``formulas`` for the ``unknowns`` make ``equations`` (left-hand sides) 0.
 
-    ``domain`` are pairs of nodes, ``left < right``, or ``left <= right`` where ``weak``.
+    ``domain`` has triples (weak, left, right): ``left <= right`` if weak, else ``left < right``.
     """
 
     nodes: Nodes
@@ -29,7 +29,7 @@ class Statement:
 
 
 def read_statement(nodes: Nodes, data: object) -> tuple[Statement, Scope]:
-    """Return the statement of a certificate; raises CertificateError if there is none."""
+    """Parse a certificate's statement and its names; raises CertificateError if it is invalid."""
     if not isinstance(data, Mapping) or set(data) != set(PARTS):
         raise CertificateError(f"the statement must have the parts {', '.join(PARTS)}")
     texts = {name: listed(data[name], 400, name) for name in PARTS}
@@ -42,13 +42,13 @@ def read_statement(nodes: Nodes, data: object) -> tuple[Statement, Scope]:
     for name in scope.known:
         scope.refuse_likeness(name)
     known = tuple(scope.variables), tuple(scope.unknowns), tuple(solutions), tuple(left_sides)
-    found = Statement(nodes, *known, tuple(domain))
-    _check(found)
-    return found, scope
+    result = Statement(nodes, *known, tuple(domain))
+    _check(result)
+    return result, scope
 
 
 def _declared(nodes: Nodes, texts: Mapping[str, list[Any]]) -> Scope:
-    """Return the names that are declared: variables, unknowns, and parameters with their kinds."""
+    """Return the scope with all declared names: variables, unknowns, and parameters by kind."""
     scope, kinds = Scope(nodes), dict[str, str]()
     for text in texts["parameters"]:
         words = [word for _, word in tokens(text)]
@@ -83,7 +83,7 @@ def _declared(nodes: Nodes, texts: Mapping[str, list[Any]]) -> Scope:
 
 
 def _kind(words: Sequence[str]) -> str:
-    """Return the kind that stands between two commas by itself; a condition has none."""
+    """Return the kind named by an entry between commas, such as ``complex``; without one, real."""
     befores, afters = (",", *words), (*words[1:], ",")
     alone = zip(befores, words, afters, strict=False)
     named = [word for before, word, after in alone if word in KINDS and before == after == ","]
@@ -93,7 +93,7 @@ def _kind(words: Sequence[str]) -> str:
 
 
 def _parameter(scope: Scope, text: str) -> list[tuple[bool, int, int]]:
-    """Return the inequalities of ``name: domain``; none for a definition, which is entered."""
+    """Return the inequalities of ``name: domain``; enter ``name = formula`` into the scope."""
     parser = TextReader(scope, text)
     name = parser.name()
     if parser.take(":"):
@@ -106,23 +106,23 @@ def _parameter(scope: Scope, text: str) -> list[tuple[bool, int, int]]:
 
 
 def _conditions(scope: Scope, parser: TextReader, name: str) -> list[tuple[bool, int, int]]:
-    """Return the inequalities between the commas: a chain, or a word for a domain of ``name``."""
-    found = []
+    """Return the inequalities of entries between commas: chains, or words like ``positive``."""
+    limits = []
     while True:
         if name and parser.next in DOMAIN_WORDS:
             word = parser.name()
             if word in ("positive", "negative"):
                 zero, own = scope.nodes.rational(0), scope.node(name)
-                found.append((False, zero, own) if word == "positive" else (False, own, zero))
+                limits.append((False, zero, own) if word == "positive" else (False, own, zero))
         else:
-            found += _chain(parser)
+            limits += _chain(parser)
         if parser.ended:
-            return found
+            return limits
         parser.expect(",")
 
 
 def _chain(parser: TextReader) -> Iterator[tuple[bool, int, int]]:
-    """``a < b <= c``; what says ``a != 0`` restricts nothing, so that more is proved."""
+    """Yield the inequalities of a chain ``a < b <= c``; ``a != 0`` is ignored: more is proved."""
     left, some = parser.sum(), False
     while sign := parser.take("<", "<=", ">", ">=", "!="):
         right, some = parser.sum(), True
@@ -135,7 +135,7 @@ def _chain(parser: TextReader) -> Iterator[tuple[bool, int, int]]:
 
 
 def _solution(scope: Scope, text: str) -> int:
-    """Return the formula of ``u = formula`` or ``u[n] = formula``."""
+    """Return the node of the formula in ``u = formula`` or ``u[n] = formula``."""
     parser = TextReader(scope, text)
     if parser.atom() != scope.node(tokens(text)[0][1]):
         raise CertificateError("a solution must define the unknown at its own variables")
@@ -144,7 +144,7 @@ def _solution(scope: Scope, text: str) -> int:
 
 
 def _equation(scope: Scope, text: object) -> int:
-    """Return the left-hand side, less the right-hand side if there is one."""
+    """Return the node of the left-hand side minus the right-hand side, if there is one."""
     parser = TextReader(scope, text)
     left = parser.sum()
     if parser.take("="):
@@ -154,7 +154,7 @@ def _equation(scope: Scope, text: object) -> int:
 
 
 def _check(statement: Statement) -> None:
-    """Check that equations have unknowns and formulas none, and derivatives are in reals."""
+    """Check that equations have unknowns, formulas have none, and derivatives are in reals."""
     nodes, left_sides = statement.nodes, statement.equations
     if not 0 < len(left_sides) <= 8 or not 0 < len(statement.unknowns) <= 8:
         raise CertificateError("a statement must have 1 to 8 equations and solutions")
@@ -172,7 +172,7 @@ def _check(statement: Statement) -> None:
 
 
 def statement_text(statement: Statement, texts: Mapping[str, Sequence[str]]) -> str:
-    """Return the statement as it was typed, and for which symbols it was proved."""
+    """Return the statement as it was typed, with the symbols and conditions of the proof."""
     symbols = [node for node in statement.nodes.all if node[0] == "symbol"]
     named = [(kind, sorted(node[1] for node in symbols if node[2] == kind)) for kind in KINDS]
     kinds = "; ".join(f"{kind} {', '.join(names)}" for kind, names in named if names)
@@ -199,7 +199,7 @@ class Substitution:
         self._shifted: dict[tuple[tuple[int, ...], int], int] = {}
 
     def __call__(self, node: int) -> int:
-        """Return the node with the formulas put in."""
+        """Return the node with the formulas substituted for the unknowns."""
         for inner in self._nodes.below([node]):
             match self._nodes.all[inner]:
                 case ("unknown", place, shifts):

@@ -18,7 +18,7 @@ from .domains import Point
 
 ARCS = (sp.atan, sp.asin)
 UNIT = sp.pi / 12
-"""Unit of the constant in a relation."""
+"""The constant term of a relation is an integer multiple of this angle."""
 
 BITS, SHIFT = 400, 160
 """Working precision in bits, and the power of 2 that scales values to integers for LLL."""
@@ -28,7 +28,7 @@ LARGEST_INTEGER, MOST_FUNCTIONS, SAMPLE_POINTS = 60, 8, 3
 
 
 def angle_values(expressions: Iterable[sp.Expr], points: Sequence[Point]) -> dict[sp.Expr, sp.Expr]:
-    """Return functions in the expressions with the sums of others that they appear to equal.
+    """Map functions in the expressions to sums of other functions that they equal numerically.
 
     >>> a, b = sp.atan(sp.Rational(1, 5)), sp.atan(sp.Rational(1, 239))
     >>> angle_values([a + b], [{}])
@@ -52,15 +52,15 @@ def angle_values(expressions: Iterable[sp.Expr], points: Sequence[Point]) -> dic
 
 
 def _relation(arcs: Sequence[sp.Expr], points: Sequence[Point]) -> list[int] | None:
-    """Return integers, one +-1, whose combination of the arcs and the unit appears to be 0."""
+    """Return integer factors, one +-1, of the arcs and `UNIT` in a sum that is numerically 0."""
     columns = [[_value(part, point) for part in (*arcs, UNIT)] for point in points[:SAMPLE_POINTS]]
     known = [[v for v in column if v is not None] for column in columns if None not in column]
-    size = len(arcs) + 1
+    count = len(arcs) + 1
     with ctx.workprec(BITS):
         scaled = [[int((v * 2**SHIFT).real.mid().floor().unique_fmpz()) for v in c] for c in known]
-    table = [[int(i == j) for j in range(size)] + [c[i] for c in scaled] for i in range(size)]
+    table = [[int(i == j) for j in range(count)] + [c[i] for c in scaled] for i in range(count)]
     for row in fmpz_mat(table).lll().table() if known else []:
-        integers = [int(n) for n in row[:size]]
+        integers = [int(n) for n in row[:count]]
         if max(map(abs, integers)) > LARGEST_INTEGER or not any(abs(n) == 1 for n in integers[:-1]):
             continue
         with ctx.workprec(BITS):

@@ -59,10 +59,10 @@ OPAQUE = (sp.log, sp.atan, sp.LambertW, *INVERSE)
 """Functions left as they are written, because their exponentials are known."""
 
 TURN, UNITY = sp.I * sp.pi, (1, 2, 3, 4, 6)
-"""Exponent i pi, and the denominators of its rational multiples with known exponentials."""
+"""Exponent i pi, and the denominators n for which exp(i pi/n) has a known closed form."""
 
 LONGEST_CANCELLED = 60
-"""Most operations of a quotient that is cancelled."""
+"""Most operations of an expression whose common factors are cancelled."""
 
 
 def expanded_terms(expression: sp.Expr) -> Vector:
@@ -272,7 +272,7 @@ class Arguments:
         return variable, constant
 
     def steps(self, shift: sp.Expr, m: sp.Expr) -> tuple[sp.Expr, int]:
-        """Return a constant shift of theta's argument as a step and its integer multiple."""
+        """Write a constant shift of theta's argument as step times integer; return both."""
         combinations = self._steps[m]
         pairs = zip(combinations.basis, combinations.coordinates(shift), strict=True)
         multiples = [(step, times) for step, times in pairs if times]
@@ -313,7 +313,7 @@ class Arguments:
             self._exponents[sp.S.One] = None
 
     def _closes(self, base: sp.Expr) -> bool:
-        """Return whether a radicand is 1 - s**2 for a constant s that no other radicand sum has."""
+        """Return whether a radicand is 1 - s**2 for a constant s in no other composite radicand."""
         square = 1 - base
         if not (square.is_Pow and square.exp == 2 and square.base.is_Symbol):
             return False

@@ -30,7 +30,7 @@ Index = tuple[int, ...]
 
 
 class JetShape:
-    """All multi-indices below the given ones, and the pairs whose sum is among them."""
+    """Set of all multi-indices below the given ones, and the pairs whose sum belongs to it."""
 
     def __init__(self, tops: Sequence[Index]) -> None:
         indices = {tuple(0 for _ in tops[0])}
@@ -84,7 +84,7 @@ class Jet:
         return result
 
     def conjugate(self) -> Jet:
-        """Return the complex conjugate, for real variables."""
+        """Return the jet of the complex conjugate; the variables are real."""
         return Jet(self.shape, tuple(acb(c.real, -c.imag) for c in self.coefficients))
 
 
@@ -94,7 +94,7 @@ def constant(shape: JetShape, value: acb) -> Jet:
 
 
 def variable(shape: JetShape, axis: int, value: acb) -> Jet:
-    """Return the jet of variable number ``axis`` at ``value``."""
+    """Return the jet of variable number ``axis``, whose value is ``value``."""
     unit = tuple(int(i == axis) for i in range(len(shape.indices[0])))
     return Jet(shape, (value, *(acb(int(index == unit)) for index in shape.indices[1:])))
 
@@ -125,10 +125,10 @@ SPECIAL = {
 
 ENTIRE = (sp.exp, sp.erf, sp.airyai, sp.airyaiprime, sp.airybi, sp.airybiprime)
 BRANCH_OF_LAMBERT = fmpq(-36, 100)
-"""A bound for the cut of W, which ends at -1/e = -0.367..."""
+"""Number above the end -1/e = -0.367... of the branch cut of Lambert's W."""
 
 ORDERS = {kind: name for name, kind in BESSEL.items()}
-"""Name in the grammar of each Bessel function of SymPy."""
+"""Name in the grammar, for each of SymPy's Bessel functions."""
 
 INVERSE = (sp.asin, sp.acos, sp.atan, sp.asinh, sp.acosh, sp.atanh)
 ELEMENTARY = {
@@ -141,7 +141,7 @@ ELEMENTARY = {
 
 
 def touches_cut(function: type, value: acb) -> bool:
-    """Return whether a value may lie on a function's branch cut; powers have the logarithm's."""
+    """Return whether a value may lie on a function's branch cut (for a power, on that of log)."""
     if function in ENTIRE:
         return False
     if function is sp.LambertW:
@@ -185,13 +185,13 @@ class BallEvaluator:
         self._elliptic: dict[sp.Expr, functions.Elliptic] = {}
 
     def jet(self, expression: sp.Expr) -> Jet:
-        """Return an expression's jet; ValueError without a value and where it is not smooth."""
+        """Return an expression's jet; raises ValueError if it has no value or is not smooth."""
         if expression not in self._found:
             self._found[expression] = self._jet(expression)
         return self._found[expression]
 
     def know(self, values: Mapping[sp.Symbol, acb]) -> None:
-        """Set the balls of symbols, for values that are not rational."""
+        """Set the values of symbols to balls, for values that need not be rational."""
         self._found |= {symbol: constant(self._shape, ball) for symbol, ball in values.items()}
 
     def _jet(self, node: sp.Expr) -> Jet:
@@ -297,7 +297,7 @@ def special_jet(function: type, jets: Sequence[Jet]) -> Jet:
 
 
 def _jet_of(function: type[JetFunction], z: Jet, *nome: Jet) -> Jet:
-    """Return an arbitrary function, or a theta function, for which f_w = -f_zz/4 with w = log q."""
+    """Return the jet of an arbitrary or theta function; theta has f_w = -f_zz/4, w = log q."""
     label, start, at = function.label, function.order, [q.value for q in nome]
     total = z.composed(functions.free(label, start, *at))
     for q in nome:
@@ -320,7 +320,7 @@ def exact(value: sp.Rational | Fraction) -> acb:
 def ball_value(
     expression: sp.Expr, point: Point, bits: int, signs: DomainSigns | None = None
 ) -> acb:
-    """Return a ball with the value of an expression at ``point``; ``signs`` decide what is real."""
+    """Return a ball with the value of an expression at ``point``; ``signs`` tells what is real."""
     with ctx.workprec(bits):
         return BallEvaluator(JetShape([(0,)]), (), point, signs).jet(expression).value
 
@@ -349,7 +349,7 @@ def residual_ball(
 def _in_jets(
     equation: sp.Expr, unknown: sp.Expr
 ) -> tuple[sp.Expr, list[sp.Symbol], list[Index], JetShape]:
-    """Return the equation with symbols for the jets, these symbols, their orders and the shape."""
+    """Return the equation with symbols for the unknown's derivatives, these, orders, and shape."""
     jets = [unknown, *(d for d in equation.atoms(sp.Derivative) if d.expr == unknown)]
     tops = [_index(jet, unknown.args) for jet in jets]
     symbols = [sp.Dummy() for _ in jets]

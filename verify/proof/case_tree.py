@@ -55,7 +55,7 @@ class Constants:
         return self.context.from_dict(table)
 
     def written(self, polynomial: fmpq_mpoly) -> sp.Expr:
-        """Return a polynomial as an expression."""
+        """Return a polynomial as a SymPy expression."""
         return written(polynomial, self.all)
 
     def used(self, polynomial: fmpq_mpoly) -> list[int]:
@@ -63,7 +63,7 @@ class Constants:
         return [place for place, degree in enumerate(polynomial.degrees()) if degree]
 
     def coefficients(self, polynomial: fmpq_mpoly, place: int) -> list[fmpq_mpoly]:
-        """Return the coefficients of the powers of a constant, lowest first."""
+        """Return the coefficients of the powers of constant number ``place``, lowest first."""
         count = int(polynomial.degrees()[place]) + 1
         rows: list[dict[tuple[int, ...], fmpq]] = [{} for _ in range(count)]
         for exponents, c in polynomial.terms():
@@ -79,14 +79,14 @@ class Constants:
                 gen = self.context.gens()[place]
                 polynomial = self.context.constant(0)
                 for power, row in enumerate(rows):
-                    times, rest = divmod(power, degree)
-                    polynomial += row * gen**rest * value**times
+                    whole, rest = divmod(power, degree)
+                    polynomial += row * gen**rest * value**whole
         return polynomial
 
     def quotient_put_in(
         self, polynomial: fmpq_mpoly, place: int, above: fmpq_mpoly, below: fmpq_mpoly
     ) -> fmpq_mpoly:
-        """Substitute ``above/below`` for a constant and return the numerator."""
+        """Substitute ``above/below`` for constant number ``place``; return the numerator."""
         rows = self.coefficients(polynomial, place)
         top = len(rows) - 1
         if top == 0:
@@ -97,7 +97,7 @@ class Constants:
         return self.reduced(total)
 
     def remainder(self, polynomial: fmpq_mpoly, other: fmpq_mpoly, place: int) -> fmpq_mpoly:
-        """Return the pseudo-remainder in a constant; the lead of ``other`` must not be 0."""
+        """Return the pseudo-remainder modulo ``other``, whose leading coefficient must not be 0."""
         rows = self.coefficients(other, place)
         degree, lead, gen = len(rows) - 1, rows[-1], self.context.gens()[place]
         while (top := int(polynomial.degrees()[place])) >= degree:
@@ -108,7 +108,7 @@ class Constants:
 
 @dataclass(frozen=True)
 class Rule:
-    """Condition ``polynomial = 0``, solved for ``symbol``; its leading coefficient is not 0."""
+    """Condition ``polynomial = 0`` that determines ``symbol``; its leading coefficient is not 0."""
 
     symbol: sp.Symbol
     polynomial: fmpq_mpoly
@@ -116,7 +116,7 @@ class Rule:
 
 @dataclass(frozen=True)
 class SystemCase:
-    """Rules of one case, in triangular form; unless ``complete``, further conditions must hold."""
+    """Rules of one case, in triangular form; necessary, and sufficient only if ``complete``."""
 
     rules: tuple[Rule, ...]
     complete: bool
@@ -176,7 +176,7 @@ class CaseTree:
                 waiting += reversed(step)
 
     def _cleaned(self, node: _Node) -> _Node | None:
-        """Remove powers and nonzero factors from a system; None if it has no solution."""
+        """Drop repeated and nonzero factors from a system; None if it has no solution."""
         products: dict[str, fmpq_mpoly] = {}
         for equation in node.equations:
             if equation.is_zero():
@@ -192,7 +192,7 @@ class CaseTree:
         return replace(node, equations=tuple(equations))
 
     def _is_nonzero(self, factor: fmpq_mpoly) -> bool:
-        """Return whether the domains exclude 0."""
+        """Return whether ``factor`` is shown to be nowhere 0 on the domains."""
         if len(factor) > SIGNED_TERMS:
             return False
         key = str(factor)
@@ -287,7 +287,7 @@ class CaseTree:
     def _nonlinear(
         self, node: _Node, rest: _Node, equation: fmpq_mpoly, place: int
     ) -> list[_Node] | SystemCase:
-        """Reduce the other equations by one; it becomes a rule when no other has the symbol."""
+        """Reduce the others modulo ``equation``; with no others it becomes a rule."""
         others = [e for e in rest.equations if int(e.degrees()[place])]
         if others:
             reduced = [self._constants.remainder(e, equation, place) for e in others]
@@ -326,7 +326,7 @@ class CaseTree:
         return next((f for f in squares if not self._is_known(f, node)), None)
 
     def _unsolved(self, node: _Node, equation: fmpq_mpoly) -> list[_Node]:
-        """Replace an equation with roots by its norm; leave out one with other functions."""
+        """Replace an equation with roots by its norm; record one with functions in ``left_out``."""
         for place in self._constants.used(equation):
             if place in self._constants.relations and self._constants.all[place].is_Pow:
                 degree, value = self._constants.relations[place]

@@ -41,7 +41,7 @@ from .typed_statement import Statement, StatementTexts
 
 @timed
 def prove_form(form: ClosedForm) -> ProofVerdict:
-    """Decide whether ``form`` solves its equation; mKdV is taken in X, T with K2 > 0 and K4.
+    """Decide whether ``form`` solves its equation; mKdV in X, T with symbolic K2 > 0 and K4.
 
     >>> from longwave.solutions import closed_form
     >>> prove_form(closed_form("kink")).outcome
@@ -52,12 +52,12 @@ def prove_form(form: ClosedForm) -> ProofVerdict:
 
 
 def _problems(form: ClosedForm) -> Sequence[Callable[[ClosedForm], Problem]]:
-    """Return builders of the problem to prove for ``form``, then of its other valid statements."""
+    """Return functions that build the problem to prove for ``form``, then its other statements."""
     return (lab_problem, own_problem) if form.equation.normal == "mKdV" else (own_problem,)
 
 
 def lab_problem(form: ClosedForm) -> Problem:
-    """Return the problem that ``form``, one of mKdV, solves the equation in the lab variables."""
+    """Return the problem to prove that an mKdV ``form`` solves the equation in lab variables."""
     frame = lab_frame(form.equation.s)
     return solution_problem(
         frame.residual(sp.Function("U")(X, T)),
@@ -69,7 +69,7 @@ def lab_problem(form: ClosedForm) -> Problem:
 
 
 def own_problem(form: ClosedForm) -> Problem:
-    """Return the problem that ``form`` solves its equation in its own variables."""
+    """Return the problem to prove that ``form`` solves its equation, in its own variables."""
     equation, domains = form.equation, form_domains(form)
     unknown = sp.Function("U")(*equation.variables)
     left = equation.residual(unknown)
@@ -93,7 +93,7 @@ def prove_stable(form: ClosedForm) -> ProofVerdict:
 
 
 def stable_problem(form: ClosedForm) -> Problem:
-    """Return the problem that the evaluation form of ``form`` equals its canonical one."""
+    """Return the problem to prove that the evaluation form of ``form`` equals its canonical one."""
     return equality_problem(
         form.expression, form.stable, form.equation.variables, form.name,
         "stable form = canonical form", form_domains(form),
@@ -140,7 +140,7 @@ def check_certificate(data: Any) -> str:
 
 
 def _named(form: ClosedForm) -> Iterator[StatementTexts]:
-    """Yield the statements that a certificate with the name of ``form`` may have."""
+    """Yield the statements that a certificate may make under the name of ``form``."""
     family = form.name.removeprefix("rational_")
     if family.isdigit() and form not in CATALOGUE:
         tau = rational_tau(int(family))
@@ -163,7 +163,7 @@ class LabFrame:
     tau: sp.Expr
 
     def constants(self) -> dict[sp.Symbol, sp.Expr]:
-        """Return the lattice constants in terms of the generators."""
+        """Return the lattice constants K2 and K4 in terms of the generators a and c."""
         return {K2: self.K2, K4: self.K4}
 
     def residual(self, U: sp.Expr) -> sp.Expr:
@@ -177,11 +177,11 @@ class LabFrame:
 @functools.cache
 def lab_frame(s: int) -> LabFrame:
     """Return the frame for K4 of sign ``s`` (+1 or -1), from the normal-form record."""
-    size = sp.Symbol("size", positive=True)
-    record = mkdv_normal_form(K2, s * size)
+    magnitude = sp.Symbol("size", positive=True)
+    record = mkdv_normal_form(K2, s * magnitude)
     stiffness = sp.solve(record.c**2 - c**2, K2)[0]
-    cubic = sp.solve(record.a**2 - a**2, size)[0].subs(K2, stiffness)
-    rate = record.b.subs({size: cubic, K2: stiffness})
+    cubic = sp.solve(record.a**2 - a**2, magnitude)[0].subs(K2, stiffness)
+    rate = record.b.subs({magnitude: cubic, K2: stiffness})
     return LabFrame(s, stiffness, s * cubic, a * X, rate * T)
 
 

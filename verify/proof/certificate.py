@@ -44,7 +44,7 @@ from .typed_statement import StatementTexts
 LEMMA_BITS = 320
 
 Pair = tuple[sp.Expr, sp.Expr]
-"""A sum in the left and a sum in the right formula."""
+"""A sum within the left formula and one within the right formula that may be equal."""
 
 Key = tuple[str, int]
 """("number", prime or -1), or ("factor", index in the ring's list)."""
@@ -86,7 +86,7 @@ def make_certificate(
 
 
 def statement_texts(problem: Problem) -> StatementTexts:
-    """Return the texts that a certificate of ``problem`` states."""
+    """Return the typed texts (equations, solutions, domains) that a certificate states."""
     table = NodeTable(list(problem.solutions))
     variables = [symbol.name for symbol in problem.variables]
     taken = {symbol.name for symbol in problem.domains}
@@ -177,7 +177,7 @@ def equal_parts(problem: Problem) -> Iterator[list[Pair]]:
 def find_lemmas(
     left: sp.Expr, right: sp.Expr, variables: Sequence[sp.Symbol], point: Point
 ) -> list[Pair]:
-    """Return the largest disjoint sums that differ as formulas and agree at ``point``."""
+    """Return pairs of large disjoint sums that differ as formulas and agree at ``point``."""
     with ctx.workprec(LEMMA_BITS):
         balls = BallEvaluator(JetShape([(0,)]), (), point)
         sums = [_values(formula, variables, balls) for formula in (left, right)]
@@ -204,7 +204,7 @@ def find_lemmas(
 def _values(
     formula: sp.Expr, variables: Sequence[sp.Symbol], balls: BallEvaluator
 ) -> dict[sp.Expr, acb]:
-    """Return the values of the proper sums in ``formula`` that contain a variable."""
+    """Map the sums within ``formula`` that contain a variable to their values, if finite."""
     dependence = Dependence(variables)
     inner = distinct_nodes(formula)[1:]
     sums = [node for node in inner if node.is_Add and dependence.depends(node)]
@@ -222,12 +222,12 @@ class SquareRoots:
         self._images: dict[int, Element] = {}
 
     def odd_factors(self, root: int) -> frozenset[Key]:
-        """Return the factors of a root's radicand that have odd powers."""
+        """Return the factors of a square root's radicand that have odd powers in it."""
         image = self._field.image(self._field.nodes.all[root][1])
         return frozenset(key for key, power in self._exponents(image).items() if power % 2)
 
     def value(self, root: int) -> tuple[int, list[int]] | None:
-        """Return the node of a root's value and the roots in it; None if independent."""
+        """Return the node of a dependent root's value, and the roots in it; None if independent."""
         image = self._field.image(self._field.nodes.all[root][1])
         odd, members = self.odd_factors(root), frozenset[int]()
         for row, row_members in self._rows:
@@ -261,7 +261,7 @@ class SquareRoots:
         return exponents
 
     def _written(self, polynomial: fmpq_mpoly) -> int:
-        """Write a polynomial in the generators as a node in their formulas."""
+        """Return the index of a node for a polynomial in the generators."""
         terms = []
         for exponents, coefficient in polynomial.terms():
             pairs = [(place, int(n)) for place, n in enumerate(reversed(exponents)) if n]
@@ -278,7 +278,7 @@ class SquareRoots:
         return self._table.add("Mul", node, self._written(generator.scale))
 
     def _formula(self, node: int) -> int:
-        """Return the node of a formula that is built from nodes of the table."""
+        """Return the index in the table of a node of the field, added with its arguments if new."""
         if node not in self._places:
             name, *parts = self._field.nodes.all[node]
             inner = [str(parts[0])] if name == "number" else map(self._formula, parts)
@@ -311,7 +311,7 @@ def with_square_roots(table: NodeTable, statement: StatementTexts, proof: Data) 
 
 
 def _is_root(field: Field, root: int, value: int) -> bool:
-    """Return whether a value is shown to be the root; the ring may lose factors."""
+    """Return whether a value is shown to be the root: equal square, and the principal branch."""
     _, base, exponent = field.nodes.all[field.nodes.places[root]]
     node = field.nodes.places[value]
     same = (field.image(node) ** 2 - field.image(base)).is_zero

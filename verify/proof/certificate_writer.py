@@ -31,13 +31,13 @@ FUNCTIONS: dict[str, Any] = {
     "Mul": sp.Mul,
 }
 NAMES = {function: name for name, function in FUNCTIONS.items()}
-"""The checker's names of functions."""
+"""The checker's names of SymPy's and longwave's functions."""
 
 CONSTANTS = {sp.I: "I", sp.pi: "pi"}
 
 
 class NodeTable:
-    """Nodes of expressions in real and integer symbols; ``unknowns`` may occur in an equation.
+    """Table of nodes for SymPy expressions; an equation may contain applied ``unknowns``.
 
     >>> table = NodeTable()
     >>> table.place(sp.Symbol("x") / 2)
@@ -53,13 +53,13 @@ class NodeTable:
         self._known: dict[str, int] = {}
 
     def place(self, expression: sp.Expr) -> int:
-        """Return the place of ``expression``; raises ValueError for a function without an axiom."""
+        """Return the index of an expression's node; raises ValueError for an unknown function."""
         if expression not in self._places:
             self._places[expression] = self.add(*self._node(expression))
         return self._places[expression]
 
     def add(self, *node: Any) -> int:
-        """Add the given node, unless it is there, and return its place."""
+        """Add a node, unless the table has it, and return its index."""
         key = str(node)
         if key not in self._known:
             self._known[key] = len(self.nodes)
@@ -103,19 +103,19 @@ class NodeTable:
         raise ValueError(f"unknowns must be the statement's at shifted variables, got {unknown}")
 
     def jet(self, orders: Sequence[int], variables: Sequence[sp.Symbol]) -> int:
-        """Return the place of the derivative of these orders of the first unknown."""
+        """Return the index of the derivative of the first unknown with these orders."""
         own = self.add("unknown", 0, [0] * len(orders))
         pairs = zip(variables, orders, strict=True)
         along = [self.place(variable) for variable, order in pairs for _ in range(order)]
         return self.add("diff", own, *along) if along else own
 
     def polynomial(self, polynomial: fmpq_mpoly, places: Sequence[int]) -> int:
-        """Return the place of a polynomial in the nodes at ``places``, in that order."""
+        """Return the index of a polynomial in the nodes at ``places``, in that order."""
         terms = [[str(c), [int(n) for n in exponents]] for exponents, c in polynomial.terms()]
         return self.add("poly", terms, *places)
 
     def combination(self, terms: Sequence[tuple[str, int]]) -> int:
-        """Return the place of a sum of rational multiples of nodes: pairs of number and place."""
+        """Return the index of a sum of multiples of nodes, from pairs of number and node."""
         parts = [p if n == "1" else self.add("Mul", self.add("number", n), p) for n, p in terms]
         parts = parts or [self.add("number", "0")]
         return parts[0] if len(parts) == 1 else self.add("Add", *parts)
@@ -141,7 +141,7 @@ class Certificate(Data):
     def signed(
         cls, name: str, table: NodeTable, statement: StatementTexts, proof: Data
     ) -> Certificate:
-        """Return the certificate of ``statement`` by ``proof``, places in ``table``."""
+        """Return the certificate with its digest; the indices in ``proof`` refer to ``table``."""
         body: Data = {"format": FORMAT, "name": name, "statement": as_data(statement)}
         body["proof"] = {"formulas": numbered(table.nodes), **proof}
         return cls(body | {"digest": digest(body)})
@@ -165,8 +165,8 @@ class Certificate(Data):
         return ", ".join(sorted(parts))
 
     def __repr__(self) -> str:
-        size = f"{self.generators} generators, {len(json.dumps(self))} bytes"
-        return f"<Certificate of {self['name']}: {size}, digest {self['digest'][:8]}>"
+        extent = f"{self.generators} generators, {len(json.dumps(self))} bytes"
+        return f"<Certificate of {self['name']}: {extent}, digest {self['digest'][:8]}>"
 
 
 class ProofWriter:
@@ -195,7 +195,7 @@ class ProofWriter:
             self.values[place] = value
 
     def words(self, place: int, terms: Sequence[tuple[str, int]]) -> None:
-        """Record that the argument of the function at ``place`` is a sum of multiples of nodes."""
+        """Record the argument of the function at ``place`` as a sum of (number, node) products."""
         name, _, *more = self.table.nodes[place]
         self.values[place] = self.table.add(name, self.table.combination(terms), *more)
 

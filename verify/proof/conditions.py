@@ -53,11 +53,11 @@ class ConditionalVerdict(StatementVerdict):
 
     @property
     def complete(self) -> bool:
-        """Whether the cases, with what is left out, are all values."""
+        """Whether the cases, with the conditions left out, cover all values of the constants."""
         return self.is_solved and not self.unknown
 
     def json(self) -> dict[str, Any]:
-        """Return the record as plain data."""
+        """Return the verdict as plain data."""
         record = super().json() | {"reason": self._answer, "solved": list(self.solved)}
         record |= {"cases": [case.json() for case in self.cases], "complete": self.complete}
         return record | {"left_out": list(self.left_out), "unknown": list(self.unknown)}
@@ -84,7 +84,7 @@ class ConditionalVerdict(StatementVerdict):
 
     @property
     def _answer(self) -> str:
-        """The detail without the restriction in front of it."""
+        """The verdict's ``detail`` without the text of `restriction` at its beginning."""
         return self.detail.removeprefix(f"{self.restriction}: ")
 
     @property

@@ -64,7 +64,7 @@ class ConstantCase:
         return words + (f" ({', '.join(notes)})" if notes else "")
 
     def json(self) -> dict[str, Any]:
-        """Return the record as plain data."""
+        """Return the case as plain data."""
         verdict = self.verdict
         return {
             "values": {str(s): formula_as_text(value) for s, value in self.values.items()},

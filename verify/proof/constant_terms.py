@@ -21,12 +21,12 @@ Relations = dict[sp.Expr, tuple[int, Terms]]
 
 
 def is_turn(constant: sp.Expr) -> bool:
-    """Return whether a constant is the exponential of an expression with I."""
+    """Return whether a constant is exp of an expression that contains I."""
     return isinstance(constant, sp.exp) and constant.has(sp.I)
 
 
 def real_parts(terms: Terms) -> list[Terms]:
-    """Return the nonzero real and imaginary parts, with cosines and sines for exponentials."""
+    """Return the nonzero real and imaginary parts, with complex exponentials as cos and sin."""
     parts: tuple[dict[Monomial, fmpq], dict[Monomial, fmpq]] = {}, {}
     for monomial, c in _centred(terms).items():
         turning = [pair for pair in monomial if pair[0] is sp.I or is_turn(pair[0])]
@@ -44,7 +44,7 @@ def real_parts(terms: Terms) -> list[Terms]:
 
 
 def _centred(terms: Terms) -> Terms:
-    """Divide a polynomial by the middle powers of its complex exponentials."""
+    """Divide by powers of complex exponentials, so that each has powers from about -n to n."""
     turns = {g for monomial in terms for g, _ in monomial if is_turn(g)}
     middles = {}
     for g in turns:

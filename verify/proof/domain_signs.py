@@ -38,8 +38,10 @@ from .domains import Domain, Domains
 from .factors import exact, rational
 
 FACTORABLE_NODES = 20
+"""Most distinct subexpressions of a polynomial that is factored."""
+
 FACTORABLE_POWER = 8
-"""Limits on the subexpressions and powers of polynomials that are factored."""
+"""Highest power in a polynomial that is factored."""
 
 FACTORABLE_SYMBOLS = 2
 """Most symbols of a polynomial that is factored to find its sign."""
@@ -67,7 +69,7 @@ def _is_polynomial_node(node: sp.Expr) -> bool:
 
 
 def point_range(value: sp.Rational) -> Interval:
-    """Return the range of a rational constant."""
+    """Return the interval that contains just a rational number."""
     return Interval(exact(value), exact(value))
 
 
@@ -155,7 +157,7 @@ class DomainSigns:
         return self._factored(node) or total
 
     def _beside_ends(self, node: sp.Expr) -> Iterator[Interval]:
-        """Yield ranges of a sum that is a multiple of a gap, plus a number, or of exp(z) - 1."""
+        """Yield ranges of a sum r*(symbol - bound) + c, or r*(exp(z) - 1) with z > 0, for r > 0."""
         excess = excess_of_exponential(node)
         if excess is not None and self.is_positive(excess[1].args[0]):
             yield POSITIVE
@@ -169,7 +171,7 @@ class DomainSigns:
                     yield gap_range * point_range(ratio) + point_range(rest)
 
     def _factored(self, node: sp.Expr) -> Interval | None:
-        """Return the range of the factored polynomial, or its sign if it has no root there."""
+        """Return the range of a polynomial from its factors, or its sign if it has no root."""
         factored = sp.factor(node)
         if not factored.is_Add and factored != node:
             return self.range(factored)
@@ -212,7 +214,7 @@ def is_entire(node: sp.Expr) -> bool:
 
 
 def _gaps(domains: Domains) -> Iterator[tuple[sp.Expr, Interval]]:
-    """Yield differences of a symbol and its non-rational bound, with their signs."""
+    """Yield differences between a symbol and its bound that is not rational, with their ranges."""
     for symbol, domain in domains.items():
         ends = (domain.lower, domain.lower_open, 1), (domain.upper, domain.upper_open, -1)
         for end, is_open, side in ends:
@@ -303,7 +305,7 @@ SHARPER: dict[type, Callable[[Interval], Interval]] = {
     sp.acos: lambda z: Interval(fmpq(0), fmpq(4)),
     sp.LambertW: lambda z: z.side(),
 }
-"""Ranges of some functions that are narrower than the table's, from the range of z."""
+"""Functions that map the range of z to a range narrower than that in the checker's table."""
 
 
 def domain_of(values: Interval) -> Domain:
@@ -324,7 +326,7 @@ HYPERBOLIC_POLES = (sp.coth, sp.csch)
 COMPLEX_POLES = (sp.tanh, sp.sech, jacobi_sn, jacobi_cn, jacobi_dn, jacobi_epsilon, jacobi_zeta)
 """Functions whose poles are all off the real axis."""
 DEPTH = 3
-"""Levels of a subexpression that a printed line shows."""
+"""Nesting depth to which a printed line shows a subexpression."""
 
 
 def singularities(expressions: Iterable[sp.Expr], domains: Domains) -> tuple[str, ...]:
@@ -371,7 +373,7 @@ CORNER = f"{JUMP} where {{}} = 0"
 """Template for the jumps and corners of abs and sign; the argument goes into the braces."""
 
 Place = tuple[str, int | None]
-"""Template of a place, and the index of the argument that fills it (None: the whole node)."""
+"""Template of a line, and the index of the argument that fills it (None: the whole node)."""
 
 
 def rough_places(node: sp.Expr, signs: DomainSigns) -> Iterator[Place]:
@@ -418,7 +420,7 @@ def _of_function(node: sp.Expr, signs: DomainSigns) -> Iterator[Place]:
 
 
 def _is_off_cuts(node: sp.Expr, signs: DomainSigns) -> bool:
-    """Return whether the argument is shown to be off the ends of the branch cuts."""
+    """Return whether an inverse function's argument is shown to avoid the ends of its cuts."""
     inner = signs.range(node.args[0])
     if inner is None:
         return False

@@ -161,7 +161,7 @@ def as_domain(domain: Domain | sp.Interval) -> Domain:
 
 
 def in_order(domains: Domains) -> list[sp.Symbol]:
-    """Return the symbols, each after those in its ends; raises ValueError for a cycle."""
+    """Return the symbols, each after those in the ends of its domain; ValueError for a cycle."""
     ordered: list[sp.Symbol] = []
     waiting = list(domains)
     while waiting:
@@ -188,7 +188,7 @@ def _check_assumptions(symbol: sp.Symbol) -> None:
 
 
 def _end_at(end: sp.Expr, values: Mapping[sp.Symbol, sp.Expr]) -> sp.Expr:
-    """Return an end at a point; one with roots is rounded, as SymPy is slow at big radicands."""
+    """Return an end of a domain for these values; with roots it is rounded (SymPy is slow)."""
     if end.is_Atom:
         return values.get(end, end)
     if any(not power.exp.is_Integer for power in end.atoms(sp.Pow)):
@@ -199,7 +199,7 @@ def _end_at(end: sp.Expr, values: Mapping[sp.Symbol, sp.Expr]) -> sp.Expr:
 def _inner(
     left: tuple[sp.Expr, bool], right: tuple[sp.Expr, bool], side: int
 ) -> tuple[sp.Expr, bool]:
-    """Return the inner one of two ends; of equal ends the open one."""
+    """Return the tighter of two ends on one side; of equal ends the open one."""
     if left[0] == right[0]:
         return left[0], left[1] or right[1]
     infinite = sp.oo, -sp.oo

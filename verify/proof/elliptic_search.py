@@ -17,8 +17,8 @@ TRIPLE = (functions.jacobi_sn, functions.jacobi_cn, functions.jacobi_dn)
 class EllipticSearch:
     """Generators and hints for Jacobi functions, from the integer combinations of their arguments.
 
-    ``need`` registers what other formulas need, ``begin_forms`` the linear forms of a primitive.
-    With ``moving`` derivatives are needed too; with ``epsilon`` zeta is written in epsilon.
+    ``need`` registers the generators of any other formula, ``begin_forms`` the linear forms with a
+    primitive.  ``moving``: derivatives are needed too; ``epsilon``: zeta is written in epsilon.
     """
 
     def __init__(
@@ -37,7 +37,7 @@ class EllipticSearch:
         self._moving, self._epsilon = moving, epsilon
 
     def below_one(self, m: sp.Expr) -> None:
-        """Record the factored 1 - m as witness of its sign."""
+        """Record the factored 1 - m as the witness that shows its sign."""
         rest, other = self._complement(m), self._place(sp.factor(1 - m))
         if other != rest:
             self._writer.signs[rest] = other
@@ -48,7 +48,7 @@ class EllipticSearch:
         return self._add("Add", one, self._add("Mul", minus, self._place(m)))
 
     def provide(self, node: sp.Expr) -> None:
-        """Register what the image of a Jacobi function needs."""
+        """Register the generators and hints that the image of a Jacobi function needs."""
         z, m = node.args
         self._need(z)
         self._need(m)
@@ -63,14 +63,14 @@ class EllipticSearch:
             for part in (functions.jacobi_epsilon(z, m), sp.elliptic_e(m), sp.elliptic_k(m)):
                 self._need(part)
         else:
-            self._station(z, m, node.func if node.func not in TRIPLE else None)
+            self._register_basis(z, m, node.func if node.func not in TRIPLE else None)
 
     def _root(self, base: int, exponent: str, root: sp.Expr) -> None:
         """Record that the root of the node ``base`` equals ``root`` as SymPy writes it."""
         self._need(root)
         self._writer.name(place=self._add("Pow", base, exponent), value=self._place(root))
 
-    def _station(self, z: sp.Expr, m: sp.Expr, second: type | None) -> None:
+    def _register_basis(self, z: sp.Expr, m: sp.Expr, second: type | None) -> None:
         """Register the Jacobi functions of the basis arguments whose combination is ``z``."""
         variable, constant = self._arguments.parts(z)
         terms = []
@@ -105,7 +105,7 @@ class EllipticSearch:
             self._second(second, u, m)
 
     def _second(self, kind: type, u: sp.Expr, m: sp.Expr) -> None:
-        """Register epsilon or zeta of a generator's argument, and what its derivative needs."""
+        """Register epsilon or zeta of a basis argument ``u``, and what its derivative needs."""
         if kind is functions.jacobi_zeta and self._moves(u):
             self._need(sp.elliptic_e(m))
             self._need(sp.elliptic_k(m))
@@ -141,14 +141,14 @@ class EllipticSearch:
         for j in range(2 if side > 0 else -1, times + side, side):
             self._next_theta(variable + (j - side) * step, side * step, z, m)
         if times and self._moves(variable):
-            self._station(z, m, functions.jacobi_zeta)
+            self._register_basis(z, m, functions.jacobi_zeta)
 
     def _next_theta(self, u: sp.Expr, step: sp.Expr, z: sp.Expr, m: sp.Expr) -> None:
-        """Record theta(u + step) from theta at u and u - step; ``z`` may be minus that argument."""
+        """Give the product theorem's hint for theta(u + step); ``z`` may be -(u + step)."""
         back, total = -step, sp.expand(u + step)
         for argument in (u, step, back):
             self._need(argument)
-            self._station(argument, m, None)
+            self._register_basis(argument, m, None)
         for argument, plus, minus in ((total, u, back), (sp.expand(-total), back, u)):
             if argument == total or sp.expand(z) == argument:
                 node = self._add("jacobi_theta", self._place(argument), self._place(m))
@@ -163,7 +163,7 @@ class EllipticSearch:
             self._need(part)
         if self._moves(u):
             for part in (u, d):
-                self._station(part, m, functions.jacobi_zeta)
+                self._register_basis(part, m, functions.jacobi_zeta)
             sine = self._add("jacobi_sn", total, self._place(m))
             self._writer.words(sine, [("1", self._place(u)), ("1", self._place(d))])
         self._writer.atom(next_theta, self._add("Pow", here, "-1"))

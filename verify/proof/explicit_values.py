@@ -12,7 +12,7 @@ from .case_tree import Constants, SystemCase
 from .factors import factors_of
 
 MOST_RELATIONS = 3
-"""Most algebraic constants in which a root is sought."""
+"""Most algebraic constants, with known squares, in which a square root is written."""
 
 LONGEST_SIMPLIFIED = 60
 """Most operations of a quotient of exponentials in which hyperbolic functions are sought."""
@@ -67,7 +67,7 @@ Squares = Sequence[tuple[sp.Expr, sp.Expr]]
 def _roots(
     rows: Sequence[sp.Expr], symbol: sp.Symbol, squares: Squares
 ) -> list[sp.Expr | _Implicit]:
-    """Return the real roots of a polynomial from its coefficients; it may be one in a power."""
+    """Return the real roots of a polynomial in ``symbol``, from its coefficients, lowest first."""
     powers = [power for power, row in enumerate(rows) if row != 0]
     if not powers or powers == [0]:
         return []
@@ -83,8 +83,8 @@ def _roots(
     if step % 2 == 0:
         return _even(rows, symbol, squares)
     if step == len(rows) - 1 and not (number := -rows[0] / rows[-1]).free_symbols:
-        size = sp.Pow(abs(number), sp.Rational(1, step))
-        return [size if number > 0 else -size]
+        magnitude = sp.Pow(abs(number), sp.Rational(1, step))
+        return [magnitude if number > 0 else -magnitude]
     polynomial = sp.Add(*(row * symbol**power for power, row in enumerate(rows)))
     return [_Implicit(sp.expand(polynomial))]
 
@@ -191,7 +191,7 @@ def in_squares(value: sp.Expr, squares: Squares) -> sp.Expr:
 
 
 def _divided(value: sp.Expr, factor: sp.Expr, other: sp.Expr) -> sp.Expr:
-    """Rewrite the numerator as quotient * ``other`` + rest, by a division by ``factor = other``."""
+    """Divide the numerator by ``factor``, and write ``other``, equal to it, in its place."""
     above, below = sp.fraction(value)
     function = min(factor.atoms(sp.Function), key=sp.default_sort_key)
     if not above.is_polynomial(function):

@@ -121,7 +121,7 @@ class Quotients:
 
     @property
     def square_roots(self) -> list[tuple[sp.Expr, sp.Expr]]:
-        """Atoms with known squares, and these squares."""
+        """Pairs of an atom whose square is known and that square."""
         roots = [(base, base) for base, degree in self._degrees.items() if degree == 2]
         return roots + [(b, sp.S.NegativeOne) for b in self._bases if b is sp.I]
 
@@ -133,10 +133,10 @@ class Quotients:
     def _quotient(self, node: sp.Expr) -> tuple[fmpq_mpoly, fmpq_mpoly]:
         if node not in self._found:
             above, below = self._build(node)
-            size = max(len(above), len(below))
-            if size > MOST_TERMS or max(above.total_degree(), below.total_degree()) > MOST_DEGREE:
-                raise TooLong(f"{size} terms")
-            if size > 1 and not below.is_constant():
+            length = max(len(above), len(below))
+            if length > MOST_TERMS or max(above.total_degree(), below.total_degree()) > MOST_DEGREE:
+                raise TooLong(f"{length} terms")
+            if length > 1 and not below.is_constant():
                 common = above.gcd(below)
                 above, below = above / common, below / common
             self._found[node] = above, below

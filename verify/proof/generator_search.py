@@ -25,7 +25,7 @@ from .simplification import needs_integers
 
 AIRY_PAIRS = (sp.airyai, sp.airyaiprime), (sp.airybi, sp.airybiprime)
 AIRY = {function: pair for pair in AIRY_PAIRS for function in pair}
-"""Each Airy function with the pair in which its derivatives are expressed."""
+"""For each Airy function, the pair of functions that expresses its derivatives."""
 
 
 ELLIPTIC = (JacobiFunction, sp.elliptic_k, sp.elliptic_e)
@@ -83,14 +83,14 @@ class GeneratorSearch:
 
     @staticmethod
     def _factors_in(node: sp.Expr, value: sp.Expr) -> sp.Expr:
-        """Return the expressions that the value of ``node`` needs: a logarithm's factors too."""
+        """Return the hinted ``value``; for a logarithm, also exp of its terms without log."""
         if not isinstance(node, sp.log):
             return value
         terms = [term for term in sp.Add.make_args(value) if not term.has(sp.log)]
         return sp.Tuple(value, *map(sp.exp, terms))
 
     def need(self, node: sp.Expr) -> None:
-        """Register what the image of ``node`` needs."""
+        """Register the generators and hints that the image of ``node`` needs."""
         if node in self._done:
             return
         self._done.add(node)
@@ -122,7 +122,7 @@ class GeneratorSearch:
             self._function(node)
 
     def _begin_forms(self, primitive: sp.Basic) -> bool:
-        """Register the linear forms when their first primitive is needed; return whether it was."""
+        """Register the linear forms if ``primitive`` is their first one; return whether it is."""
         if primitive not in self._pivots:
             return False
         pivots, self._pivots = self._pivots, []
@@ -183,7 +183,7 @@ class GeneratorSearch:
             self._writer.name(place=place, value=self._add("Pow", finest, f"{whole // degree}"))
 
     def _angle(self, node: sp.Expr, value: sp.Expr) -> None:
-        """Register what the tangent or sine of an arc's value needs, and a witness of its sign."""
+        """Register the exponential that checks an arc's value; for asin f, show 1 - f**2 > 0."""
         self.need(sp.I)
         turned = [self._place(part) for part in (sp.I, value)]
         if isinstance(node, sp.atan):
@@ -195,7 +195,7 @@ class GeneratorSearch:
         self._writer.signs[rest] = self._place(sp.factor(known))
 
     def _name_cosine(self, f: sp.Expr) -> None:
-        """Record the root in the definition of asin f for a number f, as SymPy evaluates it."""
+        """Record SymPy's value of sqrt(1 - f**2) in the definition of asin f, for a number f."""
         if f.is_Rational:
             rest, known = self._cosine_square(f)
             self.need(sp.sqrt(known))
@@ -209,7 +209,7 @@ class GeneratorSearch:
         return self._add("Add", one, square), 1 - f**2
 
     def show_sign(self, node: sp.Expr) -> None:
-        """Record the factored ``node`` as witness of its sign."""
+        """Record the factored ``node`` as the witness that shows its sign."""
         other = sp.factor(node)
         if other != node:
             self._writer.signs[self._place(node)] = self._place(other)
@@ -276,18 +276,18 @@ class GeneratorSearch:
                 self.need(sp.I)
             self.need(z.xreplace({sp.I: -sp.I}))
         elif isinstance(node, sp.Abs | sp.sign):
-            size, place = sp.Abs(z), self._add("Abs", self._place(z))
-            if node == size or needs_integers(node):
+            modulus, place = sp.Abs(z), self._add("Abs", self._place(z))
+            if node == modulus or needs_integers(node):
                 self._writer.atom(place)
             else:
-                if not (isinstance(size, sp.Abs) and size.args[0] == z):
-                    self._writer.name(place=place, value=self._place(size))
-                self.need(size)
+                if not (isinstance(modulus, sp.Abs) and modulus.args[0] == z):
+                    self._writer.name(place=place, value=self._place(modulus))
+                self.need(modulus)
         else:
             raise ValueError(f"no generator is known for {node.func.__name__}")
 
     def _special(self, node: sp.Expr) -> None:
-        """Register the functions in which derivatives of arbitrary, theta, p or Bessel ones are."""
+        """Register the functions that express the derivatives of a jet, p or Bessel function."""
         if isinstance(node, JetFunction):
             steps = self._order * len(node.args) if self._moving else 0
             orders = range(node.order, node.order + steps + 1)
@@ -318,7 +318,7 @@ class GeneratorSearch:
             self._writer.atom(self._place(function))
 
     def _show_nome(self, q: sp.Expr) -> None:
-        """Record q in exponentials as witness of the signs of q and 1 - q."""
+        """Record the nome q, written in exponentials, as witness of the signs of q and 1 - q."""
         plain = sp.expand(q.rewrite(sp.exp))
         if plain != q:
             self.need(plain)

@@ -21,7 +21,7 @@ from .balls import ball_value
 from .domains import Point
 
 Form = dict[sp.Expr, sp.Expr]
-"""Constant coefficients of primitives."""
+"""Linear form: the constant coefficient of each primitive."""
 
 
 def split_linear(expression: sp.Expr, dependence: Dependence) -> tuple[Form, list[sp.Expr]]:

@@ -30,7 +30,7 @@ from .typed_statement import Statement, StatementTexts, StatementTrees, names_in
 from .typed_values import TypedValues
 
 SIGNS, EXPONENTS, HALVES, OTHERS = range(4)
-"""Kinds of changes in the order of their trial; modulus and parameter come before all."""
+"""Ranks of changes: the order of their trial, after exchanges of modulus and parameter."""
 
 FACTORS = {
     **{Fraction(text): HALVES for text in ("2", "1/2")},
@@ -43,7 +43,7 @@ QUICK = (64,)
 """Precisions in bits at which a change is tested before it is decided."""
 
 Change = tuple[int, FormulaTree]
-"""Kind of a change, and the changed formula."""
+"""Rank of a change in the order of trial (such as `SIGNS`), and the changed formula."""
 
 
 @dataclass(frozen=True)
@@ -107,13 +107,13 @@ class _Witness:
     witness: Mapping[str, str]
 
     def leaves_nothing(self, trees: StatementTrees) -> bool:
-        """Return whether the residuals of ``trees`` are small at the point."""
+        """Return whether all residuals of ``trees`` vanish at the point, to `QUICK` precision."""
         trees, point = witness_trees(self.statement, trees, self.witness)
         return TypedValues(trees, self.domains).fails_at(point, QUICK) is False
 
 
 def _is_as_strong(witness: _Witness, trees: StatementTrees) -> bool:
-    """Return whether no equation is trivial, such as ``u_x - u_x``, and no variable is lost."""
+    """Return whether changed ``trees`` lose no variable and have no equation ``u_x - u_x``."""
     letters = [syntax.Name(name) for name in trees.variables]
     terms = [syntax.Product((syntax.Number(Fraction(1, i + 3)), v)) for i, v in enumerate(letters)]
     terms.append(syntax.Product((*letters, *letters)))
@@ -154,7 +154,7 @@ def near_misses(statement: Statement) -> list[NearMiss]:
 
 
 def _near_misses(texts: StatementTexts, trees: StatementTrees) -> Iterator[tuple[int, NearMiss]]:
-    """Yield changes of the formulas of unknowns and of defined names, and of equations."""
+    """Yield rank and statement for each change of a solution, a defined name or an equation."""
     headings = [text.partition("=")[0].strip() for text in texts.solutions]
     for place, (name, formula) in enumerate(trees.solutions.items()):
         for rank, words, new in _changes(formula):
@@ -184,7 +184,7 @@ def _put(texts: tuple[str, ...], place: int, text: str) -> tuple[str, ...]:
 
 
 def _changes(formula: FormulaTree) -> Iterator[tuple[int, str, FormulaTree]]:
-    """Yield the formula with one change, and the words for it."""
+    """Yield the rank, the words and the resulting formula of each single change."""
     names = names_in(formula)
     for words, changed in _moduli(formula):
         yield -1, words, changed
@@ -199,7 +199,7 @@ def _instead(new: FormulaTree, old: FormulaTree) -> str:
 
 
 def _difference(old: FormulaTree, new: FormulaTree) -> tuple[FormulaTree, FormulaTree]:
-    """Return the smallest terms or arguments that contain all differences."""
+    """Return the smallest terms or arguments of both formulas that contain all differences."""
     if not old.inner() or len(old.inner()) != len(new.inner()) or old.made_of(new.inner()) != new:
         return old, new
     pairs = [pair for pair in zip(old.inner(), new.inner(), strict=True) if pair[0] != pair[1]]
@@ -211,7 +211,7 @@ def _difference(old: FormulaTree, new: FormulaTree) -> tuple[FormulaTree, Formul
 
 
 def _moduli(formula: FormulaTree) -> Iterator[tuple[str, FormulaTree]]:
-    """Yield the parameters of all elliptic functions squared, or their roots taken."""
+    """Yield words and the formula with an elliptic parameter squared, or its root, everywhere."""
 
     def is_elliptic(node: FormulaTree) -> bool:
         return isinstance(node, syntax.Call) and node.name.startswith(("jacobi_", "elliptic_"))

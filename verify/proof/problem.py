@@ -30,7 +30,7 @@ LARGEST_JET_POWER = 64
 """Highest power of a derivative that is written as a product."""
 
 LARGEST_POWER = 13
-"""Power of a sum with the unknown from which on it is not expanded."""
+"""Lowest power of a sum with the unknown that is not expanded."""
 
 NO_POLYNOMIAL = "equations must be polynomials"
 """Beginning of the reason that an equation is not a polynomial."""
@@ -38,7 +38,7 @@ NO_POLYNOMIAL = "equations must be polynomials"
 Stated = Mapping[sp.Symbol, Domain | sp.Interval]
 
 Term = tuple[sp.Rational, list[sp.Expr], list[list[int]]]
-"""Number, known factors, and the derivatives of the unknown as orders in the variables."""
+"""Term of an equation: number, known factors, and orders of each derivative of the unknown."""
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ class Problem:
 
     @property
     def solutions(self) -> dict[AppliedUndef, sp.Expr]:
-        """The unknown with its formula."""
+        """Dictionary that maps the unknown to its formula."""
         return {self.unknown: self.formula}
 
     @property
@@ -106,7 +106,7 @@ class Problem:
         return number, known, jets
 
     def _jets(self, factor: sp.Expr) -> list[list[int]]:
-        """Return the power of an unknown or derivative as a list of orders, one for each factor."""
+        """Return a power of a derivative as one entry per factor: its orders in the variables."""
         base, power = factor.as_base_exp()
         inner = base.expr if isinstance(base, sp.Derivative) else base
         pairs = base.variable_count if isinstance(base, sp.Derivative) else ()
@@ -125,7 +125,7 @@ def solution_problem(
     equation_name: str | None = None,
     stated: Stated | None = None,
 ) -> Problem:
-    """Return the problem that `prove` decides, with the errors that it raises."""
+    """Return the problem that `prove` decides; raises the same errors as `prove`."""
     expression = formula("expression", expression)
     left, label = _left_side(equation)
     unknown = _single_unknown(left)

@@ -46,10 +46,10 @@ WITNESS = 5
 """Largest coordinate tried in the search for a witness."""
 
 SPACE = "A*A_xx + B*B_xx - A_x**2 - B_x**2 - 2*A_x*B + 2*A*B_x"
-"""Half of ``D_x**2 f.f* - 2 i D_x f.f*``."""
+"""Half of ``D_x**2 f.f* - 2 i D_x f.f*`` as text, an equation in A and B."""
 
 TIME = "A*B_t - A_t*B + A*B_xxx - A_xxx*B - 3*A_x*B_xx + 3*A_xx*B_x"
-"""``(D_t + D_x**3) f.f*`` divided by ``2 i``."""
+"""``(D_t + D_x**3) f.f*`` divided by ``2 i`` as text, an equation in A and B."""
 
 
 @timed
@@ -166,8 +166,9 @@ class RationalFacts:
     """Exact facts about the rational solution of ``order`` with the free shifts ``free``.
 
     ``peak`` is the value at the origin, ``background`` the limit for large |x|, and ``degree`` that
-    of the denominator in x.  ``reduced``: there is no common factor.  ``symmetric``: it is the same
-    with other signs of x, t and shifts.  ``positive``: the denominator has no real zero.
+    of the denominator in x.  ``reduced``: numerator and denominator have no common factor.
+    ``symmetric``: changing the signs of x, t and all shifts leaves the solution unchanged.
+    ``positive``: the denominator has no real zero.
     """
 
     order: int
@@ -237,7 +238,7 @@ def reflected(polynomial: fmpq_mpoly) -> fmpq_mpoly:
 
 
 def _is_reduced(N: fmpq_mpoly, D: fmpq_mpoly) -> bool:
-    """Return whether N and D are coprime at t = 1, shifts 0; for a D monic in x then everywhere."""
+    """Return whether N and D are coprime at t = 1, shifts 0, hence everywhere for D monic in x."""
     others: dict[str | int, int | fmpz | fmpq] = dict.fromkeys(D.context().names()[1:], 0)
     others["t"] = 1
     leading, _ = leading_in_x(D)

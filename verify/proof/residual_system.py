@@ -36,7 +36,7 @@ from .factors import rational
 from .problem import Problem
 
 Vector = dict[tuple[sp.Expr, bool], sp.Expr]
-"""Constant factors by (monomial in the variables, whether the factor is the imaginary part)."""
+"""Constant coefficients by (monomial in the variables, whether it is the imaginary part)."""
 
 
 @dataclass
@@ -60,7 +60,7 @@ class ResidualSystem:
         _Coefficients(problem, self).collect()
 
     def judge_phase(self, rest: sp.Expr, variables: Sequence[sp.Symbol]) -> None:
-        """Record cases lost if ``rest``, to which a free constant was added, does not vary."""
+        """Record cases lost by a free constant added to ``rest``: those where it is constant."""
         vector = argument_vector(rest, Dependence(variables))
         if rest == 0:
             return
@@ -117,7 +117,7 @@ class _Coefficients:
         return tuple(moving.items()), tuple(constant.items())
 
     def _by_moving(self, polynomial: fmpq_mpoly) -> dict[Monomial, Terms]:
-        """Return the coefficients of a polynomial in the moving generators."""
+        """Return the coefficients, in constants, of a polynomial in the moving generators."""
         parts: defaultdict[Monomial, dict[Monomial, fmpq]] = defaultdict(dict)
         for exponents, c in polynomial.terms():
             moving, constant = self._split(exponents)
@@ -126,13 +126,13 @@ class _Coefficients:
 
     @staticmethod
     def _phases(monomials: Iterable[Monomial]) -> dict[sp.Expr, int]:
-        """Return the generators that every monomial has with the same power; they divide out."""
+        """Return the generators with the same power in all monomials, which can be divided out."""
         rows = [dict(monomial) for monomial in monomials]
         first = rows[0] if rows else {}
         return {g: n for g, n in first.items() if all(row.get(g) == n for row in rows)}
 
     def _relate(self) -> None:
-        """Record the relations of algebraic constants."""
+        """Record in the system the relations of the algebraic constants among the generators."""
         ring, count = self._field.ring, len(self._field.generators)
         for index, degree, modulus in ring.relations:
             meaning = self._meanings[count - 1 - index]
@@ -141,7 +141,7 @@ class _Coefficients:
                 self._system.relations[meaning] = (degree, value.get((), {}))
 
     def _relate_turns(self, polynomials: Iterable[Terms]) -> None:
-        """Record the relations of the sines in which complex exponentials are written."""
+        """Record sin**2 = 1 - cos**2 for the sines that replace complex exponentials."""
         constants = {g for terms in polynomials for monomial in terms for g, _ in monomial}
         for constant in filter(is_turn, constants):
             angle = constant.args[0].as_real_imag()[1]
@@ -150,7 +150,7 @@ class _Coefficients:
             self._system.relations[sine] = (2, square)
 
     def _judge(self, present: set[sp.Expr]) -> None:
-        """Record which of the moving generators are not known to be independent, and when not."""
+        """Record moving generators not known to be independent, and conditions of dependence."""
         triples = dict[sp.Expr, dict[sp.Expr, None]]()
         for generator in sorted(present - {sp.I, *self._variables}, key=sp.default_sort_key):
             if isinstance(generator, sp.exp):
@@ -171,7 +171,7 @@ class _Coefficients:
                 self._system.degenerate += [[entry] for entry in self._meanings.scale(place)]
 
     def _judge_form(self, form: sp.Expr, present: set[sp.Expr]) -> None:
-        """Treat one linear form as a further variable, unless it depends on the present ones."""
+        """Treat a linear form as an independent variable, or record that this is not known."""
         others = [g for g in present if g in self._meanings.forms and g != form]
         vector = argument_vector(form, self._dependence)
         rest = [c for (v, _), c in vector.items() if v not in present] if vector else []
@@ -189,7 +189,7 @@ class _Coefficients:
             self._system.left_out[words] = None
 
     def _judge_exponentials(self, polynomials: Iterable[Iterable[Monomial]]) -> None:
-        """Record when products of exponentials depend, since exponents differ by a constant."""
+        """Record when products of exponentials depend: if their exponents differ by a constant."""
         directions: dict[frozenset[tuple[sp.Expr, int]], None] = {}
         for monomials in polynomials:
             rows: defaultdict[Monomial, list[Counter[sp.Expr]]] = defaultdict(list)
@@ -210,7 +210,7 @@ class _Coefficients:
             self._system.degenerate.append([sp.expand(value) for value in total.values()])
 
     def _judge_together(self, vectors: Sequence[Vector], listed: str) -> None:
-        """Record the minors of several arguments' factors; a nonzero one makes them independent."""
+        """Record the minors of the matrix of ``vectors``; a nonzero one makes them independent."""
         columns = list(dict.fromkeys(key for vector in vectors for key in vector))
         if len(vectors) < 2:
             return
@@ -246,7 +246,7 @@ def _direction(one: Counter[sp.Expr], other: Counter[sp.Expr]) -> frozenset[tupl
 
 
 def argument_vector(argument: sp.Expr, dependence: Dependence) -> Vector | None:
-    """Return constant factors by monomial and part (True: imaginary); None if not a polynomial.
+    """Return the coefficients of a polynomial by (monomial, is imaginary); None for other terms.
 
     >>> x, a, b = sp.symbols("x a b")
     >>> argument_vector((a + sp.I * b) * x, Dependence([x]))
@@ -276,11 +276,11 @@ LARGEST_MINOR = 3
 """Most arguments whose independence is decided by minors."""
 
 SHOWN_LENGTH = 60
-"""Characters shown of a function."""
+"""Most characters of a function that a message shows."""
 
 
 class GeneratorFormulas:
-    """Expressions of the generators of a field; ``forms`` has those that are linear forms."""
+    """SymPy expressions of a field's generators; ``forms`` has those that are linear forms."""
 
     def __init__(
         self, field: Field, symbols: Mapping[str, sp.Symbol], dependence: Dependence

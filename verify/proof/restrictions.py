@@ -24,7 +24,7 @@ LONGEST_SIGNED = 60
 
 @dataclass(frozen=True)
 class Restriction:
-    """Restriction of ``value``: > 0, >= 0, != 0, or the ``relation`` "real" or "integer"."""
+    """Condition on ``value`` by its ``relation``: >, >= or != 0, or "real" or "integer"."""
 
     value: sp.Expr
     relation: str = ">"
@@ -209,7 +209,7 @@ def _values_of(root: sp.Expr, signs: DomainSigns) -> Domain:
 
 
 def _simplified(restriction: Restriction, known: KnownSigns) -> Iterator[Restriction]:
-    """Yield it without squares and known signs; ValueError if it holds only where a square is 0."""
+    """Yield the restriction without squares and known signs; ValueError if a square must be 0."""
     relation = restriction.relation
     if restriction.value.is_number or relation in ("real", "integer"):
         yield restriction
@@ -290,7 +290,7 @@ def _bound(restriction: Restriction, signs: DomainSigns) -> tuple[sp.Symbol, Dom
 
 
 def _end(symbol: sp.Symbol, factor: sp.Expr, signs: DomainSigns) -> sp.Expr | None:
-    """Return the zero of a linear factor."""
+    """Return the zero in ``symbol`` of a linear factor; None if it is not known to have one."""
     if sp.degree(factor, symbol) != 1 or not signs.is_nonzero(factor.coeff(symbol, 1)):
         return None
     return tidy(-factor.coeff(symbol, 0) / factor.coeff(symbol, 1))

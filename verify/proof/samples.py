@@ -16,10 +16,10 @@ SIZES = (1, 1, 1, 4, 4, sp.Rational(1, 30), 30, sp.Rational(1, 1000), 1000)
 """Scales of values drawn from an unbounded domain; most are moderate, where balls are narrow."""
 
 MARGINS = (sp.Rational(1, 20),) * 3 + (sp.Rational(1, 1000), sp.Rational(1, 10**6))
-"""Fractions of a bounded domain that are left out at its ends."""
+"""Fractions of a bounded domain to leave out at each end, one of which is chosen."""
 
 NARROW_MARGIN, NARROW_PERIOD = sp.Rational(1, 10**31), 4
-"""Margin of one symbol in every ``NARROW_PERIOD``-th of the later points."""
+"""Margin of one symbol, used in every ``NARROW_PERIOD``-th of the later points."""
 
 REJECTIONS = 1000
 """Successive points outside the domains after which these are taken to be empty."""
@@ -44,12 +44,12 @@ def sample(domains: Domains, count: int, seed: int = 0) -> tuple[Point, ...]:
         edges = ordered if not early and number % NARROW_PERIOD == 0 else []
         edge = edges[number // NARROW_PERIOD % len(edges)] if edges else None
         for symbol in ordered:
-            size = sp.S.One if early else draw.choice(SIZES)
+            scale = sp.S.One if early else draw.choice(SIZES)
             margin = MARGINS[0] if early else draw.choice(MARGINS)
             sign = signs.get(symbol, 1) if early else draw.choice((1, -1))
             if symbol == edge:
-                size, margin, sign = NARROW_MARGIN, NARROW_MARGIN, 1
-            point[symbol] = _value(domains[symbol], point, size * sign, margin, draw)
+                scale, margin, sign = NARROW_MARGIN, NARROW_MARGIN, 1
+            point[symbol] = _value(domains[symbol], point, scale * sign, margin, draw)
         inside = all(domains[s].contains(value, point) for s, value in point.items())
         points += [point] * inside
         number, rejected = number + 1, 0 if inside else rejected + 1
@@ -68,18 +68,18 @@ def _has_both_signs(domain: Domain) -> bool:
 def _value(
     domain: Domain,
     known: Mapping[sp.Symbol, sp.Rational],
-    size: sp.Rational,
+    scale: sp.Rational,
     margin: sp.Rational,
     draw: random.Random,
 ) -> sp.Rational:
-    """Draw a value of the domain: a fraction of a bounded one, else a distance from its end."""
+    """Draw a value: at a random fraction of a bounded domain, else at a distance from its end."""
     lower, upper = (rational_near(end) for end in domain.ends(known))
     prime = draw.choice(DENOMINATORS)
     fraction = sp.Rational(draw.randint(1, prime - 1), prime)
     if lower is None:
-        value = size * fraction if upper is None else upper - _length(-upper, size) * fraction
+        value = scale * fraction if upper is None else upper - _length(-upper, scale) * fraction
     elif upper is None:
-        value = lower + _length(lower, size) * fraction
+        value = lower + _length(lower, scale) * fraction
     else:
         edge = margin * (upper - lower)
         value = lower + edge + (upper - lower - 2 * edge) * fraction
@@ -91,13 +91,13 @@ def _value(
     return sp.Integer(draw.randint(-9, 9) + int(value) if abs(value) <= 9 else int(value))
 
 
-def _length(end: sp.Rational, size: sp.Rational) -> sp.Rational:
-    """Return the largest distance from an end: ``size``, or past 0 if a sign change is possible."""
-    return abs(size) if size > 0 or end >= 0 else -2 * end
+def _length(end: sp.Rational, scale: sp.Rational) -> sp.Rational:
+    """Return the largest distance from an end to draw: |scale|, or to the other side of 0."""
+    return abs(scale) if scale > 0 or end >= 0 else -2 * end
 
 
 def rational_near(end: sp.Expr) -> sp.Rational | None:
-    """Return a rational number close to a real end, within the margins; None if it is infinite."""
+    """Return a rational number closer to a real end than any margin; None if it is infinite."""
     if end in (sp.oo, -sp.oo):
         return None
     if end.is_Rational:

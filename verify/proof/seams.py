@@ -49,7 +49,7 @@ POLES = {"tan": "cos", "sec": "cos", "cot": "sin", "csc": "sin", "coth": "sinh",
 """Functions with poles on the real axis, and the function that is 0 there."""
 
 SAFE = ("exp", "sin", "cos", "sinh", "cosh", "tanh", "sech", "erf")
-"""Functions of which SymPy changes only the notation."""
+"""Functions whose text in SymPy differs from the typed one only in notation."""
 
 LONGEST_PLACE = 60
 """Most characters of a place that is not abbreviated."""
@@ -59,7 +59,7 @@ ONE = Fraction(1)
 
 @dataclass(frozen=True)
 class Seam:
-    """Place as an equation in text; ``line`` is the line of `typed_places` for it.
+    """Seam at ``place``, an equation as text; ``line`` is its line in `typed_places`.
 
     With an empty ``place`` the line is for a formula that is never 0 or has no variable;
     ``own_line`` is then the line for a factor without variables.

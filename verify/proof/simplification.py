@@ -28,14 +28,14 @@ from .domain_signs import BELOW_PI, DomainSigns, lies_between
 from .factors import Quotients, TooLong, factored
 
 ROOT_DIGITS, LARGEST_DENOMINATOR = 40, 10**6
-"""Decimals to which a cube root is evaluated, and largest denominator in its exact form."""
+"""Decimals to which a cube root is evaluated, and largest denominator in its exact value."""
 
 REAL_ON_THE_LINE = (sp.exp, *HYPERBOLIC, *TRIGONOMETRIC)
-"""Meromorphic functions that take conjugates to conjugates."""
+"""Meromorphic functions f with f(conj z) = conj f(z)."""
 
 
 class Rewriting:
-    """Simpler forms of expressions on domains; ``found`` maps nodes, as they stood, to new ones."""
+    """Simpler forms of expressions on domains; ``found`` maps original nodes to new ones."""
 
     def __init__(self, signs: DomainSigns) -> None:
         self.signs = signs
@@ -132,7 +132,7 @@ class Rewriting:
         return lies_between(self.signs.range(sp.expand(angle)), -BELOW_PI, BELOW_PI)
 
     def _known_factors(self, factors: Sequence[sp.Expr]) -> tuple[list[sp.Expr], sp.Expr]:
-        """Return the absolute values of factors of known sign, and the rest with the total sign."""
+        """Split off factors of known sign: return their absolute values, and the signed rest."""
         outside, inside, sign = [], sp.S.One, 1
         for factor in factors:
             if self.signs.is_nonnegative(factor):
@@ -184,7 +184,7 @@ class Rewriting:
         return None
 
     def _factors(self, product: sp.Expr, degree: int) -> Sequence[sp.Expr]:
-        """Return the factors of a product, or of a sum with a monomial or a power >= ``degree``."""
+        """Return a product's factors, or a sum's if one is a power >= ``degree`` or no sum."""
         if product.is_Mul:
             return tuple(product.args)
         below = product.is_Pow and product.exp == -1
@@ -218,8 +218,8 @@ class Rewriting:
             return self._absolute(inner)
         if not (self.signs.is_positive(inner) or self.signs.is_positive(-inner)):
             return None
-        if isinstance(size := sp.Abs(inner), sp.Abs):
-            self.found[size] = self._absolute(inner)
+        if isinstance(modulus := sp.Abs(inner), sp.Abs):
+            self.found[modulus] = self._absolute(inner)
         return sp.S.One if self.signs.is_positive(inner) else sp.S.NegativeOne
 
     def _real_part(self, node: sp.Expr) -> sp.Expr | None:
@@ -264,7 +264,7 @@ SQUARES: Mapping[Any, Callable[..., dict[sp.Expr, sp.Expr]]] = {
     jacobi_cn: lambda f, z, m: {1 - f**2: jacobi_sn(z, m), 1 - m + m * f**2: jacobi_dn(z, m)},
     jacobi_dn: lambda f, z, m: {1 - f**2: sp.sqrt(m) * jacobi_sn(z, m)},
 }
-"""Sums that are the square of another function: root by sum."""
+"""For each function f, expressions in f that are a square, mapped to a square root."""
 
 
 def _squared_function(total: sp.Expr) -> sp.Expr | None:
@@ -305,10 +305,10 @@ def _denested(base: sp.Expr) -> sp.Expr | None:
     try:
         for a, b, square in _quadratics(base):
             unit, powers = factored(a**2 - b**2 * square)
-            size = sp.sqrt(unit)
-            if not size.is_Rational or any(power % 2 for _, power in powers):
+            root_of_unit = sp.sqrt(unit)
+            if not root_of_unit.is_Rational or any(power % 2 for _, power in powers):
                 continue
-            half = sp.Mul(size, *(f ** (power // 2) for f, power in powers)) / 2
+            half = sp.Mul(root_of_unit, *(f ** (power // 2) for f, power in powers)) / 2
             high, low = sp.expand(a / 2 + half), sp.expand(a / 2 - half)
             return _joined_roots(high, low, b, square)
     except TooLong:
@@ -373,10 +373,10 @@ def conjugated(expression: sp.Expr, signs: DomainSigns) -> sp.Expr | None:
     return None if any(argument is None for argument in arguments) else expression.func(*arguments)
 
 
-def needs_integers(size: sp.Expr) -> bool:
-    """Return whether a modulus or sign is known only for integer symbols: abs(n-1) for n > 0."""
-    whole = [s for s in size.free_symbols if s.is_integer]
+def needs_integers(node: sp.Expr) -> bool:
+    """Return whether an abs or sign simplifies only for integers, such as abs(n-1) for n > 0."""
+    whole = [s for s in node.free_symbols if s.is_integer]
     real = {s: sp.Dummy(real=True, positive=s.is_positive, negative=s.is_negative) for s in whole}
-    if not whole or isinstance(sp.Abs(size.args[0]), sp.Abs):
+    if not whole or isinstance(sp.Abs(node.args[0]), sp.Abs):
         return False
-    return isinstance(sp.Abs(size.args[0].xreplace(real)), sp.Abs)
+    return isinstance(sp.Abs(node.args[0].xreplace(real)), sp.Abs)

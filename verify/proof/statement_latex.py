@@ -28,7 +28,7 @@ def statement_latex(statement: Statement) -> str:
 
 
 def conditions_latex(statement: Statement) -> tuple[str, ...]:
-    """Return the conditions on parameters and variables in LaTeX; real names have none."""
+    """Return the conditions on parameters and variables in LaTeX, none for a name that is real."""
     return tuple(filter(None, map(_condition, conditions(statement.texts))))
 
 
@@ -60,7 +60,7 @@ def formulas_latex(statement: Statement) -> str:
 
 
 def _equation(trees: StatementTrees, text: str, left: FormulaTree) -> str:
-    """Return an equation with both typed sides; the tree has the right side with a minus."""
+    """Return an equation in LaTeX with both typed sides; its tree is left side minus right side."""
     if "=" in text and isinstance(left, Sum):
         first, second = left.parts
         return f"{_latex(trees, first)} = {_latex(trees, second.inner()[1])}"

@@ -52,7 +52,7 @@ class StatementProblem(Problem):
         return list(dict.fromkeys(parts))
 
     def _parts(self, node: sp.Expr) -> Iterator[sp.Expr]:
-        """Yield the formulas in ``node``, also conjugated if needed, and functions of them."""
+        """Yield the formulas of unknowns in ``node``, their conjugates, and functions of them."""
         assert self.statement is not None
         if not node.atoms(AppliedUndef):
             yield node
@@ -60,16 +60,16 @@ class StatementProblem(Problem):
         if isinstance(node, AppliedUndef):
             yield residual_of(self.statement, node)
             return
-        size = node.is_Pow and isinstance(node.base, sp.Abs) and node.exp.is_even
+        of_modulus = node.is_Pow and isinstance(node.base, sp.Abs) and node.exp.is_even
         inner = [node.expr] if isinstance(node, sp.Derivative) else node.args
-        inner = node.base.args if size else inner
+        inner = node.base.args if of_modulus else inner
         for part in inner:
             yield from self._parts(part)
-        if size or isinstance(node, CONJUGATES):
+        if of_modulus or isinstance(node, CONJUGATES):
             for part in inner:
                 yield from (formula.xreplace({sp.I: -sp.I}) for formula in self._parts(part))
         plain = node.is_Add or node.is_Mul or (node.is_Pow and node.exp.is_Integer)
-        if not (plain or size or isinstance(node, (sp.Derivative, sp.conjugate))):
+        if not (plain or of_modulus or isinstance(node, (sp.Derivative, sp.conjugate))):
             arguments = (residual_of(self.statement, part) for part in node.args)
             yield node.func(*arguments, evaluate=False)
 
@@ -93,7 +93,7 @@ def all_domains(statement: Statement, *equations: sp.Expr) -> Domains:
 
 
 def typed_domains(statement: Statement) -> Domains:
-    """Return the domains of all symbols, including those that SymPy cancels."""
+    """Return the domains of all symbols in the typed texts, including those that SymPy cancels."""
     domains = all_domains(statement, *statement.equations)
     names = {str(symbol) for symbol in domains}
     others = {s: d for s, d in statement.domains.items() if str(s) not in names}

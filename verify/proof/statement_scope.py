@@ -22,13 +22,13 @@ SMOOTH = "wherever the formulas are smooth"
 
 @dataclass(frozen=True)
 class Scope:
-    """Names by the kind of their values, and the typed conditions on them."""
+    """Names of a statement by kind (real, integer, ...), and the typed conditions on them."""
 
     kinds: Mapping[str, Sequence[str]]
     conditions: tuple[str, ...]
 
     def listed(self, kinds: Sequence[str]) -> str:
-        """Join the kinds with their names, functions last."""
+        """Join entries such as "real m, x" into one text; functions are the last entry."""
         *values, last = kinds
         if "function" not in self.kinds:
             return "; ".join(kinds)

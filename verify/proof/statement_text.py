@@ -170,7 +170,7 @@ class _Reading:
         return expression
 
     def _ordered_entries(self) -> list[TextPart]:
-        """Return the entries, first those of parameters that bound the domains of others."""
+        """Return the parameters' entries, those that bound the domains of others first."""
         waiting, ordered = list(self.entries), list[TextPart]()
 
         def is_free(entry: TextPart) -> bool:
@@ -264,7 +264,7 @@ class _Reading:
             self._keep(self.variables[letter], replace(domain, lower=lower, upper=upper))
 
     def _limited(self, part: TextPart, plain: Mapping[str, sp.Symbol]) -> tuple[str, Domain]:
-        """Return the variable that an inequality restricts (a lone side first), and its domain."""
+        """Return the variable that a condition restricts, and its domain."""
         first: FormulaError | None = None
         for name in self._subjects(part, [*plain]):
             try:
@@ -275,7 +275,7 @@ class _Reading:
         raise first
 
     def _subjects(self, part: TextPart, letters: Sequence[str]) -> list[str]:
-        """Return the variables that an inequality may restrict."""
+        """Return the variables that a condition may restrict: one that is a side, or else all."""
         sides: list[list[Token]] = [[]]
         for word in part.words[:-1]:
             if word.kind == "sign" and word.text in ("<", "<=", ">", ">=", "!="):
@@ -391,7 +391,7 @@ class _Reading:
         return misread(name, spelling, declared=declared)
 
     def _target(self, part: TextPart) -> sp.Symbol:
-        """Return the parameter to solve for."""
+        """Return the symbol of a parameter to solve for, named by a part of ``solve``."""
         symbol = self.names.get(part.words[0].text)
         if len(part.words) > 2 or not isinstance(symbol, sp.Symbol):
             known = ", ".join(n for n, value in self.names.items() if value.is_Symbol) or "none"

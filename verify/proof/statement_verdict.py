@@ -51,7 +51,7 @@ class StatementVerdict(ProofVerdict):
 
     @property
     def hint_certificates(self) -> tuple[Mapping[str, Any], ...]:
-        """Certificates of the hint."""
+        """Certificates of the statement that the hint proposes."""
         return self.hint_verdict.certificates if self.hint_verdict else ()
 
     @property
@@ -62,7 +62,7 @@ class StatementVerdict(ProofVerdict):
         return super().html_rows | {"equation": equation, "what would hold": self.hint}
 
     def json(self) -> dict[str, Any]:
-        """Return the record as plain data."""
+        """Return the verdict as plain data."""
         return {
             "name": self.name,
             "verdict": self.outcome.value,

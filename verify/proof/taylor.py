@@ -23,7 +23,7 @@ def _product(left: Sequence[acb], right: Sequence[acb], place: int) -> acb:
 
 
 def periodic(name: str) -> Callable[[acb, int], Series]:
-    """Return the series of sin, cos, sinh or cosh, whose derivatives alternate between two."""
+    """Return the series of sin, cos, sinh or cosh, from the alternating derivatives."""
     other = {"sin": "cos", "cos": "sin", "sinh": "cosh", "cosh": "sinh"}[name]
     signs = {"sin": (1, 1, -1, -1), "cos": (1, -1, -1, 1)}.get(name, (1, 1, 1, 1))
 
@@ -140,29 +140,29 @@ INVERSE_SLOPES: dict[str, Callable[[acb_series], acb_series]] = {
 
 
 class ElementaryJacobi:
-    """Jacobi functions for m = 0 and m = 1: sn, cn, dn, epsilon, and zeta for m = 0."""
+    """Jacobi functions at m = 0 and at m = 1: sn, cn, dn and epsilon; zeta only at m = 0."""
 
     K = E = acb(1)
-    """Complete integrals, up to a common factor."""
+    """Complete integrals K and E up to a common factor; only the ratio E/K is used."""
 
     def __init__(self, m: acb) -> None:
         self.m = m
         self.sn, self.cn = (acb.sin, acb.cos) if m == 0 else (acb.tanh, acb.sech)
 
     def dn(self, z: acb) -> acb:
-        """Return dn."""
+        """Return dn(z)."""
         return acb(1) if self.m == 0 else z.sech()
 
     def epsilon(self, z: acb) -> acb:
-        """Return the integral of dn**2 from 0."""
+        """Return epsilon(z), the integral of dn**2 from 0 to z."""
         return z if self.m == 0 else z.tanh()
 
     def zeta(self, z: acb) -> acb:
-        """Return Theta'/Theta for m = 0; raises ValueError for m = 1."""
+        """Return zeta = Theta'/Theta for m = 0, where it is 0; raises ValueError for m = 1."""
         return acb(0) if self.m == 0 else self.theta(z)
 
     def theta(self, _z: acb) -> acb:
-        """Raise ValueError: theta is not defined here."""
+        """Raise ValueError: Theta is not available at m = 0 and m = 1."""
         raise ValueError(f"this function needs 0 < m < 1, got m = {self.m.str(10)}")
 
 
@@ -173,13 +173,13 @@ class Elliptic:
         self._values = (ElementaryJacobi if m in (0, 1) else Jacobi)(m)
 
     def epsilon(self, z: acb, order: int) -> Series:
-        """Return the integral of dn**2 from 0."""
+        """Return the series of epsilon, the integral of dn**2 from 0 to z."""
         dn = self.dn(z, order)
         start = self._values.epsilon(z)
         return [start, *(_product(dn, dn, n) / (n + 1) for n in range(order))]
 
     def zeta(self, z: acb, order: int) -> Series:
-        """Theta'/Theta."""
+        """Return the series of zeta = Theta'/Theta."""
         rest, mean = self.epsilon(z, order)[1:], self._values.E / self._values.K
         return [self._values.zeta(z), *(c - mean * (n == 0) for n, c in enumerate(rest))]
 

@@ -31,7 +31,7 @@ _ONE = (
     *(sp.erf, sp.sign, sp.conjugate, sp.re, sp.im, sp.elliptic_k, sp.elliptic_e),
 )
 BESSEL = {f"bessel_{kind}": getattr(sp, f"bessel{kind}") for kind in "jyik"}
-"""Bessel functions of (order, z)."""
+"""SymPy's Bessel functions by name; their arguments are (order, z)."""
 
 OTHERS = {
     "airy_ai": sp.airyai,
@@ -40,7 +40,7 @@ OTHERS = {
     "airy_bi_prime": sp.airybiprime,
     "lambert_w": sp.LambertW,
 }
-"""Functions of z with another name in SymPy."""
+"""Functions whose name in SymPy differs from that in the grammar."""
 
 FUNCTIONS = {
     "abs": (sp.Abs, 1),

@@ -26,7 +26,7 @@ WORDS = {
     "negative": Domain(upper=sp.S.Zero),
     "nonzero": Domain(nonzero=True),
 }
-"""Domains in one word; `complex` is not a domain and must be the only word."""
+"""Domains by their word; ``complex`` is not a domain and must be the only word."""
 
 RESERVED = (*WORDS, "complex", "function")
 """Words for domains and kinds, which cannot be names."""
@@ -57,7 +57,7 @@ class TextPart:
         return FormulaError(self.label, words, self.text, self.words[place].start)
 
     def index(self, *signs: str) -> int | None:
-        """Return the position of the first of the signs, or None."""
+        """Return the position of the first word among ``signs``, or None."""
         positions = (i for i, w in enumerate(self.words) if w.kind == "sign" and w.text in signs)
         return next(positions, None)
 
@@ -145,7 +145,7 @@ def symbol_of(name: str, domain: Domain) -> sp.Symbol:
 
 
 def _linear(gap: sp.Expr, sign: str, own: sp.Symbol) -> Domain | None:
-    """Return the domain of ``own`` where ``gap`` has a sign; None if it has no rational slope."""
+    """Return the domain of ``own`` where ``gap`` > 0 (or <, >=, <=); None if it is not linear."""
     slope = sp.expand(gap).coeff(own, 1)
     end = sp.expand(gap) - slope * own
     if not slope.is_Rational or slope == 0 or end.has(own) or sign == "!=":
@@ -156,7 +156,7 @@ def _linear(gap: sp.Expr, sign: str, own: sp.Symbol) -> Domain | None:
 
 
 def _between(sides: Sequence[sp.Expr], signs: Sequence[str], place: int) -> Domain:
-    """Return the domain of the side number ``place`` of a chain of inequalities."""
+    """Return the domain of side number ``place`` in a chain of inequalities."""
     if signs[0][0] == ">":
         sides, signs, place = sides[::-1], signs[::-1], len(signs) - place
     lower, upper, lower_open, upper_open = -sp.oo, sp.oo, True, True

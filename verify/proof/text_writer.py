@@ -11,7 +11,7 @@ from longwave.derive.algebra.formula_tree import ATOM, POWER, PRODUCT, SUM, Part
 Node = list[Any]
 
 Meaning = Callable[[int], Part]
-"""Function that returns the text of the node at a place, for use in the text of another."""
+"""Function that maps the index of a node to its text, for use within another text."""
 
 LEAVES = ("number", "symbol", "constant")
 
@@ -60,7 +60,7 @@ def node_text(
 
 
 def _product(parts: Sequence[Part]) -> str:
-    """Return a product; a number comes first, and -1 is a sign."""
+    """Return a product as text; a number comes first, and -1 is written as a sign."""
     (head, level), *rest = parts
     texts = [head if level >= POWER or (head[-1].isdigit() and level) else f"({head})"]
     texts += [text if level >= POWER else f"({text})" for text, level in rest]

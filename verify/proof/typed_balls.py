@@ -37,20 +37,20 @@ SIZES = ("abs", "sign", "re", "im", "conjugate")
 
 @dataclass(frozen=True)
 class TypedBall:
-    """A jet, and whether the formula's structure makes it real."""
+    """Jet of a formula, and whether the formula's structure makes it real."""
 
     jet: ball_jets.Jet
     is_real: bool
 
     @classmethod
     def of(cls, jet: ball_jets.Jet, is_real: bool) -> TypedBall:
-        """Return a ball; for a real formula, drop the imaginary parts left by rounding."""
+        """Return a `TypedBall`; for a real formula, drop the imaginary parts left by rounding."""
         parts = tuple(acb(c.real) for c in jet.coefficients) if is_real else jet.coefficients
         return cls(ball_jets.Jet(jet.shape, parts), is_real)
 
 
 class TypedBalls:
-    """Residuals of a statement's trees; ``integers`` are the names with integer values."""
+    """Evaluator of the residuals of a statement's trees; ``integers`` names the integer symbols."""
 
     def __init__(self, trees: StatementTrees, integers: Collection[str]) -> None:
         self.trees = trees
@@ -61,7 +61,7 @@ class TypedBalls:
             self._need(equation, {(0,) * len(self.letters)})
 
     def residuals(self, point: TextPoint, bits: int) -> Iterator[acb]:
-        """Yield a ball for each equation; raises ValueError if there is none."""
+        """Yield the ball of each equation's residual; raises ValueError if it has no value."""
         with ctx.workprec(bits):
             shapes = {key: shape_of(frozenset(tops)) for key, tops in self._needed.items()}
             top = TypedPlace(self, point, ball_jets.JetShape([(0,) * len(self.letters)]))
@@ -76,7 +76,7 @@ class TypedBalls:
                 yield ball
 
     def steps_of(self, steps: Collection[str]) -> ball_jets.Index:
-        """Return the order of a derivative in each variable."""
+        """Return the order in each variable of a derivative along ``steps``, as for ``u_xxt``."""
         return tuple([*steps].count(letter) for letter in self.letters)
 
     def _need(self, formula: FormulaTree, tops: set[ball_jets.Index]) -> None:
@@ -108,7 +108,7 @@ class TypedPlace:
         self._found: dict[FormulaTree, TypedBall] = {}
 
     def value(self, formula: FormulaTree) -> TypedBall:
-        """Return the jet of a formula."""
+        """Return the jet of a formula at the point, and whether it is real."""
         if formula not in self._found:
             ball = self._value(formula)
             fixed = ball.jet.value.imag == 0 and names_in(formula) <= CONSTANTS.keys()
@@ -199,11 +199,11 @@ class TypedPlace:
         return syntax.rational(syntax.mapped(exponent, image))
 
     def _is_zero(self, formula: FormulaTree, ball: TypedBall) -> bool:
-        """Return whether a formula is 0 and free of continuous variables, as are its roots then."""
+        """Return whether a formula is 0 and free of continuous variables: its roots are then 0."""
         return bool(ball.jet.value == 0) and not names_in(formula) & {*self._balls.letters}
 
     def _check_smooth(self, function: type, ball: TypedBall) -> None:
-        """Raise ValueError on a cut, unless a real argument of a logarithm or power stays on it."""
+        """Raise ValueError on a cut, unless it is that of log and the argument stays real."""
         value = ball.jet.value
         along = function is sp.log and ball.is_real and not value.contains(0)
         if ball_jets.touches_cut(function, value) and not along:

@@ -39,7 +39,7 @@ NO_VERDICT = (
     *(ValueError, TypeError, RecursionError, NotImplementedError, OverflowError),
     sp.PolynomialError,
 )
-"""Errors of a search without a proof; exponents above 64 bits overflow in FLINT."""
+"""Errors that end a search without a proof; exponents above 64 bits overflow in FLINT."""
 
 MOST_FUNCTIONS = 80
 """Most functions, powers and names in the trees."""
@@ -55,7 +55,7 @@ UNIT = (3 - 4 * sp.I) / 5
 
 @dataclass(frozen=True)
 class Typed:
-    """Part of a tree without unknowns; SymPy's simplified ``value`` and the ``plain`` form."""
+    """Part of a tree without unknowns: SymPy's simplified ``value`` and unevaluated ``plain``."""
 
     tree: FormulaTree
     value: sp.Expr
@@ -150,7 +150,7 @@ def typed_nodes(
 
 
 def put_in(trees: StatementTrees, formula: FormulaTree) -> FormulaTree:
-    """Substitute unknowns and defined names in a formula by their formulas."""
+    """Replace unknowns and defined names in a formula by their formulas."""
 
     def image(node: FormulaTree) -> FormulaTree | None:
         if not isinstance(node, syntax.Unknown):

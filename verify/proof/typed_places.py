@@ -25,11 +25,11 @@ from .typed_hints import Typed, typed_nodes
 from .typed_statement import Statement
 
 DEPTH = 5
-"""Levels of a formula that a printed line shows."""
+"""Nesting depth to which a printed line shows a formula."""
 
 
 def typed_places(statement: Statement) -> tuple[str, ...]:
-    """Return a line for each place that may not be smooth; integer zeros are listed one by one.
+    """Return a line for each place where a formula may not be smooth; an integer zero is a place.
 
     >>> from longwave.verify.proof.statement_text import read_statement as read
     >>> typed_places(read("u_x - 1", "u = x + 0/x"))

@@ -28,7 +28,7 @@ class StatementTexts:
     domain: tuple[str, ...] = ()
 
     def with_values(self, values: Mapping[str, str]) -> StatementTexts:
-        """Return the texts with parameters defined by formulas instead of free.
+        """Return the texts with formulas as the definitions of parameters that were free.
 
         >>> texts = StatementTexts(("x",), ("u_x - b",), ("u = x",), ("b: b>0",))
         >>> texts.with_values({"b": "1"}).parameters
@@ -71,12 +71,12 @@ class StatementTrees:
         return names - {*self.definitions, *CONSTANTS}
 
     def with_values(self, values: Mapping[str, str]) -> StatementTrees:
-        """Return the trees with parameters defined by texts of formulas."""
+        """Return the trees with parameters defined by formulas, given as text."""
         trees = {name: tree_of(text) for name, text in values.items()}
         return replace(self, definitions={**self.definitions, **trees})
 
     def changed(self, image: Callable[[FormulaTree], FormulaTree]) -> StatementTrees:
-        """Return the trees with the image of each formula."""
+        """Return the trees with ``image`` applied to each formula."""
         equations = tuple(map(image, self.equations))
         solutions = {name: image(formula) for name, formula in self.solutions.items()}
         definitions = {name: image(formula) for name, formula in self.definitions.items()}

@@ -27,17 +27,19 @@ from .typed_balls import TextPoint, TypedBalls
 from .typed_statement import Statement, StatementTrees
 
 POINTS_WITH_INTEGERS = 4
-"""Sampled points at which the first integers are tried too."""
+"""Sampled points that are repeated with small integers for the integer symbols."""
 
 BITS = (128, 512, 2048, 8192)
-"""Precisions; the last two detect changes by 10**-40 and tails such as 1 - tanh(1000)."""
+"""Precisions in bits; the last two detect changes by 10**-40 and tails such as 1 - tanh(1000)."""
 
 QUICK = ((BITS[0], 8), (BITS[2], 1))
+"""Bits and number of points in each pass of the search for a failure before a proof."""
+
 THOROUGH = ((BITS[0], 48), (BITS[1], 48), (BITS[2], 8), (BITS[3], 8))
-"""Bits and numbers of points of the search for a failure, before a proof and if it fails."""
+"""Bits and number of points in each pass of the search for a failure if no proof is found."""
 
 FIRST_INTEGERS, MOST_COMBINATIONS = 4, 16
-"""Range of integers tried next to the end of their domain or about 0, and most combinations."""
+"""Width of the range of integers tried at an end of a domain or about 0; most combinations."""
 
 COMPLEX = ("2/3 + 5/7*I", "-3/5 + 4/9*I", "-7/8 - 3/4*I", "5/4*I", "11/7")
 """Values in several quadrants of the complex plane, and on its axes."""
@@ -147,7 +149,7 @@ class TypedValues:
                 gaps = [(a - b, a.abs_upper() + 1) for a, b in zip(typed, other, strict=True)]
                 if any(not gap.contains(0) for gap, _ in gaps):
                     return False
-                if all(gap.abs_upper() < size * RELATIVE_AGREEMENT for gap, size in gaps):
+                if all(gap.abs_upper() < scale * RELATIVE_AGREEMENT for gap, scale in gaps):
                     return True
         return None
 
@@ -164,7 +166,7 @@ class TypedValues:
                 yield point
 
     def _points(self, count: int, most: int = POINTS_WITH_INTEGERS) -> Iterator[TextPoint]:
-        """Yield sampled points; the first ``most`` of them are repeated with the first integers."""
+        """Yield sampled points, and the first ``most`` of them again with small integers."""
         known = {str(symbol): symbol for symbol in self._domains}
         added = {sp.Symbol(name, real=True): Domain() for name in self._names - known.keys()}
         integers = [s for s in self._domains if self._domains[s].integer]
@@ -178,7 +180,7 @@ class TypedValues:
                     yield {str(s): Fraction(int(v.p), int(v.q)) for s, v in whole.items()}
 
     def _with_first(self, point: Point, integers: Sequence[sp.Symbol]) -> Iterator[Point]:
-        """Yield the point with the first values of integers, whose ends may be earlier ones."""
+        """Yield the point with small values of ``integers``; the ends of one may contain others."""
         if not integers:
             yield point
             return

@@ -102,7 +102,7 @@ def _decided(statement: Statement, progress: Progress) -> StatementVerdict:
 def _solved(
     statement: Statement, conditions: Sequence[sp.Expr], sides: StatementVerdict, words: str
 ) -> ConditionalVerdict:
-    """Return the values of the ``targets`` parameters for which the jump conditions hold."""
+    """Return the values of the ``solve_for`` parameters for which the jump conditions hold."""
     if not conditions:
         raise ValueError("every value holds, since the jump gives no condition")
     targets = [str(symbol) for symbol in statement.solve_for]
@@ -164,7 +164,7 @@ def _vanishes(statement: Statement, condition: sp.Expr) -> ProofVerdict:
 
 @dataclass(frozen=True)
 class Plane:
-    """The plane ``variable = end``; ``sides`` has the trees of the formulas above and below it."""
+    """The plane ``variable = end``; ``sides``: the trees of the formulas above and below it."""
 
     variable: sp.Symbol
     end: sp.Expr
@@ -173,15 +173,17 @@ class Plane:
 
 
 def travelling_plane(statement: Statement) -> Plane:
-    """Return the one plane at which the formulas jump; raises ValueError if there is not one."""
+    """Return the plane at which the formulas jump; raises ValueError unless there is just one."""
     if statement.complexes or statement.functions:
-        raise ValueError("with weak a statement must be real and without functions")
+        rule = "with weak a statement must be real and without functions"
+        raise ValueError(f"{rule} (declare real parameters)")
     places = seams(statement)
     by_name = {str(v): v for v in statement.variables}
     name = places[0].place.partition(" = ")[0] if len(places) == 1 else ""
     if name not in by_name or places[0].at_sites:
         listed = ", ".join(seam.place for seam in places) or "none"
-        raise ValueError(f"with weak the formulas must jump at one plane, got {listed}")
+        rule = "with weak the formulas must jump at one plane"
+        raise ValueError(f"{rule}, got {listed} (write the jump by sign or abs)")
     trees, words = statement.trees, vocabulary(statement)
     build = ExpressionBuilder(words).expression
     whole = {name: put_in(trees, tree) for name, tree in trees.solutions.items()}
@@ -199,7 +201,7 @@ def travelling_plane(statement: Statement) -> Plane:
         ends.add(sp.expand(-(value - slope * variable) / slope))
         slopes[kink] = 1 if signs.is_positive(slope) else -1
         if not (signs.is_positive(slope) or signs.is_positive(-slope)):
-            raise ValueError(f"the sign of {slope} must be known from the parameters")
+            raise ValueError(f"the sign of {slope} must be known (state it, as in c: c>0)")
     if len(ends) != 1 or any(end.has(variable) for end in ends):
         raise ValueError("with weak the formulas must jump at one plane by abs and sign alone")
     (end,) = ends
@@ -224,7 +226,7 @@ def travelling_plane(statement: Statement) -> Plane:
 
 
 def _check_smooth(tree: FormulaTree, value: sp.Expr, domains: Domains) -> None:
-    """Raise ValueError unless SymPy leaves a formula unchanged and it is smooth everywhere."""
+    """Raise ValueError unless a formula has only functions in `SAFE` and is smooth everywhere."""
     for node in tree.nodes():
         power = rational(node.parts[1]) if isinstance(node, Power) else None
         whole = power is not None and power.denominator == 1
@@ -287,7 +289,7 @@ def _summands(tree: FormulaTree) -> Iterator[FormulaTree]:
 
 
 def _values(statement: Statement, plane: Plane, inner: FormulaTree) -> tuple[sp.Expr, sp.Expr]:
-    """Return a formula in the unknowns above and below the plane."""
+    """Return the values above and below the plane of ``inner``, a formula in the unknowns."""
     build = ExpressionBuilder(vocabulary(statement)).expression
     domains = all_domains(statement, *statement.equations)
     values = []

@@ -22,7 +22,7 @@ def _rational(value: fmpq) -> str:
 
 
 def _nested(joined: str) -> Callable[..., str]:
-    """Return a right fold of the two-part format ``joined`` over any number of parts."""
+    """Return a function that nests any number of parts to the right by a two-part format."""
     return lambda *parts: fold(lambda text, part: joined.format(part, text), reversed(parts))
 
 
@@ -48,7 +48,7 @@ DATA: dict[str, Callable[..., str]] = {
     "sum": _nested("(Sum {} {})"),
     "product": _nested("(Prod {} {})"),
 }
-"""Terms as the engine's data; `_Theorem` adds nodes and jets, which are list positions."""
+"""Format of each kind of term as the engine's data; nodes and jets are list positions."""
 
 CONJUNCTION = _nested("(conj {} {})")
 """Conjunction of proofs, ended by ``I``."""

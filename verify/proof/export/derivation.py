@@ -93,12 +93,12 @@ class _Premises:
 
     @property
     def all(self) -> list[Premise]:
-        """All premises; `guards` has their indices."""
+        """All premises in order; `guards` refers to them by index."""
         stated = [self._field.premise(*entry) for entry in self._comments.items()]
         return [*stated, *self._denominators]
 
     def used_steps(self) -> list[tuple[Step, Element | None]]:
-        """Return the steps without definitions that neither a step nor a premise uses."""
+        """Return the steps, omitting definitions that no step and no premise uses."""
         field = self._field
         for question, comment in field.signs.shared.items():
             self._comments.setdefault(question, comment)
@@ -187,7 +187,7 @@ def _names(term: Term) -> set[Term]:
 def _used_backwards(
     steps: Sequence[tuple[Step, Element | None]], used: set[Term]
 ) -> Iterator[tuple[Step, Element | None]]:
-    """Yield the steps, last first, without definitions of unused names; extend ``used``."""
+    """Yield the steps, last first, omitting definitions of unused names; extend ``used``."""
     for step, value in reversed(steps):
         if isinstance(step, Definition) and step.name not in used:
             continue

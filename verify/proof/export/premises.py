@@ -40,7 +40,7 @@ RELATIONS: Mapping[str, str] = {
     "connected": "the domain is connected",
     "not_zero": "{} is not 0",
 }
-"""Relations in words."""
+"""Template of each relation in words."""
 
 PURPOSES: Mapping[str, str] = {
     **dict.fromkeys(("Pow", "log"), "the branch of"),
@@ -54,14 +54,14 @@ PURPOSES: Mapping[str, str] = {
 
 @dataclass
 class Asker:
-    """Recorder of questions; ``depth`` counts nested rules of signs, ``noted`` has what holds."""
+    """Record of a block: ``noted`` has questions that hold, ``depth`` counts nested questions."""
 
     depth: int = 0
     noted: dict[Question, None] = field(default_factory=dict)
 
 
 class TracedSigns(Signs):
-    """The checker's signs; they record the questions that hold."""
+    """The checker's signs, which record each question that holds."""
 
     def __init__(self, images: Field) -> None:
         super().__init__(images.nodes, images.image, images.positive, images.hints.signs)
@@ -83,7 +83,7 @@ class TracedSigns(Signs):
             self.askers.pop()
 
     def note(self, question: Question) -> None:
-        """Record a premise unless it holds for numbers or says that a fraction is analytic."""
+        """Record a premise, unless it holds for numbers or a rational formula is analytic."""
         if question.relation == "analytic" and all(map(self._is_fraction, question.nodes)):
             return
         values = [self._nodes.value(node) for node in question.nodes]
@@ -166,7 +166,7 @@ class FormulaWords:
         self._known: dict[int, tuple[Part, frozenset[int]]] = {}
 
     def sentence(self, form: str, *nodes: int) -> str:
-        """Return a sentence about formulas, followed by the meaning of its names."""
+        """Fill the template ``form`` with formulas, and append what the names in them mean."""
         parts = [self._of(node) for node in nodes]
         todo = sorted({name for _, names in parts for name in names})
         where: dict[int, str] = {}

@@ -47,7 +47,7 @@ CALLS: dict[str, Callable[..., str]] = {
     "minus": "neg({})".format,
     "inverse": "inv({})".format,
 }
-"""Terms as nested calls; the derivative of a name is looked up."""
+"""Format of each kind of term as a call; the derivative of a name is looked up."""
 
 POLYNOMIAL: dict[str, Callable[..., str]] = {
     "number": "({})".format,
@@ -83,12 +83,12 @@ def _pari_head(proof: terms.WrittenProof) -> list[str]:
     count = len(proof.meanings)
     roots = {step.generator for step in proof.steps if isinstance(step, terms.Relation)}
     order = [*sorted(roots, reverse=True), *(i for i in range(count) if i not in roots)]
-    size = len(proof.variables)
+    axes = len(proof.variables)
     return [
         f"[{', '.join(f'g{i}' for i in order)}];",
         f"G = [{', '.join(f'g{i}' for i in range(count))}];",
         f"F = [{_denominators(proof)}];",
-        f"R = []; V = Map(); N = Map(); S = matrix({size}, #G); W = matrix({size}, max(#F, 1));",
+        f"R = []; V = Map(); N = Map(); S = matrix({axes}, #G); W = matrix({axes}, max(#F, 1));",
     ]
 
 

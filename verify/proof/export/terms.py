@@ -76,7 +76,7 @@ Step = Definition | Relation | SlopeAxiom | Rate | Vanishing
 
 @dataclass(frozen=True)
 class Premise:
-    """Condition that no script shows; ``not_zero`` is for denominators, which are polynomials."""
+    """Condition that a script assumes; ``not_zero`` is for denominators, which are polynomials."""
 
     relation: str
     terms: tuple[Term, ...]
@@ -118,7 +118,7 @@ def number(value: fmpq | int) -> Term:
 
 
 NAMES = ("generator", "node", "jet", "free")
-"""Kinds of terms that are references."""
+"""Kinds of terms that refer to an element by its index."""
 
 LETTERS = {"node": "n", "jet": "u", "free": "free"}
 

@@ -48,15 +48,15 @@ class TracedSlopes(Slopes):
         return value
 
     def derivative(self, element: Element, variable: int) -> Element:
-        """Return the derivative of an element."""
+        """Return the derivative of an element, as a term for the script if possible."""
         return self._left(super().derivative(element, variable), element, variable)
 
     def rate(self, node: int, variable: int) -> Element:
-        """Return the derivative of a formula."""
+        """Return the derivative of a formula, as a term for the script if possible."""
         return self._left(super().rate(node, variable), self._traced.image(node), variable)
 
     def _left(self, value: Element, element: Element, variable: int) -> Element:
-        """Return the derivative for the script to compute; the known ``value`` if it cannot."""
+        """Return the derivative as a term for the script; ``value`` if a slope is not yet known."""
         if not element.places:
             return self._traced.zero
         axis, term = self._traced.axis(variable), term_of(element)
@@ -77,7 +77,7 @@ class TracedSlopes(Slopes):
 
 
 class TracedField(Field):
-    """The checker's field; it records its computation step by step."""
+    """The checker's field, with every step of its computation recorded."""
 
     ring_type = TracedRing
     slopes_type = TracedSlopes
@@ -102,11 +102,11 @@ class TracedField(Field):
         return list(self.variables).index(variable)
 
     def note(self, step: Step, value: Element) -> None:
-        """Record a step, with the checker's value of it."""
+        """Record a step, and the checker's value for it."""
         self.trace.steps.append((step, value))
 
     def image(self, node: int) -> TracedElement:
-        """Return the image of a node, under a name unless it is a number or has one."""
+        """Return the image of a node; the script names it unless it is a number or has a name."""
         if node in self._defined:
             return self._defined[node]
         with self.signs.recording() as questions:
@@ -143,7 +143,7 @@ class TracedField(Field):
         return traced(plain(value), ("slope", self.axis(variable), term_of(element)))
 
     def define(self, value: Element, comment: str, node: int) -> TracedElement:
-        """Name a value, unless it is a number or a name without premises."""
+        """Give a value a name in the script, unless it is a number or a name without premises."""
         term = term_of(value)
         if term[0] in ("number", *terms.NAMES) and node not in self.guards:
             return traced(plain(value), term)
@@ -151,12 +151,12 @@ class TracedField(Field):
         return traced(plain(value), ("node", node))
 
     def sum(self, parts: Sequence[Element]) -> Element:
-        """Return the sum."""
+        """Return the sum of elements, as one term for the script."""
         whole = super().sum([plain(part) for part in parts])
         return traced(plain(whole), terms.added([term_of(part) for part in parts]))
 
     def purpose(self, node: int) -> str:
-        """Return the purpose of the premises that the image of a node rests on."""
+        """Return, in words, the purpose of the premises for the image of a node."""
         match self.nodes.all[node]:
             case ("Pow", _, exponent) if exponent.q == 1:
                 purpose = "for"
@@ -165,7 +165,7 @@ class TracedField(Field):
         return self.words.sentence(f"{purpose} {{}}", node)
 
     def premise(self, question: Question, comment: str) -> Premise:
-        """Return a premise for the script."""
+        """Return a question that holds as a premise for the script."""
         form, parts = RELATIONS[question.relation], question.nodes
         if question.nodes and self.nodes.value(parts[0]) == 0 and len(parts) == 2:
             form, parts = {"less": "{} > 0", "at_most": "{} >= 0"}[question.relation], parts[1:]

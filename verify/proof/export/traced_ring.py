@@ -67,7 +67,7 @@ class TracedElement(Element):
         return traced(value, terms.raised(base.term, abs(exponent)))
 
     def inverse(self) -> TracedElement:
-        """Return one over the element."""
+        """Return one over the element, as a traced element."""
         return _inverse(self)
 
 
@@ -110,7 +110,7 @@ def _note_factors(ring: Ring, powers: Mapping[int, int]) -> None:
 
 
 class Trace:
-    """Recorded steps with the checker's values; ``open`` has the slopes that are being stated."""
+    """Recorded steps with the checker's values; ``open`` has the slopes being computed."""
 
     def __init__(self) -> None:
         self.steps: list[tuple[Step, Element | None]] = []
@@ -126,7 +126,7 @@ class Trace:
             self.settle()
 
     def settle(self) -> None:
-        """Add the waiting vanishing terms if no slope is open."""
+        """Record the waiting claims that terms vanish, if no slope is being computed."""
         if not self.open:
             self.steps += [(step, None) for step in self._waiting]
             self._waiting.clear()
@@ -141,9 +141,9 @@ class TracedRing(Ring):
         self.divisors: dict[int, None] = {}
 
     def number(self, value: fmpq | int) -> TracedElement:
-        """Return a rational number."""
+        """Return a rational number as a traced element."""
         return traced(super().number(value), terms.number(value))
 
     def generator(self, place: int) -> TracedElement:
-        """Return the generator number ``place``."""
+        """Return generator number ``place`` as a traced element."""
         return traced(super().generator(place), ("generator", place))
