@@ -22,10 +22,10 @@ from longwave.derive.scaling import SlowVariable
 from longwave.derive.symbols import eps
 
 DIGITS = 60
-"""Working digits."""
+"""Working digits of the checks."""
 
 EPS_VALUES = ("1e-4", "1e-5")
-"""Values of eps between which an exponent is measured."""
+"""The two values of eps from whose remainders the exponent of the remainder is measured."""
 
 EXPONENT_TOLERANCE = 0.05
 """Allowed shortfall of a measured exponent, whose own error falls with eps."""
@@ -83,9 +83,10 @@ def checks_of_reduction(reduction: Reduction) -> list[Check]:
 
 
 def checks_of_envelope(envelope: Envelope) -> Iterator[Check]:
-    """Check identities of a carrier at a variable wavenumber (none at k = pi), and decay by losses.
+    """Yield a check of the decay by losses, if any, and of identities unless k is fixed at pi.
 
-    p = omega''/2, a3 = omega'''/6 and a1 + a2 = -dq/dk, exactly, as rational functions.
+    The identities p = omega''/2, a3 = omega'''/6 and a1 + a2 = -dq/dk hold exactly, as rational
+    functions; the last two are checked only without losses.
     """
     if envelope.lattice.has_losses:
         with mpmath.workdps(DIGITS):
@@ -96,7 +97,7 @@ def checks_of_envelope(envelope: Envelope) -> Iterator[Check]:
     z, w = carrier.field.symbols[:2]
 
     def slope(value: Any) -> Any:
-        """Return -i d/dk along the branch, on which d omega/dk = v."""
+        """Return -i times the k-derivative of ``value`` along the branch: d omega/dk = v."""
         return carrier.field(z) * value.diff(z) + parts["v"] * value.diff(w)
 
     identities = [("p = omega''/2", -2 * parts["p"], slope(parts["v"]))]
@@ -110,7 +111,7 @@ def checks_of_envelope(envelope: Envelope) -> Iterator[Check]:
 
 
 def _complex_carrier(envelope: Envelope) -> Check:
-    """Compare the complex frequency of the lattice with losses with that of the envelope."""
+    """Compare the complex frequencies of a carrier in the lattice and in the envelope equation."""
     lattice = envelope.carrier.lattice
     free = [s for s in lattice.basic_constants if s not in envelope.constants]
     basic = {**numbers(free), **envelope.constants}
@@ -162,7 +163,7 @@ class _Point:
         return [*slow, small**self.scaling.time * time]
 
     def _along(self, variable: SlowVariable, cell: Sequence[int]) -> Any:
-        """Return the distance to a cell in the direction of a slow variable."""
+        """Return the scalar product of a cell's position and a slow variable's direction."""
         steps = zip(variable.direction, cell, strict=True)
         return mpmath.fsum(self._number(d) * s for d, s in steps)
 
@@ -194,7 +195,10 @@ class _Point:
         return mean + wave + mpmath.fsum(small**o * self.polynomial(part, at) for o, part in parts)
 
     def manufactured_remainder(self, small: Any) -> Any:
-        """Return the largest residual of the equations of motion beyond the expansion."""
+        """Return the largest remainder of the equations of motion for the manufactured wave.
+
+        The derived orders are subtracted from the row that gives the reduced equation.
+        """
         origin = (0,) * self.lattice.dimension
         names = self.lattice.fields
         rows = []
@@ -226,7 +230,7 @@ class _Point:
         return max([abs(remainder), *(abs(row) for i, row in enumerate(rows) if i != self.row)])
 
     def _stretch(self, bond: Bond, end: Stencil, time: Any, small: Any) -> Any:
-        """Return the stretch of the bond that acts through ``end``."""
+        """Return the stretch of the bond whose force acts on cell 0 through ``end``."""
         names = self.lattice.fields
         cells = ([i + j for i, j in zip(e.shift, end.shift, strict=True)] for e in bond.stretch)
         pairs = zip(bond.stretch, cells, strict=True)
@@ -293,7 +297,7 @@ def _matrix(
 
 
 def _complex_frequency(reduction: Reduction) -> Check:
-    """Compare the complex frequency of the lattice with losses with that of the equation."""
+    """Compare the complex frequencies of a long wave in the lattice and in the reduced equation."""
     values, coefficients = _admissible(reduction)
     scaling = reduction.scaling
     rate = mpmath.mpc(0, 1) * mpmath.mpf(3) / 7
@@ -315,7 +319,7 @@ def _complex_frequency(reduction: Reduction) -> Check:
 def _growth_near(
     near: Any, lattice: Lattice, values: Values, small: Any, phase: Any, mean: Expr = S.Zero
 ) -> Any:
-    """Return the growth rate next to ``near`` of a wave multiplied by exp(phase) a cell."""
+    """Return the growth rate close to ``near`` of a wave with the factor exp(phase) per cell."""
 
     def determinant(growth: Any) -> Any:
         def turn(steps: Sequence[int]) -> Any:
@@ -352,7 +356,7 @@ def _static(reduction: Reduction) -> Check:
 
 
 def _admissible(reduction: Reduction) -> tuple[dict[Symbol, Expr], Coefficients]:
-    """Return constants that meet the conditions, each solved for its last symbol; coefficients."""
+    """Return constants that meet the conditions, and the coefficients of the equation there."""
     constants, definitions = reduction.lattice.basic_constants, dict(reduction.lattice.definitions)
     chosen: dict[Symbol, Expr] = dict(numbers(constants))
     for condition in reduction.conditions:
@@ -408,7 +412,7 @@ def _sound(lattice: Lattice, values: Values, strain: Any) -> Any:
 
 
 def _law(bond: Bond, values: Values) -> Wave:
-    """Return the force of a bond as a function of numbers."""
+    """Return the force of a bond as a function of its stretch, at these constants."""
     exact_coefficients = [c.xreplace(dict(values)) for c in bond.coefficients()]
     coefficients = [mpmath.mpf(value.evalf(DIGITS)) for value in exact_coefficients]
-    return lambda size: mpmath.polyval(coefficients, size)
+    return lambda stretch: mpmath.polyval(coefficients, stretch)

@@ -38,7 +38,7 @@ class Expansion:
         self.phase_factor, self.rate = field.one, field.zero
 
     def number(self, value: Expr) -> RationalFunction:
-        """Return a constant as an element of the field."""
+        """Return a constant as an element of `field`, the rational functions of the constants."""
         return self.field.from_expr(value)
 
     @property
@@ -81,7 +81,7 @@ class Expansion:
         return parts
 
     def residual(self, slaved: Sequence[EpsSeries] | None = None) -> EpsSeries:
-        """Return the rows weighted with the left null vector, which vanish on solutions."""
+        """Return the wave's equation, which is 0: the rows times the left null vector."""
         parts = self.slaved_parts() if slaved is None else slaved
         rows = self.rows(self._fields(parts, self.limit))
         return matrices.combined(self.zero_mode[1], rows, EpsSeries(self.field, self.limit, {}))

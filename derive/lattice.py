@@ -134,7 +134,7 @@ Weights = dict[tuple[int, Cell], int]
 
 
 def _weights(entries: Iterable[Stencil], factor: int = 1) -> Weights:
-    """Sum the weights of each site; a ``factor`` of -1 negates offsets and weights."""
+    """Return the total weight by (field, offset); ``factor`` multiplies weights and offsets."""
     totals: Weights = {}
     for entry in entries:
         site = entry.field, tuple(factor * step for step in entry.shift)
@@ -143,7 +143,7 @@ def _weights(entries: Iterable[Stencil], factor: int = 1) -> Weights:
 
 
 def _products(left: Weights, right: Weights, turn: int = 1) -> Weights:
-    """Return the product of two sets of weights, as polynomials in shifts of one field."""
+    """Multiply two stencils as polynomials in shifts; ``turn`` = -1 mirrors the right one."""
     totals: Weights = {}
     for (_, first), a in left.items():
         for (_, second), b in right.items():
@@ -282,7 +282,7 @@ class Lattice(notation.Displayed):
 
     @property
     def leading_losses(self) -> dict[str, tuple[Expr, int]]:
-        """For sites and bonds with losses: the loss of least power of eps, and that power."""
+        """For "site" and "bond", if lossy: the loss of the lowest power of eps, and that power."""
         losses_by_kind = {}
         for kind, values in (("site", self.losses), ("bond", [bond.loss for bond in self.bonds])):
             by_power = [(loss, min(powers_of_eps(loss))) for loss in values if loss]
@@ -343,7 +343,7 @@ class Lattice(notation.Displayed):
 
     @property
     def has_displacements(self) -> bool:
-        """Whether every action is minus the mirrored stretch, as for displacements.
+        """Whether each bond acts by minus its stretch with offsets negated, as for displacements.
 
         >>> from longwave.derive import LATTICES
         >>> [LATTICES[name].has_displacements for name in ("klein_gordon", "fput_strain")]
@@ -353,10 +353,10 @@ class Lattice(notation.Displayed):
 
     @property
     def missing_energies(self) -> tuple[str, ...]:
-        """Messages on actions that do not derive from an energy, so that forces change the energy.
+        """Messages on bonds whose action derives from no energy, so that energy is not conserved.
 
-        An energy ``V(x)`` of a bond acts by minus the mirrored stretch.  In other variables than
-        displacements, such as strains, one positive symmetric stencil may multiply all actions.
+        With an energy ``V(x)`` a bond acts by minus its stretch with offsets negated, its mirror.
+        In variables such as strains one positive symmetric stencil may multiply all actions.
 
         >>> from longwave.derive import LATTICES
         >>> LATTICES["fput_strain"].missing_energies
@@ -559,7 +559,10 @@ def _loss(label: str, value: Expr) -> Expr:
 def _each(
     kind: str, given: Number | Mapping[Any, Number], names: Sequence[str], known: dict[str, Symbol]
 ) -> dict[str, Expr]:
-    """Return each name's loss, from one value or a table; add new constants to ``known``."""
+    """Return the loss of each of ``names``, from a table or one value for all of them.
+
+    New constants in the losses are added to ``known``.
+    """
     losses = given if isinstance(given, Mapping) else dict.fromkeys(names, given)
     for name in losses:
         if str(name) not in names:
@@ -572,7 +575,7 @@ def _each(
 
 
 def _equations(lattice: Lattice, printed: Printed, dots: tuple[str, str]) -> Iterator[str]:
-    """Yield equations of motion and forces; ``printed`` formats constants, ``dots`` derivatives."""
+    """Yield equations and forces; ``dots`` are formats of first and second time derivatives."""
     rate, acceleration = dots
     numbers = range(1, len(lattice.bonds) + 1)
     names = [f"F{number}" for number in numbers] if len(numbers) > 1 else ["F"]

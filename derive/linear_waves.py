@@ -15,10 +15,11 @@ from longwave.derive.sines import cosine, in_sines, omega, sine
 from longwave.derive.symbols import k, values_of
 
 TABLE_WAVENUMBERS = tuple(pi * Rational(i, 4) for i in range(5))
-"""Wavenumbers of the table."""
+"""Wavenumbers of `LinearWaves.table`, in radians a cell."""
 
 REST_TOLERANCE = 1e-9
-"""Relative frequency below which a wave is at rest, or two branches meet."""
+"""Fraction of the largest omega^2 below which omega^2 of a wave at rest, or the difference of two
+omega^2 where branches meet, counts as 0."""
 
 Row = tuple[Expr, list[tuple[float, float | None]]]
 
@@ -59,7 +60,7 @@ class LinearWaves:
 
     @property
     def branches(self) -> tuple[Expr, ...]:
-        """omega^2 of each branch from below, for one field or two; empty for more."""
+        """omega^2 of each branch, lowest first; empty for more than two branches."""
         if len(self.coefficients) == 2:
             return (factor(-self.coefficients[0]),)
         if len(self.coefficients) > 3:
@@ -84,7 +85,7 @@ class LinearWaves:
         return f"{printed(sum(terms, S.Zero))} = 0"
 
     def lines(self, printed: Printed = text_of) -> Iterator[str]:
-        """Yield the branches from below, or the relation if they have no formula."""
+        """Yield ``omega^2 = ...`` of each branch, lowest first; without `branches` the relation."""
         if not self.branches:
             yield self.relation(printed)
         yield from (f"{printed(self._omega**2)} = {printed(value)}" for value in self.branches)

@@ -18,7 +18,7 @@ from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
 
 EIGENVALUE_TOLERANCE = 1e-9
-"""Size below which a negative eigenvalue of the correlations is a rounding error."""
+"""Largest magnitude of a negative eigenvalue of the correlations that counts as rounding error."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Measured:
     def of(
         cls, values: Mapping[str, Number], covariance: Mapping[str, Mapping[str, float]]
     ) -> Measured:
-        """Build from values and from covariances by the names of both constants; others are exact.
+        """Build from values and a table of covariances; constants without one are exact.
 
         Raises ValueError for a name without a value, and for an invalid covariance.
 
@@ -86,7 +86,7 @@ class Measured:
 
     @property
     def table(self) -> dict[str, dict[str, float]]:
-        """Covariance by the names of both constants."""
+        """Covariances by the name of one constant, then by that of the other."""
         names = [name for name, _ in self.values]
         rows = zip(names, self.covariance, strict=True)
         return {name: dict(zip(names, row, strict=True)) for name, row in rows}

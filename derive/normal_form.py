@@ -76,7 +76,7 @@ def _modified_kawahara(cubic: Expr, third: Expr, fifth: Expr) -> Scales:
 
 
 def _kdv_burgers(quadratic: Expr, second: Expr, third: Expr) -> Scales:
-    """Scale time by the Burgers term, whose coefficient is negative for losses."""
+    """Return the scales of KdV-Burgers: Y_XX, with a negative coefficient by losses, sets time."""
     a = Abs(second / third)
     b = -second * a**2
     return {"a": a, "b": b, "h": 6 * b / (quadratic * a), "s": -sign(second * third)}
@@ -214,7 +214,7 @@ class NormalForm:
         return f"{unknown}(X, {arguments[0]}T) = {factor}U({first_argument}{arguments[1]}, b T)"
 
     def lines(self, taken: Collection[str], written: Callable[[str, Expr], str]) -> Iterator[str]:
-        """Yield equation, map and scales in plain text, with names that avoid those ``taken``."""
+        """Yield equation, map and scales as text; a tilde marks names that are ``taken``."""
         text = f"{NORMAL_EQUATIONS[self.equation].text}, {self.map_text}:"
         yield f"normal form {marked(text, ('U', 'drift', *'abehsr'), taken)}"
         for name, value in self.values.items():
@@ -289,7 +289,7 @@ def normal_form_of(
 
 
 def _refusal(remaining: Mapping[str, Expr], vanished: Sequence[str]) -> str:
-    """Return the message for terms without a normal form."""
+    """Return the error message for an equation without a normal form, by its terms."""
     vanished_terms = [term for term in vanished if term != "Y_X"]
     if vanished_terms:
         linear = "" if any(" " in term for term in remaining) else ", a linear equation"

@@ -23,10 +23,10 @@ from longwave.derive.scaling import Scaling
 from longwave.derive.symbols import eps, values_of
 
 _SOLITON_POWERS = {"KdV": 1, "mKdV": 2}
-"""Power of Y before Y_X, for equations whose solitons have an amplitude law."""
+"""Equation whose solitons have an amplitude law -> power of Y in its term ``Y^r Y_X``."""
 
 _LOSS_TERMS = ("Y", "Y_XX")
-"""Terms that come from losses."""
+"""Terms of reduced equations that only losses produce."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -118,7 +118,7 @@ class Reduction:
 
     @property
     def wave(self) -> str:
-        """The unknown of the orders: Y, or W for displacements."""
+        """Name of the unknown in `orders`: Y, or W for displacements."""
         return next((equation.notation.unknown for equation in self.orders.values()), "Y")
 
     @property
@@ -161,8 +161,8 @@ class Reduction:
     def coefficients(self, **constants: Number) -> Coefficients:
         """Return speed and coefficients in the lattice's constants, or at given values of them.
 
-        Raises ValueError for an unknown name, c^2 <= 0 or constants that violate a condition, the
-        assumptions of their symbols, or a nonzero denominator.
+        Raises ValueError for an unknown name, c^2 <= 0, a denominator that is 0, or constants that
+        violate a condition or the assumptions of their symbols.
 
         >>> from longwave.derive import LATTICES, reduce
         >>> reduce(LATTICES["fput_strain"]).coefficients(K2=4, K4=1)
@@ -281,7 +281,7 @@ class Reduction:
         return f"{self.label('R', order, latex_of)} = {self.notation.latex(self.remainders[order])}"
 
     def label(self, letter: str, number: int, printed: Printed = text_of) -> str:
-        """Return the name of a remainder R5 or correction G2."""
+        """Return the printed name of a remainder or correction, such as R5 or G2."""
         return printed(Symbol(unused(f"{letter}{number}", self.lattice.names)))
 
 

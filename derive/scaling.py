@@ -46,7 +46,7 @@ class SlowVariable:
                 )
 
     def phase(self, printed: Printed = text_of) -> str:
-        """Return the phase of the variable, without its power of eps.
+        """Return ``direction . cell - speed t`` as text or LaTeX.
 
         >>> SlowVariable("X", 1, (-2,), -c).phase()
         '-2 n + c t'

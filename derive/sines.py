@@ -14,7 +14,7 @@ from longwave.derive.algebra.rational_functions import RationalFunction, Rationa
 
 frequency = Symbol("omega~", positive=True)
 sine, cosine = Symbol("sin(k/2)", real=True), Symbol("cos(k/2)", real=True)
-"""Symbols with names that no constant of a lattice can have."""
+"""Symbols of sin(k/2) and cos(k/2), with names that no constant of a lattice can have."""
 
 omega = Symbol("omega", positive=True)
 """Printed symbol of the frequency, unless a constant has this name."""
@@ -74,11 +74,11 @@ class _Product:
 def _turned(
     field: RationalFunctions, terms: list[tuple[tuple[int, ...], int]], middle: int
 ) -> Complex:
-    """Return a polynomial in z and w times ``exp(-i k middle/2)``."""
+    """Return the polynomial in z and w with these terms, times ``exp(-i k middle/2)``."""
     real, imaginary = field.zero, field.zero
     for (turn, power, *others), value in terms:
-        size = field.from_terms([((0, 0, power, *others), value)])
-        cos_part, sin_part = (size * part for part in _power(field, 2 * turn - middle))
+        factor = field.from_terms([((0, 0, power, *others), value)])
+        cos_part, sin_part = (factor * part for part in _power(field, 2 * turn - middle))
         for _ in range(power % 4):
             cos_part, sin_part = -sin_part, cos_part
         real, imaginary = real + cos_part, imaginary + sin_part

@@ -29,7 +29,7 @@ RESERVED = {
     "t": "the time",
     "x": "the stretch of a bond, longwave.derive.symbols.x",
 }
-"""Names with a fixed meaning in the reduction."""
+"""Reserved name -> its fixed meaning in the reduction."""
 
 
 def rational_function(name: str, value: Expr) -> Expr:
@@ -120,7 +120,7 @@ def values_of(
 
 
 def check_constants(constants: Sequence[Symbol], fields: Sequence[str] = ()) -> None:
-    """Raise ValueError if a constant has a reserved name, a field's, or another constant's."""
+    """Raise ValueError if a constant's name is reserved, or that of a field or other constant."""
     names = [str(constant) for constant in constants]
     check_names("constants", names)
     for name in names:

@@ -24,7 +24,7 @@ class Elimination:
     power: int = 1
 
     def __call__(self, element: RationalFunction) -> RationalFunction:
-        """Return ``element`` with the constant replaced; a square's root stays in the numerator."""
+        """Replace ``constant**power`` in ``element``; a lone constant stays in the numerator."""
         field, index = element.field, element.field.symbols.index(self.constant)
         numer, odd, even = element.numerator(), field.one, {}
         for factor, times in element.below.items():
@@ -40,7 +40,7 @@ class Elimination:
 
     @cached_property
     def _known(self) -> dict[Factor, RationalFunction]:
-        """Cache of replaced factors of denominators."""
+        """Cache of denominator factors: factor -> the factor with the constant replaced."""
         return {}
 
     def series(self, series: EpsSeries) -> EpsSeries:
@@ -76,7 +76,7 @@ def solve_linear(
 
 
 def _solved(condition: RationalFunction, constant: Symbol, power: int) -> Elimination | None:
-    """Solve for ``constant**power`` if the condition is linear in it and has no other power."""
+    """Solve ``condition = 0`` for ``constant**power``; None if another power of it occurs."""
     value = condition.solved_for(constant, power)
     if value is None and power == 1 and condition.powers_of(constant).keys() == {1}:
         value = condition.field.zero
@@ -84,11 +84,11 @@ def _solved(condition: RationalFunction, constant: Symbol, power: int) -> Elimin
 
 
 def vanishing_factors(coefficients: Iterable[RationalFunction]) -> list[RationalFunction] | None:
-    """Return the factors that vanish where all coefficients do; None if that cannot be decided.
+    """Return the factors that must be 0 for all coefficients to be 0; None if that is undecided.
 
-    They are the one common factor that can vanish or, without one, the one such factor of each
-    coefficient.  Factors that cannot be 0 by their symbols' assumptions (positive ones and their
-    sums) are left out.
+    If the coefficients have a common factor that can be 0, it is returned; else each coefficient
+    must have exactly one factor that can be 0.  Factors that are nonzero by their symbols'
+    assumptions (positive symbols and their sums) are ignored.
     """
     values = list(coefficients)
     common = _can_vanish(fold(RationalFunction.common, values))

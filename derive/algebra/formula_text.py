@@ -21,7 +21,7 @@ from longwave.derive.algebra.bounded_building import HIGHEST_DERIVATIVE
 from longwave.support.known_names import did_you_mean
 
 LONGEST = 20_000
-"""Longest text, in characters."""
+"""Longest formula that is read, in characters."""
 
 DEEPEST = 40
 """Deepest nesting of brackets and exponents."""
@@ -33,13 +33,13 @@ NAME_LENGTH = 40
 """Longest name, in characters."""
 
 MOST_SHIFT = 1000
-"""Largest shift of a lattice site."""
+"""Largest shift in the index of a lattice site, such as 1 in ``q[n+1]``."""
 
 ROWS = " (one site is read; write a row of a second one m as an unknown: v[n] for u[n,m+1])"
-"""Remedy for an index of two sites."""
+"""End of the message for an index of two sites: how to write a second row with one site."""
 
 WINDOW = 60
-"""Characters of a text that an error shows."""
+"""Number of characters of the text that the picture of an error shows."""
 
 CONSTANTS = {"pi": sp.pi, "I": sp.I}
 
@@ -90,7 +90,7 @@ class FormulaError(ValueError):
 
 @dataclass(frozen=True)
 class Token:
-    """A token of a text: its kind (number, name, sign, end), and its start."""
+    """A token: its kind (number, name, sign, end), its characters, and its position in the text."""
 
     kind: str
     text: str
@@ -185,7 +185,7 @@ class Parser:
         return self.take() if self.next.kind == "sign" and self.next.text in signs else None
 
     def expect(self, sign: str, why: str = "") -> Token:
-        """Consume and return the sign. Raises FormulaError if the next token is another."""
+        """Consume and return the sign. Raises FormulaError, extended by ``why``, for any other."""
         token_ = self.take_sign(sign)
         if token_ is None:
             raise self.error(f"expected '{sign}'{why}, got {self.next}")
@@ -199,7 +199,7 @@ class Parser:
             raise self.error(f"expected {expected}, got {self.next}")
 
     def error(self, words: str, token: Token | None = None) -> FormulaError:
-        """Return the error at a token, by default the next one."""
+        """Return the error with the message ``words`` at a token, by default the next one."""
         return self.error_at((token or self.next).start, words)
 
     def error_at(self, position: int, words: str) -> FormulaError:
@@ -296,7 +296,7 @@ class Parser:
         return syntax.Name(name, at=token.start)
 
     def _field(self, token: Token, base: str, steps: str) -> syntax.Unknown:
-        """Parse the unknown ``base``, with derivatives in its subscripts and its site if any."""
+        """Parse the site of the unknown ``base``, if it has one; ``steps`` are its derivatives."""
         site, arguments = self.vocabulary.site, self.vocabulary.fields[base].args
         self.used.add(base)
         index, shift = str(site) if site in arguments else "", 0

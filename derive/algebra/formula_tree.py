@@ -131,7 +131,7 @@ def mapped(formula: FormulaTree, image: Callable[[FormulaTree], FormulaTree | No
 
 
 SUM, PRODUCT, POWER, ATOM = range(4)
-"""Binding strength of the outermost operation of a text."""
+"""Binding strengths of the outermost operation of a text, weakest first."""
 
 Part = tuple[str, int]
 """Text, and the binding strength of its outermost operation."""
@@ -152,7 +152,7 @@ def plain_text(formula: FormulaTree) -> str:
 
 
 Quotient = tuple[bool, tuple[FormulaTree, ...], tuple[FormulaTree, ...]]
-"""Whether there is a minus sign; the factors of the numerator; those of the denominator."""
+"""Whether there is a minus sign, factors of the numerator, factors of the denominator."""
 
 
 def quotient(formula: FormulaTree) -> Quotient:
@@ -175,7 +175,7 @@ def signed_sum(terms: Sequence[str]) -> str:
 
 
 def _written(formula: FormulaTree, exact: bool) -> Part:
-    """Return the text, and the binding strength of its outermost operation."""
+    """Return the text and its binding strength; ``exact`` text is read back as the same tree."""
 
     def enclosed(part: FormulaTree, binding: int) -> str:
         text, level = _written(part, exact)

@@ -21,7 +21,7 @@ FUNCTIONS_BY_NAME = ("gamma", "beta", "zeta", "Gamma", "Delta", "delta", "O")
 """Names that read as functions before a bracket, unless they are declared."""
 
 ROUNDS = 40
-"""Most applications of a stage: each moves one sign further inward."""
+"""Most times that the rules of a stage are applied; each time moves one sign further inward."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Spelling:
     declared: Collection[str] = ()
 
     def patterns(self) -> dict[str, str]:
-        """Return the patterns that the short names in rules represent."""
+        """Return the placeholders of rules, such as ``<U>``, with their regular expressions."""
         unknown = _either(self.unknowns)
         derived = rf"(?<![\w.]){unknown}(?:_[{VARIABLES}]+)?(?![A-Za-z0-9_])(?:\[[^\[\]]*\])?"
         return {
@@ -119,7 +119,7 @@ def _filled(pattern: str, patterns: dict[str, str]) -> str:
 
 
 def misread(name: str, spelling: Spelling, *, declared: bool = False) -> str | None:
-    """Return the spelling for a name that reads as a derivative, conjugate, index or product.
+    """Return the correction of a name that reads as a derivative, conjugate, index or product.
 
     None for any other name, and for a ``declared`` name that looks like a product.
 
@@ -142,7 +142,7 @@ def misread(name: str, spelling: Spelling, *, declared: bool = False) -> str | N
 
 
 def _called(name: str, spelling: Spelling, declared: bool) -> str | None:
-    """Return the call for a name such as ``sin2x``, if its letter is a variable or declared."""
+    """Return ``sin(2*x)`` for a name such as ``sin2x``; None unless x is a variable or declared."""
     match = re.fullmatch(rf"({_either(spelling.functions)})(\d*)([A-Za-z])", name)
     if match is None or declared or match[3] not in {*spelling.variables, *spelling.declared}:
         return None
@@ -157,7 +157,7 @@ _READINGS: tuple[tuple[str, str], ...] = (
     (r"d\d?(?P<base><U>)", r"diff(\g<base>, x)"),
     (rf"(?P<base>[{VARIABLES}{SITE}])(?P<suffix>[1-9]\d*)", ""),
 )
-"""Readings that apply even to declared names."""
+"""Pairs (pattern of a name, its correction) that apply even to declared names."""
 
 _LOOSE_READINGS = (
     (r"(?P<base><U>)c", r"conjugate(\g<base>)"),
@@ -170,7 +170,7 @@ _LOOSE_READINGS = (
 
 
 def _free_name(digits: str, spelling: Spelling, base: str) -> str:
-    """Return an unused name with these digits, to replace a variable with an index."""
+    """Return an unused name for a variable with an index: ``a1`` for the variable in ``x1``."""
     letters = (letter for letter in "abcdfghpqrs" if letter != base)
     names = (f"{letter}{digits}" for letter in letters)
     return next(name for name in names if name not in spelling.declared)

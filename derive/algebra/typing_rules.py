@@ -32,7 +32,7 @@ _ALIASES_BY_NAME = (
 )
 
 ALIASES = {alias: name for name, words in _ALIASES_BY_NAME.items() for alias in words.split()}
-"""Other names of functions; names that differ only in capital letters need no entry."""
+"""Alias -> function of the grammar; names that differ only in capital letters need no entry."""
 
 CALLS: tuple[Rule, ...] = (
     *(

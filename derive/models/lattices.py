@@ -21,7 +21,7 @@ ONE = Integer(1)
 
 
 def cubic(*constants: Expr) -> Expr:
-    """Return the force ``K2 x + K3 x^2 + K4 x^3`` with these constants."""
+    """Return the force ``K2 x + K3 x^2 + ...`` with the ``constants`` K2, K3, ..."""
     return sum((value * x**power for power, value in enumerate(constants, 1)), Integer(0))
 
 
@@ -56,7 +56,7 @@ def chain(name: str, title: str, force: Expr, *further: Bond, mass: Expr = ONE) 
 
 
 def cell(name: str, title: str, masses: tuple[Expr, ...], forces: tuple[Expr, ...]) -> Lattice:
-    """Return a chain of cells with several masses, each with its spring to the next one."""
+    """Return a chain with several masses in a cell; ``forces[i]`` joins mass i to the next mass."""
     count = len(masses)
     ends = [((0,), field) for field in range(count)] + [((1,), 0)]
     bonds = tuple(spring(force, ends[i], ends[i + 1]) for i, force in enumerate(forces))
