@@ -10,22 +10,22 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 NODES = 16
-"""Gauss-Legendre nodes of a panel."""
+"""Number of Gauss-Legendre nodes in a panel."""
 
 PANEL_TOLERANCE = 1e-13
 """Largest error in a panel, in units of the integral of the absolute value over all panels."""
 
 MAX_HALVINGS, MAX_PANELS, MAX_WIDTHS = 12, 2_000_000, 20_000_000
-"""Most halvings of a panel, panels, and widths between the ends."""
+"""Most halvings of a panel; most panels; longest interval, in units of ``width``."""
 
 MERGE_ABOVE = 4096
-"""Number of panels below which constant stretches are not merged into wider panels."""
+"""Number of panels above which those in constant stretches are merged into wider ones."""
 
 NEGLIGIBLE_CHANGE = 1e-20
 """Largest change across a panel that counts as none, in units of the function's largest value."""
 
 BLOCK = 65_536
-"""Points that are evaluated at once, so that they fit the cache."""
+"""Number of points where integrals are evaluated at once, so that they fit the cache."""
 
 CONFIRMED_AT = np.linspace(-0.75, 1.0, 8)
 """Points of a panel, from -1 to 1, where its two halves must give the same integral."""
@@ -89,7 +89,7 @@ class IntegralFromZero:
             )
 
     def _changing(self, left: Array, step: Array) -> tuple[Array, Array]:
-        """Return the panels with constant stretches merged: left ends and widths."""
+        """Merge panels where the function is constant; return left ends and widths."""
         values = self._function(np.append(left, left[-1] + step[-1]))
         changes = np.abs(np.diff(values)) > NEGLIGIBLE_CHANGE * np.max(np.abs(values))
         needed = np.convolve(changes, np.ones(4), "full")[1:-2] > 0.0
@@ -99,13 +99,16 @@ class IntegralFromZero:
         return left[starts], np.add.reduceat(step, starts)
 
     def _panels(self, left: Array, step: Array) -> tuple[Array, float]:
-        """Return the integrals within panels as series (NODES + 1, panels), and the sum of |f|."""
+        """Return the Legendre series (NODES + 1, panels) of integrals from each panel's left end.
+
+        Also returns the integral of the absolute value over all panels.
+        """
         at = left + step * (0.5 + 0.5 * X[:, None])
         values = self._function(at.ravel()).reshape(at.shape) * (step / 2)
         return INTEGRAL @ values, float(np.sum(WEIGHTS @ np.abs(values)))
 
     def _confirmed(self, left: Array, step: Array) -> tuple[Array, Array, Array]:
-        """Return left ends, widths and series of panels that their two halves confirm."""
+        """Halve panels until confirmed; return left ends, widths and series of the last halves."""
         accepted: list[tuple[Array, Array, Array]] = []
         series, size = self._panels(left, step)
         in_whole, in_half = _values_at(CONFIRMED_AT), _values_at(2.0 * CONFIRMED_AT[:4] + 1.0)

@@ -96,7 +96,7 @@ class Lowering:
         return self._lowered[expression]
 
     def constant(self, expression: sp.Expr) -> sp.Expr:
-        """Return the symbol of a constant; rational numbers are returned unchanged."""
+        """Return the symbol that stands for a constant expression, or a rational number itself."""
         if expression.is_Rational:
             return expression
         name = f"C_{len(self.constants)}"
@@ -136,7 +136,7 @@ class Lowering:
         return self.phases[key].symbol
 
     def _sum(self, expression: sp.Expr) -> Terms:
-        """Split a sum into terms; constant factors are expanded over a linear part."""
+        """Split a sum into `Terms`; a constant times a part linear in xi, tau, zeta is expanded."""
         if not self._is_varying(expression):
             return {sp.S.One: [expression]}
         if expression in SPACE_TIME_VARIABLES:

@@ -106,7 +106,7 @@ def _fraction() -> tuple[sp.Poly, sp.Poly]:
 
 
 def _divided(polynomial: sp.Poly, tanhs: list[sp.Symbol], sechs: list[sp.Symbol]) -> sp.Expr:
-    """Return ``polynomial`` divided by ``(1 + f**2) (1 + g**2)``, up to a factor 4."""
+    """Return ``4 polynomial/((1 + f**2) (1 + g**2))`` in tanh and sech: f, g are exponentials."""
     weights = [(1 - t, s, 1 + t) for t, s in zip(tanhs, sechs, strict=True)]
     return sp.expand(sum(c * weights[0][i] * weights[1][j] for (i, j), c in polynomial.terms()))
 

@@ -72,7 +72,7 @@ def _wave(order: int, A: sp.Expr, B: sp.Expr, A_x: sp.Expr, B_x: sp.Expr) -> sp.
 
 
 def _to_sympy(polynomial: fmpq_mpoly, *generators: sp.Expr) -> sp.Expr:
-    """Return the expanded polynomial in these generators."""
+    """Convert a FLINT polynomial to an expanded SymPy expression in these generators."""
     powers = [[sp.S.One] for _ in generators]
     for row, generator, degree in zip(powers, generators, polynomial.degrees(), strict=True):
         row.extend(generator**n for n in range(1, degree + 1))
@@ -118,7 +118,7 @@ def _third(bX: sp.Expr, cT: sp.Expr) -> sp.Expr:
 
 
 def _printed(order: int, title: str, expression: sp.Expr, label: str) -> ClosedForm:
-    """Return a solution without shifts, with the title and the formula of its source."""
+    """Return the rational solution of an order without shifts, in the formula of its source."""
     reference = Reference("ankiewicz2018rogue", label)
     return replace(rational(order), title=title, expression=expression, reference=reference)
 

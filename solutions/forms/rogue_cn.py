@@ -96,7 +96,10 @@ def _parts(polynomial: sp.Expr) -> Parts:
 
 
 def _combinations(one: sp.Expr, theta: sp.Expr, square: sp.Expr) -> list[Parts]:
-    """Return N, M, S of the printed formula, with the arguments for 1, theta and theta**2."""
+    """Return N, M, S of the printed formula, given the values of 1, theta and theta**2.
+
+    The three values may have a common factor.
+    """
     N = (one + square) * _y - _inverse_lambda * theta * _slope
     M = (one - square) * _weight
     S = _inverse_lambda / 2 * (one + square) * _slope - 2 * theta * _y

@@ -62,7 +62,7 @@ def _fraction() -> tuple[sp.Expr, sp.Expr]:
 
 
 def _bounded(quadratic: sp.Expr) -> sp.Expr:
-    """Return a quadratic in theta divided by ``1 + theta**2``, in cos f and sin f."""
+    """Divide a quadratic in theta by ``1 + theta**2``; return it in terms of cos f and sin f."""
     halves = {0: (1 + _cos) / 2, 1: _sin / 2, 2: (1 - _cos) / 2}
     polynomial = sp.Poly(quadratic, _theta)
     return sp.expand(sum(c * halves[power] for (power,), c in polynomial.terms()))

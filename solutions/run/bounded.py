@@ -52,7 +52,7 @@ def store_pair(block: Array, i: int, value: Pair) -> None:
 
 @njit()
 def rounded(value: Pair, error: float) -> Bounded:
-    """Return a result with its bound: `error`, due to the operands, plus its own rounding."""
+    """Attach to ``value`` its bound: `error`, which is due to the operands, plus its rounding."""
     return value[0], value[1], error + (UNIT * abs(value[0]) + TINY)
 
 
@@ -90,7 +90,7 @@ def scale(a: Bounded, c: float) -> Bounded:
 
 @njit()
 def relative_error(d: float) -> float:
-    """Return d / (1 - d), the relative error of 1/x if x has d; infinite for d > 1/2."""
+    """Return the relative error of 1/x if x has the relative error d; infinite for d > 1/2."""
     return d / (1.0 - d) if d <= 0.5 else math.inf
 
 

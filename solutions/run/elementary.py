@@ -27,7 +27,7 @@ from longwave.solutions.run.bounded import (
 from longwave.support.compiled.jit import njit
 
 SCRATCH = 7
-"""Blocks of scratch memory."""
+"""Number of blocks in the scratch memory."""
 
 _TERMS, _PAIRS = 14, 9
 """Number of terms of a Taylor series, and of its first terms in double-double."""
@@ -37,7 +37,7 @@ _HALVINGS = 4
 
 _LOG2 = (0.6931471805599453, 2.3190468138462996e-17)
 _ZERO_ABOVE, _NEGLIGIBLE_ABOVE = 708.0, 680.0
-"""exp(-w) is replaced by 0 above the first w; ``2 exp(-w)`` is below ``TINY`` above the second."""
+"""exp(-w) is replaced by 0 for w above the first; 2 exp(-w) < ``TINY`` for w above the second."""
 
 
 def _inverse_factorials(first: int, stride: int) -> dd.Array:
@@ -116,7 +116,7 @@ def _is_negligible(x: dd.Array, i: int) -> bool:
 
 @njit()
 def _store_exponential(z: dd.Array, i: int, value: dd.Pair, x: dd.Array, is_falling: bool) -> None:
-    """Store a multiple of exp(x), or a value whose logarithmic derivative is no larger."""
+    """Store ``value`` with its bound: a multiple of exp(x), or a function that varies no faster."""
     e, size = x[i + 2 * BLOCK], abs(x[i])
     input_error = 2.0 * e + UNIT * (1.0 + size) if e <= 0.5 else math.inf
     error = TINY if is_falling and _is_negligible(x, i) else value[0] * input_error + TINY
@@ -133,7 +133,7 @@ def decay_of(x: dd.Array, factor: float, scratch: dd.Array) -> None:
 
 @njit()
 def exponential(x: dd.Array, z: dd.Array, scratch: dd.Array) -> None:
-    """Fill ``z`` with exp(x), after `decay_of` x."""
+    """Fill ``z`` with exp(x) from the ``scratch`` that `decay_of` x has filled."""
     fall = scratch[3]
     for i in range(BLOCK):
         falls, rises = load_pair(fall, i), dd.reciprocal(load_pair(fall, i))

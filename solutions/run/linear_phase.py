@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 PHASE_ERROR = 2.0**-150
-"""Bound of the error relative to the largest term."""
+"""Bound of a phase's error, relative to the largest of its terms."""
 
 
 @njit()
@@ -96,7 +96,7 @@ class LinearPhase:
 
     @property
     def rate(self) -> float:
-        """p, as a double."""
+        """Coefficient p of x, rounded to a double."""
         return self._coefficients[0][0]
 
     def zero(self, t: float, z: float = 0.0) -> float | None:

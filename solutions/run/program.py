@@ -35,10 +35,10 @@ _PRECISE: Any = mpmath.MPContext()
 _PRECISE.prec = 240
 
 _PERIOD_ERROR, _REDUCTION_ERROR = 2.0**-150, 2.0**-104
-"""Error bounds of the reduced argument, relative to the full and to the reduced argument."""
+"""Two parts of the reduced argument's error bound: relative to the full and to the reduced one."""
 
 _MAX_QUARTERS = 2.0**100
-"""Number of quarter periods at which the quotient has more bits than two doubles."""
+"""Number of quarter periods beyond which a phase is not reduced: the error bound is infinite."""
 
 
 class JacobiProgram(NamedTuple):
@@ -95,7 +95,7 @@ def jacobi_program(m: Any, m1: Any, requested: tuple[bool, ...] = (True,) * 5) -
 
 
 def _quarter_period(m1: Any) -> Any:
-    """Return K for the parameter with the complement m1."""
+    """Return the quarter period K for m = 1 - m1; infinity for m1 = 0."""
     ctx = _PRECISE
     return ctx.inf if m1 == 0 else ctx.pi / (2 * ctx.agm(1, ctx.sqrt(m1)))
 
@@ -150,7 +150,7 @@ def _inverse(value: Any) -> Any:
 
 
 def _choose(odd: Value, one: Any, other: Any) -> Any:
-    """Return ``one`` for an odd number of quarter periods, else ``other``; both may be numbers."""
+    """Return ``one`` where ``odd`` is 1, else ``other``; both are values or numbers."""
     if not isinstance(one, Value) and one == other:
         return one
     first, second = (Value(odd.code, odd.code.number(value)) for value in (one, other))
@@ -255,7 +255,8 @@ def reduced(phase: dd.Array, quarter: dd.Three) -> dd.Array:
 
 
 CONVERGED_CHANGE = 1e-50
-"""Largest relative change of a constant at twice the digits; three floats hold 48 digits."""
+"""Relative change of a constant, when digits are doubled, that counts as converged: three floats
+hold 48 digits."""
 
 
 class Numbers(NamedTuple):
@@ -283,7 +284,7 @@ class Program:
     fixed: MpmathFormula
 
     def numbers(self, parameters: Sequence[Expr]) -> Numbers:
-        """Return the numbers at exact parameters; digits are doubled until nothing changes."""
+        """Compute the numbers at exact parameters with doubled digits until they converge."""
         digits, numbers = CONSTANT_DIGITS, self._fixed_with(CONSTANT_DIGITS, parameters)
         while True:
             digits, previous = 2 * digits, numbers
