@@ -213,18 +213,21 @@ class Carrier(Expansion):
         """Solve the row weighted with the left null vector for the mean at ``eps^(order - 3)``."""
         rows = self._harmonic(order + (not self.is_displacement), 0)
         row = combined(self.zero_mode[1], rows, self._nothing)
-        times = 1 if self.is_displacement else 2
-        factor = row.coefficient((times, MEAN))
-        known = row.select(lambda monomial: monomial != ((times, MEAN),))
+        integrations = 1 if self.is_displacement else 2
+        factor = row.coefficient((integrations, MEAN))
+        known = row.select(lambda monomial: monomial != ((integrations, MEAN),))
         if not factor:
             raise EnvelopeError(
                 "the group velocity must differ from the sound speed, got the same: the mean "
                 "is then undetermined (take another wavenumber)"
             )
-        for _ in range(times):
+        for _ in range(integrations):
             integral = known.antiderivative()
             if integral is None:
-                raise EnvelopeError(f"the mean must be an X-integral, got none at eps^{order}")
+                raise EnvelopeError(
+                    f"the mean must be an X-integral, got none at eps^{order} (the forces conserve "
+                    "no mean: there is no NLS equation)"
+                )
             known = integral
         mean = (-1 / factor) * known
         self.means.append(mean)
@@ -355,7 +358,7 @@ class Carrier(Expansion):
         return super().shifted(self._series(rotated, series.limit), cell)
 
     def number(self, value: Expr) -> RationalFunction:
-        """Return a constant as a field element; the constant `fixed` is replaced."""
+        """Return a constant in `field`; `fixed` is replaced by the dispersion relation."""
         return self.field.from_expr(value.xreplace(self.values), self.images)
 
     def null_vectors(self, j: int) -> tuple[Column, Column]:

@@ -28,7 +28,7 @@ EPS_VALUES = ("1e-4", "1e-5")
 """The two values of eps from whose remainders the exponent of the remainder is measured."""
 
 EXPONENT_TOLERANCE = 0.05
-"""Allowed shortfall of a measured exponent, whose own error falls with eps."""
+"""Amount by which a measured exponent may fall short, because eps is finite."""
 
 Values = Mapping[Symbol, Any]
 Wave = Callable[..., Any]
@@ -168,7 +168,7 @@ class _Point:
         return mpmath.fsum(self._number(d) * s for d, s in steps)
 
     def polynomial(self, part: DifferentialPolynomial, at: Sequence[Any]) -> Any:
-        """Evaluate a polynomial in the jets of the manufactured wave at the slow variables."""
+        """Evaluate a polynomial in jets on the manufactured wave, at the slow variables ``at``."""
         rates = [[mpmath.mpf(r.p) / r.q for r in rate] for rate in self.rates]
         modes = [mpmath.exp(mpmath.fdot(rate, at)) / (2 + i) for i, rate in enumerate(rates)]
 
@@ -184,7 +184,7 @@ class _Point:
         )
 
     def field(self, name: str, cell: Sequence[int], time: Any, small: Any) -> Any:
-        """Return a field of the lattice under the ansatz, slaved parts included."""
+        """Return the lattice field ``name`` in the manufactured wave, with its slaved parts."""
         at = self.slow(cell, time, small)
         background = self.scaling.background
         mean = mpmath.fsum(small**power * self._number(v, small) for power, v in background)
@@ -202,8 +202,8 @@ class _Point:
         origin = (0,) * self.lattice.dimension
         names = self.lattice.fields
         rows = []
-        for name, *sizes in zip(names, self.lattice.masses, self.lattice.site_losses, strict=True):
-            mass, loss = (self._number(size, small) for size in sizes)
+        for name, *values in zip(names, self.lattice.masses, self.lattice.site_losses, strict=True):
+            mass, loss = (self._number(value, small) for value in values)
 
             def displacement(time: Any, name: str = name) -> Any:
                 return self.field(name, origin, time, small)
@@ -341,7 +341,7 @@ def _has_static_law(reduction: Reduction) -> bool:
 
 
 def _static(reduction: Reduction) -> Check:
-    """Compare the speed of long waves on a uniform strain with the nonlinear terms."""
+    """Compare the speeds of long waves on a uniform strain in the lattice and in the equation."""
     values, coefficients = _admissible(reduction)
     powers = {"Y_X": 0, "Y Y_X": 1, "Y^2 Y_X": 2}
     shifts = {powers[name]: value for name, value in coefficients.terms.items() if name in powers}

@@ -49,7 +49,7 @@ class OrderEquation(Displayed):
 
 @dataclass(frozen=True, repr=False)
 class Condition(Displayed):
-    """``expression = 0``, required because the equation at ``order`` has no other solution."""
+    """``expression = 0``, a condition on the constants that the equation at ``order`` requires."""
 
     order: int
     expression: Expr

@@ -15,7 +15,7 @@ from longwave.derive.measured import Measured
 from longwave.derive.reduction import Reduction
 
 LEVEL = 0.95
-"""Probability of all intervals."""
+"""Probability that a number lies in its interval."""
 
 HALF_WIDTH = NormalDist().inv_cdf((1 + LEVEL) / 2)
 """Half-width of an interval of a normal distribution, in standard deviations."""
@@ -95,7 +95,7 @@ class Intervals:
         return Interval(mean, spread, ends, linear, sampled=True, lost=lost)
 
     def _gradient(self, expression: Expr) -> list[float]:
-        """Return the derivatives at the constants' values, using the constants' signs."""
+        """Return the derivatives at the constants' values, with the signs of constants known."""
         signed = {
             symbol: Dummy(positive=True) if value > 0 else Dummy(negative=True) if value else symbol
             for symbol, value in self._at.items()

@@ -209,7 +209,7 @@ class Lattice(notation.Displayed):
 
     @property
     def basic_constants(self) -> tuple[Symbol, ...]:
-        """Constants sorted by name, defined symbols replaced by those in their definitions."""
+        """Constants sorted by name; for a defined symbol, the symbols in its definition instead."""
         defined = dict(self.definitions)
         inner = (symbol for value in defined.values() for symbol in value.free_symbols)
         return tuple(sorted({*self.constants, *inner} - {*defined}, key=str))
@@ -381,7 +381,7 @@ class Lattice(notation.Displayed):
         return tuple(messages)
 
     def _has_metric(self, pairs: Sequence[tuple[Weights, Weights]]) -> bool:
-        """Return whether all actions are one positive symmetric stencil times the mirrors."""
+        """Return whether each action is its mirror times one positive symmetric stencil."""
         rows = [
             tuple({s: w for s, w in part.items() if s[0] == index} for part in pair)
             for pair in pairs
@@ -527,8 +527,8 @@ def _sum_of_force(weights: Weights, field: int) -> str:
     for (field_index, cell), weight in sorted(weights.items(), reverse=True):
         if field_index == field:
             steps = ", ".join(f"{a}{s:+d}" if s else a for a, s in zip("nml", cell, strict=False))
-            size = "" if abs(weight) == 1 else f"{abs(weight)}*"
-            terms.append((weight < 0, f"{size}F[{steps}]"))
+            factor = "" if abs(weight) == 1 else f"{abs(weight)}*"
+            terms.append((weight < 0, f"{factor}F[{steps}]"))
     return notation.signed_sum(terms)
 
 
@@ -547,7 +547,7 @@ def _is_rational(value: Expr) -> bool:
 
 
 def _loss(label: str, value: Expr) -> Expr:
-    """Return a loss. Raises ValueError if it depends on the stretch or is negative."""
+    """Return a loss exactly. Raises ValueError if it depends on the stretch or is negative."""
     value = rational_function(label, value)
     if value.has(x):
         raise ValueError(f"{label} must not depend on the stretch x, got {value} (a constant)")
@@ -607,13 +607,13 @@ def _equations(lattice: Lattice, printed: Printed, dots: tuple[str, str]) -> Ite
 def _law_term(value: Expr, power: int, printed: Printed) -> tuple[bool, str]:
     """Return whether a term of a force is negative, and the term without its sign."""
     is_negative = bool(value.as_coeff_Mul()[0] < 0)
-    size = -value if is_negative else value
-    return is_negative, _times(size, notation.power_of(x, power, printed), printed).rstrip()
+    magnitude = -value if is_negative else value
+    return is_negative, _times(magnitude, notation.power_of(x, power, printed), printed).rstrip()
 
 
 def _times(factor: Expr, product: str, printed: Printed) -> str:
-    size = "" if factor == 1 and product else f"{notation.bracketed(factor, printed)} "
-    return size + product
+    prefix = "" if factor == 1 and product else f"{notation.bracketed(factor, printed)} "
+    return prefix + product
 
 
 def _stretch(lattice: Lattice, bond: Bond, at: Stencil) -> str:

@@ -91,7 +91,7 @@ class LinearWaves:
         yield from (f"{printed(self._omega**2)} = {printed(value)}" for value in self.branches)
 
     def table(self, constants: Mapping[str, Number]) -> list[Row]:
-        """Return omega and the group velocity of each branch at `TABLE_WAVENUMBERS`, from below.
+        """Return omega and group velocity of each branch, lowest first, at `TABLE_WAVENUMBERS`.
 
         The velocity is None where two branches meet.  Raises ValueError for constants that are
         missing or make a wave unstable.
@@ -112,7 +112,7 @@ class LinearWaves:
             if squares[0] < -REST_TOLERANCE * squares[-1]:
                 raise ValueError(
                     f"constants must make waves stable, got omega^2 = {squares[0]:.6g} at k = "
-                    f"{angle}"
+                    f"{angle} (take positive stiffnesses)"
                 )
             branches = range(len(squares))
             rows.append((angle, [_wave(slopes, square, angle, squares, i) for i in branches]))

@@ -104,19 +104,19 @@ class Measured:
         ]
         eigenvalues, columns = context.eigsy(context.matrix(correlations))
         rows = dict(zip(uncertain, columns.tolist(), strict=True))
-        vectors = [[size * float(v) for v in rows.get(i, ())] for i, size in enumerate(scales)]
+        vectors = [[scale * float(v) for v in rows.get(i, ())] for i, scale in enumerate(scales)]
         return [float(value) for value in eigenvalues], vectors
 
     def samples(self, count: int, seed: int = 0) -> list[tuple[float, ...]]:
         """Draw samples of the constants, in the order of ``values``, with normal errors."""
         eigenvalues, vectors = self._modes
-        sizes = [math.sqrt(max(value, 0.0)) for value in eigenvalues]
+        deviations = [math.sqrt(max(value, 0.0)) for value in eigenvalues]
         normal = random.Random(seed).gauss
-        factors = ([v * size for v, size in zip(row, sizes, strict=False)] for row in vectors)
+        factors = ([v * d for v, d in zip(row, deviations, strict=False)] for row in vectors)
         rows = list(zip((float(value) for _, value in self.values), factors, strict=True))
         samples = []
         for _ in range(count):
-            normals = [normal(0.0, 1.0) for _ in sizes]
+            normals = [normal(0.0, 1.0) for _ in deviations]
             samples.append(
                 tuple(v + sum(map(float.__mul__, row, normals)) if row else v for v, row in rows)
             )

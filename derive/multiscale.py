@@ -101,7 +101,7 @@ class _Solver:
         return polynomial
 
     def solve_conditions(self) -> None:
-        """Turn every order below the evolution equation into conditions."""
+        """Turn every order below the evolution equation into conditions on the constants."""
         for order in [o for o in self.series.parts if o < self.leading_order]:
             if order in self.series.parts:
                 self._solve_drifts(order)

@@ -143,7 +143,7 @@ _ROWS: tuple[tuple[str, str, str, Callable[..., Scales]], ...] = (
     ),
     ("NLS", "A_XX, |A|^2 A", "i U_tau + U_xixi + 2 s |U|^2 U", _nls),
 )
-"""Name, terms and left-hand side of each equation, and the scales of the map to it."""
+"""One row an equation: name, terms besides Y_T, left-hand side, scales from the coefficients."""
 
 NORMAL_EQUATIONS = {
     name: NormalEquation(name, tuple(terms.split(", ")), f"{left_side} = 0", scales)
@@ -201,7 +201,7 @@ class NormalForm:
 
     @property
     def is_transverse(self) -> bool:
-        """Whether there is a second slow variable of space."""
+        """Whether there is a second slow variable of space, Z."""
         return "Y_ZZ" in NORMAL_EQUATIONS[self.equation].terms
 
     @property

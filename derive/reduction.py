@@ -135,16 +135,16 @@ class Reduction:
     def units(self) -> str:
         """The meaning of Y, in words."""
         scaling, names = self.scaling, list(self.lattice.fields)
-        size = power_of(eps, scaling.amplitude, text_of)
+        power = power_of(eps, scaling.amplitude, text_of)
         if not self.is_displacement:
-            return f"Y: {names[0]} less its mean is {size}Y, at first order"
+            return f"Y: {names[0]} less its mean is {power}Y, at first order"
         strain = power_of(eps, scaling.amplitude + scaling.space[0].exponent, text_of)
-        moved = f"Y = {self.wave}_X: {names[0]} is {size}{self.wave}"
+        moved = f"Y = {self.wave}_X: {names[0]} is {power}{self.wave}"
         return f"{moved}, the strain of a cell {strain}Y, at first order"
 
     @property
     def sound_condition(self) -> Eq:
-        """``c^2 = K2``, from the lowest order."""
+        """Equation for the sound speed from the lowest order, such as ``c^2 = K2``."""
         return Eq(self.scaling.speed**2, self.speed_squared, evaluate=False)
 
     def _at(self, values: Mapping[Symbol, Expr]) -> dict[Symbol, Expr]:
@@ -189,7 +189,7 @@ class Reduction:
         return normal_form_of(values.c, self._named(values))
 
     def lossless_form(self, **constants: Number) -> NormalForm:
-        """Return the normal form of the equation without the terms of losses."""
+        """Return the normal form of the equation without the terms from losses."""
         values = self.coefficients(**constants)
         terms = self._named(values).items()
         return normal_form_of(values.c, {n: v for n, v in terms if n not in _LOSS_TERMS})
@@ -277,7 +277,7 @@ class Reduction:
         return f"{self.label('G', power, latex_of)} = {correction}"
 
     def latex_remainder(self, order: int) -> str:
-        """Return the residual of a solution of the reduced equation at ``eps^order``, in LaTeX."""
+        """Return in LaTeX the lattice's residual at ``eps^order`` on a reduced solution."""
         return f"{self.label('R', order, latex_of)} = {self.notation.latex(self.remainders[order])}"
 
     def label(self, letter: str, number: int, printed: Printed = text_of) -> str:

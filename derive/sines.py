@@ -37,13 +37,13 @@ def in_sines(element: RationalFunction) -> tuple[Expr, Expr]:
     if denominator.mixed[1]:
         real, imaginary = denominator.mixed
         value = _times(value, (real, -imaginary))
-        size = _reduced(real * real + imaginary * imaginary)
+        divisor = _reduced(real * real + imaginary * imaginary)
     else:
-        size = denominator.mixed[0]
+        divisor = denominator.mixed[0]
     for _ in range((numerator.quarters - denominator.quarters) % 4):
         value = -value[1], value[0]
     pure = numerator.pure / denominator.pure
-    real, imaginary = ((part / size).factored() * pure if part else Integer(0) for part in value)
+    real, imaginary = ((part / divisor).factored() * pure if part else Integer(0) for part in value)
     return real, imaginary
 
 

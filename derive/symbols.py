@@ -137,7 +137,7 @@ def check_constants(constants: Sequence[Symbol], fields: Sequence[str] = ()) -> 
 
 
 def check_names(label: str, names: Sequence[str]) -> None:
-    """Raise ValueError for a reserved name."""
+    """Raise ValueError if a name is reserved; ``label`` says what has the names."""
     for name in names:
         if name in RESERVED:
             raise ValueError(

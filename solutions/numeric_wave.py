@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Side = Literal["left", "right"]
 Part = Literal["wave", "formula", "background", "left", "right", "potential"]
-"""Function to evaluate; "formula" is the wave by its compiled program, even if another evaluator
-exists."""
+"""Function that is evaluated: the wave, its background, a far field or its potential; "formula" is
+the wave by its compiled program, even if it has another evaluator."""
 
 ACCEPTED_BOUND = 5e-14
 """Largest error bound, in units of max(1, |value|), accepted from double-double."""

@@ -53,10 +53,10 @@ class Elimination:
         index = field.symbols.index(self.constant)
         by_power: dict[int, Terms] = {}
         for exponents, number in terms:
-            times, remainder = divmod(exponents[index], self.power)
+            quotient, remainder = divmod(exponents[index], self.power)
             others = (*exponents[:index], remainder, *exponents[index + 1 :])
-            by_power.setdefault(times, []).append((others, number))
-        parts = (field.from_terms(part) * self.value**times for times, part in by_power.items())
+            by_power.setdefault(quotient, []).append((others, number))
+        parts = (field.from_terms(part) * self.value**power for power, part in by_power.items())
         return sum(parts, field.zero)
 
 
@@ -116,11 +116,11 @@ class TimeElimination:
         self._known: dict[int, EpsSeries] = {1: flow}
 
     def series(self, series: EpsSeries) -> EpsSeries:
-        """Return ``series`` on solutions of the evolution equation."""
+        """Return ``series`` with its time derivatives replaced by ``Y_T = flow``."""
         return series.replaced(self._value)
 
     def _value(self, jet: Jet) -> EpsSeries | None:
-        """Return the value of a jet with time derivatives; None for one without."""
+        """Return the series that replaces a jet; None if it has no time derivatives."""
         if not jet[self._time]:
             return None
         result = self._time_derivative(jet[self._time])

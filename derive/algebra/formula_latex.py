@@ -112,8 +112,8 @@ class _Writer:
         """Return the LaTeX, and the binding strength of its outermost operation."""
         match formula:
             case Number(value=value):
-                size, denominator = str(abs(value.numerator)), value.denominator
-                text = size if denominator == 1 else rf"\frac{{{size}}}{{{denominator}}}"
+                numerator, denominator = str(abs(value.numerator)), value.denominator
+                text = numerator if denominator == 1 else rf"\frac{{{numerator}}}{{{denominator}}}"
                 if value < 0:
                     return f"-{text}", PRODUCT
                 return text, ATOM if denominator == 1 else POWER

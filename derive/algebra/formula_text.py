@@ -62,7 +62,7 @@ _REMEDIES = {
 
 
 class FormulaError(ValueError):
-    """A text that cannot be read: one line, with a picture of the position as the error's note.
+    """Error in a text that cannot be read; its note is a picture of the position in the text.
 
     ``text`` and ``position`` locate the error; `picture` shows it with a caret.
     """
@@ -118,9 +118,9 @@ class Vocabulary:
     site: sp.Symbol | None = None
 
     def meaning(self, name: str) -> sp.Expr | None:
-        """Return the meaning of a name that is not a field or function; None if it has none.
+        """Return the expression of a name that is no field or function; None if it is unknown.
 
-        Raises ValueError, as ``unknown_name`` does, for a name that may mean another.
+        Raises ValueError, as ``unknown_name`` does, for a name that is likely to be a misspelling.
         """
         for known in (CONSTANTS, self.variables, self.names):
             if name in known:
@@ -235,7 +235,7 @@ class Parser:
         return _product(factors, start)
 
     def _signed(self) -> list[syntax.FormulaTree]:
-        """Parse an operand with its sign, as factors; ``**`` binds closer than signs."""
+        """Parse a power with its sign; return it as factors, with -1 first if negative."""
         start, negative = self.next, False
         while sign := self.take_sign("+", "-"):
             negative ^= sign.text == "-"
@@ -366,11 +366,11 @@ class Parser:
         variables: list[str] = []
         known = self.vocabulary.variables.keys() - {str(self.vocabulary.site)}
         for step, text in steps:
-            times = syntax.rational(step)
+            count = syntax.rational(step)
             if isinstance(step, syntax.Name) and step.name in known:
                 variables.append(step.name)
-            elif variables and times and times.denominator == 1 and 0 < times <= HIGHEST_DERIVATIVE:
-                variables += [variables[-1]] * (int(times) - 1)
+            elif variables and count and count.denominator == 1 and 0 < count <= HIGHEST_DERIVATIVE:
+                variables += [variables[-1]] * (int(count) - 1)
             else:
                 words = f"expected variables behind the first argument of diff, got {text}"
                 raise self.error(words, token)

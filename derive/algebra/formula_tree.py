@@ -48,7 +48,7 @@ class Name(FormulaTree):
 
 @dataclass(frozen=True)
 class Unknown(FormulaTree):
-    """An unknown with the derivatives in its subscripts, ``shift`` sites from its ``site``."""
+    """An unknown with the derivatives ``steps`` in its subscript and the index ``site + shift``."""
 
     name: str
     steps: tuple[str, ...] = ()
@@ -104,7 +104,7 @@ LARGEST_POWER = 64
 
 
 def rational(formula: FormulaTree) -> Fraction | None:
-    """Return the value of numbers combined by sums, products and integer powers; else None."""
+    """Return the value of sums, products and integer powers of numbers; None for any other."""
     values = [rational(part) for part in formula.inner()]
     numbers = [value for value in values if value is not None]
     if len(numbers) < len(values):
@@ -143,7 +143,7 @@ def formula_text(formula: FormulaTree) -> str:
 
 
 def plain_text(formula: FormulaTree) -> str:
-    """Return the formula as users type it: an equal one is read back, with fewer brackets.
+    """Return the formula as users type it, with few brackets; an equal formula is read back.
 
     >>> plain_text(Product((MINUS_ONE, Name("x"), Power((Name("t"), MINUS_ONE)))))
     '-x/t'

@@ -96,7 +96,7 @@ class DifferentialPolynomial:
         return self.collect(self.field, ((key, function(v)) for key, v in self.terms.items()))
 
     def select(self, keep: Callable[[Monomial], bool]) -> DifferentialPolynomial:
-        """Return the terms whose monomials satisfy ``keep``."""
+        """Return the polynomial of the terms whose monomials satisfy ``keep``."""
         return DifferentialPolynomial(self.field, {m: v for m, v in self.terms.items() if keep(m)})
 
     def derivative(self, axis: int) -> DifferentialPolynomial:

@@ -215,8 +215,8 @@ class RationalFunction:
         if not isinstance(other, int | RationalFunction):
             return NotImplemented
         value = self._other(other)
-        same_below = self.content == value.content and self.below == value.below
-        return same_below and bool(self.numer == value.numer)
+        same_denominator = self.content == value.content and self.below == value.below
+        return same_denominator and bool(self.numer == value.numer)
 
     def __hash__(self) -> int:
         return hash((str(self.numer), self.content, frozenset(self.below.items())))
@@ -307,7 +307,7 @@ class RationalFunction:
 
     @property
     def is_negative(self) -> bool:
-        """Whether the first coefficient is negative, so that a minus sign is printed."""
+        """Whether the numerator's first coefficient is negative: a minus sign is then printed."""
         return bool(self.numer.leading_coefficient() < 0)
 
     @property

@@ -15,10 +15,10 @@ from longwave.derive.algebra.typing_rules import SITE, VARIABLES
 from longwave.support.known_names import close_names
 
 LONGEST_CORRECTED = 400
-"""Longest text that is rewritten, in characters; the result has one line."""
+"""Longest text that is rewritten, in characters."""
 
 FUNCTIONS_BY_NAME = ("gamma", "beta", "zeta", "Gamma", "Delta", "delta", "O")
-"""Names that read as functions before a bracket, unless they are declared."""
+"""Names that mean functions, not factors, before a bracket, unless they are declared."""
 
 ROUNDS = 40
 """Most times that the rules of a stage are applied; each time moves one sign further inward."""
@@ -232,7 +232,7 @@ def _arguments(text: str) -> list[str]:
 
 
 def _calls(spelling: Spelling) -> tuple[typing_rules.Rule, ...]:
-    """Return rules for functions with other names and other brackets."""
+    """Return rules that give functions the names and round brackets of the grammar."""
 
     def rename_function(match: re.Match[str]) -> str:
         name = match[0]
@@ -262,7 +262,7 @@ def _calls(spelling: Spelling) -> tuple[typing_rules.Rule, ...]:
 
 
 def _products(spelling: Spelling) -> tuple[typing_rules.Rule, ...]:
-    """Return rules for functions without brackets, powers, implied products and names."""
+    """Return rules for misread names, functions without brackets, powers and implied products."""
 
     def split_name(match: re.Match[str]) -> str:
         name = match[0]

@@ -30,14 +30,14 @@ FORCE, SECOND = cubic(K2, K3, K4), cubic(H2, H3, H4)
 NEAREST = Bond(
     stretch=(Stencil((0,)),), force=FORCE, action=(Stencil((1,)), Stencil((0,), -2), Stencil((-1,)))
 )
-"""Springs between neighbours of a chain, in its strain."""
+"""Bond between neighbours of a chain whose variable is the strain."""
 
 NEXT_NEAREST = Bond(
     stretch=(Stencil((0,)), Stencil((1,))),
     force=cubic(L2, L3, L4),
     action=(Stencil((1,)), Stencil((0,), -1), Stencil((-1,), -1), Stencil((-2,))),
 )
-"""Springs between next-nearest neighbours, in the strain between neighbours."""
+"""Bond between next-nearest neighbours of a chain whose variable is the strain."""
 
 
 def degenerate(*further: Expr) -> tuple[Bond, Bond]:

@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     Values = Mapping[str, Number]
 
 MOST_POINTS = 200
-"""Most wavenumbers of --map."""
+"""Largest value of --map, the number of wavenumbers."""
 
 
 def carrier_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[str]:

@@ -18,7 +18,7 @@ _FUNCTIONS = {
 
 
 class Assembler(Code):
-    """Instructions on numbered values; the inputs are the first values.
+    """Builder of instructions from SymPy expressions; the inputs are the first numbered values.
 
     >>> x, c = sp.symbols("x c")
     >>> assembler = Assembler([x])

@@ -30,7 +30,7 @@ def _on_plane_wave(
 ) -> ClosedForm:
     """Return the form "plane wave times ``1 + change``"; ``stable`` is ``change`` for floats."""
     bounded = _BACKGROUND * (1 + (change if stable is None else stable))
-    end = _BACKGROUND if period is None else bounded
+    far_field = _BACKGROUND if period is None else bounded
     return ClosedForm(
         name=name,
         title=title,
@@ -38,7 +38,7 @@ def _on_plane_wave(
         equation=FOCUSING_NLS,
         parameters=(*parameters, AMPLITUDE),
         background=_BACKGROUND,
-        far_fields=FarFields(end, end),
+        far_fields=FarFields(far_field, far_field),
         reference=reference,
         period=period,
         stabilise=lambda: bounded,

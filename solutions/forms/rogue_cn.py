@@ -57,7 +57,7 @@ def _pole(z: sp.Symbol) -> Parts:
 
 
 def _area(z: sp.Symbol) -> sp.Expr:
-    """Return ``S``, the integral of y**2."""
+    """Return the integral of ``y**2 = (k cn)**2`` from 0 to z."""
     return jacobi_epsilon(z, k**2) - complementary_modulus**2 * z
 
 

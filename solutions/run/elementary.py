@@ -162,7 +162,7 @@ def logarithm(x: dd.Array, start: dd.Array, power: dd.Array, z: dd.Array) -> Non
 
 @njit()
 def tanh(x: dd.Array, z: dd.Array, scratch: dd.Array) -> None:
-    """Fill ``z`` with tanh(x), of full relative precision, after `decay_of` 2 x."""
+    """Fill ``z`` with tanh(x) in full relative precision, after `decay_of` with factor 2."""
     fall, rise = scratch[3], scratch[4]
     for i in range(BLOCK):
         inverse = dd.reciprocal(dd.add((1.0, 0.0), load_pair(fall, i)))
@@ -176,7 +176,7 @@ def tanh(x: dd.Array, z: dd.Array, scratch: dd.Array) -> None:
 
 @njit()
 def sech(x: dd.Array, z: dd.Array, scratch: dd.Array) -> None:
-    """Fill ``z`` with sech(x), after `decay_of` x."""
+    """Fill ``z`` with sech(x) from the ``scratch`` that `decay_of` x has filled."""
     fall = scratch[3]
     for i in range(BLOCK):
         value = load_pair(fall, i)

@@ -87,8 +87,8 @@ def _with_differences(
 ) -> list[Any]:
     """Return value and slopes, the slopes by differences at more than twice the precision."""
     step = context.ldexp(1, -context.prec)
-    size = max(1, *(context.mag(coordinate) for coordinate in coordinates))
-    with context.workprec(2 * context.prec + size):
+    magnitude = max(1, *(context.mag(coordinate) for coordinate in coordinates))
+    with context.workprec(2 * context.prec + magnitude):
         (value,) = formula(context, *coordinates, *parameters)
         slopes = [value]
         for direction in range(directions):
