@@ -49,7 +49,7 @@ class AmplitudeLaw(Displayed):
         return first_crest * decayed / divisor
 
     def text_beside(self, taken: Collection[str]) -> str:
-        """Return `text`, with a renamed if it is among ``taken``, the names of the lattice."""
+        """Return `text`, with the symbol ``a`` renamed if the lattice has ``taken`` this name."""
         name = unused("a", taken)
         return re.sub(r"\ba(?='?\((T|0)\))", name, self.text())
 

@@ -362,7 +362,10 @@ class Carrier(Expansion):
         return self.field.from_expr(value.xreplace(self.values), self.images)
 
     def null_vectors(self, j: int) -> tuple[Column, Column]:
-        """Return the right and left null vector of harmonic j. EnvelopeError if not unique."""
+        """Return the right and left null vector of harmonic j.
+
+        Raises EnvelopeError unless each is unique.
+        """
         try:
             return super().null_vectors(j)
         except ValueError:
@@ -394,7 +397,10 @@ class Carrier(Expansion):
 
     @cached_property
     def singular(self) -> tuple[RationalFunction, RationalFunction]:
-        """Pair: infinite if the leader is at rest, infinite if ``fixed`` has no solution."""
+        """A pair of elements that are infinite where the formulas of this carrier do not hold.
+
+        The first is infinite if the leader is at rest, the second if ``fixed`` has no solution.
+        """
         others = without(self.linear, self.leader, self.leader)
         minor = determinant(others) if others else self.field.one
         return 1 / minor, 1 / self.wave.diff(self.fixed)

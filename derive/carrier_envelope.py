@@ -253,7 +253,7 @@ class Envelope(Displayed):
         return self._exact_numbers(angle, self.carrier.lattice.with_defined(self.constants))
 
     def _exact_numbers(self, angle: Expr, values: Mapping[Symbol, Expr]) -> dict[str, Expr]:
-        """Return omega and the real coefficients of a lattice with one field at the wavenumber."""
+        """Return omega and the real coefficients at the wavenumber ``angle``, for one field."""
         relation = self.carrier.relation.powers_of(w)
         images = {sine: sin(angle / 2), cosine: cos(angle / 2), **values}
         images[frequency] = sqrt(in_sines(relation[0] / relation[2])[0].subs(images))

@@ -60,7 +60,7 @@ class Dispersion:
         return unit * expand(series(self.omega_plus / unit, k, 0, order).removeO())
 
     def is_solved_by(self, omega: Expr, power: int) -> bool:
-        """Return whether a polynomial in k, O(eps), solves the relation through ``eps^power``."""
+        """Return whether a polynomial omega(k) solves the relation to ``eps^power``, k = O(eps)."""
         difference = omega**2 + I * self.damping * omega - self.omega_squared
         scaled = difference.subs({sin(k / 2): k / 2 - k**3 / 48 + k**5 / 3840}).subs(k, eps * k)
         orders = powers_of_eps(expand(scaled))

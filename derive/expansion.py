@@ -81,7 +81,7 @@ class Expansion:
         return parts
 
     def residual(self, slaved: Sequence[EpsSeries] | None = None) -> EpsSeries:
-        """Return the wave's equation, which is 0: the rows times the left null vector."""
+        """Return the left-hand side of the wave's equation: the rows times the left null vector."""
         parts = self.slaved_parts() if slaved is None else slaved
         rows = self.rows(self._fields(parts, self.limit))
         return matrices.combined(self.zero_mode[1], rows, EpsSeries(self.field, self.limit, {}))

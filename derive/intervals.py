@@ -24,7 +24,7 @@ SAMPLE_COUNT = 20_000
 """Number of samples: the ends of an interval are then accurate to 0.02 standard deviations."""
 
 MAX_LINEAR_ERROR = 0.05
-"""Largest error of the ends from derivatives, relative to the interval's width; else sample."""
+"""Largest error of ends by derivatives, relative to the width; above it, samples are used."""
 
 OPENING_FUNCTIONS = {"contact": lambda x: max(x, 0.0), "touching": lambda x: float(x > 0.0)}
 """Functions of open contacts, which Python's `math` lacks, by name."""
@@ -95,7 +95,7 @@ class Intervals:
         return Interval(mean, spread, ends, linear, sampled=True, lost=lost)
 
     def _gradient(self, expression: Expr) -> list[float]:
-        """Return the derivatives at the constants' values, with the signs of constants known."""
+        """Return the derivatives at the constants' values; SymPy is told the constants' signs."""
         signed = {
             symbol: Dummy(positive=True) if value > 0 else Dummy(negative=True) if value else symbol
             for symbol, value in self._at.items()

@@ -316,7 +316,9 @@ def _terms(label: str, text: object) -> list[tuple[int, str, Cell]]:
 
 def _field(label: str, name: object, fields: list[str]) -> int:
     if name not in fields:
-        raise ValueError(f"{label} must be among {', '.join(fields)}, got {shown(name)}")
+        raise ValueError(
+            f"{label} must be among {', '.join(fields)}, got {shown(name)} (or add it to fields)"
+        )
     return fields.index(str(name))
 
 

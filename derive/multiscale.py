@@ -61,7 +61,7 @@ class _Solver:
         return (space, *(0,) * (len(self.notation.axes) - 2), time)
 
     def check_losses(self) -> None:
-        """Raise ReductionError if losses give linear terms before the order of the equation."""
+        """Raise ReductionError if losses enter before the order of the reduced equation."""
         losses = self.lattice.leading_losses
         lower_orders = {o: part for o, part in self.series.parts.items() if o < self.leading_order}
         for order, part in lower_orders.items() if losses else ():

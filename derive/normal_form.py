@@ -76,7 +76,7 @@ def _modified_kawahara(cubic: Expr, third: Expr, fifth: Expr) -> Scales:
 
 
 def _kdv_burgers(quadratic: Expr, second: Expr, third: Expr) -> Scales:
-    """Return the scales of KdV-Burgers: Y_XX, with a negative coefficient by losses, sets time."""
+    """Return the scales from the coefficients of Y Y_X, Y_XX (negative for losses) and Y_XXX."""
     a = Abs(second / third)
     b = -second * a**2
     return {"a": a, "b": b, "h": 6 * b / (quadratic * a), "s": -sign(second * third)}

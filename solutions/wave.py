@@ -131,7 +131,7 @@ class Wave(NumericWave):
             raise ValueError(self._out_of_range(error)) from None
 
     def _real_parts(self, part: Part) -> Sequence[sp.Expr]:
-        """Return the expression of a part as a list: stable, split in real and imaginary part."""
+        """Return the expression to compile for a part; two, real and imaginary, if complex."""
         expression = self.form.stable if part == "wave" else self._expression(part)
         return complex_parts(expression) if self.form.equation.is_complex else [expression]
 

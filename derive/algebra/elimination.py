@@ -24,7 +24,7 @@ class Elimination:
     power: int = 1
 
     def __call__(self, element: RationalFunction) -> RationalFunction:
-        """Replace ``constant**power`` in ``element``; a lone constant stays in the numerator."""
+        """Replace ``constant**power`` in ``element``; a single factor ``constant`` stays above."""
         field, index = element.field, element.field.symbols.index(self.constant)
         numer, odd, even = element.numerator(), field.one, {}
         for factor, times in element.below.items():

@@ -28,7 +28,7 @@ def _on_plane_wave(
     stable: sp.Expr | None = None,
     period: sp.Expr | None = None,
 ) -> ClosedForm:
-    """Return the form "plane wave times ``1 + change``"; ``stable`` is ``change`` for floats."""
+    """Return the plane wave times ``1 + change``; ``stable`` is ``change`` without cancellation."""
     bounded = _BACKGROUND * (1 + (change if stable is None else stable))
     far_field = _BACKGROUND if period is None else bounded
     return ClosedForm(
