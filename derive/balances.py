@@ -32,9 +32,9 @@ def find_scaling(
 ) -> tuple[Reduction, ...]:
     """Find the reductions of a lattice that balance nonlinearity and dispersion.
 
-    ``constants`` are substituted first: numbers, or formulas in text, which may be small.  The wave
-    rides on a uniform ``background``, which may be a formula in the constants.  ``amplitude`` and
-    ``time``, powers of eps, restrict the search.
+    ``constants`` are substituted first: numbers, or formulas in text, which may contain eps.  The
+    wave rides on a uniform ``background``, which may be a formula in the constants.  ``amplitude``
+    and ``time``, exponents of eps, restrict the search.
 
     Reductions with the fewest conditions on the constants come first.  On a lattice with two axes
     the wave travels along the first axis, with a slower transverse variable Z, unless ``space``

@@ -96,9 +96,9 @@ class EnvelopeNumbers:
 
 @dataclass(frozen=True, repr=False)
 class Envelope(Displayed):
-    """The envelope equation of a carrier, in k, omega and the lattice's constants.
+    """The envelope equation of a carrier: coefficients in k, omega and the lattice's constants.
 
-    The dispersion relation has been used to eliminate one of them, ``carrier.fixed``.
+    The dispersion relation has been used to eliminate one constant, ``carrier.fixed``.
     """
 
     lattice: Lattice
@@ -216,9 +216,9 @@ class Envelope(Displayed):
     ) -> NormalForm:
         """Return the map to ``i U_tau + U_xixi + 2 s |U|^2 U = 0``; arguments as for coefficients.
 
-        With one field in a cell the values are exact, with several they are those of the lattice to
-        `DIGITS` digits.  Without a wavenumber and constants they are symbolic.  Raises as
-        coefficients does, and ValueError if q vanishes.
+        With one field in a cell the values are exact, with several they are computed to `DIGITS`
+        digits.  Without a wavenumber and constants they are symbolic.  Raises as `coefficients`
+        does, and ValueError if q vanishes.
 
         >>> from longwave.derive import LATTICES
         >>> envelope(LATTICES["fput_strain"], k=pi).normal_form(K2=1, K3=0, K4=1)

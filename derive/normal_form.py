@@ -26,8 +26,8 @@ Scales = dict[str, Expr]
 class NormalEquation:
     """An equation with known closed solutions.
 
-    ``terms``: those of the reduced equation besides Y_T, in the order of the arguments of
-    ``scales``, their coefficients; a term Y_X only makes the solution drift.
+    ``terms``: names of the reduced equation's terms besides Y_T and Y_X, which only makes the
+    solution drift.  ``scales`` takes their coefficients in this order.  ``text``: the equation.
     """
 
     name: str
@@ -160,9 +160,9 @@ class NormalForm:
     ``s`` and ``r`` are the signs in the normal form, 1 or -1 (1 if it has none); b may be negative,
     and e is 0 without a Z.  ``equation`` is a name of `NORMAL_EQUATIONS`.
 
-    All are exact SymPy expressions; numbers are converted.  ``digits`` is None for exact values, or
-    the number of digits to which they are those of the lattice.  Raises ValueError for anything
-    else, for a number s or r other than 1 and -1, and for a scale that is 0.
+    All are exact SymPy expressions; numbers are converted.  ``digits`` is None if the values are
+    exact, else the number of their correct digits.  Raises ValueError for a value that is not
+    exact or real, for a number s or r other than 1 and -1, and for a scale that is 0.
     """
 
     a: Expr

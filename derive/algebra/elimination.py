@@ -65,8 +65,8 @@ def solve_linear(
 ) -> Elimination | None:
     """Solve ``condition = 0`` for the first of ``constants`` in which it is linear.
 
-    Constants whose factor is a pure number are preferred, then the square of ``squared``.  None if
-    there is nothing to solve for.
+    Constants whose factor is a pure number are tried first, then ``squared**2``, then all others.
+    None if no constant can be solved for.
     """
     solutions = [_solved(condition, constant, 1) for constant in constants]
     candidates = [elimination for elimination in solutions if elimination]

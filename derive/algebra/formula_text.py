@@ -105,9 +105,9 @@ class Vocabulary:
     """Words that a text may contain.
 
     ``functions`` has each function with its number of arguments, ``variables`` the independent
-    variables by letter, ``fields`` the unknowns as applied functions (of the site first if they are
-    indexed), ``names`` everything else.  ``unknown_name`` returns the symbol of any other name;
-    without it such a name is an error.
+    variables by letter, ``fields`` the unknowns as applied functions (with the site as their first
+    argument if they are indexed), ``names`` everything else.  ``unknown_name`` returns the symbol
+    of any other name; without it such a name is an error.
     """
 
     functions: Mapping[str, tuple[Callable[..., sp.Expr], int]]

@@ -2,8 +2,8 @@
 
 They are the coefficients of all expansions.  Denominators are kept as irreducible factors: there
 are few, from determinants, and all sums share them.  A sum is reduced by dividing by the factors
-that both denominators have in the same power, a product by those of the other operand; a greatest
-common divisor, which is a hundred times slower, is never computed.
+that both denominators have in the same power, a product by those of the other operand; neither
+needs a greatest common divisor of polynomials, which is a hundred times slower.
 """
 
 from __future__ import annotations

@@ -114,7 +114,7 @@ def _divided(polynomial: sp.Poly, tanhs: list[sp.Symbol], sechs: list[sp.Symbol]
 def without_cancellation(t: Sequence[sp.Symbol], s: Sequence[sp.Symbol]) -> sp.Expr:
     """Return ``gap = 1 - t_1 t_2``, computed from ``1 - (t_1 t_2)**2``, a sum of squares, if small.
 
-    ``gap = (gap**2 + 1 - (t_1 t_2)**2)/2`` squares an error of the gap; applied twice it leaves
+    The step ``gap = (gap**2 + 1 - (t_1 t_2)**2)/2`` squares an error of the gap; two steps leave
     none.
     """
     gap = 1 - t[0] * t[1]

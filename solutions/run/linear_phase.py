@@ -163,6 +163,6 @@ class Variables:
 
         The coefficients p, q, r, w are long numbers.
 
-        Raises OverflowError for a coefficient out of a double's range.
+        Raises OverflowError for a coefficient beyond 1e-250 .. 1e250.
         """
         return LinearPhase(p * self.a, p * self.d + q * self.b, r, w * self.e)

@@ -103,8 +103,8 @@ def _quarter_period(m1: Any) -> Any:
 class _Series(NamedTuple):
     """Sums over n of the theta series; ``b_1 = 2 q cos 2v`` or ``2 q cosh 2w``.
 
-    theta_3 and theta_4; ``theta_1/(2 q**(1/4) sin v)`` and ``theta_2/(2 q**(1/4) cos v)``; the
-    latter's derivative ``rise``; ``-theta_3'/(4 q sin 2v)`` and ``theta_4'/(4 q sin 2v)``.
+    In order: theta_3, theta_4, ``theta_1/(2 q**(1/4) sin v)``, ``theta_2/(2 q**(1/4) cos v)``,
+    ``-theta_2'/(2 q**(1/4) sin v)``, ``-theta_3'/(4 q sin 2v)``, ``theta_4'/(4 q sin 2v)``.
     """
 
     theta3: Any
