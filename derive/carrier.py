@@ -37,7 +37,7 @@ z, w = Symbol("exp(i k)"), Symbol("i omega")
 """Symbols of exp(i k) and i omega, with names that no constant of a lattice can have."""
 
 LETTER, CONJUGATE, MEAN = 0, 1, 2
-"""Second entry of a jet, of A, its conjugate or the mean; the first counts X-derivatives."""
+"""Second entry of a jet: A, its conjugate or the mean. The first entry counts X-derivatives."""
 
 A: Jet = (0, LETTER)
 MEAN_LETTER: Jet = (0, MEAN)
@@ -58,7 +58,7 @@ class EnvelopeError(ValueError):
 
 
 def harmonic(monomial: Monomial) -> int:
-    """Return the number of A in a monomial minus that of its conjugates.
+    """Return the harmonic of a monomial: its number of A minus its number of conjugates of A.
 
     >>> harmonic(((0, 0), (0, 0), (1, 1)))
     1
@@ -347,7 +347,7 @@ class Carrier(Expansion):
         return total
 
     def shifted(self, series: EpsSeries, cell: Cell) -> EpsSeries:
-        """Shift a series: each harmonic by its phase, the letters by Taylor's theorem."""
+        """Shift a series by whole cells: harmonics by their phase, A and S by Taylor's theorem."""
         if not any(cell):
             return series
         rotated = {}
@@ -436,7 +436,7 @@ class Carrier(Expansion):
         self.parts[index] = self.parts[index].plus(order, full_part)
 
     def conjugated(self, polynomial: DifferentialPolynomial) -> DifferentialPolynomial:
-        """Return the complex conjugate."""
+        """Return the complex conjugate of a polynomial: z -> 1/z, w -> -w, A <-> its conjugate."""
         items = (
             (
                 tuple(sorted((m, kind if kind == MEAN else 1 - kind) for m, kind in monomial)),

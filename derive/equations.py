@@ -82,7 +82,7 @@ class EvolutionEquation(Displayed):
 
     @property
     def polynomial(self) -> DifferentialPolynomial:
-        """``Y_T - flow``."""
+        """The polynomial ``Y_T - flow``."""
         jet = (0,) * (len(self.notation.axes) - 1)
         return DifferentialPolynomial.monomial(self.flow.field, ((*jet, 1),)) - self.flow
 

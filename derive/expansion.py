@@ -178,7 +178,7 @@ class Expansion:
 
     @cached_property
     def is_pinned(self) -> bool:
-        """Whether an on-site force acts: the mean is then slaved."""
+        """Whether on-site forces act, so that the mean follows from the wave."""
         return bool(matrices.determinant(self.matrix(0)))
 
     @cached_property
@@ -188,7 +188,7 @@ class Expansion:
 
     @cached_property
     def is_displacement(self) -> bool:
-        """Whether no bond feels a uniform motion of all fields; only derivatives enter."""
+        """Whether no bond is stretched if all fields move with the zero mode's weights."""
         return not self.is_pinned and not any(
             sum((e.weight * self.field_weights[e.field] for e in bond.stretch), self.field.zero)
             for bond in self.lattice.bonds

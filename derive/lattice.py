@@ -104,7 +104,7 @@ class Bond:
 
     @property
     def has_reaction(self) -> bool:
-        """Whether the bond's forces on the fields add up to 0; an on-site force's do not."""
+        """Whether the bond's forces on all fields add up to 0, unlike those of an on-site force."""
         return not sum(entry.weight for entry in self.action)
 
     @property
@@ -415,7 +415,7 @@ class Lattice(notation.Displayed):
 
     @property
     def is_displacement(self) -> bool:
-        """Whether no bond feels a uniform motion of one field."""
+        """Whether no bond is stretched if all fields move by the same amount."""
         return not any(sum(entry.weight for entry in bond.stretch) for bond in self.bonds)
 
     @property

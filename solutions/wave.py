@@ -1,4 +1,4 @@
-"""A closed form with numbers in, in the lattice's slow variables."""
+"""A closed form with numbers for its parameters, in the lattice's slow variables."""
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial

@@ -13,7 +13,7 @@ from math import prod
 
 @dataclass(frozen=True)
 class FormulaTree:
-    """A node; ``at`` is the position of its sign or name in the text."""
+    """A node of a formula's syntax tree; ``at`` is the position of its sign or name in the text."""
 
     at: int = field(default=0, compare=False, kw_only=True)
 
@@ -22,7 +22,7 @@ class FormulaTree:
         return ()
 
     def made_of(self, parts: tuple[FormulaTree, ...]) -> FormulaTree:
-        """Return a node of the same kind with other children, of the same number."""
+        """Return a node of the same class with the children ``parts``, as many as before."""
         return self
 
     def nodes(self) -> Iterator[FormulaTree]:

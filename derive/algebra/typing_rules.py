@@ -63,7 +63,7 @@ CALLS: tuple[Rule, ...] = (
     (r"(?<![\w.])(?:FullSimplify|Simplify|simplify|Expand|expand)\s*[\[(](<A>)[\])]", r"\1"),
     (r"(?<![\w.])Eq(?:uation|ual)?\s*[\[(]\s*(<A>),\s*(<A>)[\])]", r"\1 = \2"),
 )
-"""Calls with other argument conventions. ``<A>`` is an argument, ``<()>`` one in brackets."""
+"""Rules for calls whose name or arguments other systems write differently."""
 
 
 def _decimal(match: re.Match[str]) -> str:
@@ -157,7 +157,7 @@ LATEX: tuple[Rule, ...] = (
     (r"\^\s*\{([^{}]*)\}", r"**(\1)"),
     (r"\\partial\s*", " \\\\partial"),
 )
-"""LaTeX commands, innermost braces first."""
+"""Rules for LaTeX commands; those in the innermost braces are rewritten first."""
 
 BRACES: tuple[Rule, ...] = (
     (r"\{", "("),

@@ -99,7 +99,7 @@ def _with_losses(lattice: Lattice, texts: Mapping[str, str]) -> Lattice:
 
 
 def _linear_lattice_lines(lattice: Lattice, options: derive_options.DeriveOptions) -> Iterator[str]:
-    """Yield the waves of a linear chain: branches as formulas, and numbers if all are given."""
+    """Yield the waves of a linear chain: formulas, and numbers if all constants have values."""
     waves, given = LinearWaves.of(lattice), derive_options.given_constants(lattice, options)
     known = {*map(str, lattice.basic_constants)} == {*given}
     if unknown := sorted({*given} - {*map(str, lattice.basic_constants)}):

@@ -178,7 +178,7 @@ class MpmathFormula:
         expressions: Sequence[Expr],
         statements: Iterable[tuple[Expr, Expr]] = (),
     ) -> MpmathFormula:
-        """Return the formula of ``expressions``; symbols may stand for earlier ``statements``."""
+        """Return the formula of ``expressions``, whose symbols ``statements`` may define."""
         indices: dict[Expr, int] = {argument: n for n, argument in enumerate(arguments)}
         code: list[Sequence[Any]] = []
 

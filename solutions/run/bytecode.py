@@ -1,4 +1,4 @@
-"""Programs for the machine: the format of instructions, and writing them on numbered values."""
+"""Programs for the machine: the format of their instructions, and a builder of programs."""
 
 from __future__ import annotations
 

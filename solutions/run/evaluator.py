@@ -1,4 +1,4 @@
-"""Programs with numbers in: values at arrays of points, and their Taylor coefficients."""
+"""Programs at given parameters: values at arrays of points, and Taylor coefficients."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The rational solutions with numbers in, from their polynomials A and B, in double-double.
+"""The rational solutions at given shifts, from their polynomials A and B, in double-double.
 
 Two bivariate Horner schemes with their derivatives: A and B of ``f = A + i B`` have degree d if x
 counts 1 and t counts 3. Their rows, polynomials in t, are summed once for points that share t. The
