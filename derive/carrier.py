@@ -333,11 +333,11 @@ class Carrier(Expansion):
         """Return the stretch of a bond by the fields and, for displacements, by the mean strain."""
         total = super().stretch(bond, fields)
         for entry in bond.stretch if self.is_displacement else ():
-            gain = self._summed(self.mean.upto(total.limit), entry.shift[0])
+            gain = self._sum_over_cells(self.mean.upto(total.limit), entry.shift[0])
             total = total + (entry.weight * self.field_weights[entry.field]) * gain
         return total
 
-    def _summed(self, mean: EpsSeries, cells: int) -> EpsSeries:
+    def _sum_over_cells(self, mean: EpsSeries, cells: int) -> EpsSeries:
         """Return the mean strain S summed over s = ``cells``: ``(exp(eps s D) - 1)/(eps D) S``."""
         total, power, count = self._series({}, mean.limit), mean, 1
         while cells and power.parts:
@@ -440,13 +440,13 @@ class Carrier(Expansion):
         items = (
             (
                 tuple(sorted((m, kind if kind == MEAN else 1 - kind) for m, kind in monomial)),
-                value.mapped(self._reflected, self._conjugates),
+                value.mapped(self._reflect, self._conjugates),
             )
             for monomial, value in polynomial.terms.items()
         )
         return DifferentialPolynomial.collect(self.field, items)
 
-    def _reflected(self, terms: Terms) -> RationalFunction:
+    def _reflect(self, terms: Terms) -> RationalFunction:
         """Return the polynomial in z and w with these terms, at 1/z and -w instead."""
         degree = max((exponents[0] for exponents, _ in terms), default=0)
         reflected = [

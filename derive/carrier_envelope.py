@@ -208,7 +208,7 @@ class Envelope(Displayed):
         0 <= k <= pi, missing or unknown constants, and an unstable lattice.
         """
         precise = self.regular(k, branch, **constants)._numbers(k, branch, constants)
-        numbers = {name: _plain(value) for name, value in precise.items()}
+        numbers = {name: _float_or_complex(value) for name, value in precise.items()}
         return EnvelopeNumbers(**{**dict.fromkeys(NEXT_ORDER, nan), **numbers})
 
     def normal_form(
@@ -479,7 +479,7 @@ def _degeneracy_message(at: str) -> str:
     )
 
 
-def _plain(value: mpmath.mpc) -> Any:
+def _float_or_complex(value: mpmath.mpc) -> Any:
     """Return a float, or a complex if the imaginary part is more than a rounding error."""
     threshold = IMAGINARY_TOLERANCE * abs(value)
     number = mpmath.mpc(value)

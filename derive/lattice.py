@@ -142,7 +142,7 @@ def _weights(entries: Iterable[Stencil], factor: int = 1) -> Weights:
     return {site: weight for site, weight in totals.items() if weight}
 
 
-def _products(left: Weights, right: Weights, turn: int = 1) -> Weights:
+def _multiply_stencils(left: Weights, right: Weights, turn: int = 1) -> Weights:
     """Multiply two stencils as polynomials in shifts; ``turn`` = -1 mirrors the right one."""
     totals: Weights = {}
     for (_, first), a in left.items():
@@ -268,8 +268,8 @@ class Lattice(notation.Displayed):
         """
         springs = [str(i) for i, each in enumerate(self.bonds, 1) if each.has_reaction]
         symbols = {str(symbol): symbol for symbol in self.constants}
-        sites = _each("site", site, self.fields, symbols)
-        dashpots = _each("bond", bond, springs, symbols)
+        sites = _losses_by_name("site", site, self.fields, symbols)
+        dashpots = _losses_by_name("bond", bond, springs, symbols)
         numbered = enumerate(self.bonds, 1)
         bonds = tuple(replace(b, loss=dashpots.get(str(i), S.Zero)) for i, b in numbered)
         losses = tuple(sites.values())
@@ -389,9 +389,11 @@ class Lattice(notation.Displayed):
         ]
         rows = [row for row in rows if any(row)]
         action, mirror = rows[0]
-        square = _products(action, mirror, -1)  # the stencil times the square of the mirror
+        square = _multiply_stencils(action, mirror, -1)  # the stencil times the mirror squared
         mirrored = {(0, tuple(-step for step in cell)): w for (_, cell), w in square.items()}
-        if square != mirrored or any(_products(a, mirror) != _products(action, m) for a, m in rows):
+        if square != mirrored or any(
+            _multiply_stencils(a, mirror) != _multiply_stencils(action, m) for a, m in rows
+        ):
             return False
         return all(
             sum(w * math.cos(k * c[0] + 0.7 * k * c[-1]) for (_, c), w in square.items()) > 0
@@ -556,7 +558,7 @@ def _loss(label: str, value: Expr) -> Expr:
     return value
 
 
-def _each(
+def _losses_by_name(
     kind: str, given: Number | Mapping[Any, Number], names: Sequence[str], known: dict[str, Symbol]
 ) -> dict[str, Expr]:
     """Return the loss of each of ``names``, from a table or one value for all of them.

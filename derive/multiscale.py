@@ -152,9 +152,9 @@ class _Solver:
                 "and give its value to coefficients)",
             )
         self.solved.append(solved)
-        self.series = self.conditioned(self.series)
+        self.series = self.substitute_conditions(self.series)
 
-    def conditioned(self, series: EpsSeries) -> EpsSeries:
+    def substitute_conditions(self, series: EpsSeries) -> EpsSeries:
         """Return a series without the constants that the conditions determine."""
         squares = [elimination for elimination in self.solved if elimination.power > 1]
         for elimination in (*self.solved, *squares):
@@ -236,7 +236,7 @@ def _on_solutions(solver: _Solver, flows: Mapping[int, DifferentialPolynomial]) 
     """Return the lattice residual on solutions of ``Y_T = sum eps^k F_k``."""
     flow = EpsSeries(solver.series.field, solver.series.limit, flows)
     residual = TimeElimination(flow, len(solver.notation.axes)).series(solver.series)
-    return solver.conditioned(residual)
+    return solver.substitute_conditions(residual)
 
 
 def _corrections(

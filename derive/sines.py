@@ -37,7 +37,7 @@ def in_sines(element: RationalFunction) -> tuple[Expr, Expr]:
     if denominator.mixed[1]:
         real, imaginary = denominator.mixed
         value = _times(value, (real, -imaginary))
-        divisor = _reduced(real * real + imaginary * imaginary)
+        divisor = _reduce_cosines(real * real + imaginary * imaginary)
     else:
         divisor = denominator.mixed[0]
     for _ in range((numerator.quarters - denominator.quarters) % 4):
@@ -62,7 +62,7 @@ class _Product:
             turns = [exponents[0] for exponents, _ in terms]
             middle = max(turns) + min(turns)
             self.turns += middle * times
-            part = real, imaginary = _turned(field, terms, middle)
+            part = real, imaginary = _times_phase(field, terms, middle)
             if real and imaginary:
                 for _ in range(times):
                     self.mixed = _times(self.mixed, part)
@@ -71,7 +71,7 @@ class _Product:
             self.pure *= (imaginary or real).factored() ** times
 
 
-def _turned(
+def _times_phase(
     field: RationalFunctions, terms: list[tuple[tuple[int, ...], int]], middle: int
 ) -> Complex:
     """Return the polynomial in z and w with these terms, times ``exp(-i k middle/2)``."""
@@ -94,15 +94,15 @@ def _power(field: RationalFunctions, count: int) -> Complex:
         exponents = (i, abs(count) - i, *(0,) * (len(field.symbols) - 2))
         term = field.from_terms([(exponents, sign * comb(abs(count), i))])
         real, imaginary = (real, imaginary + term) if i % 2 else (real + term, imaginary)
-    return _reduced(real), _reduced(imaginary if count > 0 else -imaginary)
+    return _reduce_cosines(real), _reduce_cosines(imaginary if count > 0 else -imaginary)
 
 
 def _times(left: Complex, right: Complex) -> Complex:
     (a, b), (c, d) = left, right
-    return _reduced(a * c - b * d), _reduced(a * d + b * c)
+    return _reduce_cosines(a * c - b * d), _reduce_cosines(a * d + b * c)
 
 
-def _reduced(polynomial: RationalFunction) -> RationalFunction:
+def _reduce_cosines(polynomial: RationalFunction) -> RationalFunction:
     """Return a polynomial with powers of the cosine reduced to 0 and 1."""
     field = polynomial.field
     square = field.one - field(sine) ** 2

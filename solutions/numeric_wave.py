@@ -162,7 +162,9 @@ class NumericWave:
     ) -> WaveValues:
         """Return the values of `at` as arrays (2, ...) of high and low parts, about 30 digits."""
         variables = self._lattice(eps)
-        return self._joined(self._bounded("wave", variables, *self._points(n, t, m))[:, :2])
+        return self._join_parts(
+            self._bounded_rows("wave", variables, *self._points(n, t, m))[:, :2]
+        )
 
     def value_at(
         self,
@@ -182,7 +184,7 @@ class NumericWave:
         evaluator = self._values_alone(part)
         if points[0].size >= PIECE or evaluator is None:
             return np.asarray(self._evaluate(part, variables, n, t, m).Y)
-        values = self._bounded(part, variables, *points, evaluator=evaluator)[:, 0]
+        values = self._bounded_rows(part, variables, *points, evaluator=evaluator)[:, 0]
         return values[0] + 1j * values[1] if self.numbers.is_complex else values[0]
 
     @property
@@ -382,13 +384,13 @@ class NumericWave:
         self, part: Part, variables: Variables, x: ArrayLike, t: ArrayLike, z: ArrayLike | None
     ) -> Any:
         def values(*points: Array) -> Array:
-            return self._bounded(part, variables, *points)[:, 0]
+            return self._bounded_rows(part, variables, *points)[:, 0]
 
         units = [abs(high) for high, _ in self._scales]
         is_far = partial(self._is_far, part, variables)
-        return self._joined(in_pieces(values, self._points(x, t, z), is_far, units))
+        return self._join_parts(in_pieces(values, self._points(x, t, z), is_far, units))
 
-    def _joined(self, rows: Array) -> Any:
+    def _join_parts(self, rows: Array) -> Any:
         """Return the rows as a named tuple, real and imaginary parts combined."""
         if self.numbers.is_complex:
             rows = rows[: len(rows) // 2] + 1j * rows[len(rows) // 2 :]
@@ -404,7 +406,7 @@ class NumericWave:
             f"(it solves the {self.numbers.equation} equation)"
         )
 
-    def _bounded(
+    def _bounded_rows(
         self,
         part: Part,
         variables: Variables,

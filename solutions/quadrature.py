@@ -61,9 +61,9 @@ class IntegralFromZero:
         steps = np.arange(first, max(math.ceil(high / width), first + 1), dtype=np.float64)
         left, widths = steps * width, np.full(steps.size, width)
         if steps.size > MERGE_ABOVE:
-            left, widths = self._changing(left, widths)
+            left, widths = self._merge_constant(left, widths)
             self._check(left.size, MAX_PANELS, width, high - low)
-        self._left, self._step, self._series = self._confirmed(left, widths)
+        self._left, self._step, self._series = self._halve_until_confirmed(left, widths)
         ends = np.concatenate([[0.0], np.cumsum(self._series.sum(axis=0))])
         origin = np.searchsorted(np.append(self._left, high), 0.0)
         self._before = ends[:-1] - ends[origin]
@@ -88,7 +88,7 @@ class IntegralFromZero:
                 "nearer ones)"
             )
 
-    def _changing(self, left: Array, step: Array) -> tuple[Array, Array]:
+    def _merge_constant(self, left: Array, step: Array) -> tuple[Array, Array]:
         """Merge panels where the function is constant; return left ends and widths."""
         values = self._function(np.append(left, left[-1] + step[-1]))
         changes = np.abs(np.diff(values)) > NEGLIGIBLE_CHANGE * np.max(np.abs(values))
@@ -107,7 +107,7 @@ class IntegralFromZero:
         values = self._function(at.ravel()).reshape(at.shape) * (step / 2)
         return INTEGRAL @ values, float(np.sum(WEIGHTS @ np.abs(values)))
 
-    def _confirmed(self, left: Array, step: Array) -> tuple[Array, Array, Array]:
+    def _halve_until_confirmed(self, left: Array, step: Array) -> tuple[Array, Array, Array]:
         """Halve panels until confirmed; return left ends, widths and series of the last halves."""
         accepted: list[tuple[Array, Array, Array]] = []
         series, size = self._panels(left, step)

@@ -139,7 +139,7 @@ Part = tuple[str, int]
 
 def formula_text(formula: FormulaTree) -> str:
     """Return the formula in the grammar, read back as this tree."""
-    return _written(formula, True)[0]
+    return _write(formula, True)[0]
 
 
 def plain_text(formula: FormulaTree) -> str:
@@ -148,7 +148,7 @@ def plain_text(formula: FormulaTree) -> str:
     >>> plain_text(Product((MINUS_ONE, Name("x"), Power((Name("t"), MINUS_ONE)))))
     '-x/t'
     """
-    return _written(formula, False)[0]
+    return _write(formula, False)[0]
 
 
 Quotient = tuple[bool, tuple[FormulaTree, ...], tuple[FormulaTree, ...]]
@@ -174,11 +174,11 @@ def signed_sum(terms: Sequence[str]) -> str:
     return first + "".join(f" - {t[1:]}" if t[0] == "-" else f" + {t}" for t in others)
 
 
-def _written(formula: FormulaTree, exact: bool) -> Part:
+def _write(formula: FormulaTree, exact: bool) -> Part:
     """Return the text and its binding strength; ``exact`` text is read back as the same tree."""
 
     def enclosed(part: FormulaTree, binding: int) -> str:
-        text, level = _written(part, exact)
+        text, level = _write(part, exact)
         return text if level >= binding else f"({text})"
 
     match formula:

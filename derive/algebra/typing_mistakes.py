@@ -130,7 +130,7 @@ def misread(name: str, spelling: Spelling, *, declared: bool = False) -> str | N
         match = re.fullmatch(_filled(pattern, spelling.patterns()), name)
         if match and (base := match["base"]) in {*spelling.variables, *spelling.unknowns}:
             return match.expand(text) if text else _free_name(match["suffix"], spelling, base)
-    if called := _called(name, spelling, declared):
+    if called := _call_in_name(name, spelling, declared):
         return called
     match = re.fullmatch(rf"(\w+)([{VARIABLES}])", name)
     if match is None or declared or match[2] not in spelling.variables:
@@ -141,7 +141,7 @@ def misread(name: str, spelling: Spelling, *, declared: bool = False) -> str | N
     return f"{factor}*{match[2]}" if is_product else None
 
 
-def _called(name: str, spelling: Spelling, declared: bool) -> str | None:
+def _call_in_name(name: str, spelling: Spelling, declared: bool) -> str | None:
     """Return ``sin(2*x)`` for a name such as ``sin2x``; None unless x is a variable or declared."""
     match = re.fullmatch(rf"({_either(spelling.functions)})(\d*)([A-Za-z])", name)
     if match is None or declared or match[3] not in {*spelling.variables, *spelling.declared}:

@@ -95,7 +95,7 @@ def _at_its_variables(match: re.Match[str]) -> str:
     return match[0] if is_repeated or len(distinct) > 1 else match["of"]
 
 
-def _joined(match: re.Match[str]) -> str:
+def _join_subscripts(match: re.Match[str]) -> str:
     """Join subscripts separated by a comma, unless the comma separates arguments."""
     preceding = match.string[: match.start()]
     is_inside = any(preceding.count(a) > preceding.count(b) for a, b in ("()", "[]"))
@@ -227,7 +227,7 @@ DERIVATIVES: tuple[Rule, ...] = (
     ),
     (rf"(?<![\w.])(<U>)_([{VARIABLES}]+)_([{VARIABLES}]+)", r"\1_\2\3"),
     (rf"(?<![\w.])(<U>_[{VARIABLES}]+)_(?!\w)", r"\1"),
-    (rf"(?<![\w.])(<U>_[{VARIABLES}]+)\s*,\s*([{VARIABLES}]+)(?!\w)", _joined),
+    (rf"(?<![\w.])(<U>_[{VARIABLES}]+)\s*,\s*([{VARIABLES}]+)(?!\w)", _join_subscripts),
     (rf"(?<![\w.])(<U>)_(\d)([{VARIABLES}])\b", lambda m: f"{m[1]}_{m[3] * int(m[2])}"),
     (rf"(?<![\w.])(<U>)_([{VARIABLES}])(\d)\b", lambda m: f"{m[1]}_{m[2] * int(m[3])}"),
     (r"(<D>)\s*\.\s*conj(?:ugate)?\s*\(\s*\)", r"conjugate(\1)"),

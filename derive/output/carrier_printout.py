@@ -70,12 +70,12 @@ def carrier_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[str]:
     if options.points is not None:
         yield from _map_lines(lattice, options, angle, branch, values)
     elif options.check:
-        yield from _checked(lattice, branch, values)
+        yield from _check_lines(lattice, branch, values)
     else:
         yield from _lines(lattice, options, angle, branch, values)
 
 
-def _checked(lattice: Lattice, branch: str | int, values: Values) -> Iterator[str]:
+def _check_lines(lattice: Lattice, branch: str | int, values: Values) -> Iterator[str]:
     """Yield lines of checks at variable k; without values, several fields get small primes."""
     values_used = values
     if len(lattice.fields) > 1 and not values:

@@ -45,7 +45,7 @@ def terms(polynomial: DifferentialPolynomial) -> list[Term]:
     result: list[Term] = []
     for _, group in groupby(ordered, key=lambda monomial: _rank(monomial)[:2]):
         members = set(group)
-        result += _compact(polynomial.select(members.__contains__))
+        result += _merge_terms(polynomial.select(members.__contains__))
     return result
 
 
@@ -53,7 +53,7 @@ def _rank(monomial: Monomial) -> tuple[int, int, Monomial]:
     return -sum(jet[-1] for jet in monomial), -len(monomial), monomial
 
 
-def _compact(part: DifferentialPolynomial) -> list[Term]:
+def _merge_terms(part: DifferentialPolynomial) -> list[Term]:
     """Return one term under outer derivatives if possible, else the monomials themselves."""
     inner, outer = part, 0
     while (

@@ -105,7 +105,7 @@ def _fraction() -> tuple[sp.Poly, sp.Poly]:
     return sp.Poly(numerator, _f, _g), sp.Poly(denominator, _f, _g)
 
 
-def _divided(polynomial: sp.Poly, tanhs: list[sp.Symbol], sechs: list[sp.Symbol]) -> sp.Expr:
+def _divide(polynomial: sp.Poly, tanhs: list[sp.Symbol], sechs: list[sp.Symbol]) -> sp.Expr:
     """Return ``4 polynomial/((1 + f**2) (1 + g**2))`` in tanh and sech: f, g are exponentials."""
     weights = [(1 - t, s, 1 + t) for t, s in zip(tanhs, sechs, strict=True)]
     return sp.expand(sum(c * weights[0][i] * weights[1][j] for (i, j), c in polynomial.terms()))
@@ -127,7 +127,7 @@ def _stable_solitons() -> sp.Expr:
     """Return the wave without growing exponentials; ``log r`` is in the phases, denominator > 0."""
     t, s = list(sp.symbols("t_1 t_2", real=True)), list(sp.symbols("s_1 s_2", positive=True))
     gap = sp.Symbol("gap", positive=True)
-    numerator, denominator = (_divided(part, t, s) for part in _fraction())
+    numerator, denominator = (_divide(part, t, s) for part in _fraction())
     denominator = sp.expand(denominator.subs(t[0], (1 - gap) / t[1]))
     shifted = [phase + sp.log(_repulsion) for phase in _phases]
     values = dict(zip(t + s, [f(z) for f in (sp.tanh, sp.sech) for z in shifted], strict=True))

@@ -65,7 +65,7 @@ def _printed() -> sp.Expr:
     return (numerator / denominator).xreplace(values)
 
 
-def _bounded(sides: sp.Expr, tanh: sp.Expr, sech: sp.Expr) -> sp.Expr:
+def _divide(sides: sp.Expr, tanh: sp.Expr, sech: sp.Expr) -> sp.Expr:
     """Return ``sides``, linear in ``grow`` and ``1/grow``, divided by ``grow + 1/grow``."""
     terms = sp.collect(sp.expand(sides), _grow, evaluate=False)
     weights = {_grow: (1 + tanh) / 2, 1 / _grow: (1 - tanh) / 2, sp.S.One: sech / 2}
@@ -84,7 +84,7 @@ def _stable() -> sp.Expr:
     square = jacobi_dn(SN_PHASE, _m) ** 2 + (k * sn[2] * jacobi_cn(2 * alpha, _m)) ** 2
     tanh, sech = sp.symbols("tanh sech", real=True)
     parts = [
-        _bounded(part.xreplace(etas).xreplace(thetas).subs(_grow, _grow * quotient), tanh, sech)
+        _divide(part.xreplace(etas).xreplace(thetas).subs(_grow, _grow * quotient), tanh, sech)
         for part in (numerator, denominator)
     ]
     values = {tanh: sp.tanh(shifted), sech: sp.sech(shifted), product: sp.sqrt(square)}

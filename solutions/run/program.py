@@ -207,7 +207,7 @@ def _hyperbolic(code: Code, m: Any, m1: Any, K: Any, K1: Any, q: Any) -> list[An
 
 
 @njit()
-def _without(u: dd.Three, j: float, quarter: dd.Three) -> dd.Three:
+def _subtract_quarters(u: dd.Three, j: float, quarter: dd.Three) -> dd.Three:
     """Return u - j K as three floats, with an error of 2^-155 |u|."""
     high, e = dd.two_prod(quarter[0], j)
     middle, f = dd.two_prod(quarter[1], j)
@@ -226,9 +226,9 @@ def _reduce(phase: dd.Array, K: dd.Three, out: dd.Array) -> None:
     for i in range(phase.shape[1]):
         u, middle = dd.two_sum(phase[0, i], phase[1, i])
         first = np.floor(u / quarter + 0.5)
-        remainder = _without((u, middle, phase[2, i]), first, K)
+        remainder = _subtract_quarters((u, middle, phase[2, i]), first, K)
         second = np.floor(remainder[0] / quarter + 0.5)
-        high, middle, low = _without(remainder, second, K)
+        high, middle, low = _subtract_quarters(remainder, second, K)
         high, low = dd.quick_two_sum(high, middle + low)
         j = first - 4.0 * np.floor(0.25 * first) + (second - 4.0 * np.floor(0.25 * second))
         j -= 4.0 * np.floor(0.25 * j)
