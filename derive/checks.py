@@ -48,7 +48,7 @@ class Check:
 
 
 def numbers(symbols: Sequence[Symbol]) -> dict[Symbol, Rational]:
-    """Return positive rational numbers for the symbols.
+    """Return a positive rational number for each symbol.
 
     >>> numbers([Symbol("a"), Symbol("b")])
     {a: 30/23, b: 41/29}
@@ -58,7 +58,7 @@ def numbers(symbols: Sequence[Symbol]) -> dict[Symbol, Rational]:
 
 
 def simple_numbers(symbols: Sequence[Symbol]) -> dict[Symbol, Rational]:
-    """Return small primes for the symbols, so that few terms cancel.
+    """Return a small prime for each symbol, so that few terms cancel.
 
     >>> simple_numbers([Symbol("a"), Symbol("b")])
     {a: 2, b: 3}

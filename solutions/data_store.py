@@ -30,7 +30,7 @@ TYPES = {
     "Bytecode": "run.bytecode",
     "MpmathFormula": "functions.multiprecision",
 }
-"""Types that an entry may contain -> their modules in `solutions`; their contents are plain."""
+"""Type that an entry may contain -> its module in `solutions`; its attributes are plain data."""
 
 Data = TypeVar("Data")
 

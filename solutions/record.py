@@ -217,7 +217,7 @@ class ClosedForm:
         return f"<ClosedForm {self.name}: {self.title}{domains}>"
 
     def _repr_latex_(self) -> str | None:
-        """The formula for notebooks; None for a long one, which they show as one line."""
+        """Return the LaTeX for notebooks; None if it is too long: they then show the repr."""
         formula = latex_of(self.expression)
         return rf"$\displaystyle U = {formula}$" if len(formula) <= LONGEST_FORMULA else None
 

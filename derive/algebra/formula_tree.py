@@ -100,7 +100,7 @@ MINUS_ONE = Number(Fraction(-1))
 
 
 LARGEST_POWER = 64
-"""Largest exponent of a number that is evaluated."""
+"""Largest exponent for which `rational` evaluates a power."""
 
 
 def rational(formula: FormulaTree) -> Fraction | None:

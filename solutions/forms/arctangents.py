@@ -29,7 +29,7 @@ def _bounded_slope(tangent: sp.Expr) -> sp.Expr:
 
 
 def breather() -> ClosedForm:
-    """Return the breather on zero: a bound soliton and antisoliton with the carrier sin(p ...)."""
+    """Return the breather on zero: a bound pair of a soliton and an antisoliton."""
     p, q = sp.symbols("p q", positive=True)
     carrier = p * (xi + (p**2 - 3 * q**2) * tau)
     envelope = q * (xi + (3 * p**2 - q**2) * tau + X_0)

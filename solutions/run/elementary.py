@@ -37,7 +37,8 @@ _HALVINGS = 4
 
 _LOG2 = (0.6931471805599453, 2.3190468138462996e-17)
 _ZERO_ABOVE, _NEGLIGIBLE_ABOVE = 708.0, 680.0
-"""exp(-w) is replaced by 0 for w above the first; 2 exp(-w) < ``TINY`` for w above the second."""
+"""exp(-w) is replaced by 0 for w > ``_ZERO_ABOVE``; 2 exp(-w) is below ``TINY`` for w >
+``_NEGLIGIBLE_ABOVE``."""
 
 
 def _inverse_factorials(first: int, stride: int) -> dd.Array:
@@ -162,7 +163,7 @@ def logarithm(x: dd.Array, start: dd.Array, power: dd.Array, z: dd.Array) -> Non
 
 @njit()
 def tanh(x: dd.Array, z: dd.Array, scratch: dd.Array) -> None:
-    """Fill ``z`` with tanh(x) in full relative precision, after `decay_of` with factor 2."""
+    """Fill ``z`` with tanh(x) to full relative precision, after `decay_of` x with factor 2."""
     fall, rise = scratch[3], scratch[4]
     for i in range(BLOCK):
         inverse = dd.reciprocal(dd.add((1.0, 0.0), load_pair(fall, i)))

@@ -78,7 +78,7 @@ def as_pairs(phase: Array) -> Array:
 
 
 class LinearPhase:
-    """``p x + q t + r + w z`` with exact or long coefficients.
+    """A linear phase ``p x + q t + r + w z`` with exact or long coefficients.
 
     Raises OverflowError for a coefficient beyond 1e-250 .. 1e250.
 

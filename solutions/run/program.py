@@ -269,7 +269,7 @@ class Numbers(NamedTuple):
 
 @dataclass(frozen=True)
 class Program:
-    """Values, xi and tau derivatives as a function of phases, Jacobi values, constants.
+    """Program for values and their xi and tau derivatives, from phases and Jacobi functions.
 
     The bytecode's inputs are the phases, then sn, cn, dn, zeta, theta of each call. ``calls`` has
     the index of each call's phase, ``requested`` which of the five functions it reads. ``fixed``

@@ -256,7 +256,7 @@ def workspace(degree: int) -> Workspace:
 
 
 class RationalEvaluator:
-    """U and its xi and tau derivatives at given shifts.
+    """Evaluator of a rational solution U and its xi and tau derivatives, at given shifts.
 
     Raises OverflowError for a coefficient beyond 1e-250 .. 1e250.
     """
