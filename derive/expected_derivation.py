@@ -19,8 +19,8 @@ PI_SECONDS, PI_FACTOR_PER_CONSTANT, PI_FACTOR_PER_FIELD = 0.06, 2.8, 6.0
 constant; factor for each further field."""
 
 NUMERIC_SECONDS, NUMERIC_FACTOR_PER_FIELD = 0.3, 2.0
-"""Seconds of the envelope at other wavenumbers with two fields and numbers for all constants; factor
-for each further field."""
+"""Seconds of the envelope at other wavenumbers with two fields and numbers for all constants; a
+factor for each further field."""
 
 SYMBOLIC_SECONDS, SYMBOLIC_FACTOR_PER_CONSTANT, MAX_SYMBOLIC_SECONDS = 1.0, 6.0, 5.0
 """Seconds that five symbolic constants add at wavenumbers other than pi; factor for each further

@@ -311,7 +311,7 @@ def text_lines(reduction: Reduction) -> Iterator[str]:
 
 
 def _slaved_lines(reduction: Reduction) -> Iterator[str]:
-    """Yield the first slaved term of each field after the first."""
+    """Yield a line for each field after the first: its share of W and its first slaved term."""
     notation = replace(reduction.notation, unknown=reduction.wave)
     field = reduction.pde.flow.field
     unit = DifferentialPolynomial.monomial(field, ((0,) * len(notation.axes),))

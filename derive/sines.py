@@ -87,7 +87,7 @@ def _times_phase(
 
 @cache
 def _power(field: RationalFunctions, count: int) -> Complex:
-    """Return ``(C + i s)**count``."""
+    """Return ``exp(i k count/2)`` as the power ``(cos(k/2) + i sin(k/2))**count``."""
     real, imaginary = field.zero, field.zero
     for i in range(abs(count) + 1):
         sign = 1 if i % 4 < 2 else -1

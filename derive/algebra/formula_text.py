@@ -171,7 +171,7 @@ class Parser:
 
     @property
     def next(self) -> Token:
-        """The next token."""
+        """The next token, which is not consumed."""
         return self.words[self.position]
 
     def take(self) -> Token:

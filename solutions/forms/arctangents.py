@@ -124,7 +124,7 @@ def without_cancellation(t: Sequence[sp.Symbol], s: Sequence[sp.Symbol]) -> sp.E
 
 
 def _stable_solitons() -> sp.Expr:
-    """Return the wave without growing exponentials; ``log r`` is in the phases, denominator > 0."""
+    """Return the wave in tanh and sech of phases shifted by ``log r``, over a positive divisor."""
     t, s = list(sp.symbols("t_1 t_2", real=True)), list(sp.symbols("s_1 s_2", positive=True))
     gap = sp.Symbol("gap", positive=True)
     numerator, denominator = (_divide(part, t, s) for part in _fraction())

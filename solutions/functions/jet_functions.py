@@ -51,7 +51,7 @@ class JetFunction(Function):
 
 @cache
 def jet_function(label: str, order: int = 0) -> type[JetFunction]:
-    """Return the derivative of order ``order`` of a function, as a SymPy function.
+    """Return the SymPy function that is the ``order``-th derivative of the function ``label``.
 
     >>> from sympy import symbols
     >>> x, t = symbols("x t")

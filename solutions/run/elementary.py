@@ -69,7 +69,7 @@ def _polynomial(coefficients: dd.Array, z: dd.Array, total: dd.Array) -> None:
 
 @njit()
 def sine_or_cosine(x: dd.Array, is_sine: bool, z: dd.Array, scratch: dd.Array) -> None:
-    """Fill ``z`` with sin(x), of full relative precision, or cos(x), for |x| <= 0.79."""
+    """Fill ``z`` with sin(x), to full relative precision, or with cos(x); |x| <= 0.79."""
     square, series = scratch[0], scratch[1]
     for i in range(BLOCK):
         high, low = dd.multiply(load_pair(x, i), load_pair(x, i))
@@ -152,7 +152,10 @@ def start_logarithm(x: dd.Array, start: dd.Array) -> None:
 
 @njit()
 def logarithm(x: dd.Array, start: dd.Array, power: dd.Array, z: dd.Array) -> None:
-    """Fill ``z`` with log(x): one Newton step from ``start``; ``power`` is exp(start)."""
+    """Fill ``z`` with log(x) by one step from ``start``, which is about -log(x).
+
+    ``power`` is exp(start).
+    """
     for i in range(BLOCK):
         residual = dd.subtract(dd.multiply(load_pair(x, i), load_pair(power, i)), (1.0, 0.0))
         residual = dd.subtract(residual, dd.scale(dd.multiply(residual, residual), 0.5))

@@ -117,7 +117,7 @@ class _Series(NamedTuple):
 
 
 def _series(q: Any, b1: Any) -> _Series:
-    """Sum the series; each multiple of the angle has its power of the nome: ``b_n <= q**(n/2)``."""
+    """Sum the series in ``b_n = 2 q**n cos 2 n v`` or ``2 q**n cosh 2 n w``, by recurrence."""
     square = q * q
     b2 = b1 * b1 - 2 * square
     b3 = b1 * (b2 - square)
