@@ -67,7 +67,7 @@ def harmonic(monomial: Monomial) -> int:
 
 
 def at_rest(at: str) -> str:
-    """Return the error message for a wave of frequency 0; ``at`` is empty or such as " at k = 0"."""
+    """Return the message for a wave of frequency 0; ``at`` is "" or such as " at k = 0"."""
     return (
         f"k must have a carrier of frequency omega > 0, got omega = 0{at} (waves about k = 0 are "
         "long waves: leave --envelope out)"

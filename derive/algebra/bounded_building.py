@@ -32,7 +32,7 @@ HIGHEST_DERIVATIVE = 16
 """Highest order of a derivative."""
 
 LARGEST_GROWTH = 1e6
-"""Largest constant inside an exponential or hyperbolic function."""
+"""Largest constant argument of an exponential, hyperbolic or trigonometric function."""
 
 MOST_LOG_BITS = 32
 """Most bits of a number whose logarithm is in an exponent: SymPy turns exp(n log(a)) into a**n."""
