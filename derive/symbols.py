@@ -94,8 +94,8 @@ def number_value(name: str, value: Number) -> Expr:
     number = constant_value(name, value)
     if number.has(eps):
         raise ValueError(
-            f"{name} must not depend on eps here, got {shown(str(number))} (a small "
-            f"constant is put in before: lattice.with_values({{{name!r}: {str(number)!r}}}))"
+            f"{name} must not depend on eps here, got {shown(str(number))} (substitute "
+            f"a small constant first: lattice.with_values({{{name!r}: {str(number)!r}}}))"
         )
     return number
 

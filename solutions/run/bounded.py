@@ -20,7 +20,8 @@ BLOCK = 128
 """Numbers in a block, which is an array of all high parts, then all low parts, then all bounds."""
 
 UNIT = 2.0**-99
-"""Bound of the relative error of every operation, and of the rounding of a constant."""
+"""Bound of an operation's rounding error, relative to its result or, for a sum, to the operands;
+also of a constant's rounding."""
 
 TINY = 2.0**-960
 """Bound of the error by underflow of a low part or of an exponential."""

@@ -46,7 +46,7 @@ def evaluate_mp(
     ``highest``, return U and its xi derivatives up to that order instead. ``point`` is (x, t) or
     (x, t, z); xi = a x + d t, tau = b t and zeta = e z for ``variables`` (a, b, d, e). Values of a
     complex U are mpc. Derivatives are computed by differences: they use no derivative rules and so
-    check these. The working precision is doubled until two results agree, because the printed forms
+    check these. The guard digits are doubled until two results agree, because the printed forms
     cancel near the ends of their parameters' domains.
     """
     context, formula = _formula(expression, tuple(parameters))
