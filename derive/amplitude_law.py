@@ -19,7 +19,7 @@ from longwave.derive.output.notation import Displayed
 from longwave.derive.output.own_names import unused
 
 crest, first_crest, slow_time = (Symbol(name, positive=True) for name in ("a(T)", "a(0)", "T"))
-"""Symbols with names that no constant of a lattice can have."""
+"""Crest, initial crest and slow time, with names that no constant of a lattice can have."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -42,24 +42,24 @@ class AmplitudeLaw(Displayed):
 
     @property
     def solution(self) -> Expr:
-        """The crest a(T) from a(0)."""
+        """The crest a(T) as a function of T and its initial value a(0)."""
         decayed, r = exp(-self.linear * slow_time), self.power
         loss_integral = (1 - decayed**r) / self.linear if self.linear else r * slow_time
         divisor = (1 + self.further * first_crest**r * loss_integral) ** Rational(1, r)
         return first_crest * decayed / divisor
 
     def text_beside(self, taken: Collection[str]) -> str:
-        """Return the text, with another name for a(T) if the lattice has a constant a."""
+        """Return `text`, with the symbol ``a`` renamed if the lattice has ``taken`` this name."""
         name = unused("a", taken)
         return re.sub(r"\ba(?='?\((T|0)\))", name, self.text())
 
     def written(self, printed: Printed) -> str:
-        """Return ``a'(T) = ..., a(T) = ...``."""
+        """Return the text ``a'(T) = ..., a(T) = ...``, with formulas by ``printed``."""
         return f"a'(T) = {printed(self.rate)}, a(T) = {printed(self.solution)}"
 
 
 def amplitude_law(power: int, ratio: Expr, damping: Expr, diffusion: Expr) -> AmplitudeLaw:
-    """Return the law of a soliton of shape ``Y_X^2 = ratio Y^2 (a^power - Y^power)``.
+    """Return the decay law of a soliton with ``Y_X^2 = ratio Y^2 (a^power - Y^power)``.
 
     >>> gamma = Symbol("gamma", positive=True)
     >>> amplitude_law(1, S.One, gamma / 2, S.Zero).solution

@@ -14,7 +14,7 @@ from longwave.derive.scaling import Scaling, SlowVariable
 from longwave.derive.symbols import c, constant_value, eps
 
 AMPLITUDES, TIMES = (0, 1, 2, 3, 4), (3, 5)
-"""Powers of eps of the amplitude and of the slow time that the search tries."""
+"""Exponents of eps that the search tries: those of the amplitude, those of the slow time."""
 
 LOSSY_TIMES = (*TIMES, 2)
 """Exponents of time for a lattice with losses: T = eps^2 t is the scale of finite dashpots."""
@@ -32,9 +32,9 @@ def find_scaling(
 ) -> tuple[Reduction, ...]:
     """Find the reductions of a lattice that balance nonlinearity and dispersion.
 
-    ``constants`` are substituted first: numbers, or formulas in text, which may be small.  The wave
-    rides on a uniform ``background``, which may be a formula in the constants.  ``amplitude`` and
-    ``time``, powers of eps, restrict the search.
+    ``constants`` are substituted first: numbers, or formulas in text, which may contain eps.  The
+    wave rides on a uniform ``background``, which may be a formula in the constants.  ``amplitude``
+    and ``time``, exponents of eps, restrict the search.
 
     Reductions with the fewest conditions on the constants come first.  On a lattice with two axes
     the wave travels along the first axis, with a slower transverse variable Z, unless ``space``
@@ -56,7 +56,7 @@ def find_scaling(
 def best_balance(
     lattice: Lattice, mean: Expr, further: int = 0, space: tuple[SlowVariable, ...] = ()
 ) -> Reduction:
-    """Return the first result of `find_scaling`; the search ends as soon as it is known."""
+    """Return the first result of `find_scaling`; stop at a balance without conditions."""
     candidates: list[Reduction] = []
     for reduction in _balanced(lattice, mean, further, space):
         if not reduction.conditions:
@@ -114,10 +114,11 @@ def _balanced(
     first_refusal, any_balanced = "", False
     usual = LOSSY_TIMES if lattice.has_losses else TIMES
     times = usual if time is None else (time,)
-    for power, size in product(times, AMPLITUDES if amplitude is None else (amplitude,)):
-        if mean and not size:
+    amplitudes = AMPLITUDES if amplitude is None else (amplitude,)
+    for time_exponent, amplitude_exponent in product(times, amplitudes):
+        if mean and not amplitude_exponent:
             continue
-        scaling = Scaling(size, space, power, background)
+        scaling = Scaling(amplitude_exponent, space, time_exponent, background)
         try:
             reduction = reduce(lattice, scaling, scaling.leading_order + further)
         except ValueError as error:

@@ -34,16 +34,16 @@ from longwave.derive.lattice import Bond, Cell, Lattice
 from longwave.derive.scaling import Scaling
 
 z, w = Symbol("exp(i k)"), Symbol("i omega")
-"""Symbols with names that no constant of a lattice can have."""
+"""Symbols of exp(i k) and i omega, with names that no constant of a lattice can have."""
 
 LETTER, CONJUGATE, MEAN = 0, 1, 2
-"""Second entry of a jet, of A, its conjugate or the mean; the first counts X-derivatives."""
+"""Second entry of a jet: A, its conjugate or the mean. The first entry counts X-derivatives."""
 
 A: Jet = (0, LETTER)
 MEAN_LETTER: Jet = (0, MEAN)
 
 NLS, LAST = 3, 4
-"""Powers of eps that determine G_0, which gives the NLS equation, and G_1."""
+"""Orders in eps of the equations for G_0, the NLS equation, and for G_1, its correction."""
 
 MAX_TERMS_PER_FIELD = 10
 """Bound on the terms of the second harmonic's determinant, for each field, with symbolic constants.
@@ -58,7 +58,7 @@ class EnvelopeError(ValueError):
 
 
 def harmonic(monomial: Monomial) -> int:
-    """Return the number of A in a monomial minus that of its conjugates.
+    """Return the harmonic of a monomial: its number of A minus its number of conjugates of A.
 
     >>> harmonic(((0, 0), (0, 0), (1, 1)))
     1
@@ -67,7 +67,7 @@ def harmonic(monomial: Monomial) -> int:
 
 
 def at_rest(at: str) -> str:
-    """Return the message for a wave of frequency 0; ``at`` names the wavenumber."""
+    """Return the message for a wave of frequency 0; ``at`` is "" or such as " at k = 0"."""
     return (
         f"k must have a carrier of frequency omega > 0, got omega = 0{at} (waves about k = 0 are "
         "long waves: leave --envelope out)"
@@ -75,7 +75,7 @@ def at_rest(at: str) -> str:
 
 
 def _with_leading_mass(lattice: Lattice, leader: int) -> tuple[Lattice, tuple[Symbol]]:
-    """Return the lattice with a symbol for a field's mass, and that symbol.
+    """Return the lattice with a symbol for the mass of the field ``leader``, and that symbol.
 
     Any dispersion relation is linear in a mass.
     """
@@ -166,7 +166,7 @@ class Carrier(Expansion):
         return bool(solvable)
 
     def _first_moved(self, wave: RationalFunction) -> int:
-        """Return the first field that a wave moves: the others' determinant is nonzero on it."""
+        """Return the first field that moves in a wave: the matrix without it is regular there."""
         fields = range(len(self.linear))
         minors = (determinant(without(self.linear, i, i)) for i in fields)
         pairs = zip(fields, minors, strict=True)
@@ -210,21 +210,24 @@ class Carrier(Expansion):
     # orders of the expansion
 
     def _solve_mean(self, order: int) -> None:
-        """Solve for the mean at ``eps^(order - 3)``, from the row left by the other fields."""
+        """Solve the row weighted with the left null vector for the mean at ``eps^(order - 3)``."""
         rows = self._harmonic(order + (not self.is_displacement), 0)
         row = combined(self.zero_mode[1], rows, self._nothing)
-        times = 1 if self.is_displacement else 2
-        factor = row.coefficient((times, MEAN))
-        known = row.select(lambda monomial: monomial != ((times, MEAN),))
+        integrations = 1 if self.is_displacement else 2
+        factor = row.coefficient((integrations, MEAN))
+        known = row.select(lambda monomial: monomial != ((integrations, MEAN),))
         if not factor:
             raise EnvelopeError(
                 "the group velocity must differ from the sound speed, got the same: the mean "
                 "is then undetermined (take another wavenumber)"
             )
-        for _ in range(times):
+        for _ in range(integrations):
             integral = known.antiderivative()
             if integral is None:
-                raise EnvelopeError(f"the mean must be an X-integral, got none at eps^{order}")
+                raise EnvelopeError(
+                    f"the mean must be an X-integral, got none at eps^{order} (the forces conserve "
+                    "no mean: there is no NLS equation)"
+                )
             known = integral
         mean = (-1 / factor) * known
         self.means.append(mean)
@@ -235,7 +238,7 @@ class Carrier(Expansion):
         )
 
     def _flow_at(self, order: int) -> DifferentialPolynomial:
-        """Return the part of ``A_T``, or of ``-v A_X``, that balances harmonic 1 at this order."""
+        """Return the term of ``A_T`` (at order 2: ``-v A_X``) that balances harmonic 1."""
         right, left = self.carried
         row = combined(left, self._harmonic(order, 1), self._nothing)
         masses = map(self.number, self.lattice.masses)
@@ -243,7 +246,7 @@ class Carrier(Expansion):
         return (1 / (2 * self.rate * sum(inertia, self.field.zero))) * row
 
     def _solve_carrier(self, order: int) -> None:
-        """Solve for the group velocity or G at this order, then for the other harmonic-1 terms."""
+        """Solve harmonic 1 for the group velocity (order 2) or a part of G, then for the fields."""
         flow = self._flow_at(order)
         if order == 2:
             self.group_velocity = -flow.coefficient((1, LETTER))
@@ -312,7 +315,7 @@ class Carrier(Expansion):
         return self.group_velocity * (advected + self.field(-2) * self._slow(self.mean, order - 2))
 
     def _slow(self, series: EpsSeries, order: int) -> DifferentialPolynomial:
-        """Return the derivative of a series in the slow time T at this order, by ``A_T = flow``."""
+        """Return the T-derivative of a series at this order; ``A_T = flow`` replaces A_T."""
         total = self._nothing
         for power, flow in self.flow.parts.items():
             rates = {LETTER: [flow], CONJUGATE: [self.conjugated(flow)]}
@@ -330,12 +333,12 @@ class Carrier(Expansion):
         """Return the stretch of a bond by the fields and, for displacements, by the mean strain."""
         total = super().stretch(bond, fields)
         for entry in bond.stretch if self.is_displacement else ():
-            gain = self._summed(self.mean.upto(total.limit), entry.shift[0])
+            gain = self._sum_over_cells(self.mean.upto(total.limit), entry.shift[0])
             total = total + (entry.weight * self.field_weights[entry.field]) * gain
         return total
 
-    def _summed(self, mean: EpsSeries, cells: int) -> EpsSeries:
-        """Return a displacement's gain over ``cells`` = s: ``(exp(eps s D) - 1)/(eps D)`` of S."""
+    def _sum_over_cells(self, mean: EpsSeries, cells: int) -> EpsSeries:
+        """Return the mean strain S summed over s = ``cells``: ``(exp(eps s D) - 1)/(eps D) S``."""
         total, power, count = self._series({}, mean.limit), mean, 1
         while cells and power.parts:
             power = self.field(cells) / count * power
@@ -344,7 +347,7 @@ class Carrier(Expansion):
         return total
 
     def shifted(self, series: EpsSeries, cell: Cell) -> EpsSeries:
-        """Shift a series: each harmonic by its phase, the letters by Taylor's theorem."""
+        """Shift a series by whole cells: harmonics by their phase, A and S by Taylor's theorem."""
         if not any(cell):
             return series
         rotated = {}
@@ -355,11 +358,14 @@ class Carrier(Expansion):
         return super().shifted(self._series(rotated, series.limit), cell)
 
     def number(self, value: Expr) -> RationalFunction:
-        """Return a constant as a field element; the constant `fixed` is replaced."""
+        """Return a constant in `field`; `fixed` is replaced by the dispersion relation."""
         return self.field.from_expr(value.xreplace(self.values), self.images)
 
     def null_vectors(self, j: int) -> tuple[Column, Column]:
-        """Return the right and left null vector. Raises EnvelopeError if one is not unique."""
+        """Return the right and left null vector of harmonic j.
+
+        Raises EnvelopeError unless each is unique.
+        """
         try:
             return super().null_vectors(j)
         except ValueError:
@@ -370,7 +376,7 @@ class Carrier(Expansion):
 
     @cached_property
     def second_harmonic(self) -> RationalFunction:
-        """The inverse of the determinant that vanishes if the second harmonic is a wave."""
+        """The inverse determinant of harmonic 2, infinite if the second harmonic is a wave."""
         return 1 / determinant(self.matrix(2))
 
     @cached_property
@@ -391,14 +397,17 @@ class Carrier(Expansion):
 
     @cached_property
     def singular(self) -> tuple[RationalFunction, RationalFunction]:
-        """Inverses of two factors: 0 if the leader rests, or if ``fixed`` has no solution."""
+        """A pair of elements that are infinite where the formulas of this carrier do not hold.
+
+        The first is infinite if the leader is at rest, the second if ``fixed`` has no solution.
+        """
         others = without(self.linear, self.leader, self.leader)
         minor = determinant(others) if others else self.field.one
         return 1 / minor, 1 / self.wave.diff(self.fixed)
 
     @cached_property
     def mean_flow(self) -> EpsSeries:
-        """The T-derivative of the X-integral of the mean, at its first order."""
+        """The leading term in eps of the T-derivative of the mean's X-integral."""
         first = self._series({0: self.means[0]} if self.means else {})
         integral = self._slow(first, 0).antiderivative()
         if integral is None:
@@ -427,18 +436,18 @@ class Carrier(Expansion):
         self.parts[index] = self.parts[index].plus(order, full_part)
 
     def conjugated(self, polynomial: DifferentialPolynomial) -> DifferentialPolynomial:
-        """Return the complex conjugate."""
+        """Return the complex conjugate of a polynomial: z -> 1/z, w -> -w, A <-> its conjugate."""
         items = (
             (
                 tuple(sorted((m, kind if kind == MEAN else 1 - kind) for m, kind in monomial)),
-                value.mapped(self._reflected, self._conjugates),
+                value.mapped(self._reflect, self._conjugates),
             )
             for monomial, value in polynomial.terms.items()
         )
         return DifferentialPolynomial.collect(self.field, items)
 
-    def _reflected(self, terms: Terms) -> RationalFunction:
-        """Return the polynomial at 1/z and -w."""
+    def _reflect(self, terms: Terms) -> RationalFunction:
+        """Return the polynomial in z and w with these terms, at 1/z and -w instead."""
         degree = max((exponents[0] for exponents, _ in terms), default=0)
         reflected = [
             ((degree - i, j, *others), -value if j % 2 else value)

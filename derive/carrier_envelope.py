@@ -29,14 +29,14 @@ from longwave.derive.symbols import k, values_of
 from longwave.support.user_files import shown
 
 DIGITS, GUARD_DIGITS = 60, 20
-"""Digits of the numbers at a given wavenumber, before they are rounded; extra working digits,
-because cancellation costs some."""
+"""Digits of the numbers at a given wavenumber, before they are rounded to doubles; further working
+digits, which cancellation may cost."""
 
 ZERO_TOLERANCE = 1e-40
-"""Size below which a denominator counts as 0, in units of the sum of its terms' absolute values."""
+"""Magnitude below which a denominator counts as 0, relative to the sum of its terms' magnitudes."""
 
 IMAGINARY_TOLERANCE = 1e-12
-"""Size below which an imaginary part counts as 0, in units of the whole."""
+"""Magnitude below which an imaginary part counts as 0, relative to the complex number's."""
 
 INTEGER_PHASES = {S.Zero: 1, pi: -1}
 """Wavenumber k -> exp(i k), where that is an integer."""
@@ -49,7 +49,7 @@ MOST_SIMPLIFIED = 1000
 """Largest number of terms of a coefficient in which sines of fractions of pi are simplified."""
 
 NEXT_ORDER = ("a3", "a1", "a2")
-"""Coefficients of the order beyond the NLS equation."""
+"""Names of the coefficients in G1, the order beyond the NLS equation."""
 
 _NORMAL_FORM_NAMES = ("v", "p", "q")
 """Coefficients that determine the normal form."""
@@ -62,14 +62,14 @@ IMAGINARY = ("p", "q", "detuning")
 class EnvelopeNumbers:
     """Coefficients of the envelope equation at one wavenumber.
 
-    ``omega`` and ``v``: frequency and group velocity.  ``p``, ``q``: terms of the NLS equation.
+    ``omega``, ``v``: frequency and group velocity.  ``p``, ``q``: coefficients of the NLS equation.
     ``mean``: the mean is ``eps^2 mean |A|^2`` (for displacements, the mean of a cell's strain).
     ``second``: the second harmonic is ``eps^2 second A^2``, complex if its phase differs from the
     carrier's.  ``detuning``: an independent mean ``eps^2 S`` adds ``detuning S A`` to the left of
-    the NLS equation; 0 if the lattice is pinned.  ``a3``, ``a1``, ``a2``: those of ``G1 = a3 A_3 +
-    a1 |A|^2 A_1 + a2 A^2 conj(A_1)`` with ``A_m = (-i d/dX)^m A``, in ``i A_T = p A_2 - q |A|^2 A +
-    eps G1``; nan with losses.  ``loss``: the decay rate of a plane wave by losses, ``A_T = -loss A
-    + ...``.
+    the NLS equation; 0 if the lattice is pinned.  ``a3``, ``a1``, ``a2``: the next order, ``i A_T =
+    p A_2 - q |A|^2 A + eps (a3 A_3 + a1 |A|^2 A_1 + a2 A^2 conj(A_1))`` with ``A_m = (-i d/dX)^m
+    A``; nan with losses.  ``loss``: the decay rate of a plane wave by losses, ``A_T = -loss A +
+    ...``.
     """
 
     omega: float
@@ -96,9 +96,9 @@ class EnvelopeNumbers:
 
 @dataclass(frozen=True, repr=False)
 class Envelope(Displayed):
-    """The envelope equation of a carrier, in k, omega and the lattice's constants.
+    """The envelope equation of a carrier: coefficients in k, omega and the lattice's constants.
 
-    The dispersion relation has been used to eliminate one of them, ``carrier.fixed``.
+    The dispersion relation has been used to eliminate one constant, ``carrier.fixed``.
     """
 
     lattice: Lattice
@@ -109,7 +109,7 @@ class Envelope(Displayed):
 
     @cached_property
     def parts(self) -> Mapping[str, RationalFunction]:
-        """The coefficients as rational functions of z and w; p and q are multiplied by i."""
+        """The coefficients as rational functions of z and w, those in `IMAGINARY` times i."""
         carrier = self.carrier
         A, B, A_X, B_X, A_XX, A_XXX = (0, 0), (0, 1), (1, 0), (1, 1), (2, 0), (3, 0)
         first, second = (carrier.flow.at(power) for power in (0, 1))
@@ -138,7 +138,7 @@ class Envelope(Displayed):
         }
 
     def frequency_text(self, printed: Printed = text_of) -> str:
-        """Return the equation of omega that the formulas solve, a factor of the relation."""
+        """Return the carrier's dispersion relation: ``omega^2 = ...``, or a polynomial ``= 0``."""
         parts = self.carrier.wave.powers_of(w)
         squared = frequency**2 if omega in self.lattice.constants else omega**2
         if parts.keys() == {0, 2}:
@@ -208,7 +208,7 @@ class Envelope(Displayed):
         0 <= k <= pi, missing or unknown constants, and an unstable lattice.
         """
         precise = self.regular(k, branch, **constants)._numbers(k, branch, constants)
-        numbers = {name: _plain(value) for name, value in precise.items()}
+        numbers = {name: _float_or_complex(value) for name, value in precise.items()}
         return EnvelopeNumbers(**{**dict.fromkeys(NEXT_ORDER, nan), **numbers})
 
     def normal_form(
@@ -216,9 +216,9 @@ class Envelope(Displayed):
     ) -> NormalForm:
         """Return the map to ``i U_tau + U_xixi + 2 s |U|^2 U = 0``; arguments as for coefficients.
 
-        With one field in a cell the values are exact, with several they are those of the lattice to
-        `DIGITS` digits.  Without a wavenumber and constants they are symbolic.  Raises as
-        coefficients does, and ValueError if q vanishes.
+        With one field in a cell the values are exact, with several they are computed to `DIGITS`
+        digits.  Without a wavenumber and constants they are symbolic.  Raises as `coefficients`
+        does, and ValueError if q vanishes.
 
         >>> from longwave.derive import LATTICES
         >>> envelope(LATTICES["fput_strain"], k=pi).normal_form(K2=1, K3=0, K4=1)
@@ -243,7 +243,7 @@ class Envelope(Displayed):
 
     @property
     def in_constants(self) -> dict[str, Expr]:
-        """omega and the real coefficients in k and the constants, for one field in a cell.
+        """Formulas of omega and the real coefficients in k and the constants; for one field only.
 
         >>> from longwave.derive import LATTICES
         >>> envelope(LATTICES["beta_fput"], k=pi).in_constants["q"]
@@ -253,7 +253,7 @@ class Envelope(Displayed):
         return self._exact_numbers(angle, self.carrier.lattice.with_defined(self.constants))
 
     def _exact_numbers(self, angle: Expr, values: Mapping[Symbol, Expr]) -> dict[str, Expr]:
-        """Return omega and the real coefficients; the dispersion relation is linear in omega^2."""
+        """Return omega and the real coefficients at the wavenumber ``angle``, for one field."""
         relation = self.carrier.relation.powers_of(w)
         images = {sine: sin(angle / 2), cosine: cos(angle / 2), **values}
         images[frequency] = sqrt(in_sines(relation[0] / relation[2])[0].subs(images))
@@ -281,7 +281,7 @@ class Envelope(Displayed):
     def point(
         self, k: Number | None, branch: str | int | None, constants: Mapping[str, Number]
     ) -> dict[str, mpmath.mpc]:
-        """Return exp(i k), i omega, k and the constants by name, to `DIGITS` digits."""
+        """Return the numbers exp(i k), i omega, k and the constants by name, to `DIGITS` digits."""
         exact_k = self.wavenumber if k is None else wavenumber(k)
         if exact_k is None:
             raise ValueError("k must be given, got none (a wavenumber, such as 1 or pi)")
@@ -297,10 +297,11 @@ class Envelope(Displayed):
     def regular(
         self, k: Number | None = None, branch: str | int | None = None, **constants: Number
     ) -> Envelope:
-        """Return the envelope led by the first field that moves; arguments as `coefficients`.
+        """Return an envelope whose formulas hold at a point; arguments as for `coefficients`.
 
-        This is ``self``, unless its leading field is at rest at this point, or its formulas are
-        those of another wave or 0/0 there.  Raises EnvelopeError where two branches meet.
+        It is ``self`` if possible, else one with another leading field: at the point, the leader
+        of ``self`` may be at rest, and its formulas may be 0/0 or belong to another wave.  Raises
+        EnvelopeError where two branches meet.
         """
         point = self.point(k, branch, constants)
         if self._is_valid_at(point):
@@ -317,7 +318,7 @@ class Envelope(Displayed):
         raise EnvelopeError(_degeneracy_message(f"k = {mpmath.nstr(point['k'], 8)}"))
 
     def _is_valid_at(self, point: Mapping[str, mpmath.mpc]) -> bool:
-        """Return whether the formulas are of the point's wave and the leading field moves."""
+        """Return whether the formulas belong to the point's wave and the leader moves there."""
         with mpmath.workdps(DIGITS + GUARD_DIGITS):
             is_wave = evaluated(1 / self.carrier.wave, point) is None
             return is_wave and all(evaluated(s, point) is not None for s in self.carrier.singular)
@@ -478,8 +479,8 @@ def _degeneracy_message(at: str) -> str:
     )
 
 
-def _plain(value: mpmath.mpc) -> Any:
-    """Return a Python complex if the imaginary part exceeds rounding, else a float."""
+def _float_or_complex(value: mpmath.mpc) -> Any:
+    """Return a float, or a complex if the imaginary part is more than a rounding error."""
     threshold = IMAGINARY_TOLERANCE * abs(value)
     number = mpmath.mpc(value)
     real, imaginary = (part if abs(part) > threshold else 0 for part in (number.real, number.imag))

@@ -18,7 +18,7 @@ from longwave.derive.carrier_envelope import DIGITS, GUARD_DIGITS, Envelope, eva
 
 
 class CarrierTerm(NamedTuple):
-    """``value eps^power`` times the jets (m, 0) of A and (m, 1) of its conjugate."""
+    """``value eps^power`` times jets: (m, 0) is the m-th derivative of A, (m, 1) its conjugate."""
 
     power: int
     jets: Monomial
@@ -26,7 +26,7 @@ class CarrierTerm(NamedTuple):
 
     @property
     def harmonic(self) -> int:
-        """The number of A minus that of its conjugates."""
+        """The number of jets of A minus the number of jets of its conjugate."""
         return harmonic(self.jets)
 
 
@@ -106,7 +106,7 @@ def carrier_fields(
 
 
 def _numeric(series: EpsSeries, point: Mapping[str, mpmath.mpc]) -> CarrierTerms:
-    """Return the terms of a series with numbers, through eps^3, without harmonics below 0."""
+    """Return a series' terms with numerical values at a point, to eps^3, of harmonics from 0 up."""
     return tuple(
         CarrierTerm(power, jets, complex(_value(value, point)))
         for power, part in series.parts.items()

@@ -22,13 +22,13 @@ from longwave.derive.scaling import SlowVariable
 from longwave.derive.symbols import eps
 
 DIGITS = 60
-"""Working digits."""
+"""Working digits of the checks."""
 
 EPS_VALUES = ("1e-4", "1e-5")
-"""Values of eps between which an exponent is measured."""
+"""The two values of eps from whose remainders the exponent of the remainder is measured."""
 
 EXPONENT_TOLERANCE = 0.05
-"""Allowed shortfall of a measured exponent, whose own error falls with eps."""
+"""Amount by which a measured exponent may fall short, because eps is finite."""
 
 Values = Mapping[Symbol, Any]
 Wave = Callable[..., Any]
@@ -48,7 +48,7 @@ class Check:
 
 
 def numbers(symbols: Sequence[Symbol]) -> dict[Symbol, Rational]:
-    """Return positive rational numbers for the symbols.
+    """Return a positive rational number for each symbol.
 
     >>> numbers([Symbol("a"), Symbol("b")])
     {a: 30/23, b: 41/29}
@@ -58,7 +58,7 @@ def numbers(symbols: Sequence[Symbol]) -> dict[Symbol, Rational]:
 
 
 def simple_numbers(symbols: Sequence[Symbol]) -> dict[Symbol, Rational]:
-    """Return small primes for the symbols, so that few terms cancel.
+    """Return a small prime for each symbol, so that few terms cancel.
 
     >>> simple_numbers([Symbol("a"), Symbol("b")])
     {a: 2, b: 3}
@@ -83,9 +83,10 @@ def checks_of_reduction(reduction: Reduction) -> list[Check]:
 
 
 def checks_of_envelope(envelope: Envelope) -> Iterator[Check]:
-    """Check identities of a carrier at a variable wavenumber (none at k = pi), and decay by losses.
+    """Yield a check of the decay by losses, if any, and of identities unless k is fixed at pi.
 
-    p = omega''/2, a3 = omega'''/6 and a1 + a2 = -dq/dk, exactly, as rational functions.
+    The identities p = omega''/2, a3 = omega'''/6 and a1 + a2 = -dq/dk hold exactly, as rational
+    functions; the last two are checked only without losses.
     """
     if envelope.lattice.has_losses:
         with mpmath.workdps(DIGITS):
@@ -96,7 +97,7 @@ def checks_of_envelope(envelope: Envelope) -> Iterator[Check]:
     z, w = carrier.field.symbols[:2]
 
     def slope(value: Any) -> Any:
-        """Return -i d/dk along the branch, on which d omega/dk = v."""
+        """Return -i times the k-derivative of ``value`` along the branch: d omega/dk = v."""
         return carrier.field(z) * value.diff(z) + parts["v"] * value.diff(w)
 
     identities = [("p = omega''/2", -2 * parts["p"], slope(parts["v"]))]
@@ -110,7 +111,7 @@ def checks_of_envelope(envelope: Envelope) -> Iterator[Check]:
 
 
 def _complex_carrier(envelope: Envelope) -> Check:
-    """Compare the complex frequency of the lattice with losses with that of the envelope."""
+    """Compare the complex frequencies of a carrier in the lattice and in the envelope equation."""
     lattice = envelope.carrier.lattice
     free = [s for s in lattice.basic_constants if s not in envelope.constants]
     basic = {**numbers(free), **envelope.constants}
@@ -162,12 +163,12 @@ class _Point:
         return [*slow, small**self.scaling.time * time]
 
     def _along(self, variable: SlowVariable, cell: Sequence[int]) -> Any:
-        """Return the distance to a cell in the direction of a slow variable."""
+        """Return the scalar product of a cell's position and a slow variable's direction."""
         steps = zip(variable.direction, cell, strict=True)
         return mpmath.fsum(self._number(d) * s for d, s in steps)
 
     def polynomial(self, part: DifferentialPolynomial, at: Sequence[Any]) -> Any:
-        """Evaluate a polynomial in the jets of the manufactured wave at the slow variables."""
+        """Evaluate a polynomial in jets on the manufactured wave, at the slow variables ``at``."""
         rates = [[mpmath.mpf(r.p) / r.q for r in rate] for rate in self.rates]
         modes = [mpmath.exp(mpmath.fdot(rate, at)) / (2 + i) for i, rate in enumerate(rates)]
 
@@ -183,7 +184,7 @@ class _Point:
         )
 
     def field(self, name: str, cell: Sequence[int], time: Any, small: Any) -> Any:
-        """Return a field of the lattice under the ansatz, slaved parts included."""
+        """Return the lattice field ``name`` in the manufactured wave, with its slaved parts."""
         at = self.slow(cell, time, small)
         background = self.scaling.background
         mean = mpmath.fsum(small**power * self._number(v, small) for power, v in background)
@@ -194,12 +195,15 @@ class _Point:
         return mean + wave + mpmath.fsum(small**o * self.polynomial(part, at) for o, part in parts)
 
     def manufactured_remainder(self, small: Any) -> Any:
-        """Return the largest residual of the equations of motion beyond the expansion."""
+        """Return the largest remainder of the equations of motion for the manufactured wave.
+
+        The derived orders are subtracted from the row that gives the reduced equation.
+        """
         origin = (0,) * self.lattice.dimension
         names = self.lattice.fields
         rows = []
-        for name, *sizes in zip(names, self.lattice.masses, self.lattice.site_losses, strict=True):
-            mass, loss = (self._number(size, small) for size in sizes)
+        for name, *values in zip(names, self.lattice.masses, self.lattice.site_losses, strict=True):
+            mass, loss = (self._number(value, small) for value in values)
 
             def displacement(time: Any, name: str = name) -> Any:
                 return self.field(name, origin, time, small)
@@ -226,7 +230,7 @@ class _Point:
         return max([abs(remainder), *(abs(row) for i, row in enumerate(rows) if i != self.row)])
 
     def _stretch(self, bond: Bond, end: Stencil, time: Any, small: Any) -> Any:
-        """Return the stretch of the bond that acts through ``end``."""
+        """Return the stretch of the bond whose force acts on cell 0 through ``end``."""
         names = self.lattice.fields
         cells = ([i + j for i, j in zip(e.shift, end.shift, strict=True)] for e in bond.stretch)
         pairs = zip(bond.stretch, cells, strict=True)
@@ -293,7 +297,7 @@ def _matrix(
 
 
 def _complex_frequency(reduction: Reduction) -> Check:
-    """Compare the complex frequency of the lattice with losses with that of the equation."""
+    """Compare the complex frequencies of a long wave in the lattice and in the reduced equation."""
     values, coefficients = _admissible(reduction)
     scaling = reduction.scaling
     rate = mpmath.mpc(0, 1) * mpmath.mpf(3) / 7
@@ -315,7 +319,7 @@ def _complex_frequency(reduction: Reduction) -> Check:
 def _growth_near(
     near: Any, lattice: Lattice, values: Values, small: Any, phase: Any, mean: Expr = S.Zero
 ) -> Any:
-    """Return the growth rate next to ``near`` of a wave multiplied by exp(phase) a cell."""
+    """Return the growth rate close to ``near`` of a wave with the factor exp(phase) per cell."""
 
     def determinant(growth: Any) -> Any:
         def turn(steps: Sequence[int]) -> Any:
@@ -337,7 +341,7 @@ def _has_static_law(reduction: Reduction) -> bool:
 
 
 def _static(reduction: Reduction) -> Check:
-    """Compare the speed of long waves on a uniform strain with the nonlinear terms."""
+    """Compare the speeds of long waves on a uniform strain in the lattice and in the equation."""
     values, coefficients = _admissible(reduction)
     powers = {"Y_X": 0, "Y Y_X": 1, "Y^2 Y_X": 2}
     shifts = {powers[name]: value for name, value in coefficients.terms.items() if name in powers}
@@ -352,7 +356,7 @@ def _static(reduction: Reduction) -> Check:
 
 
 def _admissible(reduction: Reduction) -> tuple[dict[Symbol, Expr], Coefficients]:
-    """Return constants that meet the conditions, each solved for its last symbol; coefficients."""
+    """Return constants that meet the conditions, and the coefficients of the equation there."""
     constants, definitions = reduction.lattice.basic_constants, dict(reduction.lattice.definitions)
     chosen: dict[Symbol, Expr] = dict(numbers(constants))
     for condition in reduction.conditions:
@@ -408,7 +412,7 @@ def _sound(lattice: Lattice, values: Values, strain: Any) -> Any:
 
 
 def _law(bond: Bond, values: Values) -> Wave:
-    """Return the force of a bond as a function of numbers."""
+    """Return the force of a bond as a function of its stretch, at these constants."""
     exact_coefficients = [c.xreplace(dict(values)) for c in bond.coefficients()]
     coefficients = [mpmath.mpf(value.evalf(DIGITS)) for value in exact_coefficients]
-    return lambda size: mpmath.polyval(coefficients, size)
+    return lambda stretch: mpmath.polyval(coefficients, stretch)

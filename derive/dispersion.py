@@ -60,7 +60,7 @@ class Dispersion:
         return unit * expand(series(self.omega_plus / unit, k, 0, order).removeO())
 
     def is_solved_by(self, omega: Expr, power: int) -> bool:
-        """Return whether a polynomial solves the relation through ``eps^power``, k being O(eps)."""
+        """Return whether a polynomial omega(k) solves the relation to ``eps^power``, k = O(eps)."""
         difference = omega**2 + I * self.damping * omega - self.omega_squared
         scaled = difference.subs({sin(k / 2): k / 2 - k**3 / 48 + k**5 / 3840}).subs(k, eps * k)
         orders = powers_of_eps(expand(scaled))
@@ -119,7 +119,7 @@ def dispersion_relation(lattice: Lattice = FPUT_STRAIN) -> Dispersion:
 
 
 def _in_half_sines(weights: Mapping[int, Expr]) -> tuple[Expr, Expr]:
-    """Return minus the sum of ``weights[shift] exp(i shift k)`` at k = 0, and its change with k."""
+    """Return minus ``sum weights[shift] exp(i shift k)`` in two parts: at k = 0, and the rest."""
     squared: Expr = Integer(0)
     for shift in sorted(weights):
         if weights[shift] != weights[-shift]:
@@ -134,7 +134,7 @@ def _in_half_sines(weights: Mapping[int, Expr]) -> tuple[Expr, Expr]:
 
 
 def _weights(lattice: Lattice, slope_of: Callable[[Bond, Expr], Expr]) -> dict[int, Expr]:
-    """Return the factors of ``exp(i shift k)`` by shift in a linear force with these slopes."""
+    """Return the linear force, shift -> factor of ``exp(i shift k)``, from the bonds' slopes."""
     weights: dict[int, Expr] = defaultdict(lambda: Integer(0))
     definitions = dict(lattice.definitions)
     for bond in lattice.bonds:

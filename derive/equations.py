@@ -15,19 +15,19 @@ _NAMES_BY_TERM = {
     "Y Y_X": "Hopf, without dispersion",
     "Y^2 Y_X": "modified Hopf, without dispersion",
 }
-"""Names of equations with one term besides Y_T and Y_X."""
+"""Text of a term -> name of the equation with that term only, besides Y_T and Y_X."""
 
 _BURGERS_NAMES = {
     "unnamed": "unnamed",
     "Hopf, without dispersion": "Burgers",
     "modified Hopf, without dispersion": "modified Burgers",
 }
-"""Name without the term Y_XX -> name with it, where appending "-Burgers" would not do."""
+"""Name of an equation without Y_XX -> its name with Y_XX; other names get the suffix "-Burgers"."""
 
 
 @dataclass(frozen=True, repr=False)
 class OrderEquation(Displayed):
-    """``polynomial = 0``, the factor of ``eps^order`` in the lattice equation.
+    """Order ``eps^order`` of the lattice equation: ``polynomial = 0``.
 
     ``polynomial`` has the sign of "acceleration minus force", so that the orders add up to the
     lattice residual; text and LaTeX make the first term positive.
@@ -43,13 +43,13 @@ class OrderEquation(Displayed):
         return -self.polynomial if first and first[0].negative else self.polynomial
 
     def written(self, printed: Printed) -> str:
-        """Return ``2 c Y_XT + K4 (Y^3)_XX + ... = 0``."""
+        """Return the equation, such as ``2 c Y_XT + K4 (Y^3)_XX + ... = 0``."""
         return f"{self.notation.written(self._printed, printed)} = 0"
 
 
 @dataclass(frozen=True, repr=False)
 class Condition(Displayed):
-    """``expression = 0``, required because the equation at ``order`` has no other solution."""
+    """``expression = 0``, a condition on the constants that the equation at ``order`` requires."""
 
     order: int
     expression: Expr
@@ -61,7 +61,7 @@ class Condition(Displayed):
         return f"order eps^{self.order} reads {self.equation.text()}"
 
     def text(self) -> str:
-        """Return ``K3 = 0: order eps^4 reads K3 (Y^2)_XX = 0``."""
+        """Return condition and reason, such as ``K3 = 0: order eps^4 reads K3 (Y^2)_XX = 0``."""
         return f"{text_of(self.expression)} = 0: {self.reason}"
 
     def latex(self) -> str:
@@ -82,7 +82,7 @@ class EvolutionEquation(Displayed):
 
     @property
     def polynomial(self) -> DifferentialPolynomial:
-        """``Y_T - flow``."""
+        """The polynomial ``Y_T - flow``."""
         jet = (0,) * (len(self.notation.axes) - 1)
         return DifferentialPolynomial.monomial(self.flow.field, ((*jet, 1),)) - self.flow
 
@@ -134,7 +134,7 @@ class EvolutionEquation(Displayed):
         return self.polynomial.coefficient(jet).as_expr()
 
     def written(self, printed: Printed) -> str:
-        """Return ``Y_T + 6 Y Y_X + Y_XXX = 0``, with terms from losses last."""
+        """Return the equation, such as ``Y_T + 6 Y Y_X + Y_XXX = 0``, terms from losses last."""
         losses = self.polynomial.select(lambda m: len(m) == 1 and sum(m[0]) % 2 == 0)
         left_side = self.notation.written(self.polynomial - losses, printed)
         if losses:

@@ -38,7 +38,7 @@ class Expansion:
         self.phase_factor, self.rate = field.one, field.zero
 
     def number(self, value: Expr) -> RationalFunction:
-        """Return a constant as an element of the field."""
+        """Return a constant as an element of `field`, the rational functions of the constants."""
         return self.field.from_expr(value)
 
     @property
@@ -81,7 +81,7 @@ class Expansion:
         return parts
 
     def residual(self, slaved: Sequence[EpsSeries] | None = None) -> EpsSeries:
-        """Return the rows weighted with the left null vector, which vanish on solutions."""
+        """Return the left-hand side of the wave's equation: the rows times the left null vector."""
         parts = self.slaved_parts() if slaved is None else slaved
         rows = self.rows(self._fields(parts, self.limit))
         return matrices.combined(self.zero_mode[1], rows, EpsSeries(self.field, self.limit, {}))
@@ -178,7 +178,7 @@ class Expansion:
 
     @cached_property
     def is_pinned(self) -> bool:
-        """Whether an on-site force acts: the mean is then slaved."""
+        """Whether on-site forces act, so that the mean follows from the wave."""
         return bool(matrices.determinant(self.matrix(0)))
 
     @cached_property
@@ -188,7 +188,7 @@ class Expansion:
 
     @cached_property
     def is_displacement(self) -> bool:
-        """Whether no bond feels a uniform motion of all fields; only derivatives enter."""
+        """Whether no bond is stretched if all fields move with the zero mode's weights."""
         return not self.is_pinned and not any(
             sum((e.weight * self.field_weights[e.field] for e in bond.stretch), self.field.zero)
             for bond in self.lattice.bonds

@@ -11,22 +11,23 @@ SECONDS_PER_BOND = 0.15
 """Seconds for each bond of a lattice with one field, at any allowed order."""
 
 THIRD_ORDER_SECONDS, THIRD_ORDER_CONSTANTS, THIRD_ORDER_EXPONENT = 0.12, 6.0, 5.0
-"""Seconds for the third order beyond the equation of a lattice with several fields and this number
-of constants, and the power of the number with which the seconds grow."""
+"""For a lattice with several fields: seconds of the third order beyond the reduced equation with
+``THIRD_ORDER_CONSTANTS`` constants, and the power of their number with which the seconds grow."""
 
 PI_SECONDS, PI_FACTOR_PER_CONSTANT, PI_FACTOR_PER_FIELD = 0.06, 2.8, 6.0
-"""Seconds of the envelope at k = pi with two fields, five constants; factors for each further."""
+"""Seconds of the envelope at k = pi with two fields and five constants; factor for each further
+constant; factor for each further field."""
 
 NUMERIC_SECONDS, NUMERIC_FACTOR_PER_FIELD = 0.3, 2.0
-"""Seconds at other wavenumbers with two fields and numbers for all constants; a factor for each
-further field."""
+"""Seconds of the envelope at other wavenumbers with two fields and numbers for all constants; a
+factor for each further field."""
 
 SYMBOLIC_SECONDS, SYMBOLIC_FACTOR_PER_CONSTANT, MAX_SYMBOLIC_SECONDS = 1.0, 6.0, 5.0
-"""Seconds added by five symbolic constants, as the phase is a further symbol; a factor for each
-further constant; the most seconds added: `carrier_envelope` refuses larger formulas."""
+"""Seconds that five symbolic constants add at wavenumbers other than pi; factor for each further
+constant; most seconds that are added, because `carrier_envelope` refuses larger formulas."""
 
 FACTOR_PER_CELL = 30.0
-"""Factor for each further cell that a bond spans, for one field."""
+"""For one field and k other than pi: factor for each cell beyond the first that a bond spans."""
 
 CHEAPER_ORDER = "take a lower --order, or a FILE.toml with numbers instead of constants"
 CHEAPER_CARRIER = "take --envelope k=pi, or give constants by --set"

@@ -15,31 +15,31 @@ from longwave.derive.measured import Measured
 from longwave.derive.reduction import Reduction
 
 LEVEL = 0.95
-"""Probability of all intervals."""
+"""Probability that a number lies in its interval."""
 
 HALF_WIDTH = NormalDist().inv_cdf((1 + LEVEL) / 2)
 """Half-width of an interval of a normal distribution, in standard deviations."""
 
 SAMPLE_COUNT = 20_000
-"""Number of samples, which find the ends of an interval to 0.02 standard deviations."""
+"""Number of samples: the ends of an interval are then accurate to 0.02 standard deviations."""
 
 MAX_LINEAR_ERROR = 0.05
-"""Largest error of an interval's ends by derivatives, in units of its width."""
+"""Largest error of ends by derivatives, relative to the width; above it, samples are used."""
 
 OPENING_FUNCTIONS = {"contact": lambda x: max(x, 0.0), "touching": lambda x: float(x > 0.0)}
-"""Functions that Python's `math` lacks."""
+"""Functions of open contacts, which Python's `math` lacks, by name."""
 
 PLAIN_EXPONENTS = (-6, 3)
-"""Range of the last digit's power for numbers written without an exponent."""
+"""Powers of ten of the last digit, smallest and largest, for numbers without an exponent."""
 
 
 @dataclass(frozen=True)
 class Interval:
     """A number that follows from measured constants, its standard deviation and 95 % interval.
 
-    ``by_derivatives`` are the ends by the derivatives. ``sampled`` says that these are inaccurate,
-    and that ``ends`` and ``deviation`` come from samples.  ``lost`` is the fraction of samples at
-    which the number does not exist.
+    ``by_derivatives`` are the interval's ends from the derivatives. If ``sampled``, these are
+    inaccurate, and ``ends`` and ``deviation`` come from samples.  ``lost`` is the fraction of
+    samples at which the number does not exist.
     """
 
     value: float
@@ -95,7 +95,7 @@ class Intervals:
         return Interval(mean, spread, ends, linear, sampled=True, lost=lost)
 
     def _gradient(self, expression: Expr) -> list[float]:
-        """Return the derivatives at the constants' values, using the constants' signs."""
+        """Return the derivatives at the constants' values; SymPy is told the constants' signs."""
         signed = {
             symbol: Dummy(positive=True) if value > 0 else Dummy(negative=True) if value else symbol
             for symbol, value in self._at.items()

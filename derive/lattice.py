@@ -104,7 +104,7 @@ class Bond:
 
     @property
     def has_reaction(self) -> bool:
-        """Whether the bond's forces on the fields add up to 0; an on-site force's do not."""
+        """Whether the bond's forces on all fields add up to 0, unlike those of an on-site force."""
         return not sum(entry.weight for entry in self.action)
 
     @property
@@ -134,7 +134,7 @@ Weights = dict[tuple[int, Cell], int]
 
 
 def _weights(entries: Iterable[Stencil], factor: int = 1) -> Weights:
-    """Sum the weights of each site; a ``factor`` of -1 negates offsets and weights."""
+    """Return the total weight by (field, offset); ``factor`` multiplies weights and offsets."""
     totals: Weights = {}
     for entry in entries:
         site = entry.field, tuple(factor * step for step in entry.shift)
@@ -142,8 +142,8 @@ def _weights(entries: Iterable[Stencil], factor: int = 1) -> Weights:
     return {site: weight for site, weight in totals.items() if weight}
 
 
-def _products(left: Weights, right: Weights, turn: int = 1) -> Weights:
-    """Return the product of two sets of weights, as polynomials in shifts of one field."""
+def _multiply_stencils(left: Weights, right: Weights, turn: int = 1) -> Weights:
+    """Multiply two stencils as polynomials in shifts; ``turn`` = -1 mirrors the right one."""
     totals: Weights = {}
     for (_, first), a in left.items():
         for (_, second), b in right.items():
@@ -209,7 +209,7 @@ class Lattice(notation.Displayed):
 
     @property
     def basic_constants(self) -> tuple[Symbol, ...]:
-        """Constants sorted by name, defined symbols replaced by those in their definitions."""
+        """Constants sorted by name; for a defined symbol, the symbols in its definition instead."""
         defined = dict(self.definitions)
         inner = (symbol for value in defined.values() for symbol in value.free_symbols)
         return tuple(sorted({*self.constants, *inner} - {*defined}, key=str))
@@ -268,8 +268,8 @@ class Lattice(notation.Displayed):
         """
         springs = [str(i) for i, each in enumerate(self.bonds, 1) if each.has_reaction]
         symbols = {str(symbol): symbol for symbol in self.constants}
-        sites = _each("site", site, self.fields, symbols)
-        dashpots = _each("bond", bond, springs, symbols)
+        sites = _losses_by_name("site", site, self.fields, symbols)
+        dashpots = _losses_by_name("bond", bond, springs, symbols)
         numbered = enumerate(self.bonds, 1)
         bonds = tuple(replace(b, loss=dashpots.get(str(i), S.Zero)) for i, b in numbered)
         losses = tuple(sites.values())
@@ -282,7 +282,7 @@ class Lattice(notation.Displayed):
 
     @property
     def leading_losses(self) -> dict[str, tuple[Expr, int]]:
-        """For sites and bonds with losses: the loss of least power of eps, and that power."""
+        """For "site" and "bond", if lossy: the loss of the lowest power of eps, and that power."""
         losses_by_kind = {}
         for kind, values in (("site", self.losses), ("bond", [bond.loss for bond in self.bonds])):
             by_power = [(loss, min(powers_of_eps(loss))) for loss in values if loss]
@@ -343,7 +343,7 @@ class Lattice(notation.Displayed):
 
     @property
     def has_displacements(self) -> bool:
-        """Whether every action is minus the mirrored stretch, as for displacements.
+        """Whether each bond acts by minus its stretch with offsets negated, as for displacements.
 
         >>> from longwave.derive import LATTICES
         >>> [LATTICES[name].has_displacements for name in ("klein_gordon", "fput_strain")]
@@ -353,10 +353,10 @@ class Lattice(notation.Displayed):
 
     @property
     def missing_energies(self) -> tuple[str, ...]:
-        """Messages on actions that do not derive from an energy, so that forces change the energy.
+        """Messages on bonds whose action derives from no energy, so that energy is not conserved.
 
-        An energy ``V(x)`` of a bond acts by minus the mirrored stretch.  In other variables than
-        displacements, such as strains, one positive symmetric stencil may multiply all actions.
+        With an energy ``V(x)`` a bond acts by minus its stretch with offsets negated, its mirror.
+        In variables such as strains one positive symmetric stencil may multiply all actions.
 
         >>> from longwave.derive import LATTICES
         >>> LATTICES["fput_strain"].missing_energies
@@ -381,7 +381,7 @@ class Lattice(notation.Displayed):
         return tuple(messages)
 
     def _has_metric(self, pairs: Sequence[tuple[Weights, Weights]]) -> bool:
-        """Return whether all actions are one positive symmetric stencil times the mirrors."""
+        """Return whether each action is its mirror times one positive symmetric stencil."""
         rows = [
             tuple({s: w for s, w in part.items() if s[0] == index} for part in pair)
             for pair in pairs
@@ -389,9 +389,11 @@ class Lattice(notation.Displayed):
         ]
         rows = [row for row in rows if any(row)]
         action, mirror = rows[0]
-        square = _products(action, mirror, -1)  # the stencil times the square of the mirror
+        square = _multiply_stencils(action, mirror, -1)  # the stencil times the mirror squared
         mirrored = {(0, tuple(-step for step in cell)): w for (_, cell), w in square.items()}
-        if square != mirrored or any(_products(a, mirror) != _products(action, m) for a, m in rows):
+        if square != mirrored or any(
+            _multiply_stencils(a, mirror) != _multiply_stencils(action, m) for a, m in rows
+        ):
             return False
         return all(
             sum(w * math.cos(k * c[0] + 0.7 * k * c[-1]) for (_, c), w in square.items()) > 0
@@ -415,7 +417,7 @@ class Lattice(notation.Displayed):
 
     @property
     def is_displacement(self) -> bool:
-        """Whether no bond feels a uniform motion of one field."""
+        """Whether no bond is stretched if all fields move by the same amount."""
         return not any(sum(entry.weight for entry in bond.stretch) for bond in self.bonds)
 
     @property
@@ -527,8 +529,8 @@ def _sum_of_force(weights: Weights, field: int) -> str:
     for (field_index, cell), weight in sorted(weights.items(), reverse=True):
         if field_index == field:
             steps = ", ".join(f"{a}{s:+d}" if s else a for a, s in zip("nml", cell, strict=False))
-            size = "" if abs(weight) == 1 else f"{abs(weight)}*"
-            terms.append((weight < 0, f"{size}F[{steps}]"))
+            factor = "" if abs(weight) == 1 else f"{abs(weight)}*"
+            terms.append((weight < 0, f"{factor}F[{steps}]"))
     return notation.signed_sum(terms)
 
 
@@ -547,7 +549,7 @@ def _is_rational(value: Expr) -> bool:
 
 
 def _loss(label: str, value: Expr) -> Expr:
-    """Return a loss. Raises ValueError if it depends on the stretch or is negative."""
+    """Return a loss exactly. Raises ValueError if it depends on the stretch or is negative."""
     value = rational_function(label, value)
     if value.has(x):
         raise ValueError(f"{label} must not depend on the stretch x, got {value} (a constant)")
@@ -556,10 +558,13 @@ def _loss(label: str, value: Expr) -> Expr:
     return value
 
 
-def _each(
+def _losses_by_name(
     kind: str, given: Number | Mapping[Any, Number], names: Sequence[str], known: dict[str, Symbol]
 ) -> dict[str, Expr]:
-    """Return each name's loss, from one value or a table; add new constants to ``known``."""
+    """Return the loss of each of ``names``, from a table or one value for all of them.
+
+    New constants in the losses are added to ``known``.
+    """
     losses = given if isinstance(given, Mapping) else dict.fromkeys(names, given)
     for name in losses:
         if str(name) not in names:
@@ -572,7 +577,7 @@ def _each(
 
 
 def _equations(lattice: Lattice, printed: Printed, dots: tuple[str, str]) -> Iterator[str]:
-    """Yield equations of motion and forces; ``printed`` formats constants, ``dots`` derivatives."""
+    """Yield equations and forces; ``dots`` are formats of first and second time derivatives."""
     rate, acceleration = dots
     numbers = range(1, len(lattice.bonds) + 1)
     names = [f"F{number}" for number in numbers] if len(numbers) > 1 else ["F"]
@@ -604,13 +609,13 @@ def _equations(lattice: Lattice, printed: Printed, dots: tuple[str, str]) -> Ite
 def _law_term(value: Expr, power: int, printed: Printed) -> tuple[bool, str]:
     """Return whether a term of a force is negative, and the term without its sign."""
     is_negative = bool(value.as_coeff_Mul()[0] < 0)
-    size = -value if is_negative else value
-    return is_negative, _times(size, notation.power_of(x, power, printed), printed).rstrip()
+    magnitude = -value if is_negative else value
+    return is_negative, _times(magnitude, notation.power_of(x, power, printed), printed).rstrip()
 
 
 def _times(factor: Expr, product: str, printed: Printed) -> str:
-    size = "" if factor == 1 and product else f"{notation.bracketed(factor, printed)} "
-    return size + product
+    prefix = "" if factor == 1 and product else f"{notation.bracketed(factor, printed)} "
+    return prefix + product
 
 
 def _stretch(lattice: Lattice, bond: Bond, at: Stencil) -> str:

@@ -58,7 +58,7 @@ LARGEST_FILE = 100_000
 """Largest size of a file, in bytes."""
 
 MAX_ENTRIES = 50
-"""Most entries of each kind."""
+"""Most tables of one kind in a file: [[spring]], [[site]] or [[bond]]."""
 
 LONGEST_NAME = 30
 """Longest name of a field or constant, in characters."""
@@ -79,7 +79,7 @@ KEYS = {
     "site": {"field", "force"},
     "bond": {"stretch", "action", "force"},
 }
-"""Keys of a file at its top and, by table, of each kind of entry."""
+"""Kind of table -> its allowed keys; "" is the top of the file."""
 
 _TERM = re.compile(
     r"\s*([+-]?)\s*(?:(\d{1,6})\s*\*\s*)?([A-Za-z][A-Za-z0-9]*)\[\s*n\s*([+-]\s*\d{1,6})?\s*"
@@ -136,7 +136,7 @@ def lattice_of(document: Mapping[str, Any], name: str = "lattice") -> Lattice:
 def _bonds(
     document: Mapping[str, Any], kind: str, build: Callable[[Mapping[str, Any]], Bond]
 ) -> list[Bond]:
-    """Build the bonds of all entries of a kind; errors name the entry."""
+    """Build the bonds of all [[kind]] tables; errors name the kind and number of the table."""
     entries = document.get(kind, [])
     if not isinstance(entries, list) or len(entries) > MAX_ENTRIES:
         raise ValueError(
@@ -253,7 +253,7 @@ class _Symbols:
 
 
 def time_formula(label: str, text: object) -> sp.Expr:
-    """Parse a formula in t alone, with x as its symbol. Raises ValueError for anything else."""
+    """Parse a formula in the time t only; t becomes the symbol x. Raises ValueError otherwise."""
     if isinstance(text, int | float) and not isinstance(text, bool):
         return sp.nsimplify(text, rational=True) if math.isfinite(text) else sp.nan
     if not isinstance(text, str):
@@ -317,7 +317,9 @@ def _terms(label: str, text: object) -> list[tuple[int, str, Cell]]:
 
 def _field(label: str, name: object, fields: list[str]) -> int:
     if name not in fields:
-        raise ValueError(f"{label} must be among {', '.join(fields)}, got {shown(name)}")
+        raise ValueError(
+            f"{label} must be among {', '.join(fields)}, got {shown(name)} (or add it to fields)"
+        )
     return fields.index(str(name))
 
 

@@ -15,10 +15,11 @@ from longwave.derive.sines import cosine, in_sines, omega, sine
 from longwave.derive.symbols import k, values_of
 
 TABLE_WAVENUMBERS = tuple(pi * Rational(i, 4) for i in range(5))
-"""Wavenumbers of the table."""
+"""Wavenumbers of `LinearWaves.table`, in radians a cell."""
 
 REST_TOLERANCE = 1e-9
-"""Relative frequency below which a wave is at rest, or two branches meet."""
+"""Fraction of the largest omega^2 below which omega^2 counts as 0, so that the wave is at rest, and
+below which the difference of two omega^2 counts as 0, so that their branches meet."""
 
 Row = tuple[Expr, list[tuple[float, float | None]]]
 
@@ -59,7 +60,7 @@ class LinearWaves:
 
     @property
     def branches(self) -> tuple[Expr, ...]:
-        """omega^2 of each branch from below, for one field or two; empty for more."""
+        """omega^2 of each branch, lowest first; empty for more than two branches."""
         if len(self.coefficients) == 2:
             return (factor(-self.coefficients[0]),)
         if len(self.coefficients) > 3:
@@ -84,13 +85,13 @@ class LinearWaves:
         return f"{printed(sum(terms, S.Zero))} = 0"
 
     def lines(self, printed: Printed = text_of) -> Iterator[str]:
-        """Yield the branches from below, or the relation if they have no formula."""
+        """Yield ``omega^2 = ...`` of each branch, lowest first, or the relation if it has none."""
         if not self.branches:
             yield self.relation(printed)
         yield from (f"{printed(self._omega**2)} = {printed(value)}" for value in self.branches)
 
     def table(self, constants: Mapping[str, Number]) -> list[Row]:
-        """Return omega and the group velocity of each branch at `TABLE_WAVENUMBERS`, from below.
+        """Return omega and group velocity of each branch, lowest first, at `TABLE_WAVENUMBERS`.
 
         The velocity is None where two branches meet.  Raises ValueError for constants that are
         missing or make a wave unstable.
@@ -111,7 +112,7 @@ class LinearWaves:
             if squares[0] < -REST_TOLERANCE * squares[-1]:
                 raise ValueError(
                     f"constants must make waves stable, got omega^2 = {squares[0]:.6g} at k = "
-                    f"{angle}"
+                    f"{angle} (take positive stiffnesses)"
                 )
             branches = range(len(squares))
             rows.append((angle, [_wave(slopes, square, angle, squares, i) for i in branches]))

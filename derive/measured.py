@@ -18,7 +18,7 @@ from longwave.support.known_names import one_of
 from longwave.support.user_files import shown
 
 EIGENVALUE_TOLERANCE = 1e-9
-"""Size below which a negative eigenvalue of the correlations is a rounding error."""
+"""Largest magnitude of a negative eigenvalue of the correlations that counts as rounding error."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Measured:
     def of(
         cls, values: Mapping[str, Number], covariance: Mapping[str, Mapping[str, float]]
     ) -> Measured:
-        """Build from values and from covariances by the names of both constants; others are exact.
+        """Build from values and a table of covariances; constants without one are exact.
 
         Raises ValueError for a name without a value, and for an invalid covariance.
 
@@ -86,7 +86,7 @@ class Measured:
 
     @property
     def table(self) -> dict[str, dict[str, float]]:
-        """Covariance by the names of both constants."""
+        """Covariances by the name of one constant, then by that of the other."""
         names = [name for name, _ in self.values]
         rows = zip(names, self.covariance, strict=True)
         return {name: dict(zip(names, row, strict=True)) for name, row in rows}
@@ -104,19 +104,19 @@ class Measured:
         ]
         eigenvalues, columns = context.eigsy(context.matrix(correlations))
         rows = dict(zip(uncertain, columns.tolist(), strict=True))
-        vectors = [[size * float(v) for v in rows.get(i, ())] for i, size in enumerate(scales)]
+        vectors = [[scale * float(v) for v in rows.get(i, ())] for i, scale in enumerate(scales)]
         return [float(value) for value in eigenvalues], vectors
 
     def samples(self, count: int, seed: int = 0) -> list[tuple[float, ...]]:
         """Draw samples of the constants, in the order of ``values``, with normal errors."""
         eigenvalues, vectors = self._modes
-        sizes = [math.sqrt(max(value, 0.0)) for value in eigenvalues]
+        deviations = [math.sqrt(max(value, 0.0)) for value in eigenvalues]
         normal = random.Random(seed).gauss
-        factors = ([v * size for v, size in zip(row, sizes, strict=False)] for row in vectors)
+        factors = ([v * d for v, d in zip(row, deviations, strict=False)] for row in vectors)
         rows = list(zip((float(value) for _, value in self.values), factors, strict=True))
         samples = []
         for _ in range(count):
-            normals = [normal(0.0, 1.0) for _ in sizes]
+            normals = [normal(0.0, 1.0) for _ in deviations]
             samples.append(
                 tuple(v + sum(map(float.__mul__, row, normals)) if row else v for v, row in rows)
             )

@@ -61,7 +61,7 @@ class _Solver:
         return (space, *(0,) * (len(self.notation.axes) - 2), time)
 
     def check_losses(self) -> None:
-        """Raise ReductionError for dominant losses: linear terms with odd derivative counts."""
+        """Raise ReductionError if losses enter before the order of the reduced equation."""
         losses = self.lattice.leading_losses
         lower_orders = {o: part for o, part in self.series.parts.items() if o < self.leading_order}
         for order, part in lower_orders.items() if losses else ():
@@ -101,7 +101,7 @@ class _Solver:
         return polynomial
 
     def solve_conditions(self) -> None:
-        """Turn every order below the evolution equation into conditions."""
+        """Turn every order below the evolution equation into conditions on the constants."""
         for order in [o for o in self.series.parts if o < self.leading_order]:
             if order in self.series.parts:
                 self._solve_drifts(order)
@@ -142,7 +142,7 @@ class _Solver:
     def _eliminate(
         self, order: int, vanishing: RationalFunction, drifts: Sequence[Symbol] = ()
     ) -> None:
-        """Solve for one of the ``drifts``, which have no given values, or of the constants."""
+        """Solve ``vanishing = 0`` for a drift, which has no given value, else for a constant."""
         solved = solve_linear(vanishing, drifts) if drifts else None
         solved = solved or solve_linear(vanishing, self.constants, self.frame)
         if solved is None:
@@ -152,17 +152,17 @@ class _Solver:
                 "and give its value to coefficients)",
             )
         self.solved.append(solved)
-        self.series = self.conditioned(self.series)
+        self.series = self.substitute_conditions(self.series)
 
-    def conditioned(self, series: EpsSeries) -> EpsSeries:
-        """Return a series with the constants eliminated that the conditions determine."""
+    def substitute_conditions(self, series: EpsSeries) -> EpsSeries:
+        """Return a series without the constants that the conditions determine."""
         squares = [elimination for elimination in self.solved if elimination.power > 1]
         for elimination in (*self.solved, *squares):
             series = elimination.series(series)
         return series
 
     def flow(self) -> tuple[DifferentialPolynomial, DifferentialPolynomial]:
-        """Return F and B of the equation ``(Y_T - F)_X + B = 0``; B is linear, without X."""
+        """Return F and B of ``(Y_T - F)_X + B = 0``; B is linear, without X-derivatives."""
         part = self.series.parts.get(self.leading_order)
         time_terms = [m for m in part.terms if any(jet[-1] for jet in m)] if part else []
         mixed_name = self.notation.monomial((self.mixed,))
@@ -189,7 +189,7 @@ def reduce(
 
     By default two orders beyond the reduced equation are derived.  Raises ReductionError (a
     ValueError) if the ansatz does not lead to an evolution equation, ValueError if ``orders`` is
-    below it.
+    below the order of that equation.
 
     >>> from longwave.derive import LATTICES, reduce
     >>> print(reduce(LATTICES["fput_strain"]).pde.text())
@@ -236,13 +236,13 @@ def _on_solutions(solver: _Solver, flows: Mapping[int, DifferentialPolynomial]) 
     """Return the lattice residual on solutions of ``Y_T = sum eps^k F_k``."""
     flow = EpsSeries(solver.series.field, solver.series.limit, flows)
     residual = TimeElimination(flow, len(solver.notation.axes)).series(solver.series)
-    return solver.conditioned(residual)
+    return solver.substitute_conditions(residual)
 
 
 def _corrections(
     solver: _Solver, flow: DifferentialPolynomial
 ) -> tuple[dict[int, DifferentialPolynomial], tuple[int, DifferentialPolynomial] | None]:
-    """Return F_k of ``Y_T = sum eps^k F_k``, and the first order without an X-integral."""
+    """Return F_k, k > 0, of ``Y_T = sum eps^k F_k``, and the first part that is no X-derivative."""
     corrections: dict[int, DifferentialPolynomial] = {}
     for power in range(1, solver.series.limit - solver.leading_order + 1):
         series = _on_solutions(solver, {0: flow, **corrections})

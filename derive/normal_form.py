@@ -26,8 +26,8 @@ Scales = dict[str, Expr]
 class NormalEquation:
     """An equation with known closed solutions.
 
-    ``terms``: those of the reduced equation besides Y_T, in the order of the arguments of
-    ``scales``, their coefficients; a term Y_X only makes the solution drift.
+    ``terms``: names of the reduced equation's terms besides Y_T and Y_X, which only makes the
+    solution drift.  ``scales`` takes their coefficients in this order.  ``text``: the equation.
     """
 
     name: str
@@ -76,7 +76,7 @@ def _modified_kawahara(cubic: Expr, third: Expr, fifth: Expr) -> Scales:
 
 
 def _kdv_burgers(quadratic: Expr, second: Expr, third: Expr) -> Scales:
-    """Scale time by the Burgers term, whose coefficient is negative for losses."""
+    """Return the scales from the coefficients of Y Y_X, Y_XX (negative for losses) and Y_XXX."""
     a = Abs(second / third)
     b = -second * a**2
     return {"a": a, "b": b, "h": 6 * b / (quadratic * a), "s": -sign(second * third)}
@@ -143,7 +143,7 @@ _ROWS: tuple[tuple[str, str, str, Callable[..., Scales]], ...] = (
     ),
     ("NLS", "A_XX, |A|^2 A", "i U_tau + U_xixi + 2 s |U|^2 U", _nls),
 )
-"""Name, terms and left-hand side of each equation, and the scales of the map to it."""
+"""One row an equation: name, terms besides Y_T, left-hand side, scales from the coefficients."""
 
 NORMAL_EQUATIONS = {
     name: NormalEquation(name, tuple(terms.split(", ")), f"{left_side} = 0", scales)
@@ -160,9 +160,9 @@ class NormalForm:
     ``s`` and ``r`` are the signs in the normal form, 1 or -1 (1 if it has none); b may be negative,
     and e is 0 without a Z.  ``equation`` is a name of `NORMAL_EQUATIONS`.
 
-    All are exact SymPy expressions; numbers are converted.  ``digits`` is None for exact values, or
-    the number of digits to which they are those of the lattice.  Raises ValueError for anything
-    else, for a number s or r other than 1 and -1, and for a scale that is 0.
+    All are exact SymPy expressions; numbers are converted.  ``digits`` is None if the values are
+    exact, else the number of their correct digits.  Raises ValueError for a value that is not
+    exact or real, for a number s or r other than 1 and -1, and for a scale that is 0.
     """
 
     a: Expr
@@ -201,7 +201,7 @@ class NormalForm:
 
     @property
     def is_transverse(self) -> bool:
-        """Whether there is a second slow variable of space."""
+        """Whether there is a second slow variable of space, Z."""
         return "Y_ZZ" in NORMAL_EQUATIONS[self.equation].terms
 
     @property
@@ -214,7 +214,7 @@ class NormalForm:
         return f"{unknown}(X, {arguments[0]}T) = {factor}U({first_argument}{arguments[1]}, b T)"
 
     def lines(self, taken: Collection[str], written: Callable[[str, Expr], str]) -> Iterator[str]:
-        """Yield equation, map and scales in plain text, with names that avoid those ``taken``."""
+        """Yield equation, map and scales as text; a tilde marks names that are ``taken``."""
         text = f"{NORMAL_EQUATIONS[self.equation].text}, {self.map_text}:"
         yield f"normal form {marked(text, ('U', 'drift', *'abehsr'), taken)}"
         for name, value in self.values.items():
@@ -267,7 +267,7 @@ def equation_of(terms: Iterable[str]) -> NormalEquation | None:
 def normal_form_of(
     c: Expr, coefficients: Mapping[str, Expr], digits: int | None = None
 ) -> NormalForm:
-    """Return the normal form of an equation by its terms' coefficients; zeros are ignored.
+    """Return the normal form of an equation from its coefficients; terms with 0 are ignored.
 
     Terms are named as in `NORMAL_EQUATIONS`.  Raises ValueError for any other equation.
 
@@ -289,7 +289,7 @@ def normal_form_of(
 
 
 def _refusal(remaining: Mapping[str, Expr], vanished: Sequence[str]) -> str:
-    """Return the message for terms without a normal form."""
+    """Return the error message for an equation without a normal form, by its terms."""
     vanished_terms = [term for term in vanished if term != "Y_X"]
     if vanished_terms:
         linear = "" if any(" " in term for term in remaining) else ", a linear equation"

@@ -23,10 +23,10 @@ from longwave.derive.scaling import Scaling
 from longwave.derive.symbols import eps, values_of
 
 _SOLITON_POWERS = {"KdV": 1, "mKdV": 2}
-"""Power of Y before Y_X, for equations whose solitons have an amplitude law."""
+"""Equation whose solitons have an amplitude law -> power of Y in its term ``Y^r Y_X``."""
 
 _LOSS_TERMS = ("Y", "Y_XX")
-"""Terms that come from losses."""
+"""Terms of reduced equations that only losses produce."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -118,7 +118,7 @@ class Reduction:
 
     @property
     def wave(self) -> str:
-        """The unknown of the orders: Y, or W for displacements."""
+        """Name of the unknown in `orders`: Y, or W for displacements."""
         return next((equation.notation.unknown for equation in self.orders.values()), "Y")
 
     @property
@@ -135,16 +135,16 @@ class Reduction:
     def units(self) -> str:
         """The meaning of Y, in words."""
         scaling, names = self.scaling, list(self.lattice.fields)
-        size = power_of(eps, scaling.amplitude, text_of)
+        power = power_of(eps, scaling.amplitude, text_of)
         if not self.is_displacement:
-            return f"Y: {names[0]} less its mean is {size}Y, at first order"
+            return f"Y: {names[0]} less its mean is {power}Y, at first order"
         strain = power_of(eps, scaling.amplitude + scaling.space[0].exponent, text_of)
-        moved = f"Y = {self.wave}_X: {names[0]} is {size}{self.wave}"
+        moved = f"Y = {self.wave}_X: {names[0]} is {power}{self.wave}"
         return f"{moved}, the strain of a cell {strain}Y, at first order"
 
     @property
     def sound_condition(self) -> Eq:
-        """``c^2 = K2``, from the lowest order."""
+        """Equation for the sound speed from the lowest order, such as ``c^2 = K2``."""
         return Eq(self.scaling.speed**2, self.speed_squared, evaluate=False)
 
     def _at(self, values: Mapping[Symbol, Expr]) -> dict[Symbol, Expr]:
@@ -161,8 +161,8 @@ class Reduction:
     def coefficients(self, **constants: Number) -> Coefficients:
         """Return speed and coefficients in the lattice's constants, or at given values of them.
 
-        Raises ValueError for an unknown name, c^2 <= 0 or constants that violate a condition, the
-        assumptions of their symbols, or a nonzero denominator.
+        Raises ValueError for an unknown name, c^2 <= 0, a denominator that is 0, or constants that
+        violate a condition or the assumptions of their symbols.
 
         >>> from longwave.derive import LATTICES, reduce
         >>> reduce(LATTICES["fput_strain"]).coefficients(K2=4, K4=1)
@@ -189,7 +189,7 @@ class Reduction:
         return normal_form_of(values.c, self._named(values))
 
     def lossless_form(self, **constants: Number) -> NormalForm:
-        """Return the normal form of the equation without the terms of losses."""
+        """Return the normal form of the equation without the terms from losses."""
         values = self.coefficients(**constants)
         terms = self._named(values).items()
         return normal_form_of(values.c, {n: v for n, v in terms if n not in _LOSS_TERMS})
@@ -277,11 +277,11 @@ class Reduction:
         return f"{self.label('G', power, latex_of)} = {correction}"
 
     def latex_remainder(self, order: int) -> str:
-        """Return the residual of a solution of the reduced equation at ``eps^order``, in LaTeX."""
+        """Return in LaTeX the lattice's residual at ``eps^order`` on a reduced solution."""
         return f"{self.label('R', order, latex_of)} = {self.notation.latex(self.remainders[order])}"
 
     def label(self, letter: str, number: int, printed: Printed = text_of) -> str:
-        """Return the name of a remainder R5 or correction G2."""
+        """Return the printed name of a remainder or correction, such as R5 or G2."""
         return printed(Symbol(unused(f"{letter}{number}", self.lattice.names)))
 
 
@@ -311,7 +311,7 @@ def text_lines(reduction: Reduction) -> Iterator[str]:
 
 
 def _slaved_lines(reduction: Reduction) -> Iterator[str]:
-    """Yield the first slaved term of each field after the first."""
+    """Yield a line for each field after the first: its share of W and its first slaved term."""
     notation = replace(reduction.notation, unknown=reduction.wave)
     field = reduction.pde.flow.field
     unit = DifferentialPolynomial.monomial(field, ((0,) * len(notation.axes),))

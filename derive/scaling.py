@@ -46,7 +46,7 @@ class SlowVariable:
                 )
 
     def phase(self, printed: Printed = text_of) -> str:
-        """Return the phase of the variable, without its power of eps.
+        """Return ``direction . cell - speed t`` as text or LaTeX.
 
         >>> SlowVariable("X", 1, (-2,), -c).phase()
         '-2 n + c t'
@@ -54,8 +54,8 @@ class SlowVariable:
         parts: list[tuple[int, str]] = []
         for step, axis in (*zip(self.direction, "nml", strict=False), (-self.speed, "t")):
             is_negative = step.could_extract_minus_sign()
-            size = -step if is_negative else step
-            name = axis if size == 1 else f"{notation.bracketed(size, printed)} {axis}"
+            magnitude = -step if is_negative else step
+            name = axis if magnitude == 1 else f"{notation.bracketed(magnitude, printed)} {axis}"
             parts += [(-1 if is_negative else 1, name)] if step else []
         return notation.weighted_sum(parts)
 

@@ -14,7 +14,7 @@ from longwave.derive.algebra.rational_functions import RationalFunction, Rationa
 
 frequency = Symbol("omega~", positive=True)
 sine, cosine = Symbol("sin(k/2)", real=True), Symbol("cos(k/2)", real=True)
-"""Symbols with names that no constant of a lattice can have."""
+"""Symbols of sin(k/2) and cos(k/2), with names that no constant of a lattice can have."""
 
 omega = Symbol("omega", positive=True)
 """Printed symbol of the frequency, unless a constant has this name."""
@@ -37,13 +37,13 @@ def in_sines(element: RationalFunction) -> tuple[Expr, Expr]:
     if denominator.mixed[1]:
         real, imaginary = denominator.mixed
         value = _times(value, (real, -imaginary))
-        size = _reduced(real * real + imaginary * imaginary)
+        divisor = _reduce_cosines(real * real + imaginary * imaginary)
     else:
-        size = denominator.mixed[0]
+        divisor = denominator.mixed[0]
     for _ in range((numerator.quarters - denominator.quarters) % 4):
         value = -value[1], value[0]
     pure = numerator.pure / denominator.pure
-    real, imaginary = ((part / size).factored() * pure if part else Integer(0) for part in value)
+    real, imaginary = ((part / divisor).factored() * pure if part else Integer(0) for part in value)
     return real, imaginary
 
 
@@ -62,7 +62,7 @@ class _Product:
             turns = [exponents[0] for exponents, _ in terms]
             middle = max(turns) + min(turns)
             self.turns += middle * times
-            part = real, imaginary = _turned(field, terms, middle)
+            part = real, imaginary = _times_phase(field, terms, middle)
             if real and imaginary:
                 for _ in range(times):
                     self.mixed = _times(self.mixed, part)
@@ -71,14 +71,14 @@ class _Product:
             self.pure *= (imaginary or real).factored() ** times
 
 
-def _turned(
+def _times_phase(
     field: RationalFunctions, terms: list[tuple[tuple[int, ...], int]], middle: int
 ) -> Complex:
-    """Return a polynomial in z and w times ``exp(-i k middle/2)``."""
+    """Return the polynomial in z and w with these terms, times ``exp(-i k middle/2)``."""
     real, imaginary = field.zero, field.zero
     for (turn, power, *others), value in terms:
-        size = field.from_terms([((0, 0, power, *others), value)])
-        cos_part, sin_part = (size * part for part in _power(field, 2 * turn - middle))
+        factor = field.from_terms([((0, 0, power, *others), value)])
+        cos_part, sin_part = (factor * part for part in _power(field, 2 * turn - middle))
         for _ in range(power % 4):
             cos_part, sin_part = -sin_part, cos_part
         real, imaginary = real + cos_part, imaginary + sin_part
@@ -87,22 +87,22 @@ def _turned(
 
 @cache
 def _power(field: RationalFunctions, count: int) -> Complex:
-    """Return ``(C + i s)**count``."""
+    """Return ``exp(i k count/2)`` as the power ``(cos(k/2) + i sin(k/2))**count``."""
     real, imaginary = field.zero, field.zero
     for i in range(abs(count) + 1):
         sign = 1 if i % 4 < 2 else -1
         exponents = (i, abs(count) - i, *(0,) * (len(field.symbols) - 2))
         term = field.from_terms([(exponents, sign * comb(abs(count), i))])
         real, imaginary = (real, imaginary + term) if i % 2 else (real + term, imaginary)
-    return _reduced(real), _reduced(imaginary if count > 0 else -imaginary)
+    return _reduce_cosines(real), _reduce_cosines(imaginary if count > 0 else -imaginary)
 
 
 def _times(left: Complex, right: Complex) -> Complex:
     (a, b), (c, d) = left, right
-    return _reduced(a * c - b * d), _reduced(a * d + b * c)
+    return _reduce_cosines(a * c - b * d), _reduce_cosines(a * d + b * c)
 
 
-def _reduced(polynomial: RationalFunction) -> RationalFunction:
+def _reduce_cosines(polynomial: RationalFunction) -> RationalFunction:
     """Return a polynomial with powers of the cosine reduced to 0 and 1."""
     field = polynomial.field
     square = field.one - field(sine) ** 2

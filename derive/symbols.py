@@ -29,7 +29,7 @@ RESERVED = {
     "t": "the time",
     "x": "the stretch of a bond, longwave.derive.symbols.x",
 }
-"""Names with a fixed meaning in the reduction."""
+"""Reserved name -> its fixed meaning in the reduction."""
 
 
 def rational_function(name: str, value: Expr) -> Expr:
@@ -94,8 +94,8 @@ def number_value(name: str, value: Number) -> Expr:
     number = constant_value(name, value)
     if number.has(eps):
         raise ValueError(
-            f"{name} must not depend on eps here, got {shown(str(number))} (a small "
-            f"constant is put in before: lattice.with_values({{{name!r}: {str(number)!r}}}))"
+            f"{name} must not depend on eps here, got {shown(str(number))} (substitute "
+            f"a small constant first: lattice.with_values({{{name!r}: {str(number)!r}}}))"
         )
     return number
 
@@ -120,7 +120,7 @@ def values_of(
 
 
 def check_constants(constants: Sequence[Symbol], fields: Sequence[str] = ()) -> None:
-    """Raise ValueError if a constant has a reserved name, a field's, or another constant's."""
+    """Raise ValueError if a constant's name is reserved, or that of a field or other constant."""
     names = [str(constant) for constant in constants]
     check_names("constants", names)
     for name in names:
@@ -137,7 +137,7 @@ def check_constants(constants: Sequence[Symbol], fields: Sequence[str] = ()) -> 
 
 
 def check_names(label: str, names: Sequence[str]) -> None:
-    """Raise ValueError for a reserved name."""
+    """Raise ValueError if a name is reserved; ``label`` says what has the names."""
     for name in names:
         if name in RESERVED:
             raise ValueError(

@@ -1,7 +1,7 @@
 """Closed-form solutions of the reduced equations, each written once, and their evaluation.
 
 ``CATALOGUE`` and ``closed_form(name)`` give the records, ``rational(j)`` the rational solution of
-any order; ``Wave`` puts numbers in. Formulas are in the variables of the normal form
+any order; ``Wave`` evaluates a form at numbers. Formulas are in the variables of the normal form
 (``solutions.symbols``); the lattice enters only through a ``derive.NormalForm``. Names are
 imported on first use: reading the formulas needs no compiler, and double-double arithmetic no
 formulas.

@@ -103,7 +103,7 @@ class Catalogue(Sequence["ClosedForm"]):
 
     @staticmethod
     def module(name: str) -> str:
-        """Return the module with the function ``name``, which builds that form."""
+        """Return the full name of the module whose function ``name`` builds that form."""
         return f"longwave.solutions.forms.{_MODULES[name]}"
 
     @staticmethod

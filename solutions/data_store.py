@@ -17,8 +17,8 @@ from longwave.support.compiled.kernel_folder import CacheFolder, cache_folder
 from longwave.support.plain_data import PlainKind, plain_bytes, plain_value
 
 MAX_FILES, SPARE_FILES = 512, 128
-"""Beyond both numbers together, the oldest files of a folder are removed down to the first number.
-Counting the files takes as long as a small run. A wave has up to five, of 1 to 40 kB."""
+"""If a folder has more than ``MAX_FILES + SPARE_FILES`` files, its oldest ones are removed until
+``MAX_FILES`` are left. A wave has up to five, of 1 to 40 kB."""
 
 TYPES = {
     "WaveConstants": "numeric_wave",
@@ -30,13 +30,15 @@ TYPES = {
     "Bytecode": "run.bytecode",
     "MpmathFormula": "functions.multiprecision",
 }
-"""Types that an entry may contain -> their modules in `solutions`; their contents are plain."""
+"""Type that an entry may contain -> its module in `solutions`; its attributes are plain data."""
 
 Data = TypeVar("Data")
 
 
 def kept_data(maker: str, key: str, make: Callable[[], Data]) -> Data:
-    """Return plain data from the cache, or from ``make``, a function of module ``maker``.
+    """Return plain data from the cache, or call ``make`` and cache its result.
+
+    ``maker`` is the module of ``make``: the cache is invalid if that module changes.
 
     The data must depend on ``key`` and the sources only, not on other files or settings.
     """
@@ -50,7 +52,7 @@ def kept_data(maker: str, key: str, make: Callable[[], Data]) -> Data:
 
 
 class DataStore:
-    """Cache files in ``folder`` of one request: the module ``maker`` and its ``key``."""
+    """Cache files in ``folder`` of one request: the module that makes the data, and a key."""
 
     def __init__(self, maker: str, key: str, folder: CacheFolder) -> None:
         self.maker, self.key = maker, key
@@ -79,7 +81,7 @@ class DataStore:
 
 @lru_cache
 def _kind(name: str) -> PlainKind | None:
-    """Return how a type is stored and rebuilt, by its name; None if entries cannot contain it."""
+    """Return how the type ``name`` is stored and rebuilt; None if entries cannot contain it."""
     if name == "mpf":
         from longwave.solutions.run.linear_phase import LONG, long_of
 

@@ -17,7 +17,8 @@ class _LeftSide(NamedTuple):
     """Left-hand side of a normal form.
 
     ``terms`` are those in U and its xi derivatives d(1), d(2), ...; ``U_tau``, multiplied by i if
-    U ``is_complex``, is added; ``has_across`` takes a xi derivative and adds ``3 s U_zetazeta``.
+    U ``is_complex``, is added. If ``has_across``, the sum is differentiated in xi, and
+    ``3 s U_zetazeta`` is added.
     ``order`` is that of the highest xi derivative: slow times are ``T = eps**order t``.
     """
 
@@ -40,7 +41,7 @@ _LEFT_SIDES: Mapping[str, _LeftSide] = {
         lambda U, d, s, r: d(2) + 2 * s * sp.Abs(U) ** 2 * U, order=2, is_complex=True
     ),
 }
-"""Left-hand sides by the names in `derive.normal_form.NORMAL_EQUATIONS`."""
+"""Name of an equation in `derive.normal_form.NORMAL_EQUATIONS` -> its left-hand side."""
 
 
 @dataclass(frozen=True)

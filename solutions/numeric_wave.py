@@ -21,17 +21,17 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Side = Literal["left", "right"]
 Part = Literal["wave", "formula", "background", "left", "right", "potential"]
-"""Function to evaluate; "formula" is the wave by its compiled program, even if another evaluator
-exists."""
+"""Function that is evaluated: the wave, its background, a far field or its potential; "formula" is
+the wave by its compiled program, even if it has another evaluator."""
 
 ACCEPTED_BOUND = 5e-14
 """Largest error bound, in units of max(1, |value|), accepted from double-double."""
 
 ACCEPTED_JET_BOUND = 1e-13
-"""Largest error bound of a jet, in units of the largest value of its order."""
+"""Largest accepted error bound of a jet, relative to the largest value of its order."""
 
 JET_SCALE_FLOOR = 1e-10
-"""Floor of the scale for a jet's error bound, in units of h a**order."""
+"""Smallest value to which a jet's error bound is relative, in units of h a**order."""
 
 HIGHEST_JET = 20
 """Highest order of a jet."""
@@ -40,7 +40,7 @@ FAR_PHASE = 60.0
 """Distance in phase beyond which a wave does not change: exp(-60) is 1e-26."""
 
 MAX_CACHED_INTEGRALS = 4
-"""Number of cached integrals: of compared cells, of a ring, and of the ring's ends."""
+"""Number of cached integrals; a run needs those of compared cells, of a ring, and of its ends."""
 
 MOST_UNCERTAIN = 1000
 """Most points that mpmath evaluates when bounds are too large, at 5 to 100 ms each."""
@@ -124,7 +124,7 @@ class NumericWave:
         self._integrals: dict[tuple[float, float, float], IntegralFromZero] = {}
 
     def __reduce__(self) -> tuple[Callable[..., "NumericWave"], tuple[Any, ...]]:
-        """Arguments that rebuild the wave on unpickling; compiled code is not pickled."""
+        """Return the call that rebuilds the wave on unpickling; compiled code is not pickled."""
         return type(self), (self.numbers, self._make, self._settle)
 
     def __eq__(self, other: object) -> bool:
@@ -160,9 +160,11 @@ class NumericWave:
     def pairs_at(
         self, n: ArrayLike, t: ArrayLike, eps: float, *, m: ArrayLike | None = None
     ) -> WaveValues:
-        """Return ``at`` in double-double: arrays (2, ...) of high and low part, about 30 digits."""
+        """Return the values of `at` as arrays (2, ...) of high and low parts, about 30 digits."""
         variables = self._lattice(eps)
-        return self._joined(self._bounded("wave", variables, *self._points(n, t, m))[:, :2])
+        return self._join_parts(
+            self._bounded_rows("wave", variables, *self._points(n, t, m))[:, :2]
+        )
 
     def value_at(
         self,
@@ -182,7 +184,7 @@ class NumericWave:
         evaluator = self._values_alone(part)
         if points[0].size >= PIECE or evaluator is None:
             return np.asarray(self._evaluate(part, variables, n, t, m).Y)
-        values = self._bounded(part, variables, *points, evaluator=evaluator)[:, 0]
+        values = self._bounded_rows(part, variables, *points, evaluator=evaluator)[:, 0]
         return values[0] + 1j * values[1] if self.numbers.is_complex else values[0]
 
     @property
@@ -240,7 +242,7 @@ class NumericWave:
     def _is_far(
         self, part: Part, variables: Variables, x: Array, t: Array, *transverse: Array
     ) -> bool:
-        """Return whether points at one time are far from every point where a phase vanishes."""
+        """Return whether all points have one time and are far from all zeros of phases."""
         if transverse or t.min() != t.max():
             return False
         first, last, time = float(x.min()), float(x.max()), float(t[0])
@@ -312,13 +314,13 @@ class NumericWave:
         return sorted(zero for zero in zeros if zero is not None)
 
     def background(self, X: ArrayLike, T: ArrayLike, *, Z: ArrayLike | None = None) -> WaveValues:
-        """Return the bare background wave of the same phase, or the constant, at (X, T)."""
+        """Return the background at (X, T): a periodic wave of the same phase, or a constant."""
         return self._evaluate("background", self._slow, X, T, Z)
 
     def background_at(
         self, n: ArrayLike, t: ArrayLike, eps: float, *, m: ArrayLike | None = None
     ) -> WaveValues:
-        """Return ``background`` at site n and lattice time t."""
+        """Return the values of `background` at site n and lattice time t."""
         return self._evaluate("background", self._lattice(eps), n, t, m)
 
     def far_field(
@@ -330,7 +332,7 @@ class NumericWave:
     def far_field_at(
         self, n: ArrayLike, t: ArrayLike, eps: float, side: Side, *, m: ArrayLike | None = None
     ) -> WaveValues:
-        """Return ``far_field`` at site n and lattice time t."""
+        """Return the values of `far_field` at site n and lattice time t."""
         return self._evaluate(check_side(side), self._lattice(eps), n, t, m)
 
     @cached_property
@@ -382,13 +384,13 @@ class NumericWave:
         self, part: Part, variables: Variables, x: ArrayLike, t: ArrayLike, z: ArrayLike | None
     ) -> Any:
         def values(*points: Array) -> Array:
-            return self._bounded(part, variables, *points)[:, 0]
+            return self._bounded_rows(part, variables, *points)[:, 0]
 
         units = [abs(high) for high, _ in self._scales]
         is_far = partial(self._is_far, part, variables)
-        return self._joined(in_pieces(values, self._points(x, t, z), is_far, units))
+        return self._join_parts(in_pieces(values, self._points(x, t, z), is_far, units))
 
-    def _joined(self, rows: Array) -> Any:
+    def _join_parts(self, rows: Array) -> Any:
         """Return the rows as a named tuple, real and imaginary parts combined."""
         if self.numbers.is_complex:
             rows = rows[: len(rows) // 2] + 1j * rows[len(rows) // 2 :]
@@ -404,7 +406,7 @@ class NumericWave:
             f"(it solves the {self.numbers.equation} equation)"
         )
 
-    def _bounded(
+    def _bounded_rows(
         self,
         part: Part,
         variables: Variables,
@@ -432,7 +434,7 @@ class NumericWave:
 
 
 def _are_certain(rows: Array) -> NDArray[np.bool_]:
-    """Return whether each point's error bound in ``rows`` (rows, 3, ...) is small enough."""
+    """Return where the error bounds of ``rows`` (rows, 3, ...) are accepted, shape (rows, ...)."""
     with np.errstate(invalid="ignore"):
         return np.asarray(rows[:, 2] <= ACCEPTED_BOUND * np.maximum(1, np.abs(rows[:, 0])))
 
@@ -440,10 +442,10 @@ def _are_certain(rows: Array) -> NDArray[np.bool_]:
 def settle_rows(
     rows: Array, certain: NDArray[np.bool_], points: tuple[Array, ...], settle: Callable[..., Array]
 ) -> Array:
-    """Replace ``rows`` (rows, 3, ...) in place at points where one is not ``certain``; return them.
+    """Recompute ``rows`` (rows, 3, ...) in place at points where any row is not ``certain``.
 
-    ``settle`` takes a point and returns its rows (rows, 3). Raises ValueError for more points than
-    ``MOST_UNCERTAIN``.
+    Returns ``rows``. ``settle`` takes a point and returns its rows (rows, 3). Raises ValueError for
+    more points than ``MOST_UNCERTAIN``.
     """
     uncertain = np.argwhere(~np.all(certain, axis=0))
     if len(uncertain) > MOST_UNCERTAIN:

@@ -8,15 +8,15 @@ from numpy.typing import ArrayLike, NDArray
 Array = NDArray[np.float64]
 
 PIECE = 65_536
-"""Points that are evaluated at once, so that rows and work arrays take a few megabytes."""
+"""Number of points evaluated at once, so that rows and work arrays take a few megabytes."""
 
 SAMPLED_POINTS = np.unique(
     np.append(np.arange(64) * 0.6180339887498949 % 1.0 * PIECE, PIECE - 1).astype(int)
 )
-"""Irregularly spaced points of a piece where rows are compared for changes."""
+"""Indices of irregularly spaced points in a piece, whose rows are compared."""
 
 NEGLIGIBLE_CHANGE = 1e-20
-"""Largest change that counts as none, in units of the rows' size elsewhere."""
+"""Largest change between sampled points that counts as none, relative to ``units``."""
 
 
 def in_pieces(
@@ -25,10 +25,10 @@ def in_pieces(
     is_far: Callable[..., bool],
     units: ArrayLike,
 ) -> Array:
-    """Return ``rows(*points)``, (rows, *shape), of a value and its derivatives, computed in pieces.
+    """Compute ``rows(*points)``, of shape (rows, *shape of the points), piece by piece.
 
-    A whole piece is filled with constant rows if it ``is_far(*points)`` from everything that may
-    rise in it and sampled points have the same rows, to a tiny fraction of ``units``.
+    A piece is filled with constant rows if ``is_far(*its points)`` and the rows at sampled points
+    agree to a tiny fraction of ``units``, the magnitude of each row elsewhere.
 
     >>> step = lambda x: np.stack([np.tanh(x), 1.0 / np.cosh(np.clip(x, -300.0, 300.0)) ** 2])
     >>> x = np.arange(4.0 * PIECE) - PIECE

@@ -15,7 +15,7 @@ from longwave.support.real_arrays import real_array
 Array = NDArray[np.float64]
 
 CHUNK = 4096
-"""Points that one thread evaluates at once."""
+"""Number of points that one thread evaluates at once."""
 
 
 @lru_cache(maxsize=1)

@@ -10,22 +10,22 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 NODES = 16
-"""Gauss-Legendre nodes of a panel."""
+"""Number of Gauss-Legendre nodes in a panel."""
 
 PANEL_TOLERANCE = 1e-13
 """Largest error in a panel, in units of the integral of the absolute value over all panels."""
 
 MAX_HALVINGS, MAX_PANELS, MAX_WIDTHS = 12, 2_000_000, 20_000_000
-"""Most halvings of a panel, panels, and widths between the ends."""
+"""Most halvings of a panel; most panels; longest interval, in units of ``width``."""
 
 MERGE_ABOVE = 4096
-"""Number of panels below which constant stretches are not merged into wider panels."""
+"""Number of panels above which those in constant stretches are merged into wider ones."""
 
 NEGLIGIBLE_CHANGE = 1e-20
 """Largest change across a panel that counts as none, in units of the function's largest value."""
 
 BLOCK = 65_536
-"""Points that are evaluated at once, so that they fit the cache."""
+"""Number of points where integrals are evaluated at once, so that they fit the cache."""
 
 CONFIRMED_AT = np.linspace(-0.75, 1.0, 8)
 """Points of a panel, from -1 to 1, where its two halves must give the same integral."""
@@ -61,9 +61,9 @@ class IntegralFromZero:
         steps = np.arange(first, max(math.ceil(high / width), first + 1), dtype=np.float64)
         left, widths = steps * width, np.full(steps.size, width)
         if steps.size > MERGE_ABOVE:
-            left, widths = self._changing(left, widths)
+            left, widths = self._merge_constant(left, widths)
             self._check(left.size, MAX_PANELS, width, high - low)
-        self._left, self._step, self._series = self._confirmed(left, widths)
+        self._left, self._step, self._series = self._halve_until_confirmed(left, widths)
         ends = np.concatenate([[0.0], np.cumsum(self._series.sum(axis=0))])
         origin = np.searchsorted(np.append(self._left, high), 0.0)
         self._before = ends[:-1] - ends[origin]
@@ -88,8 +88,8 @@ class IntegralFromZero:
                 "nearer ones)"
             )
 
-    def _changing(self, left: Array, step: Array) -> tuple[Array, Array]:
-        """Return the panels with constant stretches merged: left ends and widths."""
+    def _merge_constant(self, left: Array, step: Array) -> tuple[Array, Array]:
+        """Merge panels where the function is constant; return left ends and widths."""
         values = self._function(np.append(left, left[-1] + step[-1]))
         changes = np.abs(np.diff(values)) > NEGLIGIBLE_CHANGE * np.max(np.abs(values))
         needed = np.convolve(changes, np.ones(4), "full")[1:-2] > 0.0
@@ -99,13 +99,16 @@ class IntegralFromZero:
         return left[starts], np.add.reduceat(step, starts)
 
     def _panels(self, left: Array, step: Array) -> tuple[Array, float]:
-        """Return the integrals within panels as series (NODES + 1, panels), and the sum of |f|."""
+        """Return the Legendre series (NODES + 1, panels) of integrals from each panel's left end.
+
+        Also returns the integral of the absolute value over all panels.
+        """
         at = left + step * (0.5 + 0.5 * X[:, None])
         values = self._function(at.ravel()).reshape(at.shape) * (step / 2)
         return INTEGRAL @ values, float(np.sum(WEIGHTS @ np.abs(values)))
 
-    def _confirmed(self, left: Array, step: Array) -> tuple[Array, Array, Array]:
-        """Return left ends, widths and series of panels that their two halves confirm."""
+    def _halve_until_confirmed(self, left: Array, step: Array) -> tuple[Array, Array, Array]:
+        """Halve panels until confirmed; return left ends, widths and series of the last halves."""
         accepted: list[tuple[Array, Array, Array]] = []
         series, size = self._panels(left, step)
         in_whole, in_half = _values_at(CONFIRMED_AT), _values_at(2.0 * CONFIRMED_AT[:4] + 1.0)

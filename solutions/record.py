@@ -112,12 +112,12 @@ def _sign(bound: Bound) -> str:
 def positive(
     symbol: sp.Symbol, limit: str, upper: Bound | None = None, default: sp.Expr | None = None
 ) -> Parameter:
-    """Return the parameter ``symbol`` > 0; ``limit`` is the solution at 0, in words."""
+    """Return a parameter with ``symbol`` > 0; ``limit`` names the limit of the solution at 0."""
     return Parameter(symbol, Bound(sp.S.Zero, limit), upper, default)
 
 
 def real(symbol: sp.Symbol, default: sp.Expr = sp.S.Zero) -> Parameter:
-    """Return the parameter ``symbol`` without bounds."""
+    """Return a parameter that may be any real number."""
     return Parameter(symbol, default=default)
 
 
@@ -217,7 +217,7 @@ class ClosedForm:
         return f"<ClosedForm {self.name}: {self.title}{domains}>"
 
     def _repr_latex_(self) -> str | None:
-        """The formula for notebooks; None for a long one, which they show as one line."""
+        """Return the LaTeX for notebooks; None if it is too long: they then show the repr."""
         formula = latex_of(self.expression)
         return rf"$\displaystyle U = {formula}$" if len(formula) <= LONGEST_FORMULA else None
 

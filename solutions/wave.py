@@ -1,4 +1,4 @@
-"""A closed form with numbers in, in the lattice's slow variables."""
+"""A closed form with numbers for its parameters, in the lattice's slow variables."""
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
@@ -108,7 +108,7 @@ class Wave(NumericWave):
     def mp_at(
         self, n: object, t: object, eps: object, digits: int = 50, *, m: object = None
     ) -> tuple[Any, ...]:
-        """Return ``mp`` at site n and lattice time t."""
+        """Return the values of `mp` at site n and lattice time t."""
         point = _exact_coordinates("ntm", n, t, m)
         return self._exact("wave", self._lattice(eps).eps, point, digits)
 
@@ -131,7 +131,7 @@ class Wave(NumericWave):
             raise ValueError(self._out_of_range(error)) from None
 
     def _real_parts(self, part: Part) -> Sequence[sp.Expr]:
-        """Return the stable expression of a part; its real and imaginary part if it is complex."""
+        """Return the expression to compile for a part; two, real and imaginary, if complex."""
         expression = self.form.stable if part == "wave" else self._expression(part)
         return complex_parts(expression) if self.form.equation.is_complex else [expression]
 
@@ -232,6 +232,6 @@ def _check_equation(form: ClosedForm, normal_form: NormalForm) -> None:
 
 
 def _exact_coordinates(names: str, x: object, t: object, z: object) -> list[sp.Expr]:
-    """Return position, time and any transverse coordinate as exact numbers, with their names."""
+    """Return position, time and any transverse coordinate exactly; errors use the ``names``."""
     coordinates = (x, t) if z is None else (x, t, z)
     return [exact_point(name, value) for name, value in zip(names, coordinates, strict=False)]

@@ -14,10 +14,10 @@ if TYPE_CHECKING:
 
 
 def kept_wave(maker: str, key: str, make: Callable[[], "Wave"]) -> NumericWave:
-    """Return a wave by its cached numbers, else that of ``make``, a function of module ``maker``.
+    """Return a wave from the numbers cached under ``key``, or call ``make`` and cache them.
 
-    ``key`` identifies the wave. ``make`` is called if something is not cached, or if the formulas
-    are needed; its errors are raised then.
+    ``maker`` is the module of ``make``. The returned wave calls ``make`` later if more is needed
+    than the cache has, such as formulas; its errors are raised then.
     """
     store = open_store(maker, key)
     if store is None:

@@ -13,7 +13,7 @@ from itertools import islice
 import sympy as sp
 
 MOST_BITS = 1000
-"""Largest exact number: bits of numerator and denominator together, about 300 digits."""
+"""Most bits of an exact number, numerator and denominator together: about 300 digits."""
 
 LARGEST_EXPONENT = 1000
 """Largest numerator or denominator of an exponent."""
@@ -22,20 +22,20 @@ MOST_FACTORS, MOST_TERMS = 200, 6000
 """Most factors of one product and terms of one sum; SymPy's time grows as the factors' square."""
 
 MOST_EXPANDED = 2000
-"""Most terms that abs, re and im may be expanded to."""
+"""Most terms into which abs, sign, re or im of an argument may be multiplied out."""
 
 FIRST_STEPS, MOST_NODES_FIRST, MOST_NODES_LATER = 2, 20_000, 2000
-"""Number of first derivative steps with a larger limit; most nodes in these and in later steps. The
-second derivative of the logarithm of a 4-soliton's tau function has 3191."""
+"""The first ``FIRST_STEPS`` derivatives of an expression may have ``MOST_NODES_FIRST`` nodes, later
+ones ``MOST_NODES_LATER``. The second derivative of log tau of a 4-soliton has 3191."""
 
 HIGHEST_DERIVATIVE = 16
 """Highest order of a derivative."""
 
 LARGEST_GROWTH = 1e6
-"""Largest constant inside an exponential or hyperbolic function."""
+"""Largest constant argument of an exponential, hyperbolic or trigonometric function."""
 
 MOST_LOG_BITS = 32
-"""Largest number, in bits, whose logarithm may be in an exponent, where SymPy takes the power."""
+"""Most bits of a number whose logarithm is in an exponent: SymPy turns exp(n log(a)) into a**n."""
 
 GROWING = (sp.exp, sp.sinh, sp.cosh, sp.tanh, sp.coth, sp.sech, sp.csch)
 OSCILLATING = (sp.sin, sp.cos, sp.tan, sp.cot, sp.sec, sp.csc)
@@ -52,7 +52,7 @@ _VALUES: dict[type, Callable[[complex], complex]] = {
     sp.coth: lambda z: 1 / cmath.tanh(z),
     sp.csch: lambda z: 1 / cmath.sinh(z),
 }
-"""Functions of complex numbers by SymPy's."""
+"""SymPy function -> the same function of a Python complex number."""
 
 
 class TooLarge(ValueError):
@@ -91,7 +91,7 @@ def product(factors: Sequence[sp.Expr]) -> sp.Expr:
 
 
 def power(base: sp.Expr, exponent: sp.Expr) -> sp.Expr:
-    """Return the power, if numbers in it stay below `MOST_BITS`.
+    """Return ``base**exponent``. Raises TooLarge if a number in it could exceed `MOST_BITS` bits.
 
     >>> power(sp.Integer(9), sp.Rational(1, 2))
     3
@@ -159,8 +159,8 @@ def derivative(expression: sp.Expr, variables: Sequence[sp.Symbol]) -> sp.Expr:
 def without_sizes(expression: sp.Expr) -> sp.Expr:
     """Return the expression with abs, sign, re and im of non-real parts written with conjugates.
 
-    The results have derivatives in real variables; SymPy's of ``sign`` are those of a real
-    argument.
+    The results have derivatives in real variables; SymPy differentiates ``sign`` as if its
+    argument were real.
 
     >>> u = sp.Function("u")(sp.Symbol("x", real=True))
     >>> without_sizes(abs(u) ** 2), without_sizes(sp.re(u))
@@ -189,7 +189,7 @@ SIZES: dict[type, Callable[[sp.Expr], sp.Expr]] = {
 
 
 def _bits(expression: sp.Expr) -> int:
-    """Return the bits of an expression's rational factor; 0 if it has none."""
+    """Return the number of bits of an expression's rational factor; 0 if it has none."""
     number = expression.as_coeff_Mul(rational=True)[0]
     return int(number.p).bit_length() + int(number.q).bit_length() - 2 if number.is_Rational else 0
 
@@ -261,8 +261,8 @@ def _expanded(node: sp.Expr) -> int:
         for factor in node.args:
             count = min(count * _expanded(factor), MOST_EXPANDED + 1)
     elif node.is_Pow and node.exp.is_Integer:
-        times, terms = min(abs(int(node.exp)), LARGEST_EXPONENT), _expanded(node.base)
-        count = math.comb(terms + times - 1, times)
+        exponent, terms = min(abs(int(node.exp)), LARGEST_EXPONENT), _expanded(node.base)
+        count = math.comb(terms + exponent - 1, exponent)
     elif node.args:
         count = max(_expanded(argument) for argument in node.args)
     return min(count, MOST_EXPANDED + 1)

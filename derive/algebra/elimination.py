@@ -24,7 +24,7 @@ class Elimination:
     power: int = 1
 
     def __call__(self, element: RationalFunction) -> RationalFunction:
-        """Return ``element`` with the constant replaced; a square's root stays in the numerator."""
+        """Replace ``constant**power`` in ``element``; a single factor ``constant`` stays above."""
         field, index = element.field, element.field.symbols.index(self.constant)
         numer, odd, even = element.numerator(), field.one, {}
         for factor, times in element.below.items():
@@ -40,7 +40,7 @@ class Elimination:
 
     @cached_property
     def _known(self) -> dict[Factor, RationalFunction]:
-        """Cache of replaced factors of denominators."""
+        """Cache of denominator factors: factor -> the factor with the constant replaced."""
         return {}
 
     def series(self, series: EpsSeries) -> EpsSeries:
@@ -53,10 +53,10 @@ class Elimination:
         index = field.symbols.index(self.constant)
         by_power: dict[int, Terms] = {}
         for exponents, number in terms:
-            times, remainder = divmod(exponents[index], self.power)
+            quotient, remainder = divmod(exponents[index], self.power)
             others = (*exponents[:index], remainder, *exponents[index + 1 :])
-            by_power.setdefault(times, []).append((others, number))
-        parts = (field.from_terms(part) * self.value**times for times, part in by_power.items())
+            by_power.setdefault(quotient, []).append((others, number))
+        parts = (field.from_terms(part) * self.value**power for power, part in by_power.items())
         return sum(parts, field.zero)
 
 
@@ -65,8 +65,8 @@ def solve_linear(
 ) -> Elimination | None:
     """Solve ``condition = 0`` for the first of ``constants`` in which it is linear.
 
-    Constants whose factor is a pure number are preferred, then the square of ``squared``.  None if
-    there is nothing to solve for.
+    Constants whose factor is a pure number are tried first, then ``squared**2``, then all others.
+    None if no constant can be solved for.
     """
     solutions = [_solved(condition, constant, 1) for constant in constants]
     candidates = [elimination for elimination in solutions if elimination]
@@ -76,7 +76,7 @@ def solve_linear(
 
 
 def _solved(condition: RationalFunction, constant: Symbol, power: int) -> Elimination | None:
-    """Solve for ``constant**power`` if the condition is linear in it and has no other power."""
+    """Solve ``condition = 0`` for ``constant**power``; None if another power of it occurs."""
     value = condition.solved_for(constant, power)
     if value is None and power == 1 and condition.powers_of(constant).keys() == {1}:
         value = condition.field.zero
@@ -84,11 +84,11 @@ def _solved(condition: RationalFunction, constant: Symbol, power: int) -> Elimin
 
 
 def vanishing_factors(coefficients: Iterable[RationalFunction]) -> list[RationalFunction] | None:
-    """Return the factors that vanish where all coefficients do; None if that cannot be decided.
+    """Return the factors that must be 0 for all coefficients to be 0; None if that is undecided.
 
-    They are the one common factor that can vanish or, without one, the one such factor of each
-    coefficient.  Factors that cannot be 0 by their symbols' assumptions (positive ones and their
-    sums) are left out.
+    If the coefficients have a common factor that can be 0, it is returned; else each coefficient
+    must have exactly one factor that can be 0.  Factors that are nonzero by their symbols'
+    assumptions (positive symbols and their sums) are ignored.
     """
     values = list(coefficients)
     common = _can_vanish(fold(RationalFunction.common, values))
@@ -116,11 +116,11 @@ class TimeElimination:
         self._known: dict[int, EpsSeries] = {1: flow}
 
     def series(self, series: EpsSeries) -> EpsSeries:
-        """Return ``series`` on solutions of the evolution equation."""
+        """Return ``series`` with its time derivatives replaced by ``Y_T = flow``."""
         return series.replaced(self._value)
 
     def _value(self, jet: Jet) -> EpsSeries | None:
-        """Return the value of a jet with time derivatives; None for one without."""
+        """Return the series that replaces a jet; None if it has no time derivatives."""
         if not jet[self._time]:
             return None
         result = self._time_derivative(jet[self._time])

@@ -38,7 +38,7 @@ _SIGNS = (
 )
 
 _MARKS = {"\u0304": "_bar ", "\u0305": "_bar ", "\u0307": "_t ", "\u0308": "_tt "}
-"""Bars and dots over a letter."""
+"""Combining bar or dots over a letter -> their spelling; each dot is a time derivative."""
 
 
 def ascii_text(text: str) -> str:

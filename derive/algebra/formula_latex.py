@@ -42,10 +42,10 @@ CONSTANTS = {"pi": r"\pi", "I": r"\mathrm{i}"}
 COMMANDS = (
     *("sin", "cos", "tan", "cot", "sec", "csc", "sinh", "cosh", "tanh", "coth", "exp", "log"),
 )
-"""Functions that are commands of TeX."""
+"""Functions with a TeX command of the same name."""
 
 BESSEL = {f"bessel_{letter}": letter.upper() for letter in "jyik"}
-"""Functions with their first argument, the order, as a subscript."""
+"""Bessel function -> its letter; the order, its first argument, is written as a subscript."""
 
 OPERATORS = {
     "re": "Re",
@@ -55,7 +55,7 @@ OPERATORS = {
     "lambert_w": "W",
     **BESSEL,
 }
-"""Functions written in roman letters that differ from their names."""
+"""Function -> the roman letters that LaTeX shows instead of its name."""
 
 SYMBOLS = {
     **{f"a{name}": rf"\arc{name}" for name in ("sin", "cos", "tan")},
@@ -69,13 +69,14 @@ SYMBOLS = {
     "weierstrass_p": r"\wp",
     "weierstrass_p_prime": r"\wp'",
 }
-"""Functions with a symbol of their own."""
+"""Function -> the LaTeX of its name, where that is not the name in roman letters."""
 
 SHAPED = ("exp", "sqrt", "abs", "conjugate")
-"""Functions with a notation of their own instead of a name."""
+"""Functions written without their name: as a power of e, a root sign, bars or an overline."""
 
 MAX_FRACTION_WIDTH, MAX_EXPONENT_WIDTH, MAX_ROOT_WIDTH = 48.0, 34.0, 34.0
-"""Widest numerator, exponent and root of a breakable formula, in characters."""
+"""Largest width, in characters, of a side of a fraction, an exponent and a root that TeX cannot
+break, in a breakable formula."""
 
 
 def formula_latex(formula: FormulaTree, breakable: bool = False) -> str:
@@ -111,8 +112,8 @@ class _Writer:
         """Return the LaTeX, and the binding strength of its outermost operation."""
         match formula:
             case Number(value=value):
-                size, denominator = str(abs(value.numerator)), value.denominator
-                text = size if denominator == 1 else rf"\frac{{{size}}}{{{denominator}}}"
+                numerator, denominator = str(abs(value.numerator)), value.denominator
+                text = numerator if denominator == 1 else rf"\frac{{{numerator}}}{{{denominator}}}"
                 if value < 0:
                     return f"-{text}", PRODUCT
                 return text, ATOM if denominator == 1 else POWER
@@ -149,7 +150,7 @@ class _Writer:
         return text if level >= binding else self.brackets(text)
 
     def fits(self, text: str, limit: float) -> bool:
-        """Return whether LaTeX may stand where no line breaks, ``limit`` characters wide."""
+        """Return whether the text is at most ``limit`` wide, or the formula is not breakable."""
         return not self.breakable or measure(text) <= limit
 
     def product(self, formula: FormulaTree) -> Part:
@@ -165,7 +166,7 @@ class _Writer:
         return rf"{sign}{above} \Big/ {self.brackets(below)}", PRODUCT
 
     def factors(self, parts: Sequence[FormulaTree], binding: int = SUM) -> str:
-        """Return the factors side by side; a single one binds as ``binding`` or has brackets."""
+        """Join the factors; a single factor gets brackets if it binds less than ``binding``."""
         if len(parts) < 2:
             return self.enclosed(parts[0], binding) if parts else "1"
         texts = [self.enclosed(part, POWER) for part in parts]
@@ -181,7 +182,7 @@ class _Writer:
         return f"{self.enclosed(base, ATOM)}^{{{raised}}}"
 
     def exponent(self, text: str) -> str:
-        """Return LaTeX for an exponent; in a breakable formula, small brackets and fractions."""
+        """Return the LaTeX of an exponent, with smaller brackets and fractions if breakable."""
         if not self.breakable:
             return text
         return text.replace(r"\frac", r"\tfrac").replace(r"\bigl", "").replace(r"\bigr", "")
@@ -223,7 +224,7 @@ def _subscripts(steps: Sequence[str]) -> str:
 
 
 def _function(name: str) -> str:
-    """Return the LaTeX of a function's name; an arbitrary function's is that of a symbol."""
+    """Return the LaTeX of a function's name; one letter with digits is written like a symbol."""
     if name in SYMBOLS:
         return SYMBOLS[name]
     if name in COMMANDS:

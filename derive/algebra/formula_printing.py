@@ -15,7 +15,7 @@ from sympy.printing.str import StrPrinter
 
 
 class FormulaPrinter(StrPrinter):
-    """SymPy's text, with derivatives as ``u_xx``, sites as ``q[n+1]`` and ``abs``."""
+    """Printer like SymPy's, but ``u_xx`` for derivatives, ``q[n+1]`` for sites, ``abs`` for Abs."""
 
     def _print_LambertW(self, node: sp.Expr) -> str:
         return f"lambert_w({self._print(node.args[0])})"

@@ -21,7 +21,7 @@ from longwave.derive.algebra.bounded_building import HIGHEST_DERIVATIVE
 from longwave.support.known_names import did_you_mean
 
 LONGEST = 20_000
-"""Longest text, in characters."""
+"""Longest formula that is read, in characters."""
 
 DEEPEST = 40
 """Deepest nesting of brackets and exponents."""
@@ -33,13 +33,13 @@ NAME_LENGTH = 40
 """Longest name, in characters."""
 
 MOST_SHIFT = 1000
-"""Largest shift of a lattice site."""
+"""Largest shift in the index of a lattice site, such as 1 in ``q[n+1]``."""
 
 ROWS = " (one site is read; write a row of a second one m as an unknown: v[n] for u[n,m+1])"
-"""Remedy for an index of two sites."""
+"""End of the message for an index of two sites: how to write a second row with one site."""
 
 WINDOW = 60
-"""Characters of a text that an error shows."""
+"""Number of characters of the text that the picture of an error shows."""
 
 CONSTANTS = {"pi": sp.pi, "I": sp.I}
 
@@ -62,7 +62,7 @@ _REMEDIES = {
 
 
 class FormulaError(ValueError):
-    """A text that cannot be read: one line, with a picture of the position as the error's note.
+    """Error in a text that cannot be read; its note is a picture of the position in the text.
 
     ``text`` and ``position`` locate the error; `picture` shows it with a caret.
     """
@@ -90,7 +90,7 @@ class FormulaError(ValueError):
 
 @dataclass(frozen=True)
 class Token:
-    """A token of a text: its kind (number, name, sign, end), and its start."""
+    """A token: its kind (number, name, sign, end), its characters, and its position in the text."""
 
     kind: str
     text: str
@@ -105,9 +105,9 @@ class Vocabulary:
     """Words that a text may contain.
 
     ``functions`` has each function with its number of arguments, ``variables`` the independent
-    variables by letter, ``fields`` the unknowns as applied functions (of the site first if they are
-    indexed), ``names`` everything else.  ``unknown_name`` returns the symbol of any other name;
-    without it such a name is an error.
+    variables by letter, ``fields`` the unknowns as applied functions (with the site as their first
+    argument if they are indexed), ``names`` everything else.  ``unknown_name`` returns the symbol
+    of any other name; without it such a name is an error.
     """
 
     functions: Mapping[str, tuple[Callable[..., sp.Expr], int]]
@@ -118,9 +118,9 @@ class Vocabulary:
     site: sp.Symbol | None = None
 
     def meaning(self, name: str) -> sp.Expr | None:
-        """Return the meaning of a name that is not a field or function; None if it has none.
+        """Return the expression of a name that is no field or function; None if it is unknown.
 
-        Raises ValueError, as ``unknown_name`` does, for a name that may mean another.
+        Raises ValueError, as ``unknown_name`` does, for a name that is likely to be a misspelling.
         """
         for known in (CONSTANTS, self.variables, self.names):
             if name in known:
@@ -171,7 +171,7 @@ class Parser:
 
     @property
     def next(self) -> Token:
-        """The next token."""
+        """The next token, which is not consumed."""
         return self.words[self.position]
 
     def take(self) -> Token:
@@ -185,7 +185,7 @@ class Parser:
         return self.take() if self.next.kind == "sign" and self.next.text in signs else None
 
     def expect(self, sign: str, why: str = "") -> Token:
-        """Consume and return the sign. Raises FormulaError if the next token is another."""
+        """Consume and return the sign. Raises FormulaError, with ``why``, for any other token."""
         token_ = self.take_sign(sign)
         if token_ is None:
             raise self.error(f"expected '{sign}'{why}, got {self.next}")
@@ -199,7 +199,7 @@ class Parser:
             raise self.error(f"expected {expected}, got {self.next}")
 
     def error(self, words: str, token: Token | None = None) -> FormulaError:
-        """Return the error at a token, by default the next one."""
+        """Return the error with the message ``words`` at a token, by default the next one."""
         return self.error_at((token or self.next).start, words)
 
     def error_at(self, position: int, words: str) -> FormulaError:
@@ -235,7 +235,7 @@ class Parser:
         return _product(factors, start)
 
     def _signed(self) -> list[syntax.FormulaTree]:
-        """Parse an operand with its sign, as factors; ``**`` binds closer than signs."""
+        """Parse a power with its sign; return it as factors, with -1 first if negative."""
         start, negative = self.next, False
         while sign := self.take_sign("+", "-"):
             negative ^= sign.text == "-"
@@ -296,7 +296,7 @@ class Parser:
         return syntax.Name(name, at=token.start)
 
     def _field(self, token: Token, base: str, steps: str) -> syntax.Unknown:
-        """Parse the unknown ``base``, with derivatives in its subscripts and its site if any."""
+        """Parse the site of the unknown ``base``, if it has one; ``steps`` are its derivatives."""
         site, arguments = self.vocabulary.site, self.vocabulary.fields[base].args
         self.used.add(base)
         index, shift = str(site) if site in arguments else "", 0
@@ -366,11 +366,11 @@ class Parser:
         variables: list[str] = []
         known = self.vocabulary.variables.keys() - {str(self.vocabulary.site)}
         for step, text in steps:
-            times = syntax.rational(step)
+            count = syntax.rational(step)
             if isinstance(step, syntax.Name) and step.name in known:
                 variables.append(step.name)
-            elif variables and times and times.denominator == 1 and 0 < times <= HIGHEST_DERIVATIVE:
-                variables += [variables[-1]] * (int(times) - 1)
+            elif variables and count and count.denominator == 1 and 0 < count <= HIGHEST_DERIVATIVE:
+                variables += [variables[-1]] * (int(count) - 1)
             else:
                 words = f"expected variables behind the first argument of diff, got {text}"
                 raise self.error(words, token)

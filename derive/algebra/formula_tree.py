@@ -13,7 +13,7 @@ from math import prod
 
 @dataclass(frozen=True)
 class FormulaTree:
-    """A node; ``at`` is the position of its sign or name in the text."""
+    """A node of a formula's syntax tree; ``at`` is the position of its sign or name in the text."""
 
     at: int = field(default=0, compare=False, kw_only=True)
 
@@ -22,7 +22,7 @@ class FormulaTree:
         return ()
 
     def made_of(self, parts: tuple[FormulaTree, ...]) -> FormulaTree:
-        """Return a node of the same kind with other children, of the same number."""
+        """Return a node of the same class with the children ``parts``, as many as before."""
         return self
 
     def nodes(self) -> Iterator[FormulaTree]:
@@ -48,7 +48,7 @@ class Name(FormulaTree):
 
 @dataclass(frozen=True)
 class Unknown(FormulaTree):
-    """An unknown with the derivatives in its subscripts, ``shift`` sites from its ``site``."""
+    """An unknown with the derivatives ``steps`` in its subscript and the index ``site + shift``."""
 
     name: str
     steps: tuple[str, ...] = ()
@@ -100,11 +100,11 @@ MINUS_ONE = Number(Fraction(-1))
 
 
 LARGEST_POWER = 64
-"""Largest exponent of a number that is evaluated."""
+"""Largest exponent for which `rational` evaluates a power."""
 
 
 def rational(formula: FormulaTree) -> Fraction | None:
-    """Return the value of numbers combined by sums, products and integer powers; else None."""
+    """Return the value of sums, products and integer powers of numbers; None for any other."""
     values = [rational(part) for part in formula.inner()]
     numbers = [value for value in values if value is not None]
     if len(numbers) < len(values):
@@ -131,7 +131,7 @@ def mapped(formula: FormulaTree, image: Callable[[FormulaTree], FormulaTree | No
 
 
 SUM, PRODUCT, POWER, ATOM = range(4)
-"""Binding strength of the outermost operation of a text."""
+"""Binding strengths of the outermost operation of a text, weakest first."""
 
 Part = tuple[str, int]
 """Text, and the binding strength of its outermost operation."""
@@ -139,20 +139,20 @@ Part = tuple[str, int]
 
 def formula_text(formula: FormulaTree) -> str:
     """Return the formula in the grammar, read back as this tree."""
-    return _written(formula, True)[0]
+    return _write(formula, True)[0]
 
 
 def plain_text(formula: FormulaTree) -> str:
-    """Return the formula as users type it: an equal one is read back, with fewer brackets.
+    """Return the formula as users type it, with few brackets; an equal formula is read back.
 
     >>> plain_text(Product((MINUS_ONE, Name("x"), Power((Name("t"), MINUS_ONE)))))
     '-x/t'
     """
-    return _written(formula, False)[0]
+    return _write(formula, False)[0]
 
 
 Quotient = tuple[bool, tuple[FormulaTree, ...], tuple[FormulaTree, ...]]
-"""Whether there is a minus sign; the factors of the numerator; those of the denominator."""
+"""Whether there is a minus sign, factors of the numerator, factors of the denominator."""
 
 
 def quotient(formula: FormulaTree) -> Quotient:
@@ -174,11 +174,11 @@ def signed_sum(terms: Sequence[str]) -> str:
     return first + "".join(f" - {t[1:]}" if t[0] == "-" else f" + {t}" for t in others)
 
 
-def _written(formula: FormulaTree, exact: bool) -> Part:
-    """Return the text, and the binding strength of its outermost operation."""
+def _write(formula: FormulaTree, exact: bool) -> Part:
+    """Return the text and its binding strength; ``exact`` text is read back as the same tree."""
 
     def enclosed(part: FormulaTree, binding: int) -> str:
-        text, level = _written(part, exact)
+        text, level = _write(part, exact)
         return text if level >= binding else f"({text})"
 
     match formula:

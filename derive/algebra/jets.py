@@ -96,7 +96,7 @@ class DifferentialPolynomial:
         return self.collect(self.field, ((key, function(v)) for key, v in self.terms.items()))
 
     def select(self, keep: Callable[[Monomial], bool]) -> DifferentialPolynomial:
-        """Return the terms whose monomials satisfy ``keep``."""
+        """Return the polynomial of the terms whose monomials satisfy ``keep``."""
         return DifferentialPolynomial(self.field, {m: v for m, v in self.terms.items() if keep(m)})
 
     def derivative(self, axis: int) -> DifferentialPolynomial:
@@ -138,7 +138,7 @@ class DifferentialPolynomial:
 
 
 def _lowered(monomial: Monomial, axis: int) -> Monomial | None:
-    """Return the monomial whose derivative begins with this one; None if there is none."""
+    """Return the monomial whose derivative has this leading term; None if there is none."""
     if not monomial or monomial[-1][axis] == 0:
         return None
     jet = raised(monomial[-1], axis, -1)
@@ -209,7 +209,7 @@ class EpsSeries:
         return self.parts.get(order) or DifferentialPolynomial.zero(self.field)
 
     def upto(self, limit: int, since: int = 0) -> EpsSeries:
-        """Return the series truncated above ``eps^limit`` and below ``eps^since``."""
+        """Return the part of the series from ``eps^since`` to ``eps^limit``, both included."""
         items = (item for item in self.parts.items() if item[0] >= since)
         return self.collect(self.field, limit, items)
 
@@ -218,7 +218,7 @@ class EpsSeries:
         return self.collect(self.field, self.limit, [*self.parts.items(), (order, part)])
 
     def replaced(self, value: Callable[[Jet], EpsSeries | None]) -> EpsSeries:
-        """Return the series with jets replaced by series ``value(jet)``; None keeps the jet."""
+        """Replace each jet by the series ``value(jet)``, or keep it if that is None."""
         total = EpsSeries(self.field, self.limit, {})
         for order, part in self.parts.items():
             for monomial, number in part.terms.items():
@@ -232,7 +232,7 @@ class EpsSeries:
         return total
 
     def derivative(self, axis: int, times: int = 1) -> EpsSeries:
-        """Return ``times`` derivatives along ``axis``, at unchanged order."""
+        """Differentiate ``times`` times along ``axis``; the powers of eps do not change."""
         result = self
         for _ in range(times):
             result = result.apply(((axis, 0, self.field.one),))

@@ -3,7 +3,7 @@
 import re
 
 NARROW = 0.7
-"""Width of a character in a sub- or superscript, in characters."""
+"""Width of a character in a sub- or superscript, relative to one on the line."""
 
 _TOKEN = re.compile(r"\\[a-zA-Z]+|\\.|\S")
 
@@ -27,7 +27,7 @@ def nesting(text: str) -> int:
 
 
 def _depth(tokens: list[str]) -> int:
-    """Return the depth of fractions up to the end of the group, consuming the tokens."""
+    """Return how deep fractions are nested up to the end of the group; consume its tokens."""
     deepest = 0
     while tokens:
         token = tokens.pop(0)

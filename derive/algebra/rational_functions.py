@@ -2,8 +2,8 @@
 
 They are the coefficients of all expansions.  Denominators are kept as irreducible factors: there
 are few, from determinants, and all sums share them.  A sum is reduced by dividing by the factors
-that both denominators have in the same power, a product by those of the other operand; a greatest
-common divisor, which is a hundred times slower, is never computed.
+that both denominators have in the same power, a product by those of the other operand; neither
+needs a greatest common divisor of polynomials, which is a hundred times slower.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ from sympy import Expr, Integer, Rational, S, Symbol
 
 Exponents = tuple[int, ...]
 Terms = list[tuple[Exponents, int]]
-"""Terms of a polynomial: exponents of the symbols, and the coefficient."""
+"""Terms of a polynomial: pairs (exponents of the symbols, coefficient)."""
 
 
 def _factored(polynomial: fmpz_mpoly) -> tuple[int, list[tuple[fmpz_mpoly, int]]]:
     """Return the content and the irreducible factors with their powers.
 
-    python-flint sorts integer factors by coefficients that must fit a machine word; rational
-    factors have no such limit.
+    python-flint sorts integer factors by coefficients that must fit a machine word; on overflow
+    the polynomial is factored over the rationals instead.
     """
     try:
         content, parts = polynomial.factor()
@@ -144,7 +144,7 @@ class Factor:
         return _factor, (self.polynomial.context().names(), dict(self.terms))
 
     def taken_from(self, numer: fmpz_mpoly, most: int) -> tuple[fmpz_mpoly, int]:
-        """Divide ``numer`` by this factor at most ``most`` times; also return the times left."""
+        """Divide ``numer`` by this factor up to ``most`` times; return it and the unused count."""
         while most:
             try:
                 numer = numer / self.polynomial
@@ -155,13 +155,14 @@ class Factor:
 
 
 Factors = Mapping[Factor, int]
-"""Irreducible polynomials with their powers."""
+"""Irreducible factor -> its power."""
 
 
 class RationalFunction:
     """A quotient of polynomials with integer coefficients, without a common factor.
 
-    ``content`` is the positive integer in the denominator, ``below`` the other factors there.
+    ``numer`` is the numerator; the denominator is the positive integer ``content`` times the
+    irreducible factors ``below``.
     """
 
     __slots__ = ("_parts", "below", "content", "field", "numer")
@@ -186,7 +187,7 @@ class RationalFunction:
     def _lowest(
         self, numer: fmpz_mpoly, content: int, below: Factors, among: Iterable[Factor]
     ) -> RationalFunction:
-        """Return the quotient in lowest terms; only ``among`` may divide the numerator."""
+        """Return the quotient in lowest terms; only factors ``among`` are tried for cancelling."""
         if not numer:
             return self.field.zero
         numer, content = _without_content(numer, content)
@@ -214,8 +215,8 @@ class RationalFunction:
         if not isinstance(other, int | RationalFunction):
             return NotImplemented
         value = self._other(other)
-        same_below = self.content == value.content and self.below == value.below
-        return same_below and bool(self.numer == value.numer)
+        same_denominator = self.content == value.content and self.below == value.below
+        return same_denominator and bool(self.numer == value.numer)
 
     def __hash__(self) -> int:
         return hash((str(self.numer), self.content, frozenset(self.below.items())))
@@ -235,7 +236,7 @@ class RationalFunction:
         return self._lowest(numer, content, below, shared)
 
     def _over(self, content: int, below: Factors) -> fmpz_mpoly:
-        """Return the numerator over the denominator ``content`` times the factors ``below``."""
+        """Return the numerator for the larger denominator ``content`` times factors ``below``."""
         numer = self.numer
         if content != self.content:
             numer = numer * (content // self.content)
@@ -306,7 +307,7 @@ class RationalFunction:
 
     @property
     def is_negative(self) -> bool:
-        """Whether the first coefficient is negative, so that a minus sign is printed."""
+        """Whether the numerator's first coefficient is negative: a minus sign is then printed."""
         return bool(self.numer.leading_coefficient() < 0)
 
     @property
@@ -325,7 +326,7 @@ class RationalFunction:
         return [self.field.polynomial(factor.polynomial) for factor, _ in _sorted(parts)]
 
     def factored_terms(self, *, below: bool = False) -> list[tuple[Terms, int]]:
-        """Return the terms of each irreducible factor with its power, after the content."""
+        """Return (terms, power) of the content, then of each factor; ``below`` as in `factors`."""
         content, parts = (self.content, self.below) if below else self._numerator_factors
         nothing = (0,) * len(self.field.symbols)
         factors = [(factor.terms, times) for factor, times in _sorted(parts)]
@@ -351,7 +352,7 @@ class RationalFunction:
         return total
 
     def terms(self, *, below: bool = False) -> Terms:
-        """Return exponents and coefficients of the numerator, or ``below`` of the denominator."""
+        """Return the terms of the numerator, or of the denominator if ``below``."""
         return _terms(self.denom if below else self.numer)
 
     def mapped(
@@ -394,7 +395,7 @@ class RationalFunction:
         return number * product
 
     def powers_of(self, symbol: Symbol) -> dict[int, RationalFunction]:
-        """Return the coefficients of a symbol's powers in the numerator."""
+        """Return the numerator as a polynomial in ``symbol``: power -> coefficient."""
         index = self.field.symbols.index(symbol)
         parts: dict[int, Terms] = {}
         for exponents, value in self.terms():
@@ -403,7 +404,7 @@ class RationalFunction:
         return {power: self.field.from_terms(terms) for power, terms in parts.items()}
 
     def solved_for(self, symbol: Symbol, power: int = 1) -> RationalFunction | None:
-        """Return the symbol's power at which the quotient vanishes; None if other powers occur."""
+        """Return ``symbol**power`` where the quotient is 0; None if it has other powers of it."""
         parts = self.powers_of(symbol)
         return -parts[0] / parts[power] if parts.keys() == {0, power} else None
 
@@ -411,7 +412,7 @@ class RationalFunction:
 def _quotient(
     field: RationalFunctions, above: Mapping[Exponents, int], content: int, below: Factors
 ) -> RationalFunction:
-    """Rebuild a pickled element."""
+    """Rebuild a pickled rational function."""
     return RationalFunction(field, field.context.from_dict(above), content, below)
 
 

@@ -15,13 +15,13 @@ from longwave.derive.algebra.typing_rules import SITE, VARIABLES
 from longwave.support.known_names import close_names
 
 LONGEST_CORRECTED = 400
-"""Longest text that is rewritten, in characters; the result has one line."""
+"""Longest text that is rewritten, in characters."""
 
 FUNCTIONS_BY_NAME = ("gamma", "beta", "zeta", "Gamma", "Delta", "delta", "O")
-"""Names that read as functions before a bracket, unless they are declared."""
+"""Names that mean functions, not factors, before a bracket, unless they are declared."""
 
 ROUNDS = 40
-"""Most applications of a stage: each moves one sign further inward."""
+"""Most times that the rules of a stage are applied; each time moves one sign further inward."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Spelling:
     declared: Collection[str] = ()
 
     def patterns(self) -> dict[str, str]:
-        """Return the patterns that the short names in rules represent."""
+        """Return the placeholders of rules, such as ``<U>``, with their regular expressions."""
         unknown = _either(self.unknowns)
         derived = rf"(?<![\w.]){unknown}(?:_[{VARIABLES}]+)?(?![A-Za-z0-9_])(?:\[[^\[\]]*\])?"
         return {
@@ -119,7 +119,7 @@ def _filled(pattern: str, patterns: dict[str, str]) -> str:
 
 
 def misread(name: str, spelling: Spelling, *, declared: bool = False) -> str | None:
-    """Return the spelling for a name that reads as a derivative, conjugate, index or product.
+    """Return the correction of a name that reads as a derivative, conjugate, index or product.
 
     None for any other name, and for a ``declared`` name that looks like a product.
 
@@ -130,7 +130,7 @@ def misread(name: str, spelling: Spelling, *, declared: bool = False) -> str | N
         match = re.fullmatch(_filled(pattern, spelling.patterns()), name)
         if match and (base := match["base"]) in {*spelling.variables, *spelling.unknowns}:
             return match.expand(text) if text else _free_name(match["suffix"], spelling, base)
-    if called := _called(name, spelling, declared):
+    if called := _call_in_name(name, spelling, declared):
         return called
     match = re.fullmatch(rf"(\w+)([{VARIABLES}])", name)
     if match is None or declared or match[2] not in spelling.variables:
@@ -141,8 +141,8 @@ def misread(name: str, spelling: Spelling, *, declared: bool = False) -> str | N
     return f"{factor}*{match[2]}" if is_product else None
 
 
-def _called(name: str, spelling: Spelling, declared: bool) -> str | None:
-    """Return the call for a name such as ``sin2x``, if its letter is a variable or declared."""
+def _call_in_name(name: str, spelling: Spelling, declared: bool) -> str | None:
+    """Return ``sin(2*x)`` for a name such as ``sin2x``; None unless x is a variable or declared."""
     match = re.fullmatch(rf"({_either(spelling.functions)})(\d*)([A-Za-z])", name)
     if match is None or declared or match[3] not in {*spelling.variables, *spelling.declared}:
         return None
@@ -157,7 +157,7 @@ _READINGS: tuple[tuple[str, str], ...] = (
     (r"d\d?(?P<base><U>)", r"diff(\g<base>, x)"),
     (rf"(?P<base>[{VARIABLES}{SITE}])(?P<suffix>[1-9]\d*)", ""),
 )
-"""Readings that apply even to declared names."""
+"""Pairs (pattern of a name, its correction) that apply even to declared names."""
 
 _LOOSE_READINGS = (
     (r"(?P<base><U>)c", r"conjugate(\g<base>)"),
@@ -170,7 +170,7 @@ _LOOSE_READINGS = (
 
 
 def _free_name(digits: str, spelling: Spelling, base: str) -> str:
-    """Return an unused name with these digits, to replace a variable with an index."""
+    """Return an unused name for a variable with an index: ``a1`` for the variable in ``x1``."""
     letters = (letter for letter in "abcdfghpqrs" if letter != base)
     names = (f"{letter}{digits}" for letter in letters)
     return next(name for name in names if name not in spelling.declared)
@@ -232,7 +232,7 @@ def _arguments(text: str) -> list[str]:
 
 
 def _calls(spelling: Spelling) -> tuple[typing_rules.Rule, ...]:
-    """Return rules for functions with other names and other brackets."""
+    """Return rules that give functions the names and round brackets of the grammar."""
 
     def rename_function(match: re.Match[str]) -> str:
         name = match[0]
@@ -262,7 +262,7 @@ def _calls(spelling: Spelling) -> tuple[typing_rules.Rule, ...]:
 
 
 def _products(spelling: Spelling) -> tuple[typing_rules.Rule, ...]:
-    """Return rules for functions without brackets, powers, implied products and names."""
+    """Return rules for misread names, functions without brackets, powers and implied products."""
 
     def split_name(match: re.Match[str]) -> str:
         name = match[0]

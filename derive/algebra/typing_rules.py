@@ -32,7 +32,7 @@ _ALIASES_BY_NAME = (
 )
 
 ALIASES = {alias: name for name, words in _ALIASES_BY_NAME.items() for alias in words.split()}
-"""Other names of functions; names that differ only in capital letters need no entry."""
+"""Alias -> function of the grammar; names that differ only in capital letters need no entry."""
 
 CALLS: tuple[Rule, ...] = (
     *(
@@ -63,7 +63,7 @@ CALLS: tuple[Rule, ...] = (
     (r"(?<![\w.])(?:FullSimplify|Simplify|simplify|Expand|expand)\s*[\[(](<A>)[\])]", r"\1"),
     (r"(?<![\w.])Eq(?:uation|ual)?\s*[\[(]\s*(<A>),\s*(<A>)[\])]", r"\1 = \2"),
 )
-"""Calls with other argument conventions. ``<A>`` is an argument, ``<()>`` one in brackets."""
+"""Rules for calls whose name or arguments other systems write differently."""
 
 
 def _decimal(match: re.Match[str]) -> str:
@@ -95,7 +95,7 @@ def _at_its_variables(match: re.Match[str]) -> str:
     return match[0] if is_repeated or len(distinct) > 1 else match["of"]
 
 
-def _joined(match: re.Match[str]) -> str:
+def _join_subscripts(match: re.Match[str]) -> str:
     """Join subscripts separated by a comma, unless the comma separates arguments."""
     preceding = match.string[: match.start()]
     is_inside = any(preceding.count(a) > preceding.count(b) for a, b in ("()", "[]"))
@@ -157,7 +157,7 @@ LATEX: tuple[Rule, ...] = (
     (r"\^\s*\{([^{}]*)\}", r"**(\1)"),
     (r"\\partial\s*", " \\\\partial"),
 )
-"""LaTeX commands, innermost braces first."""
+"""Rules for LaTeX commands; those in the innermost braces are rewritten first."""
 
 BRACES: tuple[Rule, ...] = (
     (r"\{", "("),
@@ -227,7 +227,7 @@ DERIVATIVES: tuple[Rule, ...] = (
     ),
     (rf"(?<![\w.])(<U>)_([{VARIABLES}]+)_([{VARIABLES}]+)", r"\1_\2\3"),
     (rf"(?<![\w.])(<U>_[{VARIABLES}]+)_(?!\w)", r"\1"),
-    (rf"(?<![\w.])(<U>_[{VARIABLES}]+)\s*,\s*([{VARIABLES}]+)(?!\w)", _joined),
+    (rf"(?<![\w.])(<U>_[{VARIABLES}]+)\s*,\s*([{VARIABLES}]+)(?!\w)", _join_subscripts),
     (rf"(?<![\w.])(<U>)_(\d)([{VARIABLES}])\b", lambda m: f"{m[1]}_{m[3] * int(m[2])}"),
     (rf"(?<![\w.])(<U>)_([{VARIABLES}])(\d)\b", lambda m: f"{m[1]}_{m[2] * int(m[3])}"),
     (r"(<D>)\s*\.\s*conj(?:ugate)?\s*\(\s*\)", r"conjugate(\1)"),

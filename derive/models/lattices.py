@@ -21,7 +21,7 @@ ONE = Integer(1)
 
 
 def cubic(*constants: Expr) -> Expr:
-    """Return the force ``K2 x + K3 x^2 + K4 x^3`` with these constants."""
+    """Return the force ``K2 x + K3 x^2 + ...`` with the ``constants`` K2, K3, ..."""
     return sum((value * x**power for power, value in enumerate(constants, 1)), Integer(0))
 
 
@@ -30,14 +30,14 @@ FORCE, SECOND = cubic(K2, K3, K4), cubic(H2, H3, H4)
 NEAREST = Bond(
     stretch=(Stencil((0,)),), force=FORCE, action=(Stencil((1,)), Stencil((0,), -2), Stencil((-1,)))
 )
-"""Springs between neighbours of a chain, in its strain."""
+"""Bond between neighbours of a chain whose variable is the strain."""
 
 NEXT_NEAREST = Bond(
     stretch=(Stencil((0,)), Stencil((1,))),
     force=cubic(L2, L3, L4),
     action=(Stencil((1,)), Stencil((0,), -1), Stencil((-1,), -1), Stencil((-2,))),
 )
-"""Springs between next-nearest neighbours, in the strain between neighbours."""
+"""Bond between next-nearest neighbours of a chain whose variable is the strain."""
 
 
 def degenerate(*further: Expr) -> tuple[Bond, Bond]:
@@ -56,7 +56,7 @@ def chain(name: str, title: str, force: Expr, *further: Bond, mass: Expr = ONE) 
 
 
 def cell(name: str, title: str, masses: tuple[Expr, ...], forces: tuple[Expr, ...]) -> Lattice:
-    """Return a chain of cells with several masses, each with its spring to the next one."""
+    """Return a chain with several masses in a cell; ``forces[i]`` joins mass i to the next mass."""
     count = len(masses)
     ends = [((0,), field) for field in range(count)] + [((1,), 0)]
     bonds = tuple(spring(force, ends[i], ends[i + 1]) for i, force in enumerate(forces))

@@ -44,11 +44,11 @@ if TYPE_CHECKING:
     Values = Mapping[str, Number]
 
 MOST_POINTS = 200
-"""Most wavenumbers of --map."""
+"""Largest value of --map, the number of wavenumbers."""
 
 
 def carrier_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[str]:
-    """Yield the requested lines. Raises ValueError for wrong input."""
+    """Yield the lines that the options request. Raises ValueError for wrong options."""
     for option in ("background", "amplitude", "time", "direction"):
         if (given := getattr(options, option)) is not None:
             raise ValueError(f"--{option} must be left out with --envelope, got {given!r}")
@@ -70,13 +70,13 @@ def carrier_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[str]:
     if options.points is not None:
         yield from _map_lines(lattice, options, angle, branch, values)
     elif options.check:
-        yield from _checked(lattice, branch, values)
+        yield from _check_lines(lattice, branch, values)
     else:
         yield from _lines(lattice, options, angle, branch, values)
 
 
-def _checked(lattice: Lattice, branch: str | int, values: Values) -> Iterator[str]:
-    """Yield checks at all wavenumbers; with several fields, simple values replace the constants."""
+def _check_lines(lattice: Lattice, branch: str | int, values: Values) -> Iterator[str]:
+    """Yield lines of checks at variable k; without values, several fields get small primes."""
     values_used = values
     if len(lattice.fields) > 1 and not values:
         values_used = {str(s): value for s, value in simple_numbers(lattice.constants).items()}
@@ -113,7 +113,7 @@ def _lines(
 def _intervals(
     lattice: Lattice, result: Envelope, values: Values, options: DeriveOptions
 ) -> tuple[dict[str, Interval], str]:
-    """Return intervals of the coefficients for measured constants, and a note on them."""
+    """Return the coefficients' intervals by name, and a note on them, or why there are none."""
     if lattice.measured is None:
         return {}, ""
     if len(lattice.fields) > 1:

@@ -36,7 +36,10 @@ def given_constants(lattice: Lattice, options: DeriveOptions) -> dict[str, Expr]
 
 
 def count(option: str, text: str | None, most: int) -> int | None:
-    """Return the number of an option, None if absent. Raises ValueError if it exceeds ``most``."""
+    """Return an option's value as an int from 0 to ``most``, None if it is not given.
+
+    Raises ValueError for any other value.
+    """
     if text is None:
         return None
     if not (text.isascii() and text.isdigit() and len(text) < 4 and int(text) <= most):
@@ -53,10 +56,10 @@ def measured_with_options(
     values: Mapping[str, Expr],
     options: DeriveOptions,
 ) -> tuple[Measured | None, str]:
-    """Return the measured constants, typed values being exact, and a note on the intervals.
+    """Return the measured constants, exact where the user gave a value, and a note to print.
 
-    None if there are no intervals: a constant that ``remaining`` contains has no value, or a
-    measured one was substituted before the expansion.
+    None instead of constants if intervals are impossible: one of the ``remaining`` constants has no
+    value, or a measured constant was substituted before the expansion.
     """
     if lattice.measured is None:
         return None, ""

@@ -45,7 +45,7 @@ def terms(polynomial: DifferentialPolynomial) -> list[Term]:
     result: list[Term] = []
     for _, group in groupby(ordered, key=lambda monomial: _rank(monomial)[:2]):
         members = set(group)
-        result += _compact(polynomial.select(members.__contains__))
+        result += _merge_terms(polynomial.select(members.__contains__))
     return result
 
 
@@ -53,7 +53,7 @@ def _rank(monomial: Monomial) -> tuple[int, int, Monomial]:
     return -sum(jet[-1] for jet in monomial), -len(monomial), monomial
 
 
-def _compact(part: DifferentialPolynomial) -> list[Term]:
+def _merge_terms(part: DifferentialPolynomial) -> list[Term]:
     """Return one term under outer derivatives if possible, else the monomials themselves."""
     inner, outer = part, 0
     while (
@@ -105,7 +105,7 @@ class Notation:
         return derived(product, outer, printed) if outer else product
 
     def monomial(self, monomial: Monomial, printed: Printed = text_of) -> str:
-        """Return a product of jets, ``Y^2 Y_X``."""
+        """Return a product of jets, such as ``Y^2 Y_X``."""
         opening, closing = ("", "") if printed is text_of else ("{", "}")
         factors = []
         for jet, repeated in groupby(monomial):
@@ -176,13 +176,13 @@ def idle_loss(kind: str, value: Expr) -> str:
 
 
 def bracketed(expression: Expr, printed: Printed) -> str:
-    """Return a constant as a factor, a sum in brackets."""
+    """Return a constant as text or LaTeX of a factor: a sum gets brackets."""
     text = printed(expression)
     return f"({text})" if expression.is_Add else text
 
 
 def derived(product: str, subscript: str, printed: Printed) -> str:
-    """Return a product in brackets, with a subscript of derivatives."""
+    """Return ``(product)_subscript``, derivatives of a product, as text or LaTeX."""
     return (
         f"({product})_{subscript}"
         if printed is text_of

@@ -7,7 +7,7 @@ from sympy import Expr, Pow, powsimp
 
 
 def unused(name: str, taken: Collection[str]) -> str:
-    """Return a name, with a tilde if a constant or field of the lattice has it.
+    """Return ``name``, followed by a tilde if it is among the ``taken`` names of the lattice.
 
     >>> unused("F2", {"K2"}), unused("F2", {"F2"})
     ('F2', 'F2~')
@@ -16,7 +16,7 @@ def unused(name: str, taken: Collection[str]) -> str:
 
 
 def marked(text: str, names: Iterable[str], taken: Collection[str]) -> str:
-    """Add a tilde to those ``names`` in a text that a constant or field of the lattice has.
+    """Add a tilde in a text to those ``names`` that are also ``taken`` by the lattice.
 
     >>> marked("Y(X, T) = h U(a X, b T)", "abh", {"a", "K"})
     'Y(X, T) = h U(a~ X, b T)'

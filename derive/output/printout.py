@@ -37,7 +37,7 @@ from longwave.support.command_line import check_and_announce, fail
 from longwave.support.user_files import shown
 
 MOST_ORDERS = 13
-"""Largest --order."""
+"""Largest value of --order."""
 
 LARGEST_DENOMINATOR = 1000
 """Largest denominator of a measured value that is printed as a fraction."""
@@ -67,7 +67,7 @@ def print_derivation(options: derive_options.DeriveOptions) -> int:
 
 
 def _with_losses(lattice: Lattice, texts: Mapping[str, str]) -> Lattice:
-    """Return the lattice with losses by name: site, bond, site.FIELD or bond.NUMBER."""
+    """Return the lattice with the losses in ``texts``: site, bond, site.FIELD or bond.NUMBER."""
     losses: dict[str, Any] = {}
     for name, value in texts.items():
         kind, dot, target = name.partition(".")
@@ -84,7 +84,7 @@ def _with_losses(lattice: Lattice, texts: Mapping[str, str]) -> Lattice:
 
 
 def _linear_lattice_lines(lattice: Lattice, options: derive_options.DeriveOptions) -> Iterator[str]:
-    """Yield the waves of a linear chain: branches as formulas, and numbers if all are given."""
+    """Yield the waves of a linear chain: formulas, and numbers if all constants have values."""
     waves, given = LinearWaves.of(lattice), derive_options.given_constants(lattice, options)
     known = {*map(str, lattice.basic_constants)} == {*given}
     if unknown := sorted({*given} - {*map(str, lattice.basic_constants)}):
@@ -173,7 +173,7 @@ def _reduction_lines(lattice: Lattice, options: derive_options.DeriveOptions) ->
 def _long_wave(
     lattice: Lattice, options: derive_options.DeriveOptions
 ) -> tuple[Reduction, Mapping[str, Expr], str]:
-    """Return the reduction, its remaining constants with values, and why the usual one failed.
+    """Return the reduction, values of its symbols, and the error of the usual ansatz, else "".
 
     Under the usual ansatz constants are symbols, except small ones.  If the values contradict it,
     all are substituted first, as in a scene, and a balanced ansatz is searched.
@@ -212,7 +212,7 @@ def _admitted(reduction: Reduction, values: Mapping[str, Expr]) -> Reduction:
 
 @dataclass(frozen=True)
 class _Ansatz:
-    """A lattice about a mean, and the given parts of its ansatz; None has to be found."""
+    """A lattice about a mean, and the given parts of its ansatz; those that are None are sought."""
 
     lattice: Lattice
     mean: Expr
@@ -309,7 +309,7 @@ def _linear_lines(reduction: Reduction) -> Iterator[str]:
 
 
 def _decay_lines(reduction: Reduction) -> Iterator[str]:
-    """Yield complex frequencies of a chain with losses, and of the reduced equation."""
+    """Yield lines: frequencies of a chain with losses, and whether the reduced equation agrees."""
     if not reduction.lattice.has_losses or reduction.lattice.dimension > 1:
         return
     yield from _frequency_lines(reduction.lattice, reduction.scaling.mean)
@@ -365,6 +365,6 @@ def _number_lines(
 
 
 def _decimal(value: Expr) -> str:
-    """Format a value, with 6 digits if it is a ratio of long integers."""
+    """Format a value; a ratio with a denominator above `LARGEST_DENOMINATOR` gets 6 digits."""
     is_long = value.is_Rational and value.q > LARGEST_DENOMINATOR
     return f"{float(value):.6g}" if is_long else str(value)

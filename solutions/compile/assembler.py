@@ -18,7 +18,7 @@ _FUNCTIONS = {
 
 
 class Assembler(Code):
-    """Instructions on numbered values; the inputs are the first values.
+    """Builder of instructions from SymPy expressions; the inputs are the first numbered values.
 
     >>> x, c = sp.symbols("x c")
     >>> assembler = Assembler([x])
@@ -41,7 +41,7 @@ class Assembler(Code):
             self._values[symbol] = self._value(expression)
 
     def value(self, expression: sp.Expr) -> int:
-        """Return the number of the value that holds ``expression``."""
+        """Append instructions for ``expression`` if needed; return the number of its value."""
         return self._value(expression.xreplace(self._fixed))
 
     def _value(self, expression: sp.Expr) -> int:
@@ -114,7 +114,7 @@ class Assembler(Code):
         return self.emit(Operation.MULTIPLY, *sorted((base, square)))
 
     def _split(self, expression: sp.Expr) -> tuple[sp.Expr, list[sp.Expr]]:
-        """Return the constant part of a sum or product, and the other arguments."""
+        """Return the constant arguments of a sum or product, combined, and the other arguments."""
         constant_parts = [part for part in expression.args if self._is_constant(part)]
         varying = [part for part in expression.args if not self._is_constant(part)]
         return expression.func(*constant_parts), varying

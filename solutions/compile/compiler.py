@@ -46,7 +46,7 @@ def compile_program(
 ) -> Program:
     """Compile real ``expressions`` in xi, tau, zeta and ``parameters``.
 
-    The program has zeta derivatives only if the equation ``has_across``, a transverse variable.
+    With ``has_across``, for an equation with a transverse variable, it has zeta derivatives too.
     """
     lowering = Lowering()
     lowered = [lowering.lower(expression) for expression in expressions]

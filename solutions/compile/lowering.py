@@ -70,7 +70,7 @@ Terms = dict[sp.Expr | None, list[sp.Expr]]
 """Terms of a sum by their factor xi, tau, 1 or zeta; None is the key of all other terms."""
 
 
-def _total(parts: Iterable[tuple[sp.Expr, Terms]]) -> Terms:
+def _add_terms(parts: Iterable[tuple[sp.Expr, Terms]]) -> Terms:
     """Return the sum of (factor, terms) pairs, each sum multiplied by its factor."""
     total: Terms = {}
     for factor, terms in parts:
@@ -96,7 +96,7 @@ class Lowering:
         return self._lowered[expression]
 
     def constant(self, expression: sp.Expr) -> sp.Expr:
-        """Return the symbol of a constant; rational numbers are returned unchanged."""
+        """Return the symbol that stands for a constant expression, or a rational number itself."""
         if expression.is_Rational:
             return expression
         name = f"C_{len(self.constants)}"
@@ -136,7 +136,7 @@ class Lowering:
         return self.phases[key].symbol
 
     def _sum(self, expression: sp.Expr) -> Terms:
-        """Split a sum into terms; constant factors are expanded over a linear part."""
+        """Split a sum into `Terms`; a constant times a part linear in xi, tau, zeta is expanded."""
         if not self._is_varying(expression):
             return {sp.S.One: [expression]}
         if expression in SPACE_TIME_VARIABLES:
@@ -144,14 +144,14 @@ class Lowering:
         if expression.func is jacobi_epsilon:
             z, m = expression.args
             mean = sp.elliptic_e(m) / sp.elliptic_k(m)
-            return _total([(sp.S.One, {None: [jacobi_zeta(z, m)]}), (mean, self._sum(z))])
+            return _add_terms([(sp.S.One, {None: [jacobi_zeta(z, m)]}), (mean, self._sum(z))])
         if expression.is_Add:
-            return _total((sp.S.One, self._sum(term)) for term in expression.args)
+            return _add_terms((sp.S.One, self._sum(term)) for term in expression.args)
         if expression.is_Mul:
             constant_factors, varying = self._split(expression)
             inner = self._sum(varying[0]) if len(varying) == 1 else {}
             if inner.keys() & SPACE_TIME_VARIABLES:
-                return _total([(constant_factors, inner)])
+                return _add_terms([(constant_factors, inner)])
         return {None: [expression]}
 
     def _call(self, z: sp.Expr, m: sp.Expr) -> JacobiCall:

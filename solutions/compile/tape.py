@@ -49,7 +49,7 @@ class Tape:
         self._depth = 0
 
     def seed(self, symbol: sp.Symbol, direction: sp.Symbol, rate: sp.Expr) -> None:
-        """Set the derivative of an input; lines of ``rate`` are not differentiated yet."""
+        """Set an input's derivative to ``rate``, whose own lines get no derivatives yet."""
         self._depth += 1
         self._derivative[symbol, direction] = self.record(rate)
         self._depth -= 1

@@ -29,7 +29,7 @@ def _bounded_slope(tangent: sp.Expr) -> sp.Expr:
 
 
 def breather() -> ClosedForm:
-    """Return the breather on zero: a bound soliton and antisoliton with the carrier sin(p ...)."""
+    """Return the breather on zero: a bound pair of a soliton and an antisoliton."""
     p, q = sp.symbols("p q", positive=True)
     carrier = p * (xi + (p**2 - 3 * q**2) * tau)
     envelope = q * (xi + (3 * p**2 - q**2) * tau + X_0)
@@ -105,8 +105,8 @@ def _fraction() -> tuple[sp.Poly, sp.Poly]:
     return sp.Poly(numerator, _f, _g), sp.Poly(denominator, _f, _g)
 
 
-def _divided(polynomial: sp.Poly, tanhs: list[sp.Symbol], sechs: list[sp.Symbol]) -> sp.Expr:
-    """Return ``polynomial`` divided by ``(1 + f**2) (1 + g**2)``, up to a factor 4."""
+def _divide(polynomial: sp.Poly, tanhs: list[sp.Symbol], sechs: list[sp.Symbol]) -> sp.Expr:
+    """Return ``4 polynomial/((1 + f**2) (1 + g**2))`` in tanh and sech: f, g are exponentials."""
     weights = [(1 - t, s, 1 + t) for t, s in zip(tanhs, sechs, strict=True)]
     return sp.expand(sum(c * weights[0][i] * weights[1][j] for (i, j), c in polynomial.terms()))
 
@@ -114,7 +114,7 @@ def _divided(polynomial: sp.Poly, tanhs: list[sp.Symbol], sechs: list[sp.Symbol]
 def without_cancellation(t: Sequence[sp.Symbol], s: Sequence[sp.Symbol]) -> sp.Expr:
     """Return ``gap = 1 - t_1 t_2``, computed from ``1 - (t_1 t_2)**2``, a sum of squares, if small.
 
-    ``gap = (gap**2 + 1 - (t_1 t_2)**2)/2`` squares an error of the gap; applied twice it leaves
+    The step ``gap = (gap**2 + 1 - (t_1 t_2)**2)/2`` squares an error of the gap; two steps leave
     none.
     """
     gap = 1 - t[0] * t[1]
@@ -124,10 +124,10 @@ def without_cancellation(t: Sequence[sp.Symbol], s: Sequence[sp.Symbol]) -> sp.E
 
 
 def _stable_solitons() -> sp.Expr:
-    """Return the wave without growing exponentials; ``log r`` is in the phases, denominator > 0."""
+    """Return the wave in tanh and sech of phases shifted by ``log r``, over a positive divisor."""
     t, s = list(sp.symbols("t_1 t_2", real=True)), list(sp.symbols("s_1 s_2", positive=True))
     gap = sp.Symbol("gap", positive=True)
-    numerator, denominator = (_divided(part, t, s) for part in _fraction())
+    numerator, denominator = (_divide(part, t, s) for part in _fraction())
     denominator = sp.expand(denominator.subs(t[0], (1 - gap) / t[1]))
     shifted = [phase + sp.log(_repulsion) for phase in _phases]
     values = dict(zip(t + s, [f(z) for f in (sp.tanh, sp.sech) for z in shifted], strict=True))

@@ -31,12 +31,12 @@ _beta_over_gamma = 1 - 2 * (1 + k) ** 2 * _sn**2 / _pole**2
 _background_speed = sp.diff(SN_PHASE, tau)
 
 inverse_width: sp.Expr = _zeta + k * _sn * _cn * _dn / _pole
-"""kappa of the paper's eq. (29)."""
+"""Inverse width of the breather: kappa of the paper's eq. (29)."""
 
 speed: sp.Expr = _background_speed + (2 * k * (1 + k) ** 2 * (1 - k * _sn**2) * _sn * _dn * _cn) / (
     (_zeta * _pole + k * _sn * _dn * _cn) * _pole**2
 )
-"""c of the paper's eq. (29)."""
+"""Speed of the breather towards negative xi: c of the paper's eq. (29)."""
 
 _eta = inverse_width * (xi + speed * tau + X_0)
 
@@ -44,7 +44,7 @@ _eta = inverse_width * (xi + speed * tau + X_0)
 _ARGUMENTS = (SN_PHASE + 2 * alpha, SN_PHASE - 2 * alpha, SN_PHASE)
 _H = _H_ahead, _H_behind, _H_here = sp.symbols("H_ahead H_behind H_here", real=True)
 _T = _T_ahead, _T_behind, _T_here = sp.symbols("T_ahead T_behind T_here", positive=True)
-"""Arguments of H and Theta in the wave, and the symbols of H and Theta there."""
+"""``_T`` and ``_H`` are the symbols of Theta and H at the ``_ARGUMENTS``, in this order."""
 
 _grow, _g = sp.symbols("grow gamma", positive=True)
 
@@ -65,8 +65,8 @@ def _printed() -> sp.Expr:
     return (numerator / denominator).xreplace(values)
 
 
-def _bounded(sides: sp.Expr, tanh: sp.Expr, sech: sp.Expr) -> sp.Expr:
-    """Return ``sides`` divided by ``grow + 1/grow``."""
+def _divide(sides: sp.Expr, tanh: sp.Expr, sech: sp.Expr) -> sp.Expr:
+    """Return ``sides``, linear in ``grow`` and ``1/grow``, divided by ``grow + 1/grow``."""
     terms = sp.collect(sp.expand(sides), _grow, evaluate=False)
     weights = {_grow: (1 + tanh) / 2, 1 / _grow: (1 - tanh) / 2, sp.S.One: sech / 2}
     return sum((terms[power] * weights[power] for power in terms), sp.S.Zero)
@@ -84,7 +84,7 @@ def _stable() -> sp.Expr:
     square = jacobi_dn(SN_PHASE, _m) ** 2 + (k * sn[2] * jacobi_cn(2 * alpha, _m)) ** 2
     tanh, sech = sp.symbols("tanh sech", real=True)
     parts = [
-        _bounded(part.xreplace(etas).xreplace(thetas).subs(_grow, _grow * quotient), tanh, sech)
+        _divide(part.xreplace(etas).xreplace(thetas).subs(_grow, _grow * quotient), tanh, sech)
         for part in (numerator, denominator)
     ]
     values = {tanh: sp.tanh(shifted), sech: sp.sech(shifted), product: sp.sqrt(square)}

@@ -33,7 +33,7 @@ def _soliton(name: str, title: str, parameter: Parameter, sign: int) -> ClosedFo
 
 
 def gardner_soliton() -> ClosedForm:
-    """Return the positive soliton (s = 1)."""
+    """Return the positive Gardner soliton (s = 1)."""
     parameter = positive(kappa, "the zero solution")
     return _soliton("gardner_soliton", "Gardner soliton", parameter, 1)
 
@@ -45,7 +45,7 @@ def gardner_negative_soliton() -> ClosedForm:
 
 
 def gardner_table_soliton() -> ClosedForm:
-    """Return the soliton with s = -1: lower than 1, a plateau with steep ends as kappa -> 1."""
+    """Return the table soliton (s = -1): below 1, and a plateau with steep ends as kappa -> 1."""
     upper = Bound(sp.S.One, "two fronts infinitely far apart")
     parameter = Parameter(kappa, Bound(sp.S.Zero, "the zero solution"), upper)
     return _soliton("gardner_table_soliton", "Gardner table soliton", parameter, 1)

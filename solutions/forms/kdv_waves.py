@@ -44,11 +44,11 @@ def kdv_two_soliton() -> ClosedForm:
             real(X_0),
         ),
         reference=Reference("P. D. Lax, Comm. Pure Appl. Math. 21 (1968) 467"),
-        stabilise=lambda: _bounded(*phases),
+        stabilise=lambda: _stable_solitons(*phases),
     )
 
 
-def _bounded(one: sp.Expr, other: sp.Expr) -> sp.Expr:
+def _stable_solitons(one: sp.Expr, other: sp.Expr) -> sp.Expr:
     """Return the wave with a positive denominator, divided by ``cosh(one)**2 cosh(other)**2``."""
     first, second = _rates
     t, s = list(sp.symbols("t_1 t_2", real=True)), list(sp.symbols("s_1 s_2", positive=True))

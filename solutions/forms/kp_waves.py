@@ -29,12 +29,12 @@ def kp_lump() -> ClosedForm:
     """Return the lump of KP-I, of height 4 kappa**2; oblique if q is not 0."""
     along = xi + _q * zeta - 3 * (kappa**2 - _q**2) * tau
     across = kappa * (zeta + 6 * _q * tau)
-    size = across**2 + 1 / kappa**2
+    square = across**2 + 1 / kappa**2
     return ClosedForm(
         name="kp_lump",
         title="KP-I lump",
-        expression=4 * (size - along**2) / (size + along**2) ** 2,
-        potential=4 * along / (size + along**2),
+        expression=4 * (square - along**2) / (square + along**2) ** 2,
+        potential=4 * along / (square + along**2),
         equation=KP_1,
         parameters=(positive(kappa, "the zero solution"), real(_q)),
         reference=Reference("S. V. Manakov et al., Phys. Lett. A 63 (1977) 205"),

@@ -28,9 +28,9 @@ def _on_plane_wave(
     stable: sp.Expr | None = None,
     period: sp.Expr | None = None,
 ) -> ClosedForm:
-    """Return the plane wave times ``1 + change``."""
+    """Return the plane wave times ``1 + change``; ``stable`` is ``change`` without cancellation."""
     bounded = _BACKGROUND * (1 + (change if stable is None else stable))
-    end = _BACKGROUND if period is None else bounded
+    far_field = _BACKGROUND if period is None else bounded
     return ClosedForm(
         name=name,
         title=title,
@@ -38,7 +38,7 @@ def _on_plane_wave(
         equation=FOCUSING_NLS,
         parameters=(*parameters, AMPLITUDE),
         background=_BACKGROUND,
-        far_fields=FarFields(end, end),
+        far_fields=FarFields(far_field, far_field),
         reference=reference,
         period=period,
         stabilise=lambda: bounded,
@@ -46,7 +46,7 @@ def _on_plane_wave(
 
 
 def nls_peregrine() -> ClosedForm:
-    """Return Peregrine's wave, which is once three times as high as the plane wave."""
+    """Return Peregrine's wave, whose peak is three times as high as the plane wave."""
     return _on_plane_wave(
         "nls_peregrine",
         "Peregrine wave",
@@ -57,7 +57,7 @@ def nls_peregrine() -> ClosedForm:
 
 
 def nls_rogue_2() -> ClosedForm:
-    """Return the second-order rational wave, which is once five times as high as the plane wave."""
+    """Return the second-order rational wave, whose peak is five times as high as the plane wave."""
     t = 2 * _t
     square, offset = _x**2 + t**2, sp.Rational(3, 4)
     real = (square + offset) * (_x**2 + 5 * t**2 + offset) - offset

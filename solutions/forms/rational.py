@@ -72,7 +72,7 @@ def _wave(order: int, A: sp.Expr, B: sp.Expr, A_x: sp.Expr, B_x: sp.Expr) -> sp.
 
 
 def _to_sympy(polynomial: fmpq_mpoly, *generators: sp.Expr) -> sp.Expr:
-    """Return the expanded polynomial in these generators."""
+    """Convert a FLINT polynomial to an expanded SymPy expression in these generators."""
     powers = [[sp.S.One] for _ in generators]
     for row, generator, degree in zip(powers, generators, polynomial.degrees(), strict=True):
         row.extend(generator**n for n in range(1, degree + 1))
@@ -117,15 +117,15 @@ def _third(bX: sp.Expr, cT: sp.Expr) -> sp.Expr:
     return 24 * G_3 / D_3 - 1
 
 
-def _printed(order: int, title: str, expression: sp.Expr, label: str) -> ClosedForm:
-    """Return a solution without shifts, with the title and the formula of its source."""
+def _as_published(order: int, title: str, expression: sp.Expr, label: str) -> ClosedForm:
+    """Return the rational solution of an order without shifts, in the formula of its source."""
     reference = Reference("ankiewicz2018rogue", label)
     return replace(rational(order), title=title, expression=expression, reference=reference)
 
 
 def rational_1() -> ClosedForm:
     """Return the first-order rational solution: a Lorentzian travelling wave on -1 (K4 > 0)."""
-    return _printed(
+    return _as_published(
         1,
         "first-order rational solution (Lorentzian)",
         4 / (1 + 4 * CO_MOVING**2) - 1,
@@ -141,7 +141,7 @@ def rational_2() -> ClosedForm:
     dispersive coefficient.
     """
     expression = _second(aT=-2 * tau, bX=2 * xi)
-    return _printed(2, "second-order rational solution", expression, "mKdV 2-order soln")
+    return _as_published(2, "second-order rational solution", expression, "mKdV 2-order soln")
 
 
 def rational_3() -> ClosedForm:
@@ -151,4 +151,4 @@ def rational_3() -> ClosedForm:
     ``c = -3 b**3 gamma_3`` is 24 times the rate of tau; hence ``z = (2 b X - c T)/4 = xi - 6 tau``.
     """
     expression = _third(bX=2 * xi, cT=24 * tau)
-    return _printed(3, "third-order rational solution", expression, "third-order soln of mKdV")
+    return _as_published(3, "third-order rational solution", expression, "third-order soln of mKdV")

@@ -57,7 +57,7 @@ def _pole(z: sp.Symbol) -> Parts:
 
 
 def _area(z: sp.Symbol) -> sp.Expr:
-    """Return ``S``, the integral of y**2."""
+    """Return the integral of ``y**2 = (k cn)**2`` from 0 to z."""
     return jacobi_epsilon(z, k**2) - complementary_modulus**2 * z
 
 
@@ -96,7 +96,10 @@ def _parts(polynomial: sp.Expr) -> Parts:
 
 
 def _combinations(one: sp.Expr, theta: sp.Expr, square: sp.Expr) -> list[Parts]:
-    """Return N, M, S of the printed formula, with the arguments for 1, theta and theta**2."""
+    """Return N, M, S of the printed formula, given the values of 1, theta and theta**2.
+
+    The three values may have a common factor.
+    """
     N = (one + square) * _y - _inverse_lambda * theta * _slope
     M = (one - square) * _weight
     S = _inverse_lambda / 2 * (one + square) * _slope - 2 * theta * _y

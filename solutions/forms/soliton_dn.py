@@ -61,8 +61,8 @@ def _fraction() -> tuple[sp.Expr, sp.Expr]:
     return numerator, (1 + _theta**2) * _y - _theta * _slope / _lambda
 
 
-def _bounded(quadratic: sp.Expr) -> sp.Expr:
-    """Return a quadratic in theta divided by ``1 + theta**2``, in cos f and sin f."""
+def _divide(quadratic: sp.Expr) -> sp.Expr:
+    """Divide a quadratic in theta by ``1 + theta**2``; return it in terms of cos f and sin f."""
     halves = {0: (1 + _cos) / 2, 1: _sin / 2, 2: (1 - _cos) / 2}
     polynomial = sp.Poly(quadratic, _theta)
     return sp.expand(sum(c * halves[power] for (power,), c in polynomial.terms()))
@@ -81,7 +81,7 @@ def _assemble(numerator: sp.Expr, denominator: sp.Expr, angle: sp.Expr) -> sp.Ex
 
 def _stable() -> sp.Expr:
     numerator, denominator = _fraction()
-    return _assemble(_bounded(numerator), _bounded(denominator), theta(_stable_integral))
+    return _assemble(_divide(numerator), _divide(denominator), theta(_stable_integral))
 
 
 def soliton_dn() -> ClosedForm:

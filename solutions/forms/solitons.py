@@ -12,7 +12,9 @@ from longwave.solutions.symbols import A, kappa, tau, xi
 
 
 def by_tanh(total: sp.Expr, phase: sp.Expr) -> sp.Expr:
-    """Return ``(a + b) + (b - a) tanh(phase/2)**2``: nothing cancels if ``|a| <= b``.
+    """Divide ``total``, ``a + b cosh(phase)``, by ``cosh(phase/2)**2``; return it in tanh.
+
+    The result ``(a + b) + (b - a) tanh(phase/2)**2`` has no cancellation if ``|a| <= b``.
 
     >>> z = sp.Symbol("z")
     >>> by_tanh(3 + 5 * sp.cosh(z), z)
@@ -23,7 +25,9 @@ def by_tanh(total: sp.Expr, phase: sp.Expr) -> sp.Expr:
 
 
 def by_sech(total: sp.Expr, phase: sp.Expr) -> sp.Expr:
-    """Return ``2 b + (a - b) sech(phase/2)**2``: nothing cancels if ``a >= b >= 0``.
+    """Divide ``total``, ``a + b cosh(phase)``, by ``cosh(phase/2)**2``; return it in sech.
+
+    The result ``2 b + (a - b) sech(phase/2)**2`` has no cancellation if ``a >= b >= 0``.
 
     >>> z = sp.Symbol("z")
     >>> by_sech(5 + 3 * sp.cosh(z), z)

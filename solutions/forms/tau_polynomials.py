@@ -97,7 +97,7 @@ def _check_order(order: int, free: tuple[int, ...]) -> None:
 def _exponents(
     context: fmpq_mpoly_ctx, count: int, free: tuple[int, ...]
 ) -> dict[int, GaussianPolynomial]:
-    """Return the odd coefficients ``e_k`` of the exponent of P."""
+    """Return the coefficients ``e_k`` of ``z**k``, k odd and below ``count``, in P's exponent."""
     generators = context.gens()
     real = {index: generators[2 + position] for position, index in enumerate(free)}
     real |= {1: generators[0], 3: -4 * generators[1]}

@@ -44,7 +44,7 @@ class JacobiFunction(Function):
     at_parameter_zero: ClassVar[Any]
     at_parameter_one: ClassVar[Any]
     at_origin: ClassVar[Expr | None] = S.Zero
-    """Values, or functions of z; None leaves the function unevaluated."""
+    """Value at z = 0; None leaves the function unevaluated there."""
 
     @classmethod
     def eval(cls, z: Expr, m: Expr) -> Expr | None:
@@ -167,7 +167,7 @@ class jacobi_epsilon(_RealOnTheLine):
 
 
 class _RealBelowOne(JacobiFunction):
-    """Functions that are real for real z and m < 1."""
+    """Functions that are real for real z and 0 <= m < 1."""
 
     def _eval_is_extended_real(self) -> bool | None:
         z, m = self.args
@@ -227,4 +227,4 @@ _DERIVATIVES: dict[type[JacobiFunction], Callable[[Expr, Expr], Expr]] = {
     ),
     jacobi_theta: lambda z, m: jacobi_theta(z, m) * jacobi_zeta(z, m),
 }
-"""Derivative of each function in z."""
+"""Function -> its derivative in z, as a function of z and m."""

@@ -11,11 +11,11 @@ from typing import Any, ClassVar
 from sympy import Expr, Function
 
 THETA = {"jacobi_theta_1": -1, "jacobi_theta_2": 1, "jacobi_theta_3": 1, "jacobi_theta_4": 1}
-"""Theta functions with their parity in z."""
+"""Theta function -> its parity in z: 1 if it is even, -1 if it is odd."""
 
 
 class JetFunction(Function):
-    """Derivative in z of the function ``label``, of order ``order``."""
+    """The derivative in z, ``order`` times, of the function named ``label``."""
 
     label: ClassVar[str]
     order: ClassVar[int]
@@ -51,7 +51,7 @@ class JetFunction(Function):
 
 @cache
 def jet_function(label: str, order: int = 0) -> type[JetFunction]:
-    """Return the derivative of order ``order`` of a function, as a SymPy function.
+    """Return the SymPy function that is the ``order``-th derivative of the function ``label``.
 
     >>> from sympy import symbols
     >>> x, t = symbols("x t")

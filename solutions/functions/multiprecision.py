@@ -32,11 +32,11 @@ _CACHE_SIZE = 512
 
 
 Implementation = Callable[[Any, Number, Number], Number]
-"""Function of a context, z and m."""
+"""Function of an mpmath context, z and m."""
 
 
 def _guarded(function: Implementation) -> Implementation:
-    """Add to the precision the bits that a large `z`, a small `m` or a small `1 - m` costs."""
+    """Wrap a function to work with the extra bits that large `z`, small `m` or `1 - m` cost."""
 
     @wraps(function)
     def guarded(ctx: Any, z: Number, m: Number) -> Number:
@@ -62,13 +62,13 @@ def _theta_argument(ctx: Any, z: Number, m: Number) -> tuple[Number, Number]:
 
 @lru_cache(maxsize=_CACHE_SIZE)
 def _integral_and_nome(ctx: Any, precision: int, m: Number) -> tuple[Number, Number]:
-    """Return K and the nome at the context's precision."""
+    """Return K and the nome at the context's precision; ``precision`` only identifies the entry."""
     return ctx.ellipk(m), ctx.qfrom(m=m)
 
 
 @lru_cache(maxsize=_CACHE_SIZE)
 def _theta(ctx: Any, precision: int, n: int, v: Number, q: Number, derivative: int = 0) -> Number:
-    """Return a theta function at the context's precision.
+    """Return theta_n(v, q), or a derivative in v, at the context's ``precision``.
 
     Cached, because sn, cn, dn and epsilon of one phase share theta functions, and all points share
     the constants.
@@ -77,7 +77,7 @@ def _theta(ctx: Any, precision: int, n: int, v: Number, q: Number, derivative: i
 
 
 def _ellipfun(ctx: Any, kind: str, z: Number, m: Number) -> Number:
-    """Return theta_a(0)/theta_b(0) theta_c(v)/theta_4(v), DLMF 22.2."""
+    """Return sn, cn or dn as theta_a(0)/theta_b(0) theta_c(v)/theta_4(v), DLMF 22.2."""
     if m in (0, 1):
         return ctx.ellipfun(kind, z, m=m)
     a, b, c = {"sn": (3, 2, 1), "cn": (4, 2, 2), "dn": (4, 3, 3)}[kind]
@@ -143,7 +143,7 @@ IMPLEMENTATIONS = {f"jacobi_{f.__name__}": f for f in (sn, cn, dn, epsilon, zeta
 
 @lru_cache(maxsize=32)
 def _functions(ctx: Any) -> dict[str, Callable[..., Number]]:
-    """Return the functions of a context by SymPy's names."""
+    """Return the functions of an mpmath context by the names that SymPy prints."""
     names = {name: getattr(ctx, name) for name in dir(ctx) if not name.startswith("_")}
     names |= {"elliptic_k": ctx.ellipk, "elliptic_e": ctx.ellipe, "Abs": ctx.fabs}
     names |= {"conjugate": ctx.conj}
@@ -178,7 +178,7 @@ class MpmathFormula:
         expressions: Sequence[Expr],
         statements: Iterable[tuple[Expr, Expr]] = (),
     ) -> MpmathFormula:
-        """Return the formula of ``expressions``; symbols may stand for earlier ``statements``."""
+        """Return the formula of ``expressions``, whose symbols ``statements`` may define."""
         indices: dict[Expr, int] = {argument: n for n, argument in enumerate(arguments)}
         code: list[Sequence[Any]] = []
 

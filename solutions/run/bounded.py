@@ -20,7 +20,8 @@ BLOCK = 128
 """Numbers in a block, which is an array of all high parts, then all low parts, then all bounds."""
 
 UNIT = 2.0**-99
-"""Bound of the relative error of every operation, and of the rounding of a constant."""
+"""Bound of an operation's rounding error, relative to its result or, for a sum, to the operands;
+also of a constant's rounding."""
 
 TINY = 2.0**-960
 """Bound of the error by underflow of a low part or of an exponential."""
@@ -52,7 +53,7 @@ def store_pair(block: Array, i: int, value: Pair) -> None:
 
 @njit()
 def rounded(value: Pair, error: float) -> Bounded:
-    """Return a result with its bound: `error`, due to the operands, plus its own rounding."""
+    """Attach to ``value`` its bound: `error`, which is due to the operands, plus its rounding."""
     return value[0], value[1], error + (UNIT * abs(value[0]) + TINY)
 
 
@@ -90,7 +91,7 @@ def scale(a: Bounded, c: float) -> Bounded:
 
 @njit()
 def relative_error(d: float) -> float:
-    """Return d / (1 - d), the relative error of 1/x if x has d; infinite for d > 1/2."""
+    """Return the relative error of 1/x if x has the relative error d; infinite for d > 1/2."""
     return d / (1.0 - d) if d <= 0.5 else math.inf
 
 

@@ -1,4 +1,4 @@
-"""Programs for the machine: the format of instructions, and writing them on numbered values."""
+"""Programs for the machine: the format of their instructions, and a builder of programs."""
 
 from __future__ import annotations
 
@@ -116,7 +116,7 @@ class Code:
 
 
 def _operands(operation: Operation, a: int, b: int, c: int) -> tuple[int, ...]:
-    """Return the values that an instruction reads."""
+    """Return the numbers of the values that an instruction reads."""
     if operation is Operation.CONSTANT:
         return ()
     if operation is Operation.CHOOSE:
@@ -125,9 +125,9 @@ def _operands(operation: Operation, a: int, b: int, c: int) -> tuple[int, ...]:
 
 
 class Value:
-    """A value of a program that is written with Python's operators.
+    """A value in a program under construction; Python's operators on it append instructions.
 
-    Numbers are exact (mpf or int); trivial operations with them take no instruction.
+    Constants are exact (mpf or int); trivial operations with them take no instruction.
 
     >>> code = Code(inputs=1)
     >>> x = Value(code, 0)
@@ -141,7 +141,7 @@ class Value:
         self.number = number
 
     def apply(self, operation: Operation, *others: Value) -> Value:
-        """Return the result of an operation on this value and others."""
+        """Append an operation on this value and others; return its result."""
         numbers = [value.number for value in others]
         return Value(self.code, self.code.emit(operation, self.number, *numbers))
 

@@ -27,7 +27,7 @@ from longwave.solutions.run.bounded import (
 from longwave.support.compiled.jit import njit
 
 SCRATCH = 7
-"""Blocks of scratch memory."""
+"""Number of blocks in the scratch memory."""
 
 _TERMS, _PAIRS = 14, 9
 """Number of terms of a Taylor series, and of its first terms in double-double."""
@@ -37,7 +37,8 @@ _HALVINGS = 4
 
 _LOG2 = (0.6931471805599453, 2.3190468138462996e-17)
 _ZERO_ABOVE, _NEGLIGIBLE_ABOVE = 708.0, 680.0
-"""exp(-w) is replaced by 0 above the first w; ``2 exp(-w)`` is below ``TINY`` above the second."""
+"""exp(-w) is replaced by 0 for w > ``_ZERO_ABOVE``; 2 exp(-w) is below ``TINY`` for w >
+``_NEGLIGIBLE_ABOVE``."""
 
 
 def _inverse_factorials(first: int, stride: int) -> dd.Array:
@@ -68,7 +69,7 @@ def _polynomial(coefficients: dd.Array, z: dd.Array, total: dd.Array) -> None:
 
 @njit()
 def sine_or_cosine(x: dd.Array, is_sine: bool, z: dd.Array, scratch: dd.Array) -> None:
-    """Fill ``z`` with sin(x), of full relative precision, or cos(x), for |x| <= 0.79."""
+    """Fill ``z`` with sin(x), to full relative precision, or with cos(x); |x| <= 0.79."""
     square, series = scratch[0], scratch[1]
     for i in range(BLOCK):
         high, low = dd.multiply(load_pair(x, i), load_pair(x, i))
@@ -116,7 +117,7 @@ def _is_negligible(x: dd.Array, i: int) -> bool:
 
 @njit()
 def _store_exponential(z: dd.Array, i: int, value: dd.Pair, x: dd.Array, is_falling: bool) -> None:
-    """Store a multiple of exp(x), or a value whose logarithmic derivative is no larger."""
+    """Store ``value`` with its bound: a multiple of exp(x), or a function that varies no faster."""
     e, size = x[i + 2 * BLOCK], abs(x[i])
     input_error = 2.0 * e + UNIT * (1.0 + size) if e <= 0.5 else math.inf
     error = TINY if is_falling and _is_negligible(x, i) else value[0] * input_error + TINY
@@ -133,7 +134,7 @@ def decay_of(x: dd.Array, factor: float, scratch: dd.Array) -> None:
 
 @njit()
 def exponential(x: dd.Array, z: dd.Array, scratch: dd.Array) -> None:
-    """Fill ``z`` with exp(x), after `decay_of` x."""
+    """Fill ``z`` with exp(x) from the ``scratch`` that `decay_of` x has filled."""
     fall = scratch[3]
     for i in range(BLOCK):
         falls, rises = load_pair(fall, i), dd.reciprocal(load_pair(fall, i))
@@ -151,7 +152,10 @@ def start_logarithm(x: dd.Array, start: dd.Array) -> None:
 
 @njit()
 def logarithm(x: dd.Array, start: dd.Array, power: dd.Array, z: dd.Array) -> None:
-    """Fill ``z`` with log(x): one Newton step from ``start``; ``power`` is exp(start)."""
+    """Fill ``z`` with log(x) by one step from ``start``, which is about -log(x).
+
+    ``power`` is exp(start).
+    """
     for i in range(BLOCK):
         residual = dd.subtract(dd.multiply(load_pair(x, i), load_pair(power, i)), (1.0, 0.0))
         residual = dd.subtract(residual, dd.scale(dd.multiply(residual, residual), 0.5))
@@ -162,7 +166,7 @@ def logarithm(x: dd.Array, start: dd.Array, power: dd.Array, z: dd.Array) -> Non
 
 @njit()
 def tanh(x: dd.Array, z: dd.Array, scratch: dd.Array) -> None:
-    """Fill ``z`` with tanh(x), of full relative precision, after `decay_of` 2 x."""
+    """Fill ``z`` with tanh(x) to full relative precision, after `decay_of` x with factor 2."""
     fall, rise = scratch[3], scratch[4]
     for i in range(BLOCK):
         inverse = dd.reciprocal(dd.add((1.0, 0.0), load_pair(fall, i)))
@@ -176,7 +180,7 @@ def tanh(x: dd.Array, z: dd.Array, scratch: dd.Array) -> None:
 
 @njit()
 def sech(x: dd.Array, z: dd.Array, scratch: dd.Array) -> None:
-    """Fill ``z`` with sech(x), after `decay_of` x."""
+    """Fill ``z`` with sech(x) from the ``scratch`` that `decay_of` x has filled."""
     fall = scratch[3]
     for i in range(BLOCK):
         value = load_pair(fall, i)

@@ -1,4 +1,4 @@
-"""Programs with numbers in: values at arrays of points, and their Taylor coefficients."""
+"""Programs at given parameters: values at arrays of points, and Taylor coefficients."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 class PointEvaluator(Protocol):
-    """Interface of an evaluator: phases, and values with their derivatives."""
+    """Interface of an evaluator: its linear phases, and its values and derivatives at points."""
 
     def phases(self, variables: Variables) -> list[LinearPhase]:
         """Return the phases in the caller's variables."""
@@ -77,7 +77,7 @@ class Evaluator:
         return out
 
     def only(self, rows: Sequence[int]) -> Evaluator:
-        """Return an evaluator of some of the rows only, with the same bits."""
+        """Return an evaluator of some of the rows only, whose values are bitwise the same."""
         evaluator = copy(self)
         outputs = [self._bytecode.outputs[row] for row in rows]
         evaluator._bytecode, read_inputs = self._bytecode.only(outputs)

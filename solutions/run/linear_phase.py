@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 PHASE_ERROR = 2.0**-150
-"""Bound of the error relative to the largest term."""
+"""Bound of a phase's error, relative to the largest of its terms."""
 
 
 @njit()
@@ -78,7 +78,7 @@ def as_pairs(phase: Array) -> Array:
 
 
 class LinearPhase:
-    """``p x + q t + r + w z`` with exact or long coefficients.
+    """A linear phase ``p x + q t + r + w z`` with exact or long coefficients.
 
     Raises OverflowError for a coefficient beyond 1e-250 .. 1e250.
 
@@ -96,7 +96,7 @@ class LinearPhase:
 
     @property
     def rate(self) -> float:
-        """p, as a double."""
+        """Coefficient p of x, rounded to a double."""
         return self._coefficients[0][0]
 
     def zero(self, t: float, z: float = 0.0) -> float | None:
@@ -163,6 +163,6 @@ class Variables:
 
         The coefficients p, q, r, w are long numbers.
 
-        Raises OverflowError for a coefficient out of a double's range.
+        Raises OverflowError for a coefficient beyond 1e-250 .. 1e250.
         """
         return LinearPhase(p * self.a, p * self.d + q * self.b, r, w * self.e)

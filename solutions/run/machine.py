@@ -84,7 +84,7 @@ def _unary(operation: int, x: Array, z: Array, scratch: Array) -> None:
 
 @njit()
 def _exponential(operation: int, x: Array, z: Array, scratch: Array) -> None:
-    """Compute functions based on exp(-|x|); a logarithm uses exp of its negative in double."""
+    """Fill ``z`` with exp, log, tanh or sech of ``x``, by ``operation``; all use exp(-|x|)."""
     source, power = x, z
     if operation == Operation.LOGARITHM:
         source, power = scratch[5], scratch[6]
@@ -116,7 +116,7 @@ def _run(
     scratch: Array,
     out: Array,
 ) -> None:
-    """Run the code block after block; the last block is padded with copies of its last point."""
+    """Run the code on one block of points after another; the last point pads the last block."""
     points = inputs.shape[2]
     for start in range(0, points, BLOCK):
         count = min(BLOCK, points - start)

@@ -35,10 +35,10 @@ _PRECISE: Any = mpmath.MPContext()
 _PRECISE.prec = 240
 
 _PERIOD_ERROR, _REDUCTION_ERROR = 2.0**-150, 2.0**-104
-"""Error bounds of the reduced argument, relative to the full and to the reduced argument."""
+"""Two parts of the reduced argument's error bound: relative to the full and to the reduced one."""
 
 _MAX_QUARTERS = 2.0**100
-"""Number of quarter periods at which the quotient has more bits than two doubles."""
+"""Number of quarter periods beyond which a phase is not reduced: the error bound is infinite."""
 
 
 class JacobiProgram(NamedTuple):
@@ -95,7 +95,7 @@ def jacobi_program(m: Any, m1: Any, requested: tuple[bool, ...] = (True,) * 5) -
 
 
 def _quarter_period(m1: Any) -> Any:
-    """Return K for the parameter with the complement m1."""
+    """Return the quarter period K for m = 1 - m1; infinity for m1 = 0."""
     ctx = _PRECISE
     return ctx.inf if m1 == 0 else ctx.pi / (2 * ctx.agm(1, ctx.sqrt(m1)))
 
@@ -103,8 +103,8 @@ def _quarter_period(m1: Any) -> Any:
 class _Series(NamedTuple):
     """Sums over n of the theta series; ``b_1 = 2 q cos 2v`` or ``2 q cosh 2w``.
 
-    theta_3 and theta_4; ``theta_1/(2 q**(1/4) sin v)`` and ``theta_2/(2 q**(1/4) cos v)``; the
-    latter's derivative ``rise``; ``-theta_3'/(4 q sin 2v)`` and ``theta_4'/(4 q sin 2v)``.
+    In order: theta_3, theta_4, ``theta_1/(2 q**(1/4) sin v)``, ``theta_2/(2 q**(1/4) cos v)``,
+    ``-theta_2'/(2 q**(1/4) sin v)``, ``-theta_3'/(4 q sin 2v)``, ``theta_4'/(4 q sin 2v)``.
     """
 
     theta3: Any
@@ -117,7 +117,7 @@ class _Series(NamedTuple):
 
 
 def _series(q: Any, b1: Any) -> _Series:
-    """Sum the series; each multiple of the angle has its power of the nome: ``b_n <= q**(n/2)``."""
+    """Sum the series in ``b_n = 2 q**n cos 2 n v`` or ``2 q**n cosh 2 n w``, by recurrence."""
     square = q * q
     b2 = b1 * b1 - 2 * square
     b3 = b1 * (b2 - square)
@@ -150,7 +150,7 @@ def _inverse(value: Any) -> Any:
 
 
 def _choose(odd: Value, one: Any, other: Any) -> Any:
-    """Return ``one`` for an odd number of quarter periods, else ``other``; both may be numbers."""
+    """Return ``one`` where ``odd`` is 1, else ``other``; both are values or numbers."""
     if not isinstance(one, Value) and one == other:
         return one
     first, second = (Value(odd.code, odd.code.number(value)) for value in (one, other))
@@ -207,7 +207,7 @@ def _hyperbolic(code: Code, m: Any, m1: Any, K: Any, K1: Any, q: Any) -> list[An
 
 
 @njit()
-def _without(u: dd.Three, j: float, quarter: dd.Three) -> dd.Three:
+def _subtract_quarters(u: dd.Three, j: float, quarter: dd.Three) -> dd.Three:
     """Return u - j K as three floats, with an error of 2^-155 |u|."""
     high, e = dd.two_prod(quarter[0], j)
     middle, f = dd.two_prod(quarter[1], j)
@@ -226,9 +226,9 @@ def _reduce(phase: dd.Array, K: dd.Three, out: dd.Array) -> None:
     for i in range(phase.shape[1]):
         u, middle = dd.two_sum(phase[0, i], phase[1, i])
         first = np.floor(u / quarter + 0.5)
-        remainder = _without((u, middle, phase[2, i]), first, K)
+        remainder = _subtract_quarters((u, middle, phase[2, i]), first, K)
         second = np.floor(remainder[0] / quarter + 0.5)
-        high, middle, low = _without(remainder, second, K)
+        high, middle, low = _subtract_quarters(remainder, second, K)
         high, low = dd.quick_two_sum(high, middle + low)
         j = first - 4.0 * np.floor(0.25 * first) + (second - 4.0 * np.floor(0.25 * second))
         j -= 4.0 * np.floor(0.25 * j)
@@ -255,7 +255,8 @@ def reduced(phase: dd.Array, quarter: dd.Three) -> dd.Array:
 
 
 CONVERGED_CHANGE = 1e-50
-"""Largest relative change of a constant at twice the digits; three floats hold 48 digits."""
+"""Relative change of a constant, when digits are doubled, that counts as converged: three floats
+hold 48 digits."""
 
 
 class Numbers(NamedTuple):
@@ -268,7 +269,7 @@ class Numbers(NamedTuple):
 
 @dataclass(frozen=True)
 class Program:
-    """Values, xi and tau derivatives as a function of phases, Jacobi values, constants.
+    """Program for values and their xi and tau derivatives, from phases and Jacobi functions.
 
     The bytecode's inputs are the phases, then sn, cn, dn, zeta, theta of each call. ``calls`` has
     the index of each call's phase, ``requested`` which of the five functions it reads. ``fixed``
@@ -283,7 +284,7 @@ class Program:
     fixed: MpmathFormula
 
     def numbers(self, parameters: Sequence[Expr]) -> Numbers:
-        """Return the numbers at exact parameters; digits are doubled until nothing changes."""
+        """Compute the numbers at exact parameters with doubled digits until they converge."""
         digits, numbers = CONSTANT_DIGITS, self._fixed_with(CONSTANT_DIGITS, parameters)
         while True:
             digits, previous = 2 * digits, numbers

@@ -1,4 +1,4 @@
-"""The rational solutions with numbers in, from their polynomials A and B, in double-double.
+"""The rational solutions at given shifts, from their polynomials A and B, in double-double.
 
 Two bivariate Horner schemes with their derivatives: A and B of ``f = A + i B`` have degree d if x
 counts 1 and t counts 3. Their rows, polynomials in t, are summed once for points that share t. The
@@ -40,15 +40,18 @@ if TYPE_CHECKING:
 Workspace = tuple[Array, Array, Array, Array, Array, Array, Array, Array, Array]
 
 _VALUE, _X, _XX, _T, _XT = 0, 1, 2, 3, 4
-"""Rows of a polynomial's workspace: value and derivatives (_XX is half the second)."""
+"""Row numbers in a polynomial's workspace: value and derivatives; _XX is half the second one."""
 
 _STEPS = np.array([[_XX, _X], [_X, _VALUE], [_VALUE, -1], [_XT, _T], [_T, -1]])
-"""Source of each row in a Horner step: another row, or the polynomial in t (-1)."""
+"""Pairs (row, row added to it) of a Horner step, in order; -1 is the coefficient, a series in t."""
 
 
 @njit()
 def _step(z: Array, x: Array, y: Array, weight: Array) -> None:
-    """Compute ``z = z x + y weight``, the weights being powers of two; likewise for the sizes."""
+    """Compute ``z = z x + y weight`` for numbers and for their sums of the terms' magnitudes.
+
+    The weights are powers of two.
+    """
     for i in range(BLOCK):
         low, size = i + BLOCK, i + 2 * BLOCK
         product = multiply((z[i], z[low]), (x[i], x[low]))
@@ -60,8 +63,8 @@ def _step(z: Array, x: Array, y: Array, weight: Array) -> None:
 def _prepare(x: Array, t: Array, scales: Array, weights: Array) -> None:
     """Divide x by S, with ``|x| <= S`` and ``|t| <= S**3``; fill ``weights[n] = S**-n``.
 
-    ``scales`` holds 1/S. The sizes of x and t are set so that their errors are at most UNIT/4 of
-    them.
+    ``scales`` holds 1/S. The magnitudes stored with x and t are raised if needed, so that the
+    errors of x and t are at most UNIT/4 of them.
     """
     degree = weights.shape[0] - 1
     for i in range(BLOCK):
@@ -94,7 +97,7 @@ def _row(c: Array, first: int, step: int, t: Pair, square: Pair) -> tuple[Pair, 
 
 @njit()
 def _row_sizes(c: Array, t: float) -> tuple[float, float]:
-    """Return the sums of absolute values of a row's terms, and of those of its derivative."""
+    """Return the sum of the magnitudes of a row's terms, and that of its derivative's terms."""
     value = slope = 0.0
     for j in range(c.shape[0] - 1, -1, -1):
         slope = slope * t + value
@@ -152,7 +155,7 @@ def _dot(A: Bounded, a: Bounded, B: Bounded, b: Bounded) -> Bounded:
 
 @njit()
 def _lane(rows: Array, row: int, i: int, rounding: float) -> Bounded:
-    """Return the number of point ``i`` in a row of a flat workspace."""
+    """Return the bounded number of point ``i`` in a row of a flat workspace."""
     high, low, size = bounded.load(rows[3 * BLOCK * row : 3 * BLOCK * (row + 1)], i)
     return high, low, rounding * size
 
@@ -253,7 +256,7 @@ def workspace(degree: int) -> Workspace:
 
 
 class RationalEvaluator:
-    """U and its xi and tau derivatives at given shifts.
+    """Evaluator of a rational solution U and its xi and tau derivatives, at given shifts.
 
     Raises OverflowError for a coefficient beyond 1e-250 .. 1e250.
     """

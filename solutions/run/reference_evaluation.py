@@ -42,12 +42,12 @@ def evaluate_mp(
 ) -> tuple[Any, ...]:
     """Return U and its xi, tau and zeta derivatives times ``rates``, to ``digits`` digits, as mpf.
 
-    ``drift`` times the second value is subtracted from the third. With ``highest``, return U and
-    its xi derivatives up to that order instead. ``point`` is (x, t) or (x, t, z); xi = a x + d t,
-    tau = b t and zeta = e z for ``variables`` (a, b, d, e). Values of a complex U are mpc.
-    Derivatives are computed by differences: they use no derivative rules and so check these. The
-    working precision is doubled until two results agree, because the printed forms cancel near the
-    ends of their parameters' domains.
+    ``drift`` times the scaled xi derivative is subtracted from the scaled tau derivative. With
+    ``highest``, return U and its xi derivatives up to that order instead. ``point`` is (x, t) or
+    (x, t, z); xi = a x + d t, tau = b t and zeta = e z for ``variables`` (a, b, d, e). Values of a
+    complex U are mpc. Derivatives are computed by differences: they use no derivative rules and so
+    check these. The guard digits are doubled until two results agree, because the printed forms
+    cancel near the ends of their parameters' domains.
     """
     context, formula = _formula(expression, tuple(parameters))
     space_rate, time_rate, frame_rate, transverse_rate = variables
@@ -87,8 +87,8 @@ def _with_differences(
 ) -> list[Any]:
     """Return value and slopes, the slopes by differences at more than twice the precision."""
     step = context.ldexp(1, -context.prec)
-    size = max(1, *(context.mag(coordinate) for coordinate in coordinates))
-    with context.workprec(2 * context.prec + size):
+    magnitude = max(1, *(context.mag(coordinate) for coordinate in coordinates))
+    with context.workprec(2 * context.prec + magnitude):
         (value,) = formula(context, *coordinates, *parameters)
         slopes = [value]
         for direction in range(directions):

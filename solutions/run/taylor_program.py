@@ -48,7 +48,7 @@ def taylor_bytecode(
 def jacobi_series(
     code: Code, first: int, phase: Series, m: Any, mean: Any, count: int
 ) -> list[Series]:
-    """Return a phase's series of sn, cn, dn, zeta and Theta, inputs ``first`` to ``first + 4``.
+    """Return the series of a phase's sn, cn, dn, zeta, Theta: inputs ``first`` to ``first + 4``.
 
     ``m`` is their parameter and ``mean`` is E/K.
     """
@@ -74,7 +74,7 @@ def _of_product(x: Series, y: Series, n: int) -> Any:
 
 
 class _Expansion:
-    """Series of results from those of operands, ``count`` coefficients each."""
+    """Rules for the series of an operation's result from its operands', ``count`` terms each."""
 
     def __init__(self, code: Code, count: int) -> None:
         self._code, self._count = code, count
