@@ -412,9 +412,10 @@ def _checked_factors(
         raise ValueError(f"{name} factors must be within the chain, got {number} (0 is its first)")
     is_positive = (factors >= 0.0) & (factors < math.inf) & ((factors > 0.0) | (name == "spring"))
     if factors.shape not in ((), (count,)) or not is_positive.all():
+        least = ">= 0" if name == "spring" else "> 0"
         raise ValueError(
-            f"{name} factors must be positive, one or {count}, got {given} for {number} (1 changes "
-            "nothing; a spring's factor may be 0)"
+            f"{name} factors must be {least}, one number or {count}, got {given} at {number} "
+            "(1 changes nothing)"
         )
     return np.broadcast_to(factors, (count,))
 

@@ -128,7 +128,9 @@ class _Reader:
                 return self._bare[name](parts)
             kind = self._kinds(name)
             if kind is None:
-                raise ValueError(f"unknown type {name}")
+                raise ValueError(
+                    f"types in the data must be known, got {name} (of a newer version?)"
+                )
             return kind.build(self.value(parts))
         return tree
 

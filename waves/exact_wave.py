@@ -260,7 +260,9 @@ def _certificate(
     if not period > 2:
         raise ValueError(f"period must be more than 2 cells, got {period}")
     if not first_mode:
-        raise ValueError("first_mode must not be 0: the wave would be constant (such as 1/50)")
+        raise ValueError(
+            "first_mode must not be 0, got 0 (the wave would be constant; 1/50 is a small wave)"
+        )
     problem = PeriodicProblem.of(springs, period, numbers["mean"], first_mode)
     return periodic_certificate(problem, error)
 

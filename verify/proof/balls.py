@@ -275,7 +275,9 @@ def function_jet(function: type, jets: Sequence[Jet]) -> Jet:
         return inverse if above is None else jets[0].composed(ELEMENTARY[above]) * inverse
     if function not in ELEMENTARY or len(jets) > 1:
         got = f"{function.__name__}, stated or SymPy's form of a part"
-        raise ValueError(f"functions must have ball arithmetic, got {got} (write it by others)")
+        raise ValueError(
+            f"functions must have ball arithmetic, got {got} (express it by functions that have)"
+        )
     return jets[0].composed(ELEMENTARY[function])
 
 

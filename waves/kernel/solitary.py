@@ -184,7 +184,8 @@ def solitary_contraction(centre: SolitaryCentre) -> Contraction:
     reach = largest([inner, centre.outer_strain])
     widest = upper(reach + centre.embedding * centre.radius_bound)
     if not centre.range_bound >= widest and centre.force.polynomial is None:
-        raise CertificateError(f"range_bound must be at least {widest.str(6, radius=False)}")
+        least = widest.str(6, radius=False)
+        raise CertificateError(f"range_bound must be at least {least}, got {centre.range_bound}")
     p, e = centre.degree + 1, centre.taylor_rest
     curvature = _bound(_derivative(centre.nonlinear, 2), inner)
     edge_slope = _edge_slope(centre, slope) + rest / kappa.sqrt()
