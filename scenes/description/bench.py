@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from longwave.lattice.outer_forces import SiteForce
 from longwave.scenes.description import scene_checks as check
 from longwave.scenes.description.csv_table import number_list, with_columns
-from longwave.scenes.description.scene_checks import Entry, read_table, table
+from longwave.scenes.description.scene_checks import TableKey, read_table, table
 from longwave.scenes.description.stated_tables import StatedTables
 from longwave.support.user_files import shown
 
@@ -223,59 +223,63 @@ CELLS = partial(_numbers, of="numbers of cells")
 SENSOR_CELLS = partial(_numbers, of="cells", few=1)
 QUANTITIES = partial(check.names, known=SENSOR_QUANTITIES)
 AT_END = '`"fixed"`, `"free"`, or one of `displacement`, `velocity`, `force` as a formula in t'
-FIELD = Entry(lambda _, given: str(given), "field of the cell, the first unless stated", "")
-EVERY = Entry(check.positive, "time units between readings", math.inf, "every")
+FIELD = TableKey(lambda _, given: str(given), "field of the cell, the first unless stated", "")
+EVERY = TableKey(check.positive, "time units between readings", math.inf, "every")
 ON_CELLS = {
-    "site": Entry(FROM_0, "the cell"),
-    "value": Entry(lambda _, given: given, "a formula in t, or a list at the times `t`"),
+    "site": TableKey(FROM_0, "the cell"),
+    "value": TableKey(lambda _, given: given, "a formula in t, or a list at the times `t`"),
     "field": FIELD,
-    "t": Entry(lambda _, given: given, "times of the values in a list", None),
+    "t": TableKey(lambda _, given: given, "times of the values in a list", None),
 }
 
-KEYS: dict[str, Mapping[str, Entry]] = {
+KEYS: dict[str, Mapping[str, TableKey]] = {
     "chain": {
-        "sites": Entry(FROM_2, "number of cells", remedy="such as sites = 24"),
-        "left": Entry(_end, AT_END, "fixed"),
-        "right": Entry(_end, AT_END, "fixed"),
+        "sites": TableKey(FROM_2, "number of cells", remedy="such as sites = 24"),
+        "left": TableKey(_end, AT_END, "fixed"),
+        "right": TableKey(_end, AT_END, "fixed"),
     },
     "start": {
-        "rest": Entry(_rest, "`true`", ()),
-        "mode": Entry(
+        "rest": TableKey(_rest, "`true`", ()),
+        "mode": TableKey(
             partial(_parts, record=Mode), "a mode of a chain between fixed walls, or a list", ()
         ),
-        "impact": Entry(partial(_parts, record=Impact), "a velocity of a cell, or a list", ()),
+        "impact": TableKey(partial(_parts, record=Impact), "a velocity of a cell, or a list", ()),
     },
     "mode": {
-        "number": Entry(check.whole, "number of the mode, from 1", 1),
-        "amplitude": Entry(check.finite, "factor of its sine", None, "amplitude"),
+        "number": TableKey(check.whole, "number of the mode, from 1", 1),
+        "amplitude": TableKey(check.finite, "factor of its sine", None, "amplitude"),
     },
     "impact": {
-        "site": Entry(FROM_0, "the cell", 0),
-        "velocity": Entry(check.finite, "velocity of this cell", None),
+        "site": TableKey(FROM_0, "the cell", 0),
+        "velocity": TableKey(check.finite, "velocity of this cell", None),
         "field": FIELD,
     },
     **dict.fromkeys(FORCE_TABLES, ON_CELLS),
     "defects": {
-        "mass": Entry(_factors, "factors of masses, or tables by field", {}, field="masses"),
-        "spring": Entry(_factors, "factors of bonds' forces, or lists", {}, field="springs"),
+        "mass": TableKey(_factors, "factors of masses, or tables by field", {}, field="masses"),
+        "spring": TableKey(_factors, "factors of bonds' forces, or lists", {}, field="springs"),
     },
     "noise": {
-        "temperature": Entry(check.positive, "temperature of the bath, in units of energy", None),
-        "seed": Entry(FROM_0, "seed of its noise", 0),
+        "temperature": TableKey(
+            check.positive, "temperature of the bath, in units of energy", None
+        ),
+        "seed": TableKey(FROM_0, "seed of its noise", 0),
     },
     "observables": {
-        "sensors": Entry(lambda _, given: given, "a table of cells and quantities", {}),
-        "energy": Entry(_truth, "`true`: the energy, work and heat", False),
-        "mode_energies": Entry(MODES, "numbers of modes", (), "mode_energies", "modes"),
-        "flux": Entry(
+        "sensors": TableKey(lambda _, given: given, "a table of cells and quantities", {}),
+        "energy": TableKey(_truth, "`true`: the energy, work and heat", False),
+        "mode_energies": TableKey(MODES, "numbers of modes", (), "mode_energies", "modes"),
+        "flux": TableKey(
             CELLS, "the power through the bonds from these cells to the next", (), "flux"
         ),
-        "state": Entry(_truth, "`true`: all cells; the default if nothing else is observed", False),
+        "state": TableKey(
+            _truth, "`true`: all cells; the default if nothing else is observed", False
+        ),
         "every": EVERY,
     },
     "sensors": {
-        "sites": Entry(SENSOR_CELLS, "the cells", None, field="sensors"),
-        "of": Entry(
+        "sites": TableKey(SENSOR_CELLS, "the cells", None, field="sensors"),
+        "of": TableKey(
             QUANTITIES, "quantities read there", SENSOR_QUANTITIES[:1], "of in sensors", "sensed"
         ),
         "every": EVERY,

@@ -1,4 +1,4 @@
-"""Checks of a scene's fields, and a reader of tables whose keys are each declared by an `Entry`.
+"""Checks of a scene's fields, and a reader of tables whose keys are each declared by an `TableKey`.
 
 A check raises ValueError with a one-line message: argument, condition, value, remedy.
 """
@@ -66,11 +66,11 @@ LARGEST_WHOLE = 1e9
 """Largest whole number accepted; more cells would exceed any memory."""
 
 REQUIRED = object()
-"""Sentinel: `Entry.default` of a key that has no default and must be stated."""
+"""Sentinel: `TableKey.default` of a key that has no default and must be stated."""
 
 
 @dataclass(frozen=True)
-class Entry:
+class TableKey:
     """Declaration of a table's key: its check, its meaning and its default value.
 
     ``read`` takes the key's name and a value, checks the value and returns it. Messages call the
@@ -88,11 +88,11 @@ class Entry:
 
 
 def read_table(
-    name: str, entries: Mapping[str, Entry], given: object, where: str = ""
+    name: str, entries: Mapping[str, TableKey], given: object, where: str = ""
 ) -> dict[str, Any]:
     """Return the checked values of the table ``name`` by field: stated keys first, then defaults.
 
-    >>> read_table("noise", {"seed": Entry(whole, "of draws", 0)}, {})
+    >>> read_table("noise", {"seed": TableKey(whole, "of draws", 0)}, {})
     {'seed': 0}
     """
     stated = as_table(name, given)

@@ -46,7 +46,7 @@ LEMMA_BITS = 320
 Pair = tuple[sp.Expr, sp.Expr]
 """A sum within the left formula and one within the right formula that may be equal."""
 
-Key = tuple[str, int]
+FactorKey = tuple[str, int]
 """("number", prime or -1), or ("factor", index in the ring's list)."""
 
 
@@ -218,10 +218,10 @@ class SquareRoots:
     def __init__(self, field: Field, table: NodeTable) -> None:
         self._field, self._table = field, table
         self._places = {node: place for place, node in enumerate(field.nodes.places)}
-        self._rows: list[tuple[frozenset[Key], frozenset[int]]] = []
+        self._rows: list[tuple[frozenset[FactorKey], frozenset[int]]] = []
         self._images: dict[int, Element] = {}
 
-    def odd_factors(self, root: int) -> frozenset[Key]:
+    def odd_factors(self, root: int) -> frozenset[FactorKey]:
         """Return the factors of a square root's radicand that have odd powers in it."""
         image = self._field.image(self._field.nodes.all[root][1])
         return frozenset(key for key, power in self._exponents(image).items() if power % 2)
@@ -250,10 +250,10 @@ class SquareRoots:
             parts.append(self._table.add("Pow", base, str(power // 2)))
         return self._table.add("Mul", *(parts or [self._table.place(sp.S.One)])), roots
 
-    def _exponents(self, element: Element) -> Counter[Key]:
+    def _exponents(self, element: Element) -> Counter[FactorKey]:
         ring = element.ring
         unit, powers = ring.split(element.numerator)
-        exponents: Counter[Key] = Counter({("factor", i): n for i, n in powers.items()})
+        exponents: Counter[FactorKey] = Counter({("factor", i): n for i, n in powers.items()})
         exponents.subtract({("factor", i): n for i, n in element.powers.items()})
         for number, sign in ((unit.p, 1), (unit.q, -1)):
             for prime, power in sp.factorint(int(number)).items():
