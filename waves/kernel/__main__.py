@@ -7,6 +7,7 @@ import sys
 
 from .check import check_certificate
 from .limits import FILE_BYTES, CertificateError
+from .reading import without_doubles
 
 
 def main(arguments: list[str]) -> int:
@@ -19,7 +20,7 @@ def main(arguments: list[str]) -> int:
             text = file.read(FILE_BYTES + 1)
         if len(text) > FILE_BYTES:
             raise CertificateError(f"the file must have at most {FILE_BYTES} bytes")
-        data = json.loads(text)
+        data = json.loads(text, object_pairs_hook=without_doubles)
         for certificate in data if isinstance(data, list) else [data]:
             print(check_certificate(certificate), "accepted", sep="\n")
     except OSError as error:

@@ -34,7 +34,7 @@ def check_certificate(data: object) -> str:
     ctx.prec = record.integer("bits", MIN_BITS, MAX_BITS)
     try:
         return CHECKS[kind](record)
-    except (ValueError, ZeroDivisionError, OverflowError) as error:
+    except (ValueError, ZeroDivisionError, OverflowError, RecursionError) as error:
         raise CertificateError(str(error) or type(error).__name__) from error
     finally:
         ctx.prec = before
@@ -108,7 +108,8 @@ class PeriodicClaim:
             "speed": ends_of(self.speed_squared.sqrt()),
             "crest": ends_of(modes[0] + 2 * sum(modes[1:], arb(0)) + error),
         }
-        if len(self.springs) == 1 and self.springs[0].force.polynomial is not None:
+        nearest = [spring.neighbour for spring in self.springs] == [1]
+        if nearest and self.springs[0].force.polynomial is not None:
             numbers["energy"] = ends_of(energy(self.centre, self.radius))
         if self.near:
             numbers["distance"] = _distance(self.near, modes, self.radius)

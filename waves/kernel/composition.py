@@ -9,7 +9,7 @@ from flint import acb, arb
 
 from .cosine_series import Series, norm, polynomial_of, upper, values_at_steps
 from .force_text import Force
-from .limits import CertificateError
+from .limits import CertificateError, require_size
 
 ARCS = 192
 """Arcs that cover the circle |z| = rho."""
@@ -74,6 +74,7 @@ def _analytic(force: Force, f: Sequence[arb], nu: arb, reach: arb, strip: Strip)
     rho, margin, count = strip.rho, strip.margin, strip.samples
     if not (rho > nu and margin > reach and count > 2 * len(f)):
         raise CertificateError("strip must have rho > nu, margin > radius bound, enough samples")
+    require_size(4 * count * force.size)
     bounds = _bounds_on_circle(force, f, strip)
     samples = [force.taylor(acb(value), 2) for value in values_at_steps(f, count)]
     ratio = nu / rho
@@ -134,9 +135,11 @@ def _require_analytic(force: Force, values: Sequence[acb], margin: arb) -> None:
     Real and imaginary part of the strain are harmonic, so the rectangle around the values on the
     circle contains those on the annulus.
     """
-    low = min((value.real.lower() for value in values), key=float) - margin
-    high = max((value.real.upper() for value in values), key=float) + margin
-    side = max((abs(value.imag).upper() for value in values), key=float) + margin
+    low, high, side = values[0].real.lower(), values[0].real.upper(), arb(0)
+    for value in values:
+        low, high = low.min(value.real.lower()), high.max(value.real.upper())
+        side = side.max(abs(value.imag).upper())
+    low, high, side = low - margin, high + margin, side + margin
     for i in range(PIECES):
         for j in range(PIECES):
             part = acb(_piece(low, high, i), _piece(-side, side, j))

@@ -17,7 +17,7 @@ from functools import cached_property
 from flint import acb, acb_mat, arb, ctx, fmpq
 
 from .cosine_series import Series, entry, largest, norm, upper
-from .limits import CertificateError
+from .limits import CertificateError, require_size
 from .periodic import Contraction
 
 
@@ -81,6 +81,7 @@ def exponent_contraction(centre: ExponentCentre) -> Contraction:
     rows, width = range(-top, top + 1), len(centre.stiffness.modes) - 1
     if not abs(centre.fixed) <= top or centre.known(centre.fixed) != 1:
         raise CertificateError("the fixed component of the vector must be 1")
+    require_size(4 * (2 * top + 1) * (2 * (top + width) + 1))
     jacobian = _jacobian(centre)
     inverse = _inverse(jacobian)
     tail_rate = _least_rate(centre)
@@ -162,11 +163,12 @@ def _tail(centre: ExponentCentre, inverse: acb_mat, outside: Sequence[int], stif
             (weights[j] * centre.couplings[j] * abs(entry(modes, j - k)) for j in outside), arb(0)
         )
         worst = worst.max(upper(total))
+    least = _least_rate(centre)
+    beyond = upper(4 * stiffness / (least * least))
+    worst = worst.max(beyond)
     if outside:
         image = inverse * acb_mat(
             [[acb(centre.couplings[j] * entry(modes, j - k)) for k in outside] for j in rows]
         )
-        least = _least_rate(centre)
-        beyond = upper(4 * stiffness / (least * least))
         worst = worst.max(largest(_column_sums(image)) + beyond)
     return upper(worst)

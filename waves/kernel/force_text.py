@@ -11,7 +11,7 @@ from flint import acb, acb_series, arb, ctx, fmpq, fmpq_poly
 
 from .limits import CertificateError, decimal
 
-_TOKEN = re.compile(r"\s*(\d+\.?\d*(?:[eE][-+]?\d+)?|[A-Za-z]+|\*\*|[-+*/()])")
+_TOKEN = re.compile(r"\s*(\d+\.?\d*(?:[eE][-+]?\d+)?|[A-Za-z]+|\*\*|[-+*/()])", re.ASCII)
 
 
 def _right(z: acb_series) -> acb_series:
@@ -34,7 +34,9 @@ FUNCTIONS: dict[str, Callable[[acb_series], acb_series]] = {
 }
 """Analytic functions of the grammar, on power series."""
 
-MAX_TOKENS, MAX_POWER = 2000, 64
+MAX_TOKENS, MAX_POWER, MAX_NESTING = 2000, 64, 60
+MAX_HEIGHT = 50_000
+"""Bits of a coefficient of a polynomial force."""
 
 Node = tuple[Any, ...]
 
@@ -46,6 +48,11 @@ class Force:
     text: str
     node: Node
     polynomial: tuple[fmpq, ...] | None
+
+    @property
+    def size(self) -> int:
+        """Number of symbols."""
+        return len(_TOKEN.findall(self.text))
 
     def taylor(self, z: acb, terms: int) -> list[acb]:
         """Return the first ``terms`` Taylor coefficients at ``z``; not finite at poles."""
@@ -89,6 +96,7 @@ def read_force(text: str) -> Force:
 class _Parser:
     def __init__(self, tokens: Sequence[str]) -> None:
         self.rest = list(tokens)
+        self.depth = 0
 
     def take(self, *signs: str) -> str:
         return self.rest.pop(0) if self.rest and self.rest[0] in signs else ""
@@ -106,6 +114,14 @@ class _Parser:
         return node
 
     def signed(self) -> Node:
+        self.depth += 1
+        if self.depth > MAX_NESTING:
+            raise CertificateError(f"a force must have at most {MAX_NESTING} nested parts")
+        node = self._signed()
+        self.depth -= 1
+        return node
+
+    def _signed(self) -> Node:
         if self.take("-"):
             return "-", ("number", fmpq(0)), self.signed()
         return self.power()
@@ -141,6 +157,26 @@ def _polynomial(node: Node) -> fmpq_poly | None:
     left, right = map(_polynomial, parts)
     if left is None or right is None:
         return None
+    result = _combined(kind, left, right)
+    if result is not None:
+        _require_small(result.degree(), _height(result))
+    return result
+
+
+def _height(polynomial: fmpq_poly) -> int:
+    """Return the bits of the largest numerator or denominator."""
+    parts = [int(part) for c in polynomial.coeffs() for part in (c.p, c.q)]
+    return max((part.bit_length() for part in parts), default=0)
+
+
+def _require_small(degree: int, height: int) -> None:
+    if degree > MAX_POWER or height > MAX_HEIGHT:
+        raise CertificateError(
+            f"a polynomial force must have at most degree {MAX_POWER} and {MAX_HEIGHT} bits"
+        )
+
+
+def _combined(kind: str, left: fmpq_poly, right: fmpq_poly) -> fmpq_poly | None:
     if kind in "+-":
         return left + right if kind == "+" else left - right
     if kind == "*":
@@ -152,7 +188,9 @@ def _polynomial(node: Node) -> fmpq_poly | None:
         return left * (1 / exponent)
     if exponent.q != 1 or not 0 <= exponent <= MAX_POWER:
         return None
-    return left ** int(exponent.p)
+    power = int(exponent.p)
+    _require_small(left.degree() * power, _height(left) * power)
+    return left**power
 
 
 def _series(node: Node, r: acb_series, terms: int) -> acb_series:

@@ -8,6 +8,8 @@ from flint import fmpq
 
 MAX_MODES, MAX_BITS, MIN_BITS = 2000, 1024, 53
 FILE_BYTES = 20_000_000
+MAX_ENTRIES = 1_500_000
+"""Entries of the matrices of a linear problem, or symbols to evaluate of an analytic force."""
 MAX_DIGITS = 400
 
 
@@ -15,7 +17,24 @@ class CertificateError(ValueError):
     """A certificate that states or proves something else than it claims."""
 
 
-_NUMBER = re.compile(r"([-+]?\d+)(?:\.(\d*))?(?:[eE]([-+]?\d{1,4}))?(?:/(\d+))?")
+def shown(value: object) -> str:
+    """Return the first characters of a value; of an integer that is too long, its size.
+
+    >>> shown(10**5000)
+    'an integer of 16610 bits'
+    """
+    if isinstance(value, int) and value.bit_length() > 400:
+        return f"an integer of {value.bit_length()} bits"
+    return str(value)[:40]
+
+
+def require_size(entries: int) -> None:
+    """Raise CertificateError for a linear problem that is too large."""
+    if entries > MAX_ENTRIES:
+        raise CertificateError(f"the problem must have at most {MAX_ENTRIES} entries, {entries=}")
+
+
+_NUMBER = re.compile(r"([-+]?\d+)(?:\.(\d*))?(?:[eE]([-+]?\d{1,4}))?(?:/(\d+))?", re.ASCII)
 
 
 def decimal(text: object) -> fmpq:
@@ -26,7 +45,7 @@ def decimal(text: object) -> fmpq:
     """
     match = _NUMBER.fullmatch(text) if isinstance(text, str) and len(text) <= MAX_DIGITS else None
     if not match or (match[4] and (match[2] is not None or match[3])) or match[4] == "0":
-        raise CertificateError(f"a number must be a decimal or a fraction, got {str(text)[:40]!r}")
+        raise CertificateError(f"a number must be a decimal or a fraction, got {shown(text)!r}")
     whole, digits, power, below = match.groups()
     value = fmpq(int(whole + (digits or "")), int(below or 1))
     return value * fmpq(10) ** (int(power or 0) - len(digits or ""))

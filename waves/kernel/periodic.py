@@ -20,7 +20,7 @@ from flint import arb, arb_mat
 from .composition import Composed, Strip, composed, trimmed
 from .cosine_series import Series, entry, largest, norm, polynomial_of, shifted_sum, upper
 from .force_text import Force
-from .limits import CertificateError
+from .limits import CertificateError, require_size
 
 STIFFNESS_CUT = 1e-6
 """Norm of coefficients of V''(f) that are bounded instead of known in the linear problem."""
@@ -105,11 +105,11 @@ class PeriodicCentre:
 
     @cached_property
     def _mobility(self) -> list[arb]:
-        return [arb(1), *(self.mobility(j) for j in range(1, self.top + self.bandwidth + 1))]
+        return [arb(1), *(self.mobility(j) for j in range(1, self.top + self.bandwidth + 2))]
 
     @cached_property
     def _stretches(self) -> dict[int, list[arb]]:
-        count = self.top + self.bandwidth + 1
+        count = self.top + self.bandwidth + 2
         return {m: [self.stretch(m, j) for j in range(count)] for m, _ in self.laws if m > 1}
 
     def _factor(self, m: int, j: int) -> arb:
@@ -146,6 +146,7 @@ def contraction(centre: PeriodicCentre) -> Contraction:
     top, nu, omega = centre.top, centre.nu, centre.speed_squared
     if not (nu >= 1 and centre.weight > 0 and omega > 0 and centre.period > 0 and top >= 2):
         raise CertificateError("nu >= 1, weight > 0, speed squared > 0, period > 0 must hold")
+    require_size(top * (top + centre.bandwidth))
     jacobian = _jacobian(centre)
     inverse = approximate_inverse(jacobian)
     rows = [centre.weight, *(2 * nu**j for j in range(2, top + 1))]
@@ -235,7 +236,7 @@ def _tail_norm(centre: PeriodicCentre, inverse: arb_mat, rows: Sequence[arb]) ->
         below = range(max(top + 1, k - width), top + width + 1)
         total = sum((nu**i * abs(centre.coupling(i, k)) for i in below if i - k <= width), arb(0))
         worst = worst.max(upper(total / nu**k / omega))
-    outside = list(range(top + 1, top + width + 1))
+    outside = list(range(top + 1, top + max(width, 1) + 1))  # one at least: beyond, only the tail
     if outside:
         entries = [centre.coupling(j, k) for j in range(1, top + 1) for k in outside]
         image = inverse * arb_mat(top, len(outside), entries)

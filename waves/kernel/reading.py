@@ -7,7 +7,15 @@ from typing import Any
 
 from flint import arb, fmpq
 
-from .limits import CertificateError, decimal
+from .limits import CertificateError, decimal, shown
+
+
+def without_doubles(pairs: Sequence[tuple[str, Any]]) -> dict[str, Any]:
+    """Return a JSON object. Raises CertificateError if a key is there twice."""
+    data = dict(pairs)
+    if len(data) < len(pairs):
+        raise CertificateError("an object has a key twice")
+    return data
 
 
 class Record:
@@ -44,7 +52,7 @@ class Record:
         value = self.take(key)
         if type(value) is not int or not least <= value <= most:
             raise CertificateError(
-                f"{self._name}.{key} must be {least} to {most}, got {str(value)[:40]}"
+                f"{self._name}.{key} must be {least} to {most}, got {shown(value)}"
             )
         return value
 
@@ -62,7 +70,9 @@ class Record:
     def close(self) -> None:
         """Raise CertificateError if a key was not read."""
         if self._data:
-            raise CertificateError(f"{self._name} has unknown keys: {', '.join(self._data)[:80]}")
+            raise CertificateError(
+                f"{self._name} has unknown keys: {', '.join(map(str, self._data))[:80]}"
+            )
 
 
 Ends = tuple[arb, arb]

@@ -20,7 +20,7 @@ from flint import acb, arb, arb_mat, ctx
 from .composition import trimmed
 from .cosine_series import Series, entry, largest, norm, polynomial_of, product, upper
 from .force_text import Force
-from .limits import CertificateError
+from .limits import CertificateError, require_size
 from .periodic import Contraction
 
 TAYLOR_PIECES = 32
@@ -53,7 +53,7 @@ class SolitaryCentre:
     def taylor(self) -> Series:
         """Taylor coefficients of the force at rest."""
         if self.force.polynomial is not None:
-            return [arb(c) for c in self.force.polynomial]
+            return [*map(arb, self.force.polynomial), arb(0), arb(0)]
         return [c.real for c in self.force.taylor(acb(0), self.degree + 1)]
 
     @property
@@ -172,8 +172,10 @@ def _bound(coefficients: Sequence[arb], size: arb) -> arb:
 
 def solitary_contraction(centre: SolitaryCentre) -> Contraction:
     """Return the bounds of the map g - A F(g) about a centre. Raises CertificateError."""
-    if not (centre.gap > 0 and centre.sound_squared > 0 and centre.kappa > 0):
+    if not (centre.gap > 0 and centre.sound_squared > 0):
         raise CertificateError("speed must be above the speed of sound")
+    if not (centre.kappa > 0 and centre.half_length > 0):
+        raise CertificateError("kappa > 0 and half_length > 0 must hold")
     slope, rest = trimmed(
         polynomial_of(_derivative(centre.nonlinear, 1), centre.strain), arb(1), 1e-9
     )
@@ -229,6 +231,7 @@ def _matrix(
 def _linear_block(centre: SolitaryCentre, slope: Series) -> tuple[arb_mat, arb]:
     """Return the inverse B and the norm of I - A (I - W K_per) on (-d, d)."""
     top, width = centre.top, len(slope) - 1
+    require_size((top + 1) * (top + 1 + width))
     inside, outside = range(top + 1), range(top + 1, top + width + 1)
     identity = arb_mat(top + 1, top + 1, [arb(i == j) for i in inside for j in inside])
     block = identity - _matrix(centre, slope, inside, inside)

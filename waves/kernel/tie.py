@@ -23,7 +23,7 @@ from flint import arb, arb_mat, fmpq
 from .composition import trimmed
 from .cosine_series import Series, entry, largest, norm, product, shifted_sum, supremum, upper
 from .elliptic_pins import NearWave
-from .limits import CertificateError
+from .limits import MAX_MODES, CertificateError, require_size
 from .periodic import Contraction, approximate_inverse, column_norms, identity
 
 SPEEDS: dict[str, Callable[[fmpq], fmpq]] = {
@@ -74,6 +74,8 @@ class TiePiece:
         """Y_0 ... Y_N, and more until the others are below the cut."""
         top = self.top
         while not self.wave.rest(top) < CUT:
+            if top > MAX_MODES:
+                raise CertificateError("the modulus is too close to 1 for this many bits")
             top += 4
         return self.wave.modes(top)
 
@@ -157,6 +159,7 @@ def _series(u: arb, first: int) -> arb:
 def tie_contraction(piece: TiePiece) -> Contraction:
     """Return bounds in units of eps^2: y, Z0, Z1, and Z2 eps^2. Raises CertificateError."""
     top, (_, k4) = piece.top, piece.constants
+    require_size(top * (top + len(piece.stiffness[0])))
     jacobian = _jacobian(piece)
     inverse = approximate_inverse(jacobian)
     rows = [piece.weight, *(arb(2) for _ in range(2, top + 1))]
@@ -238,7 +241,7 @@ def _tail_norm(piece: TiePiece, inverse: arb_mat, rows: Sequence[arb], tail: arb
     for k in range(2, top + 1):
         total = sum((abs(shifted_sum(known, i, k)) for i in range(top + 1, k + width + 1)), arb(0))
         worst = worst.max(upper(total * tail))
-    outside = range(top + 1, top + width + 1)
+    outside = range(top + 1, top + max(width, 1) + 1)  # one at least: beyond, only the tail
     if outside:
         entries = []
         for j in range(1, top + 1):
