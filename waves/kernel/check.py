@@ -123,7 +123,7 @@ class PeriodicClaim:
             for s in self.springs
         )
         return (
-            f"The chain of unit masses with {springs} has a smooth even periodic wave f(n - v t) "
+            f"The chain of unit masses with {springs} has a smooth even periodic strain f(n - v t) "
             f"with {self.pins}."
         )
 
@@ -179,7 +179,7 @@ class SolitaryClaim:
         """The theorem in words."""
         return (
             f"The chain of unit masses with V'(r) = {self.springs[0].force.text} has a smooth even "
-            f"solitary wave f(n - v t), f in L^2 and not 0, with the speed v = {self.speed}."
+            f"solitary strain f(n - v t), f in L^2 and not 0, with the speed v = {self.speed}."
         )
 
 
@@ -304,10 +304,10 @@ class TieClaim:
         """The theorem in words."""
         return (
             f"For every 0 < eps <= {self.eps} the chain of unit masses with V'(r) = "
-            f"{self.force.text} has a smooth even periodic wave f(n - v t) with period, mean and "
+            f"{self.force.text} has a smooth even periodic strain f(n - v t) with period, mean and "
             f"first mode of eps Y, Y the {self.wave.form} wave of the modified KdV equation with "
-            f"k = {self.wave.k}. With the bounds below, sup |f - eps Y|/eps^3 is within "
-            "distance_over_eps3 and |v^2 - K2 - sigma_0 eps^2|/eps^4 within speed_over_eps4."
+            f"k = {self.wave.k}. Here distance_over_eps3 is sup |f - eps Y|/eps^3, and "
+            "speed_over_eps4 is |v^2 - K2 - sigma_0 eps^2|/eps^4."
         )
 
 
