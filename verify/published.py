@@ -36,7 +36,9 @@ def published() -> tuple[ProblemText, ...]:
 
 
 def chosen(names: Sequence[str] = (), others: Sequence[str] = ()) -> list[ProblemText]:
-    """Return the statements with these names or equations, or all; ValueError for an unknown name.
+    """Return the statements with these names or equations; without ``names``, all of them.
+
+    Raises ValueError for an unknown name and suggests a similar one, also from ``others``.
 
     >>> [text.name for text in chosen(["kdv_one_soliton"])]
     ['kdv_one_soliton']

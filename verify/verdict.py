@@ -131,7 +131,7 @@ SHOWN_PLACES = 4
 
 
 def on_each_side(places: Sequence[str], sites: Sequence[str] = ()) -> str:
-    """Return in words what a proof claims and leaves open where formulas are not smooth.
+    """Return in words that a proof holds on each side of ``places`` and apart from ``sites``.
 
     >>> on_each_side(["x = c*t"])
     'on each side of x = c*t, nothing said across it'

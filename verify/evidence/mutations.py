@@ -67,7 +67,7 @@ Change = tuple[str, sp.Expr]
 
 
 def _changes(node: sp.Expr) -> Iterator[Change]:
-    """Yield the changes of one node; those of a sum within a function belong to the sum's node."""
+    """Yield the changes of one node; a sum as a function's argument is changed at its own node."""
     if node.is_Add:
         for index, term in enumerate(node.args):
             rest = sp.Add(*node.args[:index], *node.args[index + 1 :])
@@ -132,7 +132,7 @@ class MutationCount:
 
 
 def count_mutants(form: ClosedForm) -> MutationCount:
-    """Decide every mutant of ``form`` (`verify.evidence.mutations`) in the form's own variables.
+    """Decide whether each mutant of ``form`` is a solution too; return the counts by outcome.
 
     >>> from longwave.solutions import closed_form
     >>> count = count_mutants(closed_form("kink"))

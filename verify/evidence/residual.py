@@ -28,7 +28,7 @@ from longwave.verify.proof.samples import rational_near
 from longwave.verify.verdict import Outcome, Verdict, timed
 
 SLACK_DIGITS = 4
-"""Digits that the decay from d1 to d2 digits may lack, for rounding at the worst point."""
+"""Between precisions of d1 and d2 digits log10 must fall by d2 - d1 less this, for rounding."""
 
 MOST_DIGITS = 10_000
 MINIMUM_GAP = 2 * SLACK_DIGITS + 1
@@ -43,7 +43,7 @@ class Decay:
     levels: tuple[float, ...]
 
     def falls(self) -> bool:
-        """Return whether each step from d1 to d2 digits lowers log10 by d2 - d1, minus the slack.
+        """Return whether log10 falls by d2 - d1 - `SLACK_DIGITS` or more from d1 to d2 digits.
 
         A residual below 10^-d counts as 10^-d.
 
@@ -80,7 +80,8 @@ def scientific(level: float) -> str:
 
 
 HALF_WIDTH = 4
-"""Variables are drawn within +-HALF_WIDTH; unbounded domains are cut HALF_WIDTH beyond 0."""
+"""Variables are drawn between -HALF_WIDTH and HALF_WIDTH.  A parameter's domain without an end is
+cut at the distance HALF_WIDTH beyond 0 or beyond its other end."""
 
 DENOMINATOR = 1009
 """Denominator of drawn values; a prime, so that no drawn value is exact in binary."""

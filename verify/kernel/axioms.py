@@ -33,7 +33,7 @@ class Function:
     jumps; "jump", none of these.  ``values`` is the range for real arguments with z ``between`` two
     numbers (None: not known to be real).  ``symmetry`` is "odd" or "even" in z, "same" if f is odd
     and has the sign of a real z, "inverse" if f(-z) = 1/f(z).  A ``free`` f satisfies no polynomial
-    relation and may be a generator.  ``below_one``, ``above_zero``: it needs a parameter < 1, > 0.
+    relation and may be a generator.  ``below_one``: its parameter must be < 1; ``above_zero``: > 0.
     """
 
     kind: str

@@ -89,7 +89,7 @@ class Interval:
         return Interval(low, high, low_open, high_open)
 
     def power(self, exponent: int) -> Interval:
-        """Return an interval that contains the integer powers of its numbers."""
+        """Return an interval that contains x**exponent, an integer power, for each x in it."""
         if exponent <= 0:
             return self.power(-exponent).inverse() if exponent else Interval(fmpq(1), fmpq(1))
         if exponent % 2 == 0 or self.is_not_negative:
@@ -121,7 +121,7 @@ class Interval:
         return Interval(low, high, self.high is None or self.high_open, self.low_open)
 
     def side(self) -> Interval:
-        """Return the half-line from 0 that contains it; the whole line if it has both signs."""
+        """Return the half-line from 0 that contains the interval; the line if it has both signs."""
         if self.is_below:
             return -(-self).side()
         return Interval(fmpq(0), None, self.is_positive) if self.is_not_negative else Interval()
@@ -157,7 +157,7 @@ POSITIVE, UNIT = Interval(fmpq(0), None, True), Interval(fmpq(-1), fmpq(1))
 
 
 def of_constant(value: arb) -> Interval:
-    """Return rational bounds of a ball; a bound 0 is open if the ball excludes 0."""
+    """Return rational bounds of the ball ``value``; a bound 0 is open if the ball excludes 0."""
     scaled = value * MICRO
     low, high = scaled.lower().floor().unique_fmpz(), scaled.upper().ceil().unique_fmpz()
     if low is None or high is None:

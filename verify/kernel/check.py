@@ -61,7 +61,7 @@ def opened(data: Mapping[str, Any]) -> Statement:
 
 
 def prove(statement: Statement, proof: Mapping[str, Any], part: bool = False) -> None:
-    """Raise CertificateError unless ``proof`` proves the statement; a ``part`` has no parts."""
+    """Raise CertificateError unless ``proof`` proves it; a ``part`` may not use equal parts."""
     field = registered(statement, proof, part)
     field.walk(statement.formulas)
     for equation in statement.equations:

@@ -53,11 +53,12 @@ class Denominators:
 
     @cached_property
     def _own(self) -> list[fmpq_mpoly]:
-        """Factors allowed to jump: 0 only where the statement is not smooth, or almost nowhere.
+        """Factors that are accepted although functions in them may jump.
 
-        They are divisors and arguments of logarithms in the statement (a part, without unknowns,
-        has none) and in the definitions of its functions; exponentials, which are nowhere 0; and,
-        if f does not jump, W(f), 0 where f is 0, and 1 + W(f), 0 at the branch point of W.
+        They are 0 only where the statement is not smooth, or almost nowhere: divisors and arguments
+        of logarithms in the statement (a part, without unknowns, has none) and in the definitions
+        of its functions; exponentials, which are nowhere 0; and, if f does not jump, W(f), 0 where
+        f is 0, and 1 + W(f), 0 at the branch point of W.
         """
         field, nodes, own = self._field, self._field.nodes, self._statement
         put = Substitution(nodes, own.variables, own.formulas)

@@ -68,9 +68,9 @@ class Hints:
 
 @dataclass(frozen=True)
 class Generator:
-    """Meaning of a generator: the node ``formula`` times ``scale``, a polynomial in others.
+    """Meaning of a generator: the node ``formula`` times ``scale``, in other generators.
 
-    The formula is a linear form plus another node; ``form`` has its pairs of factor and primitive.
+    The formula is a linear form plus a constant term; ``form`` has pairs (factor, primitive).
     """
 
     formula: int
@@ -97,7 +97,7 @@ class Slopes:
         return derivation(element)
 
     def slope(self, place: int, variable: int) -> Element:
-        """Return the derivative of generator number ``place``."""
+        """Return the derivative of generator number ``place`` in ``variable``."""
         if (place, variable) not in self._slopes:
             generator = self._field.generators[place]
             rate = self.rate(generator.formula, variable)
@@ -205,7 +205,7 @@ class Field:
             self.image(node)
 
     def _size(self, node: int) -> int | None:
-        """Return f if a node is an even power of abs(f), hence a power of f conj(f); else None."""
+        """Return the node of f if ``node`` is an even power of abs(f); None for any other node."""
         match self.nodes.all[node]:
             case ("Pow", base, exponent) if exponent.q == 1 and exponent.p % 2 == 0:
                 name, *inner = self.nodes.all[base]
@@ -273,7 +273,7 @@ class Field:
         return self.image(axiom(self.nodes, text, **letters))
 
     def sum(self, parts: Sequence[Element]) -> Element:
-        """Return the sum over a common denominator; parts with equal ones are added first."""
+        """Return the sum of ``parts``; those with equal denominators are added first, for speed."""
         by_denominator: dict[frozenset[tuple[int, int]], Element] = {}
         for part in parts:
             key = frozenset(part.powers.items())
@@ -299,7 +299,7 @@ class Field:
         return not real.isdisjoint(self.nodes.below([node]))
 
     def is_kept(self, name: str, f: int, value: int) -> bool:
-        """Return whether continuity shows that ``value`` is the principal ``name`` of ``f``."""
+        """Return whether continuity shows that ``value`` is ``name(f)``, such as atan(f)."""
         return any(rule(self, name, f, value) for rule in self.rules.tried("continuity", name))
 
     def derivative(self, element: Element, variable: int) -> Element:
@@ -307,7 +307,7 @@ class Field:
         return self.slopes.derivative(element, variable)
 
     def primitives(self, name: str) -> list[int]:
-        """Return the nodes of the function ``name`` from which generators are made."""
+        """Return the nodes with the function ``name`` that are registered in generators."""
         return self._primitives.get(name, [])
 
     def known(self, node: int) -> Element | None:
@@ -334,7 +334,7 @@ class Field:
             return False
 
     def renamed(self, node: int) -> int | None:
-        """Return the same function with the argument that a checked hint gives it; else None."""
+        """Return f(w) for a node f(z) with a hint z = w, which is checked; None without a hint."""
         name, *arguments = self.nodes.all[node]
         if name not in FUNCTIONS or FUNCTIONS[name].symmetry in ("", "same"):
             return None
@@ -373,7 +373,7 @@ class Field:
             self.register_forms([node], [((self.nodes.rational(1),), self.nodes.rational(0))])
 
     def register_forms(self, nodes: Sequence[int], rows: Sequence[Row]) -> None:
-        """Register as generators linear forms ``rows`` in ``nodes``, or a multiple of one root."""
+        """Register the linear forms ``rows`` of ``nodes``, or a multiple of one root."""
         relations = [self._relation(node) for node in nodes]
         for node in nodes:
             self._divide_by_argument(node)
@@ -398,7 +398,7 @@ class Field:
             self._add(node, value)
 
     def relate(self, place: int, degree: int, value: Element, factor: Element) -> fmpq_mpoly:
-        """Enter the relation of g = d * factor * root; return d: g**degree is a polynomial."""
+        """Enter g**degree for g = d * factor * root with root**degree = value; return d."""
         if place in value.places and not (factor - self.one).is_zero:
             raise CertificateError("a multiple of a root of unity is no generator")
         value = value * factor**degree
@@ -460,7 +460,7 @@ class Field:
         raise CertificateError(f"{self.nodes.all[node][0]} is no generator")
 
     def need_parameters(self, node: int) -> None:
-        """Check that the arguments besides z are in range, and constant except for a nome."""
+        """Check that the parameters of a function are in range, and constant except for a nome."""
         name, arguments = self.nodes.all[node][0], children(self.nodes.all[node])
         if name not in FUNCTIONS or FUNCTIONS[name].letters == "z" or name == "power":
             return
@@ -477,7 +477,7 @@ class Field:
                 self.image(z).inverse()
 
     def balls(self, balls: Balls) -> list[acb]:
-        """Return the values of the generators at the point of ``balls``."""
+        """Return balls around the generators' values, from the ``balls`` of nodes at a point."""
         values: list[acb] = []
         for generator in self.generators:
             rest = [*values, *[acb(0)] * (len(self.ring.names) - len(values))]
@@ -486,11 +486,11 @@ class Field:
 
 
 SINES = ("jacobi_cn", "jacobi_dn", "jacobi_epsilon", "jacobi_zeta")
-"""Functions that use the hint for sn of the same argument."""
+"""Functions whose argument is rewritten by the hint for jacobi_sn of the same argument."""
 
 
 def solved(table: list[list[Element]]) -> list[Element]:
-    """Solve linear equations by elimination; a row has coefficients, then the right-hand side."""
+    """Solve linear equations; a row of ``table`` has coefficients, then the right-hand side."""
     count = len(table)
     for column in range(count):
         pivot = next((i for i in range(column, count) if not table[i][column].is_zero), None)

@@ -26,7 +26,7 @@ TERMS = 80
 """Number of terms of Weierstrass' series, which is used where B |z|**2 < 1/16."""
 
 POSITIVE_SHIFT = arb(2) ** -60
-"""Added to a radicand that may be 0, since FLINT has no cube root of 0."""
+"""Number added to a radicand that may be 0, since FLINT has no cube root of 0."""
 
 
 class Jacobi:
@@ -97,7 +97,7 @@ class Jacobi:
 
 
 def weierstrass(z: acb, g2: acb, g3: acb) -> tuple[acb, acb]:
-    """Return p(z) and p'(z) with invariants g2, g3: halve z, then double points of the cubic."""
+    """Return p(z) and p'(z) with invariants g2, g3: the series at z/2**n, then n doublings."""
     bound = _upper(abs(g2) / 60).sqrt() + _upper(abs(g3) / 84 + POSITIVE_SHIFT).root(3)
     halvings = 0
     while not bound * abs(z) ** 2 < arb(1) / 16 and halvings < 64:
@@ -144,7 +144,7 @@ def theta_ball(z: acb, q: acb, jet: Jet) -> acb:
 
 
 def jet_ball(z: acb, jet: Jet) -> acb:
-    """Return a derivative of 1/gamma(z + s), which satisfies no algebraic differential equation."""
+    """Return a derivative of 1/gamma(z + s), which stands for the arbitrary function of ``jet``."""
     label, order = jet
     place = z + acb(arb(generic_shift(label)))
     terms, ctx.cap = ctx.cap, order + 1  # FLINT's series take the terms beyond for 0

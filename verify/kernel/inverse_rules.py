@@ -91,7 +91,7 @@ def inverse_function(field: Field, node: int) -> Element | None:
 
 
 def is_value(field: Field, name: str, f: int, value: int) -> bool:
-    """Return whether sin v = f for ``name`` asin, with v = ``value``; tan v by exp(2 i v)."""
+    """Return whether f is sin v, cos v or tan v for ``name`` asin, acos or atan; v is ``value``."""
     nodes = field.nodes
     if name == "atan":
         turned = field.image_of("exp", nodes.product(nodes.rational(2), nodes.add("I"), value))

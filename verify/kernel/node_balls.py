@@ -21,7 +21,7 @@ class Balls:
     """Balls around the nodes of a table, with its symbols at ``point``.
 
     ``turns`` puts roots, absolute values and signs on another branch: it maps their nodes to a
-    fraction r, for a factor exp(2 i pi r).  ``conjugate`` gives the formula of a conjugate there.
+    fraction r, for a factor exp(2 i pi r).  ``conjugate`` maps a node to its conjugate's node.
     """
 
     def __init__(

@@ -35,7 +35,7 @@ LONG = 20
 """Fewest terms of a numerator for which a quotient is evaluated instead of multiplied out."""
 
 WORK_PER_TERM = 50
-"""Operations charged per coefficient and value of t; order 9 of the rational family takes 40."""
+"""Operations charged per coefficient and value of t; rational solution 9 needs 40 of them."""
 
 Shape = tuple[int, frozenset[int]]
 """Power of D in an equation's denominator, and parities of its terms' orders (0 even, 1 odd)."""

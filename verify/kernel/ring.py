@@ -24,7 +24,7 @@ Powers = Mapping[int, int]
 
 
 class Ring:
-    """Ring of polynomials in ``count`` generators; ``factors`` has those of all denominators."""
+    """Ring of polynomials in ``count`` generators; ``factors`` are those of denominators."""
 
     def __init__(self, count: int) -> None:
         self.names = tuple(f"g{place}" for place in range(count))
@@ -244,7 +244,7 @@ class Derivation:
         return total(self.ring, parts).cancelled()
 
     def _factor_slope(self, place: int) -> tuple[fmpq_mpoly, bool]:
-        """Return a factor's derivative by `along`; with True it is divided by the factor."""
+        """Return a factor's derivative by `along`, and whether it was divided by the factor."""
         if place not in self._moved:
             factor = self.ring.factors[place]
             slope = self.along(factor)

@@ -42,7 +42,7 @@ def is_not_negative(field: Field, node: int, _exponent: fmpq) -> bool:
 def is_multiple(field: Field, node: int, exponent: fmpq) -> bool:
     """Return whether ``node`` is r f**s with r >= 0 and 0 < s <= ``exponent``, a principal root.
 
-    So is r f**s g**t if f and g are real and f + g > 0: then one of f and g is positive.
+    r f**s g**t is principal too if f and g are real and f + g > 0: one of them is positive.
     """
     nodes = field.nodes
     factors = nodes.all[node][1:] if nodes.all[node][0] == "Mul" else (node,)

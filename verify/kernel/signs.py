@@ -74,7 +74,7 @@ class Signs:
         return False
 
     def needed(self, name: str, *arguments: int) -> str:
-        """Return the condition on a function's parameter that is not shown; empty if none."""
+        """Return a condition on a function's parameter that is not shown, as "m < 1"; else ""."""
         own = FUNCTIONS[name]
         if own.below_one and not all(map(self.below_one, own.parameters(*arguments))):
             return "m < 1"
@@ -168,7 +168,7 @@ class Signs:
         return result
 
     def _beside_constant(self, node: int, bound: int, weak: bool) -> Interval:
-        """Return the bounds of a node if ``bound`` is ``node + c`` or ``c - node``, c constant."""
+        """Return bounds of a node if ``bound``, node + c or c - node, is > 0 (>= 0 if ``weak``)."""
         terms = self._nodes.terms(bound)
         rest = [term for term in terms if self._nodes.is_constant(term)]
         moving = [term for term in terms if term not in rest]

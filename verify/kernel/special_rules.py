@@ -23,7 +23,7 @@ ENDS: Mapping[str, tuple[str, str]] = {
     "elliptic_k": ("pi/2", ""),
     "elliptic_e": ("pi/2", "1"),
 }
-"""Elliptic functions at m = 0 and at m = 1, where K has a pole."""
+"""Elementary formulas of the elliptic functions at m = 0 and at m = 1."""
 
 
 def at_end(field: Field, node: int) -> Element | None:
@@ -82,7 +82,7 @@ HALF_ORDERS: Mapping[str, tuple[str, str]] = {
 
 
 def cylinder(field: Field, node: int) -> Element:
-    """Return a Bessel function by recurrence, from two orders with generators or from +-1/2."""
+    """Return a Bessel function by recurrence from two orders: of generators, or -1/2 and 1/2."""
     name, order, z = field.nodes.all[node]
     for other in field.primitives(name):
         _, v, w = field.nodes.all[other]
@@ -106,7 +106,7 @@ def cylinder(field: Field, node: int) -> Element:
 def _of_order(
     field: Field, node: int, pair: tuple[Element, Element], place: Element, steps: int
 ) -> Element:
-    """Return the Bessel function of order place + steps; ``pair``: orders place, place + 1."""
+    """Return the Bessel function of order place + steps from a ``pair``, place and place + 1."""
     name, _, z = field.nodes.all[node]
     up, down = map(field.ring.number, CYLINDER[name])
     lower, higher = pair

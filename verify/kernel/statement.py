@@ -154,7 +154,7 @@ def _equation(scope: Scope, text: object) -> int:
 
 
 def _check(statement: Statement) -> None:
-    """Check that equations have unknowns, formulas have none, and derivatives are in reals."""
+    """Check that equations have unknowns, formulas none, and no derivative is in an integer."""
     nodes, left_sides = statement.nodes, statement.equations
     if not 0 < len(left_sides) <= 8 or not 0 < len(statement.unknowns) <= 8:
         raise CertificateError("a statement must have 1 to 8 equations and solutions")

@@ -52,7 +52,7 @@ def angle_values(expressions: Iterable[sp.Expr], points: Sequence[Point]) -> dic
 
 
 def _relation(arcs: Sequence[sp.Expr], points: Sequence[Point]) -> list[int] | None:
-    """Return integer factors, one +-1, of the arcs and `UNIT` in a sum that is numerically 0."""
+    """Return integers n_i, one +-1, and n such that sum n_i arcs_i + n `UNIT` is 0 numerically."""
     columns = [[_value(part, point) for part in (*arcs, UNIT)] for point in points[:SAMPLE_POINTS]]
     known = [[v for v in column if v is not None] for column in columns if None not in column]
     count = len(arcs) + 1

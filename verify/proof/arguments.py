@@ -211,7 +211,7 @@ class IntegerCombinations:
         return [int(vector.get(m, sp.S.Zero) * self._scale) for m in self._monomials]
 
     def _written(self, row: list[int], given: list[sp.Expr], vectors: list[Vector]) -> sp.Expr:
-        """Return a basis vector as an expression: a given argument up to sign, if there is one."""
+        """Return the basis vector ``row`` as an expression, if possible as +- one of ``given``."""
         for argument, vector in zip(given, vectors, strict=True):
             integers = self._integers(vector)
             if integers == row:
@@ -279,7 +279,7 @@ class Arguments:
         return multiples[0] if len(multiples) == 1 else (shift, int(shift != 0))
 
     def exponent(self, z: sp.Expr) -> tuple[sp.Expr, Vector]:
-        """Return an exponent without its logarithms, and the logarithms with their factors."""
+        """Split the exponent ``z`` into a part without logarithms, and multiples of logarithms."""
         z = z.xreplace({node: definition(node) for node in z.atoms(*INVERSE)})
         return without_logarithms(z.xreplace(self._logarithms) if z.has(sp.log) else z)
 
@@ -313,7 +313,7 @@ class Arguments:
             self._exponents[sp.S.One] = None
 
     def _closes(self, base: sp.Expr) -> bool:
-        """Return whether a radicand is 1 - s**2 for a constant s in no other composite radicand."""
+        """Return whether ``base`` is 1 - s**2, with a constant s in no other composite radicand."""
         square = 1 - base
         if not (square.is_Pow and square.exp == 2 and square.base.is_Symbol):
             return False

@@ -97,7 +97,7 @@ class Constants:
         return self.reduced(total)
 
     def remainder(self, polynomial: fmpq_mpoly, other: fmpq_mpoly, place: int) -> fmpq_mpoly:
-        """Return the pseudo-remainder modulo ``other``, whose leading coefficient must not be 0."""
+        """Return the pseudo-remainder modulo ``other`` in constant number ``place``."""
         rows = self.coefficients(other, place)
         degree, lead, gen = len(rows) - 1, rows[-1], self.context.gens()[place]
         while (top := int(polynomial.degrees()[place])) >= degree:
@@ -135,8 +135,8 @@ class _Node:
 class CaseTree:
     """Real solutions of polynomial systems, solved for the symbols ``solve_for``, in that order.
 
-    An equation without these is solved for one of the ``others``.  ``left_out`` has conditions
-    under which more solutions may exist, ``unknown`` relations that may hold everywhere.
+    An equation without these symbols is solved for one of the ``others``.  ``left_out`` has
+    conditions under which more solutions may exist, ``unknown`` relations that may hold everywhere.
     """
 
     def __init__(
@@ -287,7 +287,7 @@ class CaseTree:
     def _nonlinear(
         self, node: _Node, rest: _Node, equation: fmpq_mpoly, place: int
     ) -> list[_Node] | SystemCase:
-        """Reduce the others modulo ``equation``; with no others it becomes a rule."""
+        """Reduce ``rest`` modulo ``equation`` in constant number ``place``, or make this a rule."""
         others = [e for e in rest.equations if int(e.degrees()[place])]
         if others:
             reduced = [self._constants.remainder(e, equation, place) for e in others]
@@ -314,7 +314,7 @@ class CaseTree:
         return [_Node(rest.equations, (*rules, rule), nonzero)]
 
     def _vanishing_square(self, inner: fmpq_mpoly, node: _Node) -> fmpq_mpoly | None:
-        """Return a squared factor of a discriminant whose zeros give real roots, else None."""
+        """Return f if f**2 divides a discriminant that may be < 0 where f is not 0; else None."""
         number, factors = inner.factor()
         odd = [factor for factor, power in factors if power % 2]
         rest = self._constants.context.constant(number)
@@ -354,7 +354,7 @@ class CaseTree:
         return True
 
     def _exponents_difference(self, equation: fmpq_mpoly) -> fmpq_mpoly | None:
-        """Return the difference of exponents for an equality of real exponentials, else None."""
+        """Return u - v if ``equation`` is c exp(u) - c exp(v) with real u and v; else None."""
         terms = list(equation.terms())
         used = [self._constants.all[place] for place in self._constants.used(equation)]
         if len(terms) != 2 or terms[0][1] != -terms[1][1]:

@@ -52,7 +52,7 @@ def prove_form(form: ClosedForm) -> ProofVerdict:
 
 
 def _problems(form: ClosedForm) -> Sequence[Callable[[ClosedForm], Problem]]:
-    """Return functions that build the problem to prove for ``form``, then its other statements."""
+    """Return functions that build problems of ``form``: first the one to prove, then the others."""
     return (lab_problem, own_problem) if form.equation.normal == "mKdV" else (own_problem,)
 
 

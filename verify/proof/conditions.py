@@ -124,7 +124,7 @@ def solve_statement(
 
 
 def conditional_sentence(verdict: ConditionalVerdict) -> str:
-    """Return the answer in LaTeX: a sentence for each case, and whether there are others."""
+    """Return the answer in LaTeX: a sentence for each case, and whether there are other cases."""
     if verdict.outcome is Outcome.UNDECIDED:
         return f"% {verdict.name}: UNDECIDED: {verdict.detail}"
     names = ", ".join(map(name_latex, verdict.solved))
@@ -205,7 +205,7 @@ class _Search:
         return solved, further
 
     def _system(self, statement: Statement) -> ResidualSystem:
-        """Return the conditions from the residuals of all equations."""
+        """Return the conditions under which the residuals of all equations vanish."""
         system = ResidualSystem()
         residuals = [with_exponentials(residual_of(statement, e)) for e in statement.equations]
         system.unknown |= dict.fromkeys(_doubts(statement, residuals))
@@ -224,7 +224,7 @@ class _Search:
 
 
 def _doubts(statement: Statement, residuals: Sequence[sp.Expr]) -> Iterator[str]:
-    """Yield reasons why the statement may hold with nonzero coefficients, such as few sites."""
+    """Yield reasons why it may hold although coefficients are not 0, e.g. finitely many sites."""
     if reason := typed_values(statement).difference(residuals):
         yield reason
     for variable in statement.variables:
@@ -244,10 +244,10 @@ def _constants(system: ResidualSystem, degenerate: Sequence[Sequence[Terms]]) ->
 def with_phase(
     residual: sp.Expr, statement: Statement, fixed: Sequence[sp.Symbol]
 ) -> tuple[sp.Expr, tuple[sp.Symbol, ...], sp.Expr]:
-    """Replace n and d by the variable ``b*n + d``, if d is free and not ``fixed`` and it removes n.
+    """Replace ``b*n + d`` by a new variable if d is arbitrary, not ``fixed``, and n disappears.
 
-    A residual that is 0 for all n and d is 0 for all arguments; shifts add constants to them.
-    Returns the residual, its variables, and b*n if one was replaced, else 0.
+    A residual that is 0 for all n and d is 0 for all values of ``b*n + d``.
+    Returns the residual, its variables, and b*n; 0 instead of b*n if nothing was replaced.
     """
     moving = residual.free_symbols & set(statement.variables)
     arguments = {sp.expand(f.args[0]) for f in residual.atoms(sp.Function)}

@@ -44,7 +44,7 @@ def real_parts(terms: Terms) -> list[Terms]:
 
 
 def _centred(terms: Terms) -> Terms:
-    """Divide by powers of complex exponentials, so that each has powers from about -n to n."""
+    """Divide by powers of complex exponentials, so that the exponents of each are around 0."""
     turns = {g for monomial in terms for g, _ in monomial if is_turn(g)}
     middles = {}
     for g in turns:

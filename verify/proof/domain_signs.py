@@ -157,7 +157,7 @@ class DomainSigns:
         return self._factored(node) or total
 
     def _beside_ends(self, node: sp.Expr) -> Iterator[Interval]:
-        """Yield ranges of a sum r*(symbol - bound) + c, or r*(exp(z) - 1) with z > 0, for r > 0."""
+        """Yield ranges of ``node`` as r*(symbol - bound) + c or r*(exp(z) - 1), r > 0, z > 0."""
         excess = excess_of_exponential(node)
         if excess is not None and self.is_positive(excess[1].args[0]):
             yield POSITIVE
@@ -246,7 +246,7 @@ def _hull(parts: Sequence[Interval]) -> Interval:
 
 
 def _from_least(parts: Sequence[Interval]) -> Interval:
-    """Return the half-line that starts at the smallest lower end."""
+    """Return the half-line upwards from the smallest lower end of the intervals ``parts``."""
     low, is_open = min((part.ends[0] for part in parts), key=lambda end: (end[0] is not None, *end))
     return Interval(low, None, is_open)
 
@@ -256,7 +256,7 @@ def _times(left: Interval, right: Interval) -> Interval:
 
 
 def _power(base: Interval, exponent: sp.Expr) -> Interval | None:
-    """Return the range of a power where it is smooth; a base to a negative power is not 0."""
+    """Return the range of a power where it is smooth, without base 0 for a negative exponent."""
     if not (exponent.is_Integer or base.is_not_negative):
         return None
     if not exponent.is_Rational:

@@ -49,7 +49,7 @@ class Domain:
     def chain(
         self, name: str, text: Callable[[sp.Expr], str] = str, signs: tuple[str, str] = ("<", "<=")
     ) -> str:
-        """Return the inequalities of ``name``, with ends written by ``text``."""
+        """Return e.g. ``0 < k <= 1``: ends are written by ``text``, strict and weak ``signs``."""
         below, above = (signs[not is_open] for is_open in (self.lower_open, self.upper_open))
         left = "" if self.lower == -sp.oo else f"{text(self.lower)} {below} "
         right = "" if self.upper == sp.oo else f" {above} {text(self.upper)}"

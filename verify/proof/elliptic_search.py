@@ -66,12 +66,12 @@ class EllipticSearch:
             self._register_basis(z, m, node.func if node.func not in TRIPLE else None)
 
     def _root(self, base: int, exponent: str, root: sp.Expr) -> None:
-        """Record that the root of the node ``base`` equals ``root`` as SymPy writes it."""
+        """Record that the power of the nodes ``base`` and ``exponent`` equals SymPy's ``root``."""
         self._need(root)
         self._writer.name(place=self._add("Pow", base, exponent), value=self._place(root))
 
     def _register_basis(self, z: sp.Expr, m: sp.Expr, second: type | None) -> None:
-        """Register the Jacobi functions of the basis arguments whose combination is ``z``."""
+        """Register the Jacobi functions, and ``second`` if any, of the basis arguments in ``z``."""
         variable, constant = self._arguments.parts(z)
         terms = []
         parts = (self._arguments.moving(m), variable), (self._arguments.fixed(m), constant)

@@ -12,7 +12,7 @@ from .case_tree import Constants, SystemCase
 from .factors import factors_of
 
 MOST_RELATIONS = 3
-"""Most algebraic constants, with known squares, in which a square root is written."""
+"""Most algebraic constants of which products are tried in order to write a square root."""
 
 LONGEST_SIMPLIFIED = 60
 """Most operations of a quotient of exponentials in which hyperbolic functions are sought."""
@@ -191,7 +191,7 @@ def in_squares(value: sp.Expr, squares: Squares) -> sp.Expr:
 
 
 def _divided(value: sp.Expr, factor: sp.Expr, other: sp.Expr) -> sp.Expr:
-    """Divide the numerator by ``factor``, and write ``other``, equal to it, in its place."""
+    """Replace ``factor`` in the numerator by ``other``, which equals it, by division with rest."""
     above, below = sp.fraction(value)
     function = min(factor.atoms(sp.Function), key=sp.default_sort_key)
     if not above.is_polynomial(function):

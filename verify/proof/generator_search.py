@@ -83,7 +83,7 @@ class GeneratorSearch:
 
     @staticmethod
     def _factors_in(node: sp.Expr, value: sp.Expr) -> sp.Expr:
-        """Return the hinted ``value``; for a logarithm, also exp of its terms without log."""
+        """Return the hinted ``value``; for a logarithm, also exp of each term without a log."""
         if not isinstance(node, sp.log):
             return value
         terms = [term for term in sp.Add.make_args(value) if not term.has(sp.log)]
@@ -183,7 +183,7 @@ class GeneratorSearch:
             self._writer.name(place=place, value=self._add("Pow", finest, f"{whole // degree}"))
 
     def _angle(self, node: sp.Expr, value: sp.Expr) -> None:
-        """Register the exponential that checks an arc's value; for asin f, show 1 - f**2 > 0."""
+        """Register exp(i value), for atan exp(2 i value), as check; for asin f, 1 - f**2 > 0."""
         self.need(sp.I)
         turned = [self._place(part) for part in (sp.I, value)]
         if isinstance(node, sp.atan):

@@ -122,9 +122,10 @@ def with_dummies(expressions: Iterable[sp.Expr], hidden: set[sp.Expr]) -> list[s
 def independent_forms(
     expressions: Sequence[sp.Expr], arguments: Arguments, hidden: set[sp.Expr], point: Point
 ) -> tuple[list[sp.Basic], list[sp.Expr], list[list[sp.Expr]]]:
-    """Return pivots, other primitives, and independent linear forms as rows of their factors.
+    """Return pivot primitives, other primitives, and the coefficient rows of independent forms.
 
-    The primitives are variables and, for epsilon(u), the pair (u, m).  Independence is judged by
+    A row has the coefficients of the pivots, then those of the others.  The primitives are
+    variables and, for epsilon(u), the pair (u, m).  Independence is judged by
     balls at ``point``; any choice gives valid generators.
     """
     written = with_one_integral(with_dummies(expressions, hidden), arguments.dependence)
@@ -152,7 +153,7 @@ def independent_forms(
 
 
 def _by_argument(form: Form, arguments: Arguments) -> dict[sp.Basic, sp.Expr]:
-    """Return a linear form with pairs (u, m) for epsilon(u), up to the sign of u."""
+    """Return a linear form with the pair (u, m) or (-u, m) as key in place of epsilon(u)."""
     factors: dict[sp.Basic, sp.Expr] = {}
     for primitive, value in form.items():
         key: sp.Basic = primitive

@@ -178,7 +178,7 @@ def split_outside(text: str, separators: str) -> list[str]:
 
 
 def _conditions(given: Parts, spelling: Spelling) -> tuple[list[str], list[str]]:
-    """Return the parts parameters and domain; each condition is assigned by its name."""
+    """Return the texts of parameters and domain, each condition in that of the name it limits."""
     entries, values = dict[str, list[str]](), dict[str, str]()
     for text in (*given["parameters"], *given["domain"]):
         last, waiting = "", list[str]()
@@ -210,7 +210,9 @@ def _assign(
     values: dict[str, str],
     spelling: Spelling,
 ) -> str:
-    """Add a condition to those of its name; return the name, for the next unnamed condition."""
+    """Add the condition ``chunk`` to the ``entries`` of its name; return that name.
+
+    An unnamed condition belongs to ``last``.  ``waiting`` names share the next condition."""
     named = re.match(rf"(?:(?:real|const)\s+)?([A-Za-z]\w*){_IS}(.*)$", chunk)
     if chunk in _DOMAIN_WORDS and last:
         entries.setdefault(last, []).append(_DOMAIN_WORDS[chunk])

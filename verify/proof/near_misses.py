@@ -30,7 +30,7 @@ from .typed_statement import Statement, StatementTexts, StatementTrees, names_in
 from .typed_values import TypedValues
 
 SIGNS, EXPONENTS, HALVES, OTHERS = range(4)
-"""Ranks of changes: the order of their trial, after exchanges of modulus and parameter."""
+"""Ranks of changes in the order of trial: signs, exponents or shifts, factors 2 or 1/2, others."""
 
 FACTORS = {
     **{Fraction(text): HALVES for text in ("2", "1/2")},
@@ -63,7 +63,7 @@ class NearMiss:
         return read_statement(texts.equations, texts.solutions, *limits, name=name, variables=named)
 
     def hint(self, verdict: StatementVerdict, proof: StatementVerdict) -> StatementVerdict:
-        """Return a refutation with this change as its hint, and with what its proof leaves open."""
+        """Return the refutation ``verdict`` with this change, proved by ``proof``, as hint."""
         only = f", {proof.restriction}" if proof.restriction else ""
         places = f" ({'; '.join(proof.nonsmooth_lines)})" if proof.nonsmooth_lines else ""
         words = f"it holds with {self.change}{only}{places}: {self.text}"
@@ -71,7 +71,7 @@ class NearMiss:
 
 
 def with_hint(statement: Statement, verdict: StatementVerdict) -> StatementVerdict:
-    """Return the verdict; if it is a refutation, with a proved change as hint, if one is found.
+    """Return the verdict; a refutation gets a hint if a change of the statement is proved.
 
     >>> from longwave.verify.proof.statement_text import read_statement
     >>> wrong = read_statement("u_t + u_x", "u = exp(x + t)")
@@ -113,7 +113,7 @@ class _Witness:
 
 
 def _is_as_strong(witness: _Witness, trees: StatementTrees) -> bool:
-    """Return whether changed ``trees`` lose no variable and have no equation ``u_x - u_x``."""
+    """Return whether ``trees`` keep every variable of the formulas and no equation always holds."""
     letters = [syntax.Name(name) for name in trees.variables]
     terms = [syntax.Product((syntax.Number(Fraction(1, i + 3)), v)) for i, v in enumerate(letters)]
     terms.append(syntax.Product((*letters, *letters)))

@@ -27,10 +27,10 @@ MORE_POINTS = 40
 """Number of further points at which an unproved formula is evaluated."""
 
 LARGEST_JET_POWER = 64
-"""Highest power of a derivative that is written as a product."""
+"""Highest power of the unknown or a derivative that is written as a list of factors."""
 
 LARGEST_POWER = 13
-"""Lowest power of a sum with the unknown that is not expanded."""
+"""A power of a sum with the unknown is expanded if its exponent is lower than this."""
 
 NO_POLYNOMIAL = "equations must be polynomials"
 """Beginning of the reason that an equation is not a polynomial."""

@@ -124,7 +124,7 @@ def _proved(problem: Problem) -> ProofVerdict:
 
 
 def accepted(problem: Problem, certificate: Certificate) -> ProofVerdict:
-    """Return the verdict PROVED if the checker accepts the certificate; raises its error."""
+    """Return the verdict PROVED; raises CertificateError if the checker rejects the certificate."""
     statement = check_certificate(certificate)
     places = singularities(problem.expressions, problem.domains)
     return _verdict(

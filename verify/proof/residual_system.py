@@ -60,7 +60,9 @@ class ResidualSystem:
         _Coefficients(problem, self).collect()
 
     def judge_phase(self, rest: sp.Expr, variables: Sequence[sp.Symbol]) -> None:
-        """Record cases lost by a free constant added to ``rest``: those where it is constant."""
+        """Record when the replacement of ``rest`` plus a constant by a variable loses cases.
+
+        It does where ``rest`` is constant or has finitely many values up to periods."""
         vector = argument_vector(rest, Dependence(variables))
         if rest == 0:
             return
@@ -171,7 +173,7 @@ class _Coefficients:
                 self._system.degenerate += [[entry] for entry in self._meanings.scale(place)]
 
     def _judge_form(self, form: sp.Expr, present: set[sp.Expr]) -> None:
-        """Treat a linear form as an independent variable, or record that this is not known."""
+        """Record when a linear form depends on other generators, or that this is not known."""
         others = [g for g in present if g in self._meanings.forms and g != form]
         vector = argument_vector(form, self._dependence)
         rest = [c for (v, _), c in vector.items() if v not in present] if vector else []

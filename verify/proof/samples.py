@@ -10,7 +10,7 @@ import sympy as sp
 from .domains import Domain, Domains, Point, in_order
 
 DENOMINATORS = (1009, 2147483647, 65537, 1009)
-"""Prime denominators of drawn values; several, so that no small multiple of all is whole."""
+"""Prime denominators of drawn values; no small integer times all values gives integers."""
 
 SIZES = (1, 1, 1, 4, 4, sp.Rational(1, 30), 30, sp.Rational(1, 1000), 1000)
 """Scales of values drawn from an unbounded domain; most are moderate, where balls are narrow."""
@@ -92,7 +92,7 @@ def _value(
 
 
 def _length(end: sp.Rational, scale: sp.Rational) -> sp.Rational:
-    """Return the largest distance from an end to draw: |scale|, or to the other side of 0."""
+    """Return the largest distance from ``end`` to draw: |scale|, or 2 |end| to cross 0."""
     return abs(scale) if scale > 0 or end >= 0 else -2 * end
 
 

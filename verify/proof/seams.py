@@ -46,10 +46,10 @@ BRANCH_AT_ONE = ("asin", "acos", "atanh", "acosh")
 """Inverse functions with branch points where the argument is 1 or -1."""
 
 POLES = {"tan": "cos", "sec": "cos", "cot": "sin", "csc": "sin", "coth": "sinh", "csch": "sinh"}
-"""Functions with poles on the real axis, and the function that is 0 there."""
+"""Functions with poles on the real axis, each with the function that is 0 at these poles."""
 
 SAFE = ("exp", "sin", "cos", "sinh", "cosh", "tanh", "sech", "erf")
-"""Functions whose text in SymPy differs from the typed one only in notation."""
+"""Functions that SymPy does not rewrite: it prints them as typed, up to notation."""
 
 LONGEST_PLACE = 60
 """Most characters of a place that is not abbreviated."""
@@ -128,7 +128,7 @@ class _Finder:
         self._variables = {str(v): v for v in statement.variables}
 
     def seams(self, formula: FormulaTree, inside: bool | None = False) -> Iterator[Seam]:
-        """Yield seams; poles and log 0 are seams only ``inside`` functions, never if it is None."""
+        """Yield seams; a pole or log 0 is one only with ``inside`` True, within a function."""
         match formula:
             case Power(parts=(Call(name="abs", parts=parts), exponent)) if _is_even(exponent):
                 pass  # f times its conjugate
@@ -164,7 +164,7 @@ class _Finder:
             yield from self.seams(part, inside)
 
     def _branch(self, argument: FormulaTree, finite: bool = True) -> Iterator[Seam]:
-        """Yield the cut of a root or logarithm; for a real argument, the branch point if finite."""
+        """Yield the cut of a root or logarithm; for a real argument its zero, if ``finite``."""
         if not self._is_real(argument):
             yield from self._cut("im", argument)
         elif finite:
@@ -177,7 +177,7 @@ class _Finder:
             yield Seam(f"{part}({self._text(argument)}) = 0", False)
 
     def _zero(self, argument: FormulaTree, line: str = "", jumps: bool = False) -> Iterator[Seam]:
-        """Yield where a formula with a variable may be 0; a product where one of its factors is.
+        """Yield the seams where a formula with a variable may be 0; for a product, by factors.
 
         ``line`` is that of the product; if it ``jumps``, constant factors have lines of their own.
         """

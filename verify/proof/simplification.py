@@ -184,7 +184,7 @@ class Rewriting:
         return None
 
     def _factors(self, product: sp.Expr, degree: int) -> Sequence[sp.Expr]:
-        """Return a product's factors, or a sum's if one is a power >= ``degree`` or no sum."""
+        """Return factors of a product, or of a sum if one is a power >= ``degree`` or no sum."""
         if product.is_Mul:
             return tuple(product.args)
         below = product.is_Pow and product.exp == -1
@@ -233,7 +233,7 @@ class Rewriting:
 
 
 def _in_one_exponential(total: sp.Expr) -> tuple[sp.Expr, dict[sp.Basic, sp.Expr]]:
-    """Replace exp(z) and exp(-z) in a sum by powers of a symbol; also return its value."""
+    """Replace the exponentials in a sum by powers of one symbol E; also return {E: value}."""
     exponentials = sorted(total.atoms(sp.exp), key=lambda node: (node.count_ops(), str(node)))
     for base in exponentials:
         ratios = [sp.cancel(node.args[0] / base.args[0]) for node in exponentials]
@@ -264,7 +264,7 @@ SQUARES: Mapping[Any, Callable[..., dict[sp.Expr, sp.Expr]]] = {
     jacobi_cn: lambda f, z, m: {1 - f**2: jacobi_sn(z, m), 1 - m + m * f**2: jacobi_dn(z, m)},
     jacobi_dn: lambda f, z, m: {1 - f**2: sp.sqrt(m) * jacobi_sn(z, m)},
 }
-"""For each function f, expressions in f that are a square, mapped to a square root."""
+"""For each function f, expressions in f and a formula whose square each of them equals."""
 
 
 def _squared_function(total: sp.Expr) -> sp.Expr | None:

@@ -50,7 +50,7 @@ def power(exponent: Fraction) -> Callable[[acb, int], Series]:
 
 @contextmanager
 def _terms(count: int) -> Iterator[None]:
-    """Set the number of terms of FLINT's series; the default is 10, with the others taken as 0."""
+    """Set the number of terms of FLINT's series in a block; the default is only 10 terms."""
     before, ctx.cap = ctx.cap, count
     try:
         yield

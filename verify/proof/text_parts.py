@@ -145,7 +145,7 @@ def symbol_of(name: str, domain: Domain) -> sp.Symbol:
 
 
 def _linear(gap: sp.Expr, sign: str, own: sp.Symbol) -> Domain | None:
-    """Return the domain of ``own`` where ``gap`` > 0 (or <, >=, <=); None if it is not linear."""
+    """Return the domain of ``own`` where ``gap`` ``sign`` 0; None if ``gap`` is not linear."""
     slope = sp.expand(gap).coeff(own, 1)
     end = sp.expand(gap) - slope * own
     if not slope.is_Rational or slope == 0 or end.has(own) or sign == "!=":

@@ -80,7 +80,7 @@ class TypedBalls:
         return tuple([*steps].count(letter) for letter in self.letters)
 
     def _need(self, formula: FormulaTree, tops: set[ball_jets.Index]) -> None:
-        """Record the derivatives of unknowns that the derivatives ``tops`` of a formula need."""
+        """Record which derivatives of unknowns the derivatives ``tops`` of a formula contain."""
         if isinstance(formula, syntax.Unknown | syntax.Derivative):
             tops = {_sum(top, self.steps_of(formula.steps)) for top in tops}
         if isinstance(formula, syntax.Unknown):

@@ -39,7 +39,7 @@ THOROUGH = ((BITS[0], 48), (BITS[1], 48), (BITS[2], 8), (BITS[3], 8))
 """Bits and number of points in each pass of the search for a failure if no proof is found."""
 
 FIRST_INTEGERS, MOST_COMBINATIONS = 4, 16
-"""Width of the range of integers tried at an end of a domain or about 0; most combinations."""
+"""Width of the integer range tried at a domain's end or around 0; most combinations of integers."""
 
 COMPLEX = ("2/3 + 5/7*I", "-3/5 + 4/9*I", "-7/8 - 3/4*I", "5/4*I", "11/7")
 """Values in several quadrants of the complex plane, and on its axes."""
@@ -180,7 +180,7 @@ class TypedValues:
                     yield {str(s): Fraction(int(v.p), int(v.q)) for s, v in whole.items()}
 
     def _with_first(self, point: Point, integers: Sequence[sp.Symbol]) -> Iterator[Point]:
-        """Yield the point with small values of ``integers``; the ends of one may contain others."""
+        """Yield the point with every choice of small values of the symbols ``integers``."""
         if not integers:
             yield point
             return

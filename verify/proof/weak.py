@@ -315,7 +315,7 @@ def _continuity(statement: Statement, plane: Plane, inner: FormulaTree) -> Itera
 
 
 def _jumps(statement: Statement, plane: Plane, steps: Sequence[str], inner: FormulaTree) -> Jumps:
-    """Return the factors of delta and its derivatives in a derivative of a formula."""
+    """Return the factors of delta, delta', ... in the derivative of ``inner`` along ``steps``."""
     above, below = _values(statement, plane, inner)
     gap, factors = above - below, dict[int, sp.Expr]()
     by_name = {str(v): v for v in statement.variables}

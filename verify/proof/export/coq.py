@@ -14,7 +14,7 @@ from flint import fmpq
 from . import terms
 
 PREDICATES = ("less", "at_most", "real", "is_integer", "analytic", "connected")
-"""Relations that are predicate variables in the script; ``not_zero`` is ``<> 0`` of the field."""
+"""Relations that become predicate variables in the script; ``not_zero`` is written ``<> 0``."""
 
 
 def _rational(value: fmpq) -> str:
@@ -51,7 +51,7 @@ DATA: dict[str, Callable[..., str]] = {
 """Format of each kind of term as the engine's data; nodes and jets are list positions."""
 
 CONJUNCTION = _nested("(conj {} {})")
-"""Conjunction of proofs, ended by ``I``."""
+"""Function that joins proofs into a proof of their conjunction; the last proof is ``I``."""
 
 
 def coq_script(proof: terms.WrittenProof) -> str:

@@ -54,7 +54,7 @@ PURPOSES: Mapping[str, str] = {
 
 @dataclass
 class Asker:
-    """Record of a block: ``noted`` has questions that hold, ``depth`` counts nested questions."""
+    """Record of one block: the questions that hold, and the nesting ``depth`` of open ones."""
 
     depth: int = 0
     noted: dict[Question, None] = field(default_factory=dict)
@@ -83,7 +83,7 @@ class TracedSigns(Signs):
             self.askers.pop()
 
     def note(self, question: Question) -> None:
-        """Record a premise, unless it holds for numbers or a rational formula is analytic."""
+        """Record a premise; a relation of numbers and "analytic" for a rational one need none."""
         if question.relation == "analytic" and all(map(self._is_fraction, question.nodes)):
             return
         values = [self._nodes.value(node) for node in question.nodes]
@@ -184,7 +184,7 @@ class FormulaWords:
         return self.sentence("{}", node), SUM if names else level
 
     def _of(self, node: int) -> tuple[Part, frozenset[int]]:
-        """Return the text of a node and the nodes that it names."""
+        """Return the text of a node, and the nodes whose names occur in the text."""
         if node not in self._known:
             names: set[int] = set()
             self._known[node] = self.written(node, partial(self._part, names)), frozenset(names)

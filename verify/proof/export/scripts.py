@@ -47,7 +47,7 @@ CALLS: dict[str, Callable[..., str]] = {
     "minus": "neg({})".format,
     "inverse": "inv({})".format,
 }
-"""Format of each kind of term as a call; the derivative of a name is looked up."""
+"""Format of each kind of term as a call; the derivative of a named element is ``derOf``."""
 
 POLYNOMIAL: dict[str, Callable[..., str]] = {
     "number": "({})".format,

@@ -57,7 +57,7 @@ SYSTEMS: Mapping[str, AlgebraSystem] = {
 
 
 def answer(text: str, system: str, seconds: float) -> tuple[str, float]:
-    """Run a script; return its answer (accepted needs status 0 and that last line) and seconds."""
+    """Run a script; return "accepted" or another answer, and the seconds it took."""
     own = SYSTEMS[system]
     with tempfile.TemporaryDirectory() as name:
         folder, file = Path(name), f"proof{own.ending}"

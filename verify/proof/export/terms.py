@@ -76,7 +76,7 @@ Step = Definition | Relation | SlopeAxiom | Rate | Vanishing
 
 @dataclass(frozen=True)
 class Premise:
-    """Condition that a script assumes; ``not_zero`` is for denominators, which are polynomials."""
+    """Condition that a script assumes; the relation ``not_zero`` is used for denominators only."""
 
     relation: str
     terms: tuple[Term, ...]
@@ -89,7 +89,8 @@ class WrittenProof:
     """Data from which a script is written.
 
     ``meanings`` explains the generators, ``variables`` names the variables of derivatives, ``free``
-    has elements of premises only, and ``guards`` maps definitions to the indices of their premises.
+    has the elements that occur only in premises, and ``guards`` maps definitions to the indices
+    of their premises.
     """
 
     title: str

@@ -165,7 +165,7 @@ class TracedField(Field):
         return self.words.sentence(f"{purpose} {{}}", node)
 
     def premise(self, question: Question, comment: str) -> Premise:
-        """Return a question that holds as a premise for the script."""
+        """Return the script's premise that states a ``question`` whose answer is yes."""
         form, parts = RELATIONS[question.relation], question.nodes
         if question.nodes and self.nodes.value(parts[0]) == 0 and len(parts) == 2:
             form, parts = {"less": "{} > 0", "at_most": "{} >= 0"}[question.relation], parts[1:]
