@@ -45,7 +45,7 @@ TAKEN = (
     *("equation", "solution", "parameters", "domain", "variables", "weak"),
     *("source", "equation_name", "looked_up"),
 )
-"""Keys that a variant takes from its original."""
+"""Keys that a variant without them takes from its original."""
 
 EXPECTED = (Outcome.PROVED, Outcome.REFUTED, Outcome.UNDECIDED)
 

@@ -28,7 +28,7 @@ from longwave.verify.proof.samples import rational_near
 from longwave.verify.verdict import Outcome, Verdict, timed
 
 SLACK_DIGITS = 4
-"""Between precisions of d1 and d2 digits log10 must fall by d2 - d1 less this, for rounding."""
+"""Digits by which the residual's decay may fall short of the digits gained, for rounding."""
 
 MOST_DIGITS = 10_000
 MINIMUM_GAP = 2 * SLACK_DIGITS + 1
@@ -43,7 +43,7 @@ class Decay:
     levels: tuple[float, ...]
 
     def falls(self) -> bool:
-        """Return whether log10 falls by d2 - d1 - `SLACK_DIGITS` or more from d1 to d2 digits.
+        """Return whether the residual falls by all digits gained but at most `SLACK_DIGITS`.
 
         A residual below 10^-d counts as 10^-d.
 

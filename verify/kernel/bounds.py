@@ -32,22 +32,22 @@ class Interval:
 
     @property
     def is_positive(self) -> bool:
-        """Whether every number in it is greater than 0."""
+        """Whether every number of the interval is greater than 0."""
         return self.low is not None and (self.low > 0 or (self.low == 0 and self.low_open))
 
     @property
     def is_not_negative(self) -> bool:
-        """Whether every number in it is at least 0."""
+        """Whether every number of the interval is at least 0."""
         return self.low is not None and self.low >= 0
 
     @property
     def is_not_zero(self) -> bool:
-        """Whether every number in it is greater than 0, or every one is less than 0."""
+        """Whether all numbers of the interval are greater than 0, or all are less than 0."""
         return self.is_positive or (-self).is_positive
 
     @property
     def is_below(self) -> bool:
-        """Whether every number in it is at most 0, and not all are 0."""
+        """Whether all numbers of the interval are at most 0, and not all are 0."""
         return self.high is not None and self.high <= 0 and not self.is_not_negative
 
     @property

@@ -68,9 +68,9 @@ class Hints:
 
 @dataclass(frozen=True)
 class Generator:
-    """Meaning of a generator: the node ``formula`` times ``scale``, in other generators.
+    """Meaning of a generator: the node ``formula`` times ``scale``, a ring polynomial.
 
-    The formula is a linear form plus a constant term; ``form`` has pairs (factor, primitive).
+    The formula is a linear form plus a further term; ``form`` has pairs (factor, primitive).
     """
 
     formula: int
@@ -398,7 +398,9 @@ class Field:
             self._add(node, value)
 
     def relate(self, place: int, degree: int, value: Element, factor: Element) -> fmpq_mpoly:
-        """Enter g**degree for g = d * factor * root with root**degree = value; return d."""
+        """Enter the relation of g = d * factor * root, where root**degree = value; return d.
+
+        The denominator d makes g**degree a polynomial."""
         if place in value.places and not (factor - self.one).is_zero:
             raise CertificateError("a multiple of a root of unity is no generator")
         value = value * factor**degree

@@ -55,7 +55,7 @@ def integer(value: object, least: int, limit: int, what: str) -> int:
 
 
 def listed(value: object, limit: int, what: str, exactly: bool = False) -> list[Any]:
-    """Return ``value`` if it is a list of at most ``limit`` entries, or ``exactly`` so many."""
+    """Return ``value``, checked to be a list of at most, or ``exactly``, ``limit`` entries."""
     if not isinstance(value, list) or (exactly and len(value) != limit):
         raise CertificateError(f"{what} must be a list{f' of {limit}' if exactly else ''}")
     within(f"the length of {what}", len(value), limit)

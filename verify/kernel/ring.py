@@ -24,7 +24,7 @@ Powers = Mapping[int, int]
 
 
 class Ring:
-    """Ring of polynomials in ``count`` generators; ``factors`` are those of denominators."""
+    """Ring of polynomials in ``count`` generators, with the ``factors`` of all denominators."""
 
     def __init__(self, count: int) -> None:
         self.names = tuple(f"g{place}" for place in range(count))

@@ -106,7 +106,9 @@ def cylinder(field: Field, node: int) -> Element:
 def _of_order(
     field: Field, node: int, pair: tuple[Element, Element], place: Element, steps: int
 ) -> Element:
-    """Return the Bessel function of order place + steps from a ``pair``, place and place + 1."""
+    """Return the Bessel function of order ``place + steps``.
+
+    ``pair`` has those of the orders ``place`` and ``place + 1``."""
     name, _, z = field.nodes.all[node]
     up, down = map(field.ring.number, CYLINDER[name])
     lower, higher = pair

@@ -122,7 +122,7 @@ def _conditions(scope: Scope, parser: TextReader, name: str) -> list[tuple[bool,
 
 
 def _chain(parser: TextReader) -> Iterator[tuple[bool, int, int]]:
-    """Yield the inequalities of a chain ``a < b <= c``; ``a != 0`` is ignored: more is proved."""
+    """Yield the inequalities of a chain ``a < b <= c``; ``a != 0`` is dropped, being unneeded."""
     left, some = parser.sum(), False
     while sign := parser.take("<", "<=", ">", ">=", "!="):
         right, some = parser.sum(), True

@@ -351,7 +351,9 @@ def residual_ball(
 def _in_jets(
     equation: sp.Expr, unknown: sp.Expr
 ) -> tuple[sp.Expr, list[sp.Symbol], list[Index], JetShape]:
-    """Return the equation with symbols for the derivatives; the symbols, the orders, and shape."""
+    """Return the equation with symbols in place of the unknown and its derivatives.
+
+    Also returned are these symbols, the orders of their derivatives, and the jets' shape."""
     jets = [unknown, *(d for d in equation.atoms(sp.Derivative) if d.expr == unknown)]
     tops = [_index(jet, unknown.args) for jet in jets]
     symbols = [sp.Dummy() for _ in jets]

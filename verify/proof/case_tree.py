@@ -287,7 +287,9 @@ class CaseTree:
     def _nonlinear(
         self, node: _Node, rest: _Node, equation: fmpq_mpoly, place: int
     ) -> list[_Node] | SystemCase:
-        """Reduce ``rest`` modulo ``equation`` in constant number ``place``, or make this a rule."""
+        """Reduce the other equations modulo ``equation``, in constant number ``place``.
+
+        If no other equation contains that constant, ``equation`` becomes a rule."""
         others = [e for e in rest.equations if int(e.degrees()[place])]
         if others:
             reduced = [self._constants.remainder(e, equation, place) for e in others]
@@ -314,7 +316,9 @@ class CaseTree:
         return [_Node(rest.equations, (*rules, rule), nonzero)]
 
     def _vanishing_square(self, inner: fmpq_mpoly, node: _Node) -> fmpq_mpoly | None:
-        """Return f if f**2 divides a discriminant that may be < 0 where f is not 0; else None."""
+        """Return a factor f whose square divides the discriminant ``inner``; None if not needed.
+
+        The roots are real where f = 0, although ``inner`` may be negative elsewhere."""
         number, factors = inner.factor()
         odd = [factor for factor, power in factors if power % 2]
         rest = self._constants.context.constant(number)

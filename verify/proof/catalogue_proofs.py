@@ -206,13 +206,13 @@ def higher_order(name: str) -> int | None:
 
 
 def named_form(name: str) -> ClosedForm:
-    """Return the closed form ``name``; raises ValueError as `higher_order` does."""
+    """Return the closed form ``name``; raises ValueError for an unknown name."""
     order = higher_order(name)
     return closed_form(name) if order is None else rational(order)
 
 
 def prove_named(name: str) -> ProofVerdict:
-    """Return the exact verdict on the form ``name``; raises ValueError as `higher_order` does.
+    """Return the exact verdict on the form ``name``; raises ValueError for an unknown name.
 
     >>> print(prove_named("rational_2").outcome, prove_named("rational_4").outcome)
     PROVED PROVED

@@ -224,7 +224,7 @@ class _Search:
 
 
 def _doubts(statement: Statement, residuals: Sequence[sp.Expr]) -> Iterator[str]:
-    """Yield reasons why it may hold although coefficients are not 0, e.g. finitely many sites."""
+    """Yield reasons why a statement may hold with nonzero coefficients, e.g. on few sites."""
     if reason := typed_values(statement).difference(residuals):
         yield reason
     for variable in statement.variables:
@@ -244,9 +244,10 @@ def _constants(system: ResidualSystem, degenerate: Sequence[Sequence[Terms]]) ->
 def with_phase(
     residual: sp.Expr, statement: Statement, fixed: Sequence[sp.Symbol]
 ) -> tuple[sp.Expr, tuple[sp.Symbol, ...], sp.Expr]:
-    """Replace ``b*n + d`` by a new variable if d is arbitrary, not ``fixed``, and n disappears.
+    """Replace ``b*n + d``, for a variable n and an arbitrary constant d, by a new variable.
 
-    A residual that is 0 for all n and d is 0 for all values of ``b*n + d``.
+    This is done only if d is not ``fixed`` and n disappears from the residual.  A residual that
+    is 0 for all n and d is 0 for all values of ``b*n + d``.
     Returns the residual, its variables, and b*n; 0 instead of b*n if nothing was replaced.
     """
     moving = residual.free_symbols & set(statement.variables)

@@ -157,7 +157,9 @@ class DomainSigns:
         return self._factored(node) or total
 
     def _beside_ends(self, node: sp.Expr) -> Iterator[Interval]:
-        """Yield ranges of ``node`` as r*(symbol - bound) + c or r*(exp(z) - 1), r > 0, z > 0."""
+        """Yield ranges of r*(symbol - bound) + c, or of r*(exp(z) - 1) with z > 0, for r > 0.
+
+        None is yielded if ``node`` is of neither form."""
         excess = excess_of_exponential(node)
         if excess is not None and self.is_positive(excess[1].args[0]):
             yield POSITIVE

@@ -49,7 +49,9 @@ class Domain:
     def chain(
         self, name: str, text: Callable[[sp.Expr], str] = str, signs: tuple[str, str] = ("<", "<=")
     ) -> str:
-        """Return e.g. ``0 < k <= 1``: ends are written by ``text``, strict and weak ``signs``."""
+        """Return the inequalities of ``name``, such as ``0 < k <= 1``.
+
+        ``text`` writes the ends, and ``signs`` are those for open and for closed ends."""
         below, above = (signs[not is_open] for is_open in (self.lower_open, self.upper_open))
         left = "" if self.lower == -sp.oo else f"{text(self.lower)} {below} "
         right = "" if self.upper == sp.oo else f" {above} {text(self.upper)}"

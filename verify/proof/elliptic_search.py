@@ -71,7 +71,9 @@ class EllipticSearch:
         self._writer.name(place=self._add("Pow", base, exponent), value=self._place(root))
 
     def _register_basis(self, z: sp.Expr, m: sp.Expr, second: type | None) -> None:
-        """Register the Jacobi functions, and ``second`` if any, of the basis arguments in ``z``."""
+        """Register the Jacobi functions of the basis arguments of which ``z`` is a combination.
+
+        ``second`` is epsilon or zeta, if that is needed too, else None."""
         variable, constant = self._arguments.parts(z)
         terms = []
         parts = (self._arguments.moving(m), variable), (self._arguments.fixed(m), constant)

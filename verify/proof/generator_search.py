@@ -183,7 +183,9 @@ class GeneratorSearch:
             self._writer.name(place=place, value=self._add("Pow", finest, f"{whole // degree}"))
 
     def _angle(self, node: sp.Expr, value: sp.Expr) -> None:
-        """Register exp(i value), for atan exp(2 i value), as check; for asin f, 1 - f**2 > 0."""
+        """Register the exponential with which the value of an inverse function is checked.
+
+        Except for atan f, the sign of 1 - f**2 gets a witness too."""
         self.need(sp.I)
         turned = [self._place(part) for part in (sp.I, value)]
         if isinstance(node, sp.atan):

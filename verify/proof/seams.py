@@ -61,8 +61,9 @@ ONE = Fraction(1)
 class Seam:
     """Seam at ``place``, an equation as text; ``line`` is its line in `typed_places`.
 
-    With an empty ``place`` the line is for a formula that is never 0 or has no variable;
-    ``own_line`` is then the line for a factor without variables.
+    ``at_sites``: the equation contains no variable other than sites.  With an empty ``place`` the
+    line is for a formula that is never 0 or has no variable; ``own_line`` is then the line for a
+    factor without variables.
     """
 
     place: str
@@ -128,7 +129,11 @@ class _Finder:
         self._variables = {str(v): v for v in statement.variables}
 
     def seams(self, formula: FormulaTree, inside: bool | None = False) -> Iterator[Seam]:
-        """Yield seams; a pole or log 0 is one only with ``inside`` True, within a function."""
+        """Yield the seams of a formula.
+
+        Poles and zeros of logarithms' arguments are seams only if ``inside`` is True: within
+        functions.  None, for equations, excludes them within functions too.
+        """
         match formula:
             case Power(parts=(Call(name="abs", parts=parts), exponent)) if _is_even(exponent):
                 pass  # f times its conjugate

@@ -184,7 +184,9 @@ class Rewriting:
         return None
 
     def _factors(self, product: sp.Expr, degree: int) -> Sequence[sp.Expr]:
-        """Return factors of a product, or of a sum if one is a power >= ``degree`` or no sum."""
+        """Return the factors of ``product``, also if it is a sum that has useful factors.
+
+        A factor is useful if it is no sum, or a power with exponent ``degree`` or more."""
         if product.is_Mul:
             return tuple(product.args)
         below = product.is_Pow and product.exp == -1

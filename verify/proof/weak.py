@@ -102,7 +102,9 @@ def _decided(statement: Statement, progress: Progress) -> StatementVerdict:
 def _solved(
     statement: Statement, conditions: Sequence[sp.Expr], sides: StatementVerdict, words: str
 ) -> ConditionalVerdict:
-    """Return the values of the ``solve_for`` parameters for which the jump conditions hold."""
+    """Return the values of the ``solve_for`` parameters for which the jump conditions hold.
+
+    ``sides`` is the verdict on both sides of the jump, and ``words`` says where it is."""
     if not conditions:
         raise ValueError("every value holds, since the jump gives no condition")
     targets = [str(symbol) for symbol in statement.solve_for]

@@ -83,7 +83,9 @@ class TracedSigns(Signs):
             self.askers.pop()
 
     def note(self, question: Question) -> None:
-        """Record a premise; a relation of numbers and "analytic" for a rational one need none."""
+        """Record a question that holds as a premise, unless it is trivial.
+
+        Relations between numbers are trivial, and that a rational formula is analytic."""
         if question.relation == "analytic" and all(map(self._is_fraction, question.nodes)):
             return
         values = [self._nodes.value(node) for node in question.nodes]
