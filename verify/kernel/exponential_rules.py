@@ -88,7 +88,7 @@ def root_of_unity(field: Field, node: int) -> Element | None:
 
 
 def turns_of_integer(field: Field, node: int) -> Element | None:
-    """Apply exp(i pi j n) = (-1)**n for odd j, if any (-1)**n is a generator, and 1 for even j."""
+    """Return exp(i pi j n): 1 for even j; for odd j (-1)**n, if such a power is a generator."""
     fraction, others = turn_of(field.nodes, field.nodes.all[node][1]) or (fmpq(1, 2), [])
     if fraction.q != 1 or not others or not all(map(field.nodes.is_integer, others)):
         return None

@@ -79,7 +79,7 @@ class _Partials:
         self._found: dict[tuple[int, int], fmpq_poly] = {(0, 0): n, (0, 1): first}
 
     def value(self, node: int) -> tuple[fmpq_poly, int]:
-        """Return the numerator of an equation, and the power of D below it."""
+        """Return the numerator of an equation, and the power of D in its denominator."""
         match self._nodes.all[node]:
             case ("number", value):
                 return fmpq_poly([value]), 0

@@ -146,7 +146,7 @@ def derivative(field: Field, node: int) -> Element:
 
 
 def whole(value: fmpq) -> int:
-    """Return a coefficient in an argument as an int; raises CertificateError for a fraction."""
+    """Return an integer coefficient as an int; raises CertificateError for a fraction."""
     if value.q != 1:
         raise CertificateError("coefficients in a sum of arguments must be integers")
     within("coefficients", abs(int(value.p)), EXPONENT)

@@ -27,7 +27,7 @@ ENDS: Mapping[str, tuple[str, str]] = {
 
 
 def at_end(field: Field, node: int) -> Element | None:
-    """Return an elliptic function as an elementary one if its parameter is 0 or 1; else None."""
+    """Return the elementary form of an elliptic function of parameter 0 or 1; else None."""
     name, *arguments = field.nodes.all[node]
     m = field.image(arguments[-1])
     if not (m.is_zero or (m - field.one).is_zero):

@@ -272,7 +272,7 @@ class Arguments:
         return variable, constant
 
     def steps(self, shift: sp.Expr, m: sp.Expr) -> tuple[sp.Expr, int]:
-        """Write a constant shift of theta's argument as step times integer; return both."""
+        """Write ``shift``, a constant in theta's argument, as step times integer; return both."""
         combinations = self._steps[m]
         pairs = zip(combinations.basis, combinations.coordinates(shift), strict=True)
         multiples = [(step, times) for step, times in pairs if times]

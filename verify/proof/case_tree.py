@@ -349,7 +349,7 @@ class CaseTree:
         return []
 
     def _vanishes(self, equation: fmpq_mpoly) -> bool:
-        """Return whether a polynomial may be 0 everywhere, as a relation between functions."""
+        """Return whether ``equation`` may be 0 everywhere: no sample point shows it to be nonzero."""
         written = self._constants.written(equation)
         for point in self._points:
             with suppress(ValueError, ZeroDivisionError):

@@ -193,7 +193,7 @@ NAMES = (*CATALOGUE.names, *(f"rational_{order}" for order in HIGHER_ORDERS))
 
 
 def higher_order(name: str) -> int | None:
-    """Return the order of a rational solution, None for a catalogue name, else raise ValueError.
+    """Return 7 for "rational_7" and so on, and None for a catalogue name; else raise ValueError.
 
     >>> higher_order("rational_7"), higher_order("rational_2")
     (7, None)

@@ -169,7 +169,7 @@ class _Search:
         return results
 
     def in_order(self, case: ConstantCase) -> ConstantCase:
-        """Return the case with its values in the order of the ``solve_for`` symbols."""
+        """Return ``case`` with its values sorted in the order of the ``solve_for`` symbols."""
         order = [s for s in self.solve_for if s in case.values]
         rest = sorted(case.values.keys() - set(order), key=str)
         return replace(case, values={s: case.values[s] for s in (*order, *rest)})

@@ -125,7 +125,7 @@ def _put_into(
 
 
 def largest_cases(cases: Sequence[ConstantCase]) -> list[ConstantCase]:
-    """Decide the cases; a case contained in another that is proved is left out."""
+    """Decide the cases, and return all except those contained in another, proved case."""
     decided: list[ConstantCase] = []
     for case in sorted(cases, key=lambda c: len(c.values) + len(c.implicit)):
         same = any(_conditions(case) == _conditions(other) for other in decided)

@@ -69,7 +69,7 @@ def linear_forms(expressions: Iterable[sp.Expr], dependence: Dependence) -> list
 
 
 def with_one_integral(expressions: Sequence[sp.Expr], dependence: Dependence) -> list[sp.Expr]:
-    """Remove shifts of epsilon, and write zeta(z) = epsilon(z) - z E/K if epsilon occurs."""
+    """Remove shifts in epsilon's arguments; if epsilon occurs, zeta(z) = epsilon(z) - z E/K."""
     nodes = {expression: distinct_nodes(expression) for expression in expressions}
     if not any(isinstance(node, jacobi_epsilon) for inner in nodes.values() for node in inner):
         return list(expressions)

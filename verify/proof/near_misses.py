@@ -93,7 +93,7 @@ def with_hint(statement: Statement, verdict: StatementVerdict) -> StatementVerdi
 
 
 def _jumps(statement: Statement) -> int:
-    """Return the number of places at which formulas may jump or have corners."""
+    """Return the number of places at which the statement's formulas may jump or have corners."""
     places, lines = left_open(statement)
     return len(places) + sum(line.startswith(JUMP) for line in lines)
 
@@ -154,7 +154,7 @@ def near_misses(statement: Statement) -> list[NearMiss]:
 
 
 def _near_misses(texts: StatementTexts, trees: StatementTrees) -> Iterator[tuple[int, NearMiss]]:
-    """Yield rank and statement for each change of a solution, a defined name or an equation."""
+    """Yield the rank and changed statement for each change of a formula or an equation."""
     headings = [text.partition("=")[0].strip() for text in texts.solutions]
     for place, (name, formula) in enumerate(trees.solutions.items()):
         for rank, words, new in _changes(formula):
@@ -211,7 +211,7 @@ def _difference(old: FormulaTree, new: FormulaTree) -> tuple[FormulaTree, Formul
 
 
 def _moduli(formula: FormulaTree) -> Iterator[tuple[str, FormulaTree]]:
-    """Yield words and the formula with an elliptic parameter squared, or its root, everywhere."""
+    """Yield the formula with an elliptic parameter m as m**2 or sqrt(m), after words for it."""
 
     def is_elliptic(node: FormulaTree) -> bool:
         return isinstance(node, syntax.Call) and node.name.startswith(("jacobi_", "elliptic_"))

@@ -209,7 +209,7 @@ def _values_of(root: sp.Expr, signs: DomainSigns) -> Domain:
 
 
 def _simplified(restriction: Restriction, known: KnownSigns) -> Iterator[Restriction]:
-    """Yield the restriction without squares and known signs; ValueError if a square must be 0."""
+    """Yield the restriction without squares and known signs; ValueError if a factor must be 0."""
     relation = restriction.relation
     if restriction.value.is_number or relation in ("real", "integer"):
         yield restriction

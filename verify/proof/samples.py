@@ -16,7 +16,7 @@ SIZES = (1, 1, 1, 4, 4, sp.Rational(1, 30), 30, sp.Rational(1, 1000), 1000)
 """Scales of values drawn from an unbounded domain; most are moderate, where balls are narrow."""
 
 MARGINS = (sp.Rational(1, 20),) * 3 + (sp.Rational(1, 1000), sp.Rational(1, 10**6))
-"""Fractions of a bounded domain to leave out at each end, one of which is chosen."""
+"""Fractions of a bounded domain to leave out at each end; each drawn value uses one of them."""
 
 NARROW_MARGIN, NARROW_PERIOD = sp.Rational(1, 10**31), 4
 """Margin of one symbol, used in every ``NARROW_PERIOD``-th of the later points."""

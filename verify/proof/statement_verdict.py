@@ -214,7 +214,7 @@ def verified_sentence(statement: Statement, verdict: StatementVerdict) -> str:
 
 
 def _corners_latex(statement: Statement, lines: Sequence[str]) -> list[str]:
-    """Return the places of jumps and corners as LaTeX equations; unparsed ones as text."""
+    """Return the places of jumps and corners in LaTeX; a line that is no equation as text."""
     equations = []
     for line in lines:
         if place := re.fullmatch(r"jump or corner (?:at the site|at|where) (.*) = (.*)", line):

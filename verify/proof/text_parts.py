@@ -121,7 +121,7 @@ def condition(part: TextPart, parser: formula_text.Parser, name: str) -> Domain:
 
 
 def inhabited(part: TextPart, domain: Domain, name: str, place: int = 0) -> Domain:
-    """Return the domain; raises FormulaError if its numeric bounds leave no inner point."""
+    """Return ``domain``; raises FormulaError if its numeric bounds leave no inner point."""
     if domain.lower.is_number and domain.upper.is_number and not domain.lower < domain.upper:
         words = f"expected a domain with inner points, got {domain.text(sp.Symbol(name))}"
         raise part.error(words, place)

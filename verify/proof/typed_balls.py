@@ -76,7 +76,7 @@ class TypedBalls:
                 yield ball
 
     def steps_of(self, steps: Collection[str]) -> ball_jets.Index:
-        """Return the order in each variable of a derivative along ``steps``, as for ``u_xxt``."""
+        """Return the order in each variable of a derivative along ``steps``, such as x, x, t."""
         return tuple([*steps].count(letter) for letter in self.letters)
 
     def _need(self, formula: FormulaTree, tops: set[ball_jets.Index]) -> None:

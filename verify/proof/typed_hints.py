@@ -50,7 +50,7 @@ OPAQUE = (sp.log, sp.atan)
 
 
 UNIT = (3 - 4 * sp.I) / 5
-"""Factor of complex names at the point at which formulas are compared."""
+"""Factor that makes values of complex names nonreal where two formulas are compared."""
 
 
 @dataclass(frozen=True)
@@ -247,7 +247,7 @@ def _with_values(proof: Data, typed: Sequence[Typed], problem: StatementProblem)
 
 
 def _equal_parts(typed: Sequence[Typed], problem: StatementProblem) -> dict[sp.Expr, sp.Expr]:
-    """Return roots, moduli and inverse functions with another form that is equal at a point."""
+    """Map roots, moduli and inverse functions to other forms with the same value at a point."""
     values: dict[sp.Expr, sp.Expr] = {}
     for part in typed:
         match part.plain:

@@ -55,7 +55,7 @@ class SlopeAxiom:
 
 @dataclass(frozen=True)
 class Rate:
-    """Claim that the derivative of a name along a variable is ``term``; checked, then used."""
+    """Claim that the derivative of ``name`` along a variable is ``term``, checked by the script."""
 
     variable: int
     name: Term

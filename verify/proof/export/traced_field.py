@@ -183,7 +183,7 @@ class TracedField(Field):
         return ("free", node)
 
     def generator_words(self, place: int) -> Part:
-        """Return the function that a generator stands for, or the generator's name."""
+        """Return the text of a generator: the function it stands for, or else its name."""
         generator = self.generators[place]
         is_plain = generator.scale.is_one() and generator.formula == generator.form[0][1]
         return self.words.part(generator.formula) if is_plain else (f"g{place}", ATOM)
