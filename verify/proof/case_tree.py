@@ -349,7 +349,7 @@ class CaseTree:
         return []
 
     def _vanishes(self, equation: fmpq_mpoly) -> bool:
-        """Return whether ``equation`` may be 0 everywhere: no sample point shows it to be nonzero."""
+        """Return whether ``equation`` may be 0 everywhere: no sample point shows otherwise."""
         written = self._constants.written(equation)
         for point in self._points:
             with suppress(ValueError, ZeroDivisionError):

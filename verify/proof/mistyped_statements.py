@@ -60,7 +60,7 @@ def corrected_error(
 
 
 def _readable(parts: Parts, read: Callable[[Parts], object]) -> Parts | None:
-    """Return the parts with misspelled names corrected, once they can be read; None if never."""
+    """Return the parts with misspelled names corrected; None if ``read`` still rejects them."""
     for _ in range(MOST_RESPELLINGS):
         try:
             read(parts)

@@ -152,7 +152,9 @@ def _left_side(equation: Equation | sp.Expr) -> tuple[sp.Expr, str]:
 
 
 def _single_unknown(left: sp.Expr) -> sp.Expr:
-    """Return the one undefined function, of different symbols; else raise ValueError."""
+    """Return the only undefined function in ``left``.
+
+    Raises ValueError for none or several, and for arguments that are not different symbols."""
     unknowns = left.atoms(AppliedUndef)
     if len(unknowns) != 1:
         got = f"{len(unknowns)} (write it with sympy.Function('u')(x, t))"
@@ -172,7 +174,7 @@ def equality_problem(
     equation_name: str = "equality",
     stated: Stated | None = None,
 ) -> Problem:
-    """Return the problem that `prove_equal` decides; raises as `domains.settled_domains` does."""
+    """Return the problem that `prove_equal` decides; raises the same errors as `prove_equal`."""
     left, right = formula("left", left), formula("right", right)
     if not isinstance(variables, Iterable):
         raise TypeError(f"variables must be a list of symbols, got {shown(variables)} ([x, t])")

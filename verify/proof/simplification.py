@@ -132,7 +132,7 @@ class Rewriting:
         return lies_between(self.signs.range(sp.expand(angle)), -BELOW_PI, BELOW_PI)
 
     def _known_factors(self, factors: Sequence[sp.Expr]) -> tuple[list[sp.Expr], sp.Expr]:
-        """Split off factors of known sign: return their absolute values, and the signed rest."""
+        """Return the absolute values of factors of known sign, and the rest with the sign."""
         outside, inside, sign = [], sp.S.One, 1
         for factor in factors:
             if self.signs.is_nonnegative(factor):
@@ -319,7 +319,7 @@ def _denested(base: sp.Expr) -> sp.Expr | None:
 
 
 def _joined_roots(high: sp.Expr, low: sp.Expr, b: sp.Expr, square: sp.Expr) -> sp.Expr | None:
-    """Return sqrt(high) + sqrt(low), with the sign of b in front of the second root."""
+    """Return sqrt(high) + sqrt(low), or the difference of these roots if b is negative."""
     if high.is_negative or (not high.is_positive and low.is_positive):
         high, low = low, high
     second = sp.I * sp.sqrt(-low) if square == -1 else sp.sqrt(low)

@@ -264,7 +264,7 @@ class _Reading:
             self._keep(self.variables[letter], replace(domain, lower=lower, upper=upper))
 
     def _limited(self, part: TextPart, plain: Mapping[str, sp.Symbol]) -> tuple[str, Domain]:
-        """Return the variable that a condition restricts, and its domain."""
+        """Return the name among ``plain`` that the condition ``part`` restricts, and its domain."""
         first: FormulaError | None = None
         for name in self._subjects(part, [*plain]):
             try:

@@ -304,7 +304,7 @@ def _values(statement: Statement, plane: Plane, inner: FormulaTree) -> tuple[sp.
 
 
 def _continuity(statement: Statement, plane: Plane, inner: FormulaTree) -> Iterator[sp.Expr]:
-    """Yield the jumps of unknowns whose first derivative occurs within a derivative."""
+    """Yield the jumps of those unknowns whose first derivatives occur in ``inner``."""
     for node in inner.nodes():
         if isinstance(node, Derivative) or (isinstance(node, Unknown) and len(node.steps) > 1):
             got = formula_text(inner)
