@@ -262,7 +262,7 @@ def pack_content(records: Iterable[CellRecord]) -> bytes:
 
 
 def merged_content(packs: Iterable[tuple[Path, int]]) -> bytes:
-    """Return the bytes of one pack with all cells of packs (path, link_free), as in `open_pack`."""
+    """Return the bytes of one pack with the cells of all ``packs``: arguments of `open_pack`."""
     layouts: dict[str, list[_RunStack]] = defaultdict(list)
     for path, link_free in packs:
         with open_pack(path, link_free) as file:

@@ -31,7 +31,7 @@ VARIED = {
     "losses": EPS_POWERS,
     **{name: KEYS[name] for name in ("chain", "start", "defects")},
 }
-"""Fields that a sweep may vary: top-level key -> (), or table -> those of its keys."""
+"""Fields that a sweep may vary: top-level key -> (); table -> its keys that may vary."""
 
 
 def base_document(given: object, folder: Path = Path()) -> tuple[str, Document]:
@@ -93,7 +93,10 @@ def canonical_field(field: str) -> str:
 
 
 def check_field(field: str, document: Document | None = None) -> None:
-    """Raise ValueError for an unknown field; a key of a table in ``document`` is named in full."""
+    """Raise ValueError for an unknown field.
+
+    If a table in ``document`` has the field as a key, the message says to write TABLE.KEY.
+    """
     top, _, key = field.partition(".")
     if top in scene_file.PAIR_TABLES:
         return  # these tables may have any key, and may be replaced as a whole

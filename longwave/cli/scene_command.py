@@ -92,7 +92,7 @@ def run_and_print(
 def _save_unfinished(
     record: RunRecord, scene: Scene, output: str | None, force: bool, json_wanted: bool
 ) -> str:
-    """Print an interrupted run, write it if an output is given, and return " in OUTPUT" or ""."""
+    """Print an interrupted run; return " in OUTPUT" if it was written to ``output``, else ""."""
     with keeping():
         is_written = output is not None and not run_output.save_anywhere(
             record.dataset, output, force
@@ -287,7 +287,7 @@ def _cost_line(attrs: Mapping[str, Any]) -> str:
 
 
 def _accuracy_text(attrs: Mapping[str, Any]) -> str:
-    """Return the error estimate against the tolerance, and the cost of a tenth of the estimate."""
+    """Return the error estimate and the tolerance, and the cost of a tenfold smaller estimate."""
     line = (
         f"; error estimate {attrs['error_estimate']:.2g} of {attrs['tolerance']:g} allowed, "
         f"planned in {attrs['planning_seconds']:.2f} s"

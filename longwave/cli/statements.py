@@ -207,7 +207,10 @@ def _decide_all(
     stored: VerdictLines,
     decide: Callable[[Sequence[StatedProblem]], Iterator[tuple[int, StatementVerdict]]],
 ) -> Iterator[tuple[int, StatementVerdict]]:
-    """Yield index and verdict of each problem: unreadable and stored ones first."""
+    """Yield index and verdict of each problem: unreadable and stored ones, then the others.
+
+    ``decide`` yields the position and verdict of each of the others.
+    """
     remaining: list[tuple[int, StatedProblem]] = []
     for index, problem in enumerate(problems):
         if isinstance(problem, UnreadableProblem):

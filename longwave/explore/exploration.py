@@ -145,7 +145,7 @@ def settings(wave: str) -> tuple[WaveSetting, ...]:
 
 
 def _same_equation(form: ClosedForm, other: ClosedForm) -> bool:
-    """Whether both forms solve the same normal form with equal r, and equal s unless it is free."""
+    """Whether both forms solve the same normal form with equal r and, unless free, equal s."""
     first, second = form.equation, other.equation
     same_sign = not isinstance(first.s, int) or first.s == second.s
     return first.normal == second.normal and same_sign and first.r == second.r
@@ -162,7 +162,7 @@ def _lattice_title(scene: Scene) -> str:
 
 
 def _usual_parameters(form: ClosedForm) -> dict[str, float | None]:
-    """Return values in the middle of each domain; parameters with a default are left out."""
+    """Return a value in the domain of each parameter without a default: the middle if bounded."""
     values: dict[str, float | None] = {}
     for parameter in form.parameters:
         if parameter.default is None:

@@ -124,7 +124,7 @@ def compare(
     """Run a scene and return its comparison with the wave.
 
     Raises ValueError in one line if wave, lattice or scene do not admit the values, and if the run
-    is expected to exceed the ``limits``, either before it starts or once its search shows that.
+    is expected to exceed the ``limits``, before it starts or after its step has been searched.
     """
 
     def announce(seconds: float) -> None:
@@ -202,7 +202,7 @@ class Refusal:
 
 
 Answer = float | Comparison | Refusal
-"""State of a run: the finished fraction 0 to 1, the `Comparison`, or why there is none."""
+"""State of a run: the finished fraction 0 to 1, the `Comparison`, or the `Refusal`."""
 
 
 class Explorer:
@@ -218,7 +218,7 @@ class Explorer:
         self._workers.start()
 
     def submit(self, scene: Scene) -> None:
-        """Submit a scene in place of any other."""
+        """Submit a scene to be run; it replaces the one submitted before."""
         deadline = DEADLINE_FACTOR * self.limits.seconds
         job = processes.Job(
             _compare_in_worker, (scene, self.limits), tells=True, seconds=deadline, gives_way=True

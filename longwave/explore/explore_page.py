@@ -162,7 +162,7 @@ class NumberEntry:
 
 
 class ExplorePage:
-    """One visitor's page: choices, their run and its pictures; `start` lets it run."""
+    """One visitor's page: the current choices, their run and the pictures of the run."""
 
     def __init__(self, explorer: Explorer) -> None:
         self.explorer, self._has_started = explorer, False
@@ -281,7 +281,7 @@ class ExplorePage:
         return entry
 
     def _update_sliders(self, choices: exploration.Choices) -> None:
-        """Set the range of each parameter's slider to its domain, which other values may bound."""
+        """Set each parameter's slider to its domain, whose ends may depend on other parameters."""
         from longwave.solutions import closed_form
 
         values = {

@@ -195,7 +195,7 @@ class _Printer(ExpressionLatexPrinter):
         return _product(texts if coefficient == 1 else [self._print(coefficient), *texts])
 
     def _fraction(self, numerator: sp.Expr, denominator: sp.Expr) -> str:
-        """Return a fraction's LaTeX, then the factors of its numerator that contain fractions."""
+        """Return a fraction's LaTeX; factors above that contain fractions are written after it."""
         if numerator.as_coeff_Mul()[0].is_negative:
             return f"- {self._fraction(-numerator, denominator)}"
         factors = sp.Mul.make_args(numerator)

@@ -64,7 +64,7 @@ def energy_balance(figure: FigureBase, data: LabelledArrays) -> None:
 
 @part(0.4 + 2 * PANEL_HEIGHT)
 def fluxes(figure: FigureBase, data: LabelledArrays) -> None:
-    """Draw the power through bonds over time, and the energy transmitted until then."""
+    """Draw the power through bonds over time, and the energy transmitted up to each time."""
     _line_panels(figure, data, ("flux", "transmitted"), "cut", "right of cell {}")
 
 
@@ -152,7 +152,10 @@ def _line_panels(
     along: str = "time",
     x: str = "$t$",
 ) -> None:
-    """Draw a panel for each variable in ``names``, a line for each index of dimension ``each``."""
+    """Draw a panel for each variable in ``names``, a line for each index of dimension ``each``.
+
+    The lines run over dimension ``along``, whose axis label is ``x``; ``label`` names the lines.
+    """
     panels = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
     for ax, name in zip(panels, names, strict=True):
         _lines(ax, data, name, each, along)

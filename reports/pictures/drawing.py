@@ -282,8 +282,8 @@ def space_time_map(figure: FigureBase, run: LabelledArrays, half_width: int | No
 def moving_grid(run: LabelledArrays) -> tuple[Sites, Sites, Sites]:
     """Return even times, even positions in the moving frame and a map's values (time, position).
 
-    The frame passes the sites one by one: the variable ``shift`` is the offset from c t of the site
-    that the map has at 0.
+    The map moves with the frame by whole sites. The variable ``shift`` of the run is the offset
+    from c t of the map's site 0.
 
     >>> from longwave.support.labelled_arrays import LabelledArray
     >>> looks = {"look_time": np.array([0.0, 1.0]), "map_site": np.array([-1, 0, 1])}

@@ -78,7 +78,10 @@ def growth_panels(data: xr.Dataset, most_curves: int) -> Sequence[GrowthPanel]:
 
 
 def _rows_and_lines(data: xr.Dataset, along: str) -> tuple[list[str], list[str]]:
-    """Return the swept coordinates that tell panels apart, and those that tell curves apart."""
+    """Return the swept coordinates that tell panels apart, and those that tell curves apart.
+
+    ``along`` is the dimension of the carrier's k.
+    """
     fields = {str(n): data[n].attrs["field"] for n in data.coords if "field" in data[n].attrs}
     swept = [name for name in fields if data[name].ndim == 1 and fields[name] != CARRIER]
     chosen = [name for name in swept if fields[name] in PERTURBATION_FIELDS]
@@ -111,7 +114,7 @@ def _is_numerical(data: xr.Dataset, field: str) -> bool:
 
 
 def _check_count(data: xr.Dataset, names: Sequence[str], most: int, along: str) -> None:
-    """Raise ValueError if a picture would have more than ``most`` rows or curves."""
+    """Raise ValueError if the values of ``names`` need more than ``most`` rows or curves."""
     sizes: dict[str, int] = {}
     for dim in dict.fromkeys(str(data[name].dims[0]) for name in names):
         columns = [data[name].values.tolist() for name in names if data[name].dims == (dim,)]
@@ -269,7 +272,10 @@ def _theory(curves: Sequence[xr.Dataset]) -> xr.Dataset | None:
 
 
 def _rates(p: Array, q: Array, amplitude: float, kappa: Array | float) -> Array:
-    """Return growth rates in T of perturbations, 0 where they do not grow."""
+    """Return growth rates in T of perturbations with wavenumber ``kappa`` by the NLS equation.
+
+    ``p`` and ``q`` are its coefficients; the rate is 0 where a perturbation does not grow.
+    """
     from longwave.scenes.starts.perturbed_plane import squared_rate
 
     with np.errstate(all="ignore"):
@@ -347,7 +353,7 @@ Looks = Mapping[str, Mapping[str, Any]]
 
 
 def _theory_looks(panel: GrowthPanel, looks: Looks) -> dict[str, dict[str, Any]]:
-    """Return the look of each line in theory: black for a single line, else as its first curve."""
+    """Return the look of each line in theory: that of its first curve, or black if it is alone."""
     first: dict[str, str] = {}
     for curve in panel.curves:
         first.setdefault(curve.attrs["line"], curve.attrs["label"])
@@ -446,7 +452,10 @@ def _legend(panels: Sequence[GrowthPanel], looks: Looks) -> list[Line2D | Patch]
 
 @part(2.8)
 def sideband_sizes(figure: FigureBase, run: LabelledArrays, verdict: str) -> None:
-    """Draw the sidebands, relative to the carrier, over the slow time: measured and in theory."""
+    """Draw measured and theoretical sidebands over slow time, relative to the carrier.
+
+    The text ``verdict`` is the title.
+    """
     ax, slow_times = figure.subplots(), run["slow_time"].values
     look = CURVES[0] | {"linestyle": ""}
     ax.semilogy(slow_times, run["sideband_size"].values, label="lattice", **look)

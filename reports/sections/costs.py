@@ -134,7 +134,7 @@ def cost_panels(costs: Iterable[EvaluationCost]) -> CostPanels:
 
 
 ERROR_LEVELS = (1e-2, 1e-4, 1e-6)
-"""Errors of y/eps for which the precision table gives each series' fastest run within them."""
+"""Bounds on errors of y/eps; the precision table gives the fastest run within each bound."""
 
 
 def precision_table(points: Sequence[lattice_cost.CostPoint]) -> str:
@@ -274,7 +274,7 @@ def _row(row: EstimateRow) -> list[str]:
 
 
 def reason_table(judged: Sequence[Judged]) -> str:
-    """Return the table of reasons for refusal, numbers removed, with their counts."""
+    """Return the table of the reasons for refusal (numbers in them removed) and their counts."""
     counts = Counter(scene.kind for scene in judged if scene.reason)
     cells = [[str(count), escape(kind)] for kind, count in counts.most_common()]
     return table("reasons", "Reasons of refusals.", "rL{120mm}", ["scenes", "reason"], cells)

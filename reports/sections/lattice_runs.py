@@ -192,7 +192,7 @@ def lattice_figures(
 
 
 def _peregrine_row(run: xr.Dataset) -> list[LabelledArrays]:
-    """Return snapshots of the envelope at its crest, and its carrier there and at the end."""
+    """Return snapshots: the envelope at t nearest 0, its crest; the carrier then and at the end."""
     crest = int(np.argmin(np.abs(run["time"].values)))
     wide = snapshots(run, PEREGRINE_CELLS, (crest,))
     return [*wide, *snapshots(run, CARRIER_CELLS, (crest, -1))]

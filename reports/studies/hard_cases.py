@@ -219,7 +219,10 @@ def _wrong_feed() -> Reading:
 
 
 def deviations(wave: TravellingWave, y: Array, s: Array, h: float, times: Array) -> Array:
-    """Return sup |y_n(t) - f(n - v t)| / eps at the times (multiples of h) of a run from (y, s)."""
+    """Return sup |strain - wave| / eps at the times (multiples of h) of a run with step ``h``.
+
+    The ring (y, s) is advanced in place.
+    """
     n, t, results = np.arange(float(y.size)), 0.0, []
     for later in times:
         advance(

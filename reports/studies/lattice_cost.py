@@ -265,7 +265,7 @@ def window_error(sites: Sequence[int], t0: float = -10000.0) -> list[ScalingPoin
 
 
 def rk4_share(steps: Sequence[float], t0: float = -10000.0) -> list[ScalingPoint]:
-    """Return the relative error of Y_2 at t = 0 by RK4's step x; x = 0 is an exact time flow."""
+    """Return the relative error of Y_2 at t = 0 by RK4's step x; x = 0 is an accurate scheme."""
     scene = to_peak(t0)
     variants = {step: scene.changed(scheme="rk4", step=step) for step in steps}
     return [
