@@ -94,7 +94,7 @@ class CellRecord:
 
 @dataclass(frozen=True)
 class CellTable:
-    """Cells as columns: key, status, message, numbers, and the location of each run.
+    """Table of cells with columns: key, status, message, numbers, and the location of the run.
 
     ``pack`` is the index of the pack, ``group`` and ``row`` the position in it; ``row`` is -1 if
     there is no run.

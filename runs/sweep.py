@@ -143,7 +143,7 @@ def run_with_progress(
     stored_keys: Container[str],
     displays: tuple[Callable[[float], object], Callable[[float], object] | None],
 ) -> None:
-    """Run a sweep; ``displays`` get the finished fraction and (unless None) the seconds left."""
+    """Run a sweep; call the ``displays`` with the finished fraction and the seconds left."""
     advance, show_seconds_left = displays
 
     def show(state: SweepState) -> None:

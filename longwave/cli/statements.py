@@ -70,7 +70,7 @@ MAX_SHOWN = 20
 """Largest number of unreadable statements that are printed."""
 
 FIRST_STAGE = "start"
-"""Stage of a statement before the prover's first report."""
+"""Name of the stage in which a statement is before the prover reports its first one."""
 
 STAGES = {
     "find_witness": "looking for a counterexample",

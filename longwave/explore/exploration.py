@@ -85,7 +85,7 @@ class Choices:
     constants: Mapping[str, str] = field(default_factory=dict)
 
     def changed(self, **changes: Any) -> Choices:
-        """Return the choices with other values for some of them."""
+        """Return a copy of the choices with these fields changed."""
         return replace(self, **changes)
 
 
@@ -175,7 +175,7 @@ def _usual_parameters(form: ClosedForm) -> dict[str, float | None]:
 
 
 def _chain_scene(form: ClosedForm) -> Scene:
-    """Return a scene with an mKdV wave on the paper's chain, at times about T = 0."""
+    """Return a scene with the mKdV wave ``form`` on the paper's chain, for slow times about 0."""
     values = {"K2": 1, "eps": 0.1, "begin": -0.5, "end": 0.5, "half_width": 20}
     values |= CHAIN_CHOICES.get(form.name, {})
     times = [values.pop("begin"), values.pop("end")]

@@ -67,7 +67,7 @@ MAX_FORMULA_CHARACTERS = 1500
 
 @lru_cache(maxsize=64)
 def wave_texts(wave: str, parameters: tuple[str, ...]) -> WaveTexts:
-    """Return the texts of a wave with values for these parameters."""
+    """Return the texts of the wave called ``wave`` with these values of its parameters."""
     from longwave.solutions import closed_form
 
     form = closed_form(wave, parameters)
@@ -230,7 +230,7 @@ class Explorer:
         self._call = None
 
     def answer(self) -> Answer | None:
-        """Return news about the submitted scene; None if there are none."""
+        """Return the latest state of the submitted scene's run; None if there is nothing new."""
         call, finished = self._call, self._workers.ended(0.0)
         if call is None:
             return None

@@ -193,7 +193,7 @@ class Naming:
         return sp.Add(*(self._shortened_term(term) for term in terms))
 
     def _shortened_term(self, term: sp.Expr) -> sp.Expr:
-        """Name the term's sums, the widest first, until it fits; N and D in a fraction."""
+        """Name the term's sums, the widest first, until it fits a line: N and D in a fraction."""
         denominator = sp.fraction(term, exact=True)[1]
         for part in sorted(sums(term), key=size, reverse=True):
             whole_fraction = denominator != 1 and is_wide(part, COMPANION) and term.atoms(sp.Dummy)
@@ -203,7 +203,7 @@ class Naming:
         return term
 
     def _inline(self) -> None:
-        """Undo names that occur once if the row with the part written out still fits one line."""
+        """Remove names that occur once if the row with the part written out still fits one line."""
         for name in [name for name in self.parts if name.name == "P"]:
             users = [row for row in self.rows if row.has(name)]
             if len(users) == 1 and list(sp.preorder_traversal(users[0])).count(name) == 1:

@@ -241,7 +241,7 @@ class _Printer(ExpressionLatexPrinter):
 
 
 def equation_latex(residual: sp.Expr, unknown: sp.Expr, time: sp.Symbol) -> str:
-    """Return the LaTeX of ``residual = 0``: time derivative first, then by falling degree."""
+    """Return the LaTeX of ``residual = 0``: time derivative first, others by falling degree."""
 
     def sort_key(term: sp.Expr) -> tuple[bool, int]:
         powers = term.as_powers_dict()

@@ -33,7 +33,7 @@ MIN_READINGS = 32
 """Fewest evenly spaced readings for which a spectrum is drawn."""
 
 MIN_RATIO_AMPLITUDE = 1e-2
-"""Amplitude of the first sensor, relative to its largest, below which no ratio is drawn."""
+"""Fraction of the first sensor's largest amplitude below which ratios to it are not drawn."""
 
 BALANCE = ("energy", "work", "heat")
 """Variables of the energy balance."""
@@ -170,8 +170,8 @@ def _first_series(values: LabelledValues, *dimensions: str) -> Array:
 
 
 def _lines(ax: Axes, data: LabelledArrays, name: str, each: str, along: str) -> None:
-    """Draw a line over ``along`` for each index of the dimension ``each``. Of several fields or
-    bonds the first is drawn. A variable NAME_error adds a band to the line."""
+    """Draw a variable over ``along``, one line per index of dimension ``each``. Of several fields
+    or bonds the first is drawn. A variable NAME_error adds a band to the line."""
     values = _first_series(data[name], each, along)
     bars = _first_series(data[f"{name}_error"], each, along) if f"{name}_error" in data else None
     axis = data[along].values if along in data else np.arange(values.shape[1])

@@ -472,7 +472,7 @@ def _draw_spectrum(ax: Axes, at: LabelledArrays) -> dict[str, Any]:
 
 
 def _amplitude_limits(spectra: LabelledArrays) -> tuple[float, float]:
-    """Return axis limits from a tenth of the rounding error to above all amplitudes."""
+    """Return amplitude limits: from a tenth of the rounding error to above all amplitudes."""
     amplitudes = np.concatenate([spectra[name].values.ravel() for name in ("lattice", "wave")])
     amplitudes = amplitudes[np.isfinite(amplitudes) & (amplitudes > 0.0)]
     high = float(amplitudes.max()) if amplitudes.size else 1.0

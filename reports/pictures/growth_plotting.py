@@ -133,7 +133,7 @@ def _check_count(data: xr.Dataset, names: Sequence[str], most: int, along: str) 
 
 
 def _groups(cells: xr.Dataset, names: Sequence[str]) -> list[tuple[dict[str, Any], xr.Dataset]]:
-    """Return groups of cells with the same values of ``names``, each with these values by name."""
+    """Return (values by name, cells) for each group of cells with the same values of ``names``."""
     columns = {name: cells[name].values.tolist() for name in names}
     indices: dict[tuple[str, ...], list[int]] = {}
     for index in range(cells.sizes["cell"]):
@@ -175,7 +175,7 @@ def _cells(data: xr.Dataset, dims: Sequence[str]) -> xr.Dataset:
 
 
 def _titles(parts: Sequence[xr.Dataset], names: Sequence[str]) -> list[str]:
-    """Return a title for each panel: the values that differ between panels.
+    """Return a title for each panel: those values of ``names`` that differ between the panels.
 
     Values that are tables are included only if the titles would be equal without them.
     """
@@ -233,7 +233,8 @@ def _theory(curves: Sequence[xr.Dataset]) -> xr.Dataset | None:
     """Return the map in theory of the curves' lattice; None if no scene or map can be built.
 
     It has the growth ``rates`` over ``kappa`` and ``k``, the ``lines`` of rates over k for the
-    measured kinds of perturbation, and the ``product`` p q, NaN where there is no equation.
+    measured kinds of perturbation, and the ``product`` p q of the NLS coefficients, NaN where there
+    is no NLS equation.
     """
     from longwave.scenes.engines.sideband_growth import plane_wave_numbers
     from longwave.scenes.modulation import scene_modulation
@@ -316,8 +317,8 @@ LEGEND_LETTERS = 88
 class GrowthPanel:
     """A panel: measured rates, and the map in theory that all its cells share.
 
-    Each curve has a ``label`` and the name of its ``line`` in theory. The map is None if it
-    cannot be derived.
+    Each curve has a ``label`` and the name of its ``line`` in theory. ``theory`` is the map, None
+    if it cannot be derived.
     """
 
     title: str
@@ -422,7 +423,7 @@ def _draw_map(figure: FigureBase, ax: Axes, panel: GrowthPanel, top: float) -> N
 
 
 def _legend(panels: Sequence[GrowthPanel], looks: Looks) -> list[Line2D | Patch]:
-    """Return the handles of the legend: each curve's marker, on its line in theory."""
+    """Return the legend's handles: for each curve its marker, drawn on its theoretical line."""
     handles: list[Line2D | Patch] = []
     several = [
         _theory_looks(p, looks) for p in panels if len({c.attrs["line"] for c in p.curves}) > 1

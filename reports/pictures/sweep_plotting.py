@@ -125,7 +125,7 @@ def _text(value: object) -> str:
 
 
 def values_part(data: xr.Dataset, variable: str) -> Part:
-    """Return a picture of a variable over one to three dimensions; else raise ValueError."""
+    """Return a picture of a variable over its 1 to 3 swept dimensions; ValueError for more."""
     cells = _cells(data, variable)
     dims = [str(name) for name in cells.dims]
     if not dims:
@@ -262,7 +262,7 @@ BY_MEAN = "mean of {}, bars: standard error, band: standard deviation"
 
 
 def _error_caption(cells: xr.Dataset) -> str:
-    """Return a caption with the largest relative numerical error; bars may be too small to see."""
+    """Return a caption with the largest relative numerical error: its bars may be invisible."""
     size = abs(cells["value"])
     known = np.isfinite(cells["own"]) & (size > 0.0)
     if not known.any():

@@ -138,7 +138,7 @@ ERROR_LEVELS = (1e-2, 1e-4, 1e-6)
 
 
 def precision_table(points: Sequence[lattice_cost.CostPoint]) -> str:
-    """Return the table of the seconds of each series' fastest run within each of `ERROR_LEVELS`.
+    """Return the table of seconds of each series' fastest run within each of `ERROR_LEVELS`.
 
     The spectral ring has a second row that includes the time to compute its initial data.
     """
@@ -217,7 +217,7 @@ def scaling_panels(points: Iterable[lattice_cost.ScalingPoint]) -> CostPanels:
 
 
 def rk4_table(points: Iterable[lattice_cost.ScalingPoint]) -> str:
-    """Return the table of the error of Y_2 at t = 0 by RK4's step, and the part due to the step."""
+    """Return the table of the rational wave Y_2's error at t = 0 and RK4's part in it, by step."""
     errors = {point.x: point.value for point in points}
     exact, rows = errors[0.0], []
     for step, value in errors.items():
@@ -230,7 +230,7 @@ def rk4_table(points: Iterable[lattice_cost.ScalingPoint]) -> str:
 
 
 def window_table(points: Sequence[lattice_cost.ScalingPoint]) -> str:
-    """Return the table of the window's error by its number of sites, with the fitted exponent."""
+    """Return the table of errors due to the window by its number of sites, and their power law."""
     rows = [[f"{point.x:.0f}", scientific(point.value)] for point in points]
     rows.append(["law", rf"$N^{{{lattice_cost.fit_power((p.x, p.value) for p in points):.1f}}}$"])
     head = ["sites $N$", r"error of $y/\epsilon$"]

@@ -153,7 +153,7 @@ def _excess(j: int) -> int:
     "nothing: exact, at every fixed time",
 )
 def localised_in_space(_: MeasuredRuns) -> ClaimEvidence:
-    """Return the far-field limits of Y_2 and Y_3, which should be 1 and -1."""
+    """Return the far-field limits of the rational waves Y_2 and Y_3, which should be 1 and -1."""
     backgrounds = {j: facts(j).background for j in (2, 3)}
     measurements = [Measurement(f"$Y_{j}$, background", float(b)) for j, b in backgrounds.items()]
     return measurements, [backgrounds[2] == 1, backgrounds[3] == -1]
@@ -183,7 +183,7 @@ def _late_amplitude(order: int) -> float:
 
 @claim("Higher-order rational solutions have larger maximum amplitudes", "nothing: exact")
 def higher_orders(_: MeasuredRuns) -> ClaimEvidence:
-    """Return the peak of the highest order; the condition is that peaks grow with the order."""
+    """Return the peak of the rational wave of highest order; peaks must grow with the order."""
     highest = ORDERS[-1]
     wave = Wave(rational(highest), mkdv_normal_form(K2=4, K4=1))
     peak = Measurement(f"$Y_{highest}$ at the origin", float(wave(0.0, 0.0).Y))
@@ -244,7 +244,7 @@ def second_order_crest(evidence: MeasuredRuns) -> ClaimEvidence:
     "$t_0$, $eps$; 'around' is read as within 10 % of the time shown",
 )
 def peak_of_the_error(evidence: MeasuredRuns) -> ClaimEvidence:
-    """Return the largest error of each rational run with its time, and its parts at one peak."""
+    """Return each rational run's largest error and its time; split the error of the run `SPLIT`."""
     measurements, near = [], []
     for j in RUN_ORDERS:
         for eps in EPSILONS:
@@ -258,7 +258,7 @@ def peak_of_the_error(evidence: MeasuredRuns) -> ClaimEvidence:
 
 
 def _split(evidence: MeasuredRuns) -> list[Measurement]:
-    """Return the shift of the crest in the run `SPLIT` at its peak, and the parts of its error."""
+    """Return the crest's shift in the run `SPLIT` at its peak, and the parts of the run's error."""
     parts = evidence.split(SPLIT, 0.0)
     words = "$Y_2$, $eps=0.05$, $t=0$, the lattice's wave is shifted by sites"
     shares = (Measurement(f"there, part by {name}", *parts[name]) for name in PARTS)
@@ -294,7 +294,7 @@ def error_against_order(evidence: MeasuredRuns) -> ClaimEvidence:
     "the time step, of which the paper states none",
 )
 def twenty_percent(evidence: MeasuredRuns) -> ClaimEvidence:
-    """Return the largest error of Y_3 at eps = 0.05, with an accurate scheme and RK4's step."""
+    """Return the rational wave Y_3's largest error at eps = 0.05: by an accurate scheme, by RK4."""
     names = {"": "rational_3_eps_0.05", f"RK4, $dt={RK4_STEP}$, ": rk4_name(3)}
     errors = {words: evidence.largest_error(name)[0] for words, name in names.items()}
     measurements = [Measurement(f"{words}largest", *error) for words, error in errors.items()]
@@ -325,7 +325,7 @@ ROGUE, SOLITON = "rogue_cn_k_0.5", "soliton_dn_k_0.7"
     "$alpha$ (here $K/2$), the time step",
 )
 def breather_and_modulus(evidence: MeasuredRuns) -> ClaimEvidence:
-    """Return the dark breather's largest error at the three moduli."""
+    """Return the dark breather's largest error at each of three elliptic moduli k."""
     errors = {k: evidence.largest_error(f"breather_sn_k_{k}")[0] for k in BREATHER_MODULI}
     falls = all(a.value > b.value for a, b in pairwise(errors.values()))
     return (Measurement(f"$k={k}$, largest", *error) for k, error in errors.items()), [falls]
@@ -367,7 +367,7 @@ def cn_maximum(evidence: MeasuredRuns) -> ClaimEvidence:
     "the time shown, 200 units: read as a growth of the fastest perturbation by more than 2",
 )
 def modulational_instability(evidence: MeasuredRuns) -> ClaimEvidence:
-    """Return the growth of each background's fastest perturbation within the time shown."""
+    """Return how much the fastest perturbation of each background grows in the figure's time."""
     measurements = []
     for name in (ROGUE, SOLITON, "breather_sn_k_0.7"):
         scene = evidence.scenes[name]

@@ -118,7 +118,7 @@ def spectral(scene: Scene, tolerance: float) -> Scene:
 
 @cache
 def warmed(scheme: str) -> None:
-    """Compile the kernel of a scheme, or of the spectral ring for "", by a short run."""
+    """Compile the kernel of a scheme by a short run; ``scheme`` "" means the spectral ring."""
     scene = problem_scene("smooth")
     short = replace(scene, snapshots=(scene.t0 + 1.0,))
     run(by_scheme(short, scheme, SHARES[0]) if scheme else spectral(short, RING_TOLERANCES[0]))
@@ -311,13 +311,13 @@ class PeakError:
 
 
 def peak_scene(order: int, eps: float) -> Scene:
-    """Return the scene of a family member up to its peak, by whichever engine is cheaper."""
+    """Return the scene of rational wave Y_order up to its peak, with the cheaper of two engines."""
     (scene,) = rational_family_scenes((order,), (eps,), PEAK_TOLERANCES[order]).values()
     return replace(scene, snapshots=(0.0,), compared=round(HALF_WIDTH / eps))
 
 
 def peak_error(order: int, eps: float) -> PeakError:
-    """Run one member of the family; a failed run is returned as a record with a fault."""
+    """Run the rational wave of that order; a failed run is returned as a record with a fault."""
     scene = peak_scene(order, eps)
     try:
         result = run(scene)
@@ -332,7 +332,7 @@ def peak_error(order: int, eps: float) -> PeakError:
 
 
 def peak_laws(points: Iterable[PeakError]) -> dict[int, float | None]:
-    """Return each order's power of eps, fitted to the smallest resolved eps; None below two."""
+    """Return each order's power of eps, fitted to its smallest resolved eps; None if under two."""
     orders: dict[int, list[tuple[float, float]]] = {}
     for point in points:
         orders.setdefault(point.order, []).extend([(point.eps, point.value)] * point.resolved)
