@@ -34,7 +34,7 @@ ProgressCallback = Callable[[float], object]
 def display_progress(
     name: str, progress: ProgressCallback | None, announce: ProgressCallback | None
 ) -> Iterator[tuple[Any, Any]]:
-    """Yield (progress, announce); if both are None, the callbacks of a bar with label ``name``."""
+    """Yield (progress, announce); if both are None, the callbacks of a bar labelled ``name``."""
     if progress is not None or announce is not None:
         yield progress, announce
         return

@@ -262,7 +262,7 @@ def pack_content(records: Iterable[CellRecord]) -> bytes:
 
 
 def merged_content(packs: Iterable[tuple[Path, int]]) -> bytes:
-    """Return the bytes of one pack with the cells of all ``packs``: arguments of `open_pack`."""
+    """Return the bytes of one pack with the cells of all ``packs``, given as (path, link_free)."""
     layouts: dict[str, list[_RunStack]] = defaultdict(list)
     for path, link_free in packs:
         with open_pack(path, link_free) as file:

@@ -105,7 +105,7 @@ class RunStore:
         return location
 
     def keep(self, scene: Scene, run: xr.Dataset) -> Path:
-        """Save a run that was computed elsewhere under its scene's key; return its file."""
+        """Save a run that was computed elsewhere, under its scene's key; return the run's file."""
         path = self.path(scene)
         with self._locked(path):
             return _save(path, run)

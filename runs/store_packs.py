@@ -138,7 +138,7 @@ class PackIndex:
         return len(self.table)
 
     def row(self, key: str) -> int | None:
-        """Return the row of a key in the table; None if no pack has it."""
+        """Return the row of a key in the table; None if no pack has the key."""
         encoded = key.encode()
         position = int(np.searchsorted(self.table.key, encoded))
         is_present = position < len(self.table) and self.table.key[position] == encoded

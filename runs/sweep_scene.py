@@ -116,7 +116,7 @@ def check_field(field: str, document: Document | None = None) -> None:
 
 
 def changed_document(document: Document, changes: Mapping[str, Any]) -> Document:
-    """Return a copy of a scene's tables with new values; ``changes`` maps dotted names to them.
+    """Return a copy of a scene's tables with ``changes``, a map from dotted names to new values.
 
     >>> changed_document({"eps": 1, "parameters": {"k": 2}}, {"parameters.k": 3, "times": [0, 1]})
     {'eps': 1, 'parameters': {'k': 3}, 'times': [0, 1]}

@@ -208,7 +208,7 @@ class _Kind(NamedTuple):
 
 
 def _plain_columns(*names: str) -> dict[str, str]:
-    """Return columns that show the named entries of a record as they are."""
+    """Return table columns, each of which shows the entry of that name of a record unchanged."""
     return {name: f"{{{name}}}" for name in names}
 
 

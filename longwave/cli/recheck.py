@@ -102,7 +102,7 @@ Proofs = list[tuple[str, Sequence[Mapping[str, Any]]]]
 
 
 def proofs_of(names: Sequence[str] = ()) -> Proofs:
-    """Return the proofs of these forms and statements, by default of all; ValueError if unknown."""
+    """Return the proofs of the named forms and statements (default: all); ValueError if unknown."""
     verdicts = [prove_named(name) for name in NAMES if not names or name in names]
     proofs: Proofs = [(v.name, [v.certificate]) for v in verdicts if v.certificate is not None]
     other_names = [name for name in names if name not in NAMES]

@@ -121,7 +121,7 @@ def _exponents_as_json(exponents: list[tuple[str, Exponent]]) -> dict[str, Any]:
 
 
 def _lines(wave: ExactWave, exponents: list[tuple[str, Exponent]], digits: int) -> list[str]:
-    """Return the verdict, the theorem, and each number with its error."""
+    """Return the lines to print: the verdict, the theorem, and each number with its error."""
     if wave.verdict is not Existence.EXISTS:
         return [f"{wave.verdict}: {wave.reason}"]
     rows = [(name, _number(value, digits)) for name, value in wave.numbers.items()]

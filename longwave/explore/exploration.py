@@ -200,7 +200,7 @@ def bounds(
 
 
 def _end_value(value: Any, values: Mapping[str, float | None]) -> float | None:
-    """Evaluate a bound at the parameters' values; None if one is unknown or it is not finite."""
+    """Evaluate a bound at the parameters' values; None if one is unknown or the bound infinite."""
     known = {symbol: values.get(symbol.name) for symbol in value.free_symbols}
     if None in known.values():
         return None

@@ -275,7 +275,7 @@ def _prepare_worker(limits: RequestLimits) -> None:
 
 
 def _compare_in_worker(scene: Scene, limits: RequestLimits, progress: Progress) -> Answer:
-    """Return the comparison, or the reason why there is none."""
+    """Return the comparison of a scene, or a `Refusal` with the reason why there is none."""
     try:
         return compare(scene, progress, limits)
     except (ValueError, OSError, ArithmeticError, RuntimeError) as error:

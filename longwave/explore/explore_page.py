@@ -57,8 +57,8 @@ body, #main, #content { background: #f3f5f7; }
   :host(.maps) { display: block; }
 }
 """
-"""On a narrow screen the controls are a drawer: the header's button, which otherwise hides them,
-slides them over the pictures."""
+"""CSS of the page. On a narrow screen the controls are a drawer: the header's button, which else
+hides the controls, slides them over the pictures."""
 
 PANE_STYLE = """
 :host { font: 14px/1.45 system-ui, sans-serif; color: #22303c; }
@@ -410,7 +410,7 @@ def _group(title: str, parts: Iterable[Any]) -> Any:
 
 
 def _pairs(parts: Iterable[Any]) -> list[Any]:
-    """Return rows with two controls each."""
+    """Arrange the controls ``parts`` in rows of two."""
     part_list = list(parts)
     return [pn.Row(*part_list[i : i + 2], **WIDE, margin=0) for i in range(0, len(part_list), 2)]
 

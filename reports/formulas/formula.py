@@ -270,7 +270,7 @@ def occurrences(expression: sp.Expr) -> Counter[sp.Expr]:
 
 
 def sums(term: sp.Expr) -> list[sp.Expr]:
-    """Return the sums that are factors of the term, or bases of its factors."""
+    """Return the sums that are factors of the term, or bases of powers that are factors."""
     bases = (factor.base if factor.is_Pow else factor for factor in sp.Mul.make_args(term))
     return [base for base in bases if base.is_Add]
 

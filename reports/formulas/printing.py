@@ -85,7 +85,7 @@ def _degree_rank(term: sp.Expr) -> tuple[object, ...]:
 
 
 def _degree(expression: sp.Expr) -> float:
-    """Return the total degree; every function counts as one variable."""
+    """Return the total degree of an expression, in which every function counts as one variable."""
     if expression.is_Add:
         return max(_degree(term) for term in expression.args)
     if expression.is_Mul:

@@ -174,7 +174,7 @@ OWN_ERROR = "own error of the run"
 
 
 def error_text(own: float) -> str:
-    """Return an error to one digit as LaTeX.
+    """Return the LaTeX of a numerical error, to one digit.
 
     >>> error_text(3.2e-8), error_text(1e-3)
     ('$3\\\\times 10^{-8}$', '$0.001$')
@@ -422,7 +422,7 @@ def grid_shape(count: int, most: int = 12) -> tuple[int, int]:
 def panel_grid(
     figure: FigureBase, count: int, x: str, y: str, most: int = 12
 ) -> tuple[list[Axes], Axes | None]:
-    """Return ``count`` panels with shared, labelled axes, and an empty one for a legend or None."""
+    """Return ``count`` panels with shared, labelled axes, and any empty cell for a legend."""
     rows, across = grid_shape(count, most)
     grid = figure.subplots(rows, across, squeeze=False, sharex=True, sharey=True)
     panels = list(grid.flat)[:count]

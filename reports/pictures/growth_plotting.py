@@ -210,7 +210,7 @@ def _assignments(values: Mapping[str, Any]) -> str:
 
 
 def _panel(title: str, cells: xr.Dataset, lines: Sequence[str]) -> GrowthPanel:
-    """Return a panel of cells with the same map."""
+    """Return a panel of cells with the same map; coordinates ``lines`` tell its curves apart."""
     chosen = [name for name in lines if cells[name].attrs.get("field") in PERTURBATION_FIELDS]
     curves = []
     for values, curve in _groups(cells, lines):
@@ -284,7 +284,7 @@ def _rates(p: Array, q: Array, amplitude: float, kappa: Array | float) -> Array:
 
 
 def _scene(cell: xr.Dataset) -> Scene:
-    """Return the scene of one cell; ValueError if the file does not contain it."""
+    """Return the scene of one cell; ValueError if the data set does not contain its sweep."""
     from longwave.runs.sweep_scene import changed_document, make_scene
 
     try:
@@ -404,7 +404,7 @@ def _set_rates(ax: Axes, panel: GrowthPanel) -> float:
 
 
 def _draw_map(figure: FigureBase, ax: Axes, panel: GrowthPanel, top: float) -> None:
-    """Draw a map of the growth rates in theory, and the measured ones as points in its colours."""
+    """Draw a map of theoretical rates, coloured from 0 to ``top``, and measured rates as points."""
     assert panel.theory is not None
     k, kappa, rates = (panel.theory[name].values for name in ("k", "kappa", "rates"))
     ax.set_facecolor(STABLE)

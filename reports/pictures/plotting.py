@@ -199,7 +199,7 @@ def _for_pictures(scene: Scene, kind: str) -> Scene:
 
 
 def _draw(run: Labelled, kind: str) -> ShownFigure:
-    """Draw the pictures of that kind, one below the other, under the run's title."""
+    """Draw a run's pictures of one kind (or all), one below the other, under the run's title."""
     data = run_data.with_theory(
         run_data.with_looks(run_data.placed(run), run_data.MIN_MAP_TIMES if kind == ALL else 2)
     )

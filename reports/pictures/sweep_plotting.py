@@ -294,7 +294,7 @@ def _means(cells: xr.Dataset, repeats: str) -> xr.Dataset:
 
 
 def _maps(data: xr.Dataset, cells: xr.Dataset) -> Part:
-    """Return a heat map over two dimensions, or one for each value of the third."""
+    """Return a heat map over two dimensions, or one map for each value of a third dimension."""
     names = [str(name) for name in cells.dims]
     over = ""
     if len(names) == 3:

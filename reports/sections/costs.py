@@ -68,7 +68,7 @@ def _where(text: str) -> tuple[str, str, str]:
 
 
 def _value(text: str) -> str:
-    r"""Format a number with three digits; one written as "1 - d" keeps that form.
+    r"""Format a number with three digits; a number written as "1 - d" keeps that form.
 
     >>> _value("160149996.8"), _value("1 - 1e-12"), _value("-9.2")
     ('$1.6\\times 10^{8}$', '$1-10^{-12}$', '$-9.2$')

@@ -217,7 +217,7 @@ def long_table(runs: Mapping[str, LongRun]) -> str:
 
 
 def _times(runs: Mapping[str, LongRun]) -> list[float]:
-    """Return the snapshot times of the first run; all runs have the same."""
+    """Return the snapshot times of the first run, which are those of all runs."""
     return [float(t) for long_run in list(runs.values())[:1] for t in long_run.ring["time"].values]
 
 

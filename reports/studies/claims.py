@@ -74,7 +74,7 @@ CLAIMS: list[Callable[[MeasuredRuns], Claim]] = []
 def claim(
     statement: str, depends_on: str
 ) -> Callable[[Callable[[MeasuredRuns], ClaimEvidence]], Callable[[MeasuredRuns], Claim]]:
-    """Register the decorated function as the measurement of the statement named like it."""
+    """Register the decorated function to measure ``statement``; its name becomes the claim's."""
 
     def declare(
         measure: Callable[[MeasuredRuns], ClaimEvidence],
@@ -377,5 +377,5 @@ def modulational_instability(evidence: MeasuredRuns) -> ClaimEvidence:
 
 
 def all_claims(evidence: MeasuredRuns) -> list[Claim]:
-    """Return every statement with the numbers measured in these runs."""
+    """Return every statement of `CLAIMS` with the numbers measured for it in these runs."""
     return [check(evidence) for check in CLAIMS]

@@ -386,7 +386,7 @@ def _error(value: Any, exact: Any) -> float:
 
 
 def worst_of(results: Iterable[Accuracy]) -> Accuracy:
-    """Merge the records of one wave into one record of its worst errors."""
+    """Merge the records of one wave into one record with the largest errors."""
     all_results = list(results)
     largest_error = max(all_results, key=lambda result: max(result.errors))
     errors = np.max([result.errors for result in all_results], axis=0)

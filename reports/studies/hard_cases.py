@@ -76,7 +76,7 @@ MEASURES: dict[str, Callable[[], Reading]] = {}
 def hard_case(
     setup: str, criterion: str, bound: float, slow: bool = False
 ) -> Callable[[Callable[[], Reading]], Callable[[], Reading]]:
-    """Register the decorated function as the measurement of the hard case named like it."""
+    """Register the decorated function to measure a hard case, which gets the function's name."""
 
     def declare(measure: Callable[[], Reading]) -> Callable[[], Reading]:
         name = measure.__name__.lstrip("_")

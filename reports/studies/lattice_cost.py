@@ -135,7 +135,7 @@ def march_seconds(scene: Scene, result: xr.Dataset) -> float:
 
 
 def _timed(scene: Scene) -> xr.Dataset:
-    """Run the scene with its kernels compiled before, so that its seconds do not include that."""
+    """Run the scene after compiling its kernels, so that its seconds do not include compilation."""
     warmed("" if scene.tolerance else scene.discretisation.scheme)
     return run(scene)
 
@@ -249,7 +249,7 @@ def _scaled(base: Scene, scheme: str, step: float, sites: int) -> float:
 
 
 def to_peak(t0: float) -> Scene:
-    """Return the scene of Y_2 at eps = 0.05 from t0 up to its peak."""
+    """Return the scene of the rational wave Y_2 at eps = 0.05 from time ``t0`` to its peak."""
     scene = load_scene("rational_2_eps_0.05")
     return replace(scene, t0=t0, snapshots=(0.0,), observables=("strain",))
 

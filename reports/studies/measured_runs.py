@@ -60,7 +60,7 @@ class MeasuredRuns:
         return UncertainNumber(float(curve.max()), float(own_error)), time
 
     def split(self, name: str, time: float) -> dict[str, UncertainNumber]:
-        """Return the shift in sites, and the error's parts by position, amplitude and shape.
+        """Return a wave's shift in sites, and its error's parts by position, amplitude and shape.
 
         The parts have the error's denominator, so they share its discretisation error. A change of
         y/eps by at most d changes a least-squares shift by at most d sum |Y_n| / sum Y_n^2, with
