@@ -132,7 +132,7 @@ def _compare_and_print(
 
 
 def _run_with_bar(scene: Scene, store: str | None, work: str) -> RunRecord:
-    """Run a scene, or load its run from ``store``, with a bar; ``work`` names the run in notices."""
+    """Run a scene, or load its run from ``store``, with a bar; ``work`` names the run in notes."""
     with progress_bar(scene.name, work) as bar:
         if store is None:
             return record_scene(scene, *bar)

@@ -67,7 +67,7 @@ MAX_FORMULA_CHARACTERS = 1500
 
 @lru_cache(maxsize=64)
 def wave_texts(wave: str, parameters: tuple[str, ...]) -> WaveTexts:
-    """Return the texts of the wave called ``wave`` with these values of its parameters."""
+    """Return the texts of the wave called ``wave``, with the parameters of these names."""
     from longwave.solutions import closed_form
 
     form = closed_form(wave, parameters)

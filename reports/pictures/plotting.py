@@ -255,7 +255,7 @@ def _pictures(data: LabelledArrays, kind: str) -> Sequence[Picture]:
 
 
 def _has(data: LabelledArrays, picture: Picture) -> bool:
-    """Return whether the picture's variables have finite numbers in the run and it also `fits`."""
+    """Return whether the run has finite numbers in the picture's variables and passes `fits`."""
     names = picture.variables
     has_numbers = all(name in data and np.isfinite(data[name].values).any() for name in names)
     return has_numbers and picture.fits(data)
@@ -281,7 +281,7 @@ def _spectra(data: LabelledArrays) -> Part:
 def shown_half_width(run: Labelled) -> int:
     """Return the half-width in sites of the range in which the wave differs from its background.
 
-    If the run has no background, or no such site, the half-width of all compared sites is returned.
+    Without a background, or if the wave equals it, that of all compared sites is returned.
     """
     data = LabelledArrays.of(run)
     sites = np.abs(data["site"].values)

@@ -134,7 +134,7 @@ def cost_panels(costs: Iterable[EvaluationCost]) -> CostPanels:
 
 
 ERROR_LEVELS = (1e-2, 1e-4, 1e-6)
-"""Bounds on errors of y/eps; the precision table gives the fastest run within each bound."""
+"""Bounds on errors of y/eps; the precision table has each series' fastest run within each."""
 
 
 def precision_table(points: Sequence[lattice_cost.CostPoint]) -> str:

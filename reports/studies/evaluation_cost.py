@@ -100,7 +100,7 @@ def least_seconds(function: Callable[[], object], repeats: int = REPEATS) -> flo
 
 
 def measure_array(case: WaveCase) -> tuple[Errors, float]:
-    """Return errors and seconds per point of double-doubles, at eps = 1 for exact X and T."""
+    """Return errors and seconds per point of double-doubles, at eps = 1 (exact X and T)."""
     wave = case.wave()
     speed = int(wave.normal_form.c)
     rows = [wave.pairs_at(float(x + speed * TIME), float(TIME), 1.0) for x in POINTS]

@@ -265,7 +265,7 @@ def window_error(sites: Sequence[int], t0: float = -10000.0) -> list[ScalingPoin
 
 
 def rk4_share(steps: Sequence[float], t0: float = -10000.0) -> list[ScalingPoint]:
-    """Return the relative error of Y_2 at t = 0 by RK4's step x; x = 0 is an accurate scheme."""
+    """Return the relative error of Y_2 at t = 0 by RK4's step x (0: an accurate scheme)."""
     scene = to_peak(t0)
     variants = {step: scene.changed(scheme="rk4", step=step) for step in steps}
     return [
@@ -288,7 +288,7 @@ RESOLVED = 0.1
 class PeakError:
     """Relative sup error of one member of the rational family at T = 0.
 
-    ``own`` is the estimated discretisation error over the same denominator, ``seconds`` the time of
+    ``own`` is the estimated discretisation error in the same units, ``seconds`` the time of
     the run with its planning. ``fault`` is the reason if there is no value.
     """
 
