@@ -34,7 +34,7 @@ ProgressCallback = Callable[[float], object]
 def display_progress(
     name: str, progress: ProgressCallback | None, announce: ProgressCallback | None
 ) -> Iterator[tuple[Any, Any]]:
-    """Yield the callbacks (progress, announce); if both are None, those of a progress bar."""
+    """Yield (progress, announce); if both are None, the callbacks of a bar labelled ``name``."""
     if progress is not None or announce is not None:
         yield progress, announce
         return
@@ -144,7 +144,7 @@ def as_sweep(
     source: Sweep | Scene | str | Path | Mapping[str, Any],
     grid: Mapping[str, Sequence[Any]] | None = None,
 ) -> Sweep:
-    """Return the Sweep that ``source`` and ``grid`` describe; raise ValueError in one line if none.
+    """Return the Sweep that ``source`` and ``grid`` describe; ValueError if they describe none.
 
     >>> as_sweep("toda_soliton", {"eps": [0.1, 0.2], "parameters.kappa": [1]})
     <Sweep of toda_soliton: 2 eps x 1 kappa = 2 cells>

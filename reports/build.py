@@ -167,7 +167,7 @@ def _of_paper(records: Sequence[Any]) -> list[Any]:
 
 
 def source(content: Mapping[str, str], findings: Findings, full: bool) -> str:
-    """Return the report's LaTeX source; `content` holds the tables."""
+    """Return the report's LaTeX source; ``content`` maps the template's names to LaTeX tables."""
     return render(
         "report.tex.j2",
         version=version("longwave"),
@@ -245,7 +245,7 @@ def write_source(
 
 
 def _check_folder(output: Path, force: bool) -> None:
-    """Raise ValueError, before anything is computed, if no report can or may be written there."""
+    """Raise ValueError, before the jobs run, if no report can or may be written to ``output``."""
     if not force and (output / SOURCE).exists():
         got = f"{output}, which has one (--force overwrites it)"
         raise ValueError(f"--output must name a folder without a report, got {got}")

@@ -125,7 +125,7 @@ def table(
 
 
 def _broken(rows: Sequence[Row], across: int, gap: str) -> Iterator[str]:
-    """Yield the rows in LaTeX; a star follows each row after which no page may end."""
+    """Yield rows of ``across`` columns in LaTeX; a star marks a row that must not end a page."""
     last = len(rows) - 1
     for index, cells in enumerate(rows):
         ends = index == last or isinstance(rows[index + 1], str)

@@ -81,7 +81,7 @@ def _variable_line(name: str, stored: xr.Dataset, repeated: xr.Dataset) -> str:
 
 
 def _distance(old: NDArray[np.generic], new: NDArray[np.generic]) -> str:
-    """Describe how many values of two arrays differ, and by how much at most."""
+    """Return a text on how many values of two arrays differ, and by how much at most."""
     size = old.dtype.itemsize
     bits = [np.ascontiguousarray(values).view(f"V{size}").ravel() for values in (old, new)]
     count = int(np.count_nonzero(bits[0] != bits[1]))

@@ -85,7 +85,7 @@ def load_run(path: str | Path, follow: bool = True) -> xr.Dataset:
 
 
 def open_run(path: str | Path, follow: bool = True) -> xr.Dataset:
-    """Open a run whose values are read on demand; the caller must close it. Raises as `load_run`.
+    """Open a run whose values are read on demand; the caller closes it. Raises as `load_run` does.
 
     The file is opened once, so that the checked bytes are the bytes that are read, even if its name
     is replaced meanwhile.
@@ -131,7 +131,7 @@ def _check_seal(path: Path, stream: BinaryIO) -> None:
 
 
 def _open_checked(stream: BinaryIO, size: int, resources: ExitStack) -> xr.Dataset:
-    """Return the dataset of an open file after `check_contents`; ``resources`` closes it."""
+    """Return the data set of an open file after `check_contents`; ``resources`` will close it."""
     import h5netcdf
     import h5py
     import xarray as xr
@@ -157,7 +157,7 @@ def _check_shapes(dataset: Any, file: Any) -> None:
 
 
 def scene_of_run(run: Labelled) -> Scene:
-    """Return the scene from which a run was computed; raise ValueError in one line without one."""
+    """Return the scene from which a run was computed; ValueError in one line if it has none."""
     if SWEPT in run.attrs:
         raise ValueError(
             "run must be of a single scene, got the result of a sweep (longwave sweep continues "

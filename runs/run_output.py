@@ -53,7 +53,7 @@ def save_anywhere(run: xr.Dataset, output: str, force: bool) -> int:
 
 
 def fail_or_save_elsewhere(error: ValueError | OSError) -> int:
-    """Print an error, save the finished run if a store could not, and return the exit status."""
+    """Print an error and return the exit status; save a run elsewhere if a store could not."""
     if isinstance(error, UnsavedRunError):
         return _save_elsewhere(error.run, str(error.filename), error)
     return fail(error)
@@ -141,7 +141,7 @@ class OutputCheckpoint:
             yield
 
     def interrupt_message(self, count: str = "", written: bool = False) -> str:
-        """Return the message for Ctrl-C: how to resume, or ``count``, the amount of work done.
+        """Return the message after Ctrl-C: how to resume, or else the text ``count`` on work done.
 
         ``written`` says whether partial results are in the output file.
         """

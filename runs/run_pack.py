@@ -94,7 +94,7 @@ class CellRecord:
 
 @dataclass(frozen=True)
 class CellTable:
-    """Cells as columns: key, status, message, numbers, and the location of each run.
+    """Table of cells with columns: key, status, message, numbers, and the location of the run.
 
     ``pack`` is the index of the pack, ``group`` and ``row`` the position in it; ``row`` is -1 if
     there is no run.
@@ -262,7 +262,7 @@ def pack_content(records: Iterable[CellRecord]) -> bytes:
 
 
 def merged_content(packs: Iterable[tuple[Path, int]]) -> bytes:
-    """Return the bytes of one pack with all cells of packs (path, link_free), as in `open_pack`."""
+    """Return the bytes of one pack with the cells of all ``packs``, given as (path, link_free)."""
     layouts: dict[str, list[_RunStack]] = defaultdict(list)
     for path, link_free in packs:
         with open_pack(path, link_free) as file:

@@ -105,7 +105,7 @@ class RunStore:
         return location
 
     def keep(self, scene: Scene, run: xr.Dataset) -> Path:
-        """Save a run that was computed elsewhere under its scene's key; return its file."""
+        """Save a run that was computed elsewhere, under its scene's key; return the run's file."""
         path = self.path(scene)
         with self._locked(path):
             return _save(path, run)
@@ -149,7 +149,7 @@ class RunStore:
 
     @contextmanager
     def _locked(self, path: Path) -> Iterator[None]:
-        """Hold the lock of that run's file; remove drafts left by killed processes."""
+        """Hold the lock of the run's file ``path``; remove drafts left by killed processes."""
         path.parent.mkdir(parents=True, exist_ok=True)
         check_no_link(path.parent)
         with locked(path.with_suffix(".lock"), lambda: LOG.info(WAITING, path)):

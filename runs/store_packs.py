@@ -107,7 +107,7 @@ def link_free_parts(pack: str) -> int:
 
 
 def relocated_runs(runs: Sequence[PackedRun]) -> list[PackedRun]:
-    """Return the current locations of one store's merged runs; ValueError if one is gone."""
+    """Return the current locations of one store's runs after merges; ValueError if one is gone."""
     index, relocated = pack_index(runs[0].folder), []
     for run in runs:
         entry = index.get(run.key)
@@ -138,14 +138,14 @@ class PackIndex:
         return len(self.table)
 
     def row(self, key: str) -> int | None:
-        """Return the row of a key in the table; None if no pack has it."""
+        """Return the row of a key in the table; None if no pack has the key."""
         encoded = key.encode()
         position = int(np.searchsorted(self.table.key, encoded))
         is_present = position < len(self.table) and self.table.key[position] == encoded
         return position if is_present else None
 
     def settles(self, key: str) -> bool:
-        """Whether a cell need not be run: its run is stored, or its scene was refused."""
+        """Whether the cell ``key`` need not be run: its run is stored, or its scene was refused."""
         row = self.row(key)
         return row is not None and bool(self._settled[row])
 
@@ -332,7 +332,7 @@ def _size_limited_parts(packs: Sequence[tuple[int, str]]) -> Iterator[list[str]]
 
 
 def _merge(folder: Path, names: Sequence[str]) -> None:
-    """Write these packs as one, then delete them; leave damaged ones alone."""
+    """Write the packs ``names`` as one pack, then delete them; damaged packs are left alone."""
     paths = {folder / PACKS / name: link_free_parts(name) for name in names}
     try:
         intact = [

@@ -143,7 +143,7 @@ def run_with_progress(
     stored_keys: Container[str],
     displays: tuple[Callable[[float], object], Callable[[float], object] | None],
 ) -> None:
-    """Run a sweep; ``displays`` get the finished fraction and (unless None) the seconds left."""
+    """Run a sweep; call the ``displays`` with the finished fraction and the seconds left."""
     advance, show_seconds_left = displays
 
     def show(state: SweepState) -> None:
@@ -157,7 +157,10 @@ def run_with_progress(
 def _missing_cells(
     sweep: Sweep, store: RunStore, stored_keys: Container[str], state: SweepState
 ) -> Iterator[Cell]:
-    """Yield the cells that the store does not have, in order; cells with equal scenes only once."""
+    """Yield the cells that the store does not have, in order; cells with equal scenes only once.
+
+    All other cells are counted in ``state``, those without an admissible scene as faults.
+    """
     requested: set[str] = set()
     for number in range(len(sweep)):
         try:
@@ -228,7 +231,7 @@ class _Dispatch:
         return max(1, int(min(max(seconds, MIN_BATCH_SECONDS), MAX_BATCH_SECONDS) / pace))
 
     def _take(self, cells: tuple[Cell, ...], call: Call) -> bool:
-        """Save the results of a batch; return False if its worker was lost."""
+        """Save the results of ``cells`` from ``call``; return False if its worker was lost."""
         self.sent -= len(cells)
         try:
             batch = call.result()

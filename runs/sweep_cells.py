@@ -94,8 +94,8 @@ def run_cells(
 
     An error of a cell, or an excess over the ``limits``, becomes its record. A worker that is asked
     to stop packs the finished cells. ``token`` is the name of a file by which a worker on another
-    machine recognises the store. Raises ValueError if the worker's code is not the ``code`` of the
-    keys.
+    machine recognises the store. Raises ValueError if the worker's code is not ``code``, that
+    of the cells' keys.
     """
     if code is not None:
         check_code(code)
@@ -197,7 +197,10 @@ def record_of(key: str, scene: Scene, run: xr.Dataset) -> CellRecord:
 
 
 def numbers_of(scene: Scene, run: xr.Dataset) -> Mapping[str, float]:
-    """Return a cell's `NUMBERS`: its run's attributes, largest error and numerical error there."""
+    """Return a cell's `NUMBERS`: from its run's attributes, and the largest error over time.
+
+    ``own_error`` is the numerical error at the time of the largest error.
+    """
     numbers = {name: run.attrs[name] for name in NUMBERS if name in run.attrs}
     numbers |= {name: run.variables[name].values for name in OPTIONAL if name in run.variables}
     for name in (name for name in ("error", "error_curve") if name in run.variables):

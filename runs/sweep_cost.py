@@ -21,9 +21,9 @@ MAX_SAMPLED, MIN_SAMPLED = 200, 5
 factor of 100 are estimated to about 20 %."""
 
 FREE_SAMPLING_SECONDS, SAMPLING_FRACTION, MAX_SAMPLING_SECONDS = 0.2, 0.01, 3.0
-"""Limits on the processor time for estimating costs after the first: seconds that are always
-allowed, fraction of the sweep's expected time, and the most seconds. An estimate takes 30 ms if an
-equation must be derived."""
+"""Limits on the processor time for estimating costs of cells (the first cell is not counted):
+seconds that are always allowed, fraction of the sweep's expected time, and the most seconds. An
+estimate takes 30 ms if an equation must be derived."""
 
 
 @dataclass(frozen=True)

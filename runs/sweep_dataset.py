@@ -156,7 +156,7 @@ def _coordinate_values(column: Sequence[Any]) -> NDArray[Any]:
 
 
 def cell_run(sweep: Sweep, store: RunStore, **indices: int) -> xr.Dataset:
-    """Return the run of the cell with these indices; ValueError for wrong ones or without a run."""
+    """Return the run of the cell at these indices; ValueError if they or the run do not exist."""
     names = [dimension.name for dimension in sweep.dimensions]
     if set(indices) != set(names):
         got = ", ".join(indices) or "none"

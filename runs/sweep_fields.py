@@ -35,7 +35,7 @@ class FieldKind(NamedTuple):
 
 
 def _group_locations(locations: Mapping[int, RunLocation]) -> Sequence[dict[int, RunLocation]]:
-    """Group the cells by where their runs are stored: one group of a pack, or one file each."""
+    """Group cells by where their runs are stored: in a common group of a pack, or in a file."""
     groups: dict[object, dict[int, RunLocation]] = defaultdict(dict)
     for cell, location in locations.items():
         group = (location.pack, location.group) if isinstance(location, PackedRun) else location

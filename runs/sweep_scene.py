@@ -31,7 +31,7 @@ VARIED = {
     "losses": EPS_POWERS,
     **{name: KEYS[name] for name in ("chain", "start", "defects")},
 }
-"""Fields that a sweep may vary: top-level key -> (), or table -> those of its keys."""
+"""Fields that a sweep may vary: top-level key -> (); table -> its keys that may vary."""
 
 
 def base_document(given: object, folder: Path = Path()) -> tuple[str, Document]:
@@ -93,7 +93,10 @@ def canonical_field(field: str) -> str:
 
 
 def check_field(field: str, document: Document | None = None) -> None:
-    """Raise ValueError for an unknown field; a key of a table in ``document`` is named in full."""
+    """Raise ValueError for an unknown field.
+
+    If a table in ``document`` has the field as a key, the message says to write TABLE.KEY.
+    """
     top, _, key = field.partition(".")
     if top in scene_file.PAIR_TABLES:
         return  # these tables may have any key, and may be replaced as a whole
@@ -113,7 +116,7 @@ def check_field(field: str, document: Document | None = None) -> None:
 
 
 def changed_document(document: Document, changes: Mapping[str, Any]) -> Document:
-    """Return a copy of a scene's tables with new values; ``changes`` maps dotted names to them.
+    """Return a copy of a scene's tables with ``changes``, a map from dotted names to new values.
 
     >>> changed_document({"eps": 1, "parameters": {"k": 2}}, {"parameters.k": 3, "times": [0, 1]})
     {'eps': 1, 'parameters': {'k': 3}, 'times': [0, 1]}

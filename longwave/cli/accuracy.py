@@ -68,7 +68,7 @@ def print_accuracy(
 
 
 def _measure_all(names: Sequence[str], processes: int, drawn: int) -> Iterator[Accuracy]:
-    """Yield the worst errors of each wave; its cases are evaluated in fresh worker processes."""
+    """Yield the worst errors of each wave; its cases run in fresh worker processes."""
     cases = {name: list(all_cases(name, drawn)) for name in names}
     jobs = (Job(measure_accuracy, (case,)) for name in names for case in cases[name])
     measured = in_order(jobs, LocalWorkers(processes))

@@ -67,8 +67,8 @@ class ProofFile:
     def write(self, certificates: Sequence[Mapping[str, Any]]) -> None:
         """Write the certificates, or their scripts; print the premises of scripts on stderr.
 
-        Raises CertificateError for a proof that cannot be written as a script, ValueError if there
-        is none to write as a script, and OSError if writing fails.
+        Raises CertificateError for a proof that cannot be written as a script, ValueError if
+        scripts are requested for no certificates, and OSError if writing fails.
         """
         if self.output is None:
             return
@@ -103,9 +103,9 @@ def print_certificates(
 ) -> int:
     """Check every certificate of a file and print its statement and "accepted"; return the status.
 
-    The status is 0, 1 at the first certificate that is rejected, or 2 if the file cannot be read.
-    As JSON, the output is a list of the accepted ones with name and statement. If all are accepted,
-    scripts for a ``system`` are written to ``output``.
+    The status is 0 if all are accepted, 1 if one is rejected (checking stops there), 2 if the file
+    cannot be read. As JSON, the output is a list of the accepted certificates with name and
+    statement. If all are accepted, scripts for a ``system`` are written to ``output``.
     """
     accepted: list[dict[str, str]] = []
     status, scripts = 0, ProofFile(output, system, force)

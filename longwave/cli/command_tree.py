@@ -48,17 +48,17 @@ SCENE_FOLDER = PACKAGE_FOLDER / "scenes" / "shipped"
 
 
 def scene_names() -> list[str]:
-    """Return the names of the shipped scenes from their files; importing the lattice is slow."""
+    """Return the names of the shipped scenes, read from file names; importing `scenes` is slow."""
     return sorted(path.stem for path in SCENE_FOLDER.rglob("*.toml"))
 
 
 def complete_scenes(_: click.Context, __: click.Parameter, prefix: str) -> list[CompletionItem]:
-    """Complete the name of a shipped scene, or a file name for a path or if no name matches."""
+    """Complete the name of a shipped scene; if none fits or ``prefix`` is a path, a file name."""
     return _shipped_or_files(scene_names(), prefix)
 
 
 def complete_sweeps(_: click.Context, __: click.Parameter, prefix: str) -> list[CompletionItem]:
-    """Complete the name of a shipped sweep, or a file name for a path or if no name matches."""
+    """Complete the name of a shipped sweep; if none fits or ``prefix`` is a path, a file name."""
     return _shipped_or_files(sorted(path.stem for path in SWEEP_FOLDER.glob("*.toml")), prefix)
 
 

@@ -70,7 +70,7 @@ def _decision_options(command: Wrapped) -> Wrapped:
 
 
 def _refuse_both(*pairs: tuple[object, str, object, str]) -> None:
-    """Raise UsageError if both options of a pair (value, name, value, name) are given."""
+    """Raise UsageError if two options are both given; a pair is (value, name, value, name)."""
     for one, option, other, name in pairs:
         if one and other:
             raise click.UsageError(f"{option} must not be given with {name}, got both")

@@ -32,7 +32,7 @@ from longwave.support.console import (
 from longwave.support.user_files import STANDARD_INPUT, on_one_line
 
 TEST_WORDS = {ODD: "the term", EVEN: "the term", SMOOTH: "smooth curves to", SERIAL: "neighbours"}
-"""Kind of residual test -> words that are printed before what the test looks for."""
+"""Kind of residual test -> words printed before `seeks`, the text on what the test looks for."""
 
 MAX_CORRELATIONS = 6
 """Largest number of constants for which the table has columns of correlations."""

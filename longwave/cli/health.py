@@ -88,7 +88,7 @@ def _vector_width() -> Finding:
 
 
 def _kernel_cache() -> Finding:
-    """Return the folder of compiled kernels, and whether those of the waves are there yet."""
+    """Return a finding: the folder of compiled kernels, and whether it has those of the waves."""
     part = "compiled kernels"
     if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
         cost = "nothing is compiled, runs take hundreds of times as long: unset NUMBA_DISABLE_JIT"

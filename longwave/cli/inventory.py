@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 Record = dict[str, Any]
 
 CACHED_KINDS = ("lattices", "waves", "lattice-scenes")
-"""Kinds of entries that depend on the sources alone and take a second, so they are cached."""
+"""Kinds of `longwave list` that are cached: they take a second and depend on the sources alone."""
 
 PIPE_WIDTH = 160
 """Width of a table if stdout is not a terminal."""
@@ -208,7 +208,7 @@ class _Kind(NamedTuple):
 
 
 def _plain_columns(*names: str) -> dict[str, str]:
-    """Return columns that show the named entries of a record as they are."""
+    """Return table columns, each of which shows the entry of that name of a record unchanged."""
     return {name: f"{{{name}}}" for name in names}
 
 
@@ -291,7 +291,7 @@ def print_tables(records_by_kind: Mapping[str, Iterable[Record]]) -> None:
 
 
 def _cell_text(value: Any) -> Any:
-    """Return the text of an entry in a table: a list with commas, an empty text for None."""
+    """Return the text of a table's entry: a list is joined by commas, None is an empty text."""
     if isinstance(value, list):
         return ", ".join(map(str, value))
     return "" if value is None else value

@@ -79,7 +79,7 @@ def print_rechecks(
 
 
 def install_systems() -> None:
-    """Install missing systems with apt-get, if the user is root and the environment allows it.
+    """Install missing systems with apt-get, if the user is root and `NO_APT` is not set.
 
     Systems that are still missing are named in one line on stderr, and marked in the table.
     """
@@ -102,7 +102,7 @@ Proofs = list[tuple[str, Sequence[Mapping[str, Any]]]]
 
 
 def proofs_of(names: Sequence[str] = ()) -> Proofs:
-    """Return the proofs of these forms and statements, by default of all; ValueError if unknown."""
+    """Return the proofs of the named forms and statements (default: all); ValueError if unknown."""
     verdicts = [prove_named(name) for name in NAMES if not names or name in names]
     proofs: Proofs = [(v.name, [v.certificate]) for v in verdicts if v.certificate is not None]
     other_names = [name for name in names if name not in NAMES]
@@ -140,7 +140,11 @@ def _answers(proofs: Sequence[WrittenProof], system: str, limit: float) -> list[
 
 
 def worst_of(outcomes: Sequence[str]) -> str:
-    """Return one outcome for a statement in parts: rejected if any part is, accepted if all are."""
+    """Return the outcome of a statement from the outcomes of its parts.
+
+    It is "rejected" if any part is rejected, "accepted" if all parts are, else that of the first
+    part that is not accepted.
+    """
     if systems.REJECTED in outcomes:
         return systems.REJECTED
     others = [outcome for outcome in outcomes if outcome != systems.ACCEPTED]

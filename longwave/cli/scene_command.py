@@ -92,7 +92,7 @@ def run_and_print(
 def _save_unfinished(
     record: RunRecord, scene: Scene, output: str | None, force: bool, json_wanted: bool
 ) -> str:
-    """Print an interrupted run, write it if an output is given, and return " in OUTPUT" or ""."""
+    """Print an interrupted run; return " in OUTPUT" if it was written to ``output``, else ""."""
     with keeping():
         is_written = output is not None and not run_output.save_anywhere(
             record.dataset, output, force
@@ -102,7 +102,7 @@ def _save_unfinished(
 
 
 def _load_finished(source: str, options: Mapping[str, object]) -> xr.Dataset:
-    """Load a run to repeat; raise ValueError if it is unfinished or if options would change it."""
+    """Load a run to repeat; raise ValueError if it is unfinished or ``options`` would change it."""
     for name, value in options.items():
         if value not in (None, ""):
             raise ValueError(f"--{name} must not be given with a run, got {value} (leave it out)")
@@ -132,7 +132,7 @@ def _compare_and_print(
 
 
 def _run_with_bar(scene: Scene, store: str | None, work: str) -> RunRecord:
-    """Run a scene, or load its run from the store, with a progress bar in a terminal."""
+    """Run a scene, or load its run from ``store``, with a bar; ``work`` names the run in notes."""
     with progress_bar(scene.name, work) as bar:
         if store is None:
             return record_scene(scene, *bar)
@@ -242,7 +242,7 @@ def _disorder_lines(run: RunRecord) -> Iterator[str]:
 
 
 def _reading_lines(run: RunRecord, name: str) -> Iterator[str]:
-    """Yield the largest reading of each of the first sensors, and its time."""
+    """Yield a line for each of the first sensors: its largest reading and the time of that."""
     errors = run.variables.get(f"{name}_error")
     for index, site in list(enumerate(run.values("sensor")))[:MAX_SENSORS]:
         values = run.values(name)[:, index].reshape(len(run.reached), -1)
@@ -287,7 +287,7 @@ def _cost_line(attrs: Mapping[str, Any]) -> str:
 
 
 def _accuracy_text(attrs: Mapping[str, Any]) -> str:
-    """Return the error estimate against the tolerance, and the cost of a tenth of the estimate."""
+    """Return the error estimate and the tolerance, and the cost of a tenfold smaller estimate."""
     line = (
         f"; error estimate {attrs['error_estimate']:.2g} of {attrs['tolerance']:g} allowed, "
         f"planned in {attrs['planning_seconds']:.2f} s"

@@ -64,13 +64,13 @@ GRACE_SECONDS = 1.0
 """Seconds after the limit in which a process may still report its last stage."""
 
 MOST_MEMORY = 2_000_000_000
-"""Limit on the memory for deciding one statement, in bytes beyond those of the idle process."""
+"""Limit on the memory for deciding one statement: bytes that a worker may add to its idle size."""
 
 MAX_SHOWN = 20
 """Largest number of unreadable statements that are printed."""
 
 FIRST_STAGE = "start"
-"""Stage of a statement before the prover's first report."""
+"""Name of a statement's stage before the prover has reported any."""
 
 STAGES = {
     "find_witness": "looking for a counterexample",
@@ -94,7 +94,7 @@ def prove_and_print(
     weak: bool,
     **options: Any,
 ) -> int:
-    """Decide one statement in texts, or those in problem files; see `decide_and_print`."""
+    """Decide a statement given by its formulas, or those in ``files``; see `decide_and_print`."""
 
     def read() -> Sequence[ProblemOrError]:
         if files:
@@ -184,7 +184,7 @@ class Decision(NamedTuple):
 
     @property
     def is_met(self) -> bool:
-        """Whether the verdict is the expected one; a proof is expected by default."""
+        """Whether the verdict is the one the problem expects; by default that is a proof."""
         return self.verdict.outcome == (self.problem.expect or Outcome.PROVED)
 
     def json(self) -> dict[str, Any]:
@@ -197,7 +197,7 @@ ProblemOrError = StatedProblem | UnreadableProblem
 
 
 def read_problems(texts: Sequence[ProblemText]) -> list[ProblemOrError]:
-    """Read the statements in the texts; if there are many, announce the time that takes."""
+    """Read the statements in the texts; if there are many, announce how long reading takes."""
     announce(f"{len(texts)} statements to be read", READING_SECONDS * len(texts))
     return [text.problem_or_error() for text in tracked(texts, len(texts), "reading")]
 
@@ -207,7 +207,10 @@ def _decide_all(
     stored: VerdictLines,
     decide: Callable[[Sequence[StatedProblem]], Iterator[tuple[int, StatementVerdict]]],
 ) -> Iterator[tuple[int, StatementVerdict]]:
-    """Yield index and verdict of each problem: unreadable and stored ones first."""
+    """Yield index and verdict of each problem: unreadable and stored ones, then the others.
+
+    ``decide`` yields the position and verdict of each of the others.
+    """
     remaining: list[tuple[int, StatedProblem]] = []
     for index, problem in enumerate(problems):
         if isinstance(problem, UnreadableProblem):

@@ -50,8 +50,8 @@ def sweep_and_print(
 
     ``changes`` replace fields of its scene that do not vary. With ``samples``, ``source`` is a
     scene, which is run at that many samples of its measured constants; its observables are printed
-    with their intervals. Runs are saved in the folder ``store``. More than 5 s are announced, and
-    the time left every 30 s.
+    with their intervals. Runs are saved in the folder ``store``. A sweep that
+    is expected to take more than 5 s is announced, and the time left is printed every 30 s.
 
     The status is 0; 1 if a cell did not finish or a result could not be written; 2 for bad input;
     130 after Ctrl-C. Finished cells are then in the store, and the same command runs the others.
@@ -167,7 +167,7 @@ def _run_with_bar(
 def sweep_data(
     sweep: Sweep, dataset: xr.Dataset, state: SweepState, numbers: list[ObservedNumber]
 ) -> dict[str, Any]:
-    """Return the results of a sweep as JSON-ready data: its cells with the swept values."""
+    """Return JSON-ready data: the cells with the swept values, and the observed ``numbers``."""
     columns = {
         str(name): dataset[name].values.ravel().tolist()
         for name in ("status", "message", *NUMBERS)

@@ -22,7 +22,7 @@ MAX_BYTES = 1_000_000_000
 
 
 class VerdictLines:
-    """Verdicts in ``file``, or none if it is None; ``limit`` is the seconds for each verdict.
+    """Verdicts reached within ``limit`` seconds each, stored in ``file``; none if it is None.
 
     A verdict is found by its statement's texts, the limit, and ``digest()`` of the sources. An
     entry is trusted as far as `checked_again` can check it. An incomplete line, as after a kill, is

@@ -32,7 +32,7 @@ class TimeLaw:
     """Expected time in seconds to process closed forms.
 
     ``seconds`` is the time for one form of the catalogue, ``rational`` the time for order 7 of the
-    rational family; there it grows as (order / 7) ** ``exponent``.
+    rational family; the time for other orders is that times (order / 7) ** ``exponent``.
     """
 
     seconds: float
@@ -55,9 +55,10 @@ PROOF_LAW = TimeLaw(0.2, 0.15, 7.0)
 STABLE_LAW = TimeLaw(0.3, 1.5, 3.3)
 RESIDUAL_LAW = TimeLaw(0.3, 1.0, 4.0)
 MUTANT_LAW = TimeLaw(35.0 / len(CATALOGUE), 29.0, 6.5)
-"""Time laws: proofs, proofs that evaluation form = canonical form (--stable), residuals, mutants.
+"""Time laws of four kinds: proofs that a form is a solution, proofs that its evaluation form equals
+its canonical form (--stable), numerical residuals, decisions of mutants (misprints).
 
-Those of the rational family were measured in processor seconds on one core of a 3 GHz server:
+The laws of the rational family were measured in processor seconds on one core of a 3 GHz server:
 orders 7 to 12 for proofs, 4 to 8 for --stable, 4 to 7 for the others. Beyond these orders only
 the order of magnitude is right.
 """

@@ -51,7 +51,7 @@ def wave_and_print(
 ) -> int:
     """Find a wave, print its verdict and write its certificate; return the exit status.
 
-    It is 0 if the wave exists, 1 if it is not proved or refused, 2 for wrong input.
+    The status is 0 if the wave exists, 1 if it is not proved or is refused, 2 for wrong input.
     """
     try:
         console.check_output(certificate, "w.json", force=force)
@@ -85,7 +85,10 @@ def wave_and_print(
 def _all_eps(
     lattice: Any, form: str, eps: str, stability: str | None, given: Mapping[str, str]
 ) -> ExactWave:
-    """Return the wave for all small eps. Raises ValueError for options that do not go with it."""
+    """Return the wave for every eps up to ``eps``.
+
+    Raises ValueError if ``given`` or ``stability`` has options that are not allowed with it.
+    """
     if stability is not None or {*given} - {"k"}:
         others = ", ".join(f"--{name.replace('_', '-')}" for name in {*given} - {"k"})
         raise ValueError(
@@ -96,7 +99,7 @@ def _all_eps(
 
 
 def _written(wave: ExactWave, exponents: list[tuple[str, Exponent]]) -> Any:
-    """Return the certificate, or a list of those of the wave and of its exponents."""
+    """Return the wave's certificate, or a list of it and the certificates of ``exponents``."""
     others = [dict(exponent.certificate) for _, exponent in exponents]
     return [dict(wave.certificate), *others] if others else dict(wave.certificate)
 
@@ -118,7 +121,7 @@ def _exponents_as_json(exponents: list[tuple[str, Exponent]]) -> dict[str, Any]:
 
 
 def _lines(wave: ExactWave, exponents: list[tuple[str, Exponent]], digits: int) -> list[str]:
-    """Return the verdict, the theorem, and each number with its error."""
+    """Return the lines to print: the verdict, the theorem, and each number with its error."""
     if wave.verdict is not Existence.EXISTS:
         return [f"{wave.verdict}: {wave.reason}"]
     rows = [(name, _number(value, digits)) for name, value in wave.numbers.items()]

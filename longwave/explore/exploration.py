@@ -85,7 +85,7 @@ class Choices:
     constants: Mapping[str, str] = field(default_factory=dict)
 
     def changed(self, **changes: Any) -> Choices:
-        """Return the choices with other values for some of them."""
+        """Return a copy of the choices with these fields changed."""
         return replace(self, **changes)
 
 
@@ -145,7 +145,7 @@ def settings(wave: str) -> tuple[WaveSetting, ...]:
 
 
 def _same_equation(form: ClosedForm, other: ClosedForm) -> bool:
-    """Whether both forms solve the same normal form with equal r, and equal s unless it is free."""
+    """Whether both forms solve the same normal form with equal r and, unless free, equal s."""
     first, second = form.equation, other.equation
     same_sign = not isinstance(first.s, int) or first.s == second.s
     return first.normal == second.normal and same_sign and first.r == second.r
@@ -162,7 +162,7 @@ def _lattice_title(scene: Scene) -> str:
 
 
 def _usual_parameters(form: ClosedForm) -> dict[str, float | None]:
-    """Return values in the middle of each domain; parameters with a default are left out."""
+    """Return a value in the domain of each parameter without a default: the middle if bounded."""
     values: dict[str, float | None] = {}
     for parameter in form.parameters:
         if parameter.default is None:
@@ -175,7 +175,7 @@ def _usual_parameters(form: ClosedForm) -> dict[str, float | None]:
 
 
 def _chain_scene(form: ClosedForm) -> Scene:
-    """Return a scene with an mKdV wave on the paper's chain, at times about T = 0."""
+    """Return a scene with the mKdV wave ``form`` on the paper's chain, for slow times about 0."""
     values = {"K2": 1, "eps": 0.1, "begin": -0.5, "end": 0.5, "half_width": 20}
     values |= CHAIN_CHOICES.get(form.name, {})
     times = [values.pop("begin"), values.pop("end")]
@@ -200,7 +200,7 @@ def bounds(
 
 
 def _end_value(value: Any, values: Mapping[str, float | None]) -> float | None:
-    """Evaluate a bound at the parameters' values; None if one is unknown or it is not finite."""
+    """Evaluate a bound at the parameters' values; None if one is unknown or the bound infinite."""
     known = {symbol: values.get(symbol.name) for symbol in value.free_symbols}
     if None in known.values():
         return None

@@ -67,7 +67,7 @@ MAX_FORMULA_CHARACTERS = 1500
 
 @lru_cache(maxsize=64)
 def wave_texts(wave: str, parameters: tuple[str, ...]) -> WaveTexts:
-    """Return the texts of a wave with values for these parameters."""
+    """Return the texts of the wave called ``wave``, with the parameters of these names."""
     from longwave.solutions import closed_form
 
     form = closed_form(wave, parameters)
@@ -124,7 +124,7 @@ def compare(
     """Run a scene and return its comparison with the wave.
 
     Raises ValueError in one line if wave, lattice or scene do not admit the values, and if the run
-    is expected to exceed the ``limits``, either before it starts or once its search shows that.
+    is expected to exceed the ``limits``, before it starts or after its step has been searched.
     """
 
     def announce(seconds: float) -> None:
@@ -202,7 +202,7 @@ class Refusal:
 
 
 Answer = float | Comparison | Refusal
-"""State of a run: the finished fraction 0 to 1, the `Comparison`, or why there is none."""
+"""State of a run: the finished fraction 0 to 1, the `Comparison`, or the `Refusal`."""
 
 
 class Explorer:
@@ -218,7 +218,7 @@ class Explorer:
         self._workers.start()
 
     def submit(self, scene: Scene) -> None:
-        """Submit a scene in place of any other."""
+        """Submit a scene to be run; it replaces the one submitted before."""
         deadline = DEADLINE_FACTOR * self.limits.seconds
         job = processes.Job(
             _compare_in_worker, (scene, self.limits), tells=True, seconds=deadline, gives_way=True
@@ -230,7 +230,7 @@ class Explorer:
         self._call = None
 
     def answer(self) -> Answer | None:
-        """Return news about the submitted scene; None if there are none."""
+        """Return the latest state of the submitted scene's run; None if there is nothing new."""
         call, finished = self._call, self._workers.ended(0.0)
         if call is None:
             return None
@@ -275,7 +275,7 @@ def _prepare_worker(limits: RequestLimits) -> None:
 
 
 def _compare_in_worker(scene: Scene, limits: RequestLimits, progress: Progress) -> Answer:
-    """Return the comparison, or the reason why there is none."""
+    """Return the comparison of a scene, or a `Refusal` with the reason why there is none."""
     try:
         return compare(scene, progress, limits)
     except (ValueError, OSError, ArithmeticError, RuntimeError) as error:

@@ -57,8 +57,8 @@ body, #main, #content { background: #f3f5f7; }
   :host(.maps) { display: block; }
 }
 """
-"""On a narrow screen the controls are a drawer: the header's button, which otherwise hides them,
-slides them over the pictures."""
+"""CSS of the page. On a narrow screen the controls are a drawer: the header's button, which else
+hides the controls, slides them over the pictures."""
 
 PANE_STYLE = """
 :host { font: 14px/1.45 system-ui, sans-serif; color: #22303c; }
@@ -162,7 +162,7 @@ class NumberEntry:
 
 
 class ExplorePage:
-    """One visitor's page: choices, their run and its pictures; `start` lets it run."""
+    """One visitor's page: the current choices, their run and the pictures of the run."""
 
     def __init__(self, explorer: Explorer) -> None:
         self.explorer, self._has_started = explorer, False
@@ -281,7 +281,7 @@ class ExplorePage:
         return entry
 
     def _update_sliders(self, choices: exploration.Choices) -> None:
-        """Set the range of each parameter's slider to its domain, which other values may bound."""
+        """Set each parameter's slider to its domain, whose ends may depend on other parameters."""
         from longwave.solutions import closed_form
 
         values = {
@@ -410,7 +410,7 @@ def _group(title: str, parts: Iterable[Any]) -> Any:
 
 
 def _pairs(parts: Iterable[Any]) -> list[Any]:
-    """Return rows with two controls each."""
+    """Arrange the controls ``parts`` in rows of two."""
     part_list = list(parts)
     return [pn.Row(*part_list[i : i + 2], **WIDE, margin=0) for i in range(0, len(part_list), 2)]
 

@@ -41,8 +41,8 @@ include pages that are not yet shown or were closed recently."""
 TOO_MANY = f"at most {MOST_PAGES} pages may be open: close one, and reload"
 
 CLOSED_PAGE_MS = 60_000
-"""Milliseconds after which a closed page is discarded and its process stopped. A slow browser has
-as long to open its session."""
+"""Milliseconds after which a closed page is discarded and its process stopped. A page whose browser
+takes longer than this to connect is discarded too."""
 
 TOKEN_KEY = "token"
 """Name of the token in the address."""

@@ -66,7 +66,7 @@ def outcome_html(comparison: Comparison) -> str:
 
 
 def refusal_html(refusal: Refusal) -> str:
-    """Return the reason why there is no new picture."""
+    """Return the ``refusal``'s reason why there is no new picture, as HTML."""
     return f'<div class="refusal" role="alert">{escape(refusal.line)}</div>'
 
 
@@ -96,7 +96,7 @@ def equation_html(comparison: Comparison) -> str:
 
 
 def wave_html(comparison: Comparison) -> str:
-    """Return the closed form in the variables of its normal form, and the normal form itself."""
+    """Return as HTML the closed form, in variables of its normal form, and that normal form."""
     title, reference, normal_form, formula = comparison.wave_texts
     too_long = "<div>its formula is too long to show</div>"
     formula_part = formula_html(formula, "") if formula else too_long

@@ -193,7 +193,7 @@ class Naming:
         return sp.Add(*(self._shortened_term(term) for term in terms))
 
     def _shortened_term(self, term: sp.Expr) -> sp.Expr:
-        """Name the term's sums, the widest first, until it fits; N and D in a fraction."""
+        """Name the term's sums, the widest first, until it fits a line: N and D in a fraction."""
         denominator = sp.fraction(term, exact=True)[1]
         for part in sorted(sums(term), key=size, reverse=True):
             whole_fraction = denominator != 1 and is_wide(part, COMPANION) and term.atoms(sp.Dummy)
@@ -203,7 +203,7 @@ class Naming:
         return term
 
     def _inline(self) -> None:
-        """Undo names that occur once if the row with the part written out still fits one line."""
+        """Remove names that occur once if the row with the part written out still fits one line."""
         for name in [name for name in self.parts if name.name == "P"]:
             users = [row for row in self.rows if row.has(name)]
             if len(users) == 1 and list(sp.preorder_traversal(users[0])).count(name) == 1:
@@ -226,9 +226,10 @@ Change = Callable[[sp.Dummy], sp.Expr]
 
 
 def based(node: sp.Expr, bases: Iterable[sp.Expr]) -> tuple[sp.Expr, Change]:
-    """Return the part of the argument to name, and a map from its name to the function.
+    """Return the part to name in a function's argument, and a callable: name -> the function of it.
 
-    The argument is a multiple of that part plus a constant; one of ``bases`` is taken if possible.
+    The argument of ``node``, the function, is a multiple of that part plus a constant. One of
+    ``bases`` is taken as the part if possible.
     """
     argument, *rest = node.args
     shifts = ((base, sign, argument - sign * base) for base in bases for sign in (1, -1))
@@ -243,7 +244,7 @@ def based(node: sp.Expr, bases: Iterable[sp.Expr]) -> tuple[sp.Expr, Change]:
 
 
 def atoms(expression: sp.Expr, *kinds: type[sp.Expr]) -> list[sp.Expr]:
-    """Return the parts of these types, in a reproducible order."""
+    """Return the parts of the expression whose types are in ``kinds``, in a reproducible order."""
     return sorted(expression.atoms(*kinds), key=sp.default_sort_key)
 
 
@@ -269,7 +270,7 @@ def occurrences(expression: sp.Expr) -> Counter[sp.Expr]:
 
 
 def sums(term: sp.Expr) -> list[sp.Expr]:
-    """Return the sums that are factors of the term, or bases of its factors."""
+    """Return the sums that are factors of the term, or bases of powers that are factors."""
     bases = (factor.base if factor.is_Pow else factor for factor in sp.Mul.make_args(term))
     return [base for base in bases if base.is_Add]
 
@@ -286,7 +287,7 @@ def product_roots(row: sp.Expr) -> Iterator[sp.Expr]:
 
 
 def divided(node: sp.Expr, product: sp.Expr, name: sp.Dummy) -> sp.Expr | None:
-    """Return the node with its power of the product replaced; None if the product is no factor."""
+    """Return the node with its factor product**p replaced by name**p; None if it has none."""
     powers = node.as_powers_dict()
     exponents = {powers.get(base, sp.S.Zero) for base in sp.Mul.make_args(product)}
     if len(exponents) != 1 or not (power := exponents.pop()).is_positive:
@@ -297,15 +298,15 @@ def divided(node: sp.Expr, product: sp.Expr, name: sp.Dummy) -> sp.Expr | None:
 class Formula:
     """A formula in rows: the expression first, then its named parts.
 
-    `stated` holds the parts by name; substituting them into its first row restores the expression.
-    Each row is printed as `tidied`: the same rational function of its names and functions.
+    `stated` is the `Naming`; substituting its parts into its first row restores the expression.
+    Each row is printed in an equal form, which `tidied` returns.
     """
 
     def __init__(self, expression: sp.Expr) -> None:
         self.stated = Naming(expression)
 
     def latex(self, left: str) -> str:
-        r"""Return the display, and a sentence for short parts; `left` is the left-hand side.
+        r"""Return the display and a sentence that defines short parts; `left` is the left side.
 
         >>> x = sp.Symbol("x")
         >>> print(Formula(2 * x + 1).latex("U"))

@@ -85,7 +85,7 @@ def _degree_rank(term: sp.Expr) -> tuple[object, ...]:
 
 
 def _degree(expression: sp.Expr) -> float:
-    """Return the total degree; every function counts as one variable."""
+    """Return the total degree of an expression, in which every function counts as one variable."""
     if expression.is_Add:
         return max(_degree(term) for term in expression.args)
     if expression.is_Mul:
@@ -195,7 +195,7 @@ class _Printer(ExpressionLatexPrinter):
         return _product(texts if coefficient == 1 else [self._print(coefficient), *texts])
 
     def _fraction(self, numerator: sp.Expr, denominator: sp.Expr) -> str:
-        """Return a fraction's LaTeX, then the factors of its numerator that contain fractions."""
+        """Return a fraction's LaTeX; factors above that contain fractions are written after it."""
         if numerator.as_coeff_Mul()[0].is_negative:
             return f"- {self._fraction(-numerator, denominator)}"
         factors = sp.Mul.make_args(numerator)
@@ -241,7 +241,7 @@ class _Printer(ExpressionLatexPrinter):
 
 
 def equation_latex(residual: sp.Expr, unknown: sp.Expr, time: sp.Symbol) -> str:
-    """Return the LaTeX of ``residual = 0``: time derivative first, then by falling degree."""
+    """Return the LaTeX of ``residual = 0``: time derivative first, others by falling degree."""
 
     def sort_key(term: sp.Expr) -> tuple[bool, int]:
         powers = term.as_powers_dict()

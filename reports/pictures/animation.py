@@ -253,10 +253,10 @@ def draw_film(
     force: bool = False,
     changes: Mapping[str, Any] | None = None,
 ) -> int:
-    """Write the film and print its path; return the exit status: 0, 2 for wrong input, 130.
+    """Write the film and print its path; return the exit status.
 
-    The status is 130 after Ctrl-C. Without ``output`` the film is an MP4 in the working directory,
-    or a GIF if ffmpeg is not installed.
+    The status is 0, 2 for wrong input, or 130 after Ctrl-C. Without ``output`` the film is an MP4
+    in the working directory, or a GIF if ffmpeg is not installed.
     """
     path = output or default_output(source, ".mp4" if has_ffmpeg() else ".gif")
     try:

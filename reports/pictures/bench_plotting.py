@@ -33,7 +33,7 @@ MIN_READINGS = 32
 """Fewest evenly spaced readings for which a spectrum is drawn."""
 
 MIN_RATIO_AMPLITUDE = 1e-2
-"""Amplitude of the first sensor, relative to its largest, below which no ratio is drawn."""
+"""Fraction of the first sensor's largest amplitude below which ratios to it are not drawn."""
 
 BALANCE = ("energy", "work", "heat")
 """Variables of the energy balance."""
@@ -64,7 +64,7 @@ def energy_balance(figure: FigureBase, data: LabelledArrays) -> None:
 
 @part(0.4 + 2 * PANEL_HEIGHT)
 def fluxes(figure: FigureBase, data: LabelledArrays) -> None:
-    """Draw the power through bonds over time, and the energy transmitted until then."""
+    """Draw the power through bonds over time, and the energy transmitted up to each time."""
     _line_panels(figure, data, ("flux", "transmitted"), "cut", "right of cell {}")
 
 
@@ -152,7 +152,10 @@ def _line_panels(
     along: str = "time",
     x: str = "$t$",
 ) -> None:
-    """Draw a panel for each variable in ``names``, a line for each index of dimension ``each``."""
+    """Draw a panel for each variable in ``names``, a line for each index of dimension ``each``.
+
+    The lines run over dimension ``along``, whose axis label is ``x``; ``label`` names the lines.
+    """
     panels = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
     for ax, name in zip(panels, names, strict=True):
         _lines(ax, data, name, each, along)
@@ -167,8 +170,8 @@ def _first_series(values: LabelledValues, *dimensions: str) -> Array:
 
 
 def _lines(ax: Axes, data: LabelledArrays, name: str, each: str, along: str) -> None:
-    """Draw a line over ``along`` for each index of the dimension ``each``. Of several fields or
-    bonds the first is drawn. A variable NAME_error adds a band to the line."""
+    """Draw a variable over ``along``, one line per index of dimension ``each``. Of several fields
+    or bonds the first is drawn. A variable NAME_error adds a band to the line."""
     values = _first_series(data[name], each, along)
     bars = _first_series(data[f"{name}_error"], each, along) if f"{name}_error" in data else None
     axis = data[along].values if along in data else np.arange(values.shape[1])

@@ -174,7 +174,7 @@ OWN_ERROR = "own error of the run"
 
 
 def error_text(own: float) -> str:
-    """Return an error to one digit as LaTeX.
+    """Return the LaTeX of a numerical error, to one digit.
 
     >>> error_text(3.2e-8), error_text(1e-3)
     ('$3\\\\times 10^{-8}$', '$0.001$')
@@ -282,8 +282,8 @@ def space_time_map(figure: FigureBase, run: LabelledArrays, half_width: int | No
 def moving_grid(run: LabelledArrays) -> tuple[Sites, Sites, Sites]:
     """Return even times, even positions in the moving frame and a map's values (time, position).
 
-    The frame passes the sites one by one: the variable ``shift`` is the offset from c t of the site
-    that the map has at 0.
+    The map moves with the frame by whole sites. The variable ``shift`` of the run is the offset
+    from c t of the map's site 0.
 
     >>> from longwave.support.labelled_arrays import LabelledArray
     >>> looks = {"look_time": np.array([0.0, 1.0]), "map_site": np.array([-1, 0, 1])}
@@ -422,7 +422,7 @@ def grid_shape(count: int, most: int = 12) -> tuple[int, int]:
 def panel_grid(
     figure: FigureBase, count: int, x: str, y: str, most: int = 12
 ) -> tuple[list[Axes], Axes | None]:
-    """Return ``count`` panels with shared, labelled axes, and an empty one for a legend or None."""
+    """Return ``count`` panels with shared, labelled axes, and any empty cell for a legend."""
     rows, across = grid_shape(count, most)
     grid = figure.subplots(rows, across, squeeze=False, sharex=True, sharey=True)
     panels = list(grid.flat)[:count]
@@ -472,7 +472,7 @@ def _draw_spectrum(ax: Axes, at: LabelledArrays) -> dict[str, Any]:
 
 
 def _amplitude_limits(spectra: LabelledArrays) -> tuple[float, float]:
-    """Return axis limits from a tenth of the rounding error to above all amplitudes."""
+    """Return amplitude limits: from a tenth of the rounding error to above all amplitudes."""
     amplitudes = np.concatenate([spectra[name].values.ravel() for name in ("lattice", "wave")])
     amplitudes = amplitudes[np.isfinite(amplitudes) & (amplitudes > 0.0)]
     high = float(amplitudes.max()) if amplitudes.size else 1.0

@@ -25,7 +25,7 @@ class ErrorCurve:
 
     @classmethod
     def of(cls, run: Labelled, name: str, own: Array | None = None) -> ErrorCurve:
-        """Return the curve of a run's variable over its own dimension of time."""
+        """Return the curve of the run's variable ``name`` over its dimension, which is a time."""
         variable = run.variables[name]
         (along,) = variable.dims
         return cls(run.variables[along].values, variable.values, own)

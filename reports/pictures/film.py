@@ -62,7 +62,7 @@ class Film:
         raise NotImplementedError
 
     def _show(self, index: int) -> None:
-        """Update the strains to those of a frame."""
+        """Update the drawn strains to those of the frame ``index``."""
         raise NotImplementedError
 
     def __len__(self) -> int:

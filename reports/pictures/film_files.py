@@ -45,7 +45,7 @@ def has_ffmpeg() -> bool:
 
 
 def film_path(output: str | Path) -> Path:
-    """Return the path of a film that can be written here; else ValueError suggests another."""
+    """Return ``output`` as a path; ValueError with a remedy if such a film cannot be written."""
     path = Path(output)
     if path.suffix.lower() not in SUFFIXES:
         got = f"{path.name!r} (such as 'run.gif')"

@@ -78,7 +78,10 @@ def growth_panels(data: xr.Dataset, most_curves: int) -> Sequence[GrowthPanel]:
 
 
 def _rows_and_lines(data: xr.Dataset, along: str) -> tuple[list[str], list[str]]:
-    """Return the swept coordinates that tell panels apart, and those that tell curves apart."""
+    """Return the swept coordinates that tell panels apart, and those that tell curves apart.
+
+    ``along`` is the dimension of the carrier's k.
+    """
     fields = {str(n): data[n].attrs["field"] for n in data.coords if "field" in data[n].attrs}
     swept = [name for name in fields if data[name].ndim == 1 and fields[name] != CARRIER]
     chosen = [name for name in swept if fields[name] in PERTURBATION_FIELDS]
@@ -111,7 +114,7 @@ def _is_numerical(data: xr.Dataset, field: str) -> bool:
 
 
 def _check_count(data: xr.Dataset, names: Sequence[str], most: int, along: str) -> None:
-    """Raise ValueError if a picture would have more than ``most`` rows or curves."""
+    """Raise ValueError if the values of ``names`` need more than ``most`` rows or curves."""
     sizes: dict[str, int] = {}
     for dim in dict.fromkeys(str(data[name].dims[0]) for name in names):
         columns = [data[name].values.tolist() for name in names if data[name].dims == (dim,)]
@@ -130,7 +133,7 @@ def _check_count(data: xr.Dataset, names: Sequence[str], most: int, along: str) 
 
 
 def _groups(cells: xr.Dataset, names: Sequence[str]) -> list[tuple[dict[str, Any], xr.Dataset]]:
-    """Return groups of cells with the same values of ``names``, each with these values by name."""
+    """Return (values by name, cells) for each group of cells with the same values of ``names``."""
     columns = {name: cells[name].values.tolist() for name in names}
     indices: dict[tuple[str, ...], list[int]] = {}
     for index in range(cells.sizes["cell"]):
@@ -172,7 +175,7 @@ def _cells(data: xr.Dataset, dims: Sequence[str]) -> xr.Dataset:
 
 
 def _titles(parts: Sequence[xr.Dataset], names: Sequence[str]) -> list[str]:
-    """Return a title for each panel: the values that differ between panels.
+    """Return a title for each panel: those values of ``names`` that differ between the panels.
 
     Values that are tables are included only if the titles would be equal without them.
     """
@@ -207,7 +210,7 @@ def _assignments(values: Mapping[str, Any]) -> str:
 
 
 def _panel(title: str, cells: xr.Dataset, lines: Sequence[str]) -> GrowthPanel:
-    """Return a panel of cells with the same map."""
+    """Return a panel of cells with the same map; coordinates ``lines`` tell its curves apart."""
     chosen = [name for name in lines if cells[name].attrs.get("field") in PERTURBATION_FIELDS]
     curves = []
     for values, curve in _groups(cells, lines):
@@ -230,7 +233,8 @@ def _theory(curves: Sequence[xr.Dataset]) -> xr.Dataset | None:
     """Return the map in theory of the curves' lattice; None if no scene or map can be built.
 
     It has the growth ``rates`` over ``kappa`` and ``k``, the ``lines`` of rates over k for the
-    measured kinds of perturbation, and the ``product`` p q, NaN where there is no equation.
+    measured kinds of perturbation, and the ``product`` p q of the NLS coefficients, NaN where there
+    is no NLS equation.
     """
     from longwave.scenes.engines.sideband_growth import plane_wave_numbers
     from longwave.scenes.modulation import scene_modulation
@@ -269,7 +273,10 @@ def _theory(curves: Sequence[xr.Dataset]) -> xr.Dataset | None:
 
 
 def _rates(p: Array, q: Array, amplitude: float, kappa: Array | float) -> Array:
-    """Return growth rates in T of perturbations, 0 where they do not grow."""
+    """Return growth rates in T of perturbations with wavenumber ``kappa`` by the NLS equation.
+
+    ``p`` and ``q`` are its coefficients; the rate is 0 where a perturbation does not grow.
+    """
     from longwave.scenes.starts.perturbed_plane import squared_rate
 
     with np.errstate(all="ignore"):
@@ -277,7 +284,7 @@ def _rates(p: Array, q: Array, amplitude: float, kappa: Array | float) -> Array:
 
 
 def _scene(cell: xr.Dataset) -> Scene:
-    """Return the scene of one cell; ValueError if the file does not contain it."""
+    """Return the scene of one cell; ValueError if the data set does not contain its sweep."""
     from longwave.runs.sweep_scene import changed_document, make_scene
 
     try:
@@ -310,8 +317,8 @@ LEGEND_LETTERS = 88
 class GrowthPanel:
     """A panel: measured rates, and the map in theory that all its cells share.
 
-    Each curve has a ``label`` and the name of its ``line`` in theory. The map is None if it
-    cannot be derived.
+    Each curve has a ``label`` and the name of its ``line`` in theory. ``theory`` is the map, None
+    if it cannot be derived.
     """
 
     title: str
@@ -347,7 +354,7 @@ Looks = Mapping[str, Mapping[str, Any]]
 
 
 def _theory_looks(panel: GrowthPanel, looks: Looks) -> dict[str, dict[str, Any]]:
-    """Return the look of each line in theory: black for a single line, else as its first curve."""
+    """Return the look of each line in theory: that of its first curve, or black if it is alone."""
     first: dict[str, str] = {}
     for curve in panel.curves:
         first.setdefault(curve.attrs["line"], curve.attrs["label"])
@@ -397,7 +404,7 @@ def _set_rates(ax: Axes, panel: GrowthPanel) -> float:
 
 
 def _draw_map(figure: FigureBase, ax: Axes, panel: GrowthPanel, top: float) -> None:
-    """Draw a map of the growth rates in theory, and the measured ones as points in its colours."""
+    """Draw a map of theoretical rates, coloured from 0 to ``top``, and measured rates as points."""
     assert panel.theory is not None
     k, kappa, rates = (panel.theory[name].values for name in ("k", "kappa", "rates"))
     ax.set_facecolor(STABLE)
@@ -416,7 +423,7 @@ def _draw_map(figure: FigureBase, ax: Axes, panel: GrowthPanel, top: float) -> N
 
 
 def _legend(panels: Sequence[GrowthPanel], looks: Looks) -> list[Line2D | Patch]:
-    """Return the handles of the legend: each curve's marker, on its line in theory."""
+    """Return the legend's handles: for each curve its marker, drawn on its theoretical line."""
     handles: list[Line2D | Patch] = []
     several = [
         _theory_looks(p, looks) for p in panels if len({c.attrs["line"] for c in p.curves}) > 1
@@ -446,7 +453,10 @@ def _legend(panels: Sequence[GrowthPanel], looks: Looks) -> list[Line2D | Patch]
 
 @part(2.8)
 def sideband_sizes(figure: FigureBase, run: LabelledArrays, verdict: str) -> None:
-    """Draw the sidebands, relative to the carrier, over the slow time: measured and in theory."""
+    """Draw measured and theoretical sidebands over slow time, relative to the carrier.
+
+    The text ``verdict`` is the title.
+    """
     ax, slow_times = figure.subplots(), run["slow_time"].values
     look = CURVES[0] | {"linestyle": ""}
     ax.semilogy(slow_times, run["sideband_size"].values, label="lattice", **look)

@@ -114,7 +114,7 @@ def _draw_power(ax: Axes, points: Sequence[ConvergencePoint], power: float) -> N
 
 
 def modulation_figure(grid: ModulationGrid, quadratic: Array) -> Figure:
-    """Return a figure of the growth rate over wavenumber and K3, grey where p q < 0 (stable)."""
+    """Return a figure of growth rates over k and K3 (``quadratic``), grey if p q < 0 (stable)."""
     figure = Figure((0.8 * page_width(), 3.0), layout="constrained")
     ax = figure.subplots()
     unstable = grid.product > 0

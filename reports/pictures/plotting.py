@@ -199,7 +199,7 @@ def _for_pictures(scene: Scene, kind: str) -> Scene:
 
 
 def _draw(run: Labelled, kind: str) -> ShownFigure:
-    """Draw the pictures of that kind, one below the other, under the run's title."""
+    """Draw a run's pictures of one kind (or all), one below the other, under the run's title."""
     data = run_data.with_theory(
         run_data.with_looks(run_data.placed(run), run_data.MIN_MAP_TIMES if kind == ALL else 2)
     )
@@ -255,7 +255,7 @@ def _pictures(data: LabelledArrays, kind: str) -> Sequence[Picture]:
 
 
 def _has(data: LabelledArrays, picture: Picture) -> bool:
-    """Return whether the run has the picture's variables with finite numbers and `Picture.fits`."""
+    """Return whether the run has finite numbers in the picture's variables and passes `fits`."""
     names = picture.variables
     has_numbers = all(name in data and np.isfinite(data[name].values).any() for name in names)
     return has_numbers and picture.fits(data)
@@ -279,9 +279,9 @@ def _spectra(data: LabelledArrays) -> Part:
 
 
 def shown_half_width(run: Labelled) -> int:
-    """Return the half-width in sites over which the wave differs from its background.
+    """Return the half-width in sites of the range in which the wave differs from its background.
 
-    Without a background, or a wave that differs from it, it is that of all compared sites.
+    Without a background, or if the wave equals it, that of all compared sites is returned.
     """
     data = LabelledArrays.of(run)
     sites = np.abs(data["site"].values)

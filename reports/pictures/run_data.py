@@ -72,10 +72,11 @@ def placed(data: Labelled) -> LabelledArrays:
 def snapshots(
     run: Labelled, half_width: int, places: Iterable[int] | None = None
 ) -> list[LabelledArrays]:
-    """Return the snapshots of a run, at the times ``places`` or all, near the site next to c t.
+    """Return snapshots of a run, by their indices ``places`` or all, at the sites around c t.
 
-    The sites are up to ``half_width`` to either side of it. Each snapshot has the run's numerical
-    error ``own``, NaN where it was not measured, and for a carrier those of `with_envelope`.
+    These are up to ``half_width`` sites to either side of the one next to c t. Each snapshot has
+    the run's numerical error ``own``, NaN where it was not measured, and for a carrier the
+    variables of `with_envelope`.
     """
     data = LabelledArrays.of(run)
     data = with_envelope(with_own(data if "offset" in data else placed(data)))

@@ -180,7 +180,7 @@ def swept_curves(
 def _draw_curve(
     ax: Axes, places: Array, curve: xr.Dataset, look: dict[str, Any], logarithmic: bool
 ) -> Any:
-    """Draw the values with their bars and band; return the legend's handle."""
+    """Draw a curve's values with error bars and band at ``places``; return the legend's handle."""
     values, low, high = (curve[name].values for name in ("value", "low", "high"))
     bars = np.array([np.minimum(low, 0.99 * values) if logarithmic else low, high])
     known = bars if np.isfinite(bars).any() else None

@@ -125,7 +125,7 @@ def _text(value: object) -> str:
 
 
 def values_part(data: xr.Dataset, variable: str) -> Part:
-    """Return a picture of a variable over one to three dimensions; else raise ValueError."""
+    """Return a picture of a variable over its 1 to 3 swept dimensions; ValueError for more."""
     cells = _cells(data, variable)
     dims = [str(name) for name in cells.dims]
     if not dims:
@@ -199,8 +199,8 @@ def _repeats(data: xr.Dataset, dims: Sequence[str]) -> list[str]:
 def _families(data: xr.Dataset, drawn: Sequence[str], repeated: bool) -> list[str]:
     """Return the dimension with a curve for each value, as a list; empty for too many values.
 
-    It is the dimension with texts. With repeats, for which there are no heat maps, the shortest
-    dimension is taken if there are no texts.
+    The dimension whose values are texts is taken. If none is, and values are ``repeated`` (heat
+    maps cannot show repeats), the shortest dimension of ``drawn`` is taken.
     """
     families = [name for name in drawn if axis_of(data, name).is_text]
     if repeated and not families:
@@ -231,7 +231,10 @@ def _titles(axis: sweep_drawing.SweptAxis, bare: bool = False) -> list[str]:
 def _curves(
     data: xr.Dataset, cells: xr.Dataset, repeats: Sequence[str], families: Sequence[str]
 ) -> Part:
-    """Return curves along a dimension: a single one, one for each value of another, or means."""
+    """Return curves along a dimension: one, or one for each value of the dimension ``families``.
+
+    If ``repeats`` names a dimension, the curves show medians or means over it.
+    """
     rest = [str(name) for name in cells.dims if name not in families]
     along = min(rest, key=lambda name: name in repeats)
     caption = _error_caption(cells)
@@ -259,7 +262,7 @@ BY_MEAN = "mean of {}, bars: standard error, band: standard deviation"
 
 
 def _error_caption(cells: xr.Dataset) -> str:
-    """Return a caption with the largest relative numerical error; bars may be too small to see."""
+    """Return a caption with the largest relative numerical error: its bars may be invisible."""
     size = abs(cells["value"])
     known = np.isfinite(cells["own"]) & (size > 0.0)
     if not known.any():
@@ -291,7 +294,7 @@ def _means(cells: xr.Dataset, repeats: str) -> xr.Dataset:
 
 
 def _maps(data: xr.Dataset, cells: xr.Dataset) -> Part:
-    """Return a heat map over two dimensions, or one for each value of the third."""
+    """Return a heat map over two dimensions, or one map for each value of a third dimension."""
     names = [str(name) for name in cells.dims]
     over = ""
     if len(names) == 3:

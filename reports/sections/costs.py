@@ -68,7 +68,7 @@ def _where(text: str) -> tuple[str, str, str]:
 
 
 def _value(text: str) -> str:
-    r"""Format a number with three digits; one written as "1 - d" keeps that form.
+    r"""Format a number with three digits; a number written as "1 - d" keeps that form.
 
     >>> _value("160149996.8"), _value("1 - 1e-12"), _value("-9.2")
     ('$1.6\\times 10^{8}$', '$1-10^{-12}$', '$-9.2$')
@@ -134,11 +134,11 @@ def cost_panels(costs: Iterable[EvaluationCost]) -> CostPanels:
 
 
 ERROR_LEVELS = (1e-2, 1e-4, 1e-6)
-"""Errors of y/eps for which the precision table gives each series' fastest run within them."""
+"""Bounds on errors of y/eps; the precision table has each series' fastest run within each."""
 
 
 def precision_table(points: Sequence[lattice_cost.CostPoint]) -> str:
-    """Return the table of the seconds of each series' fastest run within each of `ERROR_LEVELS`.
+    """Return the table of seconds of each series' fastest run within each of `ERROR_LEVELS`.
 
     The spectral ring has a second row that includes the time to compute its initial data.
     """
@@ -217,7 +217,7 @@ def scaling_panels(points: Iterable[lattice_cost.ScalingPoint]) -> CostPanels:
 
 
 def rk4_table(points: Iterable[lattice_cost.ScalingPoint]) -> str:
-    """Return the table of the error of Y_2 at t = 0 by RK4's step, and the part due to the step."""
+    """Return the table of the rational wave Y_2's error at t = 0 and RK4's part in it, by step."""
     errors = {point.x: point.value for point in points}
     exact, rows = errors[0.0], []
     for step, value in errors.items():
@@ -230,7 +230,7 @@ def rk4_table(points: Iterable[lattice_cost.ScalingPoint]) -> str:
 
 
 def window_table(points: Sequence[lattice_cost.ScalingPoint]) -> str:
-    """Return the table of the window's error by its number of sites, with the fitted exponent."""
+    """Return the table of errors due to the window by its number of sites, and their power law."""
     rows = [[f"{point.x:.0f}", scientific(point.value)] for point in points]
     rows.append(["law", rf"$N^{{{lattice_cost.fit_power((p.x, p.value) for p in points):.1f}}}$"])
     head = ["sites $N$", r"error of $y/\epsilon$"]
@@ -274,7 +274,7 @@ def _row(row: EstimateRow) -> list[str]:
 
 
 def reason_table(judged: Sequence[Judged]) -> str:
-    """Return the table of reasons for refusal, numbers removed, with their counts."""
+    """Return the table of the reasons for refusal (numbers in them removed) and their counts."""
     counts = Counter(scene.kind for scene in judged if scene.reason)
     cells = [[str(count), escape(kind)] for kind, count in counts.most_common()]
     return table("reasons", "Reasons of refusals.", "rL{120mm}", ["scenes", "reason"], cells)

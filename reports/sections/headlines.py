@@ -127,7 +127,7 @@ HeadlineFields = dict[str, tuple[str, str, str, str]]
 
 
 def _count(holds: Sequence[bool]) -> str:
-    """Return how many conditions hold, such as "3 of 4"."""
+    """Return a text with the number of conditions that hold, such as "3 of 4"."""
     return f"{sum(holds)} of {len(holds)}"
 
 

@@ -177,7 +177,7 @@ ROGUE_CELLS, PEREGRINE_CELLS, CARRIER_CELLS = 120, 180, 16
 def lattice_figures(
     scenes: Mapping[str, SceneRun], papers: xr.Dataset, rates: Iterable[SceneConvergence]
 ) -> Iterator[tuple[str, Figure]]:
-    """Yield (name, figure) for runs on other lattices; ``papers`` is the rogue wave's paper run."""
+    """Yield (name, figure) of runs on other lattices; ``papers`` is the paper's rogue-wave run."""
     ran = {name: found.run for name, found in scenes.items() if found.run is not None}
     rogues = [snapshots(papers, ROGUE_CELLS)]
     for run in (ran[name] for name in ROGUES if name in ran):
@@ -192,7 +192,7 @@ def lattice_figures(
 
 
 def _peregrine_row(run: xr.Dataset) -> list[LabelledArrays]:
-    """Return snapshots of the envelope at its crest, and its carrier there and at the end."""
+    """Return snapshots of the envelope at its crest, and of the carrier then and at the end."""
     crest = int(np.argmin(np.abs(run["time"].values)))
     wide = snapshots(run, PEREGRINE_CELLS, (crest,))
     return [*wide, *snapshots(run, CARRIER_CELLS, (crest, -1))]

@@ -95,7 +95,7 @@ def library_formulas(verdicts: Sequence[PublishedVerdict]) -> str:
 
 
 def _entry(verdict: PublishedVerdict, wrong: Sequence[PublishedVerdict]) -> str:
-    """Return the LaTeX of one formula with its source, domain, verdict and wrong variants."""
+    """Return the LaTeX of a formula with source, domain, verdict and its variants in ``wrong``."""
     text = verdict.text
     publication, semicolon, remark = text.source.partition(";")
     source = escape(publication) + semicolon + prose_latex(remark)
@@ -124,7 +124,7 @@ def _mathematics(formulas: Iterable[str]) -> str:
 
 
 def _title(text: ProblemText) -> str:
-    """Return a statement's name without the words and initials of its equation.
+    """Return a statement's name without the words and abbreviations that name its equation.
 
     >>> from longwave.verify.published import chosen
     >>> [_title(text) for text in chosen(["kdv_cnoidal_wave", "burgers_shock"])]

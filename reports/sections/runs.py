@@ -57,7 +57,7 @@ def _measured(measurements: Iterable[Measurement]) -> list[list[str]]:
 
 
 def run_table(evidence: MeasuredRuns) -> str:
-    """Return the table of runs: description, then errors and their parts at each snapshot."""
+    """Return the table of runs: under each description the error and its parts by snapshot."""
     rows = [row for name in evidence.runs for row in _run_rows(evidence, name)]
     head = ["$t$", r"$L^\infty_\epsilon$", "own error", "over far field"]
     head += [r"step$\,/\,\epsilon$", r"domain$\,/\,\epsilon$"]
@@ -143,7 +143,7 @@ def peak_table(points: Iterable[PeakError]) -> str:
 
 
 def _peak(point: PeakError) -> list[str]:
-    """Return the cells of a run: value, error, engine and time, or the reason of its failure."""
+    """Return the table cells of a run: value, error, engine, time; or why the run failed."""
     time = latex.scientific(point.seconds) if np.isfinite(point.seconds) else "--"
     if point.fault:
         return [f"did not run: {latex.escape(point.fault)}", "--", point.engine or "--", time]
@@ -217,7 +217,7 @@ def long_table(runs: Mapping[str, LongRun]) -> str:
 
 
 def _times(runs: Mapping[str, LongRun]) -> list[float]:
-    """Return the snapshot times of the first run; all runs have the same."""
+    """Return the snapshot times of the first run, which are those of all runs."""
     return [float(t) for long_run in list(runs.values())[:1] for t in long_run.ring["time"].values]
 
 

@@ -36,7 +36,7 @@ class Return(NamedTuple):
 
 
 def mode_return(run: xr.Dataset) -> Return:
-    """Return the first mode's largest energy after it has fallen below half, and when that is."""
+    """Return the first mode's largest energy after it fell below half, as a `Return`."""
     energy, times = run.mode_energy.values[:, 0], run.time.values
     half_lost = int(np.argmax(energy < 0.5 * energy[0]))
     returned = half_lost + int(np.argmax(energy[half_lost:]))

@@ -74,7 +74,7 @@ CLAIMS: list[Callable[[MeasuredRuns], Claim]] = []
 def claim(
     statement: str, depends_on: str
 ) -> Callable[[Callable[[MeasuredRuns], ClaimEvidence]], Callable[[MeasuredRuns], Claim]]:
-    """Register the decorated function as the measurement of the statement named like it."""
+    """Register the decorated function to measure ``statement``; its name becomes the claim's."""
 
     def declare(
         measure: Callable[[MeasuredRuns], ClaimEvidence],
@@ -125,7 +125,10 @@ def peaks(_: MeasuredRuns) -> ClaimEvidence:
     "nothing: exact, in $X$, for the wave less its background",
 )
 def degrees(_: MeasuredRuns) -> ClaimEvidence:
-    """Return degree of denominator minus numerator for Y_2, Y_3 minus background; should be 2."""
+    """Return how far the denominator's degree exceeds the numerator's; the claim is 2.
+
+    The fractions are the rational waves Y_2 and Y_3 minus their backgrounds.
+    """
     excess = {j: _excess(j) for j in (2, 3)}
     measurements = tuple(
         Measurement(f"$Y_{j}$: degree {facts(j).degree} over {facts(j).degree - excess[j]}, by", e)
@@ -135,7 +138,10 @@ def degrees(_: MeasuredRuns) -> ClaimEvidence:
 
 
 def _excess(j: int) -> int:
-    """Return the degree in xi of the denominator minus that of the numerator of U - background."""
+    """Return the denominator's minus the numerator's degree in xi of rational wave ``j``.
+
+    The background is subtracted from the wave first.
+    """
     form = closed_form(f"rational_{j}")
     x = form.equation.xi
     above, below = sp.fraction(sp.cancel(form.expression - form.background))
@@ -147,7 +153,7 @@ def _excess(j: int) -> int:
     "nothing: exact, at every fixed time",
 )
 def localised_in_space(_: MeasuredRuns) -> ClaimEvidence:
-    """Return the far-field limits of Y_2 and Y_3, which should be 1 and -1."""
+    """Return the far-field limits of the rational waves Y_2 and Y_3, which should be 1 and -1."""
     backgrounds = {j: facts(j).background for j in (2, 3)}
     measurements = [Measurement(f"$Y_{j}$, background", float(b)) for j, b in backgrounds.items()]
     return measurements, [backgrounds[2] == 1, backgrounds[3] == -1]
@@ -177,7 +183,7 @@ def _late_amplitude(order: int) -> float:
 
 @claim("Higher-order rational solutions have larger maximum amplitudes", "nothing: exact")
 def higher_orders(_: MeasuredRuns) -> ClaimEvidence:
-    """Return the peak of the highest order; the condition is that peaks grow with the order."""
+    """Return the peak of the rational wave of highest order; peaks must grow with the order."""
     highest = ORDERS[-1]
     wave = Wave(rational(highest), mkdv_normal_form(K2=4, K4=1))
     peak = Measurement(f"$Y_{highest}$ at the origin", float(wave(0.0, 0.0).Y))
@@ -190,7 +196,7 @@ def higher_orders(_: MeasuredRuns) -> ClaimEvidence:
     "40, and closer to the origin, finds nothing larger",
 )
 def rogue_maximum(_: MeasuredRuns) -> ClaimEvidence:
-    """Return the value at the origin for each modulus; no value found elsewhere may exceed it."""
+    """Return the cn rogue wave at the origin for each modulus; |Y| must not exceed this value."""
     measurements, holds = [], []
     for k in ROGUE_MODULI:
         peak, elsewhere = _rogue_search(k)
@@ -200,7 +206,7 @@ def rogue_maximum(_: MeasuredRuns) -> ClaimEvidence:
 
 
 def _rogue_search(k: float) -> tuple[float, float]:
-    """Return the value at the origin, and the largest |Y| found by the search."""
+    """Return the value of the cn rogue wave at the origin, and its largest |Y| on search grids."""
     wave = Wave(closed_form("rogue_cn"), mkdv_normal_form(K2=4, K4=1), k=k)
     a, b = (float(getattr(wave.normal_form, name)) for name in ("a", "b"))
     half_width = 4.0 * (wave.wavelength or 1.0)
@@ -226,7 +232,7 @@ EPSILONS = ("0.05", "0.075")
     "below 20 %",
 )
 def second_order_crest(evidence: MeasuredRuns) -> ClaimEvidence:
-    """Return the error of Y_2 at t = 0, with an accurate scheme and with RK4's step."""
+    """Return the error of the rational wave Y_2 at t = 0: by an accurate scheme, and by RK4."""
     names = {"": "rational_2_eps_0.05", f"RK4, $dt={RK4_STEP}$, ": rk4_name(2)}
     errors = {words: evidence.relative_error(name, 0.0) for words, name in names.items()}
     measurements = [Measurement(f"{words}$t=0$", *error) for words, error in errors.items()]
@@ -238,7 +244,7 @@ def second_order_crest(evidence: MeasuredRuns) -> ClaimEvidence:
     "$t_0$, $eps$; 'around' is read as within 10 % of the time shown",
 )
 def peak_of_the_error(evidence: MeasuredRuns) -> ClaimEvidence:
-    """Return the largest error of each rational run with its time, and its parts at one peak."""
+    """Return each rational run's largest error and its time; split the error of the run `SPLIT`."""
     measurements, near = [], []
     for j in RUN_ORDERS:
         for eps in EPSILONS:
@@ -252,7 +258,7 @@ def peak_of_the_error(evidence: MeasuredRuns) -> ClaimEvidence:
 
 
 def _split(evidence: MeasuredRuns) -> list[Measurement]:
-    """Return the shift of the crest in the run `SPLIT` at its peak, and the parts of its error."""
+    """Return the crest's shift in the run `SPLIT` at its peak, and the parts of the run's error."""
     parts = evidence.split(SPLIT, 0.0)
     words = "$Y_2$, $eps=0.05$, $t=0$, the lattice's wave is shifted by sites"
     shares = (Measurement(f"there, part by {name}", *parts[name]) for name in PARTS)
@@ -264,7 +270,7 @@ def _split(evidence: MeasuredRuns) -> list[Measurement]:
     "the time: it may hold for the largest error and not at every moment",
 )
 def error_against_order(evidence: MeasuredRuns) -> ClaimEvidence:
-    """Return the largest errors of both orders, and the share of times with Y_3's error higher."""
+    """Return the largest errors of Y_2 and Y_3, and how often the error of Y_3 is higher."""
     measurements, always = [], []
     for eps in EPSILONS:
         names = [f"rational_{j}_eps_{eps}" for j in RUN_ORDERS]
@@ -288,7 +294,7 @@ def error_against_order(evidence: MeasuredRuns) -> ClaimEvidence:
     "the time step, of which the paper states none",
 )
 def twenty_percent(evidence: MeasuredRuns) -> ClaimEvidence:
-    """Return the largest error of Y_3 at eps = 0.05, with an accurate scheme and RK4's step."""
+    """Return the rational wave Y_3's largest error at eps = 0.05: by an accurate scheme, by RK4."""
     names = {"": "rational_3_eps_0.05", f"RK4, $dt={RK4_STEP}$, ": rk4_name(3)}
     errors = {words: evidence.largest_error(name)[0] for words, name in names.items()}
     measurements = [Measurement(f"{words}largest", *error) for words, error in errors.items()]
@@ -300,7 +306,7 @@ def twenty_percent(evidence: MeasuredRuns) -> ClaimEvidence:
     "$eps$, and what 'very good' means; here read as below 20 %",
 )
 def third_order_agreement(evidence: MeasuredRuns) -> ClaimEvidence:
-    """Return the largest error of Y_3 at both eps."""
+    """Return the largest error of the rational wave Y_3 at each of `EPSILONS`."""
     measurements, good = [], []
     for eps in EPSILONS:
         largest, time = evidence.largest_error(f"rational_3_eps_{eps}")
@@ -319,7 +325,7 @@ ROGUE, SOLITON = "rogue_cn_k_0.5", "soliton_dn_k_0.7"
     "$alpha$ (here $K/2$), the time step",
 )
 def breather_and_modulus(evidence: MeasuredRuns) -> ClaimEvidence:
-    """Return the dark breather's largest error at the three moduli."""
+    """Return the dark breather's largest error at each of three elliptic moduli k."""
     errors = {k: evidence.largest_error(f"breather_sn_k_{k}")[0] for k in BREATHER_MODULI}
     falls = all(a.value > b.value for a, b in pairwise(errors.values()))
     return (Measurement(f"$k={k}$, largest", *error) for k, error in errors.items()), [falls]
@@ -327,7 +333,10 @@ def breather_and_modulus(evidence: MeasuredRuns) -> ClaimEvidence:
 
 @claim("The dn soliton fits very well", "$|t| <= 100$; 'very well' is read as below 20 %")
 def dn_fit(evidence: MeasuredRuns) -> ClaimEvidence:
-    """Return the dn soliton's error at the last snapshot, over the bare wave and the far field."""
+    """Return the error of the soliton on the dn background at the last snapshot.
+
+    It is divided by the height of the bare wave, and by that of the far field.
+    """
     end = evidence.scenes[SOLITON].end
     variables = {"bare wave": "error", "far field": "error_far_field"}
     errors = {w: evidence.relative_error(SOLITON, end, name) for w, name in variables.items()}
@@ -358,7 +367,7 @@ def cn_maximum(evidence: MeasuredRuns) -> ClaimEvidence:
     "the time shown, 200 units: read as a growth of the fastest perturbation by more than 2",
 )
 def modulational_instability(evidence: MeasuredRuns) -> ClaimEvidence:
-    """Return the growth of each background's fastest perturbation within the time shown."""
+    """Return how much the fastest perturbation of each background grows in the figure's time."""
     measurements = []
     for name in (ROGUE, SOLITON, "breather_sn_k_0.7"):
         scene = evidence.scenes[name]
@@ -368,5 +377,5 @@ def modulational_instability(evidence: MeasuredRuns) -> ClaimEvidence:
 
 
 def all_claims(evidence: MeasuredRuns) -> list[Claim]:
-    """Return every statement with the numbers measured in these runs."""
+    """Return every statement of `CLAIMS` with the numbers measured for it in these runs."""
     return [check(evidence) for check in CLAIMS]

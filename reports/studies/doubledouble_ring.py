@@ -53,7 +53,10 @@ def _advance(
     K3: float,
     K4: float,
 ) -> None:
-    """Advance (y, s) by a number of steps in place; ``f`` and ``g`` are work arrays."""
+    """Advance (y, s) by a number of steps in place; ``f`` and ``g`` are work arrays.
+
+    ``drifts`` and ``kicks`` are the splitting scheme's coefficients times the step.
+    """
     for _ in range(steps):
         for i in range(kicks.shape[0]):
             _axpy(y, drifts[i], s)

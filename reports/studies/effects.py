@@ -34,7 +34,7 @@ TOLERANCES = (1e-6, 1e-10)
 
 @cache
 def effects() -> dict[str, NumericLattice]:
-    """Return effect name -> the beta chain with this one effect."""
+    """Return the beta chain with a single effect, keyed by the name of the effect."""
     chain = numeric_lattice(LATTICES["beta_fput"], {"K2": 1, "K4": 2})
     push = SiteForce(3, time_function("force", "0.3*cos(9*t/10)"))
     shaken = time_function("wall", "0.05*sin(13*t/10)")

@@ -105,7 +105,7 @@ def judged_findings(path: Path | None) -> dict[Key, Judged]:
 
 @dataclass(frozen=True)
 class EstimateRow:
-    """Counts of verdicts, and quantiles of the reliable ratios, over scenes of a wave or engine."""
+    """Counts of verdicts, and quantiles of reliable ratios, for the scenes of a wave or engine."""
 
     name: str
     count: int

@@ -251,7 +251,7 @@ def _shifts(order: int) -> Values:
 
 
 def _short(value: sp.Expr) -> str:
-    """Format a number with a few digits; one near 1 as 1 minus its distance."""
+    """Format a number with a few digits; a number near 1 is written as "1 - distance"."""
     near = 1 - value
     if value != 1 and abs(near) < sp.Rational(1, 1000):
         return f"1 - {float(near):.3g}"
@@ -275,7 +275,7 @@ BISECTIONS = 60
 
 @dataclass(frozen=True)
 class Accuracy:
-    """Largest errors of Y, Y_X, Y_T at points of one wave; ``worst`` describes the worst point."""
+    """Largest errors of a wave Y, of Y_X and Y_T; ``worst`` describes the point of the largest."""
 
     name: str
     points: int
@@ -386,7 +386,7 @@ def _error(value: Any, exact: Any) -> float:
 
 
 def worst_of(results: Iterable[Accuracy]) -> Accuracy:
-    """Merge the records of one wave into one record of its worst errors."""
+    """Merge the records of one wave into one record with the largest errors."""
     all_results = list(results)
     largest_error = max(all_results, key=lambda result: max(result.errors))
     errors = np.max([result.errors for result in all_results], axis=0)

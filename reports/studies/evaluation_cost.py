@@ -100,7 +100,7 @@ def least_seconds(function: Callable[[], object], repeats: int = REPEATS) -> flo
 
 
 def measure_array(case: WaveCase) -> tuple[Errors, float]:
-    """Measure double-doubles on lattice points (n, t) at eps = 1, where X and T are exact."""
+    """Return errors and seconds per point of double-doubles, at eps = 1 (exact X and T)."""
     wave = case.wave()
     speed = int(wave.normal_form.c)
     rows = [wave.pairs_at(float(x + speed * TIME), float(TIME), 1.0) for x in POINTS]
@@ -111,7 +111,7 @@ def measure_array(case: WaveCase) -> tuple[Errors, float]:
 
 
 def measure_mpmath(digits: int, case: WaveCase) -> tuple[Errors, float]:
-    """Measure mpmath with that many digits on the canonical form and its derivatives."""
+    """Return errors and seconds per point of mpmath with ``digits`` digits."""
     exact = exact_values(case)
     start = time.perf_counter()
     values = _mp_values(case, digits)
@@ -120,7 +120,7 @@ def measure_mpmath(digits: int, case: WaveCase) -> tuple[Errors, float]:
 
 
 def measure_balls(digits: int, case: WaveCase) -> tuple[Errors, float]:
-    """Measure ball arithmetic with that many digits; the errors are the balls' radii."""
+    """Return errors and seconds per point of balls with ``digits`` digits; radii are the errors."""
     bits = math.ceil(digits * math.log2(10))
     form, parameter_values = case.form, dict(case.wave().parameters)
 
@@ -137,7 +137,7 @@ def measure_balls(digits: int, case: WaveCase) -> tuple[Errors, float]:
 def _balls(
     U: sp.Expr, parameters: Mapping[sp.Symbol, sp.Expr], point: sp.Rational
 ) -> tuple[acb, ...]:
-    """Return U, U_xi, U_tau at one point."""
+    """Return the expression ``U`` and its derivatives U_xi, U_tau at one point xi, as balls."""
     shape = JetShape([(1, 0), (0, 1)])
     values = {**parameters, xi: point, tau: TIME}
     coefficients: tuple[acb, ...] = BallEvaluator(shape, (xi, tau), values).jet(U).coefficients
@@ -146,13 +146,16 @@ def _balls(
 
 @lru_cache(maxsize=1)
 def exact_values(case: WaveCase) -> list[Row]:
-    """Return Y, Y_X, Y_T at the points to `EXACT_DIGITS` digits."""
+    """Return the wave and its derivatives, Y, Y_X, Y_T, at `POINTS` to `EXACT_DIGITS` digits."""
     return _mp_values(case, EXACT_DIGITS)
 
 
 @lru_cache(maxsize=1)
 def _mp_program(case: WaveCase) -> tuple[Any, MpmathFormula]:
-    """Return a private context, and in it U, U_xi, U_tau as functions of (xi, tau, *parameters)."""
+    """Return an mpmath context, and a function of (xi, tau, *parameters) that evaluates the wave.
+
+    The values are U, U_xi, U_tau in the variables of the normal form.
+    """
     context, tape = mpmath.MPContext(), Tape()
     value = tape.record(case.form.expression)
     entries = [value, *(tape.derivative(value, variable) for variable in (xi, tau))]
@@ -161,7 +164,7 @@ def _mp_program(case: WaveCase) -> tuple[Any, MpmathFormula]:
 
 
 def _mp_values(case: WaveCase, digits: int) -> list[Row]:
-    """Return Y, Y_X, Y_T at the points, computed with that many digits."""
+    """Return the wave and its derivatives, Y, Y_X, Y_T, at `POINTS` with ``digits`` digits."""
     wave = case.wave()
     context, formula = _mp_program(case)
     with context.workdps(digits):

@@ -76,7 +76,7 @@ MEASURES: dict[str, Callable[[], Reading]] = {}
 def hard_case(
     setup: str, criterion: str, bound: float, slow: bool = False
 ) -> Callable[[Callable[[], Reading]], Callable[[], Reading]]:
-    """Register the decorated function as the measurement of the hard case named like it."""
+    """Register the decorated function to measure a hard case, which gets the function's name."""
 
     def declare(measure: Callable[[], Reading]) -> Callable[[], Reading]:
         name = measure.__name__.lstrip("_")
@@ -219,7 +219,10 @@ def _wrong_feed() -> Reading:
 
 
 def deviations(wave: TravellingWave, y: Array, s: Array, h: float, times: Array) -> Array:
-    """Return sup |y_n(t) - f(n - v t)| / eps at the times (multiples of h) of a run from (y, s)."""
+    """Return sup |strain - wave| / eps at the times (multiples of h) of a run with step ``h``.
+
+    The ring (y, s) is advanced in place.
+    """
     n, t, results = np.arange(float(y.size)), 0.0, []
     for later in times:
         advance(

@@ -118,7 +118,7 @@ def spectral(scene: Scene, tolerance: float) -> Scene:
 
 @cache
 def warmed(scheme: str) -> None:
-    """Compile the kernel of a scheme, or of the spectral ring for "", by a short run."""
+    """Compile the kernel of a scheme by a short run; ``scheme`` "" means the spectral ring."""
     scene = problem_scene("smooth")
     short = replace(scene, snapshots=(scene.t0 + 1.0,))
     run(by_scheme(short, scheme, SHARES[0]) if scheme else spectral(short, RING_TOLERANCES[0]))
@@ -135,7 +135,7 @@ def march_seconds(scene: Scene, result: xr.Dataset) -> float:
 
 
 def _timed(scene: Scene) -> xr.Dataset:
-    """Run the scene with its kernels compiled before, so that its seconds do not include that."""
+    """Run the scene after compiling its kernels, so that its seconds do not include compilation."""
     warmed("" if scene.tolerance else scene.discretisation.scheme)
     return run(scene)
 
@@ -249,7 +249,7 @@ def _scaled(base: Scene, scheme: str, step: float, sites: int) -> float:
 
 
 def to_peak(t0: float) -> Scene:
-    """Return the scene of Y_2 at eps = 0.05 from t0 up to its peak."""
+    """Return the scene of the rational wave Y_2 at eps = 0.05 from time ``t0`` to its peak."""
     scene = load_scene("rational_2_eps_0.05")
     return replace(scene, t0=t0, snapshots=(0.0,), observables=("strain",))
 
@@ -265,7 +265,7 @@ def window_error(sites: Sequence[int], t0: float = -10000.0) -> list[ScalingPoin
 
 
 def rk4_share(steps: Sequence[float], t0: float = -10000.0) -> list[ScalingPoint]:
-    """Return the relative error of Y_2 at t = 0 by RK4's step x; x = 0 is an exact time flow."""
+    """Return the relative error of Y_2 at t = 0 by RK4's step x (0: an accurate scheme)."""
     scene = to_peak(t0)
     variants = {step: scene.changed(scheme="rk4", step=step) for step in steps}
     return [
@@ -288,7 +288,7 @@ RESOLVED = 0.1
 class PeakError:
     """Relative sup error of one member of the rational family at T = 0.
 
-    ``own`` is the estimated discretisation error over the same denominator, ``seconds`` the time of
+    ``own`` is the estimated discretisation error in the same units, ``seconds`` the time of
     the run with its planning. ``fault`` is the reason if there is no value.
     """
 
@@ -311,13 +311,13 @@ class PeakError:
 
 
 def peak_scene(order: int, eps: float) -> Scene:
-    """Return the scene of a family member up to its peak, by whichever engine is cheaper."""
+    """Return the scene of rational wave Y_order up to its peak, with the cheaper of two engines."""
     (scene,) = rational_family_scenes((order,), (eps,), PEAK_TOLERANCES[order]).values()
     return replace(scene, snapshots=(0.0,), compared=round(HALF_WIDTH / eps))
 
 
 def peak_error(order: int, eps: float) -> PeakError:
-    """Run one member of the family; a failed run is returned as a record with a fault."""
+    """Run the rational wave of that order; a failed run is returned as a record with a fault."""
     scene = peak_scene(order, eps)
     try:
         result = run(scene)
@@ -332,7 +332,7 @@ def peak_error(order: int, eps: float) -> PeakError:
 
 
 def peak_laws(points: Iterable[PeakError]) -> dict[int, float | None]:
-    """Return each order's power of eps, fitted to the smallest resolved eps; None below two."""
+    """Return each order's power of eps, fitted to its smallest resolved eps; None if under two."""
     orders: dict[int, list[tuple[float, float]]] = {}
     for point in points:
         orders.setdefault(point.order, []).extend([(point.eps, point.value)] * point.resolved)

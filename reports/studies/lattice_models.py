@@ -67,7 +67,7 @@ def lattice_models() -> Iterator[LatticeModel]:
 
 
 def closed_waves(reduction: Reduction) -> tuple[str, ...]:
-    """Return the names of closed forms that solve the reduced equation, with matching known signs.
+    """Return the names of closed forms that solve the reduced equation; its known signs must match.
 
     >>> from longwave.derive import LATTICES, find_scaling
     >>> closed_waves(find_scaling(LATTICES["toda"])[0])

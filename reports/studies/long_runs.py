@@ -46,7 +46,7 @@ class LongRun:
 
     @property
     def within_tolerance(self) -> bool:
-        """Whether the ring meets its tolerance, the reference's error added; False with any NaN."""
+        """Whether the engines' difference plus `own` is within the tolerance; False for NaN."""
         snapshots, runs = len(scene_of(self.ring).snapshots), (self.ring, self.coarse, self.fine)
         complete = all(run.sizes["time"] == snapshots for run in runs)
         worst = float(self.differences.max(skipna=False)) + self.own

@@ -44,9 +44,9 @@ class MeasuredRuns:
         return xr.DataArray(error, {"time": self.runs[name]["time"].values}, "time")
 
     def relative_error(self, name: str, time: float, variable: str = "error") -> UncertainNumber:
-        """Return the relative sup error at a snapshot.
+        """Return a run's relative sup error ``variable`` at a snapshot, and its numerical error.
 
-        The denominator is exact, so the number's error is that of y over the same denominator.
+        The denominator is exact, so the numerical error is that of y over the same denominator.
         """
         value = float(self.runs[name][variable].sel(time=time))
         own_error = self.discretisation(name).sel(time=time) / self.amplitude(name).sel(time=time)
@@ -60,7 +60,7 @@ class MeasuredRuns:
         return UncertainNumber(float(curve.max()), float(own_error)), time
 
     def split(self, name: str, time: float) -> dict[str, UncertainNumber]:
-        """Return the shift in sites, and the error's parts by position, amplitude and shape.
+        """Return a wave's shift in sites, and its error's parts by position, amplitude and shape.
 
         The parts have the error's denominator, so they share its discretisation error. A change of
         y/eps by at most d changes a least-squares shift by at most d sum |Y_n| / sum Y_n^2, with
@@ -75,7 +75,7 @@ class MeasuredRuns:
         return {"shift": UncertainNumber(float(snapshot["shift"]), shift)} | parts
 
     def amplitude(self, name: str) -> xr.DataArray:
-        """Return the largest distance of Y from its bare background, at each snapshot."""
+        """Return the largest distance of the wave Y from its bare background, at each snapshot."""
         run = self.runs[name]
         distance: xr.DataArray = abs(run["analytic"] - run["background"])
         return distance.max("site") / self.scenes[name].eps

@@ -34,7 +34,7 @@ class ProofRecord:
 
 
 def proof_record(name: str) -> ProofRecord:
-    """Prove the form called ``name`` and check its certificate. Raises ValueError as `prove_named`.
+    """Prove the form called ``name`` and check its certificate. Raises as `prove_named` does.
 
     >>> record = proof_record("kink")
     >>> print(record.outcome, record.accepted)
@@ -86,7 +86,7 @@ class PublishedVerdict:
 
 
 def published_verdicts(equation_name: str) -> list[PublishedVerdict]:
-    """Decide the library's statements on one equation. Raises ValueError as `chosen`.
+    """Decide the library's statements on one equation. Raises as `chosen` does.
 
     >>> found = published_verdicts("thin film")
     >>> [(verdict.text.name, verdict.expected) for verdict in found]

@@ -119,7 +119,7 @@ def _cosine_modes(wave: Wave, eps: float, period: int) -> Array:
 
 
 def profile(modes: Array) -> Array:
-    """Return the profile at OVERSAMPLING * MODES equidistant points of its period."""
+    """Return the profile of these modes at OVERSAMPLING * MODES even points of a period."""
     count = OVERSAMPLING * MODES
     padded = np.pad(modes, (0, count // 2 + 1 - modes.size))
     return np.fft.irfft(padded, count) * count
