@@ -9,8 +9,7 @@ from longwave.lattice.state import GROWTH, BlowUp, State
 from longwave.support.real_arrays import Array, Mask
 
 GRID_WAVENUMBERS = {1: 33, 2: 9, 3: 5}
-"""Number of wavenumbers per axis, keyed by dimension, at which the stability of a cell is
-checked."""
+"""Number of wavenumbers per axis, keyed by dimension, for checking the stability of a cell."""
 
 BATCH_CELLS = 4096
 """Number of cells checked in one batch: about 10 MB for two fields."""

@@ -27,8 +27,7 @@ MAX_STOPS_FRACTION = 0.1
 """Largest fraction of a run's time that may be covered by additional stops."""
 
 PANEL_SHIFT = 0.618034
-"""Shift of the panels, in panel lengths, so that no corner at a round time lies on a panel's
-edge."""
+"""Shift of the panels, in panel lengths, so that corners at round times lie on no panel's edge."""
 
 MAX_STOPS, MAX_PANELS = 2**14, 2**17
 """Largest number of additional stops, and largest number of panels examined."""

@@ -110,7 +110,10 @@ class DrivenChain(DisorderedLattice):
         return self.moved if any(self.dashpots) else []
 
     def _drag(self, wall: _Wall) -> Array:
-        """Return the acceleration, (fields, ring), that a wall of velocity 1 causes by dashpots."""
+        """Return accelerations of nominal masses, (fields, ring), by dashpots of a moving wall.
+
+        The wall has unit velocity.
+        """
         unit = np.zeros((len(self.fields), self.deviations.shape[1]))
         unit[:, list(wall.places)] = 1.0
         return self.acceleration_by(self.dashpot_forces(unit))

@@ -21,8 +21,7 @@ SLOPE_SAMPLES = 65
 """Number of stretches, from the least to the largest encountered, at which slopes are evaluated."""
 
 LARGEST_SLOPE = 1e290
-"""Slope of a force above which frequencies count as infinite; sums of smaller slopes cannot
-overflow."""
+"""Slope of a force above which frequencies count as infinite; smaller slopes cannot overflow."""
 
 RANGE_MARGIN = 0.125
 """Margin added at either end of a range of stretches before it is checked, as a fraction of its
@@ -30,8 +29,7 @@ width, so that a wave that rises slowly from stop to stop does not need a new ch
 
 
 class Dynamics:
-    """Time steps and frequencies of a lattice, and its *ranges*: least and largest stretches and
-    fields."""
+    """Time steps and frequencies of a lattice, and *ranges* of its stretches and fields."""
 
     def __init__(self, lattice: NumericLattice) -> None:
         self.lattice = lattice

@@ -40,11 +40,10 @@ def _at_nodes(*known: Array) -> Array:
 
 _ENDS = [_powers([0.0, 1.0], each) for each in range(3)]
 FROM_ENDS = _at_nodes(*_ENDS)
-"""Matrices from values, slopes and second derivatives at both ends to values and slopes at
+"""Matrices from values, slopes and second derivatives at the ends to values and slopes at
 `NODES`."""
 FROM_ENDS_AND_NODES = _at_nodes(_ENDS[0], _ENDS[2], _powers(NODES, 2))
-"""Matrices to values and slopes at `NODES` from the values at both ends, and from the second
-derivatives at both ends and at `NODES`."""
+"""The same from values at the ends, and second derivatives there and at `NODES`."""
 
 
 class Flow(NamedTuple):

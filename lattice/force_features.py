@@ -81,8 +81,7 @@ def find_feature(
 
 
 def _narrowest(force: ForceProgram, low: float, high: float, allowed: float, gaps: int) -> float:
-    """Return the width of the narrowest feature, apart from a contact's opening; inf if there is
-    none."""
+    """Return the width of the narrowest feature but a contact's opening; inf if there is none."""
     with np.errstate(all="ignore"):
         largest = float(np.max(np.abs(force(np.linspace(low, high, SLOPE_SAMPLES)))))
     allowed += PANEL_ROUNDING * largest * (high - low) / INITIAL_PANELS
