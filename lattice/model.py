@@ -74,7 +74,7 @@ class Model:
         return math.sqrt(stiffness)
 
     def highest_frequency(self, y: Array) -> float:
-        """Return the largest linear frequency (at k = pi) about any strain in ``y`` or at rest."""
+        """Return the largest linear frequency (at k = pi) about the strains ``y``, or at rest."""
         return 2.0 * math.sqrt(max(float(np.max(self.stiffness(y))), self.K2))
 
     def energy(self, state: State) -> float:

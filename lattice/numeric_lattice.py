@@ -162,7 +162,7 @@ class NumericLattice:
 
     @property
     def cellwise(self) -> tuple[NumericLattice, Variation | None, Array]:
-        """The ordered lattice, its variation and relative deviations by cell (here none)."""
+        """The ordered lattice, its variation and relative deviations by cell (none here)."""
         return self, None, np.zeros((0, 0))
 
     @property
@@ -276,12 +276,12 @@ class NumericLattice:
             return [np.asarray(bond.force.slope(stretch)) for bond, stretch in pairs]
 
     def largest_slope(self, index: int, stretches: Array) -> float:
-        """Return the largest abs(slope) of one bond's force at these stretches; may be nan."""
+        """Return the largest abs(slope) of the force of bond ``index`` at stretches; may be nan."""
         with np.errstate(all="ignore"):
             return float(np.max(np.abs(self.bonds[index].force.slope(stretches))))
 
     def steepest(self, index: int, stretches: Array) -> float:
-        """Return the largest slope of one bond's force at these stretches; may be nan."""
+        """Return the largest slope of the force of bond ``index`` at stretches; may be nan."""
         with np.errstate(all="ignore"):
             return float(np.max(self.bonds[index].force.slope(stretches)))
 
@@ -332,7 +332,7 @@ def value_range(values: Array) -> Range:
 
 
 def _shifted(values: Array, shift: tuple[int, ...]) -> Array:
-    """Return ``values`` of the cells at that offset; cells lie along the last axes."""
+    """Return ``values``, each from the cell at offset ``shift``; the last axes are the cells."""
     if not any(shift):
         return values
     if len(shift) == 1:

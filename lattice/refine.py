@@ -105,7 +105,7 @@ short enough."""
 
 
 class StoppedSearch(KeyboardInterrupt):
-    """Raised on Ctrl-C: the best run, its error if measured, seconds of other runs (``before``)."""
+    """Raised on Ctrl-C: the best run, its error if measured, and the seconds of all other runs."""
 
     def __init__(self, trial: Trial | None, error: float | None, before: float) -> None:
         super().__init__("interrupted")
@@ -200,7 +200,7 @@ def _refusal_message(best: float, tolerance: float, left: str) -> str:
 
 
 def _with_lawful_step(search: "_Search", scouting: "_Search", choices: Choices) -> Choices:
-    """Return choices whose step the search ``scouting`` finds accurate and lawful."""
+    """Return choices with a step that the search ``scouting`` finds accurate and lawful."""
     if scouting is search:
         return search.with_step(choices)
     started = replace(scouting.engine.first(), step=choices.step)
@@ -235,7 +235,7 @@ class _Search:
         return search
 
     def stopped(self, stop: KeyboardInterrupt) -> StoppedSearch:
-        """Return the exception with the last run whose error is known, else another run."""
+        """Return the exception for Ctrl-C, with the last run of known error or another run."""
         if self.judged is not None and math.isfinite(self.judged[1]):
             trial, error = self.judged
             return StoppedSearch(trial, error, self.seconds - trial.seconds)
@@ -301,7 +301,7 @@ class _Search:
         return self.engine.taken(choices) <= self._longest_lawful
 
     def lawful_change(self, choices: Choices) -> float:
-        """Return the change that the law predicts from the nearest longer step; 0 without one."""
+        """Return the change by a shorter step that the law predicts from a longer step, or 0."""
         step = self.engine.taken(choices)
         longer = [one for one in self._changes.items() if one[0] > step]
         if not longer:
@@ -475,7 +475,7 @@ class _Search:
         self._progress(self._last_share)
 
     def _announce_runs(self, missing: Collection[Choices]) -> None:
-        """Announce the seconds of the next runs; raise OverBudgetError if they are too many."""
+        """Announce the seconds that missing runs take; raise OverBudgetError if too many."""
         self._pending_work = pending = sum(map(self.engine.work, missing))
         if pending > self.engine.most_work:
             raise OverBudgetError(f"runs that take {pending:.2g}", pending)

@@ -107,7 +107,7 @@ def _stages(tree: NystroemTree, table: NystroemTable) -> tuple[list[Fraction], F
 
 
 def _dot(weights: Sequence[Fraction], values: Sequence[Fraction]) -> Fraction:
-    """Return the dot product; the shorter sequence is continued with zeros."""
+    """Return the dot product; a row may be shorter than ``values``: missing weights are 0."""
     return sum(map(mul, weights, values), Fraction(0))
 
 

@@ -172,7 +172,7 @@ class Splitting(DriftKick):
 
     @property
     def rounding(self) -> float:
-        """Tolerance of the conditions: 100 units in the last place of the shortest decimal."""
+        """Tolerance of order conditions: 100 units in the last place of the shortest decimal."""
         literals = self.drift_half + self.kick_half
         decimals = [len(literal.partition(".")[2]) for literal in literals if "." in literal]
         return 10.0 ** (2.0 - min(decimals)) if decimals else 0.0

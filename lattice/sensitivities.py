@@ -43,7 +43,7 @@ class FreeParameter:
 
 @dataclass(frozen=True)
 class Sensor:
-    """Quantity (displacement, velocity, strain, force), index of field or bond, and cell."""
+    """Measured ``quantity`` (such as "strain"), ``index`` of its field or bond, and ``cell``."""
 
     quantity: str
     inner: int

@@ -160,7 +160,7 @@ class _Stage:
         velocities: Sequence[Any],
         carried: CarriedValue | None = None,
     ) -> None:
-        """Generate a stage's code for one row of a chain, or one column of a row in a plane.
+        """Generate code for a row of a chain or a column; ``carried`` loads a plane's earlier rows.
 
         ``carried`` loads values of earlier rows of the plane.
         """

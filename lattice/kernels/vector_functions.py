@@ -83,7 +83,7 @@ class Lanes:
         return self.with_value(self.code.fma(self.value, self.of(factor), self.of(term)))
 
     def where(self, sign: str, bound: Lanes | float, value: Lanes | float) -> Lanes:
-        """Return ``value`` where ``self sign bound`` holds, as for "<", else self; NaN stays."""
+        """Return ``value`` where ``self sign bound`` holds, as for "<", else self, also if NaN."""
         return self.replaced(self.compared(sign, bound), value)
 
     def replaced(self, mask: Any, value: Lanes | float) -> Lanes:
@@ -91,7 +91,7 @@ class Lanes:
         return self.with_value(self.code.builder.select(mask, self.of(value), self.value))
 
     def compared(self, sign: str, bound: Lanes | float) -> Any:
-        """Return the mask where ``self sign bound`` holds, as for "<"; False for NaN."""
+        """Return a mask of lanes where ``self sign bound`` holds, as for "<"; False for NaN."""
         return self.code.builder.fcmp_ordered(sign, self.value, self.of(bound))
 
     def bits(self) -> Bits:
@@ -190,7 +190,7 @@ def quotient(over: Pair, under: Pair) -> Pair:
 
 
 def polynomial(z: Lanes, factors: Sequence[float]) -> Lanes:
-    """Return the polynomial with these coefficients, lowest first; sum odd powers separately."""
+    """Return the polynomial with the coefficients ``factors``, lowest first; for short latency."""
     if len(factors) < 4:
         return _horner(z, factors)
     square = z * z
@@ -199,7 +199,7 @@ def polynomial(z: Lanes, factors: Sequence[float]) -> Lanes:
 
 
 def _horner(z: Lanes, factors: Sequence[float]) -> Lanes:
-    """Return the polynomial by Horner's rule."""
+    """Return the polynomial with these coefficients, lowest first, by Horner's rule."""
     *lower, highest = factors
     result = z.with_value(z.code.constant(highest))
     for factor in reversed(lower):
@@ -212,7 +212,7 @@ def _horner(z: Lanes, factors: Sequence[float]) -> Lanes:
 
 @cache
 def parts_of(name: str, *bits: int) -> tuple[float, ...]:
-    """Return a constant as a sum of doubles: leading ones of few bits, and a last one of 53.
+    """Return a constant as a sum of doubles: the leading ones have ``bits`` bits, the last has 53.
 
     >>> parts_of("ln2", 42)
     (0.6931471805598903, 5.497923018708371e-14)
@@ -295,7 +295,7 @@ def exponential(x: Lanes, low: Lanes | None = None) -> Lanes:
 
 
 class _Hyperbolic(NamedTuple):
-    """Hyperbolic functions of x divided by 2^up, exp(-x) = ``fall``, and ``n``: x/ln(2) rounded."""
+    """``sinh`` and ``cosh`` of x over 2^up, ``fall`` = exp(-x), and ``n`` = x/ln(2) rounded."""
 
     sinh: Pair
     cosh: Pair
