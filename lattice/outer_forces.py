@@ -74,7 +74,7 @@ class SiteForce:
 
 
 def slope_of(value: TimeFunction | None) -> TimeFunction:
-    """Return the velocity of a wall. Raises ValueError if its displacement has no slope."""
+    """Return the slope of a wall's displacement ``value``; raise ValueError if it has none."""
     slope: TimeFunction | None = getattr(value, "slope", None)
     if slope is None:
         raise ValueError(

@@ -194,7 +194,7 @@ def _search_choices(search: "_Search", engine: Engine, tolerance: float) -> Refi
 
 
 def _refusal_message(best: float, tolerance: float, left: str) -> str:
-    """Return why a tolerance is refused; ``best`` is the least error or inf, ``left`` its cause."""
+    """Return why a tolerance is refused; ``best`` is the least error met, ``left`` its cause."""
     least = f"satisfy tolerance >= {1.05 * best:.2g} here" if best < math.inf else "be larger here"
     return f"tolerance must {least}, got {tolerance:g} ({left}; raise it or shorten the run)"
 

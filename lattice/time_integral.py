@@ -114,19 +114,19 @@ class Integral:
         return self._rounding_between(self.edges[:-1], self.edges[1:])
 
     def _rounding_between(self, low: Array, high: Array) -> Array:
-        """Return the error of integrals between these times by rounding of times and values."""
+        """Return the errors of integrals from ``low`` to ``high`` by rounded times and values."""
         points, size = np.array([low, (low + high) / 2.0, high]), float(np.abs(self.edges).max())
         with np.errstate(all="ignore"):
             values, slopes = np.abs(self.slope(points)), np.abs(self.slope.slope(points))
         return np.asarray(2.0**-52 * (high - low) * (values + size * slopes).max(axis=0))
 
     def rounding(self, low: Array, high: Array) -> Array:
-        """Return the rounding error of Gauss's rule minus this integral, on each panel."""
+        """Return each panel's rounding error of Gauss's rule minus this integral."""
         panels_error = self._rounding[self._panel_of(np.array([low, high]))].sum(axis=0)
         return np.asarray(panels_error + self._rounding_between(low, high))
 
     def missed_within(self, low: Array, high: Array) -> Array:
-        """Return each panel's largest error of Gauss's rule for integrals that end in the panel."""
+        """Return each panel's largest error of Gauss's rule for integrals to a point within it."""
         edges, sums = np.append(self.edges, high), np.append(self.sums, self(high))
         order = np.argsort(low)
         panel = order[np.searchsorted(low[order], edges, "left") - 1]

@@ -232,7 +232,7 @@ def step_between(stops: Array, step: float) -> float:
 
 
 def shorter_step(stops: Array, step: float, order: int, ratio: float) -> float:
-    """Return a step whose error is that of a mean step shorter by ``ratio``."""
+    """Return a step with the error of ``ratio`` times the mean step, whatever the stops."""
     return step_taken(stops, ratio * step, order, ratio * mean_step(stops, step, order))
 
 

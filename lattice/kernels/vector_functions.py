@@ -190,7 +190,7 @@ def quotient(over: Pair, under: Pair) -> Pair:
 
 
 def polynomial(z: Lanes, factors: Sequence[float]) -> Lanes:
-    """Return the polynomial with the coefficients ``factors``, lowest first; for short latency."""
+    """Return the polynomial with the coefficients ``factors``, lowest first, evaluated at ``z``."""
     if len(factors) < 4:
         return _horner(z, factors)
     square = z * z

@@ -75,7 +75,7 @@ class FieldRing:
         return self._interpolated(self.f, x)
 
     def velocities_at(self, *x: ArrayLike) -> Array:
-        """Return the velocities, (fields, positions), at real ``positions``, as `at` does."""
+        """Return the velocities, (fields, positions), at real positions ``x``, as `at` does."""
         return self._interpolated(self.v, x)
 
     def sampled(self, counts: tuple[int, ...]) -> FieldRing:

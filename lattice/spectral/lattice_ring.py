@@ -279,7 +279,7 @@ def wavenumbers(state: FieldRing) -> list[Array]:
 
 
 def whole(state: FieldRing) -> bool:
-    """Return whether an axis has a whole number of points per site: each point is then a site."""
+    """Return whether shifts by a cell lead from point to point, so that points are sites."""
     return all(
         float(length).is_integer() and count % int(length) == 0
         for length, count in zip(state.circumferences, state.counts, strict=True)

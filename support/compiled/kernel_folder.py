@@ -36,10 +36,11 @@ FOLDER_MODE, FILE_MODE, OTHERS_WRITE = 0o700, 0o600, 0o022
 """Modes of a cache's folder and files, and permissions that others must not have on them."""
 
 BASE_MODE = 0o755
-"""Mode of the folder with the cache folders: at umask 0, others could otherwise move them."""
+"""Mode of the folder that contains the cache folders: at umask 0, others could otherwise move
+them."""
 
 MAX_VERSIONS = 8
-"""Most versions of a module's cache folder; the least recently used ones are removed first."""
+"""Largest number of versions of a module's cache folder; least recently used ones are removed."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +56,7 @@ class CacheFolder:
     """Reasons why earlier choices of folders were skipped, one line each."""
 
     def get_or_make(self, name: str, make: Callable[[], bytes]) -> bytes:
-        """Return the file's content, made and stored if it is missing."""
+        """Return the content of the file ``name``; if it is missing, call ``make`` and store it."""
         data = self.read(name)
         if data is None:
             data = make()
@@ -79,7 +80,7 @@ class CacheFolder:
         return None
 
     def _title(self, name: str) -> bytes:
-        """Return the first line of a file, which reveals a file that was renamed."""
+        """Return the first line of the file ``name``, by which a renamed file is recognised."""
         return f"{self.path and self.path.name}/{name}".encode()
 
     def write(self, name: str, data: bytes) -> None:
@@ -129,7 +130,7 @@ class NotPrivateError(OSError):
 
 @contextmanager
 def _opened(path: Path) -> Iterator[int | None]:
-    """Open a folder and yield its descriptor, None if unsupported; raise NotPrivateError."""
+    """Open a folder and yield its descriptor (None if unsupported); raise NotPrivateError."""
     _check_private(path, path.lstat())
     if os.open not in os.supports_dir_fd:
         yield None
@@ -160,7 +161,7 @@ def _fault(state: os.stat_result, others: int) -> str:
 
 
 def _digest(sources: str) -> str:
-    """Return the digest of what machine code depends on: sources, numba's settings and user."""
+    """Return the digest of all that machine code depends on: sources, numba's settings and user."""
     settings = numba_settings()
     if hasattr(os, "geteuid"):  # several users may have one NUMBA_CACHE_DIR
         settings.insert(0, f"user {os.geteuid()}")
@@ -198,7 +199,7 @@ def _users_cache() -> Path:
 
 
 def _prune(base: Path, module: str) -> None:
-    """Remove the least recently used versions of the module's folder."""
+    """Remove the least recently used cache folders of the module in ``base``."""
     try:
         versions = sorted(base.glob(f"{module}-*"), key=lambda path: path.stat().st_mtime)
     except OSError:  # another process has just removed one
@@ -209,5 +210,5 @@ def _prune(base: Path, module: str) -> None:
 
 @lru_cache
 def _warn(text: str) -> None:
-    """Warn once, in one line, without the source line."""
+    """Issue the warning ``text`` once, in one line, without the source line."""
     warnings.warn_explicit(text, RuntimeWarning, "longwave", 0)
