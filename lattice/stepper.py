@@ -119,7 +119,7 @@ class Stepper:
                 yield self.state
 
     def _advance(self, h: float, steps: int, t: float) -> None:
-        """Advance by a chunk that ends at ``t``; if it blows up, repeat it step by step."""
+        """Advance by ``steps`` steps ``h``, to time ``t``; after a blow-up, repeat them singly."""
         state, begin = self.state, self.state.t
         before = [values.copy() for values in (*state.arrays, self.ranges)] if steps > 1 else []
         f, v = state.arrays

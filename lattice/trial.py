@@ -174,7 +174,7 @@ class Engine(Protocol):
         """Return choices refined in the given kinds only: finer, wider, or moved elsewhere."""
 
     def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
-        """Return choices with which that kind's error is smaller by the factor ``excess`` > 1."""
+        """Return choices whose error of this ``kind`` is smaller by the factor ``excess`` > 1."""
 
     def taken(self, choices: Choices) -> float:
         """Return the effective step of a run: stops make it shorter than the chosen step."""

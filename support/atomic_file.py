@@ -97,7 +97,7 @@ def draft_path(path: Path) -> Path:
 
 
 def remove_dead_drafts(folder: Path, stem: str = "*") -> None:
-    """Remove old drafts of files with that stem, and those of this host's dead processes."""
+    """Remove drafts of files with this stem that are old or of a dead process of this host."""
     for draft in folder.glob(f".{stem[:LONGEST_STEM]}.*.draft*"):
         with suppress(OSError):
             if _is_dead(draft):

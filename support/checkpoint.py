@@ -56,7 +56,7 @@ RETRY_SECONDS = 60.0
 
 
 def run_stamp(key: str) -> str:
-    """Return a text with all that determines a run's bits: its key, the processor and settings."""
+    """Return a text with all that determines a run's bits: its ``key``, processor and settings."""
     from longwave.support.compiled.native_code import processor
 
     return "\n".join([key, processor(), *compiler_settings()])
@@ -293,7 +293,7 @@ class Loop:
                 self._store(remember)
 
     def end(self, remember: Callable[[], Memory]) -> None:
-        """Store the final state if that takes at most ``share`` of the time since the last one."""
+        """Store the final state, ``remember()``, if enough time has passed since the last store."""
         if self.keeper is not None:
             elapsed = perf_counter() - self._last
             if self.keeper.share * elapsed >= self._cost:

@@ -263,7 +263,7 @@ def run_words(command: click.Command, program: str, argv: Sequence[str] | None =
 
 
 def _named(command: click.Command, program: str, argv: Sequence[str]) -> tuple[click.Command, str]:
-    """Return the subcommand that ``argv`` begins with, and its name with ``program`` in front."""
+    """Return the subcommand that ``argv`` begins with, and its full name, from ``program`` on."""
     for word in argv:
         inner = command.commands.get(word) if isinstance(command, click.Group) else None
         if inner is None:

@@ -71,7 +71,7 @@ class FieldRing:
         return np.asarray(self.left[axis] + self.circumferences[axis] / steps.size * steps)
 
     def at(self, *x: ArrayLike) -> Array:
-        """Return the fields, (fields, positions), at real positions: one array for each axis."""
+        """Return the fields, (fields, positions), at real positions ``x``: one array per axis."""
         return self._interpolated(self.f, x)
 
     def velocities_at(self, *x: ArrayLike) -> Array:

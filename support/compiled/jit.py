@@ -249,7 +249,7 @@ def _entry_text(context: Any, compiled: Any, subnormals: bool) -> str:
 
 
 def _unpack(values: Iterable[Any], kinds: list[Any], words: list[Any]) -> None:
-    """Append the types of the values to ``kinds``, and the words passed for them to ``words``."""
+    """Append the values' types to ``kinds``, and the words that represent them to ``words``."""
     for value in values:
         kind = type(value)
         if kind is np.ndarray:

@@ -45,7 +45,7 @@ MAX_VERSIONS = 8
 
 @dataclass(frozen=True)
 class CacheFolder:
-    """Cache of files made from ``sources``, in the folder ``path``; None caches nothing.
+    """Cache, in the folder ``path``, of files made from ``sources``; no cache if ``path`` is None.
 
     They are read and written only by a process whose code is what the sources say.
     """
@@ -96,7 +96,7 @@ class CacheFolder:
 
 @lru_cache
 def cache_folder(module: str, *others: str) -> CacheFolder:
-    """Return the cache folder for an imported module and the ``others``, created if needed."""
+    """Return the cache folder, created if needed, of an imported ``module`` and the ``others``."""
     from longwave.support.compiled.source_digest import all_sources, text_digest
 
     sources = all_sources((module, *others))
@@ -151,7 +151,7 @@ def _check_private(path: Path, state: os.stat_result) -> None:
 
 
 def _fault(state: os.stat_result, others: int) -> str:
-    """Return why ``others`` (permission bits) may have written there, or an empty text."""
+    """Return why others may have written to a file or folder; empty if they cannot have."""
     if not hasattr(os, "geteuid"):
         return ""
     if state.st_uid != os.geteuid():
