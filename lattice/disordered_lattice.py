@@ -132,7 +132,7 @@ class DisorderedLattice(NumericLattice):
             return self.variation.bound * float(np.max(np.abs(part.slope(stretches))))
 
     def _varied_parts(self) -> list[tuple[ForceProgram, Array] | None]:
-        """Return each bond's varied force with its deviations by cell; None if it has none."""
+        """Return each bond's varied force with its deviations by cell; None for other bonds."""
         rows = iter(self.deviations[self.variation.mass_rows(len(self.fields)) :])
         parts = self.variation.forces or (None,) * len(self.bonds)
         return [None if part is None else (part, next(rows)) for part in parts]

@@ -168,7 +168,7 @@ class DrivenChain(DisorderedLattice):
         return stretches
 
     def stretch_ranges(self, f: Array, ranges: Sequence[Range]) -> list[Range]:
-        """Return the least and largest stretch of each bond; cut bonds count with ``offset``."""
+        """Return the least and largest stretch of each bond; where it is cut, `offset` counts."""
         if not any(cut is not None for cut in self._cuts):
             return super().stretch_ranges(f, ranges)
         return [value_range(stretch) for stretch in self.stretches(f)]

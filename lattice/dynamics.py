@@ -94,7 +94,7 @@ class Dynamics:
         return self._kernels[shape]
 
     def threads(self, scheme: Scheme) -> int:
-        """Return how many states can be advanced concurrently; 1 if no kernel is compiled."""
+        """Return how many states can be advanced concurrently; 1 without a compiled kernel."""
         return 2 if isinstance(scheme, DriftKick) and self.lattice.dimension <= 2 else 1
 
     def ranges(self, state: State) -> Array:

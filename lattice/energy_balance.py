@@ -43,7 +43,8 @@ FROM_ENDS = _at_nodes(*_ENDS)
 """Matrices from values, slopes and second derivatives at the ends to values and slopes at
 `NODES`."""
 FROM_ENDS_AND_NODES = _at_nodes(_ENDS[0], _ENDS[2], _powers(NODES, 2))
-"""The same from values at the ends, and second derivatives there and at `NODES`."""
+"""Matrices to values and slopes at `NODES` from values at the ends, and second derivatives at the
+ends and at `NODES`."""
 
 
 class Flow(NamedTuple):

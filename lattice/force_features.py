@@ -48,7 +48,7 @@ PANEL_ROUNDING = 1e-13
 
 @dataclass(frozen=True)
 class Feature:
-    """Narrowest feature of a force: its ``width`` (inf if smooth), and whether it is a corner."""
+    """Narrowest feature of a force: its ``width`` (inf if smooth); ``turns`` marks a corner."""
 
     width: float
     turns: bool = False

@@ -66,8 +66,8 @@ ORDER_AT_OPENINGS = 2
 """Highest order assumed where contacts open and close, or where a drive has a corner."""
 
 RATIO_AT_OPENINGS = 0.5
-"""Largest ratio of a step to the longer one before, if contacts open. Errors fall in jumps there,
-and with a ratio close to 1 they seemed not to fall."""
+"""Largest ratio of a step to the step before, which was too long, if contacts open. Errors fall in
+jumps there, and with a ratio close to 1 they seemed not to fall."""
 
 DEFAULT_TOLERANCE = 1e-9
 """Tolerance used for resolving drives and forces if none is given."""
@@ -411,7 +411,7 @@ class CellEngine(trials.StepSearch):
         return trials.rounding_error(largest, stepper.steps * self.scheme.stages)
 
     def _note_limit(self, step: float, stable: float, resolving: float) -> None:
-        """Record the smaller step limit, unless a run with a shorter step has set one."""
+        """Record the smaller of two step limits, unless a run with a shorter step has set it."""
         if step < self._limit_step:
             self._step_limit, self._limit_step = math.inf, step
         limit = min(stable, resolving)

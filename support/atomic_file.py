@@ -221,7 +221,7 @@ def _flush(number: int) -> None:
 
 
 def _error_for(error: OSError, path: Path) -> OSError:
-    """Return a copy of the error that names the file instead of the file's draft."""
+    """Return an error with the name of the file in place of its draft's name."""
     if error.errno is None:
         return OSError(f"{path}: {error}")
     return OSError(error.errno, error.strerror or str(error), str(path))

@@ -75,7 +75,7 @@ class _Watch:
             raise KeyboardInterrupt
 
     def watch(self, reading: int) -> None:
-        """Run in a thread: end the process a while after a signal's number arrives in the pipe."""
+        """Run in a thread: some time after the pipe receives a signal's number, end the process."""
         byte = os.read(reading, 1)
         while byte and byte[0] not in ENDING:  # another handler's signal
             byte = os.read(reading, 1)
@@ -94,7 +94,7 @@ class _Watch:
             print(self._line(saved), file=sys.stderr, flush=True)
 
     def _line(self, saved: str) -> str:
-        """Return the line that says why the command ended and that ``saved`` has been saved."""
+        """Return the line that says why the command ended, with the text ``saved`` at its end."""
         if self.status == OVERDUE:
             return f"error: {self.name} {self.limit}{saved}"
         return f"{self.name}: interrupted{saved}"
@@ -211,7 +211,7 @@ def ended_after(seconds: float, limit: str) -> Iterator[None]:
 
 @contextmanager
 def ended_beyond(size: float, limit: str) -> Iterator[None]:
-    """End a command that `owns_process`, with the text ``limit``, if it takes ``size`` bytes."""
+    """End a command that `owns_process` if it takes more than ``size`` bytes; print ``limit``."""
     if _watch is None or not owns_process() or math.isinf(size):
         yield
         return
@@ -270,7 +270,7 @@ def interrupted(name: str = "", saved: str = "") -> int:
 
 
 def note_saved(saved: str) -> None:
-    """Set what the line mentions as ``saved`` if the command is ended."""
+    """Set the text that is printed about saved work if the command is ended."""
     if _watch is not None:
         _watch.saved = on_one_line(saved)
         tell(saved=_watch.saved)
@@ -278,7 +278,7 @@ def note_saved(saved: str) -> None:
 
 @contextmanager
 def keeping() -> Iterator[None]:
-    """Allow additional time after Ctrl-C, in the block, for writing finished results."""
+    """In the block, allow additional time after Ctrl-C for writing finished results."""
     if _watch is None:
         yield
         return

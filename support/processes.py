@@ -313,7 +313,7 @@ class LocalWorkers:
                 self._drop(worker, None, PATIENCE)
 
     def _drop(self, worker: _Worker, error: BaseException | None, patience: float = 0.0) -> None:
-        """End a process; its current call gets ``error``, its queued calls get other processes."""
+        """End a process; its current call gets ``error``, queued calls go to other processes."""
         self._workers.remove(worker)
         worker.end(patience)
         for position, (call, _) in enumerate(worker.calls):
@@ -373,7 +373,7 @@ def _interrupts_blocked() -> Iterator[None]:
 
 
 def _kill_group(leader: int) -> None:
-    """Kill the processes that a process started, if it leads a group of its own."""
+    """Kill the processes of the group that the process ``leader`` leads, if there is one."""
     if hasattr(os, "killpg"):
         with suppress(ProcessLookupError, PermissionError):
             os.killpg(leader, signal.SIGKILL)

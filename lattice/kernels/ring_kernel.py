@@ -99,11 +99,11 @@ next-nearest neighbours in the strain one stage alone is a fifth faster, with th
 a seventh slower, on registers of eight doubles (`benchmarks/same_lattice.py`)."""
 
 MIN_SHARED_VALUES = 16_384
-"""Smallest cells times fields for which a second core is used: up to 65 536 it is 1.5 to 1.8 times
-as fast."""
+"""Smallest product of cells and fields for which a second core is used: up to 65 536 it is 1.5 to
+1.8 times as fast."""
 
 MIN_SHARED_WORK = 1_000_000
-"""Smallest cells times fields times stages between two synchronisations for using a second core."""
+"""Smallest product of cells, fields and stages between two synchronisations for a second core."""
 
 MAX_STEPS_APART = 64
 """Largest number of steps between two synchronisations of the cores."""
@@ -112,7 +112,7 @@ MAX_REPEATED_FRACTION = 0.2
 """Largest fraction of cells that both cores compute."""
 
 MIN_SEARCHED_WORK = 200_000
-"""Smallest cells times stages for which the kernel searches for the moving cells."""
+"""Smallest product of cells and stages for which the kernel searches for the moving cells."""
 
 CALL_WORDS = 1 + max(FUNCTIONS.values())
 """Number of words of a call: one for the function, and as many as the longest arguments take."""

@@ -368,7 +368,7 @@ class _Writer:
         short = [after - before < -(-columns // lanes) for before, after in pairwise(starts)]
 
         def repeat(to: Any, at: Any, step: int, moved: Sequence[int]) -> None:
-            """Copy vector ``at``; lanes ``moved`` may come from one ``step`` vectors further."""
+            """Copy lanes ``moved`` of the vectors ``at`` and ``at + step`` to the vector ``to``."""
             one, other = (code.load(data, builder.add(at, INDEX(more))) for more in (0, step))
             code.store(data, to, one if lanes == 1 else code.picked(one, other, moved))
 

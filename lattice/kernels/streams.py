@@ -633,7 +633,7 @@ class _Builder:
         return result
 
     def _terms(self, part: _Part, alone: bool) -> list[StreamRead]:
-        """Return stream reads whose sum is the part; ``alone``: the sum has no other parts."""
+        """Return stream reads whose sum is the part; ``alone`` if no other part is summed."""
         factor, stream, stencil = part
         if abs(factor) == 1.0 and alone:
             return [StreamRead(stream, shift, factor * weight) for shift, weight in stencil.items()]

@@ -103,7 +103,7 @@ class Lanes:
         return (self.bits() & ((1 << 63) - 1)).doubles()
 
     def signed_as(self, other: Lanes) -> Lanes:
-        """Return self, which must not be negative, with the sign of the other."""
+        """Return self, which must not be negative, with the sign of ``other``."""
         return (self.bits() | other.sign()).doubles()
 
     def sign(self) -> Bits:

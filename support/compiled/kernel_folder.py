@@ -33,7 +33,8 @@ if TYPE_CHECKING:
     from longwave.support.compiled.source_digest import Files
 
 FOLDER_MODE, FILE_MODE, OTHERS_WRITE = 0o700, 0o600, 0o022
-"""Modes of a cache's folder and files, and permissions that others must not have on them."""
+"""Modes of a cache's folder and of its files, and permissions that others must not have on
+these."""
 
 BASE_MODE = 0o755
 """Mode of the folder that contains the cache folders: at umask 0, others could otherwise move
