@@ -549,7 +549,7 @@ class CellEngine(trials.StepSearch):
         return start
 
     def _nudge_again(self, state: State, before: float) -> None:
-        """Change last digits of ``state``, in place, if a time for it came after ``before``."""
+        """Change last digits of ``state``, in place, if a set time has passed since ``before``."""
         begin, end = float(self._stops[0]), float(self._stops[-1])
         marks = begin + np.arange(1, NUDGES) * (end - begin) / NUDGES
         if state.t < end and np.any((before < marks) & (marks <= state.t)):

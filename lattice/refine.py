@@ -280,7 +280,7 @@ class _Search:
         return choices
 
     def _lawful_in_wider(self, choices: Choices) -> float | None:
-        """Return the change by the control run of these choices; None if it confirms no law.
+        """Return the change by these choices' control run; None if it does not confirm the law.
 
         The control run has a shorter step and a wider domain. If both together change no more than
         the law predicts for the step, a run with a shorter step alone is saved.

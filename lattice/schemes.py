@@ -245,7 +245,8 @@ SCANNED_STEPS = np.linspace(0.0, 8.0, 80_001)[1:]
 """Steps, in units of 1/omega, at which stability is checked before bisection."""
 
 SCAN_PIECES = 80
-"""`SCANNED_STEPS` in pieces that fit the cache, checked until one has an unstable step."""
+"""Number of pieces of `SCANNED_STEPS`, checked until one has an unstable step; each fits the
+cache."""
 
 JURY_SLACK = 1e-12
 """Rounding allowed for an eigenvalue on the unit circle."""

@@ -37,7 +37,7 @@ GAUSS_NEWTON_STEPS, DIFFERENCE_STEP = 12, 1e-5
 slopes."""
 
 BLEND_REACH = 6.0
-"""Distance from the seam, in blend widths, within which the blend runs from 0 to 1."""
+"""Distance from the seam, in blend widths, within which the blend runs from 0 to 1 in doubles."""
 
 
 def close_circumference(profile: Profile, wavelength: float, count: int) -> float:

@@ -90,7 +90,7 @@ class VariedChain:
                 setattr(self, name, getattr(self, name).toarray())
 
     def _matrix(self, parts: Sequence[Sequence[Entry]], fields: int, sign: int) -> sparse.csr_array:
-        """Return the matrix of stencils whose shifts have this ``sign``: rows of parts * ring."""
+        """Return the stencils, shifted times ``sign``, as matrix (parts * ring, fields * ring)."""
         cells = np.arange(self._ring)
         rows, columns, weights = [], [], []
         for bond, entries in enumerate(parts):

@@ -90,7 +90,7 @@ class Stepper:
                 return
 
     def memory(self, arrays: bool = True) -> Memory:
-        """Return the data from which `recall` resumes; without ``arrays`` if the run has ended."""
+        """Return the data from which `recall` resumes, with the state's arrays if ``arrays``."""
         state = {"t": self.state.t} if not arrays else vars(self.state)
         progress = {name: getattr(self, name) for name in ("steps", "ranges", "_between")}
         return progress | {"state": state, "domain": self.domain.memory()}

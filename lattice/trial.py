@@ -118,7 +118,7 @@ def rounding_error(largest: float, evaluations: int) -> float:
 
 
 def clock_error(values: Array, c: float, times: tuple[float, float]) -> float:
-    """Return the effect on ``values`` of neighbouring sites of two roundings of the time.
+    """Return the effect that rounding the time twice has on ``values`` of neighbouring sites.
 
     The wave moves at speed ``c``. Far from t = 0 a time is accurate to its last digit only.
 

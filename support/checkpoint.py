@@ -82,7 +82,7 @@ class CheckpointFolder:
         self.is_recalled = False
 
     def read(self, name: str, task: str) -> Memory | None:
-        """Return the stored state of the loop; None if it is missing or of another run or task."""
+        """Return the state of the loop ``name``; None if missing or of another run or task."""
         path = self._path(name)
         data = self._content(path) if path in self._loops() else None
         if data is None:

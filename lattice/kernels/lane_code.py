@@ -14,7 +14,7 @@ DOUBLE, INDEX = ir.DoubleType(), ir.IntType(64)
 
 
 class LaneCode:
-    """LLVM builder for vectors of ``lanes`` doubles; ``fused``: the processor has multiply-adds."""
+    """LLVM builder for vectors of ``lanes`` doubles; ``fused`` if the CPU has multiply-adds."""
 
     def __init__(self, module: Any, builder: Any, lanes: int, fused: bool | None = None) -> None:
         self.module, self.builder, self.lanes = module, builder, lanes

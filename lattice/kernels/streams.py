@@ -269,7 +269,7 @@ def rows_of(flow: StagePlan) -> Rows:
 
 
 def _late(flow: StagePlan, rise: int) -> StagePlan:
-    """Return the plan with streams as late as possible and the kick ``rise`` rows late."""
+    """Return the plan with late streams; the kick is ``rise`` rows behind the front."""
     lags: dict[int, int] = {}
     streams = list(flow.streams)
     for index in range(len(streams) - 1, 2 * flow.fields - 1, -1):
@@ -511,7 +511,7 @@ class _Builder:
     def felt(
         self, weight: StreamRead, index: int, factor: ForceProgram | None
     ) -> tuple[StreamRead, float]:
-        """Return an external force's share, times ``factor`` of the field if any; and its unit."""
+        """Return the read of ``weight``, times the field's law ``factor`` if any; and a unit."""
         if factor is None:
             return weight, 1.0
         law, unit = force_formula(factor, self.number)

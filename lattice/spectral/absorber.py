@@ -31,8 +31,8 @@ default strength all three widths are alike (`benchmarks/lattice_constants.py`).
 """
 
 SHORT_ABSORBER_WIDTH = 1.0 / 24.0
-"""Width of the absorber of short waves, in circumferences; a wide one acts longer on slow waves.
-With half of this width 4e-6 of a wave are left whatever the strength, with this width 4e-11
+"""Width of the absorber of short waves, in circumferences; slow waves feel a wide one from further
+away. With half of this width 4e-6 of a wave are left whatever the strength, with this width 4e-11
 (`benchmarks/lattice_constants.py`)."""
 
 ABSORBER_STRENGTH = 14.0

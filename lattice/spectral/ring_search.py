@@ -101,7 +101,7 @@ class SpectralSearch(Engine):
         return self._lattice_spread > ALIKE * self._tolerance
 
     def _unresolved_error(self, choices: Choices) -> float:
-        """Return the error by the difference of the ring's lattices; 0 if the step resolves it."""
+        """Return the error due to the difference of the ring's lattices; 0 for resolving steps."""
         return 0.0 if choices.step <= self._resolving else self._lattice_spread
 
     def _shorter(self, choices: Choices, excess: float) -> Choices:

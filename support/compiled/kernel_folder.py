@@ -131,7 +131,7 @@ class NotPrivateError(OSError):
 
 @contextmanager
 def _opened(path: Path) -> Iterator[int | None]:
-    """Open a folder and yield its descriptor (None if unsupported); raise NotPrivateError."""
+    """Open a folder, yield its descriptor, if any; raise NotPrivateError if others may write."""
     _check_private(path, path.lstat())
     if os.open not in os.supports_dir_fd:
         yield None
@@ -211,5 +211,5 @@ def _prune(base: Path, module: str) -> None:
 
 @lru_cache
 def _warn(text: str) -> None:
-    """Issue the warning ``text`` once, in one line, without the source line."""
+    """Issue the warning ``text`` once, in one line that does not quote the source."""
     warnings.warn_explicit(text, RuntimeWarning, "longwave", 0)
