@@ -9,13 +9,13 @@ from longwave.lattice.state import GROWTH, BlowUp, State
 from longwave.support.real_arrays import Array, Mask
 
 GRID_WAVENUMBERS = {1: 33, 2: 9, 3: 5}
-"""Wavenumbers per axis, keyed by dimension, at which the stability of each cell is checked."""
+"""Number of wavenumbers per axis, keyed by dimension, for checking the stability of a cell."""
 
 BATCH_CELLS = 4096
-"""Cells checked in one batch: about 10 MB for two fields."""
+"""Number of cells checked in one batch: about 10 MB for two fields."""
 
 MIN_SQUARE = 1e-300
-"""Floor of the largest squared frequency, so that the stability threshold is never 0."""
+"""Lower bound of the largest squared frequency, so that the stability threshold is never 0."""
 
 
 def find_blow_up(lattice: NumericLattice, state: State, amplitude: float | None) -> BlowUp | None:

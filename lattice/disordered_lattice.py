@@ -33,7 +33,7 @@ def mass_kind(lattice: NumericLattice) -> MassKind:
 
 
 def _kind_of_fields(lattice: NumericLattice) -> MassKind | None:
-    """Return "displacements", "strains", or None for a lattice of neither kind."""
+    """Return whether fields are "displacements" or "strains"; None if they are neither."""
     if lattice.conserves_energy:
         return "displacements"
     if len(lattice.fields) == lattice.dimension == 1 and all(
@@ -64,18 +64,18 @@ def _action_on_strains(stretch: Sequence[Entry]) -> list[Entry]:
 
 @dataclass(frozen=True, eq=False)
 class DisorderedLattice(NumericLattice):
-    """A chain with the ``deviations``, (rows, cells), of its masses, then of its varied forces.
+    """A chain whose masses and forces have relative ``deviations`` from cell to cell.
 
-    Frequencies and speeds of waves are upper bounds: those of an ordered chain with the lightest
-    masses and, from `rest_slopes`, `largest_slope` and `steepest`, the stiffest springs that
-    ``variation`` allows. No wave of the disordered chain is faster.
+    ``deviations``, (rows, cells), has rows for masses, then for varied forces. Frequencies and
+    speeds of waves are upper bounds: those of an ordered chain with the lightest masses and, from
+    `rest_slopes`, `largest_slope` and `steepest`, the stiffest springs that ``variation`` allows.
     """
 
     variation: Variation
     deviations: Array
 
     def __eq__(self, other: object) -> bool:
-        """Return whether both have the same type and equal fields."""
+        """Return whether ``other`` has the same type and equal attributes."""
         pairs = ((getattr(self, item.name), getattr(other, item.name)) for item in fields(self))
         return type(other) is type(self) and all(
             np.array_equal(one, two) if isinstance(one, np.ndarray) else one == two
@@ -108,7 +108,7 @@ class DisorderedLattice(NumericLattice):
         return shares
 
     def rest_slopes(self, bound_sign: float = 1.0) -> list[float]:
-        """Return upper (for ``bound_sign`` -1, lower) bounds of bond slopes at mean stretch."""
+        """Return upper bounds of bond slopes at mean stretch; lower ones for ``bound_sign`` -1."""
         slopes, change = super().rest_slopes(), bound_sign * self.variation.bound
         for index, part in enumerate(self.variation.forces):
             if part is not None:
@@ -132,7 +132,7 @@ class DisorderedLattice(NumericLattice):
             return self.variation.bound * float(np.max(np.abs(part.slope(stretches))))
 
     def _varied_parts(self) -> list[tuple[ForceProgram, Array] | None]:
-        """Return, for each bond, its varied force and that force's deviations by cell, or None."""
+        """Return each bond's varied force with its deviations by cell; None for other bonds."""
         rows = iter(self.deviations[self.variation.mass_rows(len(self.fields)) :])
         parts = self.variation.forces or (None,) * len(self.bonds)
         return [None if part is None else (part, next(rows)) for part in parts]
@@ -176,7 +176,7 @@ class DisorderedLattice(NumericLattice):
 
     @property
     def lightest(self) -> float:
-        """Lower bound of the cells' masses, in units of the ordered chain's."""
+        """Lower bound of the cells' masses, in units of the masses of the ordered chain."""
         return 1.0 - self.variation.bound if self.variation.masses else 1.0
 
     def dynamical_matrix(self, wavenumbers: ArrayLike, slopes: Sequence[float]) -> Complex:
@@ -190,7 +190,7 @@ class DisorderedLattice(NumericLattice):
     def energies(
         self, f: Array, v: Array, velocity: float = 0.0, rest: Sequence[float] = ()
     ) -> Array:
-        """Return the energy of each cell; bonds store no energy at their stretches ``rest`` (or 0).
+        """Return the energy of each cell; a bond stores none at its stretch in ``rest``, or at 0.
 
         If the fields are strains, ``velocity`` is the velocity of the first cell's mass, which
         strains do not determine.
@@ -209,7 +209,7 @@ class DisorderedLattice(NumericLattice):
 
     @property
     def has_energy(self) -> bool:
-        """Whether the lattice has masses; if not, `energies` are meaningless."""
+        """Whether the lattice has masses; without them `energies` are meaningless."""
         return _kind_of_fields(self) is not None
 
     @property
@@ -242,7 +242,7 @@ def energy_and_force_at(force: ForceProgram, rest: float) -> tuple[float, float]
 def disordered(
     lattice: NumericLattice, variation: Variation, deviations: ArrayLike
 ) -> DisorderedLattice:
-    """Return a chain with ``deviations``, (rows, cells), of the masses and forces that vary.
+    """Return a chain whose masses and forces vary by ``deviations``, (rows, cells).
 
     Raises ValueError for a lattice of several axes, for varied forces that do not vanish at rest,
     and for a spread so large that the softest springs make the chain unstable.

@@ -46,8 +46,8 @@ def drive_steps(
 ) -> tuple[DriveSteps, float]:
     """Return steps of at most ``step`` that resolve the drives, and the remaining time scale.
 
-    The latter is the shortest time scale of the drives outside the spans with additional stops.
-    ``tolerance`` is the allowed error of the velocities that the drives cause.
+    The remaining time scale is the shortest one of the drives outside the spans with additional
+    stops. ``tolerance`` is the allowed error of the velocities that the drives cause.
     """
     stops, spans, missed = [np.zeros(0)], [np.zeros((2, 0))], 0.0
     for value in drives:
@@ -82,7 +82,7 @@ def _step_and_panels(
     scheme: DriftKick,
     tolerance: float,
 ) -> tuple[float, Array, float]:
-    """Return the usual step, the panels that need shorter ones, and the total error of these."""
+    """Return the usual step, the panels that need shorter steps, and those panels' total error."""
     exact, no_panels = _exact_integral(formula, begin, end), np.zeros((2, 0))
     if exact is None or not np.isfinite(exact.sums).all():
         return step, no_panels, 0.0
@@ -109,7 +109,7 @@ def _step_and_panels(
 
 
 def _panel_errors(exact: Integral, low: Array, high: Array, scheme: DriftKick | None) -> Array:
-    """Return each panel's error of Gauss's rule (if ``scheme`` is None) or of the scheme's stages.
+    """Return each panel's error by the scheme's stages, or by Gauss's rule if ``scheme`` is None.
 
     Gauss's rule is compared with the integrals up to every intermediate point, because it gives no
     reliable integral of an oscillation that it does not resolve. The stages are compared with the

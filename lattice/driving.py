@@ -42,22 +42,22 @@ End = Literal["fixed", "free"] | TimeFunction
 
 
 DASHPOT_TIME = 0.8
-"""Twice the longest step, in units of the inverse rate of dashpots: the longest drift, a quarter of
-a step, then changes velocities by 0.1 (`kernels.streams.DASHPOT_TERMS`)."""
+"""Twice the longest step, times the rate of dashpots: the longest drift, a quarter of a step, then
+changes velocities by 0.1 (`kernels.streams.DASHPOT_TERMS`)."""
 
 SMEARING_DEVIATIONS = 3.5
-"""Half the number of standard deviations kept of the Gaussian to which dashpots smear a front;
-1e-12 of it lies beyond. Its variance for nearest neighbours grows at the rate of their dashpots, a
+"""Dashpots smear a front to a Gaussian; half the number of its standard deviations that are kept
+(1e-12 lies beyond). Its variance for nearest neighbours grows at the rate of their dashpots, a
 quarter of `DrivenChain._spreading`."""
 
 LOSS_TIME = 20.0
-"""Twice the longest step, in units of the inverse loss rate of cells: stages that go back in time
-then amplify velocities by less than exp(10), far from overflow."""
+"""Twice the longest step, times the loss rate of cells: stages that go back in time then amplify
+velocities by less than exp(10), far from overflow."""
 
 
 @dataclass(frozen=True)
 class _Wall:
-    """One wall: the indices of its cells in the ring, and its displacement (None if fixed)."""
+    """One wall: ``places``, the ring indices of its cells, and ``displacement`` (None if fixed)."""
 
     places: tuple[int, ...]
     displacement: TimeFunction | None
@@ -110,9 +110,9 @@ class DrivenChain(DisorderedLattice):
         return self.moved if any(self.dashpots) else []
 
     def _drag(self, wall: _Wall) -> Array:
-        """Return the acceleration, (fields, ring), by dashpots of a wall of unit velocity.
+        """Return accelerations of nominal masses, (fields, ring), by dashpots of a moving wall.
 
-        Masses are nominal.
+        The wall has unit velocity.
         """
         unit = np.zeros((len(self.fields), self.deviations.shape[1]))
         unit[:, list(wall.places)] = 1.0
@@ -139,7 +139,7 @@ class DrivenChain(DisorderedLattice):
         return masses
 
     def energy(self, f: Array, v: Array) -> float:
-        """Return the energy of cells and bonds, with the work of bond forces at zero stretch."""
+        """Return the energy of cells and bonds, including the work of forces at zero stretch."""
         energy = super().energy(f, v)
         for bond, share in zip(self.bonds, self.bond_shares, strict=True):
             _, rest_force = energy_and_force_at(bond.force, 0.0)
@@ -160,7 +160,7 @@ class DrivenChain(DisorderedLattice):
         return [cut if cut.any() else None for cut in cuts]
 
     def stretches(self, f: Array) -> list[Array]:
-        """Return the stretch of each bond in each cell; a cut bond has its offset."""
+        """Return the stretch of each bond in each cell; where it is cut, the bond's ``offset``."""
         stretches = super().stretches(f)
         for index, (bond, cut) in enumerate(zip(self.bonds, self._cuts, strict=True)):
             if cut is not None:
@@ -168,7 +168,7 @@ class DrivenChain(DisorderedLattice):
         return stretches
 
     def stretch_ranges(self, f: Array, ranges: Sequence[Range]) -> list[Range]:
-        """Return the least and largest stretch of each bond; a cut bond counts with its offset."""
+        """Return the least and largest stretch of each bond; where it is cut, `offset` counts."""
         if not any(cut is not None for cut in self._cuts):
             return super().stretch_ranges(f, ranges)
         return [value_range(stretch) for stretch in self.stretches(f)]
@@ -185,12 +185,12 @@ class DrivenChain(DisorderedLattice):
 
     @property
     def is_driven(self) -> bool:
-        """Whether there is a free end, a loss, a force or a moving wall: more than fixed walls."""
+        """Whether the chain has a free end, a loss, a force or a moving wall."""
         return bool(self.exchanges_energy or self.free)
 
     @property
     def moved(self) -> list[_Wall]:
-        """Moving walls."""
+        """Walls whose displacement is a function of time."""
         return [wall for wall in self.walls if wall.displacement is not None]
 
     @property
@@ -226,12 +226,12 @@ class DrivenChain(DisorderedLattice):
         return (*(force.value for force in self.outer_forces), *moved)
 
     def spread_within(self, duration: float) -> int:
-        """Return the number of cells by which dashpots smear a front in this time."""
+        """Return the number of cells by which dashpots smear a front within ``duration``."""
         return math.ceil(SMEARING_DEVIATIONS * self.reach * math.sqrt(self._spreading * duration))
 
     @property
     def _spreading(self) -> float:
-        """Upper bound of the rates at which dashpots change velocities; 0 without any."""
+        """Upper bound of the rates at which dashpots change velocities; 0 without dashpots."""
         total = np.array(self.losses) if self.variation.dashpots else np.zeros(len(self.fields))
         for bond, drag in zip(self.bonds, self.dashpots, strict=True):
             stretch = sum(abs(entry.weight) for entry in bond.stretch)
@@ -270,8 +270,8 @@ class DrivenChain(DisorderedLattice):
         """Return the drifts and a row of weights for each stage of ``steps`` steps.
 
         A row has the kick, then the damped drifts or the series of the dashpots, then the pulses. A
-        last drift without a kick ends the last step. Moving walls are given, in ``v``, the velocity
-        that takes them to their position after the first drift.
+        last drift without a kick ends the last step. Velocities of moving walls are set, in ``v``,
+        so that the first drift takes the walls to their positions after it.
         """
         drifts, kicks = _stages(scheme, h, steps)
         times = t + np.concatenate([[0.0], np.cumsum(drifts)])
@@ -312,7 +312,7 @@ def _stages(scheme: DriftKick, h: float, steps: int) -> tuple[Array, Array]:
 
 
 def _series(drifts: Array) -> Array:
-    """Return series factors (drifts, terms) of dashpots: for positions, then for velocities."""
+    """Return dashpot series (drifts, terms): factors for positions, then for velocities."""
     powers = np.arange(1, DASHPOT_TERMS + 2)
     series = drifts[:, np.newaxis] ** powers / np.array([math.factorial(p) for p in powers])
     return np.concatenate([series, series[:, :-1]], axis=1)
@@ -339,11 +339,11 @@ def driven_chain(
     """Return a chain of ``cells`` cells with ends, losses and forces, for `lattice.integrate`.
 
     Without ``left`` and ``right`` the chain is a ring. Otherwise walls are added next to the first
-    and the last cell, of as many cells as a force reaches. ``losses`` are the factors g of ``-g
-    du/dt`` on each field's cells; ``dashpots`` are the coefficients of each bond's rate of stretch
-    in an additional force. ``mass_factors`` multiply masses of cells, ``spring_factors`` forces of
-    bonds and dashpots. Bond n joins cells n and n + 1; bond -1 joins a wall and cell 0. The fields
-    must be displacements. Raises ValueError for arguments that do not fit.
+    and the last cell; each has as many cells as a force reaches. ``losses`` are the factors g of
+    ``-g du/dt`` on each field's cells; ``dashpots`` are the coefficients of each bond's rate of
+    stretch in an additional force. ``mass_factors`` multiply masses of cells, ``spring_factors``
+    forces of bonds and dashpots. Bond n joins cells n and n + 1; bond -1 joins a wall and cell 0.
+    The fields must be displacements. Raises ValueError for arguments that do not fit.
 
     >>> from longwave.derive import LATTICES
     >>> from longwave.lattice.numeric_lattice import numeric_lattice
@@ -385,14 +385,14 @@ def driven_chain(
 
 
 def _mass_factors(given: Factors, factors: Array, cells: int) -> Array:
-    """Write the given mass factors into the array ``factors``, (fields, ring), and return it."""
+    """Write the ``given`` mass factors into the array ``factors``, (fields, ring); return it."""
     for cell, factor in given.items():
         factors[:, cell] = _checked_factors("mass", cell, factor, len(factors), 0 <= cell < cells)
     return factors
 
 
 def _bond_factors(lattice: NumericLattice, given: Factors, factors: Array, cells: int) -> Array:
-    """Multiply the bond factors, (bonds, ring), by the given ones; cut bonds stay 0."""
+    """Multiply ``factors``, (bonds, ring), by the ``given`` ones of each bond; cut bonds stay 0."""
     for number, factor in given.items():
         present = [
             any(0 <= number + entry.shift[0] < cells for entry in bond.stretch)
@@ -421,7 +421,7 @@ def _checked_factors(
 
 
 def _pulses(ends: _Ends, forces: Sequence[SiteForce], count: int, pulls: bool) -> tuple[Pulse, ...]:
-    """Return a pulse for each force, moving wall and field, and each wall that drags dashpots."""
+    """Return the pulses of forces, of moving walls (one for each field), and of dragging walls."""
     moved = sum(wall.displacement is not None for wall in ends.walls)
     walls = [(index, None) for index in range(count)] * (2 * moved if pulls else moved)
     return (*((force.field, force.law) for force in forces), *walls)
@@ -430,7 +430,7 @@ def _pulses(ends: _Ends, forces: Sequence[SiteForce], count: int, pulls: bool) -
 def _rates(
     name: str, item: str, names: Sequence[str], given: Sequence[float] | float
 ) -> tuple[float, ...]:
-    """Return one rate for each field or bond; raise ValueError for a wrong sign or count."""
+    """Return one rate for each field or bond; raise ValueError if the ``given`` ones do not fit."""
     rates = (given,) * len(names) if isinstance(given, int | float) else tuple(given)
     if len(rates) != len(names) or not all(0.0 <= rate < math.inf for rate in rates):
         raise ValueError(
@@ -475,7 +475,7 @@ def _check_chain(
 
 
 class _Ends(NamedTuple):
-    """Walls, free cells with the cells they copy, and a mask of ``cut`` bonds, (bonds, ring)."""
+    """Ends: walls, free cells with the cells they copy, and the mask ``cut`` of bonds."""
 
     walls: tuple[_Wall, ...]
     free: tuple[tuple[int, int], ...]
@@ -483,7 +483,7 @@ class _Ends(NamedTuple):
 
 
 def _ends(lattice: NumericLattice, cells: int, left: End | None, right: End | None) -> _Ends:
-    """Build the ends; two fixed ends share their wall cells, others have cells of their own."""
+    """Build the chain's ends. Two fixed ends share wall cells; otherwise each end has its own."""
     bonds, reach = len(lattice.bonds), lattice.reach
     if left is None:
         return _Ends((), (), np.zeros((bonds, cells), dtype=np.bool_))

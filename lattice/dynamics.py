@@ -21,15 +21,15 @@ SLOPE_SAMPLES = 65
 """Number of stretches, from the least to the largest encountered, at which slopes are evaluated."""
 
 LARGEST_SLOPE = 1e290
-"""Slope of a force from which on frequencies count as infinite; sums below it cannot overflow."""
+"""Slope of a force above which frequencies count as infinite; smaller slopes cannot overflow."""
 
 RANGE_MARGIN = 0.125
-"""Fraction of itself by which a range of stretches is widened at either end before it is checked,
-so that a wave that rises slowly from stop to stop does not need a new check each time."""
+"""Margin added at either end of a range of stretches before it is checked, as a fraction of its
+width, so that a wave that rises slowly from stop to stop does not need a new check each time."""
 
 
 class Dynamics:
-    """Time steps, frequencies and *ranges* of a lattice: least and largest stretches and fields."""
+    """Time steps and frequencies of a lattice, and *ranges* of its stretches and fields."""
 
     def __init__(self, lattice: NumericLattice) -> None:
         self.lattice = lattice
@@ -94,7 +94,7 @@ class Dynamics:
         return self._kernels[shape]
 
     def threads(self, scheme: Scheme) -> int:
-        """Return how many states can be advanced concurrently; 1 in NumPy, without a kernel."""
+        """Return how many states can be advanced concurrently; 1 without a compiled kernel."""
         return 2 if isinstance(scheme, DriftKick) and self.lattice.dimension <= 2 else 1
 
     def ranges(self, state: State) -> Array:
@@ -105,7 +105,7 @@ class Dynamics:
         return np.array([*bonds, *fields])
 
     def highest_frequency(self, ranges: Array) -> float:
-        """Return a bound of the frequency of waves about states in these ranges, maybe infinite."""
+        """Return an upper bound (maybe inf) of wave frequencies for states in these ranges."""
         slopes = []
         for index, bond in enumerate(self.lattice.bonds):
             least, most = map(float, ranges[index])
@@ -122,10 +122,10 @@ class Dynamics:
         return self.lattice.highest_frequency(slopes)
 
     def largest(self, ranges: Array) -> float:
-        """Return the largest number whose rounding matters, in the unit of stretches.
+        """Return the size, in units of stretches, of the largest number whose rounding matters.
 
         It is the largest field times its weights in a stretch, or a force's largest summand divided
-        by the force's slope. Infinite after a blow-up.
+        by the force's slope. The size is infinite after a blow-up.
         """
         bonds = self.lattice.bonds
         if not all(math.isfinite(most - least) for least, most in ranges.tolist()):
@@ -141,7 +141,7 @@ class Dynamics:
         return largest
 
     def find_blow_up(self, state: State, ranges: Array, amplitude: float | None) -> BlowUp | None:
-        """Return `blow_up.find_blow_up` of a state, None at once if its ranges are clearly safe."""
+        """Return `blow_up.find_blow_up` of a state; None at once if its ranges are clearly safe."""
         sound = amplitude is not None and self._is_clearly_sound(ranges, GROWTH * amplitude)
         if sound and math.isfinite(float(state.v.sum())):
             return None
@@ -168,7 +168,7 @@ class Dynamics:
         return bool(self._safe_ranges)
 
     def _is_stable_within(self, ranges: list[tuple[float, float]]) -> bool:
-        """Return whether slopes are so positive that no wave grows, not even between samples."""
+        """Return whether no wave grows for stretches in these ranges, even between samples."""
         if not self.lattice.gets_stiffer_by_bonds:
             return False
         for bond, ends in zip(self.lattice.bonds, ranges, strict=True):

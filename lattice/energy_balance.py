@@ -22,17 +22,17 @@ NODES, WEIGHTS = ((legendre.leggauss(4)[0] + 1.0) / 2.0, legendre.leggauss(4)[1]
 """Nodes and weights of Gauss's rule on 0 .. 1."""
 
 BATCH_STEPS = 64
-"""Most steps integrated in one batch."""
+"""Largest number of steps integrated in one batch."""
 
 
 def _powers(points: Sequence[float] | Array, derivative: int) -> Array:
-    """Return a derivative of 1, x, .., x^7 at the given points, (point, power)."""
+    """Return 1, x, .., x^7, or derivatives of that order, at the points: (point, power)."""
     monomials = [np.polynomial.Polynomial(unit).deriv(derivative) for unit in np.eye(8)]
     return np.stack([each(np.array(points)) for each in monomials], axis=1)
 
 
 def _at_nodes(*known: Array) -> Array:
-    """Return matrices (2, node, datum) from ``known`` data to values and slopes at `NODES`."""
+    """Return matrices (2, node, datum) that map data to values, and to slopes, at `NODES`."""
     conditions = np.concatenate(known)
     inverse = np.linalg.inv(conditions[:, : len(conditions)])
     return np.array([_powers(NODES, each)[:, : len(inverse)] @ inverse for each in (0, 1)])
@@ -40,13 +40,15 @@ def _at_nodes(*known: Array) -> Array:
 
 _ENDS = [_powers([0.0, 1.0], each) for each in range(3)]
 FROM_ENDS = _at_nodes(*_ENDS)
-"""Maps from values, slopes and second derivatives at both ends to values and slopes at `NODES`."""
+"""Matrices from values, slopes and second derivatives at the ends to values and slopes at
+`NODES`."""
 FROM_ENDS_AND_NODES = _at_nodes(_ENDS[0], _ENDS[2], _powers(NODES, 2))
-"""The same maps from values at both ends, and second derivatives there and at `NODES`."""
+"""Matrices to values and slopes at `NODES` from values at the ends, and second derivatives at the
+ends and at `NODES`."""
 
 
 class Flow(NamedTuple):
-    """Energies, or powers: ``work`` of each driver, ``heat``, and flow ``through`` each cut."""
+    """Energies or powers: ``work`` of each driver, ``heat``, and the flow ``through`` each cut."""
 
     work: Array = np.zeros(0)
     heat: Array = np.zeros(1)
@@ -103,7 +105,7 @@ def _flux(chain: DrivenChain, forces: Sequence[Array], v: Array, cut: int) -> Ar
 
 
 class EnergyBalance:
-    """Energy flows, integrated step by step: ``total`` energy and ``rate`` at the last `settle`."""
+    """Energy flows, integrated step by step. ``total`` and ``rate`` belong to the last `settle`."""
 
     def __init__(self, chain: DrivenChain, cuts: Sequence[int], start: State) -> None:
         self._chain, self._cuts = chain, cuts
@@ -139,7 +141,7 @@ class EnergyBalance:
         self._sum, self._ends = memory["sum"], memory["ends"]
 
     def _between(self, t: Array, f: Array, v: Array, acceleration: Array) -> Array:
-        """Return the integrals over steps with these fields, velocities and f'' at their ends."""
+        """Return the energy flows integrated over steps, given the motion at the steps' ends."""
         h = np.diff(t)
         times, length = t[:-1, np.newaxis] + np.outer(h, NODES), h[:, np.newaxis]
 

@@ -21,7 +21,7 @@ INITIAL_PANELS = 64
 """Initial number of panels on a range of stretches."""
 
 MISSED_FRACTION = 1e-2
-"""Fraction of the allowed velocity error that an unresolved feature may cause."""
+"""Largest fraction of the allowed velocity error that an unresolved feature may cause."""
 
 STEP_FRACTION = 0.5
 """Largest change of a stretch in one step, as a fraction of the narrowest feature's width."""
@@ -35,12 +35,12 @@ MAX_SLOPE_ERROR = 1e-3
 which a law counts as smooth: comparing two runs then shows the error of the step."""
 
 INITIAL_GAPS, FITTED_POINTS, MAX_GAPS = 8, 8, 640
-"""First number of gaps between sampled slopes, points of each polynomial fitted to them, and
-largest number of gaps. Narrower features show on the panels of the integral."""
+"""First number of gaps between sampled slopes, number of points that each polynomial is fitted to,
+and largest number of gaps. Narrower features show on the panels of the integral."""
 
 SMOOTH_ERROR_RATIO, END_FRACTION = 64.0, 0.1
 """Least factor by which halving the gaps reduces the polynomials' error for a smooth law (256
-asymptotically), and the fraction of a range that is not checked at either end."""
+asymptotically), and fraction of a range, at either end, that is not checked."""
 
 PANEL_ROUNDING = 1e-13
 """Rounding error of a panel's integral, in units of the largest force times the length."""
@@ -48,7 +48,7 @@ PANEL_ROUNDING = 1e-13
 
 @dataclass(frozen=True)
 class Feature:
-    """Narrowest feature of a force: its ``width``, inf if smooth; ``turns`` if it is a corner."""
+    """Narrowest feature of a force: its ``width`` (inf if smooth); ``turns`` marks a corner."""
 
     width: float
     turns: bool = False
@@ -59,8 +59,9 @@ def find_feature(
 ) -> Feature:
     """Return the narrowest feature of a force law between two stretches.
 
-    ``impulse`` is the allowed velocity error times the rate of stretch; `MISSED_FRACTION` of this
-    energy may be missed. Slopes sampled first with ``gaps`` gaps identify smooth laws.
+    ``impulse`` is the allowed velocity error times the rate of stretch; a feature may be missed if
+    its energy is below the fraction `MISSED_FRACTION` of that. Slopes sampled first with ``gaps``
+    gaps identify smooth laws.
     """
     if force.is_smooth or not low < high:
         return Feature(math.inf)
@@ -80,7 +81,7 @@ def find_feature(
 
 
 def _narrowest(force: ForceProgram, low: float, high: float, allowed: float, gaps: int) -> float:
-    """Return the width of the narrowest feature other than a contact's opening; inf without any."""
+    """Return the width of the narrowest feature but a contact's opening; inf if there is none."""
     with np.errstate(all="ignore"):
         largest = float(np.max(np.abs(force(np.linspace(low, high, SLOPE_SAMPLES)))))
     allowed += PANEL_ROUNDING * largest * (high - low) / INITIAL_PANELS
@@ -99,7 +100,7 @@ def _narrowest(force: ForceProgram, low: float, high: float, allowed: float, gap
 
 
 def _is_resolved(force: ForceProgram, low: float, high: float, edges: Array) -> bool:
-    """Return whether cubics through sampled slopes predict the slope on all panels."""
+    """Return whether cubics through sampled slopes reproduce the slope on all panels."""
     gap = (high - low) / (SLOPE_SAMPLES - 1)
     x = np.concatenate([edges, 0.5 * (edges[1:] + edges[:-1])])
     if force.opening is not None:
@@ -143,7 +144,7 @@ def _sampling_error(force: ForceProgram, low: float, high: float, gaps: int) -> 
 
 
 def _interpolation_error(samples: Array, t: Array, values: Array, points: int) -> Array:
-    """Return abs(values - interpolant) at ``t`` (in gaps), with ``points`` samples a polynomial."""
+    """Return abs(values - interpolant) at ``t`` (in gaps); a polynomial has ``points`` samples."""
     first = np.clip(t.astype(np.int64) - (points // 2 - 1), 0, samples.size - points)
     t = t - first
     expected = np.zeros_like(t)
@@ -155,7 +156,7 @@ def _interpolation_error(samples: Array, t: Array, values: Array, points: int) -
 
 
 def finite_range(force: ForceProgram, low: float, high: float, pad: float) -> tuple[float, float]:
-    """Return the range widened by ``pad`` on either side, or less where the slope is unbounded."""
+    """Return the range widened at each end by ``pad``, or less where the slope is unbounded."""
     ends = []
     for end, side in ((low, -1.0), (high, 1.0)):
         samples = end + side * pad * np.linspace(0.0, 1.0, SLOPE_SAMPLES)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 Instruction = tuple[str, float]
-"""An operation, and the operand of "number" and "power" (0 for the others)."""
+"""Name of an operation, and its operand, which is 0 except for "number" and "power"."""
 
 UNARY: dict[str, Callable[[Array], Array]] = {
     "exp": np.exp, "log": np.log, "sin": np.sin, "cos": np.cos, "tan": np.tan,
@@ -33,17 +33,18 @@ UNARY: dict[str, Callable[[Array], Array]] = {
 """Functions of one argument that a force may contain."""
 
 QUADRATURE_POINTS = 24
-"""Points of the quadrature rule that integrates a force to its potential."""
+"""Number of points of the quadrature rule that integrates a force to its potential."""
 
 SMOOTH_DEGREE = 8
-"""Highest degree of polynomials whose largest slope is found at 65 samples to a few percent."""
+"""Highest degree at which 65 samples of a polynomial's slope give the largest slope to a few
+percent."""
 
 SUMMAND_CHANGE = 2.0**-20
-"""Relative change of a summand that measures how strongly the force depends on it."""
+"""Relative change applied to a summand to measure how strongly the force depends on it."""
 
 SLOPE_SAMPLES, MAX_OPEN_PANELS, MAX_DIVISIONS, MIN_EXCESS = 65, 2**12, 9, 0.1
-"""For enclosing slopes: initial edges, most panels that are divided by 16 at once, most divisions,
-and the fraction by which a slope must exceed the sampled ones to count."""
+"""For enclosing slopes: number of initial edges, largest number of panels divided by 16 at once,
+largest number of divisions, and fraction by which a slope must exceed the sampled ones to count."""
 
 
 @dataclass(frozen=True)
@@ -130,14 +131,14 @@ class ForceProgram:
 
     @property
     def is_smooth(self) -> bool:
-        """Whether the force is a polynomial of low degree, whose slope a few samples describe."""
+        """Whether the force is a polynomial whose slope is described by a few samples."""
         return not self.instructions and len(self.coefficients) <= SMOOTH_DEGREE
 
     def steepest_between(self, low: float, high: float, sampled: float) -> float:
-        """Return the largest abs(slope) between two stretches, given the largest one sampled.
+        """Return the largest abs(slope) between two stretches, given the largest sampled one.
 
-        The sampled value ``sampled`` is returned unless it is exceeded by more than the fraction
-        `MIN_EXCESS`. Infinite if the slope is unbounded.
+        The result is ``sampled`` unless the slope exceeds it by more than the fraction
+        `MIN_EXCESS`, and infinite if the slope is unbounded.
         """
         if self.is_smooth or not low < high:
             return sampled
@@ -206,7 +207,7 @@ class ForceProgram:
         return np.asarray(stretch * sum(parts))
 
     def _from_opening(self, stretch: Array) -> Array:
-        """Return the integral from the contact's opening, by Gauss's rule in sqrt(distance)."""
+        """Return the force's integral from the opening, by Gauss's rule in sqrt(distance)."""
         assert self.opening is not None
         nodes, weights = _quadrature()
         distance, roots = stretch - self.opening, (1 + nodes) / 2
@@ -215,7 +216,7 @@ class ForceProgram:
 
 
 def _horner(coefficients: Sequence[float], x: Array) -> Array:
-    """Return a polynomial's values, equal to those of NumPy's slower `Polynomial` to the bit."""
+    """Return a polynomial's values by Horner's rule, bit for bit those of `Polynomial`."""
     total = coefficients[-1] + 0.0 * x
     for coefficient in coefficients[-2::-1]:
         total = coefficient + total * x
@@ -242,12 +243,12 @@ def _enclosed(program: tuple[Instruction, ...], low: Array, high: Array) -> tupl
 
 
 def _hull(*values: Array) -> tuple[Array, Array]:
-    """Return the elementwise minimum and maximum of several arrays."""
+    """Return the least and the largest of several arrays, element by element."""
     return np.minimum.reduce(values), np.maximum.reduce(values)
 
 
 def _power(a: Array, b: Array, power: float) -> tuple[Array, Array]:
-    """Return bounds of x**power for x between a and b."""
+    """Return bounds of x**power for x from ``a`` to ``b``."""
     whole, even = power.is_integer(), power % 2.0 == 0.0
     a = a if whole else np.maximum(a, 0.0)
     low, high = _hull(a**power, b**power)
@@ -259,7 +260,7 @@ def _power(a: Array, b: Array, power: float) -> tuple[Array, Array]:
 
 
 def _unary(word: str, a: Array, b: Array) -> tuple[Array, Array]:
-    """Return bounds of the function named ``word`` for arguments between a and b."""
+    """Return bounds of the function named ``word`` for arguments from ``a`` to ``b``."""
     low, high = _hull(UNARY[word](a), UNARY[word](b))
     if word == "cosh":
         low = np.where((a < 0.0) & (b > 0.0), 1.0, low)

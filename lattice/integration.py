@@ -47,13 +47,13 @@ class StateComparison:
 
 
 LIMIT_SHARE = 0.9
-"""Longest step tried, in units of the stability limit at the largest strain."""
+"""Longest step tried, as a fraction of the stability limit at the largest strain."""
 
 SLOW_RATIO = 1e6
-"""Waves whose period is this many times the run's duration do not limit the step."""
+"""Number of run durations: a wave whose period is longer does not limit the step."""
 
 LARGE_STATE = 2**20
-"""Size of a state, in numbers, from which runs are made one at a time to save memory."""
+"""Number of values in a state from which on runs are made one at a time, to save memory."""
 
 RUNAWAY_STEP_RATIO, MIN_RUNAWAY_STEPS = 4e4, 1e5
 """Number of steps beyond which strains must be running away: as a multiple of the number with the
@@ -66,8 +66,8 @@ ORDER_AT_OPENINGS = 2
 """Highest order assumed where contacts open and close, or where a drive has a corner."""
 
 RATIO_AT_OPENINGS = 0.5
-"""Largest ratio of the next step to one that was too long where contacts open. Errors fall in jumps
-there, and with a ratio close to 1 they seemed not to fall."""
+"""Largest ratio of a step to the step before, which was too long, if contacts open. Errors fall in
+jumps there, and with a ratio close to 1 they seemed not to fall."""
 
 DEFAULT_TOLERANCE = 1e-9
 """Tolerance used for resolving drives and forces if none is given."""
@@ -80,27 +80,30 @@ FEATURE_GAPS = round(INITIAL_GAPS * (1.0 + 2.0 * FEATURE_MARGIN))
 `INITIAL_GAPS` gaps on the range alone."""
 
 MAX_UNRESOLVED_RUNS = 3
-"""Number of runs, each with a shorter step, that must meet too narrow a feature to refuse it."""
+"""Number of runs, each with a shorter step, that must find a feature too narrow to resolve before
+the lattice is refused."""
 
 QUIET_TIME = 0.1
-"""Longest time between two stops, in units of the inverse highest frequency at rest, in which
-stretches change so little that their values at the stops show their range."""
+"""Longest time between two stops, times the highest frequency at rest, in which stretches change so
+little that their values at the stops show their range."""
 
 MAX_RESOLVING_RUNS, MAX_RESOLVING_STEPS = 12, 2e6
-"""Most step sizes tried until one resolves the features of forces, and most steps of such a run."""
+"""Largest number of step sizes tried until one resolves the features of forces, and largest number
+of steps of a run with such a step."""
 
 NUDGES = 4
-"""Number of times in a run, the start included, at which last digits of the state are changed."""
+"""Number of times in a run, its start included, at which the last digits of the state are
+changed."""
 
 RING_SAFETY = 6.0
-"""Factor on the difference of two runs. With 2, one estimate in 2000 was too small, by 1.6, and
-with 4 one in 2500, by 1.2, where strains begin to run away (the random cases of
-`tests/lattice/test_lattice_integration.py`)."""
+"""Factor on the difference of two runs, which gives the error estimate. With 2, one estimate in
+2000 was too small, by 1.6, and with 4 one in 2500, by 1.2, where strains begin to run away (the
+random cases of `tests/lattice/test_lattice_integration.py`)."""
 
 
 @dataclass(frozen=True)
 class Cost:
-    """Steps, force evaluations per site and seconds of a run; ``all_seconds`` with control runs."""
+    """Steps, force evaluations per site and seconds of a run; ``all_seconds`` adds control runs."""
 
     steps: int
     force_evaluations: int
@@ -140,11 +143,11 @@ def integrate(
     """Integrate the lattice from ``state``, on its ring of cells, through all ``times``.
 
     With a ``tolerance`` the step is chosen so that the error of the stretches of all bonds, over
-    all cells and times, is at most that. The drift of a whole ring of displacements changes no
-    stretch and is not judged. ``judged(f, v, t)`` returns other quantities to judge, in the fields'
-    unit: ``lambda f, v, t: f`` judges the fields themselves. A given ``step`` is used as it is, or
-    shortened to hit each time; the error is measured with a shorter one unless ``measure_error`` is
-    False. ``times`` increase from ``state.t`` on. The state is not changed.
+    all cells and times, is at most the tolerance. The drift of a whole ring of displacements
+    changes no stretch and is not judged. ``judged(f, v, t)`` returns other quantities to judge, in
+    the fields' unit: ``lambda f, v, t: f`` judges the fields themselves. A given ``step`` is used
+    as it is, or shortened to hit each time; the error is measured with a shorter one unless
+    ``measure_error`` is False. ``times`` increase from ``state.t`` on. The state is not changed.
 
     Raises ValueError for invalid arguments, for a lattice that blows up before the last time, and
     for a tolerance that rounding errors exceed.
@@ -248,13 +251,13 @@ def _trajectory(
 
 
 class CellEngine(trials.StepSearch):
-    """Runs of a ring of cells from a state, for `refine`; only the step varies.
+    """Runs of a ring of cells from a state, for `refine`; only the time step is varied.
 
-    ``first_frequency`` is a bound for all waves about the initial state. Positions and velocities
-    are stored at ``stored_times``, by default all. Runs are compared by ``compared``, by default
-    the stretches and their rates. If ``cuts`` of a driven chain are given, even an empty list, an
-    `EnergyBalance` is followed. No step tried is longer than ``longest``. Changes of last digits
-    are ``amplified`` times as large as one rounding.
+    ``first_frequency`` is an upper bound for all waves about the initial state. Positions and
+    velocities are stored at ``stored_times``, by default all. Runs are compared by ``compared``, by
+    default the stretches and their rates. If ``cuts`` of a driven chain are given, even an empty
+    list, an `EnergyBalance` is followed. No step tried is longer than ``longest``. Changes of last
+    digits are ``amplified`` times as large as one rounding.
     """
 
     safety = RING_SAFETY
@@ -312,7 +315,7 @@ class CellEngine(trials.StepSearch):
 
     @property
     def stops(self) -> Array:
-        """Times at which steps end: the judged ones, and those added to resolve drives."""
+        """Times at which steps end: the judged times, and those added to resolve drives."""
         return self._stops[1:]
 
     def _frequency_at_rest(self, ranges: Array) -> float:
@@ -408,7 +411,7 @@ class CellEngine(trials.StepSearch):
         return trials.rounding_error(largest, stepper.steps * self.scheme.stages)
 
     def _note_limit(self, step: float, stable: float, resolving: float) -> None:
-        """Record the longest step allowed by the run with the shortest step so far."""
+        """Record the smaller of two step limits, unless a run with a shorter step has set it."""
         if step < self._limit_step:
             self._step_limit, self._limit_step = math.inf, step
         limit = min(stable, resolving)
@@ -416,7 +419,7 @@ class CellEngine(trials.StepSearch):
             self._step_limit, self._is_limited_by_feature = limit, resolving < stable
 
     def _chunk(self, choices: trials.Choices) -> int | None:
-        """Return the most steps between two stops, None for the default."""
+        """Return the largest number of steps between two stops; None for the default."""
         if self._cuts is not None:
             return 1
         steps = self.work(choices) / (2 * NUDGES) if choices.nudged else math.inf
@@ -425,7 +428,7 @@ class CellEngine(trials.StepSearch):
         return max(1, math.ceil(steps)) if steps < CHUNK else None
 
     def _quiet_time(self, choices: trials.Choices) -> float:
-        """Return the time in which stretches and their rates change little."""
+        """Return a time in which stretches and their rates change little."""
         return max(choices.step, QUIET_TIME / self._highest_at_rest)
 
     def _stretch_rates(self, state: State) -> Array:
@@ -437,7 +440,7 @@ class CellEngine(trials.StepSearch):
         return np.array([float(np.max(np.abs(rate))) for rate in rates])
 
     def _finds_new_features(self, ranges: Array, rates: Array) -> bool:
-        """Return whether forces have features near the stretches visited, unless known before."""
+        """Return True when narrow features of forces are first found near the stretches."""
         if self._has_features or not self._featured_bonds or not np.isfinite(ranges).all():
             return False
         for index, rate in zip(self._featured_bonds, rates.tolist(), strict=True):
@@ -484,12 +487,12 @@ class CellEngine(trials.StepSearch):
         return EnergyBalance(self.lattice, self._cuts, start)
 
     def _longest_taken(self, step: float) -> float:
-        """Return the longest step actually taken, where the stops shorten it."""
+        """Return the longest step taken if ``step`` is requested; stops make steps shorter."""
         gaps = np.diff(self._stops)
         return float(np.max(gaps / np.maximum(np.ceil(gaps / step), 1.0)))
 
     def improved(self, choices: trials.Choices, kind: trials.Kind, excess: float) -> trials.Choices:
-        """Return a shorter step: the limit found by the last run, or as step^order predicts."""
+        """Return choices with a shorter step: the last run's limit, or as step^order predicts."""
         step = trials.step_between(self._stops, choices.step)
         if math.isinf(excess) and 0.0 < self._step_limit < self._longest_taken(choices.step):
             least = trials.LEAST_FACTOR**3 if self._has_features else trials.LEAST_FACTOR
@@ -533,9 +536,10 @@ class CellEngine(trials.StepSearch):
         return limit / highest if limit < SLOW_RATIO * highest * self._duration else self._duration
 
     def _start(self, changed: bool) -> State:
-        """Return a copy of the state; if ``changed``, with other last digits.
+        """Return a copy of the initial state, with other last digits if ``changed``.
 
-        Cells at rest have no last digits; they are moved relative to the fields' sizes in the run.
+        Cells at rest have no last digits; their changes are relative to the fields' sizes in the
+        run.
         """
         start = self.state.copy()
         if changed:
@@ -545,14 +549,14 @@ class CellEngine(trials.StepSearch):
         return start
 
     def _nudge_again(self, state: State, before: float) -> None:
-        """Change last digits of the fields, in place, if a mark lies between ``before`` and now."""
+        """Change last digits of ``state``, in place, if a set time has passed since ``before``."""
         begin, end = float(self._stops[0]), float(self._stops[-1])
         marks = begin + np.arange(1, NUDGES) * (end - begin) / NUDGES
         if state.t < end and np.any((before < marks) & (marks <= state.t)):
             state.f += self._digit_changes(state.f)
 
     def _digit_changes(self, f: Array) -> Array:
-        """Return random changes of the last digits of the fields' largest values; 0 in walls."""
+        """Return random changes of last digits, scaled to each field's largest value."""
         ones = np.zeros_like(f)
         ones[:, : self.lattice.cell_count] = 1.0
         [factors] = trials.nudged(ones, times=self._amplified)

@@ -12,14 +12,14 @@ from longwave.lattice.state import State
 from longwave.support.real_arrays import Array
 
 NEGLIGIBLE_RATIO = 1e-200
-"""K3 and K4 below this, in units of the largest constant, have no effect for strains up to 1e90;
-quotients of the others neither overflow nor underflow."""
+"""K3 and K4 below this fraction of the largest constant have no effect for strains up to 1e90, and
+quotients of larger constants neither overflow nor underflow."""
 
 CURVATURE = tuple(Entry((shift,), weight, 0) for shift, weight in ((1, 1.0), (0, -2.0), (-1, 1.0)))
 """Stencil of D f_n = f_{n+1} - 2 f_n + f_{n-1}."""
 
 STRAIN = NumericBond((Entry((0,), 1.0, 0),), CURVATURE, ForceProgram())
-"""Bond with the stretch and the action of y_n'' = D V'(y)_n; its force is to be filled in."""
+"""Bond with the stretch and action of y_n'' = D V'(y)_n; only its force is to be filled in."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ class Model:
         return math.sqrt(stiffness)
 
     def highest_frequency(self, y: Array) -> float:
-        """Return the largest linear frequency (at k = pi) about any strain in ``y`` or at rest."""
+        """Return the largest linear frequency (at k = pi) about the strains ``y``, or at rest."""
         return 2.0 * math.sqrt(max(float(np.max(self.stiffness(y))), self.K2))
 
     def energy(self, state: State) -> float:

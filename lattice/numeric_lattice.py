@@ -40,7 +40,7 @@ class Entry:
 
 
 def place_text(field: str, shift: tuple[int, ...]) -> str:
-    """Return a field in the cell at an offset, as lattice files write it.
+    """Return a field in the cell at an offset as text, in the notation of lattice files.
 
     >>> place_text("u", (1,)), place_text("u", (0, -1))
     ('u[n+1]', 'u[n,m-1]')
@@ -50,7 +50,7 @@ def place_text(field: str, shift: tuple[int, ...]) -> str:
 
 
 def stretch_text(entries: tuple[Entry, ...], fields: tuple[str, ...]) -> str:
-    """Return a sum of fields as text, its positive terms first.
+    """Return a stretch, a sum of fields, as text; its positive terms come first.
 
     >>> stretch_text((Entry((0,), -1.0, 0), Entry((1,), 2.0, 0)), ("u",))
     '2 u[n+1] - u[n]'
@@ -110,8 +110,8 @@ class NumericBond:
 class DriveSteps:
     """Steps that resolve the drives: the longest ``step`` and additional ``stops``.
 
-    ``turns`` is True if a drive has corners between stops; ``missed`` bounds the errors of the
-    drives' integrals at the stops.
+    ``turns`` is True if a drive has corners between stops; ``missed`` is an upper bound of the
+    errors of the drives' integrals at the stops.
     """
 
     step: float
@@ -162,7 +162,7 @@ class NumericLattice:
 
     @property
     def cellwise(self) -> tuple[NumericLattice, Variation | None, Array]:
-        """The ordered lattice, its variation and relative deviations by cell (here none)."""
+        """The ordered lattice, its variation and relative deviations by cell (none here)."""
         return self, None, np.zeros((0, 0))
 
     @property
@@ -172,7 +172,7 @@ class NumericLattice:
 
     @property
     def is_driven(self) -> bool:
-        """Whether weights depend on the time of the stage (`DrivenChain.stage_weights`)."""
+        """Whether a stage's weights depend on its time (`DrivenChain.stage_weights`)."""
         return False
 
     def drive_within(self, begin: float, end: float) -> tuple[float, bool]:
@@ -180,7 +180,7 @@ class NumericLattice:
         return math.inf, False
 
     def driven_within(self, begin: float, end: float) -> float:
-        """Return the shortest time scale of drives (`drive_within`)."""
+        """Return the shortest time scale of drives, the first result of `drive_within`."""
         return self.drive_within(begin, end)[0]
 
     def drive_steps(
@@ -213,7 +213,7 @@ class NumericLattice:
 
     @cached_property
     def gets_stiffer_by_bonds(self) -> bool:
-        """Whether no wave grows while all slopes of bonds are positive."""
+        """Whether positive slopes of all bonds exclude growing waves."""
         if self.cellwise[1] is not None:
             return False
         waves = zone_wavenumbers(self.dimension, WAVENUMBERS[self.dimension])
@@ -276,12 +276,12 @@ class NumericLattice:
             return [np.asarray(bond.force.slope(stretch)) for bond, stretch in pairs]
 
     def largest_slope(self, index: int, stretches: Array) -> float:
-        """Return the largest abs(slope) of one bond's force at these stretches; may be nan."""
+        """Return the largest abs(slope) of the force of bond ``index`` at stretches; may be nan."""
         with np.errstate(all="ignore"):
             return float(np.max(np.abs(self.bonds[index].force.slope(stretches))))
 
     def steepest(self, index: int, stretches: Array) -> float:
-        """Return the largest slope of one bond's force at these stretches; may be nan."""
+        """Return the largest slope of the force of bond ``index`` at stretches; may be nan."""
         with np.errstate(all="ignore"):
             return float(np.max(self.bonds[index].force.slope(stretches)))
 
@@ -290,11 +290,11 @@ class NumericLattice:
         return [float(bond.force.slope(np.array(bond.offset))) for bond in self.bonds]
 
     def highest_frequency(self, slopes: Sequence[float]) -> float:
-        """Return the largest frequency of any wave, forces linearised with these slopes."""
+        """Return the largest frequency of any wave if the bonds' forces have these slopes."""
         return math.sqrt(max(float(np.max(self._all_squares(slopes))), 0.0))
 
     def is_stable(self, slopes: Sequence[float]) -> bool:
-        """Return whether no wave grows, forces linearised with these slopes."""
+        """Return whether no wave grows if the bonds' forces have these slopes."""
         squares = self._all_squares(slopes)
         return bool(np.min(squares) >= -ROUNDED_SQUARE * max(float(np.max(squares)), 1e-300))
 
@@ -312,11 +312,11 @@ class NumericLattice:
 
 
 WAVENUMBERS = {1: 257, 2: 33, 3: 9}
-"""Wavenumbers per axis, keyed by dimension, at which the highest frequency is sought (to 1e-4 in a
-chain)."""
+"""Number of wavenumbers per axis, keyed by dimension, for finding the highest frequency (to 1e-4 in
+a chain)."""
 
 ROUNDED_SQUARE = 1e-12
-"""Negative squared frequencies up to this size, in units of the largest, count as rounding."""
+"""Negative squared frequencies up to this fraction of the largest one count as rounding."""
 
 
 def zone_wavenumbers(dimension: int, count: int) -> Array:
@@ -327,12 +327,12 @@ def zone_wavenumbers(dimension: int, count: int) -> Array:
 
 
 def value_range(values: Array) -> Range:
-    """Return the least and the largest value; nan if any value is."""
+    """Return the least and the largest value; both are nan if any value is."""
     return float(np.minimum.reduce(values, None)), float(np.maximum.reduce(values, None))
 
 
 def _shifted(values: Array, shift: tuple[int, ...]) -> Array:
-    """Return ``values`` of the cells at that offset; cells lie along the last axes."""
+    """Return ``values``, each from the cell at offset ``shift``; the last axes are the cells."""
     if not any(shift):
         return values
     if len(shift) == 1:

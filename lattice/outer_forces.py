@@ -22,17 +22,18 @@ SAMPLED_TIMES = 2**17 + 1
 """Times at which drives are sampled before a run, to find the steps that resolve them."""
 
 CORNER_JUMP, MAX_CORNERS = 0.25, 100
-"""Least jump of a slope at a corner, as a fraction of the slopes' range, and most corners of a
-drive; with more jumps it counts as fast, without corners."""
+"""Least jump of a slope at a corner, as a fraction of the slopes' range, and largest number of
+corners of a drive: a drive with more jumps counts as fast, without corners."""
 
 MIN_SLOPE_RANGE = 1e-6
-"""Range of slopes outside the followed spans, in units of that of all slopes, below which there are
-no corners."""
+"""Range of slopes outside the followed spans, as a fraction of the range of all slopes, below which
+there are no corners."""
 
 MAX_REFINEMENTS, MAX_REFINED_GAPS, HIDDEN_FRACTION = 6, 2**12, 0.1
-"""Most refinements of the sampling by 64, most gaps refined, and the fraction of the total change
-that may hide in a gap: a pulse of width 1e-4 in a run of 2000 was missed without them. If a gap may
-hide more even where times are hardly distinct, the drive jumps or is unbounded."""
+"""Largest number of refinements of the sampling by 64, largest number of gaps refined, and fraction
+of the total change that may hide in a gap (without them, a pulse of width 1e-4 in a run of 2000 was
+missed). If a gap may hide more even where times are hardly distinct, the drive jumps or is
+unbounded."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +46,7 @@ class SiteForce:
 
     @property
     def law(self) -> ForceProgram | None:
-        """Factor of the force as a function of the cell's displacement; None for 1."""
+        """Factor of the force as a function of the cell's displacement; None if it is always 1."""
         return None
 
     def shares(self, masses: Array) -> Array:
@@ -73,7 +74,7 @@ class SiteForce:
 
 
 def slope_of(value: TimeFunction | None) -> TimeFunction:
-    """Return the velocity of a wall. Raises ValueError if its displacement has no slope."""
+    """Return the slope of a wall's displacement ``value``; raise ValueError if it has none."""
     slope: TimeFunction | None = getattr(value, "slope", None)
     if slope is None:
         raise ValueError(
@@ -101,8 +102,8 @@ def shortest_time_scale(
 ) -> tuple[float, bool]:
     """Return the shortest time scale of the drives, and whether one has a corner.
 
-    A drive's time scale is the range of its values over its steepest slope. Spans ``followed``,
-    (begin and end, spans), which have steps of their own, are left out.
+    A drive's time scale is the range of its values over its steepest slope. The spans ``followed``,
+    (begin and end, spans), are left out, because they have steps of their own.
     """
     times = np.linspace(begin, end, SAMPLED_TIMES)
     least, turns = math.inf, False
@@ -122,7 +123,7 @@ def shortest_time_scale(
 
 
 def _is_outside(times: Array, spans: Array | None) -> Mask:
-    """Return a mask of the intervals between times that meet none of the spans."""
+    """Return a mask of the gaps between successive times that meet none of the spans."""
     if spans is None or not spans.size:
         return np.ones(times.size - 1, dtype=np.bool_)
     started = np.searchsorted(spans[0], times[1:], "left")
@@ -130,7 +131,7 @@ def _is_outside(times: Array, spans: Array | None) -> Mask:
 
 
 def _refined_times(value: TimeFunction, times: Array) -> Array:
-    """Return the times, with more where a formula may change between two of them unnoticed."""
+    """Return the times, and more times where a formula may change unnoticed between two of them."""
     if not isinstance(value, ForceProgram) or times[0] == times[-1]:
         return times
     for _ in range(MAX_REFINEMENTS):

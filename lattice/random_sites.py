@@ -19,13 +19,13 @@ SITE_OFFSET = 2**60
 """Offset that makes all site numbers positive."""
 
 NUMBERS_PER_COUNTER = 4
-"""Numbers that the generator gives for one counter."""
+"""Number of random numbers that the generator gives for one counter."""
 
 
 def site_deviations(
     cells: ArrayLike, seed: int, row: int = 0, distribution: str = "uniform"
 ) -> Array:
-    """Return a deviation between -1 and 1 for each of these consecutive cells.
+    """Return a deviation between -1 and 1 for each of the given consecutive cells.
 
     ``row`` selects an independent sequence, for different quantities of a cell.
 

@@ -57,7 +57,7 @@ STEP: tuple[Kind, ...] = ("step",)
 STEP_AND_DOMAIN: tuple[Kind, ...] = ("step", "domain")
 
 MAX_CONTROL_RUNS = 12
-"""Most control runs of one search."""
+"""Largest number of control runs in one search."""
 
 MAX_BLOW_UPS = 3
 """Number of successive control runs that blow up after which the blow-up counts as physical."""
@@ -66,26 +66,28 @@ BLOW_UP_REDUCTION = 32.0
 """Factor by which to reduce all errors after a blow-up."""
 
 MAX_STALLED_RUNS = 3
-"""Control runs without progress after which the remaining error is attributed to rounding."""
+"""Number of control runs without progress after which rounding is blamed for the remaining
+error."""
 
 STALLED_RATIO = 0.7
-"""Ratio to the previous error above which an error has stopped falling."""
+"""Ratio of an error to the previous one above which it has stopped falling."""
 
 FIRST_DIGIT_FACTOR = 100.0
-"""Safety factor on the effect of changed last digits at the longest step: a hundred times as much
-was seen with shorter steps, which round more often (scenes of `searches/estimates.py`)."""
+"""Safety factor on the effect of changed last digits at the longest step: a hundred times that
+effect was seen with shorter steps, which round more often (scenes of `searches/estimates.py`)."""
 
 DIGIT_FACTOR = 1.5
 """Factor on the effect of changed last digits on the returned run: it is one sample of the rounding
 error (with 1, a test found an error of 1.08 times its estimate)."""
 
 MAX_LAWFUL_RATIO = 3.0
-"""Largest ratio of a step's change to its law's prediction at which the law counts as confirmed, if
-the change has also fallen as half of the order predicts."""
+"""Largest ratio of a change, caused by shortening a step, to the change predicted by the law
+step^order at which the law counts as confirmed, if the change has also fallen as half of the order
+predicts."""
 
 NEGLIGIBLE_FRACTION = 0.01
-"""Error of a step, as a fraction of the tolerance, below which it need not obey the law step^order:
-it may be rounding."""
+"""Error due to the step, as a fraction of the tolerance, below which the error may deviate from the
+law step^order: it may be rounding."""
 
 MIN_RING_ERROR = 0.05
 """Least error reported on a ring, as a fraction of the tolerance. Runs of a kink whose steps turned
@@ -93,16 +95,17 @@ short waves by many radians agreed, with errors of 0.021 of the tolerance
 (`tests/scenes/engines/test_comparison_honesty.py`)."""
 
 MIN_ERROR = 1e-5
-"""Least error reported elsewhere, in units of the tolerance: no run was examined more closely."""
+"""Least error reported for other domains than rings, as a fraction of the tolerance: no run was
+examined more closely."""
 
 
 USUAL_WORK = 4.5
-"""Usual work of a search, in units of its first run's work: 3.9 or 4.9 if the first step is short
-enough."""
+"""Usual work of a search, as a multiple of its first run's work: 3.9 or 4.9 if the first step is
+short enough."""
 
 
 class StoppedSearch(KeyboardInterrupt):
-    """Raised on Ctrl-C: the best run, its error if measured, seconds of other runs (``before``)."""
+    """Raised on Ctrl-C: the best run, its error if measured, and the seconds of all other runs."""
 
     def __init__(self, trial: Trial | None, error: float | None, before: float) -> None:
         super().__init__("interrupted")
@@ -114,8 +117,8 @@ class Refined:
     """The last control run, and the estimated error of its values.
 
     ``error`` covers all numerical choices and rounding; it is infinite if the lattice blows up by
-    itself. ``rounding`` is the part of it due to rounding. ``next_decade`` is the factor by which a
-    run with a tenth of the error costs more.
+    itself. ``rounding`` is the part of the error due to rounding. ``next_decade`` is the factor by
+    which a run with a tenth of the error costs more.
     """
 
     trial: Trial
@@ -132,9 +135,9 @@ def refine(
 ) -> Refined:
     """Repeat runs with better choices until the estimated error is at most ``tolerance``.
 
-    ``progress`` is called with the fraction done, 0 .. 1, of the expected work: ``USUAL_WORK``, or
-    more if more is known to be needed. Raises ValueError if the error stops falling above the
-    tolerance, StoppedSearch on Ctrl-C.
+    ``progress`` is called with the fraction done, 0 .. 1, of the expected work, which is
+    ``USUAL_WORK`` or more; ``announce`` with the expected seconds of the next runs. Raises
+    ValueError if the error stops falling above the tolerance, StoppedSearch on Ctrl-C.
     """
     search = _Search(engine, tolerance, progress, announce)
     try:
@@ -191,13 +194,13 @@ def _search_choices(search: "_Search", engine: Engine, tolerance: float) -> Refi
 
 
 def _refusal_message(best: float, tolerance: float, left: str) -> str:
-    """Return why a tolerance is refused; ``best`` is the least error or inf, ``left`` its cause."""
+    """Return why a tolerance is refused; ``best`` is the least error met, ``left`` its cause."""
     least = f"satisfy tolerance >= {1.05 * best:.2g} here" if best < math.inf else "be larger here"
     return f"tolerance must {least}, got {tolerance:g} ({left}; raise it or shorten the run)"
 
 
 def _with_lawful_step(search: "_Search", scouting: "_Search", choices: Choices) -> Choices:
-    """Return choices whose step the search ``scouting`` finds accurate and lawful."""
+    """Return choices with a step that the search ``scouting`` finds accurate and lawful."""
     if scouting is search:
         return search.with_step(choices)
     started = replace(scouting.engine.first(), step=choices.step)
@@ -224,7 +227,7 @@ class _Search:
         self.judged: tuple[Trial, float] | None = None
 
     def scouting(self, scout: Engine) -> "_Search":
-        """Return a search that runs the engine ``scout``: this search if that is its own engine."""
+        """Return the search that runs the engine ``scout``: this one if it has the same engine."""
         if scout is self.engine:
             return self
         search = _Search(scout, self._tolerance, self._progress, self._announce)
@@ -232,7 +235,7 @@ class _Search:
         return search
 
     def stopped(self, stop: KeyboardInterrupt) -> StoppedSearch:
-        """Return the exception with the last run whose error is known, else another run."""
+        """Return the exception for Ctrl-C, with the last run of known error or another run."""
         if self.judged is not None and math.isfinite(self.judged[1]):
             trial, error = self.judged
             return StoppedSearch(trial, error, self.seconds - trial.seconds)
@@ -249,7 +252,7 @@ class _Search:
         return StoppedSearch(unfinished, None, self.seconds)
 
     def with_step(self, choices: Choices) -> Choices:
-        """Return choices whose step's error is within its share and obeys step^order, if found."""
+        """Return choices with a step that is accurate enough and obeys step^order, if found."""
         unstable, last, self.stalled = 0, math.inf, 0
         change: float | None = None
         for _ in range(MAX_CONTROL_RUNS):
@@ -277,10 +280,10 @@ class _Search:
         return choices
 
     def _lawful_in_wider(self, choices: Choices) -> float | None:
-        """Return the change by the control run of these choices, if it confirms the step's law.
+        """Return the change by these choices' control run; None if it does not confirm the law.
 
-        The control run also has a wider domain. If both together change no more than the law
-        predicts for the step, a run with a shorter step alone is saved. None otherwise.
+        The control run has a shorter step and a wider domain. If both together change no more than
+        the law predicts for the step, a run with a shorter step alone is saved.
         """
         if self._is_scout or self.engine.kinds != STEP_AND_DOMAIN or choices.causal:
             return None
@@ -294,11 +297,11 @@ class _Search:
         return change
 
     def is_lawful(self, choices: Choices) -> bool:
-        """Return whether the law is confirmed for this step, or its change is negligible."""
+        """Return whether the law step^order is confirmed for the step of these choices."""
         return self.engine.taken(choices) <= self._longest_lawful
 
     def lawful_change(self, choices: Choices) -> float:
-        """Return the change that the law predicts from the nearest longer step; 0 without one."""
+        """Return the change by a shorter step that the law predicts from a longer step, or 0."""
         step = self.engine.taken(choices)
         longer = [one for one in self._changes.items() if one[0] > step]
         if not longer:
@@ -309,11 +312,11 @@ class _Search:
         return float(change * (step / other) ** self.engine.order)
 
     def known_change(self, choices: Choices) -> float:
-        """Return the measured change by shortening this step; 0 if it was not measured."""
+        """Return the change measured by shortening this step; 0 if it was not measured."""
         return self._changes.get(self.engine.taken(choices), 0.0)
 
     def _note_change(self, choices: Choices, change: float) -> None:
-        """Record the change by shortening a step, and whether it confirms the step's law."""
+        """Record the change by shortening a step, and whether it confirms the law step^order."""
         if not math.isfinite(change):
             return
         step = self.engine.taken(choices)
@@ -322,7 +325,7 @@ class _Search:
         self._changes[step] = change
 
     def _most_lawful(self, choices: Choices) -> float:
-        """Return the largest change that confirms the step's law; -1 without a longer step."""
+        """Return the largest change that confirms the law step^order; -1 without a longer step."""
         step = self.engine.taken(choices)
         longer = min((one for one in self._changes if one > step), default=math.inf)
         if longer == math.inf:
@@ -331,7 +334,7 @@ class _Search:
         return max(slack * self.lawful_change(choices), self._negligible)
 
     def digit_effect(self, choices: Choices) -> float:
-        """Return the effect of rounding: ``SAFETY`` times the change by new last digits."""
+        """Return the effect of rounding: ``SAFETY`` times the change by other last digits."""
         nudged = replace(choices, nudged=True)
         self._run({choices: False, nudged: False})
         return SAFETY * difference_around(self._done[choices], self._done[nudged])
@@ -348,7 +351,8 @@ class _Search:
     def check_rounding(self, choices: Choices) -> None:
         """Raise ValueError if rounding alone exceeds the tolerance, also with a shorter step.
 
-        Near the longest stable step a scheme may amplify what the lattice does not.
+        Near the longest stable step a scheme may amplify perturbations that the lattice does not
+        amplify.
         """
         effect = self.digit_effect(choices)
         if self._tolerance < effect < math.inf:
@@ -375,11 +379,11 @@ class _Search:
             self._done[choices] = replace(trial, payload=None)
 
     def improved(self, choices: Choices, trial: Trial, error: float, step_change: float) -> Choices:
-        """Return choices improved in each kind whose error exceeds its share, or in all kinds.
+        """Return choices improved in each kind whose error exceeds its share, or else in all kinds.
 
         ``step_change`` is the known change by a shorter step, 0 if unknown. If the step's error is
-        within its share and the domain is the only other choice, the rest of the error is due to
-        the domain, and nothing is varied to find out.
+        within its share and the domain is the only other choice, the rest of the error is
+        attributed to the domain without another run.
         """
         engine, better = self.engine, choices
         if trial.values is None:
@@ -404,7 +408,7 @@ class _Search:
         return better
 
     def _excess(self, choices: Choices, kind: Kind, change: float | None = None) -> float:
-        """Return the error of one kind of choice over the part of the tolerance allowed for it."""
+        """Return the error due to one kind of choice, divided by the error allowed for it."""
         if change is None:
             change = self._change(choices, kind)
         share = FRACTIONS[kind] if len(self.engine.kinds) > 1 else 1.0
@@ -421,7 +425,7 @@ class _Search:
         return change
 
     def _run(self, requested: dict[Choices, bool]) -> None:
-        """Make the missing runs of ``requested``; True means that observables are needed."""
+        """Make those ``requested`` runs that are missing; with observables if the value is True."""
         missing = [choices for choices in requested if choices not in self._done]
         self._announce_runs(missing)
 
@@ -461,7 +465,7 @@ class _Search:
         self.seconds += trial.seconds
 
     def _report_progress(self, fraction: float) -> None:
-        """Report the progress of the whole search, given the fraction done of the pending runs."""
+        """Report the whole search's progress, given the fraction done of the pending runs."""
         if self._stopped:
             raise KeyboardInterrupt
         usual = USUAL_WORK * (self._first_work or self._pending_work)
@@ -471,7 +475,7 @@ class _Search:
         self._progress(self._last_share)
 
     def _announce_runs(self, missing: Collection[Choices]) -> None:
-        """Announce the seconds of the next runs; raise OverBudgetError if they are too many."""
+        """Announce the seconds that missing runs take; raise OverBudgetError if too many."""
         self._pending_work = pending = sum(map(self.engine.work, missing))
         if pending > self.engine.most_work:
             raise OverBudgetError(f"runs that take {pending:.2g}", pending)

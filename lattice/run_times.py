@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def check_positive(name: str, value: float, remedy: str) -> None:
-    """Raise ValueError unless 0 < value < inf."""
+    """Raise ValueError unless 0 < value < inf; the message has ``name`` and ``remedy``."""
     if not isinstance(value, Real) or not 0.0 < value < math.inf:
         raise ValueError(f"{name} must satisfy 0 < {name} < inf, got {value!r} ({remedy})")
 

@@ -38,7 +38,7 @@ NystroemTree = tuple[int, tuple["NystroemTree", ...]]
 
 
 def _size(tree: NystroemTree) -> int:
-    """Return the order of the tree: the power of h with which it enters the velocity."""
+    """Return the order of a tree: the power of h that it has in the velocity."""
     leaves, branches = tree
     return 1 + leaves + sum(1 + _size(branch) for branch in branches)
 
@@ -59,7 +59,7 @@ def nystroem_trees(order: int) -> tuple[NystroemTree, ...]:
 
 @cache
 def _forests(weight: int, largest: int) -> tuple[tuple[NystroemTree, ...], ...]:
-    """Return all multisets of branches of total weight ``weight``, each at most ``largest``.
+    """Return all multisets of branches of total weight ``weight``, none heavier than ``largest``.
 
     The weight of a branch is its size + 1.
     """
@@ -93,7 +93,7 @@ def nystroem_defect(table: NystroemTable, order: int) -> float:
 
 
 def _stages(tree: NystroemTree, table: NystroemTable) -> tuple[list[Fraction], Fraction]:
-    """Return Phi_i at all stages, and the factor of the monomial phi_t = factor u^(size - 1)."""
+    """Return Phi_i at all stages, and the factor in the monomial phi_t = factor u^(size - 1)."""
     leaves, branches = tree
     factor, below = Fraction(1), []
     for branch in branches:
@@ -107,7 +107,7 @@ def _stages(tree: NystroemTree, table: NystroemTable) -> tuple[list[Fraction], F
 
 
 def _dot(weights: Sequence[Fraction], values: Sequence[Fraction]) -> Fraction:
-    """Return the dot product; explicit tables may omit the zeros at the end of a row."""
+    """Return the dot product; a row may be shorter than ``values``: missing weights are 0."""
     return sum(map(mul, weights, values), Fraction(0))
 
 

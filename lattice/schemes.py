@@ -48,12 +48,12 @@ class Scheme:
 
     @property
     def rounding(self) -> float:
-        """Tolerance of the order conditions, given the number of digits in the table."""
+        """Tolerance of the order conditions, which depends on the number of digits in the table."""
         return 0.0
 
     @cached_property
     def stages(self) -> int:
-        """Force evaluations per step."""
+        """Number of force evaluations per step."""
         return len(self.table().weights)
 
     def table(self) -> NystroemTable:
@@ -62,7 +62,7 @@ class Scheme:
 
     @cached_property
     def floats(self) -> tuple[Array, ...]:
-        """Coefficients of `table` as arrays of doubles, in its order."""
+        """Coefficients of `table` as arrays of doubles: nodes, inner, outer, weights."""
         return tuple(map(_floats, self.table()))
 
     def oscillator(self, z: Array) -> Array:
@@ -172,7 +172,7 @@ class Splitting(DriftKick):
 
     @property
     def rounding(self) -> float:
-        """Tolerance of the conditions: 100 units in the last place of the shortest decimal."""
+        """Tolerance of order conditions: 100 units in the last place of the shortest decimal."""
         literals = self.drift_half + self.kick_half
         decimals = [len(literal.partition(".")[2]) for literal in literals if "." in literal]
         return 10.0 ** (2.0 - min(decimals)) if decimals else 0.0
@@ -186,7 +186,7 @@ class Splitting(DriftKick):
 
 
 def _mirrored(half: tuple[str, ...], once: bool) -> Exact:
-    """Return ``half`` and its reflection; the last entry appears once if ``once``, else twice."""
+    """Return ``half`` and its reflection; the last entry occurs once if ``once``, else twice."""
     return tuple(map(Fraction, half + half[::-1][once:]))
 
 
@@ -194,8 +194,9 @@ def _mirrored(half: tuple[str, ...], once: bool) -> Exact:
 class RungeKutta(Scheme):
     """An explicit Runge-Kutta table (A, b), run in its Nystroem form on y'' = D V'(y).
 
-    The two forms are the same method: y' = s is linear, so its stages can be eliminated. Raises
-    ValueError if A is not square and strictly lower triangular or b does not sum to 1.
+    The Runge-Kutta and the Nystroem form are the same method: y' = s is linear, so its stages can
+    be eliminated. Raises ValueError if A is not square and strictly lower triangular or b does not
+    sum to 1.
     """
 
     name: str
@@ -241,17 +242,18 @@ def _floats(values: Iterable[object]) -> Array:
 
 
 SCANNED_STEPS = np.linspace(0.0, 8.0, 80_001)[1:]
-"""Steps, in units of 1/omega, at which stability is checked first."""
+"""Steps, in units of 1/omega, at which stability is checked before bisection."""
 
 SCAN_PIECES = 80
-"""Pieces of `SCANNED_STEPS`, checked until one has an unstable step; each fits the cache."""
+"""Number of pieces of `SCANNED_STEPS`, checked until one has an unstable step; each fits the
+cache."""
 
 JURY_SLACK = 1e-12
-"""Tolerance for rounding of an eigenvalue on the unit circle."""
+"""Rounding allowed for an eigenvalue on the unit circle."""
 
 
 def _stable(scheme: Scheme, z: Array) -> Mask:
-    """Return whether both eigenvalues of steps of y'' = -y lie in the unit disc (Jury's test)."""
+    """Return a mask of steps z of y'' = -y with both eigenvalues in the unit disc (Jury's test)."""
     step = scheme.oscillator(z)
     trace = step[:, 0, 0] + step[:, 1, 1]
     determinant = step[:, 0, 0] * step[:, 1, 1] - step[:, 0, 1] * step[:, 1, 0]
@@ -452,7 +454,7 @@ SCHEMES: tuple[Scheme, ...] = (
 
 
 def scheme_named(name: str) -> Scheme:
-    """Return the scheme of that name, or the one that the text defines.
+    """Return the scheme with this name, or the one that the text ``name`` defines.
 
     A symmetric splitting of your own is defined by its weights up to the middle of the step, as in
     `Splitting`, and checked against the conditions of its order. Raises ValueError, listing the
@@ -473,14 +475,15 @@ def scheme_named(name: str) -> Scheme:
 
 
 EXAMPLE = "'mine, order 2: drifts 1/6 2/3, kicks 1/2'"
-"""Example of the text that defines a scheme."""
+"""Example of a text that defines a scheme."""
 
 USER_DEFINED = re.compile(r"([A-Za-z]\w{,39}), order (\d{1,2}): drifts ([^,]+), kicks ([^,]+)")
 
 WEIGHT = re.compile(r"-?\d{1,9}(\.\d{1,60}|/[1-9]\d{,9})?")
 
 HIGHEST_ORDER, MOST_WEIGHTS = 10, 20
-"""Highest order and most weights of a user-defined scheme; its order conditions are numerous."""
+"""Highest order and largest number of weights of a user-defined scheme (high orders have many
+conditions)."""
 
 
 @cache

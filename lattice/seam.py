@@ -30,20 +30,21 @@ from longwave.support.real_arrays import Array
 Profile = Callable[[Array], Array]
 
 SAMPLES = 64
-"""Number of points on the wavelength about the seam, and of circumferences tried first."""
+"""Number of points on the wavelength about the seam, and number of circumferences tried first."""
 
 GAUSS_NEWTON_STEPS, DIFFERENCE_STEP = 12, 1e-5
-"""Most Gauss-Newton steps, and the difference step (in wavelengths) for their slopes."""
+"""Largest number of Gauss-Newton steps, and the difference step (in wavelengths) for their
+slopes."""
 
 BLEND_REACH = 6.0
-"""Distance, in blend widths, within which the blend runs from 0 to 1 to double precision."""
+"""Distance from the seam, in blend widths, within which the blend runs from 0 to 1 in doubles."""
 
 
 def close_circumference(profile: Profile, wavelength: float, count: int) -> float:
     """Return the circumference near ``count`` wavelengths that closes the profile best.
 
-    It differs from these by at most half a wavelength. ``profile`` maps x to Y; the seam is at
-    x = -L/2 and x = L/2.
+    It differs from ``count`` wavelengths by at most half a wavelength. ``profile`` maps x to Y; the
+    seam is at x = -L/2 and x = L/2.
 
     >>> round(close_circumference(lambda x: np.cos(x - np.arctan(x) / 2), 2 * np.pi, 8), 4)
     51.7975
@@ -93,8 +94,8 @@ def negate_at_seam(profile: Profile, circumference: float, crest: float, x: Arra
     """Return a kink's profile with its negative about the seam, at points -L/2 <= x <= L/2.
 
     ``crest`` is the position of the site nearest to the kink. Half-way between kink and seam the
-    profile passes to its negative, which lies between sites as the kink does, because the strains
-    of a steep kink depend on that.
+    profile passes to its negative. The negative kink lies between two sites as the kink does,
+    because the strains of a steep kink depend on that.
 
     >>> values = negate_at_seam(np.tanh, 80.0, 0.0, np.array([-40.0, -30.0, 0.0, 30.0, 39.0]))
     >>> values.round(3) + 0.0
@@ -121,7 +122,7 @@ def rest_at_seam(s: Array, circumference: float, width: float, x: Array) -> Arra
 
 
 FADING_DEPTH = 128
-"""Fewest sites over which the damping sets in."""
+"""Smallest number of sites over which the damping sets in."""
 
 FADING_STRENGTH = 12.0
 """Damping rate at full depth, in units of the inverse time in which the boundary crosses that
@@ -132,10 +133,9 @@ depth: a wave that enters at twice its speed has lost 86 % there."""
 class Fading:
     """Damping of the sites of a ring whose signals can no longer reach a compared site.
 
-    Signals travel at ``speed``. At ``t0`` those from all sites can reach one, at t only those from
-    sites further than ``speed * (t - t0)`` from the seam. ``level`` is the strain to which the
-    other sites relax, ``depth`` the number of sites over which the damping sets in, a wavelength if
-    there is one.
+    Signals travel at ``speed``. At ``t0`` the signals of all sites can reach a compared site; at t
+    only those of sites further than ``speed * (t - t0)`` from the seam. ``level`` is the strain to
+    which the other sites relax, ``depth`` the number of sites over which the damping sets in.
     """
 
     t0: float
@@ -147,7 +147,7 @@ class Fading:
         self.faded_until = self.t0
 
     def at(self, state: State) -> None:
-        """Damp the sites that no longer matter at ``state.t``, for the time since the last call."""
+        """Damp the sites that no longer matter, over the time from the last call to ``state.t``."""
         elapsed, self.faded_until = state.t - self.faded_until, state.t
         faded = min(math.floor(self.speed * (state.t - self.t0)), (state.size + 1) // 2)
         if faded <= 0 or elapsed <= 0.0:

@@ -25,10 +25,10 @@ from longwave.lattice.state import State
 from longwave.support.real_arrays import Array
 
 NEGLIGIBLE_TERM = 1e-17
-"""Largest neglected term of a drift's series, in units of its velocities."""
+"""Size, relative to the velocities, below which terms of a drift's series are neglected."""
 
 SMALL = 256
-"""Largest size of a state, in numbers, for which dense matrices are faster than sparse ones."""
+"""Largest number of values in a state for which dense matrices are faster than sparse ones."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class FreeParameter:
 
 @dataclass(frozen=True)
 class Sensor:
-    """Quantity (displacement, velocity, strain, force), index of field or bond, and cell."""
+    """Measured ``quantity`` (such as "strain"), ``index`` of its field or bond, and ``cell``."""
 
     quantity: str
     inner: int
@@ -90,7 +90,7 @@ class VariedChain:
                 setattr(self, name, getattr(self, name).toarray())
 
     def _matrix(self, parts: Sequence[Sequence[Entry]], fields: int, sign: int) -> sparse.csr_array:
-        """Return the matrix of stencils, shifts times ``sign``: (parts * ring, fields * ring)."""
+        """Return the stencils, shifted times ``sign``, as matrix (parts * ring, fields * ring)."""
         cells = np.arange(self._ring)
         rows, columns, weights = [], [], []
         for bond, entries in enumerate(parts):
@@ -104,11 +104,11 @@ class VariedChain:
         return sparse.csr_array((np.concatenate(weights), at), shape)
 
     def _columns(self, rows: Sequence[ArrayLike], count: int) -> Array:
-        """Return rows of values by field or bond, repeated for all cells: (count * ring, rows)."""
+        """Return ``rows`` of values by field or bond as columns, repeated in all cells."""
         return np.repeat(np.reshape(np.array(rows), (len(rows), count)), self._ring, axis=1).T
 
     def _damped(self, dashpots: Array) -> sparse.csr_array:
-        """Return the matrix from velocities to the accelerations that these dashpots cause."""
+        """Return the matrix from velocities to the accelerations caused by these dashpots."""
         return self._action @ sparse.diags(dashpots) @ self._stretch
 
     def readings(
@@ -176,7 +176,7 @@ class VariedChain:
             u += weight * term
 
     def _terms(self, length: float) -> int:
-        """Return how many terms of a drift's series are not negligible."""
+        """Return the number of terms of a drift's series that are not negligible."""
         count, bound = int(self._is_damped), self._fastest * abs(length)
         term_bound = bound
         while term_bound > NEGLIGIBLE_TERM:

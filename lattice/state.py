@@ -19,10 +19,10 @@ Sites = NDArray[np.int64]
 class State:
     """Fields ``f`` and velocities ``v``, of shape (fields, *cells), on a ring at time ``t``.
 
-    For displacements that grow with the cell, the arrays hold the periodic part; the rest is in the
-    offsets of the lattice's bonds. A chain's cells are ``left`` .. ``left + cells - 1``; cell n is
-    stored at index n mod cells, so that a window moves without copying. A run changes the arrays in
-    place.
+    For displacements that grow with the cell, the arrays hold the periodic part; the growing part
+    is in the offsets of the lattice's bonds. A chain's cells are ``left`` .. ``left + cells - 1``;
+    cell n is stored at index n mod cells, so that a window moves without copying. A run changes the
+    arrays in place.
     """
 
     t: float
@@ -74,12 +74,12 @@ def empty_chain(t: float, left: int, size: int) -> State:
 
 
 GROWTH = 100.0
-"""Factor by which the largest stretch must grow to count as a blow-up."""
+"""Factor of growth from which on the largest stretch of a bond counts as a blow-up."""
 
 
 @dataclass(frozen=True)
 class BlowUp:
-    """First blow-up criterion met, at ``t`` and ``site``, ``from_seam`` sites away from a seam."""
+    """First blow-up criterion met, at time ``t`` and ``site``, ``from_seam`` sites from a seam."""
 
     criterion: str
     t: float
@@ -104,14 +104,14 @@ class Domain(Protocol):
 
     @property
     def mismatch(self) -> float:
-        """Largest difference of y/eps between the far field fed in and the sites next to it."""
+        """Largest difference of y/eps between the imposed far field and the sites next to it."""
         return 0.0
 
     def start(self) -> State:
         """Return the initial state."""
 
     def follow(self, state: State) -> BlowUp | None:
-        """Move to the sites of ``state.t``, one of the ``moves``; return a blow-up found there."""
+        """Move to the sites of ``state.t``, one of the ``moves``; return a blow-up on new sites."""
         return None
 
     def fade(self, state: State) -> None:
@@ -119,7 +119,7 @@ class Domain(Protocol):
         return
 
     def locate(self, blow_up: BlowUp, state: State) -> BlowUp:
-        """Return the blow-up with its distance from the domain's seam, if there is one."""
+        """Return ``blow_up`` with its distance from the domain's seam, if the domain has a seam."""
         return blow_up
 
     def memory(self) -> Memory:

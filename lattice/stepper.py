@@ -22,13 +22,15 @@ def advance(
 
 
 CHUNK = 64
-"""Most steps between two stops; a chunk that blew up is repeated step by step."""
+"""Largest number of steps between two stops; a chunk that blew up is repeated step by step."""
 
 LEAST_CHUNK = 8
-"""Default fewest steps between two stops: checking a large ring costs as much as a step."""
+"""Default least number of steps between two stops: checking a large ring costs as much as a
+step."""
 
 MAX_EVALUATIONS = 3e8
-"""Most force evaluations between two stops, a fraction of a second, so that Ctrl-C acts soon."""
+"""Largest number of force evaluations between two stops, a fraction of a second, so that Ctrl-C
+acts soon."""
 
 
 @dataclass
@@ -49,8 +51,8 @@ class Stepper:
     ``step``, so that those times are hit exactly. ``amplitude`` is the largest stretch of the wave
     at the start; None, without a wave, allows strains of any size. At most ``chunk`` steps lie
     between two stops; the default depends on `MAX_EVALUATIONS` and `LEAST_CHUNK`. ``ranges`` are
-    those met at the stops, on any site (`Dynamics.ranges`). ``blow_up`` is set when the march had
-    to stop; ``steps`` counts the steps.
+    the ranges of stretches and fields at all stops so far, on any site (`Dynamics.ranges`).
+    ``blow_up`` is set when the march had to stop; ``steps`` counts the steps.
     """
 
     def __init__(
@@ -79,7 +81,7 @@ class Stepper:
     def stops(self, times: Sequence[float]) -> Iterator[State]:
         """Yield the state at all ``times``, at the domain's moves and every few steps.
 
-        Stops after a blow-up.
+        Ends after a blow-up.
         """
         moves = {t for t in self.domain.moves if self.state.t < t < times[-1]}
         for t in sorted(moves.union(times)):
@@ -88,13 +90,13 @@ class Stepper:
                 return
 
     def memory(self, arrays: bool = True) -> Memory:
-        """Return the data from which `recall` resumes; ``arrays`` are not needed at the end."""
+        """Return the data from which `recall` resumes, with the state's arrays if ``arrays``."""
         state = {"t": self.state.t} if not arrays else vars(self.state)
         progress = {name: getattr(self, name) for name in ("steps", "ranges", "_between")}
         return progress | {"state": state, "domain": self.domain.memory()}
 
     def recall(self, memory: Memory) -> None:
-        """Continue from the stop at which a stepper with the same arguments returned `memory`."""
+        """Continue from the stop at which a stepper with the same arguments returned ``memory``."""
         for name in ("steps", "ranges", "_between"):
             setattr(self, name, memory[name])
         for name, value in memory["state"].items():
@@ -117,7 +119,7 @@ class Stepper:
                 yield self.state
 
     def _advance(self, h: float, steps: int, t: float) -> None:
-        """Advance by a chunk that ends at ``t``; if it blows up, repeat it step by step."""
+        """Advance by ``steps`` steps ``h``, to time ``t``; after a blow-up, repeat them singly."""
         state, begin = self.state, self.state.t
         before = [values.copy() for values in (*state.arrays, self.ranges)] if steps > 1 else []
         f, v = state.arrays

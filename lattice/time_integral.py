@@ -23,9 +23,9 @@ LEAST_PANEL = 2.0**-48
 """Length of the shortest panel, in units of the largest abs(number) in it."""
 
 ENCLOSURE_SLACK = 0.02
-"""Fraction of the largest slope near a panel by which enclosures may be too wide, as for a product
-of terms that depend on each other; otherwise a straight line on either side of a corner would be
-halved for ever."""
+"""Fraction of the largest slope near a panel by which enclosures of the slope may be too wide, as
+for a product of terms that depend on each other; otherwise a straight line on either side of a
+corner would be halved for ever."""
 
 _POINTS, _WEIGHTS = legendre.leggauss(GAUSS_POINTS)
 
@@ -46,12 +46,12 @@ class Smooth(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Integral:
-    """Integral of a function from a start, accurate to rounding; the function is its ``slope``.
+    """Integral of the function ``slope`` from a start, accurate to rounding.
 
     Computed by Gauss's rule on panels that are halved until both halves together agree with the
-    whole. If the function is a formula, its slope is also enclosed on each panel, which is halved
-    if the slope may leave the range sampled on it and its neighbours: a pulse between the points
-    would otherwise be missed.
+    whole. If the function is a formula, its derivative is also enclosed on each panel, which is
+    halved if the derivative may leave the range sampled on the panel and its neighbours: a pulse
+    between the points would otherwise be missed.
 
     >>> from longwave.derive.lattice_file import time_formula
     >>> from longwave.lattice.force_program import program_of
@@ -114,19 +114,19 @@ class Integral:
         return self._rounding_between(self.edges[:-1], self.edges[1:])
 
     def _rounding_between(self, low: Array, high: Array) -> Array:
-        """Return the error of integrals between these times by rounding of times and values."""
+        """Return the errors of integrals from ``low`` to ``high`` by rounded times and values."""
         points, size = np.array([low, (low + high) / 2.0, high]), float(np.abs(self.edges).max())
         with np.errstate(all="ignore"):
             values, slopes = np.abs(self.slope(points)), np.abs(self.slope.slope(points))
         return np.asarray(2.0**-52 * (high - low) * (values + size * slopes).max(axis=0))
 
     def rounding(self, low: Array, high: Array) -> Array:
-        """Return the rounding error of Gauss's rule minus this integral, on each panel."""
+        """Return each panel's rounding error of Gauss's rule minus this integral."""
         panels_error = self._rounding[self._panel_of(np.array([low, high]))].sum(axis=0)
         return np.asarray(panels_error + self._rounding_between(low, high))
 
     def missed_within(self, low: Array, high: Array) -> Array:
-        """Return each panel's largest error of Gauss's rule for integrals that end in the panel."""
+        """Return each panel's largest error of Gauss's rule for integrals to a point within it."""
         edges, sums = np.append(self.edges, high), np.append(self.sums, self(high))
         order = np.argsort(low)
         panel = order[np.searchsorted(low[order], edges, "left") - 1]
@@ -145,7 +145,7 @@ class Integral:
         return most
 
     def moment(self, low: Array, high: Array) -> Array:
-        """Return the mean over each panel of the integral from the panel's beginning."""
+        """Return, for each panel, the mean of the integral from the panel's beginning."""
         half = (high - low)[:, np.newaxis] / 2.0
         points = low[:, np.newaxis] + half * (1.0 + _POINTS)
         doubled_mean = (self(points) - self(low)[:, np.newaxis]) @ _WEIGHTS
@@ -163,7 +163,7 @@ class Integral:
 
 @dataclass(frozen=True)
 class _Hull:
-    """Least and largest slopes sampled on each panel and its neighbours."""
+    """Range of the slopes sampled on each panel and its neighbours."""
 
     least: Array
     most: Array
@@ -179,7 +179,7 @@ class _Hull:
         )
 
     def widened(self, value: ForceProgram, low: Array, high: Array) -> _Hull:
-        """Return the hull extended by the slopes at points of the given panels."""
+        """Return the hull extended by the slopes sampled on the panels from ``low`` to ``high``."""
         least, most = _slopes_met(value, low, high)
         return _Hull(np.fmin(self.least, least), np.fmax(self.most, most))
 
@@ -191,7 +191,7 @@ class _Hull:
         return ~((bounds[0] >= self.least - margin) & (bounds[1] <= self.most + margin))
 
     def halved(self, rough: Mask) -> _Hull:
-        """Return the hull of the halves of the ``rough`` panels; others are dropped."""
+        """Return the hull for the halves of the ``rough`` panels; the other panels are dropped."""
         return _Hull(np.repeat(self.least[rough], 2), np.repeat(self.most[rough], 2))
 
 

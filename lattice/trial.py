@@ -13,7 +13,7 @@ import numpy as np
 from longwave.support.real_arrays import Array
 
 NUDGE = 2.0**-51
-"""Relative change of the data's last digits."""
+"""Relative change of the last digits of a run's data."""
 
 
 def nudged(*arrays: Array, times: float = 1.0) -> tuple[Array, ...]:
@@ -30,10 +30,10 @@ class Choices:
 
     ``step`` in time; ``size`` of the domain in sites; ``causal`` if no signal from its ends reaches
     a compared site in time; ``density`` in points per site, or more if the spectrum needs more, and
-    ``finer`` a factor on either; ``shift`` of the domain's middle, in its sizes; ``absorber`` its
-    strength at the seam, 0 for none; ``start`` the initial step, until the waves sent to the left
-    have left the wave, 0 for none. ``nudged`` if the last digits of the data are changed, by
-    ``NUDGE``.
+    ``finer``, a factor on the density; ``shift`` of the domain's middle, in its sizes;
+    ``absorber``, the absorber's strength at the seam, 0 for none; ``start``, the initial step,
+    until the waves sent to the left have left the wave, 0 for none. ``nudged`` if the last digits
+    of the data are changed, by ``NUDGE``.
     """
 
     step: float
@@ -51,11 +51,11 @@ class Choices:
 class Trial:
     """A finished run: ``values``, such as y/eps on the compared sites, at all observed times.
 
-    They are None after a blow-up. ``rounding`` estimates their rounding error; ``common_error``
-    bounds the error that a run with a shorter step shares. ``payload`` is the engine's own data.
-    ``has_observables`` if observables can be computed from it. An unfinished run has the times
-    before it was stopped. ``around`` are values on more sites, if any: on a few sites the effect of
-    rounding may be small by chance.
+    ``values`` is None after a blow-up. ``rounding`` estimates the rounding error of the values;
+    ``common_error`` bounds the error that a run with a shorter step shares. ``payload`` is the
+    engine's own data. ``has_observables`` if observables can be computed from it. An unfinished run
+    has the times before it was stopped. ``around`` are values on more sites, if any: on a few sites
+    the effect of rounding may be small by chance.
     """
 
     choices: Choices
@@ -70,7 +70,7 @@ class Trial:
 
 
 class StoppedTrial(KeyboardInterrupt):
-    """Raised on Ctrl-C during a run; holds the part that is done."""
+    """Raised on Ctrl-C during a run; holds the unfinished run."""
 
     def __init__(self, trial: Trial) -> None:
         super().__init__("interrupted")
@@ -83,7 +83,7 @@ def difference(first: Trial, second: Trial) -> float:
 
 
 def difference_around(first: Trial, second: Trial) -> float:
-    """Return the `difference`, or that on more sites if it is larger."""
+    """Return the `difference` of two runs, or that on more sites (``around``) if it is larger."""
     around = 0.0 if first.around is None else _largest_difference(first.around, second.around)
     return max(difference(first, second), around)
 
@@ -98,17 +98,18 @@ def _largest_difference(first: Array | None, second: Array | None) -> float:
 
 
 FORCE_ROUNDING = 4.0 * 2.0**-53
-"""Rounding error of one force evaluation at unit strain: a few roundings of varying sign."""
+"""Rounding error of one force evaluation at unit strain: a few roundings of either sign."""
 
 STEADY_ROUNDING = 2.0**-53
-"""Part of `FORCE_ROUNDING` of constant sign (0.4 of it on a kink's far field at t = 2e8)."""
+"""Part of `FORCE_ROUNDING` that always has the same sign (0.4 of it on a kink's far field at t =
+2e8)."""
 
 
 def rounding_error(largest: float, evaluations: int) -> float:
     """Return the estimated rounding error of strains after some evaluations per site.
 
-    ``largest`` is the size of the strains. Where nothing moves, each rounding is the same, and they
-    add up.
+    ``largest`` is the size of the strains. In a field at rest each rounding is the same, and the
+    roundings add up.
 
     >>> rounding_error(5.0, 10_000) < 1e-11
     True
@@ -117,9 +118,9 @@ def rounding_error(largest: float, evaluations: int) -> float:
 
 
 def clock_error(values: Array, c: float, times: tuple[float, float]) -> float:
-    """Return the effect of two roundings of the time on ``values`` of neighbouring sites.
+    """Return the effect that rounding the time twice has on ``values`` of neighbouring sites.
 
-    The wave moves at ``c``. Far from t = 0 a time is known to its unit in the last place only.
+    The wave moves at speed ``c``. Far from t = 0 a time is accurate to its last digit only.
 
     >>> f"{clock_error(np.array([[0.0, 1.0]]), 1.0, (2.0**28, 2.0**28 + 1)):.2g}"
     '1.2e-07'
@@ -133,7 +134,7 @@ Progress = Callable[[float], None]
 """Callback with the fraction of the work that is done, 0 .. 1."""
 
 SAFETY = 2.0
-"""Factor on the difference of the last two runs: their error may fall as slowly as 1/size."""
+"""Factor on the difference of the last two runs: their errors may fall as slowly as 1/size."""
 
 
 class Engine(Protocol):
@@ -142,15 +143,15 @@ class Engine(Protocol):
     kinds: tuple[Kind, ...]
     """Discretisation parameters that the engine can refine, such as its step and its domain."""
     threads: int
-    """Runs that may be made concurrently."""
+    """Number of runs that may be made concurrently."""
     order: int
     """Order of the time step's error, step^order."""
     decay: float
-    """Least exponent of the decay of a domain's error, size^-decay."""
+    """Least exponent in the law size^-decay of a domain's error."""
     safety: float
-    """Factor on the difference of two runs, ``SAFETY`` or more."""
+    """Factor on the difference of two runs in the error estimate, ``SAFETY`` or more."""
     unstable: int
-    """Most steps tried, each shorter than the one before, until one is stable."""
+    """Largest number of steps tried, each shorter than the one before, until one is stable."""
     amplifies_rounding: bool
     """Whether perturbations may grow, so that the effect of rounding is measured."""
     most_work: float
@@ -164,19 +165,19 @@ class Engine(Protocol):
         return self
 
     def run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
-        """Make a run, whose observables are needed afterwards if ``shown``.
+        """Make a run; if ``shown``, its observables are needed afterwards.
 
         Raises StoppedTrial on Ctrl-C.
         """
 
     def control(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
-        """Return choices that are finer, wider or elsewhere in each of the given kinds only."""
+        """Return choices refined in the given kinds only: finer, wider, or moved elsewhere."""
 
     def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
-        """Return choices with which that kind's error is smaller by the factor ``excess`` > 1."""
+        """Return choices whose error of this ``kind`` is smaller by the factor ``excess`` > 1."""
 
     def taken(self, choices: Choices) -> float:
-        """Return the effective step for a run's error, where stops shorten the chosen one."""
+        """Return the effective step of a run: stops make it shorter than the chosen step."""
 
     def work(self, choices: Choices) -> float:
         """Return the expected work of a run, in the unit of `Trial.work`."""
@@ -187,10 +188,10 @@ DRIVEN_SHARE = 0.5
 may agree on a force that neither resolves."""
 
 LEAST_FACTOR = 0.2
-"""Least ratio of a step to the one tried before."""
+"""Least ratio of a step to the step tried before."""
 
 MARGIN = 0.95
-"""Safety factor on the step that the law step^order predicts."""
+"""Safety factor on the step predicted by the law step^order."""
 
 STEP_RATIO = 0.7
 """Step of a control run of a `StepSearch`, as a fraction of the step of the run before it."""
@@ -206,7 +207,7 @@ def lawful_step(step: float, order: int, excess: float) -> float:
 
 
 def mean_step(stops: Array, step: float, order: int) -> float:
-    """Return the step with the same error as the actual steps, which the stops shorten.
+    """Return the step with the same error as the actual steps, which stops make shorter.
 
     Between two stops the steps are equal and at most ``step``.
 
@@ -222,7 +223,7 @@ def mean_step(stops: Array, step: float, order: int) -> float:
 
 
 def step_between(stops: Array, step: float) -> float:
-    """Return the step, or the longest gap between two stops if that is shorter.
+    """Return ``step``, or the longest gap between two stops if that gap is shorter.
 
     >>> step_between(np.array([0.0, 1.0, 1.5]), 3.0)
     1.0
@@ -231,12 +232,12 @@ def step_between(stops: Array, step: float) -> float:
 
 
 def shorter_step(stops: Array, step: float, order: int, ratio: float) -> float:
-    """Return a step whose error falls as that of ``ratio`` times the step, whatever the stops."""
+    """Return a step with the error of ``ratio`` times the mean step, whatever the stops."""
     return step_taken(stops, ratio * step, order, ratio * mean_step(stops, step, order))
 
 
 def step_taken(stops: Array, step: float, order: int, target: float) -> float:
-    """Return the step, shortened until its error is at most that of the step ``target``.
+    """Return ``step``, shortened until its error is at most that of the step ``target``.
 
     Errors are those of the actual steps, which the stops shorten.
 
@@ -251,8 +252,8 @@ def step_taken(stops: Array, step: float, order: int, target: float) -> float:
 class StepSearch(Engine):
     """Base of engines for which only the time step is chosen; subclasses define `run`.
 
-    ``first_step`` is the longest one tried; ``stops`` are times that are hit exactly, from the
-    beginning to the end. Between them the steps are equal.
+    ``first_step`` is the longest step tried; ``stops`` are times that are hit exactly, from the
+    beginning to the end. Between two stops the steps are equal.
     """
 
     kinds: tuple[Kind, ...] = ("step",)
@@ -277,14 +278,14 @@ class StepSearch(Engine):
         return replace(choices, step=step)
 
     def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
-        """Return choices with a step whose error, as step^order, is smaller by ``excess``."""
+        """Return choices with a shorter step, whose error ~ step^order is smaller by ``excess``."""
         step, order = step_between(self._stops, choices.step), self.order
         target = max(LEAST_FACTOR / MARGIN, excess ** (-1.0 / order)) * self.taken(choices)
         shorter = lawful_step(step, order, excess)
         return replace(choices, step=step_taken(self._stops, shorter, order, target))
 
     def taken(self, choices: Choices) -> float:
-        """Return the effective step (`mean_step`), as stops shorten the chosen one."""
+        """Return the effective step (`mean_step`): stops make it shorter than the chosen step."""
         return mean_step(self._stops, choices.step, self.order)
 
     def work(self, choices: Choices) -> float:

@@ -11,7 +11,7 @@ MassKind = Literal["displacements", "strains"]
 """Kind of fields: displacements of masses, or strains between them."""
 
 Pulse = tuple[int, ForceProgram | None]
-"""Field that is kicked from outside, and the law of its displacement that multiplies the kick."""
+"""A field that is kicked from outside, and the factor on the kick as a function of the field."""
 
 
 @dataclass(frozen=True)
@@ -19,11 +19,11 @@ class Variation:
     """Variation from cell to cell: of the ``masses``, or of parts ``c G`` of the bonds' ``forces``.
 
     ``masses`` is the kind of the fields, None if masses are equal. ``forces`` has an entry for each
-    bond, None where it is the same in all cells. ``bound`` is the largest abs(deviation). The
-    ``pulsed`` fields are kicked from outside in some cells. ``damped`` are the decay rates of the
-    fields' velocities, ``dashpots`` the coefficients of the bonds' dashpots; either may be empty.
-    Walls are cells with inverse mass 0 or, if ``walled``, cells where a last row of deviations is
-    -1.
+    bond, None for a bond with the same force in all cells. ``bound`` is the largest abs(deviation).
+    The ``pulsed`` fields are kicked from outside in some cells. ``damped`` are the decay rates of
+    the fields' velocities, ``dashpots`` the coefficients of the bonds' dashpots; either may be
+    empty. Walls are cells with inverse mass 0 or, if ``walled``, cells where a last row of
+    deviations is -1.
     """
 
     bound: float

@@ -26,18 +26,20 @@ from typing import TypeVar
 T = TypeVar("T")
 
 LONGEST_STEM, LONGEST_SUFFIX = 40, 12
-"""Most characters of a file's stem and suffix in its draft's name, which has at most 255 bytes."""
+"""Largest numbers of characters of a file's stem and of its suffix in the name of its draft, which
+has at most 255 bytes."""
 
 DRAFT = re.compile(r"\.([0-9a-f]{8})-([0-9]{1,9})-[0-9a-f]{16}\.draft")
 """Pattern of the end of a draft's name: host, process and a random number."""
 
 OLD_DRAFT = 86400.0
-"""Seconds after which a draft is no longer being written."""
+"""Age in seconds from which on a draft is no longer being written."""
 
 STALE_TRIES = 5
 
 UNFLUSHED = (errno.EINVAL, errno.ENOSYS, errno.ENOTSUP, errno.EOPNOTSUPP)
-"""Error numbers of file systems that cannot flush folders, or files; they write by themselves."""
+"""Error numbers of file systems that cannot flush folders or files; they write without being
+asked."""
 
 
 def write_atomically(
@@ -52,13 +54,13 @@ def write_atomically(
 
     The draft has the suffix of ``path``. Without ``force`` nothing is overwritten: one of several
     processes wins. An existing file of the user keeps its permissions, unless a ``mode`` is given.
-    If ``follow``, a symbolic link still leads to its file, which is replaced; otherwise, for names
-    that no user typed, the link itself is replaced. If ``durable``, the file is on the disk before
-    this returns.
+    If ``follow``, a symbolic link still leads to its file, and the file is replaced; otherwise, for
+    names that no user typed, the link itself is replaced. If ``durable``, the file is on the disk
+    before this function returns.
 
     Raises OSError that names the file if it cannot be written, FileExistsError if it exists and
-    must not be overwritten or is a folder or device, and any error of ``write``. Then the draft is
-    removed and ``path`` unchanged.
+    must not be overwritten or is a folder or device, and any error of ``write``. After an error the
+    draft is removed and ``path`` is unchanged.
     """
     path = Path(path)
     target = Path(os.path.realpath(path)) if follow else path
@@ -95,7 +97,7 @@ def draft_path(path: Path) -> Path:
 
 
 def remove_dead_drafts(folder: Path, stem: str = "*") -> None:
-    """Remove old drafts of files with that stem, and those of this host's dead processes."""
+    """Remove drafts of files with this stem that are old or of a dead process of this host."""
     for draft in folder.glob(f".{stem[:LONGEST_STEM]}.*.draft*"):
         with suppress(OSError):
             if _is_dead(draft):
@@ -103,7 +105,7 @@ def remove_dead_drafts(folder: Path, stem: str = "*") -> None:
 
 
 def _is_dead(draft: Path) -> bool:
-    """Return whether no process is writing the draft any more."""
+    """Return whether the process that was writing the draft has ended."""
     match = DRAFT.search(draft.name)
     if match is None or match[1] != _host():
         return time.time() - draft.lstat().st_mtime > OLD_DRAFT
@@ -128,7 +130,7 @@ def _host() -> str:
 
 
 def not_stale(ask: Callable[[], T]) -> T:
-    """Return ``ask()``, repeated if another host has just replaced the file (ESTALE)."""
+    """Return ``ask()``; call it again if another host has just replaced the file (ESTALE)."""
     for _ in range(STALE_TRIES - 1):
         try:
             return ask()
@@ -155,7 +157,7 @@ def _check_target(target: Path, force: bool) -> None:
 
 
 def _own_mode(target: Path) -> int | None:
-    """Return the permissions of the file; None if there is none, or it is another user's."""
+    """Return the permissions of the target; None if it is missing or belongs to another user."""
     state = _state(target)
     if state is None or (hasattr(os, "geteuid") and state.st_uid != os.geteuid()):
         return None
@@ -163,7 +165,7 @@ def _own_mode(target: Path) -> int | None:
 
 
 def _state(target: Path) -> os.stat_result | None:
-    """Return the status of the file, or None if there is none."""
+    """Return the status of the target, or None if it is missing."""
     try:
         return not_stale(target.stat)
     except OSError as error:
@@ -173,7 +175,7 @@ def _state(target: Path) -> os.stat_result | None:
 
 
 def _rename(draft: Path, target: Path, force: bool) -> None:
-    """Rename the draft. Without ``force``, raise FileExistsError if another file has the name."""
+    """Rename the draft to the target; without ``force``, raise FileExistsError if that exists."""
     give_name = os.replace if force else os.link
     file = not_stale(lambda: os.lstat(draft))
     try:
@@ -187,7 +189,7 @@ def _rename(draft: Path, target: Path, force: bool) -> None:
 
 
 def _rename_without_links(draft: Path, target: Path) -> None:
-    """Rename the draft after an empty file has reserved the name, where there are no hard links."""
+    """Reserve the target's name with an empty file, then rename the draft; needs no hard links."""
     number = os.open(target, os.O_CREAT | os.O_EXCL | os.O_WRONLY)
     try:
         _rename(draft, target, force=True)
@@ -210,7 +212,7 @@ def _flush_folder(folder: Path) -> None:
 
 
 def _flush(number: int) -> None:
-    """Flush an open file or folder, if its file system can."""
+    """Flush the open file or folder with descriptor ``number``, if its file system can."""
     try:
         os.fsync(number)
     except OSError as error:
@@ -219,7 +221,7 @@ def _flush(number: int) -> None:
 
 
 def _error_for(error: OSError, path: Path) -> OSError:
-    """Return the error with the file's name instead of its draft's."""
+    """Return an error with the name of the file in place of its draft's name."""
     if error.errno is None:
         return OSError(f"{path}: {error}")
     return OSError(error.errno, error.strerror or str(error), str(path))

@@ -33,18 +33,20 @@ from longwave.support.request_limits import current_limits
 from longwave.support.sealed_file import LOG, read_sealed, write_sealed
 
 Memory = dict[str, Any]
-"""State of a loop, by name: numbers, texts, arrays, and lists, tuples and dictionaries of them."""
+"""State of a loop, keyed by name: numbers, texts, arrays, and lists, tuples and dictionaries of
+these."""
 
 LOOP = ".loop"
-"""Suffix of a checkpoint's file."""
+"""Suffix of checkpoint files."""
 
 FIRST_COST = 0.01
-"""Assumed seconds of the first checkpoint: two flushes to a disk."""
+"""Assumed seconds that the first checkpoint takes: two flushes to a disk."""
 
 NO_CHECKPOINT = "%s: begins anew: %s has no checkpoint of this scene, code and machine"
 
 LEAST = 5.0
-"""Least seconds between two checkpoints of a loop: a killed run loses hardly more work."""
+"""Least seconds between two checkpoints of a loop: a killed run loses little more work than
+that."""
 
 SHARE = 0.01
 """Largest fraction of a run's time that its checkpoints take."""
@@ -54,7 +56,7 @@ RETRY_SECONDS = 60.0
 
 
 def run_stamp(key: str) -> str:
-    """Return a text with all that determines a run's bits: its key, the processor and settings."""
+    """Return a text with all that determines a run's bits: its ``key``, processor and settings."""
     from longwave.support.compiled.native_code import processor
 
     return "\n".join([key, processor(), *compiler_settings()])
@@ -63,9 +65,9 @@ def run_stamp(key: str) -> str:
 class CheckpointFolder:
     """Stores the checkpoints of one run's loops in a folder, created for the first of them.
 
-    ``stamp`` contains all that determines the run's bits. Between two checkpoints a loop runs
-    ``least`` seconds at least, and checkpoints take at most the ``share`` of its time. A full disk
-    does not stop the run: a warning is logged, and the checkpoint tried again later.
+    ``stamp`` contains all that determines the run's bits. A loop runs at least ``least`` seconds
+    between two checkpoints, which take at most the fraction ``share`` of its time. A full disk does
+    not stop the run: a warning is logged, and the checkpoint tried again later.
     """
 
     def __init__(
@@ -80,7 +82,7 @@ class CheckpointFolder:
         self.is_recalled = False
 
     def read(self, name: str, task: str) -> Memory | None:
-        """Return the stored state of that loop; None if missing or of another run or task."""
+        """Return the state of the loop ``name``; None if missing or of another run or task."""
         path = self._path(name)
         data = self._content(path) if path in self._loops() else None
         if data is None:
@@ -94,7 +96,7 @@ class CheckpointFolder:
         return memory
 
     def write(self, name: str, task: str, memory: Memory) -> None:
-        """Store a loop's state at once, replacing the one before."""
+        """Store the state of the loop ``name`` now, replacing the loop's earlier checkpoint."""
         data = plain_bytes((self._stamp, task, memory))
         try:
             if os.path.islink(self._folder):
@@ -121,7 +123,7 @@ class CheckpointFolder:
                 yield memory["seconds"]
 
     def tell(self, name: str) -> None:
-        """Log whether the run of that name is resumed from checkpoints, or cannot be."""
+        """Log whether the run called ``name`` is resumed from checkpoints, or cannot be resumed."""
         seconds = list(self._loop_seconds())
         self._stored = sum(seconds)
         if seconds:
@@ -159,7 +161,7 @@ class CheckpointFolder:
             ) from error
 
     def _content(self, path: Path) -> bytes | None:
-        """Return a file's content, unless it exceeds the memory limit of requests."""
+        """Return a file's content, or None if it exceeds the memory limit of requests."""
         return read_sealed(path, current_limits().memory_bytes, untyped=2)
 
     def _loops(self) -> list[Path]:
@@ -184,7 +186,7 @@ def _read(data: bytes) -> tuple[str | None, str | None, Memory | None]:
 
 
 def fitting(value: Any, like: Any) -> Any:
-    """Return a restored value after checking that compiled code can take it in place of ``like``.
+    """Return a restored value if compiled code can take it in place of the value ``like``.
 
     Raises ValueError for an array of another type, shape or memory order, or another type of value.
 
@@ -202,7 +204,7 @@ def fitting(value: Any, like: Any) -> Any:
 
 
 def _form(value: Any) -> str:
-    """Return the type of a value as text; of an array its dtype, shape and memory order."""
+    """Return the type of a value as text; for an array its dtype, shape and memory order."""
     if not isinstance(value, np.ndarray):
         return type(value).__name__
     order = "" if value.flags.c_contiguous else " not in the order of C"
@@ -227,7 +229,7 @@ _TRAIL: ContextVar[_Trail | None] = ContextVar("_TRAIL", default=None)
 
 @contextmanager
 def checkpoints_in(keeper: CheckpointFolder) -> Iterator[None]:
-    """Store checkpoints of the loops started in this block in ``keeper``, and resume from them.
+    """Store the loops started in this block in ``keeper``, and resume them from its checkpoints.
 
     Raises ValueError if a stored state does not fit its loop.
     """
@@ -258,16 +260,17 @@ def restored_seconds() -> float:
 
 
 def stored_seconds() -> float:
-    """Return the seconds of stored work that the run has not reached yet."""
+    """Return the seconds of stored work that the run has not restored yet."""
     trail = _TRAIL.get()
     return 0.0 if trail is None else trail.keeper.stored_seconds
 
 
 @dataclass
 class Loop:
-    """A loop, with its state ``memory`` of an earlier process, if any, and when it began.
+    """A loop; ``memory`` is its state stored by an earlier process, or None.
 
-    ``begun`` is a `perf_counter` time, moved back by the seconds of the earlier process.
+    ``begun`` is the `perf_counter` time at which it began, moved back by the seconds of the earlier
+    process.
     """
 
     keeper: CheckpointFolder | None = None
@@ -283,21 +286,21 @@ class Loop:
             self.keeper.add_restored(self.memory["seconds"])
 
     def offer(self, remember: Callable[[], Memory]) -> None:
-        """Store a checkpoint of ``remember()``, between two steps, if it is time for one."""
+        """Store the state ``remember()``, between two steps, if a checkpoint is due."""
         if self.keeper is not None:
             elapsed = perf_counter() - self._last
             if elapsed >= max(self.keeper.least, self._cost / self.keeper.share):
                 self._store(remember)
 
     def end(self, remember: Callable[[], Memory]) -> None:
-        """Store the final state if that takes at most ``share`` of the time since the last one."""
+        """Store the final state, ``remember()``, if enough time has passed since the last store."""
         if self.keeper is not None:
             elapsed = perf_counter() - self._last
             if self.keeper.share * elapsed >= self._cost:
                 self._store(remember)
 
     def _store(self, remember: Callable[[], Memory]) -> None:
-        """Write a checkpoint and measure its cost."""
+        """Write a checkpoint of ``remember()`` and measure what it costs."""
         assert self.keeper is not None
         now = perf_counter()
         self.keeper.write(self.name, self.task, remember() | {"seconds": now - self.begun})

@@ -22,7 +22,7 @@ from longwave.support.slow_work import announce, report_time_left
 from longwave.support.user_files import cut, printable, toml_value
 
 WRONG, BROKEN = 2, 1
-"""Exit statuses: after wrong input, and when the disk is full."""
+"""Exit statuses: `WRONG` after wrong input, `BROKEN` when the disk is full."""
 
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 """Errors of a disk that accepts no more data."""
@@ -42,7 +42,7 @@ NO_READER = 141
 """Exit status when the reader of the output is gone: 128 + the signal's number."""
 
 MAX_QUOTED, MAX_ERROR = 200, 4000
-"""Most characters of the input that an error quotes, and of an error in total."""
+"""Largest number of characters of the input that an error quotes, and of a whole error message."""
 
 _call: ContextVar[tuple[click.Command | None, Sequence[str]]] = ContextVar("_call")
 """Running command (None if it is unknown), and the words of its command line."""
@@ -62,7 +62,7 @@ def path_option(name: str, metavar: str, help_text: str) -> Callable[[Wrapped], 
 class CommandGroup(click.Group):
     """A group of commands, listed in the order of their declaration.
 
-    The error for an unknown command lists them, followed by ``otherwise`` if given.
+    The error for an unknown command lists the known commands, followed by ``otherwise`` if given.
     """
 
     def __init__(self, *arguments: Any, otherwise: str = "", **options: Any) -> None:
@@ -111,7 +111,7 @@ def _estimated_time(given: str | None) -> AbstractContextManager[request_limits.
 
 @contextmanager
 def _enforced_memory(given: str | None) -> Iterator[None]:
-    """Refuse requests, in the body, by their estimate; enforce a given limit on the process."""
+    """In the block, refuse requests that need too much memory, and enforce a limit if given."""
     with ExitStack() as stack:
         limits = stack.enter_context(request_limits.request_limits(given))
         if given and interruption.owns_process():
@@ -125,7 +125,7 @@ def _enforced_memory(given: str | None) -> Iterator[None]:
 
 @contextmanager
 def _enforced_time(given: str | None) -> Iterator[None]:
-    """Refuse requests, in the body, by their estimate; end the command after a given limit."""
+    """In the block, refuse requests that take too long, and end the command after a given limit."""
     with _estimated_time(given) as limits:
         allowed = limits.seconds if given else math.inf
         time = request_limits.duration(allowed)
@@ -138,8 +138,9 @@ def limits_of_each(memory: str = "", time: str = "") -> Callable[[Wrapped], Wrap
     """Return a decorator that adds `--max-memory` and `--max-time`, applied while the command runs.
 
     ``memory`` and ``time`` are the defaults for a command that makes many runs one after another;
-    the limits of such a command are compared with the estimate of each run. Without these arguments
-    the usual defaults apply, and limits that the user states are enforced on the whole command.
+    the limits of such a command are compared with the estimate of each run. Without these two
+    arguments the usual defaults apply, and limits that the user states are enforced on the whole
+    command.
     """
     each = bool(memory or time)
     hold_memory = _limit_callback(request_limits.request_limits if each else _enforced_memory)
@@ -167,8 +168,7 @@ def listed(
 ) -> tuple[Number, ...]:
     """Return the numbers in an option's text, separated by commas.
 
-    Raises ValueError, which says that they must be ``noun`` and shows the ``hint``, for other
-    texts.
+    Raises ValueError for other texts, saying that the numbers must be ``noun``, with the ``hint``.
 
     >>> listed("--eps", "0.1, 0.05", float, "numbers", "such as 0.1,0.05")
     (0.1, 0.05)
@@ -182,7 +182,7 @@ def listed(
 
 
 def named_values(name: str, texts: Iterable[str], usual: str = "m1=1,m2=3") -> dict[str, str]:
-    """Return the values in an option's texts by name; ``usual`` is the example in errors.
+    """Return values by name from an option's texts NAME=VALUE; ``usual`` is the example in errors.
 
     A comma in brackets or quotes belongs to the value. Raises UsageError for a name that is given
     twice.
@@ -246,10 +246,10 @@ def command_name() -> str:
 def run_words(command: click.Command, program: str, argv: Sequence[str] | None = None) -> int:
     """Run a command (by default on the process's arguments) and return its exit status.
 
-    0 for success; 1 if something is refuted, undecided, rejected, missing or incomplete; 2 for
-    wrong input, reported in one line; 130 after Ctrl-C, 143 after SIGTERM; 141 if the reader of the
-    output is gone. If the arguments are the process's own, signals are handled for the whole
-    process, and the time left is reported from time to time.
+    The status is 0 for success; 1 if something is refuted, undecided, rejected, missing or
+    incomplete; 2 for wrong input, reported in one line; 130 after Ctrl-C, 143 after SIGTERM; 141 if
+    the reader of the output is gone. If the arguments are the process's own, signals are handled
+    for the whole process, and the time left is reported from time to time.
     """
     arguments = list(sys.argv[1:] if argv is None else argv)
     running, called = _named(command, program, arguments)
@@ -263,7 +263,7 @@ def run_words(command: click.Command, program: str, argv: Sequence[str] | None =
 
 
 def _named(command: click.Command, program: str, argv: Sequence[str]) -> tuple[click.Command, str]:
-    """Return the subcommand that ``argv`` begins with, and its name with ``program`` in front."""
+    """Return the subcommand that ``argv`` begins with, and its full name, from ``program`` on."""
     for word in argv:
         inner = command.commands.get(word) if isinstance(command, click.Group) else None
         if inner is None:
@@ -311,7 +311,7 @@ def _flushed(status: int) -> int:
 
 
 def _drop_output() -> None:
-    """Redirect further standard output to nowhere."""
+    """Discard further standard output."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
@@ -338,10 +338,10 @@ def _report_usage_error(error: click.ClickException, called: str) -> int:
 def fail(message: object) -> int:
     """Print ``error: message`` in one line on stderr; return the exit status, 2 or 1.
 
-    It is 1 if the disk is full. The message of a file error names the argument, the file and a
-    remedy. Parts of the command line are quoted with at most ``MAX_QUOTED`` characters. After
-    Ctrl-C the interruption is reported instead, because the code it stops may raise anything. A
-    BrokenPipeError, from a reader that is gone, is raised again.
+    The status is 1 if the disk is full. The message of a file error names the argument, the file
+    and a remedy. Parts of the command line are quoted with at most ``MAX_QUOTED`` characters. After
+    Ctrl-C the interruption is reported instead of the error, because the stopped code may raise
+    anything. A BrokenPipeError, from a reader that is gone, is raised again.
     """
     if interruption.was_interrupted():
         return interruption.interrupted()
@@ -364,7 +364,7 @@ def _file_message(error: OSError) -> str:
 
 
 def _argument_of(path: str) -> str:
-    """Return the name of the argument that gives the file or its folder, or "path"."""
+    """Return the name of the argument that gives the file or the file's folder, or else "path"."""
     command, words = _call.get((None, ()))
     parameters = command.params if command is not None else []
     options = {name for p in parameters if not getattr(p, "is_flag", False) for name in p.opts}
@@ -378,7 +378,7 @@ def _argument_of(path: str) -> str:
 
 
 def _with_short_quotes(message: str) -> str:
-    """Return the message with long arguments of the command, and other long words, cut."""
+    """Return the message with long arguments of the command and other long words truncated."""
     if len(message) <= MAX_QUOTED:
         return message
     _, argv = _call.get((None, ()))
@@ -408,6 +408,6 @@ def one_line(message: object) -> str:
 def check_and_announce(
     work: str, seconds: float, memory: float = 0.0, cheaper: str = "take less at once"
 ) -> None:
-    """Announce the work; raise OverBudgetError if it exceeds the limits."""
+    """Announce the expected time of ``work``; raise OverBudgetError if it exceeds the limits."""
     request_limits.check_request(work, request_limits.ExpectedCost(seconds, memory), cheaper)
     announce(work, seconds)

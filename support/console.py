@@ -23,7 +23,7 @@ from longwave.support.slow_work import Clock, TimeLeft, announce, count_notice, 
 from longwave.support.user_files import printable, shown
 
 PIPE_WIDTH = 120
-"""Columns of a table if stdout is not a terminal."""
+"""Width of a table, in columns of text, if stdout is not a terminal."""
 
 T = TypeVar("T")
 Tell = Callable[[float], None]
@@ -45,7 +45,7 @@ def tracked(items: Iterable[T], count: int, words: str) -> Iterator[T]:
 
 
 def finished(items: Iterable[T]) -> tuple[list[T], bool]:
-    """Collect items until the end or Ctrl-C; return them, and whether it was the end."""
+    """Collect items to the end or to Ctrl-C; return them, and whether the end was reached."""
     collected: list[T] = []
     try:
         for item in items:
@@ -63,7 +63,7 @@ def print_results(
     program: str,
     requested: str,
 ) -> int:
-    """Print results with ``show`` or as JSON; return 0, or 130 after an interruption."""
+    """Print results by ``show`` or as JSON; return 0, or 130 if they are not ``complete``."""
     if json_wanted:
         print_json([entry.json() for entry in results])
     else:
@@ -87,7 +87,7 @@ def print_json(data: object) -> None:
 
 
 def _plain(data: Any) -> Any:
-    """Return the data as dictionaries, lists, texts and finite numbers; arrays become lists."""
+    """Return data as dictionaries, lists, texts and finite numbers; arrays become lists."""
     if isinstance(data, Mapping):
         return {str(key): _plain(value) for key, value in data.items()}
     if hasattr(data, "tolist"):
@@ -104,7 +104,7 @@ def print_lines(console: Console, lines: Iterable[str]) -> None:
 
 
 def plain_console(stderr: bool = False, soft_wrap: bool = False) -> Console:
-    """Return a console that prints text literally: a scene's title and name are not markup."""
+    """Return a console that prints text literally, such as a scene's title, without markup."""
     return PlainConsole(
         stderr=stderr, soft_wrap=soft_wrap, highlight=False, markup=False, emoji=False
     )
@@ -114,11 +114,11 @@ class PlainConsole(Console):
     """Console that escapes control characters, so that no text can steer the terminal."""
 
     def render_str(self, text: str, *words: Any, **options: Any) -> Text:
-        """Return the text, printed or in a table's cell, with control characters escaped."""
+        """Return the text with control characters escaped, also in a table's cell."""
         return super().render_str(printable(text), *words, **options)
 
     def on_broken_pipe(self) -> NoReturn:
-        """Raise BrokenPipeError, which the command handles; Rich would exit here."""
+        """Raise BrokenPipeError, for the command to handle; Rich would exit the process here."""
         raise BrokenPipeError
 
 
@@ -133,9 +133,9 @@ def check_output(
 ) -> None:
     """Raise ValueError, before anything is computed, if no file can be written at ``text``.
 
-    It must end in one of the ``suffixes``, if any, lie in a writable folder, be no folder or
-    device, and not be one of the files ``read``. Without ``force`` it must not exist. ``option``
-    names it in errors.
+    ``text`` must end in one of the ``suffixes``, if any are given, and name a file in a writable
+    folder, which is no folder or device and none of the files ``read``. Without ``force`` the file
+    must not exist. ``option`` is the option's name in errors.
     """
     if text is None:
         return
@@ -165,7 +165,7 @@ def check_output(
 
 
 def _check_folder(folder: Path, option: str) -> None:
-    """Raise ValueError if no file can be created in the folder; a test file is created to see."""
+    """Raise ValueError if a test file cannot be created in the folder."""
     try:
         tempfile.TemporaryFile(dir=folder).close()
     except OSError as error:
@@ -180,7 +180,7 @@ SUFFIXES = (".png", ".pdf", ".svg")
 
 
 def picture_path(output: str | Path) -> Path:
-    """Return the path of a picture; raise ValueError for a suffix that cannot be drawn."""
+    """Return the path of a picture; raise ValueError if its suffix is not in `SUFFIXES`."""
     path = Path(output) if isinstance(output, str | Path) else None
     if path is None or path.suffix.lower() not in SUFFIXES:
         got = shown(output if path is None else path.name)
@@ -191,7 +191,7 @@ def picture_path(output: str | Path) -> Path:
 
 
 def default_output(source: str, suffix: str = ".png") -> str:
-    """Return the name of a picture in the working folder, after the run or scene.
+    """Return the file name of a picture in the working folder, made from that of the run or scene.
 
     >>> default_output("runs/rogue_cn_k_0.5.nc"), default_output("rogue_cn_k_0.5")
     ('rogue_cn_k_0.5.png', 'rogue_cn_k_0.5.png')
@@ -206,8 +206,8 @@ def progress_bar(
     """Show progress with the time left on stderr: a bar, a line, or occasional lines.
 
     A terminal has a bar, a notebook a line that is rewritten. Yields two callbacks: one for the
-    fraction done, one for the expected seconds of ``work``. Long times are announced, again when
-    they have doubled, without the part that checkpoints restore.
+    fraction done, one for the expected seconds of ``work``. Long times are announced, and announced
+    again when they have doubled; work that checkpoints restore is not counted.
     """
     if in_notebook():
         with ProgressLine(name) as line:
@@ -243,7 +243,7 @@ def progress_bar(
 
 
 def _without_restored(tell: Tell) -> Tell:
-    """Return a callback that subtracts the seconds that checkpoints restore."""
+    """Return the callback ``tell`` for seconds without those that checkpoints restore."""
     announcer = Announcer(tell)
 
     def announce_rest(seconds: float) -> None:

@@ -33,20 +33,20 @@ COUNT_INTERVAL = 2.0
 """Seconds between two counts of a cluster's workers."""
 
 START_SECONDS = 60.0
-"""Seconds for an interpreter to start and to end, in addition to its job's."""
+"""Seconds allowed for an interpreter to start and to end, in addition to the seconds of its job."""
 
 Outcome = tuple[Any, Any, BaseException | None]
-"""Last message, value and error of a call."""
+"""Outcome of a call: last message, value and error."""
 
 
 class DaskWorkers:
-    """Workers of a Dask cluster; Dask replaces lost workers and repeats their jobs."""
+    """Workers of a Dask cluster; Dask replaces a lost worker and repeats its jobs."""
 
     def __init__(self, address: str, digest: str, check: Callable[["Client"], None]) -> None:
-        """Connect, and ``check`` that the workers compute the same as this process.
+        """Connect to the scheduler, and ``check`` that workers compute the same as this process.
 
-        ``digest`` is the MODULE:NAME of an object that they must have. Raises ValueError as
-        `_connected` and the check do.
+        ``digest`` is the MODULE:NAME of an object that the workers must have. Raises ValueError as
+        `_connected` and ``check`` do.
         """
         self._client = _connected(address, digest)
         self._futures: dict[Call, Any] = {}
@@ -66,7 +66,7 @@ class DaskWorkers:
         self._look()
 
     def submit(self, job: Job) -> Call:
-        """Submit a job; it is repeated on another worker if its own is lost."""
+        """Submit a job; Dask repeats it on another worker if its worker is lost."""
         call = Call(job)
         try:
             self._futures[call] = self._client.submit(_outcome, job, pure=False)
@@ -95,7 +95,7 @@ class DaskWorkers:
         return [call]
 
     def _look(self) -> None:
-        """Count the workers, and log a message if there are none; others may come."""
+        """Count the workers; if there are none, log it and wait, as others may come."""
         if time.monotonic() < self._looked + COUNT_INTERVAL:
             return
         try:
@@ -164,7 +164,7 @@ def _connected(address: str, needed: str) -> "Client":
 
 
 def _outcome(job: Job) -> Outcome:
-    """Do a job in a worker; a job with limits gets an interpreter of its own that enforces them."""
+    """Do a job in a worker; a job with limits gets a new interpreter that enforces them."""
     if job.memory is None and job.seconds == math.inf:
         return None, job.run(lambda _: None), None
     root = str(Path(__file__).absolute().parents[2])

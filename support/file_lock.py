@@ -24,7 +24,7 @@ except ImportError:
 FLAGS = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
 
 MAX_TRIES = 1000
-"""Most attempts to get a lock whose holder keeps removing its file."""
+"""Largest number of attempts to get a lock whose holder keeps removing its file."""
 
 UNLOCKED_MESSAGE = (
     "%s: files cannot be locked there (%s): two processes that want the same run may both make it; "
@@ -40,9 +40,9 @@ _TESTED: set[int] = set()
 
 @contextmanager
 def locked(path: Path, wait: Callable[[], None] = lambda: None) -> Iterator[None]:
-    """Hold the lock ``path`` in the body, and remove its file afterwards.
+    """Hold the lock file ``path`` in the block, and remove the file afterwards.
 
-    ``wait`` is called before waiting for another holder. Where files cannot be locked, the body
+    ``wait`` is called before waiting for another holder. Where files cannot be locked, the block
     runs all the same. A symbolic link of that name, which no user typed, is removed. Raises OSError
     that names the file if it cannot be created.
     """
@@ -58,7 +58,7 @@ def locked(path: Path, wait: Callable[[], None] = lambda: None) -> Iterator[None
 
 
 def _acquired(path: Path, wait: Callable[[], None]) -> int:
-    """Return the descriptor of the lock file, locked where the file system can lock files."""
+    """Return the descriptor of the lock file, which is locked if its file system can lock files."""
     for _ in range(MAX_TRIES):
         number = _opened(path)
         try:
@@ -77,7 +77,7 @@ def _acquired(path: Path, wait: Callable[[], None]) -> int:
 
 
 def _opened(path: Path) -> int:
-    """Open the lock file, removing a symbolic link of its name."""
+    """Open the lock file; a symbolic link with its name is removed first."""
     for _ in range(MAX_TRIES):
         try:
             return not_stale(lambda: os.open(path, FLAGS, 0o666))
@@ -90,7 +90,10 @@ def _opened(path: Path) -> int:
 
 
 def _try_lock(path: Path, number: int, wait: Callable[[], None]) -> bool:
-    """Lock the file; return whether ``path`` still leads to it. Raises OSError if not possible."""
+    """Lock the file with descriptor ``number``; return whether ``path`` still leads to it.
+
+    Raises OSError if the file cannot be locked.
+    """
     if fcntl is None:
         raise OSError(errno.ENOSYS, os.strerror(errno.ENOSYS))
     try:
@@ -113,7 +116,7 @@ def _try_lock(path: Path, number: int, wait: Callable[[], None]) -> bool:
 
 
 def _check_that_it_excludes(path: Path) -> None:
-    """Raise OSError if another process could lock or remove the locked file."""
+    """Raise OSError if another process could lock or remove the file that is locked here."""
     with suppress(FileNotFoundError):
         number = not_stale(lambda: os.open(path, FLAGS & ~os.O_CREAT))
         try:
@@ -126,7 +129,7 @@ def _check_that_it_excludes(path: Path) -> None:
 
 
 def _warn_once(folder: Path, reason: str) -> None:
-    """Log once for each file system why nothing is locked there."""
+    """Log, once for each file system, why files in the folder are not locked."""
     device = os.stat(folder).st_dev
     if device not in _WARNED:
         _WARNED.add(device)

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from html import escape
 
 CELL_STYLE = 'style="text-align: left"'
-"""Style of all cells; the notebook sets the rest."""
+"""Style of all cells; the notebook determines the rest."""
 
 
 def html_table(title: str, rows: Iterable[Sequence[str]], heads: Sequence[str] = ()) -> str:

@@ -27,10 +27,10 @@ from longwave.support.supervision import OVERDUE, TOO_LARGE, supervised, tell
 from longwave.support.user_files import on_one_line
 
 ENDING = signal.SIGINT, signal.SIGTERM, signal.SIGALRM, TOO_LARGE
-"""Signals that end a command: Ctrl-C, a scheduler's, a timer's, and that of too much memory."""
+"""Signals that end a command: Ctrl-C, a scheduler's, a timer's, and that for too much memory."""
 
 SIGNALLED = 128
-"""Exit status after a signal, less the signal's number."""
+"""Number that is added to a signal's number to give the exit status after the signal."""
 
 INTERRUPTED = SIGNALLED + signal.SIGINT
 """Exit status after Ctrl-C."""
@@ -39,10 +39,10 @@ LONGEST_TIMER = 1e7
 """Seconds above which no timer is set."""
 
 PATIENCE = 1.5
-"""Seconds in which a command may end by itself."""
+"""Seconds that a command has to end by itself after a signal."""
 
 SAVING_SECONDS = 15.0
-"""Seconds by which `keeping` extends the time for writing finished results."""
+"""Additional seconds that `keeping` allows for writing finished results."""
 
 SAME_PRESS = 0.3
 """Seconds in which a second signal counts as the first one, forwarded by another program."""
@@ -54,7 +54,7 @@ SHOW_CURSOR = "\x1b[?25h"
 
 
 class _Watch:
-    """State of a running command: its name, what it has saved, and since when it is ending."""
+    """State of a running command: its name, what it has saved, and when it began to end."""
 
     def __init__(self, name: str) -> None:
         self.name, self.saved, self.limit, self.memory_limit = name, "", "", ""
@@ -64,7 +64,7 @@ class _Watch:
         self.is_reported = self.over = self.left = False
 
     def press(self, number: int, *_: object) -> None:
-        """Handle a signal: interrupt the main thread, or end the process on the second one."""
+        """Handle a signal: interrupt the main thread; on a second signal, end the process."""
         now = time.monotonic()
         if self.over or (self.since is not None and now > self.since + SAME_PRESS):
             self.end()
@@ -75,7 +75,7 @@ class _Watch:
             raise KeyboardInterrupt
 
     def watch(self, reading: int) -> None:
-        """Run in a thread: end the process a while after a signal's number arrives in the pipe."""
+        """Run in a thread: some time after the pipe receives a signal's number, end the process."""
         byte = os.read(reading, 1)
         while byte and byte[0] not in ENDING:  # another handler's signal
             byte = os.read(reading, 1)
@@ -94,7 +94,7 @@ class _Watch:
             print(self._line(saved), file=sys.stderr, flush=True)
 
     def _line(self, saved: str) -> str:
-        """Return the line that says why the command ended, and what is ``saved``."""
+        """Return the line that says why the command ended, with the text ``saved`` at its end."""
         if self.status == OVERDUE:
             return f"error: {self.name} {self.limit}{saved}"
         return f"{self.name}: interrupted{saved}"
@@ -121,9 +121,9 @@ _watch: _Watch | None = None
 def interruptible(name: str, work: Callable[[], int], whole_process: bool) -> int:
     """Run ``work`` and return its exit status; 130 after Ctrl-C, 143 after SIGTERM, with one line.
 
-    ``name`` is the command's name. With ``whole_process`` the command is all that the process
-    does, and the signals are handled until it has ended. Otherwise SIGTERM is left to the caller;
-    ignored signals stay ignored.
+    ``name`` is the command's name. With ``whole_process`` the command is all that the process does,
+    and the signals are handled until the process has ended. Otherwise SIGTERM is left to the
+    caller; ignored signals stay ignored.
     """
     if whole_process and _watch is None:
         return supervised(sys.argv[1:], lambda: _interruptible(name, work, whole_process))
@@ -131,7 +131,7 @@ def interruptible(name: str, work: Callable[[], int], whole_process: bool) -> in
 
 
 def _interruptible(name: str, work: Callable[[], int], whole_process: bool) -> int:
-    """Run ``work`` with signal handlers, if this is the main thread and none are set."""
+    """Run ``work`` with signal handlers, if this is the main thread and no command is running."""
     is_main = threading.current_thread() is threading.main_thread()
     numbers = [
         number
@@ -164,7 +164,7 @@ def _run_reporting(name: str, work: Callable[[], int]) -> int:
 
 @contextmanager
 def _watching(watch: _Watch, whole_process: bool, numbers: Sequence[int]) -> Iterator[None]:
-    """Install the signal handlers and the watcher thread for the body."""
+    """Install handlers for the signals ``numbers``, and the watcher thread, for the block."""
     global _watch
     handlers = {number: signal.signal(number, watch.press) for number in numbers}
     reading, writing = os.pipe()
@@ -188,13 +188,13 @@ def _watching(watch: _Watch, whole_process: bool, numbers: Sequence[int]) -> Ite
 
 
 def owns_process() -> bool:
-    """Return whether the process is a command's own, as `interruptible` was told."""
+    """Return whether the running command is all that this process does."""
     return _watch is not None and signal.getsignal(signal.SIGALRM) == _watch.press
 
 
 @contextmanager
 def ended_after(seconds: float, limit: str) -> Iterator[None]:
-    """End a command that `owns_process` after ``seconds``, as Ctrl-C does; print the ``limit``."""
+    """End a command that `owns_process` after ``seconds``, as Ctrl-C does, and print ``limit``."""
     if _watch is None or not owns_process() or seconds > LONGEST_TIMER:
         yield
         return
@@ -211,7 +211,7 @@ def ended_after(seconds: float, limit: str) -> Iterator[None]:
 
 @contextmanager
 def ended_beyond(size: float, limit: str) -> Iterator[None]:
-    """End a watched command that `owns_process` if its processes take more than ``size`` bytes."""
+    """End a command that `owns_process` if it takes more than ``size`` bytes; print ``limit``."""
     if _watch is None or not owns_process() or math.isinf(size):
         yield
         return
@@ -225,7 +225,7 @@ def ended_beyond(size: float, limit: str) -> Iterator[None]:
 
 
 def stated_memory() -> str:
-    """Return the text for a command beyond its stated memory limit; "" without a limit."""
+    """Return the text printed for a command beyond its memory limit; "" if none was stated."""
     return _watch.memory_limit if _watch is not None else ""
 
 
@@ -236,7 +236,7 @@ def _ignore_from_here() -> None:
 
 
 def _leave_to_parent() -> None:
-    """Reset the handlers in a forked process; its parent ends it."""
+    """Reset the signal handlers in a forked process, which its parent ends."""
     global _watch
     if _watch is not None:
         _watch = None
@@ -262,7 +262,7 @@ def name_command(name: str) -> None:
 
 
 def interrupted(name: str = "", saved: str = "") -> int:
-    """Print the line after Ctrl-C, with what was saved; return the exit status."""
+    """Print the line for Ctrl-C, which mentions what was ``saved``; return the exit status."""
     watch = _watch or _Watch(name)
     watch.name = name or watch.name
     watch.tell(f" ({on_one_line(saved)})" if saved else "")
@@ -270,7 +270,7 @@ def interrupted(name: str = "", saved: str = "") -> int:
 
 
 def note_saved(saved: str) -> None:
-    """Set the text about saved work for the line printed if the command is ended."""
+    """Set the text that is printed about saved work if the command is ended."""
     if _watch is not None:
         _watch.saved = on_one_line(saved)
         tell(saved=_watch.saved)
@@ -278,7 +278,7 @@ def note_saved(saved: str) -> None:
 
 @contextmanager
 def keeping() -> Iterator[None]:
-    """Allow additional time after Ctrl-C in the body, for writing finished results."""
+    """In the block, allow additional time after Ctrl-C for writing finished results."""
     if _watch is None:
         yield
         return

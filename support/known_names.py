@@ -4,25 +4,25 @@ from collections.abc import Iterable
 from typing import TypeVar
 
 COMPARED_CHARACTERS = 60
-"""Characters of an unknown name that are compared."""
+"""Number of characters of an unknown name that are compared with known names."""
 
 MAX_SUGGESTIONS = 3
-"""Most names suggested."""
+"""Largest number of names suggested."""
 
 MAX_SIMILARITY_LOSS = 0.15
-"""Largest difference in similarity, 0 .. 1, from the most similar name of a suggested name."""
+"""Suggested names are less similar than the most similar one by at most this, on a scale 0 .. 1."""
 
 MIN_PREFIX = 3
-"""Least characters of an unknown name that may be the beginning of a known one."""
+"""Least number of characters for which an unknown name may be the beginning of a known one."""
 
 MAX_LISTED = 30
-"""Most names listed in addition to suggestions; if there are more, only their number is given."""
+"""Largest number of known names listed next to suggestions; of more, only the number is given."""
 
 T = TypeVar("T")
 
 
 def close_names(name: object, known: Iterable[str], limit: int = MAX_SUGGESTIONS) -> list[str]:
-    """Return the known names similar to an unknown one, the most similar first.
+    """Return up to ``limit`` known names similar to the unknown ``name``, the most similar first.
 
     Similar names have the same letters in another order, a few wrong letters, or a missing end.
 
@@ -49,7 +49,7 @@ def close_names(name: object, known: Iterable[str], limit: int = MAX_SUGGESTIONS
 
 
 def did_you_mean(name: object, known: Iterable[str], limit: int = MAX_SUGGESTIONS) -> str:
-    """Return the known names similar to an unknown one as a question; empty if there are none.
+    """Return a question with the known names similar to ``name``; empty if there are none.
 
     >>> did_you_mean("Kinck", ["wave_cn", "kink"]), did_you_mean("peakon", ["wave_cn", "kink"])
     ('did you mean kink?', '')
@@ -61,7 +61,7 @@ def did_you_mean(name: object, known: Iterable[str], limit: int = MAX_SUGGESTION
 def one_of(name: object, known: Iterable[str]) -> str:
     """Return the remedy for an unknown name: suggestions, and the list of known names.
 
-    If there is a suggestion, a long list is replaced by its length.
+    If there is a suggestion, the length of a long list is given in place of the list.
 
     >>> one_of("kinck", ["wave_cn", "kink"])
     'did you mean kink? one of wave_cn, kink'
@@ -77,14 +77,14 @@ def one_of(name: object, known: Iterable[str]) -> str:
 
 
 class UnknownNameError(ValueError, KeyError):
-    """Unknown name in a catalogue: a KeyError whose text reads like that of a ValueError."""
+    """KeyError for an unknown name in a catalogue, with a text like that of a ValueError."""
 
     def __str__(self) -> str:
         return str(self.args[0])
 
 
 class NamedEntries(dict[str, T]):
-    """Catalogue by name whose error for an unknown name suggests similar ones.
+    """Catalogue of entries by name; the error for an unknown name suggests similar names.
 
     >>> try:
     ...     NamedEntries("lattice", {"toda": 1, "fput": 2})["todda"]

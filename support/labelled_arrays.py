@@ -87,7 +87,7 @@ class LabelledArray:
 
 
 def select(values: LabelledValues, indexers: Mapping[str, Indexer]) -> LabelledValues:
-    """Return the values at indices along some dimensions; other dimensions are ignored.
+    """Return the values at ``indexers`` along dimensions; those of other dimensions are ignored.
 
     >>> ramp = LabelledArray(("time", "site"), np.arange(6).reshape(2, 3))
     >>> select(ramp, {"time": 1, "site": [2, 0], "row": 0})
@@ -130,7 +130,7 @@ class LabelledArrays:
         return iter(self.variables)
 
     def get(self, name: str) -> LabelledValues | None:
-        """Return the variable, or None if there is none of that name."""
+        """Return the variable of that name, or None if there is none."""
         return self.variables.get(name)
 
     @property
@@ -155,6 +155,6 @@ class LabelledArrays:
         return LabelledArrays(self.variables, self.attrs | added)
 
     def without(self, dimension: str) -> LabelledArrays:
-        """Return the arrays without the variables along the dimension."""
+        """Return the arrays without the variables that have this dimension."""
         rest = {name: each for name, each in self.variables.items() if dimension not in each.dims}
         return LabelledArrays(rest, self.attrs)

@@ -10,8 +10,8 @@ from importlib import import_module
 from typing import Any
 
 BEGUN = time.time()
-"""Time of the first import of a room, in seconds since the epoch: files changed since then may
-differ from the running code."""
+"""Time of the first import of a room, in seconds since the epoch: files changed after it may differ
+from the running code."""
 
 
 def lazy_exports(
@@ -19,7 +19,7 @@ def lazy_exports(
 ) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
     """Return a room's ``__getattr__`` and ``__dir__``.
 
-    ``modules`` gives, for each module, the names that it provides, separated by spaces.
+    ``modules`` maps each module to the names that it provides, separated by spaces.
     """
     module_by_name = {name: module for module, names in modules.items() for name in names.split()}
 
@@ -39,9 +39,10 @@ def lazy_exports(
 def declared_exports(
     room: str,
 ) -> tuple[Callable[[str], object], Callable[[], list[str]], list[str]]:
-    """Return ``__getattr__``, ``__dir__`` and ``__all__`` of a room from its own source.
+    """Return ``__getattr__``, ``__dir__`` and ``__all__`` of a room from the room's own source.
 
-    Its names are those that it imports for type checkers: ``from MODULE import NAME as NAME``.
+    The exported names are those that the source imports for type checkers: ``from MODULE import
+    NAME as NAME``.
     """
     modules: dict[str, str] = {}
     loader: Any = sys.modules[room].__loader__

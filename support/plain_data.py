@@ -17,20 +17,22 @@ if TYPE_CHECKING:
     import numpy as np
 
 JSON_TYPES = (type(None), bool, int, float, str)
-"""Scalar types of JSON; types other than these and lists become a dictionary {tag: content}."""
+"""Scalar types of JSON. Values of types other than these and lists become a dictionary {tag:
+content}."""
 
 NUMBER_DTYPE = re.compile(r"[<>|=][biufcSU][1-9]\d{0,8}")
-"""Pattern of NumPy's dtypes of numbers and texts; it excludes objects, which hold addresses."""
+"""Pattern of NumPy's dtypes for numbers and texts; it excludes the dtype of objects, which holds
+addresses."""
 
 READING_ERRORS = (ValueError, TypeError, LookupError, AttributeError, OverflowError, RecursionError)
-"""Errors that reading may meet in bytes written elsewhere."""
+"""Errors that may occur when bytes written elsewhere are read."""
 
 HEAD = 8
 """Number of bytes that hold the length of the JSON text."""
 
 
 class PlainKind(NamedTuple):
-    """Additional type for plain data: how to take it apart and how to rebuild it."""
+    """Additional type for plain data: how to take its values apart and how to rebuild them."""
 
     type: type
     parts: Callable[[Any], object]
@@ -38,7 +40,8 @@ class PlainKind(NamedTuple):
 
 
 Kinds = Callable[[str], PlainKind | None]
-"""Function from a tag in the data to the additional type of that name, None if unknown."""
+"""Function from a tag in the data to the additional type with that tag, or None if it is
+unknown."""
 
 
 def plain_bytes(value: object, kinds: Kinds = lambda _: None) -> bytes:
@@ -94,7 +97,7 @@ class _Writer:
         raise TypeError(f"data must be numbers, texts, arrays or lists, got {kind} (convert it)")
 
     def _array(self, values: np.ndarray[Any, Any]) -> list[Any]:
-        """Return type, shape, memory order and byte offset of an array, and store its data."""
+        """Store an array's data; return its dtype, shape, memory order and byte offset."""
         if not NUMBER_DTYPE.fullmatch(values.dtype.str):
             raise TypeError(f"array entries must be numbers or texts, got {values.dtype} (convert)")
         flags = values.flags

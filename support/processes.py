@@ -35,13 +35,13 @@ POLL_SECONDS = 0.2
 """Seconds between two checks of the progress."""
 
 MESSAGE_INTERVAL = 0.1
-"""Least seconds between two fractions that a job reports."""
+"""Least seconds between two fractions of progress that a job reports."""
 
 SAFE_PATH = "PYTHONSAFEPATH"
 """Environment variable that keeps the current folder out of Python's path."""
 
 PATIENCE = 1.0
-"""Seconds in which a process that is terminated may still write its output."""
+"""Seconds in which a terminated process may still write its output."""
 
 
 ENDED = "the process broke off"
@@ -57,13 +57,13 @@ class LostProcess(Exception):
 
 @dataclass(frozen=True)
 class Job:
-    """A function call for a process; ``weight`` is its approximate duration in seconds.
+    """A function call to be made in a process; ``weight`` is its approximate duration in seconds.
 
     If ``tells``, the function gets an additional argument, a callback for the fraction of the work
     done, 0 .. 1, or other messages. After ``seconds`` of wall time the process is killed; it may
-    take ``memory`` bytes in addition to what it has. A job that ``gives_way`` is ended, by
-    Cancelled from its callback, when its process gets another. All parts must be picklable, unless
-    the process is a fork.
+    take ``memory`` bytes in addition to the memory it has. A job that ``gives_way`` is ended, by
+    Cancelled from its callback, when its process gets another job. All parts must be picklable,
+    unless the process is a fork.
     """
 
     function: Callable[..., Any]
@@ -96,7 +96,7 @@ class Call:
 
 
 class Workers(Protocol):
-    """Protocol of processes that do jobs, here or on a cluster."""
+    """Protocol of a set of processes that do jobs, on this computer or on a cluster."""
 
     @property
     def count(self) -> int:
@@ -106,7 +106,7 @@ class Workers(Protocol):
         """Submit a job and return its call."""
 
     def ended(self, seconds: float) -> list[Call]:
-        """Return the calls that have ended, waiting up to ``seconds`` for one."""
+        """Return the calls that have ended; wait up to ``seconds`` until there is one."""
 
     def stop(self) -> None:
         """End all work within two seconds."""
@@ -117,7 +117,7 @@ def as_ended(
     workers: Workers,
     look: Callable[[Mapping[Call, Subject]], object] = lambda _: None,
 ) -> Iterator[tuple[Subject, Call]]:
-    """Do all jobs as `in_turn`, and stop the workers at the end, even after an error or Ctrl-C."""
+    """Yield finished calls as `in_turn` does; stop the workers at the end or after an error."""
     try:
         yield from in_turn(jobs, workers, look)
     finally:
@@ -130,7 +130,7 @@ def in_turn(
     look: Callable[[Mapping[Call, Subject]], object] = lambda _: None,
     ahead: int = 1,
 ) -> Iterator[tuple[Subject, Call]]:
-    """Do all jobs, ``ahead`` of them per worker at once; yield (key, finished call) as they end.
+    """Do all jobs, up to ``ahead`` at once per worker; yield (key, finished call) as calls end.
 
     ``look`` is called from time to time with the running calls and their keys.
     """
@@ -214,7 +214,7 @@ def _program(command: Sequence[str], folder: Path) -> tuple[int, str]:
 
 @dataclass(eq=False)
 class _Worker:
-    """A process, its pipe, and its jobs: the one under way and those queued."""
+    """A process, its pipe, and its calls: the current one and the queued ones."""
 
     process: Any
     pipe: Connection
@@ -233,10 +233,10 @@ class _Worker:
 class LocalWorkers:
     """Local processes, started when needed and replaced when lost.
 
-    They ignore Ctrl-C, which this process handles, and end when this process ends, however it
-    ends. Each is a fresh interpreter that calls ``begin`` first and is reused for further jobs. If
-    ``isolated``, each does one job only and is, where possible, a fork of this process, which needs
-    no imports.
+    The processes ignore Ctrl-C, which this process handles, and end when this process ends, however
+    it ends. Each is a fresh interpreter that calls ``begin`` first and is reused for further jobs.
+    If ``isolated``, each does one job only and is, where possible, a fork of this process, which
+    needs no imports.
     """
 
     def __init__(
@@ -247,7 +247,7 @@ class LocalWorkers:
         self._ended: list[Call] = []
 
     def start(self, job: Job | None = None) -> _Worker:
-        """Start a process, for this ``job`` only if one is given; return its worker."""
+        """Start a process (for this ``job`` alone if one is given) and return its worker."""
         forked = job is not None and hasattr(os, "fork")
         context: Any = mp.get_context("fork" if forked else "spawn")
         ours, theirs = context.Pipe()
@@ -283,7 +283,7 @@ class LocalWorkers:
             worker.calls.append((call, time.monotonic() + call.job.seconds))
 
     def ended(self, seconds: float) -> list[Call]:
-        """Return the calls that have ended, waiting up to ``seconds`` for one."""
+        """Return the calls that have ended; wait up to ``seconds`` until there is one."""
         ends = [worker.calls[0][1] for worker in self._workers if worker.calls]
         longest = 0.0 if self._ended else min([seconds, *(end - time.monotonic() for end in ends)])
         ready = wait([worker.pipe for worker in self._workers], max(0.0, longest))
@@ -313,7 +313,7 @@ class LocalWorkers:
                 self._drop(worker, None, PATIENCE)
 
     def _drop(self, worker: _Worker, error: BaseException | None, patience: float = 0.0) -> None:
-        """End a process; its current call gets the error, queued calls go to another process."""
+        """End a process; its current call gets ``error``, queued calls go to other processes."""
         self._workers.remove(worker)
         worker.end(patience)
         for position, (call, _) in enumerate(worker.calls):
@@ -335,7 +335,7 @@ class LocalWorkers:
 
 @contextmanager
 def _safe_path() -> Iterator[None]:
-    """Let processes started in the body import nothing from the current folder."""
+    """In the block, start processes that import nothing from the current folder."""
     before = os.environ.get(SAFE_PATH)
     os.environ[SAFE_PATH] = "1"
     try:
@@ -349,7 +349,7 @@ def _safe_path() -> Iterator[None]:
 
 @contextmanager
 def _without_script() -> Iterator[None]:
-    """Keep processes started in the body from running the user's script, as a spawn would."""
+    """In the block, start processes that do not run the user's script, as a spawn would."""
     main = sys.modules["__main__"]
     if main.__spec__ is None:
         sys.modules["__main__"] = ModuleType("__main__")
@@ -361,7 +361,7 @@ def _without_script() -> Iterator[None]:
 
 @contextmanager
 def _interrupts_blocked() -> Iterator[None]:
-    """Block Ctrl-C for processes started in the body, which would print a traceback."""
+    """In the block, start processes with Ctrl-C blocked: they would print a traceback."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
@@ -373,7 +373,7 @@ def _interrupts_blocked() -> Iterator[None]:
 
 
 def _kill_group(leader: int) -> None:
-    """Kill the processes that a process started, if it leads a group of its own."""
+    """Kill the processes of the group that the process ``leader`` leads, if there is one."""
     if hasattr(os, "killpg"):
         with suppress(ProcessLookupError, PermissionError):
             os.killpg(leader, signal.SIGKILL)
@@ -388,7 +388,7 @@ def _serve(
     begin: Callable[[], None] | None,
     job: Job | None,
 ) -> None:
-    """Do this ``job``, or those from the pipe; a fork closes its ``peer``, the parent's end."""
+    """Do this ``job``, or jobs from the pipe; a fork closes ``peer``, the parent's end of it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if peer is not None:
         peer.close()
@@ -417,7 +417,7 @@ def _receive(pipe: Connection, inbox: SimpleQueue[bytes]) -> None:
 
 
 def _do(job: Job, pipe: Connection, inbox: SimpleQueue[bytes]) -> bool:
-    """Do a job and send its result; return whether the process can do others."""
+    """Do a job and send its result; return whether the process can do further jobs."""
     last = -math.inf
 
     def give_way() -> None:
@@ -453,7 +453,7 @@ def _do(job: Job, pipe: Connection, inbox: SimpleQueue[bytes]) -> bool:
 
 
 def limit_memory(beyond: int) -> None:
-    """Limit this process to ``beyond`` bytes more than it has, where the system supports it."""
+    """Limit this process to ``beyond`` bytes more than it has, if the system supports that."""
     with suppress(ImportError, OSError, ValueError):
         import resource  # where there is fork
 
@@ -463,7 +463,7 @@ def limit_memory(beyond: int) -> None:
 
 
 def limit_processor(seconds: int) -> None:
-    """Kill this process after ``seconds`` more of processor time, where the system supports it."""
+    """Kill this process after ``seconds`` more of processor time, if the system supports that."""
     with suppress(ImportError, OSError, ValueError):
         import resource
 
@@ -474,11 +474,11 @@ def limit_processor(seconds: int) -> None:
 
 @contextmanager
 def time_limit(seconds: float, passing: bool = False) -> Iterator[None]:
-    """Raise OutOfTime in the body after ``seconds``; works in a main thread only.
+    """Raise OutOfTime in the block after ``seconds``; works in a main thread only.
 
-    They are processor seconds, or with ``passing`` wall seconds. An exception in a finalizer or in
-    a callback of compiled code is lost, so it is raised repeatedly, and at the latest at the end of
-    the body.
+    ``seconds`` are of processor time, or with ``passing`` of wall time. An exception in a finalizer
+    or in a callback of compiled code is lost, so OutOfTime is raised repeatedly, and at the latest
+    at the end of the block.
 
     >>> with time_limit(10.0):
     ...     print("done")

@@ -12,14 +12,14 @@ from longwave.support.request_limits import duration
 from longwave.support.slow_work import TimeLeft
 
 SILENT = 1.0
-"""Seconds before the line appears: most calls are over by then."""
+"""Seconds before the line appears: most calls end earlier."""
 
 TICK = 0.25
 """Seconds between two updates."""
 
 
 def in_notebook() -> bool:
-    """Return whether this is a notebook's kernel, which shows no bars but can rewrite a line.
+    """Return whether this is a notebook's kernel, which rewrites a line but shows no bars.
 
     >>> in_notebook()
     False
@@ -29,7 +29,7 @@ def in_notebook() -> bool:
 
 
 class ProgressLine:
-    """A line ``name: 42 %, about 12 s left``, rewritten by a thread; ``left`` gets the progress."""
+    """A line ``name: 42 %, about 12 s left``, rewritten by a thread as ``left`` changes."""
 
     def __init__(self, name: str) -> None:
         self.name, self.left = name, TimeLeft()

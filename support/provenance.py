@@ -19,10 +19,10 @@ PACKAGES = (
 )
 
 CODE = ("support", "derive", "solutions", "lattice", "scenes")
-"""Folders of all code that computes runs; some of it is imported by name only."""
+"""Folders with all code that computes runs; some modules are imported by name only."""
 
 PROVENANCE = ("versions", "platform", "code")
-"""Names of the attributes of a run that `provenance` returns."""
+"""Names of the attributes that `provenance` returns."""
 
 
 @lru_cache
@@ -43,7 +43,7 @@ def provenance() -> dict[str, str]:
 
 
 def changed_parts(name: str, before: str, now: str) -> list[str]:
-    """Return lines that say how an attribute of `provenance` differs from an earlier one.
+    """Return lines that say how the attribute ``name`` of `provenance` differs from an earlier one.
 
     >>> changed_parts("code", "derive 12, lattice 34", "derive 12, lattice 56")
     ['code: lattice 56, was lattice 34']

@@ -13,15 +13,15 @@ Indices = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
 REMEDIES = {"c": "take its real part", "b": "0 and 1 are numbers"}
-"""Remedies shown for arrays that are not real, keyed by `dtype.kind`."""
+"""Remedies shown for arrays that are not real numbers, keyed by `dtype.kind`."""
 
 
 def real_array(item: str, values: ArrayLike, allows_nan: bool = False) -> Array:
     """Return an array of doubles; ``item`` names its entries in errors, such as "every time".
 
-    Integers must be exactly representable; other numbers are rounded to the nearest double. Raises
-    ValueError in one line for complex numbers, truth values, texts, masked entries, rows of
-    different lengths and, unless the caller ``allows_nan``, for values that are not finite.
+    Integers must be exactly representable as doubles; other numbers are rounded to the nearest
+    double. Raises ValueError in one line for complex numbers, truth values, texts, masked entries,
+    rows of different lengths and, unless ``allows_nan``, for values that are not finite.
 
     >>> real_array("every time", [1, 2.5])
     array([1. , 2.5])
@@ -86,7 +86,7 @@ def _from_objects(item: str, objects: NDArray[Any]) -> Array:
 
 
 def _shown(value: object) -> str:
-    """Return the value as errors show it."""
+    """Return the value as text for errors."""
     from longwave.support.user_files import shown  # for errors alone
 
     return shown(value)

@@ -26,13 +26,13 @@ MEMORY_FRACTION = 0.5
 """Default fraction of the available memory that a request may take."""
 
 USUAL_SECONDS = 3600.0
-"""Default seconds that a request of the command line may take."""
+"""Default limit, in seconds, on a request of the command line."""
 
 LONG = 5.0
-"""Seconds from which on a command announces how long it will take."""
+"""Least expected seconds that a command announces."""
 
 UNKNOWN_MACHINE = 4e9
-"""Assumed bytes of memory if the machine does not report them."""
+"""Bytes of memory that are assumed if the machine does not report its memory."""
 
 PROGRAM_BYTES, UNUSED_BYTES = 4.8e8, 2.2e8
 """Bytes of data that a command may have in any case, for its libraries and threads (0.39 GB with
@@ -48,7 +48,7 @@ _QUANTITY = re.compile(r"\s*(\d{1,12}(?:\.\d{1,12})?(?:e\d{1,2})?)\s*([A-Za-z]*)
 
 
 class OverBudgetError(ValueError):
-    """A request, or the next runs of a search, exceed a limit; ``work`` is that of these runs."""
+    """A request, or the next runs of a search, exceed a limit; ``work`` is that of the runs."""
 
     def __init__(self, message: str, work: float = math.nan) -> None:
         super().__init__(message)
@@ -56,14 +56,15 @@ class OverBudgetError(ValueError):
 
 
 class Cancelled(BaseException):
-    """Work was ended through its progress callback; not an Exception, so handlers let it pass."""
+    """Work was ended by its progress callback; not an Exception, so that handlers ignore it."""
 
 
 @dataclass(frozen=True)
 class ExpectedCost:
-    """Estimated cost of a request; ``memory_bytes`` is its peak.
+    """Estimated cost of a request; ``memory_bytes`` is its peak memory.
 
-    A process spends ``once`` of the ``seconds`` only once, however many such requests it serves.
+    The part ``once`` of ``seconds`` is spent only once by a process, however many such requests it
+    serves.
     """
 
     seconds: float = 0.0
@@ -74,7 +75,7 @@ class ExpectedCost:
 
 @dataclass(frozen=True)
 class RequestLimits:
-    """Limits of a request; infinite where there is none."""
+    """Limits of a request; a limit that is not set is infinite."""
 
     memory_bytes: float
     seconds: float
@@ -92,7 +93,7 @@ def current_limits() -> RequestLimits:
 def request_limits(
     memory: float | str | None = None, seconds: float | str | None = None
 ) -> Iterator[RequestLimits]:
-    """Set limits in the body: bytes or "4G", seconds or "30min"; None keeps the outer one.
+    """Set limits in the block: bytes or "4G", seconds or "30min"; None keeps the outer limit.
 
     Raises ValueError for other values.
 
@@ -130,7 +131,7 @@ def enforced_memory(size: float) -> Iterator[None]:
 
 
 def check_request(work: str, cost: ExpectedCost, cheaper: str) -> None:
-    """Raise OverBudgetError if the cost exceeds the limits; the message says what is ``cheaper``.
+    """Raise OverBudgetError if the cost exceeds the limits; the message suggests ``cheaper``.
 
     >>> check_request("the run", ExpectedCost(seconds=3.0, memory_bytes=1e6), "take fewer sites")
     """
@@ -169,7 +170,7 @@ class Announcer:
         self._announced = LONG / 2.0
 
     def __call__(self, seconds: float) -> None:
-        """Announce the expected seconds if they are `LONG` or more, and twice those before."""
+        """Announce the seconds if they are `LONG` or more, and twice the last ones announced."""
         if seconds >= max(LONG, 2.0 * self._announced):
             self._announced = seconds
             self._announce(seconds)
@@ -177,7 +178,7 @@ class Announcer:
 
 @cache
 def machine_memory() -> float:
-    """Return the bytes of memory of the machine, or of this process's control group if less."""
+    """Return the machine's memory in bytes, or that of this process's control group if less."""
     size = UNKNOWN_MACHINE
     with suppress(ValueError, OSError, AttributeError):
         size = float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
@@ -207,7 +208,7 @@ def read_time(name: str, amount: float | str) -> float:
 
 
 def _quantity(name: str, text: str, units: dict[str, float], usual: str) -> float:
-    """Parse a positive amount with one of the units."""
+    """Parse a positive amount with one of the units, given by name with their sizes."""
     if text.lower() in ("none", "inf"):
         return math.inf
     match = _QUANTITY.fullmatch(text)
@@ -245,5 +246,5 @@ def duration(seconds: float) -> str:
 
 
 def _two_digits(number: float) -> str:
-    """Return the number to two digits, or as an integer if it is larger."""
+    """Return the number as text with two digits; from 99.5 to 1e4 as an integer."""
     return f"{number:.0f}" if 99.5 <= number < 1e4 else f"{number:.2g}"

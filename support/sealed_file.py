@@ -32,20 +32,20 @@ SEAL_LENGTH = len(SEAL) + 64 + 1
 WRITE_TRIES = 3
 
 CHUNK_BYTES = 2**20
-"""Bytes read at a time."""
+"""Number of bytes read at a time."""
 
 NO_FILE = errno.ELOOP, errno.EINVAL, errno.EMLINK
-"""Errors of `open_plain` for a link, and for anything but a file."""
+"""Errors that `open_plain` raises for a link and for anything that is not a regular file."""
 
 DAMAGED = "%s is damaged: it counts as missing, and is made anew"
 LINKED = "%s is a link, or no file: it counts as missing, and is made anew"
-"""Log message for a link or anything but a file, which is ignored."""
+"""Log message for a path that is ignored because it is a link or not a regular file."""
 
 
 def write_sealed(
     path: Path, content: bytes, force: bool = True, durable: bool = True, mode: int | None = None
 ) -> None:
-    """Write the content and its seal atomically; replace a link. Raises as `write_atomically`."""
+    """Write content and seal atomically, replacing a link; raise errors as `write_atomically`."""
 
     def write(draft: Path) -> None:
         with draft.open("wb") as stream:
@@ -83,7 +83,7 @@ def open_plain(path: str | Path, folder: int | None = None, untyped: int = 1) ->
 
 @contextmanager
 def _opened_folder(folder: Path, untyped: int) -> Iterator[int | None]:
-    """Open a folder, no link in its last ``untyped`` parts; yield the descriptor if supported."""
+    """Open a folder without links in its last ``untyped`` parts; yield the descriptor, if any."""
     names = folder.parts[-untyped:]
     if os.open not in os.supports_dir_fd:
         for part in (folder, *folder.parents)[:untyped]:
@@ -118,7 +118,7 @@ def check_no_link(folder: Path) -> None:
 
 
 def read_sealed(path: Path, max_bytes: float = math.inf, untyped: int = 1) -> bytes | None:
-    """Return a sealed file's content (`open_plain`); None if missing, linked, damaged or long."""
+    """Return a sealed file's content; None if the file is missing, linked, damaged or too long."""
 
     def content() -> bytes | None:
         with open(open_plain(path, untyped=untyped), "rb") as stream:
@@ -138,7 +138,7 @@ def sealed_content(data: bytes) -> bytes | None:
 
 
 def is_whole(path: Path) -> bool:
-    """Return whether a run's file is undamaged, and its folder not a link; log a message if not."""
+    """Return whether a run's file is undamaged and not linked; log a message if it is not."""
 
     def whole() -> bool:
         with open(open_plain(path, untyped=2), "rb") as stream:

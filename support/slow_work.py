@@ -13,10 +13,10 @@ EVERY = 30.0
 """Seconds of silence after which a command reports its progress."""
 
 CHECK_INTERVAL = 0.1
-"""Seconds between two checks for silence."""
+"""Seconds between two checks whether the command has been silent."""
 
 MIN_PACE_FRACTION = 1e-3
-"""Least fraction of the work from which its pace is estimated."""
+"""Least fraction of the work that must be done before the pace is estimated."""
 
 Clock = Callable[[], float]
 
@@ -30,7 +30,7 @@ def count_notice() -> None:
 
 
 def give_notice(work: str, takes: str) -> None:
-    """Print on stderr how long ``work`` takes."""
+    """Print on stderr how long ``work`` takes, given as the text ``takes``."""
     count_notice()
     print(f"{work}: {takes} (Ctrl-C stops it)", file=sys.stderr, flush=True)
 
@@ -64,11 +64,11 @@ class TimeLeft:
         self._done, self._pace = 0.0, 0.0
 
     def foresee(self, seconds: float) -> None:
-        """Set the expected seconds from now on."""
+        """Set the seconds that the work is expected to take from now on."""
         self._end = self.clock() + seconds
 
     def share(self, done: float) -> None:
-        """Set the fraction done; the pace is measured from the first fraction set."""
+        """Set the fraction done; the pace is measured from the first call on."""
         now = self.clock()
         self._first = self._first or (now, done)
         self._done = done
@@ -76,7 +76,7 @@ class TimeLeft:
             self._pace = (now - self._first[0]) / (done - self._first[1])
 
     def words(self) -> str:
-        """Return as text the fraction done and the time left, or the time so far if that is all."""
+        """Return as text the fraction done and the time left, or else the time so far."""
         now = self.clock()
         by_pace = self._pace * (1.0 - self._done)
         foreseen = max(0.0, self._end - now) if self._end is not None else 0.0
@@ -92,7 +92,7 @@ class TimeLeft:
 
 @contextmanager
 def report_time_left(work: str, clock: Clock = time.monotonic) -> Iterator[TimeLeft]:
-    """Report the time left, from a thread, after each `EVERY` seconds of silence in the body."""
+    """Report the time left, in the block, after each `EVERY` seconds of silence."""
     left, over = TimeLeft(clock), Event()
 
     def watch() -> None:

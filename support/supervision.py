@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 OPTIONS = ("--max-time", "--max-memory")
-"""Options that state limits."""
+"""Options by which the user states limits."""
 
 OVERDUE = 2
 """Exit status of a command that exceeded its limits."""
@@ -31,19 +31,20 @@ CHECK_INTERVAL, MAX_CHECK_FRACTION = 0.02, 0.1
 """Seconds between two checks of a command, and the largest fraction of time spent on checks."""
 
 PATIENCE = 1.75
-"""Seconds after a limit at which the command is killed; it has 1.5 s to end itself."""
+"""Seconds after exceeding a limit at which a command is killed; in the first 1.5 s it may end
+itself."""
 
 EXTRA_BYTES, MIN_BYTES, ENDING_BYTES = 5e7, 3.2e8, 5e7
-"""Bytes allowed beyond a command's limit, bytes allowed in any case, and bytes that it may still
-take while it ends."""
+"""Bytes allowed beyond a command's limit, bytes allowed in any case, and bytes that a command may
+still take while it ends."""
 
 _pipe: int | None = None
 
 
 def supervised(argv: Sequence[str], work: Callable[[], int]) -> int:
-    """Return ``work()``. If ``argv`` states limits, do it in a child process and watch that.
+    """Return ``work()``. If ``argv`` states limits, call it in a child process that is watched.
 
-    Only the child then returns; this process exits with the child's status.
+    In that case only the child returns; this process exits with the child's status.
     """
     stated = any(word.partition("=")[0] in OPTIONS for word in argv)
     if not stated or not hasattr(os, "fork") or threading.active_count() > 1:
@@ -69,7 +70,7 @@ def supervised(argv: Sequence[str], work: Callable[[], int]) -> int:
 
 
 def tell(**facts: Any) -> None:
-    """Send facts, attributes of `_Supervisor`, to the watching process, if there is one."""
+    """Send ``facts``, attributes of `_Supervisor`, to the watching process, if there is one."""
     if _pipe is not None:
         with suppress(OSError):
             os.write(_pipe, json.dumps(facts).encode() + b"\n")
@@ -88,13 +89,13 @@ if hasattr(os, "register_at_fork"):
 
 
 def _end_with(pipe: int) -> None:
-    """Run in a thread of the command: end it as SIGTERM does when the watching process is gone."""
+    """Run in a thread of the command: end the command if the watching process is gone."""
     os.read(pipe, 1)
     _send(os.getpid(), signal.SIGTERM)
 
 
 class _Supervisor:
-    """Watcher of a command; the attributes are what the command tells: name, limits, saved work."""
+    """Watcher of a command; its attributes are told by the command: name, limits, saved work."""
 
     def __init__(self, command: int, pipe: int) -> None:
         self._command, self._pipe, self._rest = command, pipe, b""
@@ -124,7 +125,7 @@ class _Supervisor:
         return bool(data)
 
     def _look(self, now: float) -> None:
-        """End the command if it exceeds a limit."""
+        """End the command if it exceeds a limit at the time ``now``."""
         if now > self.end + self.saving + PATIENCE:
             self._kill(self.time_limit)
         if self.memory == float("inf"):
@@ -139,7 +140,7 @@ class _Supervisor:
             self._kill(self.memory_limit)
 
     def _kill(self, limit: str) -> NoReturn:
-        """Kill the command and its children, and report why in one line."""
+        """Kill the command and its children, and report the exceeded ``limit`` in one line."""
         for process in processes_of(self._command):
             _send(process, signal.SIGKILL)
         _, status = os.waitpid(self._command, 0)
@@ -150,7 +151,7 @@ class _Supervisor:
         self._say(limit)
 
     def _say(self, limit: str) -> NoReturn:
-        """Report why the command was ended, unless it did so itself, and exit."""
+        """Report the exceeded ``limit``, unless the command has reported it, and exit."""
         if self.is_reported:
             os._exit(OVERDUE)
         cursor = "\x1b[?25h" if os.isatty(2) else ""
@@ -159,7 +160,7 @@ class _Supervisor:
         os._exit(OVERDUE)
 
     def _leave(self, status: int) -> NoReturn:
-        """Exit as the command did."""
+        """Exit with the status of the command."""
         if os.WIFEXITED(status):
             os._exit(os.WEXITSTATUS(status))
         number = os.WTERMSIG(status)
@@ -192,7 +193,8 @@ def processes_of(leader: int) -> list[int]:
 def memory_in_use(leader: int, enough: float = 0.0) -> int:
     """Return the bytes of private memory that a process and its descendants use.
 
-    Shared pages count once, unless the total with repetitions is at most ``enough``.
+    Shared pages count once. They are not looked for if the total that counts them repeatedly is at
+    most ``enough``.
     """
     processes = processes_of(leader)
     used = sum(_kilobytes(f"/proc/{p}/status", ("RssAnon:", "VmSwap:")) for p in processes)
@@ -203,7 +205,7 @@ def memory_in_use(leader: int, enough: float = 0.0) -> int:
 
 
 def _kilobytes(path: str, names: tuple[str, ...]) -> int:
-    """Return the sum of the named fields of a /proc file, 0 if it is gone."""
+    """Return the sum of the fields ``names`` of a /proc file, or 0 if the file is gone."""
     with suppress(OSError):
         lines = Path(path).read_text(encoding="ascii", errors="replace").splitlines()
         return sum(int(line.split()[1]) for line in lines if line.startswith(names))

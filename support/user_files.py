@@ -17,15 +17,15 @@ from pathlib import Path
 from typing import Any
 
 StatusCheck = Callable[[os.stat_result], object]
-"""Function that raises an error for the status of a file that must not be read."""
+"""Function of a file's status that raises an error if the file must not be read."""
 
 STANDARD_INPUT = "-"
 
 MAX_DEPTH = 100
-"""Most levels of nested tables and lists."""
+"""Largest number of levels of nested tables and lists."""
 
 QUOTED = 200
-"""Most characters of a file's name, or of a library's message, in an error."""
+"""Largest number of characters that an error quotes of a file's name or of a library's message."""
 
 DEEP_KEY = re.compile(
     rb"""(?:^|[\[{,])[ \t]*(?:(?:[\w-]{1,99}|"[^"\n]{0,99}"|'[^'\n]{0,99}')[ \t]*\.[ \t]*){20}""",
@@ -44,7 +44,7 @@ FILE_KINDS = {
 
 
 def shown(value: object) -> str:
-    """Return the value as messages show it: on one short line, whatever it contains.
+    """Return the value as messages show it: as short text on one line, whatever it contains.
 
     >>> shown(10**5000)
     'an integer of 16610 bits'
@@ -89,7 +89,7 @@ def on_one_line(text: str) -> str:
 
 
 def reason_of(error: BaseException) -> str:
-    """Return a library's error message about a file, on one short line, as it may quote the file.
+    """Return a library's error message, which may quote a user's file, as one short line.
 
     >>> len(reason_of(ValueError(1000 * "x")))
     200
@@ -117,8 +117,8 @@ def read_bytes(
     """Return the content of a regular file, or of the standard input for ``-``.
 
     ``label`` names the kind of file in errors, such as "scene". ``check`` is called with the status
-    of the opened file. Raises ValueError for another kind of file and for more than ``max_bytes``,
-    OSError as opening does, and errors of the check.
+    of the opened file. Raises ValueError if it is not a regular file or has more than
+    ``max_bytes``, OSError if it cannot be opened, and errors of ``check``.
     """
     if str(path) == STANDARD_INPUT:
         content = sys.stdin.buffer.read(max_bytes + 1)
@@ -153,17 +153,17 @@ def read_bytes(
 def read_text(
     path: str | Path, label: str, max_bytes: int, check: StatusCheck = lambda _: None
 ) -> str:
-    """Return the text of a file read by `read_bytes`. Raises ValueError also if it is not UTF-8."""
+    """Return the text of a file, read by `read_bytes`; raise ValueError also if it is not UTF-8."""
     return _text(read_bytes(path, label, max_bytes, check), path, label)
 
 
 def read_toml(path: str | Path, label: str, max_bytes: int) -> dict[str, Any]:
-    """Return the tables of a TOML file read by `read_bytes`; raise as `parse_toml`."""
+    """Return the tables of a TOML file; raise errors as `read_bytes` and `parse_toml` do."""
     return parse_toml(read_bytes(path, label, max_bytes), path, label)
 
 
 def parse_toml(content: bytes, path: str | Path, label: str) -> dict[str, Any]:
-    """Return the tables of a file's content; ValueError if it is not TOML or nested too deep."""
+    """Return the tables in ``content``; raise ValueError if it is not TOML or nested too deep."""
     if DEEP_KEY.search(content):
         raise ValueError(
             f"{label} must have plain keys, got one with 20 or more dots in {shown_path(path)} "
@@ -194,7 +194,7 @@ def parse_toml(content: bytes, path: str | Path, label: str) -> dict[str, Any]:
 
 
 def toml_value(text: str) -> Any:
-    """Parse a text as a TOML value; return the text itself if it is none, or a date.
+    """Parse a text as a TOML value; return the text itself if it is not a TOML value, or is a date.
 
     >>> toml_value("0.05"), toml_value("[0, 1]"), toml_value("kink"), toml_value('"pi/2"')
     (0.05, [0, 1], 'kink', 'pi/2')
@@ -229,7 +229,7 @@ def is_deep(data: object) -> bool:
 
 
 def _text(content: bytes, path: str | Path, label: str) -> str:
-    """Decode UTF-8. Raises ValueError that names the first byte that is not UTF-8."""
+    """Decode UTF-8; raise ValueError that names the first byte that is not UTF-8."""
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:

@@ -12,14 +12,14 @@ import numpy as np
 from longwave.support.real_arrays import Array, Mask
 
 RESTING_MARGIN = 256
-"""Number of cells at rest that are advanced at either end of the moving ones. With 128 to 512 the
-time for a struck chain of 4096 grains is the same to 20 %."""
+"""Number of cells at rest that are advanced at either end of the moving ones: 128 to 512 take the
+same time to 20 % for a struck chain of 4096 grains."""
 
 SAMPLED_CELLS = 16
 """Number of cells that `seems_still` checks before all cells are checked."""
 
 ALONE_FRACTION = 0.5
-"""Largest fraction of a ring that may move for only its moving part to be advanced."""
+"""Largest fraction of moving cells in a ring for which only its moving part is advanced."""
 
 
 def seems_still(f: Array, v: Array) -> bool:
@@ -35,9 +35,10 @@ def moving_cells(f: Array, v: Array) -> Mask:
 
 
 def shortest_arc(cells: Mask) -> tuple[int, int]:
-    """Return the first cell of the shortest arc with all True cells, and the one past its last.
+    """Return the first cell of the shortest arc with all True cells, and the arc's end.
 
-    The second exceeds the ring's size if the arc crosses its end. Both are 0 if no cell is True.
+    The end is one past the last cell, beyond the ring's size if the arc crosses the ring's end.
+    Both are 0 if no cell is True.
 
     >>> shortest_arc(np.array([True, False, False, False, True, True]))
     (4, 7)

@@ -14,7 +14,7 @@ DOUBLE, INDEX = ir.DoubleType(), ir.IntType(64)
 
 
 class LaneCode:
-    """LLVM builder for vectors of ``lanes`` doubles; ``fused`` if there are fused multiply-adds."""
+    """LLVM builder for vectors of ``lanes`` doubles; ``fused`` if the CPU has multiply-adds."""
 
     def __init__(self, module: Any, builder: Any, lanes: int, fused: bool | None = None) -> None:
         self.module, self.builder, self.lanes = module, builder, lanes
@@ -52,7 +52,7 @@ class LaneCode:
         self.builder.store(value, self.address(data, row), align=8)
 
     def picked(self, first: Any, second: Any, lanes: Sequence[int]) -> Any:
-        """Return a shuffle of two vectors: ``lanes`` index the first, then the second."""
+        """Return a shuffle of two vectors; ``lanes`` are indices into both, joined end to end."""
         mask = ir.Constant(ir.VectorType(ir.IntType(32), self.lanes), list(lanes))
         return self.builder.shuffle_vector(first, second, mask)
 
@@ -65,7 +65,7 @@ class LaneCode:
         return self._vector_function("fma", factor, second, term)
 
     def weighted_sum(self, terms: Iterable[tuple[Any, float, Any]]) -> Any:
-        """Return the sum of factor times value; a factor None is 1 with the given sign."""
+        """Return the sum of factor times value; a factor of None stands for the given sign."""
         total = None
         for factor, sign, value in terms:
             if factor is not None:
@@ -105,12 +105,12 @@ class LaneCode:
         return self.builder.select(self.builder.fcmp_ordered(">", value, none), value, none)
 
     def where_not(self, tested: Any, cut: float, value: Any) -> Any:
-        """Return the value, even if NaN, but 0 where ``tested`` equals ``cut``."""
+        """Return ``value`` (even NaN), or 0 in lanes where ``tested`` equals ``cut``."""
         is_there = self.builder.fcmp_unordered("!=", tested, self.constant(cut))
         return self.builder.select(is_there, value, self.constant(0.0))
 
     def _vector_function(self, word: str, *values: Any) -> Any:
-        """Call an LLVM intrinsic on all lanes."""
+        """Call the LLVM intrinsic named ``word`` on all lanes."""
         suffix = "f64" if self.lanes == 1 else f"v{self.lanes}f64"
         name, known = f"llvm.{word}.{suffix}", self.module.globals
         if name not in known:

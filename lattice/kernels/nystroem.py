@@ -45,7 +45,7 @@ def _acceleration(y: Array, f: Array, g: Array, *constants: float | None) -> Non
 
 @_jit
 def _accumulate(total: Array, weight: float, term: Array) -> None:
-    """Add weight times a term to a total, in place."""
+    """Add ``weight * term`` to the array ``total``, in place."""
     if weight != 0.0:
         for i in range(total.size):
             total[i] += weight * term[i]
@@ -56,9 +56,9 @@ def advance_nystroem(
 ) -> None:
     """Advance the ring (y, s) in place by ``steps`` steps h of an explicit Nystroem method.
 
-    ``table`` holds its nodes, inner and outer coefficients and weights. Stage i is g_i = D V'(y +
-    nodes_i h s + h^2 sum_j inner_ij g_j). Then y += h s + h^2 sum outer_i g_i and s += h sum
-    weights_i g_i. The ring needs at least 3 sites.
+    ``table`` holds the method's nodes, inner and outer coefficients, and weights. Stage i is g_i =
+    D V'(y + nodes_i h s + h^2 sum_j inner_ij g_j). Then y += h s + h^2 sum outer_i g_i and s += h
+    sum weights_i g_i. The ring needs at least 3 sites.
     """
     space = np.empty((table[0].size + 2, y.size))
     _advance(y, s, table, h, steps, space, *constants)

@@ -12,7 +12,7 @@ Acceleration = Callable[[Array], Array]
 def advance_splitting(
     acceleration: Acceleration, f: Array, v: Array, drifts: Array, kicks: Array, steps: int
 ) -> None:
-    """Advance (f, v) in place by a drift-kick splitting; weights include the time step."""
+    """Advance (f, v) in place by a splitting; ``drifts`` and ``kicks`` include the time step."""
     for _ in range(steps):
         for drift, kick in zip(drifts[:-1], kicks, strict=True):
             f += drift * v
@@ -23,7 +23,7 @@ def advance_splitting(
 def advance_nystroem_method(
     acceleration: Acceleration, f: Array, v: Array, table: tuple[Array, ...], h: float, steps: int
 ) -> None:
-    """Advance (f, v) in place by steps h of a method whose ``table`` is a `NystroemTable`."""
+    """Advance (f, v) in place by ``steps`` steps ``h`` of the method with this `NystroemTable`."""
     nodes, inner, outer, weights = table
     for _ in range(steps):
         forces: list[Array] = []

@@ -65,60 +65,60 @@ if TYPE_CHECKING:
     from longwave.lattice.numeric_lattice import NumericLattice
 
 LANES = 8
-"""Cells per row: one vector of 512 bits, which is also a cache line."""
+"""Number of cells per row, a vector of 512 bits, which is also a cache line."""
 
 LINE_DOUBLES = 8
-"""Doubles in a cache line."""
+"""Number of doubles in a cache line."""
 
 PAGE_DOUBLES = 512
-"""Doubles in a page of memory."""
+"""Number of doubles in a page of memory."""
 
 BLOCK_ROWS = 256
-"""Rows in a block: 64 to 512 cost the same to 5 % (`benchmarks/lattice_constants.py`)."""
+"""Number of rows in a block: 64 to 512 cost the same to 5 % (`benchmarks/lattice_constants.py`)."""
 
 MIN_LANED_CELLS = 32
-"""Fewest cells that are laid out in rows of ``LANES``."""
+"""Fewest cells for which cells are laid out in rows of ``LANES``."""
 
 MAX_STAGES = 28
-"""Most stages done in one pass (13 to 52 cost the same to 5 %)."""
+"""Largest number of stages done in one pass (13 to 52 cost the same to 5 %)."""
 
 PLANE_BLOCK_ROWS = 4
-"""Rows in a block of a plane: 1 to 16 cost the same to 5 %."""
+"""Number of rows in a block of a plane: 1 to 16 cost the same to 5 %."""
 
 CACHED_DOUBLES = 65_536
-"""Most doubles of a plane's rows that a pass works on: half of the second-level cache."""
+"""Largest number of doubles in the plane's rows of one pass: half of the second-level cache."""
 
 MIN_HALO_RATIO = 24
-"""Least ratio of the ring's own rows to those that a pass repeats at its ends, if that leaves room
-for enough fused stages: with 8, rings of 1024 to 4096 cells cost 3 to 4 % more, with 4 as much
+"""Least ratio of the ring's own rows to the rows repeated at its ends in a pass, if that leaves
+room for enough fused stages: with 8, rings of 1024 to 4096 cells cost 3 to 4 % more, with 4 as much
 again."""
 
 MAX_CARRIED = 12
-"""Most values carried from row to row by two fused stages. With the 15 of next-nearest neighbours
-in the strain one stage alone is a fifth faster, with the 10 of three fields a seventh slower, on
-registers of eight doubles (`benchmarks/same_lattice.py`)."""
+"""Largest number of values carried from row to row by two fused stages. With the 15 values of
+next-nearest neighbours in the strain one stage alone is a fifth faster, with the 10 of three fields
+a seventh slower, on registers of eight doubles (`benchmarks/same_lattice.py`)."""
 
 MIN_SHARED_VALUES = 16_384
-"""Least cells times fields for which a second core pays: up to 65 536 it is 1.5 to 1.8 times as
-fast."""
+"""Smallest product of cells and fields for which a second core is used: up to 65 536 it is 1.5 to
+1.8 times as fast."""
 
 MIN_SHARED_WORK = 1_000_000
-"""Least cells times fields times stages between two synchronisations for a second core to pay."""
+"""Smallest product of cells, fields and stages between two synchronisations for a second core."""
 
 MAX_STEPS_APART = 64
-"""Most steps between two synchronisations of the cores."""
+"""Largest number of steps between two synchronisations of the cores."""
 
 MAX_REPEATED_FRACTION = 0.2
 """Largest fraction of cells that both cores compute."""
 
 MIN_SEARCHED_WORK = 200_000
-"""Cells times stages from which on a search for the moving cells pays."""
+"""Smallest product of cells and stages for which the kernel searches for the moving cells."""
 
 CALL_WORDS = 1 + max(FUNCTIONS.values())
-"""Words of a call: the function's number and its arguments, as many as the longest takes."""
+"""Number of words of a call: one for the function, and as many as the longest arguments take."""
 
 MAX_SCRIPTS = 8
-"""Most scripts that a kernel caches: a time march uses a few of them repeatedly."""
+"""Largest number of scripts that a kernel caches: a time march uses a few of them repeatedly."""
 
 _SCRIPT = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int64)
 
@@ -127,10 +127,10 @@ Call = tuple[Any, ...]
 
 
 def _together(flow: StagePlan) -> int:
-    """Return the number of stages that are fused, row by row, on a chain.
+    """Return the number of stages of a chain that are fused row by row.
 
-    It is 1 for a force with functions. Their latency hides better when a processor works on several
-    rows of one stage than on dependent stages.
+    It is 1 if the force contains functions: their latency is hidden better by several rows of one
+    stage than by stages that depend on each other.
     """
     functions = any(stream.law.program for stream in flow.streams)
     return 2 if flow.carried_values(2) <= MAX_CARRIED and not functions else 1
@@ -140,7 +140,7 @@ def _together(flow: StagePlan) -> int:
 def _machine_code(
     flow: StagePlan, lanes: int, count: int, columns: int
 ) -> Callable[[int, int], None]:
-    """Return the compiled function that runs a script; cached on disk, keyed by ``flow``."""
+    """Return the compiled function that runs scripts; cached on disk, keyed by ``flow``."""
     together, block = _together(flow), PLANE_BLOCK_ROWS if columns else BLOCK_ROWS
 
     def generate_text() -> str:
@@ -193,12 +193,12 @@ class _Layout(NamedTuple):
 
     @property
     def across(self) -> int:
-        """Vectors from row to row."""
+        """Number of vectors from one row to the next."""
         return self.width + 2 * self.edge
 
     @property
     def pitch(self) -> int:
-        """Doubles from row to row."""
+        """Number of doubles from one row to the next."""
         return self.across * self.lanes
 
 
@@ -218,7 +218,7 @@ def _layout(flow: StagePlan, count: int, columns: int) -> _Layout:
 
 
 class _Script:
-    """A list of compiled calls, made one after the other without the interpreter lock."""
+    """A list of compiled calls, made one after the other with the interpreter lock released."""
 
     def __init__(self, code: Callable[[int, int], None], calls: Iterable[Call]) -> None:
         self._code, self._calls = code, list(calls)
@@ -275,7 +275,7 @@ class _Arc:
         )
 
     def script(self, *calls: Iterator[Call]) -> _Script:
-        """Return a script of these calls."""
+        """Return a script of the given calls."""
         return _Script(self._code, chain.from_iterable(calls))
 
     def _repeats(self) -> list[Indices]:
@@ -299,7 +299,7 @@ class _Arc:
         planes: Iterable[tuple[int, Array]],
         *ranges: tuple[int, int],
     ) -> Iterator[Call]:
-        """Yield calls that copy the ``ranges`` of the arc from rings to planes, or back."""
+        """Yield calls that copy the cells in ``ranges`` between rings and the arc's memory."""
         layout, starts = self._layout, self._layout.starts[:-1]
         at: tuple[Indices, ...]
         for (begin, end), (plane, rings) in product(ranges, planes):
@@ -319,7 +319,7 @@ class _Arc:
                     yield way, there, here, *at, size, *counts
 
     def _runs(self, begin: int, end: int) -> list[tuple[int, int, int]]:
-        """Return (cell or row in the ring, the same in the arc, count) of contiguous runs."""
+        """Return contiguous runs of cells or rows: (first in the ring, first in the arc, count)."""
         runs = []
         while begin < end:
             row = (self._first + begin) % self._size
@@ -345,7 +345,7 @@ class _Arc:
         return self._move("to_rows", self._both(f, v), (0, self._count))
 
     def load_deviations(self, resting: Array, fields: int) -> Iterator[Call]:
-        """Yield calls that load the deviations ``resting`` after the ``fields`` that move."""
+        """Yield calls that load the deviations, ``resting``, after the arc's moving ``fields``."""
         plane = self._planes[0] + 8 * fields * self._plane
         return self._move("to_rows", [(plane, resting)], (0, self._count))
 
@@ -365,7 +365,7 @@ class _Arc:
         return self._move("to_rows", self._both(f, v), (0, first), (past, count))
 
     def run(self, drifts: Array, kicks: Array, begun: int, stages: int) -> Iterator[Call]:
-        """Yield calls of ``stages`` stages; weights are used cyclically, from index ``begun``."""
+        """Yield calls of ``stages`` stages; the cyclic weights are used from index ``begun`` on."""
         each, period, layout = self._each, len(kicks), self._layout
         whole = stages // each * each
         for done, count, length in ((0, stages // each, each), (whole, 1, stages - whole)):
@@ -397,7 +397,7 @@ class RingKernel:
         """Advance in place by a drift-kick splitting.
 
         ``drifts`` (one longer than ``kicks``) and ``kicks`` include the time step. The last drift
-        of a step is merged with the first of the next.
+        of a step is merged with the first of the next step.
         """
         last, joint = float(drifts[-1]), drifts[:-1].copy()
         joint[0] += last
@@ -440,7 +440,7 @@ class RingKernel:
             _on_cores(scripts)
 
     def _divide(self, period: int) -> None:
-        """Divide the ring into the arcs of one core or two; keep them if they are the same."""
+        """Divide the ring into arcs, one for each core; keep existing arcs that still fit."""
         between = self._stages_between(period)
         if between != self._between or not self._arcs:
             self._arcs, self._between = self._build_arcs(between), between
@@ -463,7 +463,7 @@ class RingKernel:
         ahead: float,
         moving: tuple[_Arc, int] | None,
     ) -> None:
-        """Advance the moving cells, searched anew before the waves can leave their arc."""
+        """Advance the moving cells only; find them anew before waves can leave their arc."""
         self._divide(len(kicks))
         self._drift(f, v, -ahead)
         done, arc = 0, None
@@ -483,12 +483,12 @@ class RingKernel:
         self._drift(f, v, ahead)
 
     def _drift(self, f: Array, v: Array, length: float) -> None:
-        """Advance all positions by a drift."""
+        """Advance all positions by ``length`` times the velocities."""
         for arc in self._arcs if length else ():
             arc.script(arc.drift(f, v, length))()
 
     def _moving_arc(self, f: Array, v: Array, kicks: Array) -> tuple[_Arc, int] | None:
-        """Return an arc of all moving cells, and for how many stages it is; None if too large."""
+        """Return an arc with all moving cells, and the stages it lasts for; None if too large."""
         size = self._shape[0]
         first, past = shortest_arc(moving_cells(f, v) | self._sources(kicks))
         begin, end, arc = self._cached_arc or (0, 0, None)
@@ -507,7 +507,7 @@ class RingKernel:
         return arc, min(below, above) // max(1, *self._reach)
 
     def _sources(self, kicks: Array) -> Mask:
-        """Return the cells of a chain that begin to move from rest, found by one stage of it."""
+        """Return a mask of the cells of a chain at rest that one stage sets in motion."""
         if self._moved_from_rest is None:
             f, v = np.zeros((2, self._fields, *self._shape))
             weights = np.random.default_rng(0).uniform(0.5, 1.0, kicks[:1].shape)  # none cancel
@@ -545,7 +545,7 @@ class RingKernel:
 
     @cached_property
     def _reach(self) -> tuple[int, int]:
-        """Numbers of cells (in a plane, rows) above and below on which a stage depends."""
+        """Numbers of cells (in a plane, rows) above and below a cell that a stage depends on."""
         flow = self._flow if len(self._shape) == 1 else rows_of(self._flow)
         return flow.skew, flow.below
 
@@ -558,7 +558,7 @@ class RingKernel:
         return [self._arc(own, ghosts) for own in ends]
 
     def _arc(self, own: tuple[int, int], ghosts: tuple[int, int]) -> _Arc:
-        """Return an arc of the cells ``own`` with ghosts at its ends; load its deviations."""
+        """Return an arc of the cells ``own`` with ``ghosts`` at its ends; load its deviations."""
         arc = _Arc(self._flow, self._numbers, self._shape, own, ghosts)
         if len(self._resting):
             arc.script(arc.load_deviations(self._resting, self._fields))()
@@ -566,7 +566,7 @@ class RingKernel:
 
 
 def _on_cores(scripts: list[_Script]) -> None:
-    """Run each script on its own core and wait for all."""
+    """Run each script on a core of its own and wait for all."""
     here, *others = scripts
     waiting = [other_core().submit(there) for there in others]
     here()

@@ -25,10 +25,10 @@ MAX_PRODUCT_EXPONENT = 64
 """Largest whole exponent for which a power is computed by products."""
 
 ZERO_AT = {"kept": -1.0, "felt": 0.0}
-"""Share at which a stream is 0 whatever its force, keyed by the kind of stream."""
+"""Value of a cell's share at which a stream is 0 whatever its force; keyed by the stream's kind."""
 
 COPY_BLOCK = 256
-"""Vectors per block when cells are copied."""
+"""Number of vectors in a block when cells are copied."""
 
 _DOUBLES, _INDICES = DOUBLE.as_pointer(), INDEX.as_pointer()
 
@@ -111,7 +111,8 @@ def _run_program(
 
 
 CarriedValue = Callable[[int, int, int], Any]
-"""Function (stream, rows, columns) that loads the value from so many rows and columns ago."""
+"""Function (stream, rows, columns) that loads the value a stream had so many rows and columns
+ago."""
 
 
 class _Stage:
@@ -144,7 +145,7 @@ class _Stage:
         self._carried: CarriedValue | None = None
 
     def value(self, tap: streams.StreamRead, lag: int) -> Any:
-        """Return the value that a stream with this ``lag`` reads by ``tap``."""
+        """Return the value that a stream with the given ``lag`` reads through its ``tap``."""
         rows, age = streams.rows_and_columns(lag - tap.shift - self._flow.streams[tap.stream].lag)
         if rows:
             assert self._carried is not None
@@ -159,7 +160,10 @@ class _Stage:
         velocities: Sequence[Any],
         carried: CarriedValue | None = None,
     ) -> None:
-        """Generate code for a row of a chain, or for a column; ``carried`` loads earlier rows."""
+        """Generate code for a row of a chain or a column; ``carried`` loads a plane's earlier rows.
+
+        ``carried`` loads values of earlier rows of the plane.
+        """
         code, flow, self._carried = self._code, self._flow, carried
         drifting = 0 if flow.spread else flow.moving
         self.latest = [
@@ -193,13 +197,13 @@ class _Stage:
             self.latest.append(value)
 
     def _sum(self, taps: Sequence[streams.StreamRead], values: Sequence[Any]) -> Any:
-        """Return the weighted sum of the taps' values."""
+        """Return the sum of the values, each times the weight or factor of its tap."""
         pairs = zip(taps, values, strict=True)
         total = self._code.weighted_sum((self._factor(tap), tap.weight, v) for tap, v in pairs)
         return self._code.constant(0.0) if total is None else total
 
     def _factor(self, tap: streams.StreamRead) -> Any:
-        """Return the factor of the tap's value; None for 1 and -1."""
+        """Return the factor of a tap's value; None if it is 1 or -1."""
         if tap.number is not None:
             return self._numbers[tap.number]
         return None if abs(tap.weight) == 1.0 else self._code.constant(tap.weight)
@@ -211,7 +215,7 @@ class _Stage:
         return positions, [self.value(streams.StreamRead(stream), lag) for stream in flow.kicked]
 
     def keep(self) -> None:
-        """Shift the slots: the latest values become those of the row before."""
+        """Shift the slots: the latest values become those of the previous row."""
         builder = self._code.builder
         for slots, latest in zip(self.slots, self.latest, strict=True):
             values = [latest, *(builder.load(slot) for slot in slots)]
@@ -235,20 +239,20 @@ class _Writer:
         return self._text(groups, {size: self._flow.carried_values(size) for size in groups})
 
     def plane(self, columns: int) -> str:
-        """Return the module's text for a plane; only ``columns`` modulo ``lanes`` matters."""
+        """Return the module's text for a plane; ``columns`` matters only modulo ``lanes``."""
         rows = streams.rows_of(self._flow)
         self._flow, self._skew, self._below = rows.flow, rows.skew, rows.below
         self._copied = self._lanes
         return self._text({1: self._along(rows, columns)}, {1: sum(rows.depths)})
 
     def _text(self, groups: dict[int, Any], carried: dict[int, int]) -> str:
-        """Return the module's text with its functions of stages, copies and scripts."""
+        """Return the module's text with its functions for stages, copies and scripts."""
         moves = {name: self._move(name) for name in ("to_rows", "from_rows")}
         self._script({"passages": self._passages(groups, carried), **moves, "drift": self._drift()})
         return str(self._module)
 
     def _function(self, name: str, kinds: Sequence[Any], internal: bool = True) -> Any:
-        """Return a new function with these argument types, and a builder of its body."""
+        """Return a new function with argument types ``kinds``, and a builder of its body."""
         function = ir.Function(self._module, ir.FunctionType(ir.VoidType(), kinds), name)
         if internal:
             function.linkage = "internal"
@@ -259,7 +263,7 @@ class _Writer:
         return function, LaneCode(self._module, builder, self._lanes)
 
     def _group(self, together: int) -> Any:
-        """Return the function of fused stages, on front rows from ``first`` to below ``past``."""
+        """Return the function that does ``together`` fused stages on rows of a chain."""
         function, code = self._function(f"stages_{together}", _STAGES)
         f, v, carried, drifts, kicks, data, plane, _, _, level, first, past = function.args
         flow, builder = self._flow, code.builder
@@ -304,7 +308,7 @@ class _Writer:
         return [code.number(kicks, index) for index in indices]
 
     def _along(self, rows: streams.Rows, columns: int) -> Any:
-        """Return the function of a stage on a plane's rows from ``first`` to below ``past``."""
+        """Return the function that does one stage along the rows of a plane."""
         function, code = self._function("stages_1", _STAGES)
         f, v, carried, drifts, kicks, data, plane, pitch, width, level, first, past = function.args
         flow, builder = self._flow, code.builder
@@ -313,7 +317,7 @@ class _Writer:
         stage = _Stage(code, flow, numbers, drift, weights, flow.depths(followed=False))
 
         def begin(stream: int, row: Any, age: int) -> Any:
-            """Return the address of a stream's row from ``age`` rows ago."""
+            """Return the address of the row that a stream had ``age`` rows ago."""
             row, depth = builder.sub(row, INDEX(age)), rows.depths[stream]
             if stream < 2 * flow.fields:
                 data = f if stream < flow.fields else v
@@ -324,7 +328,7 @@ class _Writer:
             return builder.gep(data, [builder.add(above, builder.mul(pitch, row))])
 
         def cell(row: Any, column: Any, is_written: bool) -> None:
-            """Generate one column; ghost columns are not ``is_written``."""
+            """Generate one column; only for real columns, ``is_written``, are results stored."""
 
             def earlier(stream: int, age: int, columns: int) -> Any:
                 there = builder.sub(column, INDEX(columns))
@@ -357,14 +361,14 @@ class _Writer:
     def _close(
         self, code: LaneCode, data: Any, width: Any, columns: int, rows: streams.Rows
     ) -> None:
-        """Generate code that copies a row's ends, lanes moved by one, into ghost columns."""
+        """Generate code that fills the ghost columns from the row's ends, shifted by one lane."""
         builder, lanes = code.builder, self._lanes
         last = builder.sub(width, INDEX(1))
         starts = [lane * columns // lanes for lane in range(lanes + 1)]
         short = [after - before < -(-columns // lanes) for before, after in pairwise(starts)]
 
         def repeat(to: Any, at: Any, step: int, moved: Sequence[int]) -> None:
-            """Copy vector ``at``; a ``short`` lane comes from ``step`` vectors further."""
+            """Copy lanes ``moved`` of the vectors ``at`` and ``at + step`` to the vector ``to``."""
             one, other = (code.load(data, builder.add(at, INDEX(more))) for more in (0, step))
             code.store(data, to, one if lanes == 1 else code.picked(one, other, moved))
 
@@ -376,7 +380,7 @@ class _Writer:
             repeat(INDEX(-1 - more), builder.sub(last, INDEX(more)), -1, down)
 
     def _move(self, name: str) -> Any:
-        """Return the function that copies cells of rings ``to_rows``, or ``from_rows``.
+        """Return the function named "to_rows" or "from_rows", which copies cells from or to rings.
 
         Vector r holds in lane l the cell ``starts[l] + r`` modulo ``size``; it is copied where
         ``firsts[l] <= r < pasts[l]``. Vectors are copied in blocks, so that each cache line is
@@ -451,7 +455,7 @@ class _Writer:
                 builder.store(value, at, align=8)
 
     def _drift(self) -> Any:
-        """Return the function of ``f += length v`` for ``count`` doubles, without fusing."""
+        """Return the function of ``f += length v`` for ``count`` doubles, rounding the product."""
         function, code = self._function("drift", [*[_DOUBLES] * 3, INDEX])
         f, v, length, count = function.args
         builder = code.builder
@@ -547,8 +551,9 @@ def passage_text(
 ) -> str:
     """Return the LLVM text of the stages of a lattice, which take ``count`` numbers.
 
-    A row of a chain has ``lanes`` cells; ``together`` stages are fused, in blocks of ``block``
-    rows. A plane's stages are not fused; its number of columns is ``columns`` modulo ``lanes``.
+    ``count`` is the number of constants. A row of a chain has ``lanes`` cells; ``together`` stages
+    are fused, in blocks of ``block`` rows. A plane's stages are not fused; its number of columns is
+    ``columns`` modulo ``lanes``.
     """
     writer = _Writer(flow, lanes, together, block, count)
     return writer.plane(columns) if columns else writer.chain()

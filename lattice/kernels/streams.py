@@ -32,11 +32,11 @@ Kind = Literal[
     "position", "velocity", "sum", "force", "varied", "kept", "felt", "kicked", "pulsed", "spread"
 ]
 Polynomial = Mapping[int, float]
-"""Stencil as a polynomial: weight of each flat shift."""
+"""Stencil as a polynomial: maps each flat shift to its weight."""
 
 MAX_CONSTANT_RATIO = 1e100
-"""Largest ratio of lower coefficients to the highest one at which a force is divided by the latter:
-quotients then do not overflow for any stretch that occurs."""
+"""Largest ratio of a polynomial's lower coefficients to its highest at which a force is divided by
+the highest: quotients then do not overflow for any stretch that occurs."""
 
 BEYOND_SHIFTS = 10**15
 """Number larger than any shift."""
@@ -45,15 +45,15 @@ ROW_SHIFT = 2**24
 """Flat shift that stands for one row of a plane."""
 
 DASHPOT_TERMS = 8
-"""Terms of the exponential series of dashpots in a drift. The remainder is below rounding if a
-drift changes velocities by at most 0.1, which `lattice.integration` ensures."""
+"""Number of terms of the exponential series of dashpots in a drift. The remainder is below rounding
+if a drift changes velocities by at most 0.1, which `lattice.integration` ensures."""
 
 FUNCTIONS = {"passages": 16, "to_rows": 10, "from_rows": 10, "drift": 4}
 """Functions in a lattice's machine code, with the number of arguments of each."""
 
 
 def flat_shift(shift: Sequence[int]) -> int:
-    """Encode a shift along each axis as one integer; integers order cells as they are swept.
+    """Encode a shift along all axes as one integer; these integers are in the order of a sweep.
 
     >>> rows_and_columns(flat_shift((2, -3)))
     (2, -3)
@@ -63,13 +63,13 @@ def flat_shift(shift: Sequence[int]) -> int:
 
 
 def rows_and_columns(shift: int) -> tuple[int, int]:
-    """Return the rows and columns of a flat shift."""
+    """Return the numbers of rows and columns that a flat shift stands for."""
     rows = (shift + ROW_SHIFT // 2) // ROW_SHIFT
     return rows, shift - rows * ROW_SHIFT
 
 
 class ForceFormula(NamedTuple):
-    """Arithmetic of a force. Integers are indices into the stage's numbers.
+    """How to compute a force. Integers are indices into the stage's numbers.
 
     ``factors`` are a polynomial's coefficients below the highest power, in descending order, None
     where absent; ``leading`` is the highest coefficient, None if the force is divided by it. A
@@ -97,7 +97,7 @@ class Stream(NamedTuple):
     an external force that is 0 where its share is 0, whatever its law gives there. ``number`` is
     the index of a sum's offset, of the factor with which a sum kicks ``field``, of an external
     pulse, or of the weight of a series' term. ``lowest`` is the offset of the lowest cell whose
-    position it depends on.
+    position the stream depends on.
     """
 
     kind: Kind
@@ -113,9 +113,10 @@ class StagePlan(NamedTuple):
     """Streams of a stage in order of computation; hashable.
 
     Positions come first, then velocities; ``kicked`` are the streams of the new velocities. With
-    ``damped`` fields, a drift takes a weight and a velocity factor for each of them. With dashpots,
-    a drift takes a ``series`` of weights, and ``spread`` are the streams of the new positions.
-    There are ``pulses`` external pulses. The last ``resting`` fields hold the deviations of cells.
+    ``damped`` fields, a drift takes a weight and a velocity factor for each damped field. With
+    dashpots, a drift takes a ``series`` of weights, and ``spread`` are the streams of the new
+    positions. There are ``pulses`` external pulses. The last ``resting`` fields hold the deviations
+    of cells.
     """
 
     fields: int
@@ -134,7 +135,7 @@ class StagePlan(NamedTuple):
 
     @property
     def weights(self) -> int:
-        """Weights of a stage other than its drift: kick, damped drifts, series, pulses."""
+        """Number of a stage's weights other than its drift: kick, damped drifts, series, pulses."""
         return 1 + 2 * self.damped + self.series + self.pulses
 
     @property
@@ -144,16 +145,16 @@ class StagePlan(NamedTuple):
 
     @property
     def skew(self) -> int:
-        """Cells by which a stage stays behind the previous one, so that its inputs exist."""
+        """Number of cells by which a stage follows the previous one, for its inputs to exist."""
         return max(self.streams[index].lag for index in (*self.kicked, *self.spread))
 
     @property
     def below(self) -> int:
-        """Cells at the lower end that a stage leaves invalid."""
+        """Number of cells at the lower end that a stage leaves invalid."""
         return max(0, *(-self.streams[index].lowest for index in (*self.kicked, *self.spread)))
 
     def delay(self, stream: Stream, tap: StreamRead) -> int:
-        """Return how many cells ago the value that a stream reads was computed."""
+        """Return the number of cells ago at which the value read by ``tap`` was computed."""
         return stream.lag - tap.shift - self.streams[tap.stream].lag
 
     def depths(self, followed: bool) -> list[int]:
@@ -176,7 +177,7 @@ class StagePlan(NamedTuple):
 
     @property
     def operations(self) -> int:
-        """Instructions per cell and stage; a fused multiply-add or a function counts once."""
+        """Instructions per cell and stage; each fused multiply-add or function counts once."""
         total = self.fields + self.damped
         for stream in self.streams:
             if stream.kind == "sum":
@@ -190,7 +191,7 @@ class StagePlan(NamedTuple):
 
 
 def _operations(law: ForceFormula) -> int:
-    """Return the arithmetic instructions of a force."""
+    """Return the number of arithmetic instructions of a force."""
     if law.program:
         return sum(word not in ("x", "number") for word, _ in law.program)
     if not law.factors:
@@ -203,9 +204,9 @@ class Rows(NamedTuple):
     """Plan of a stage that goes along the rows of a plane; hashable.
 
     The kick is ``rise`` rows behind the front and depends on that many rows above its own and
-    ``below`` rows under it; a stage stays ``skew`` rows behind the one before. In each row streams
-    are also computed on ``before`` and ``after`` ghost columns at its ends. Positions on ``left``
-    and ``right`` ghost columns repeat those at the other end; ``margin`` columns are read.
+    ``below`` rows under it; a stage stays ``skew`` rows behind the previous stage. In each row
+    streams are also computed on ``before`` and ``after`` ghost columns at its ends. Positions on
+    ``left`` and ``right`` ghost columns repeat those at the other end; ``margin`` columns are read.
     ``depths`` are the numbers of rows stored of each stream.
     """
 
@@ -223,7 +224,7 @@ class Rows(NamedTuple):
 
 @lru_cache(maxsize=256)
 def rows_of(flow: StagePlan) -> Rows:
-    """Return the stage on a plane's rows, with each stream as late as possible.
+    """Return the plan of a stage on a plane's rows, with each stream computed as late as possible.
 
     A row's ghost columns exist only after all of it has drifted; until then a stream may read its
     own column only.
@@ -268,7 +269,7 @@ def rows_of(flow: StagePlan) -> Rows:
 
 
 def _late(flow: StagePlan, rise: int) -> StagePlan:
-    """Return the plan with streams as late as possible and the kick ``rise`` rows behind."""
+    """Return the plan with late streams; the kick is ``rise`` rows behind the front."""
     lags: dict[int, int] = {}
     streams = list(flow.streams)
     for index in range(len(streams) - 1, 2 * flow.fields - 1, -1):
@@ -382,7 +383,7 @@ def varied_stage_plan(lattice: NumericLattice, variation: Variation | None) -> V
 
 
 class _Part(NamedTuple):
-    """Summand of an acceleration: ``factor`` times a stencil's sum over a stream."""
+    """Summand of an acceleration: ``factor`` times the sum of a stream's values in a stencil."""
 
     factor: float
     stream: int
@@ -390,7 +391,7 @@ class _Part(NamedTuple):
 
 
 def merged_weights(entries: Iterable[Entry]) -> dict[int, float]:
-    """Return the total weight at each shift, zero weights left out."""
+    """Return the total weight at each shift; zero weights are left out."""
     weights: dict[int, float] = {}
     for entry in entries:
         shift_number = flat_shift(entry.shift)
@@ -399,7 +400,7 @@ def merged_weights(entries: Iterable[Entry]) -> dict[int, float]:
 
 
 def _part(unit: float, stream: int, stencil: dict[int, float]) -> _Part:
-    """Return ``unit * stencil`` as a part; integer weights are coprime, the first is positive."""
+    """Return ``unit * stencil`` as a part, normalised: first weight positive, integers coprime."""
     first = next(iter(stencil.values()))
     common = abs(first)
     if all(weight == round(weight) for weight in stencil.values()):
@@ -435,9 +436,9 @@ def _work(parts: Sequence[_Part]) -> int:
 def force_formula(
     force: ForceProgram, number: Callable[[float], int]
 ) -> tuple[ForceFormula | None, float]:
-    """Return a formula (None if 0) and the unit whose product is the force.
+    """Return a formula (None for a force of 0) and a unit; their product is the force.
 
-    ``number`` returns the index of a constant.
+    ``number`` is called with a constant and returns its index.
     """
     if force.instructions:
         program = tuple(
@@ -472,7 +473,7 @@ class _Builder:
         self.velocities = [StreamRead(self.fields + index) for index in range(self.fields)]
 
     def number(self, value: float) -> int:
-        """Return the index of a number, adding it if it is new."""
+        """Return the index of a number of the stage; a new number is added."""
         if value not in self.numbers:
             self.numbers.append(value)
         return self.numbers.index(value)
@@ -480,7 +481,7 @@ class _Builder:
     def add(
         self, kind: Kind, taps: Sequence[StreamRead], low: int = -BEYOND_SHIFTS, **more: object
     ) -> int:
-        """Return the index of a stream with these taps, adding it if it is new."""
+        """Return the index of a stream with these taps; a new stream is added."""
         lags = [tap.shift + self.streams[tap.stream].lag for tap in taps]
         lag = max(max(lags, default=0), low)
         lowest = min((tap.shift + self.streams[tap.stream].lowest for tap in taps), default=0)
@@ -510,7 +511,7 @@ class _Builder:
     def felt(
         self, weight: StreamRead, index: int, factor: ForceProgram | None
     ) -> tuple[StreamRead, float]:
-        """Return an external force's share, times ``factor`` at the field if any, and its unit."""
+        """Return the read of ``weight``, times the field's law ``factor`` if any; and a unit."""
         if factor is None:
             return weight, 1.0
         law, unit = force_formula(factor, self.number)
@@ -526,7 +527,7 @@ class _Builder:
         deviation: int | None = None,
         masses: MassKind | None = None,
     ) -> int:
-        """Return the index of the stream of a field's velocities after a kick by ``parts``.
+        """Return the index of the stream of a field's velocities after the kick by ``parts``.
 
         ``deviation`` is the field with the relative deviations of inverse masses, if they vary.
         """
@@ -591,11 +592,11 @@ class _Builder:
         return tuple(read.stream for read in self.positions[:fields])
 
     def _spread(self, total: StreamRead, term: StreamRead, weight: int) -> StreamRead:
-        """Return ``total`` plus the series' ``term`` times the stage's weight of that index."""
+        """Return ``total`` plus ``term`` times the series weight with index ``weight``."""
         return StreamRead(self.add("spread", [total, term], 0, number=weight))
 
     def _cells(self, reads: Sequence[StreamRead], shares: Sequence[StreamRead]) -> list[StreamRead]:
-        """Return the values times ``1 + share``, which is 0 in walls."""
+        """Return the values times ``1 + share``, cell by cell; that factor is 0 in walls."""
         if not shares:
             return list(reads)
         pairs = zip(reads, shares, strict=True)
@@ -622,7 +623,7 @@ class _Builder:
     def _divided(
         self, parts: Sequence[_Part], step: int, sign: int, most: int
     ) -> list[_Part] | None:
-        """Return the parts with divided stencils (`_quotient`), or None if one is not divisible."""
+        """Return the parts with divided stencils (`_quotient`); None if one is not divisible."""
         result = []
         for part in parts:
             quotient = _quotient(part.stencil, step, sign, most)
@@ -632,7 +633,7 @@ class _Builder:
         return result
 
     def _terms(self, part: _Part, alone: bool) -> list[StreamRead]:
-        """Return reads whose sum is the part; a factor other than 1 or -1 needs one more sum."""
+        """Return stream reads whose sum is the part; ``alone`` if no other part is summed."""
         factor, stream, stencil = part
         if abs(factor) == 1.0 and alone:
             return [StreamRead(stream, shift, factor * weight) for shift, weight in stencil.items()]

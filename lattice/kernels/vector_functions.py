@@ -59,7 +59,7 @@ class Lanes:
         return other.value if isinstance(other, Lanes) else self.code.constant(other)
 
     def with_value(self, value: Any) -> Lanes:
-        """Return a vector of the same code with another value."""
+        """Return a vector with another value, for the same code generator."""
         return Lanes(self.code, value)
 
     def _combined(self, word: str, other: Lanes | float) -> Lanes:
@@ -83,7 +83,7 @@ class Lanes:
         return self.with_value(self.code.fma(self.value, self.of(factor), self.of(term)))
 
     def where(self, sign: str, bound: Lanes | float, value: Lanes | float) -> Lanes:
-        """Return ``value`` where ``self sign bound`` holds, as for "<", else self; NaN stays."""
+        """Return ``value`` where ``self sign bound`` holds, as for "<", else self, also if NaN."""
         return self.replaced(self.compared(sign, bound), value)
 
     def replaced(self, mask: Any, value: Lanes | float) -> Lanes:
@@ -91,7 +91,7 @@ class Lanes:
         return self.with_value(self.code.builder.select(mask, self.of(value), self.value))
 
     def compared(self, sign: str, bound: Lanes | float) -> Any:
-        """Return the mask where ``self sign bound`` holds, as for "<"; False for NaN."""
+        """Return a mask of lanes where ``self sign bound`` holds, as for "<"; False for NaN."""
         return self.code.builder.fcmp_ordered(sign, self.value, self.of(bound))
 
     def bits(self) -> Bits:
@@ -103,11 +103,11 @@ class Lanes:
         return (self.bits() & ((1 << 63) - 1)).doubles()
 
     def signed_as(self, other: Lanes) -> Lanes:
-        """Return self, which must not be negative, with the sign of the other."""
+        """Return self, which must not be negative, with the sign of ``other``."""
         return (self.bits() | other.sign()).doubles()
 
     def sign(self) -> Bits:
-        """Return the sign bit alone."""
+        """Return the vector's sign bits alone."""
         return self.bits() & (1 << 63)
 
 
@@ -135,7 +135,7 @@ class Bits:
     __rshift__ = partialmethod(_combined, "lshr")
 
     def doubles(self) -> Lanes:
-        """Return the doubles that have these bit patterns."""
+        """Return the doubles with these bit patterns."""
         return Lanes(self.code, self.code.builder.bitcast(self.value, self.code.kind))
 
 
@@ -153,13 +153,13 @@ def words_of(code: LaneCode) -> Any:
 
 
 def exact_sum(large: Lanes, small: Lanes) -> Pair:
-    """Return a sum with its rounding error; abs(large) >= abs(small), or ``large`` is 0."""
+    """Return a sum with its rounding error; needs abs(large) >= abs(small), or ``large`` 0."""
     total = large + small
     return Pair(total, small - (total - large))
 
 
 def whole(pair: Pair) -> Lanes:
-    """Return the pair's sum, rounded."""
+    """Return the rounded sum of the pair."""
     return pair.high + pair.low
 
 
@@ -190,7 +190,7 @@ def quotient(over: Pair, under: Pair) -> Pair:
 
 
 def polynomial(z: Lanes, factors: Sequence[float]) -> Lanes:
-    """Return the polynomial with these coefficients, lowest first; sum odd powers separately."""
+    """Return the polynomial with the coefficients ``factors``, lowest first, evaluated at ``z``."""
     if len(factors) < 4:
         return _horner(z, factors)
     square = z * z
@@ -199,7 +199,7 @@ def polynomial(z: Lanes, factors: Sequence[float]) -> Lanes:
 
 
 def _horner(z: Lanes, factors: Sequence[float]) -> Lanes:
-    """Return the polynomial by Horner's rule."""
+    """Return the polynomial with these coefficients, lowest first, by Horner's rule."""
     *lower, highest = factors
     result = z.with_value(z.code.constant(highest))
     for factor in reversed(lower):
@@ -212,7 +212,7 @@ def _horner(z: Lanes, factors: Sequence[float]) -> Lanes:
 
 @cache
 def parts_of(name: str, *bits: int) -> tuple[float, ...]:
-    """Return a constant as a sum of doubles, the leading ones with ``bits`` bits, the last with 53.
+    """Return a constant as a sum of doubles: the leading ones have ``bits`` bits, the last has 53.
 
     >>> parts_of("ln2", 42)
     (0.6931471805598903, 5.497923018708371e-14)
@@ -255,19 +255,20 @@ SERIES: dict[str, tuple[float, float, int, Callable[[Any], Callable[[Any], Any]]
     "cos": (0.0, 0.61686, 6, lambda m: lambda z: (m.cos(m.sqrt(z)) - 1 + z / 2) / z**2),
     "atan": (0.0, 0.17158, 12, lambda m: lambda z: (m.atan(m.sqrt(z)) / m.sqrt(z) - 1) / z),
 }
-"""Polynomials by name: the range, the number of coefficients, and the function fitted. The ranges
-end a little beyond ln(2)/2, its square, the squares of (sqrt(2) - 1)/(sqrt(2) + 1), pi/4, and
-sqrt(2) - 1. The relative error of the fits is below 2^-55, in "log_rest" below 2^-66."""
+"""Polynomials by name: range, number of coefficients, and the function fitted. The ranges end a
+little beyond ln(2)/2, its square, the squares of (sqrt(2) - 1)/(sqrt(2) + 1), pi/4, and sqrt(2) -
+1. The relative error of the fits is below 2^-55, in "log_rest" below 2^-66."""
 
 
 # Exponentials.
 
 LEAST_EXPONENT, MOST_EXPONENT = -760.0, 720.0
-"""Arguments beyond which the exponential is 0, or infinite: n ln(2) with n of 12 bits."""
+"""Arguments below which the exponential is 0, and above which it is infinite: n ln(2) with n of 12
+bits."""
 
 
 def _doublings(x: Lanes, low: Lanes | None = None) -> tuple[Lanes, Lanes, Pair]:
-    """Return n, n + `SHIFT` and r with x, or x + low, = n ln(2) + r and abs(r) <= ln(2)/2."""
+    """Return n, n + `SHIFT` and r such that x (or x + low) = n ln(2) + r and abs(r) <= ln(2)/2."""
     high, rest = parts_of("ln2", 42)
     shifted = x.times_plus(1.0 / high, SHIFT)
     n = shifted - SHIFT
@@ -294,7 +295,7 @@ def exponential(x: Lanes, low: Lanes | None = None) -> Lanes:
 
 
 class _Hyperbolic(NamedTuple):
-    """Hyperbolic functions of x divided by 2^up, exp(-x) = ``fall``, and ``n``: x/ln(2) rounded."""
+    """``sinh`` and ``cosh`` of x over 2^up, ``fall`` = exp(-x), and ``n`` = x/ln(2) rounded."""
 
     sinh: Pair
     cosh: Pair
@@ -352,7 +353,7 @@ ROOT_HALF_BITS = 0x3FE6A09E667F3BCD
 
 
 def _mantissa(x: Lanes) -> tuple[Lanes, Lanes]:
-    """Return k and m with x = 2^k m and m between sqrt(1/2) and sqrt(2); x must be positive."""
+    """Return k and m such that x = 2^k m and sqrt(1/2) <= m <= sqrt(2); x must be positive."""
     small = x.compared("<", 2.0**-1022)
     bits = x.replaced(small, x * 2.0**54).bits()
     up = bits + (ONE_BITS + (1 << 52) - ROOT_HALF_BITS)
@@ -469,13 +470,13 @@ def _reduced(x: Lanes) -> tuple[Bits, Pair, Pair]:
 
 
 def _even(quarters: Bits) -> Any:
-    """Return the mask of the lanes that are even."""
+    """Return a mask of the lanes where the integer is even."""
     nothing = (quarters ^ quarters).value
     return quarters.code.builder.icmp_unsigned("==", (quarters & 1).value, nothing)
 
 
 def _circle(x: Lanes, more_quarters: int) -> Bits:
-    """Return the sine of an angle >= 0 plus ``more_quarters`` quarter turns."""
+    """Return the bits of the sine of x >= 0 plus ``more_quarters`` quarter turns."""
     quarters, sine, cosine = _reduced(x)
     quarters += more_quarters
     result = cosine.high.replaced(_even(quarters), sine.high)
@@ -505,7 +506,7 @@ def tangent(x: Lanes) -> Lanes:
 
 
 def _within(x: Lanes, name: str, result: Lanes) -> Lanes:
-    """Return ``result``, or the C library's ``name`` of x where abs(x) > `LARGEST_ANGLE`."""
+    """Return ``result``, or the C library's function ``name`` of x if abs(x) > `LARGEST_ANGLE`."""
     code, builder = x.code, x.code.builder
     is_beyond = builder.fcmp_unordered(">", x.size().value, x.of(LARGEST_ANGLE))
     flags = ir.IntType(code.lanes)

@@ -27,32 +27,36 @@ ABSORBER_WIDTH = 1.0 / 12.0
 """Width of the absorber, in circumferences; its profile is exp(-(distance to the seam/width)^2).
 
 A strength of 28 leaves 7e-13 of a wave; with half and twice the width, 2e-8 and 9e-9. At the
-default strength they are alike (`benchmarks/lattice_constants.py`)."""
+default strength all three widths are alike (`benchmarks/lattice_constants.py`).
+"""
 
 SHORT_ABSORBER_WIDTH = 1.0 / 24.0
-"""Width of the absorber of short waves, in circumferences; slow waves feel it from further away.
-With half of it 4e-6 of a wave are left whatever the strength, with this one 4e-11
+"""Width of the absorber of short waves, in circumferences; slow waves feel a wide one from further
+away. With half of this width 4e-6 of a wave are left whatever the strength, with this width 4e-11
 (`benchmarks/lattice_constants.py`)."""
 
 ABSORBER_STRENGTH = 14.0
-"""Default logarithm of the factor by which one passage reduces a wave: 8e-7 of it are left."""
+"""Default logarithm of the factor by which one passage reduces a wave: 8e-7 of the wave are
+left."""
 
 ABSORPTION_DISTANCE = 1.0 / 64.0
 """Distance, in circumferences, that left-going waves travel between two absorptions."""
 
 MAX_STEP_DISTANCE = 1.0 / 8.0
-"""Largest distance, in circumferences, that left-going waves travel in a step; if they travel
-further, nothing is absorbed."""
+"""Largest distance, in circumferences, that left-going waves may travel in a step; with longer
+steps nothing is absorbed."""
 
 MAX_ABSORBED_RATIO = 1.5
-"""Largest wavenumber absorbed, in units of the cutoff; exp(-(k/cutoff)^8) is the absorbed part."""
+"""Largest wavenumber absorbed, in units of the cutoff; exp(-(k/cutoff)^8) is the absorbed
+fraction."""
 
 
 class LeftAbsorber:
     """Absorbs left-going waves of wavenumbers below ``cutoff`` at the seam of the ring ``state``.
 
-    ``w`` are the frequencies of the modes in ``p``, ``speed`` is that of the ring, ``step`` the
-    time step. ``every`` is the number of steps between two absorptions, 0 if a step is too long.
+    ``w`` are the frequencies of the modes in ``p``, ``speed`` is the speed of the ring, ``step``
+    the time step. ``every`` is the number of steps between two absorptions, 0 if a step is too
+    long.
     """
 
     def __init__(
@@ -98,8 +102,8 @@ class LeftAbsorber:
 class ShortAbsorber:
     """Absorbs right-going waves of wavenumbers above ``cutoff`` at the seam of the ring ``state``.
 
-    ``w`` are the frequencies of the modes, 0 for those that stand still; ``speed`` is that of the
-    ring, ``step`` the time step. ``every`` is the number of steps between two absorptions.
+    ``w`` are the frequencies of the modes, 0 for modes that stand still; ``speed`` is the speed of
+    the ring, ``step`` the time step. ``every`` is the number of steps between two absorptions.
     """
 
     def __init__(

@@ -21,19 +21,19 @@ from longwave.lattice.spectral.lattice_ring import ring_stretches, wavenumbers
 from longwave.support.real_arrays import Array
 
 DENSITY = 4.5
-"""Points per site that resolve the energy's modes of wavenumbers near 2 pi: 2 for the strain, as
-many again for the cubic part of the force, and some spare."""
+"""Number of points per site that resolves the energy's modes of wavenumbers near 2 pi: 2 for the
+strain, as many again for the cubic part of the force, and some spare."""
 
 CREST_REACH = 4.0
-"""Standard deviation, in sites, of the Gaussian by which a crest's energy is averaged; the waves
-concerned are no longer than that."""
+"""Standard deviation, in sites, of the Gaussian by which a crest's energy is averaged; waves for
+which the spread matters are no longer than that."""
 
 MOST_POINTS = 2**21
-"""Most points on which the energy is computed."""
+"""Largest number of points on which the energy is computed."""
 
 
 def crest_energy_spread(lattice: NumericLattice, state: FieldRing, axis: int) -> float:
-    """Return the relative spread of a crest's energy between the lattices at each x mod 1.
+    """Return the relative spread of a crest's energy between the lattices, one for each x mod 1.
 
     ``x`` is the coordinate along ``axis``.
 
@@ -70,7 +70,7 @@ def crest_energy_spread(lattice: NumericLattice, state: FieldRing, axis: int) ->
 
 
 def _energy(lattice: NumericLattice, state: FieldRing) -> Array:
-    """Return the energy at each point, less that of the mean strain and the conserved linear part.
+    """Return the energy at each point, minus that of the mean strain and the conserved linear part.
 
     For a lattice of strains, whose mean is in the state, the kinetic energy is assumed equal to the
     potential one.

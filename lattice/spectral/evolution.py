@@ -37,10 +37,10 @@ if TYPE_CHECKING:
     from longwave.support.checkpoint import Memory
 
 STEPS_PER_CHECK = 16
-"""Steps between two checks of the spectrum's tail."""
+"""Number of steps between two checks of the spectrum's tail."""
 
 STILL_FREQUENCY = 1e-7
-"""Frequencies up to this count as 0, which changes a mode in a time t by less than (1e-7 t)^2."""
+"""Frequency up to which a mode counts as still: it changes in a time t by less than (1e-7 t)^2."""
 
 
 class SamplingError(ArithmeticError):
@@ -48,7 +48,7 @@ class SamplingError(ArithmeticError):
 
 
 class RunawayError(FloatingPointError):
-    """The fields grew without bound before ``t``, or reached a point where a force is undefined."""
+    """The fields grew without bound before the time ``t``, or a force became undefined."""
 
     def __init__(self, t: float, message: str = "") -> None:
         super().__init__(message or f"blow-up: the fields grew without bound before t = {t:g}")
@@ -56,7 +56,7 @@ class RunawayError(FloatingPointError):
 
 
 class NotHyperbolicError(RunawayError):
-    """Waves do not exist about some strain: K2 + 2 K3 y + 3 K4 y^2 <= 0, at time ``t``."""
+    """Waves do not exist about some strain at time ``t``: K2 + 2 K3 y + 3 K4 y^2 <= 0."""
 
     def __init__(self, t: float, site: float) -> None:
         text = f"blow-up: a bond is stretched to where waves grow at t = {t:g}, site {round(site)}"
@@ -65,7 +65,7 @@ class NotHyperbolicError(RunawayError):
 
 @njit(cache=True, examples=[(complexes(2), doubles(1), complexes(1))], fastmath={"contract"})
 def _strain_modes(p: Complex, inverse: Array, out: Complex) -> None:
-    """Compute y = (p_+ - p_-)/(2 i w), mode by mode, into ``out``."""
+    """Compute the modes of y = (p_+ - p_-)/(2 i w) into ``out``; ``inverse`` is 1/(2 w)."""
     for k in range(1, p.shape[1]):
         difference = p[1, k] - p[0, k]
         out[k] = complex(difference.imag * inverse[k], -difference.real * inverse[k])
@@ -86,12 +86,12 @@ def _bend(force: Complex, symbol: Array) -> None:
 
 
 class SpectralRing:
-    """A ring that is advanced in steps of ``step``; `at` returns it at a time.
+    """A strain ring that is advanced in steps of ``step``; `at` returns it at a given time.
 
     At the start and every ``STEPS_PER_CHECK`` steps the strain is checked. NotHyperbolicError is
     raised when waves do not exist about some strain, SamplingError when the spectrum's tail exceeds
-    ``tail``, and RunawayError when it exceeds the largest initial strain. ``dealias`` drops the
-    upper half of the force's modes (exact for a cubic force); without it the tail bounds the
+    ``tail``, and RunawayError when the tail exceeds the largest initial strain. ``dealias`` drops
+    the upper half of the force's modes (exact for a cubic force); without it the tail bounds the
     aliasing. Left-going waves of wavenumbers below ``absorbed`` are absorbed at the seam, and
     right-going ones of wavenumbers above ``short`` (`ShortAbsorber`), with ``strength``; 0 absorbs
     none. ``strain`` holds the smallest and the largest strain met.
@@ -194,7 +194,7 @@ class SpectralRing:
             self._short.absorb(self.integrator.p)
 
     def _check(self, p: Complex, t: float) -> None:
-        """Raise the errors of the class if the strain or its spectrum is no longer sound."""
+        """Raise one of the class's errors if the strain or its spectrum is no longer sound."""
         modes = self._strain(p)
         tail = spectrum_tails(modes[None], self._start.counts)
         self._checked_stiffness(values_of(modes, self._values.size, self._values), t)
@@ -206,7 +206,7 @@ class SpectralRing:
             )
 
     def _checked_stiffness(self, y: Array, t: float) -> Array:
-        """Return the stiffness about strains; raise NotHyperbolicError where no waves exist."""
+        """Return the stiffness about the strains ``y``; raise NotHyperbolicError if it is <= 0."""
         with np.errstate(over="ignore", invalid="ignore"):
             stiffness = self._model.stiffness(y)
         least, most = self.strain

@@ -34,7 +34,7 @@ SERIES_RADIUS = 2.0
 """Least abs(z) for which the recurrence is used."""
 
 SERIES_TERMS = 26
-"""Terms of the series: SERIES_RADIUS^SERIES_TERMS/SERIES_TERMS! is below the rounding error."""
+"""Number of terms of the series: SERIES_RADIUS^SERIES_TERMS/SERIES_TERMS! is below rounding."""
 
 
 def phi_functions(z: Complex, highest: int) -> list[Complex]:
@@ -61,7 +61,7 @@ def _upwards(z: Complex, highest: int) -> list[Complex]:
 
 
 def _downwards(z: Complex, highest: int) -> list[Complex]:
-    """Return phi_0 .. phi_highest by the series of the last and the recurrence in reverse."""
+    """Return phi_0 .. phi_highest: the last one as a series, the others by reverse recurrence."""
     top = np.zeros_like(z)
     for j in reversed(range(SERIES_TERMS)):
         top = top * z + 1.0 / math.factorial(highest + j)
@@ -111,13 +111,13 @@ class ExponentialRungeKutta:
 Table = tuple[Complex, Complex, Complex]
 
 PAST_VALUES = 3
-"""Past values of N in the predictor. With 5 and more, waves at the zone boundary grow."""
+"""Number of past values of N in the predictor. With 5 and more, waves at the zone boundary grow."""
 
 ORDER = PAST_VALUES + 1
-"""Order of the method."""
+"""Order of the Adams method."""
 
 STEP_SLACK = 1e-9
-"""A time within this many steps of a whole step counts as that step."""
+"""Distance, in steps, within which a time counts as the end of a whole step."""
 
 
 _jit = partial(njit, cache=True, fastmath={"contract"})
@@ -125,7 +125,7 @@ _jit = partial(njit, cache=True, fastmath={"contract"})
 
 @_jit(examples=[(complexes(2), complexes(2), complexes(3), complexes(2), complexes(2))])
 def _predict(factor: Complex, p: Complex, weights: Complex, past: Complex, out: Complex) -> None:
-    """Compute the predicted solution after a step into ``out``."""
+    """Compute into ``out`` the solution predicted after a step from N's ``past`` values."""
     for branch in range(p.shape[0]):
         for k in range(p.shape[1]):
             value = factor[branch, k] * p[branch, k]
@@ -151,7 +151,7 @@ class ExponentialAdams:
     ``linear`` and ``p`` have the shape (branches, modes), N(p) the shape (modes,): one nonlinearity
     drives all branches. The past values for the first step come from ETDRK4, run backwards.
 
-    ``p`` is the solution at time ``steps * h``; ``evaluations`` counts those of N.
+    ``p`` is the solution at time ``steps * h``; ``evaluations`` is the number of evaluations of N.
     """
 
     def __init__(self, linear: Complex, nonlinearity: Nonlinearity, p: Complex, h: float) -> None:
@@ -198,7 +198,7 @@ class ExponentialAdams:
         return self.p if abs(fraction) <= STEP_SLACK else self._part(self._table(fraction))[0]
 
     def _part(self, table: Table) -> tuple[Complex, Complex]:
-        """Return the solution after a step with these coefficients, and N where it is predicted."""
+        """Return the solution after a step with these coefficients, and N at its prediction."""
         factor, predictor, corrector = table
         p = np.empty_like(self.p)
         _predict(factor, self.p, predictor, self._past, p)
@@ -208,7 +208,7 @@ class ExponentialAdams:
         return p, newest
 
     def _table(self, fraction: float) -> Table:
-        """Return the coefficients of a ``fraction`` of a step."""
+        """Return the coefficients of a step of ``fraction * h``."""
         h = fraction * self.h
         z = self._linear * h
         nodes = -np.arange(PAST_VALUES) / fraction

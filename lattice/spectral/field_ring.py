@@ -17,14 +17,14 @@ from numpy.typing import ArrayLike
 from longwave.support.real_arrays import Array, Complex
 
 TAIL_DIVISOR = 8
-"""Inverse of the fraction of the spectrum that counts as its tail: the last 1/TAIL_DIVISOR."""
+"""The last 1/TAIL_DIVISOR of the spectrum counts as its tail."""
 
 INTERPOLATION_ERROR = 1e-13
 """Accuracy of the interpolation, relative to the root mean square sum of the coefficients."""
 
 
 def modes_of(values: Array) -> Complex:
-    """Return Fourier coefficients over all axes after that of fields; k >= 0 on the last."""
+    """Return Fourier coefficients over all axes but the first; only k >= 0 on the last axis."""
     axes = tuple(range(min(1, values.ndim - 1), values.ndim))
     return ducc0.fft.r2c(values, axes=axes, inorm=2, nthreads=1)
 
@@ -71,15 +71,15 @@ class FieldRing:
         return np.asarray(self.left[axis] + self.circumferences[axis] / steps.size * steps)
 
     def at(self, *x: ArrayLike) -> Array:
-        """Return the fields, (fields, positions), at real positions: one array for each axis."""
+        """Return the fields, (fields, positions), at real positions ``x``: one array per axis."""
         return self._interpolated(self.f, x)
 
     def velocities_at(self, *x: ArrayLike) -> Array:
-        """Return the velocities, (fields, positions), at real positions, as `at` does."""
+        """Return the velocities, (fields, positions), at real positions ``x``, as `at` does."""
         return self._interpolated(self.v, x)
 
     def sampled(self, counts: tuple[int, ...]) -> FieldRing:
-        """Return the same functions at other numbers of points, exactly."""
+        """Return the same functions, exactly, sampled at other numbers of points."""
         if counts == self.counts:
             return self
         f, v = (_sampled(values, counts) for values in (self.f, self.v))
@@ -117,7 +117,7 @@ class FieldRing:
 
 
 def _with_both_ends(modes: Complex, padding: list[tuple[int, int]]) -> Complex:
-    """Return shifted coefficients, padded; the highest of an even number is halved to both ends."""
+    """Return shifted coefficients, padded; an unpaired highest one is split between both ends."""
     modes = np.pad(modes, padding)
     for axis, (_, more) in enumerate(padding):
         if more:
@@ -147,7 +147,7 @@ def _sampled(values: Array, counts: tuple[int, ...]) -> Array:
 
 
 def spectrum_tails(modes: Complex, counts: tuple[int, ...]) -> float:
-    """Return a bound, for all fields, of the sum of the last 1/TAIL_DIVISOR of any axis' modes."""
+    """Return an upper bound, for all fields, of the sum of the tail of the modes along any axis."""
     magnitudes = np.abs(modes)
     magnitudes[..., 1 : (counts[-1] + 1) // 2] *= 2.0
     inner = magnitudes

@@ -35,10 +35,12 @@ if TYPE_CHECKING:
     from longwave.support.checkpoint import Memory
 
 MIN_RUN_ANGLE = 0.03
-"""Phase change over the whole run, in radians, to which lower frequencies are raised."""
+"""Phase change over the whole run, in radians, of the lowest frequency; lower ones are raised to
+it."""
 
 PHASE_BLOCK = 64
-"""Modes of a chain per block: a phase is one factor per block times one per mode in the block."""
+"""Number of a chain's modes in a block: a phase is a factor for the block times one for the
+mode."""
 
 _jit = partial(njit, cache=True, fastmath={"contract"})
 _PHASES_EXAMPLE = complexes(1), complexes(1)
@@ -46,7 +48,7 @@ _PHASES_EXAMPLE = complexes(1), complexes(1)
 
 @_jit(examples=[(complexes(2), complexes(3), *_PHASES_EXAMPLE, complexes(2))])
 def _bend(p: Complex, lift: Complex, coarse: Complex, fine: Complex, out: Complex) -> None:
-    """Compute the modes of the bonds' stretches in the frame at rest, into ``out``."""
+    """Compute into ``out`` the modes of the bonds' stretches, in the frame at rest."""
     bonds, branches, modes = lift.shape
     for bond in range(bonds):
         for k in range(modes):
@@ -58,7 +60,7 @@ def _bend(p: Complex, lift: Complex, coarse: Complex, fine: Complex, out: Comple
 
 @_jit(examples=[(complexes(2), complexes(3), *_PHASES_EXAMPLE, complexes(1))])
 def _drive(force: Complex, drive: Complex, coarse: Complex, fine: Complex, out: Complex) -> None:
-    """Compute, into ``out``, the drive of normal coordinates in the moving frame by bond forces."""
+    """Compute into ``out`` how bond forces drive the normal coordinates, in the moving frame."""
     branches, bonds, modes = drive.shape
     for k in range(modes):
         phase = (coarse[k // fine.size] * fine[k % fine.size]).conjugate()
@@ -71,7 +73,7 @@ def _drive(force: Complex, drive: Complex, coarse: Complex, fine: Complex, out: 
 
 @_jit(examples=[(doubles(1), 0.0, doubles(1), 0.0)])
 def _polynomial_residual(x: Array, offset: float, coefficients: Array, slope: float) -> None:
-    """Replace x by the force at offset + x less slope times x, in place."""
+    """Replace x, in place, by the polynomial force at ``offset + x`` minus ``slope * x``."""
     degree = coefficients.size
     for i in range(x.size):
         stretch = offset + x[i]
@@ -82,7 +84,7 @@ def _polynomial_residual(x: Array, offset: float, coefficients: Array, slope: fl
 
 
 def _residual(x: Array, offset: float, force: ForceProgram, slope: float) -> None:
-    """Replace x by the force at offset + x less slope times x, in place."""
+    """Replace x, in place, by the force at ``offset + x`` minus ``slope * x``."""
     if force.instructions:
         with np.errstate(all="ignore"):
             x[...] = force(x + offset) - slope * x
@@ -95,9 +97,9 @@ class LatticeRing:
 
     ``duration`` is that of the run, ``speed`` that of the frame along each axis. At the start and
     every ``STEPS_PER_CHECK`` steps the fields are checked. SamplingError is raised when their
-    spectrum's tail exceeds ``tail``, RunawayError when they are not finite or the tail exceeds
-    their initial size. The tail also bounds the aliasing of products. ``start`` is the initial
-    ring, ``largest`` the largest field met.
+    spectrum's tail exceeds ``tail``, RunawayError when the fields are not finite or the tail
+    exceeds their initial size. The tail also bounds the aliasing of products. ``start`` is the
+    initial ring, ``largest`` the largest field met.
     """
 
     def __init__(
@@ -138,7 +140,7 @@ class LatticeRing:
         return ExponentialAdams(self._linear, self._nonlinearity, self._first, self._step)
 
     def _prepare(self, lattice: NumericLattice, grid: Array, slopes: list[float]) -> None:
-        """Set up the maps from modes to nonlinear bonds and back, and the raised frequencies."""
+        """Set up the maps between modes and nonlinear bonds, and the raised frequencies."""
         fields, modes = len(lattice.fields), self.modes
         pairs = zip(lattice.bonds, slopes, strict=True)
         nonlinear = [  # nothing remains of a bond that is linear without a mean stretch
@@ -209,11 +211,11 @@ class LatticeRing:
         return moving, at_rest
 
     def _masked_modes(self, values: Array) -> Complex:
-        """Return the modes of the values, (fields, modes), 0 outside `_symmetric_modes`."""
+        """Return the modes of values, (fields, modes), with 0 outside `_symmetric_modes`."""
         return modes_of(values).reshape(len(values), -1) * self._mode_mask
 
     def _phases(self, t: float) -> tuple[Complex, Complex]:
-        """Return factors whose products turn modes from the moving frame to that at rest."""
+        """Return factors whose products take modes from the moving frame to the frame at rest."""
         if len(self._turning) == 2:
             coarse, fine = (np.exp(part * t) for part in self._turning)
             return coarse, fine
@@ -224,14 +226,14 @@ class LatticeRing:
         return np.exp(step * t * PHASE_BLOCK * np.arange(blocks)), fine
 
     def _fields(self, coordinates: Complex, t: float) -> Complex:
-        """Return the fields' modes in the frame at rest, in the shape of the transform."""
+        """Return the fields' modes in the frame at rest, in the shape of the Fourier transform."""
         coarse, fine = self._phases(t)
         phases = np.multiply.outer(coarse, fine).reshape(-1)[: self._size]
         fields = self.modes.fields(coordinates.reshape(-1, self._size)) * phases
         return fields.reshape(-1, *self._shape)
 
     def _check(self, p: Complex, t: float) -> Array:
-        """Return the fields. Raises RunawayError or SamplingError if they are not sound."""
+        """Return the fields; raise RunawayError or SamplingError if the fields are not sound."""
         modes = self._fields((p[1, :-1] - p[0, :-1]) / self._divisor, p[0, -1].real)
         counts = self.start.counts
         f = values_of(modes, counts[-1])
@@ -277,7 +279,7 @@ def wavenumbers(state: FieldRing) -> list[Array]:
 
 
 def whole(state: FieldRing) -> bool:
-    """Return whether shifts lead from point to point, so that each point is a site of a lattice."""
+    """Return whether shifts by a cell lead from point to point, so that points are sites."""
     return all(
         float(length).is_integer() and count % int(length) == 0
         for length, count in zip(state.circumferences, state.counts, strict=True)
@@ -285,9 +287,9 @@ def whole(state: FieldRing) -> bool:
 
 
 def _symmetric_modes(state: FieldRing) -> Mask:
-    """Return a mask of the modes that shifts map to modes of real functions.
+    """Return a mask of the modes that stay modes of real functions when shifted.
 
-    These are all, or all but the highest.
+    All modes are, or all but the highest.
     """
     numbers = _numbers(state.counts)
     mask = np.ones([part.size for part in numbers], dtype=np.bool_)
@@ -299,7 +301,7 @@ def _symmetric_modes(state: FieldRing) -> Mask:
 
 
 def ring_stretches(lattice: NumericLattice, state: FieldRing) -> list[Array]:
-    """Return each bond's stretch by the fields, without its offset, point by point."""
+    """Return each bond's stretch, without its offset, at each point of the ring."""
     k = np.stack(np.meshgrid(*wavenumbers(state), indexing="ij"), axis=-1)
     flat = k.reshape(-1, k.shape[-1])
     modes = modes_of(state.f).reshape(len(state.f), -1)

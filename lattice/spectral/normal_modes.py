@@ -19,10 +19,11 @@ from longwave.lattice.numeric_lattice import Entry, NumericLattice
 from longwave.support.real_arrays import Array, Complex
 
 HERMITIAN_ERROR = 1e-12
-"""Largest relative deviation of a weighted matrix from its adjoint to count as Hermitian."""
+"""Largest relative deviation of a weighted matrix from its adjoint at which it counts as
+Hermitian."""
 
 MAX_CONDITION = 1e6
-"""Largest condition number of eigenvectors; beyond it they are nearly parallel."""
+"""Largest accepted condition number of eigenvectors; beyond it they are nearly parallel."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,7 @@ class NormalModes:
 def normal_modes(
     lattice: NumericLattice, wavenumbers: Array, slopes: list[float], lowest: float
 ) -> NormalModes:
-    """Return the modes of these wavenumbers, (modes, axes), for bonds of these ``slopes``.
+    """Return the normal modes of these wavenumbers, (modes, axes), for bonds with these ``slopes``.
 
     Frequencies below ``lowest`` are raised to it. Raises ValueError for a lattice of strains with
     modes that cannot be decoupled.
@@ -87,7 +88,7 @@ def _diagonal(lattice: NumericLattice, matrices: Complex) -> tuple[Complex, Comp
 
 
 def multipliers(entries: tuple[Entry, ...], wavenumbers: Array, fields: int) -> Complex:
-    """Return the Fourier multipliers of a stencil on each field, (fields, modes)."""
+    """Return the Fourier multipliers of a stencil, one for each field and mode: (fields, modes)."""
     result = np.zeros((fields, len(wavenumbers)), dtype=np.complex128)
     for entry in entries:
         phase = wavenumbers @ np.array(entry.shift, dtype=np.float64)

@@ -15,21 +15,21 @@ SCHEME = "exponential_adams"
 """Name of the scheme of all rings."""
 
 RESOLVED_ANGLE = 1.0
-"""Longest step that resolves the difference between a ring's lattices, one for each x mod 1, in
+"""Longest step that resolves the difference between a ring's lattices (one for each x mod 1), in
 units of the time in which the phase of a wave of wavenumber 2 pi changes by one radian."""
 
 ALIKE = 0.2
 """Largest unresolved difference between a ring's lattices, as a fraction of the tolerance. While
-the nonlinear part turns the phase of a typical wave by one radian, their strains separate by 0.02
-to 0.4 times the spread of their energies, in units of the largest strain: measured on 30 scenes of
-all waves, with |y| from 0.3 to 0.63, as `searches/estimates.py` draws them."""
+the nonlinear part turns the phase of a typical wave by one radian, the lattices' strains separate
+by 0.02 to 0.4 times the spread of their energies, in units of the largest strain: measured on 30
+scenes of all waves, with |y| from 0.3 to 0.63, as `searches/estimates.py` draws them."""
 
 TAIL_SHARE = 0.1
 """Largest tail of the spectrum accepted in a run, as a fraction of the tolerance."""
 
 DENSITY_RATIO = 1.25
-"""Points of a control run, in units of those of the run before it. With 1.15, two samplings of
-about two points a site agreed on an error above their estimate."""
+"""Number of points of a control run, divided by that of the run before it. With 1.15, two samplings
+of about two points a site agreed on an error above their estimate."""
 
 LOSS_TIME_SPREAD = 0.01
 """Largest relative difference, apart from the interval between checks, of the times at which the
@@ -53,9 +53,9 @@ class SpectralSearch(Engine):
     order = ORDER
     unstable = 10
     step_ratio = STEP_RATIO
-    """Step of a control run, in units of that of the run before it."""
+    """Step of a control run, as a fraction of the step of the run before it."""
     least_factor = LEAST_FACTOR
-    """Least ratio of a step to the one chosen before."""
+    """Least ratio of a step to the step of the previous choices."""
 
     def __init__(self, begin: float, duration: float, speed: float, tolerance: float) -> None:
         self._begin, self._duration, self._tolerance = begin, duration, tolerance
@@ -78,7 +78,7 @@ class SpectralSearch(Engine):
         return Trial(choices, None, self.work(choices), 0.0, 0.0, None)
 
     def control(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
-        """Return choices with a shorter step, or more points, or both."""
+        """Return choices with a shorter step, or more points, or both, as ``kinds`` say."""
         if "step" in kinds:
             step, start = self.step_ratio * choices.step, self.step_ratio * choices.start
             choices = replace(choices, step=step, start=start)
@@ -97,24 +97,24 @@ class SpectralSearch(Engine):
 
     @property
     def _must_resolve(self) -> bool:
-        """Whether the ring's lattices differ too much for a step that does not resolve it."""
+        """Whether the ring's lattices differ so much that the step must resolve the difference."""
         return self._lattice_spread > ALIKE * self._tolerance
 
     def _unresolved_error(self, choices: Choices) -> float:
-        """Return the error due to the difference of the ring's lattices; 0 if it is resolved."""
+        """Return the error due to the difference of the ring's lattices; 0 for resolving steps."""
         return 0.0 if choices.step <= self._resolving else self._lattice_spread
 
     def _shorter(self, choices: Choices, excess: float) -> Choices:
-        """Return choices with a step whose error, as step^order, is smaller by ``excess``.
+        """Return choices with a shorter step, whose error ~ step^order is smaller by ``excess``.
 
-        The initial step is scaled alike if the error is finite.
+        The initial step is shortened by the same factor if the error is finite.
         """
         factor = max(self.least_factor, 0.9 * excess ** (-1.0 / ORDER))
         start = factor * choices.start if math.isfinite(excess) else choices.start
         return replace(choices, step=factor * choices.step, start=start)
 
     def _lost_again(self, error: RunawayError, step: float) -> bool:
-        """Return whether fields run away for any step: at the start, or as in two other runs."""
+        """Return whether fields run away for any step: at the start, or when two other runs did."""
         elapsed = error.t - self._begin
         resolution = LOSS_TIME_SPREAD * elapsed + STEPS_PER_CHECK * step
         agree = [abs(t - elapsed) <= resolution for t in self._loss_times]
@@ -141,7 +141,7 @@ class SpectralSearch(Engine):
 def run_facts(
     trial: Trial, steps: int, evaluations: int, sites: int, blow_up: str
 ) -> dict[str, Any]:
-    """Return the record of a run: engine, scheme, costs and blow-up."""
+    """Return a run's record: engine, scheme, step, numbers of steps and evaluations, blow-up."""
     return {
         "engine": "spectral",
         "scheme": SCHEME,

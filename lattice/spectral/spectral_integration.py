@@ -34,21 +34,22 @@ from longwave.support.real_arrays import Array, real_array
 Judged = Callable[[FieldRing], Array]
 
 ROUNDED_TAIL = 2.0**-46
-"""Spectrum's tail, in units of the largest field, that is rounding: more points do not help."""
+"""Spectrum's tail, as a fraction of the largest field, up to which it is rounding."""
 
 DENSER = 1.4
-"""Factor on the points of a run whose spectrum's tail rose, or whose control run needs more."""
+"""Factor on the number of points of a run whose spectrum's tail rose, or whose control run needs
+more."""
 
 LEAST_POINTS = 8
-"""Fewest points along an axis; a control run has ``DENSITY_RATIO`` times as many."""
+"""Least number of points along an axis; a control run has ``DENSITY_RATIO`` times as many."""
 
 MOST_POINTS = 2**22
-"""Most points on a ring; a run takes some 500 bytes per point and field."""
+"""Largest number of points on a ring; a run takes some 500 bytes per point and field."""
 
 
 @dataclass(frozen=True)
 class SpectralTrajectory:
-    """Rings at all ``times``; ``error_estimate`` is that of the judged quantity."""
+    """Rings at all ``times``; ``error_estimate`` is an upper estimate for the judged quantity."""
 
     times: Array
     states: tuple[FieldRing, ...]
@@ -138,9 +139,9 @@ def _frame(lattice: NumericLattice, speed: float | tuple[float, ...]) -> tuple[f
 
 @dataclass(frozen=True)
 class FieldComparison:
-    """Quantities of a ring: those ``judged``, in ``unit`` of the fields, and those ``stored``.
+    """Quantities of a ring: ``judged`` ones, in ``unit`` of the fields, and ``stored`` ones.
 
-    ``at_sites`` if they are taken at the sites of one lattice only, each a point of the state.
+    ``at_sites``: they are taken at the sites of one lattice only, each a point of the state.
     ``stored`` returns what is saved at each time. Runs are also compared by ``around`` at the end.
     A run in which a judged value exceeds the ``limit`` has no values. ``wider`` returns lattice and
     state of a wider ring, used by every other run.
@@ -163,8 +164,8 @@ class FieldRingEngine(SpectralSearch):
     """Runs of a ring of fields from a state, for `refine`.
 
     By default the stretches of all bonds are judged, at the state's points; ``sight`` gives another
-    comparison. Steps tried are at most ``longer`` times the natural step of the ring's waves: a
-    carrier, which is integrated exactly, allows longer ones.
+    comparison. Steps tried are at most ``longer`` times the natural step of the ring's waves. A
+    carrier is integrated exactly and allows longer steps.
     """
 
     kinds: tuple[Kind, ...] = ("step", "sampling")
@@ -204,7 +205,7 @@ class FieldRingEngine(SpectralSearch):
         self._first = self._first_choices(longer)
 
     def _first_density(self) -> float:
-        """Return the least density of points that resolves the state, relative to its own."""
+        """Return the least density of points, relative to the state's, that resolves the state."""
         if self._is_lattice:
             return 1.0
         density = 1.0
@@ -217,7 +218,7 @@ class FieldRingEngine(SpectralSearch):
         return density
 
     def _first_choices(self, longer: float) -> Choices:
-        """Return choices with the first step, from the rates that are not integrated exactly."""
+        """Return choices with the first step, from the rates of the part not integrated exactly."""
         T = self._duration
         ring = self._ring(Choices(T, 1.0), math.inf)
         moving, still = ring.typical_rates()
@@ -258,13 +259,13 @@ class FieldRingEngine(SpectralSearch):
         return math.prod(self._counts(choices))
 
     def control(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
-        """Return choices with a shorter step, on the other ring if two, or with more points."""
+        """Return choices with a shorter step (and the other of two rings), or with more points."""
         if "step" in kinds and self._sight.wider is not None:
             choices = replace(choices, size=WIDER_SIZE if choices.size == 1.0 else 1.0)
         return super().control(choices, kinds)
 
     def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
-        """Return choices with a shorter step or more points, on the ring that is not wider."""
+        """Return choices with a shorter step or more points, never on the wider ring."""
         if kind == "sampling":
             density = choices.density if self._is_unaliased(choices) else DENSER * choices.density
             return replace(choices, density=density, size=1.0)
@@ -283,7 +284,7 @@ class FieldRingEngine(SpectralSearch):
         )
 
     def _initial_data(self, choices: Choices) -> tuple[NumericLattice, FieldRing]:
-        """Return the lattice and the state of a run, before the state is resampled."""
+        """Return the lattice and the initial state of a run, before the state is resampled."""
         if choices.size > 1.0 and self._sight.wider is not None:
             return self._sight.wider()
         return self._lattice, self._state
@@ -298,7 +299,7 @@ class FieldRingEngine(SpectralSearch):
         return state.counts if self._sight.at_sites and any(a >= b for a, b in pairs) else counts
 
     def _is_unaliased(self, choices: Choices) -> bool:
-        """Return whether the ring is a lattice, so that no modes alias onto its points."""
+        """Return whether the ring's points are a lattice's sites, so that no modes are aliased."""
         _, state = self._initial_data(choices)
         at_sites = self._sight.at_sites and self._counts(choices) == state.counts
         return self._is_lattice or at_sites
@@ -349,5 +350,5 @@ class FieldRingEngine(SpectralSearch):
 
 
 def _fast_counts(state: FieldRing, density: float, finer: float = 1.0) -> tuple[int, ...]:
-    """Return even counts with fast transforms: ``finer * density`` times the state's, or more."""
+    """Return even counts with fast transforms, at least ``finer * density`` times the state's."""
     return tuple(fast_count(finer * max(density * n, LEAST_POINTS)) for n in state.counts)

@@ -39,5 +39,5 @@ def other_core() -> ThreadPoolExecutor:
 
 @lru_cache(maxsize=1)
 def _thread_of(_: int) -> ThreadPoolExecutor:
-    """Return the executor of this process; a fork, which has no threads, gets its own."""
+    """Return the executor of this process; a forked process gets a new one, as threads are lost."""
     return ThreadPoolExecutor(1, thread_name_prefix="core")

@@ -33,7 +33,7 @@ OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": False}
 it, and last digits would depend on what a process compiled before."""
 
 NO_WRAPPERS = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-"""Options that omit numba's own wrappers, which halves the compile time."""
+"""Options that leave out numba's own wrappers, which halves the compile time."""
 
 LARGEST = 2**63
 
@@ -78,12 +78,12 @@ def njit(
     examples: Sequence[Arguments] = (),
     **options: Any,
 ) -> Callable[[Callable[..., Any]], Any]:
-    """Return a decorator as ``numba.njit(**options)``; with ``cache``, machine code is cached.
+    """Return a decorator like ``numba.njit(**options)`` that caches machine code if ``cache``.
 
     A kernel takes doubles, integers, arrays, tuples and None. It returns nothing, creates no arrays
-    and raises nothing. Without ``subnormals`` it flushes them to 0
-    (`support.compiled.subnormals`). ``examples`` are arguments of the types that runs use, a tuple
-    for each combination; the package ships the text for them.
+    and raises nothing. Without ``subnormals`` it flushes them to 0 (`support.compiled.subnormals`).
+    ``examples`` are tuples of arguments, one for each combination of types that runs use; the
+    package ships LLVM text for these types.
 
     >>> @njit()
     ... def half(x):
@@ -145,7 +145,7 @@ class Kernel:
     def _entry(
         self, kinds: tuple[Any, ...], words: list[Any], arguments: Arguments
     ) -> tuple[Callable[..., int], Callable[..., bytes]]:
-        """Return the machine code for these types of arguments, and the packer of their words."""
+        """Return machine code for these types of arguments, and the function that packs words."""
         from longwave.support.compiled.native_code import native_functions
 
         key = self._key(kinds)
@@ -193,12 +193,12 @@ class Kernel:
 
     @cached_property
     def dispatcher(self) -> Any:
-        """Numba's dispatcher, for calls from other kernels."""
+        """Numba's dispatcher, through which other kernels call the kernel."""
         return _numba().njit(**self._options, **NO_WRAPPERS)(self.py_func)
 
     @cached_property
     def _by_numba(self) -> Any:
-        """Numba's dispatcher, for calls from Python."""
+        """Numba's dispatcher, through which Python calls the kernel."""
         return _numba().njit(**self._options)(self.py_func)
 
 
@@ -249,7 +249,7 @@ def _entry_text(context: Any, compiled: Any, subnormals: bool) -> str:
 
 
 def _unpack(values: Iterable[Any], kinds: list[Any], words: list[Any]) -> None:
-    """Append the types of the values to ``kinds``, and the words passed for them to ``words``."""
+    """Append the values' types to ``kinds``, and the words that represent them to ``words``."""
     for value in values:
         kind = type(value)
         if kind is np.ndarray:
@@ -276,7 +276,7 @@ def _unpack(values: Iterable[Any], kinds: list[Any], words: list[Any]) -> None:
 
 
 def _plain(value: Any) -> Any:
-    """Return Python numbers for NumPy's."""
+    """Return a Python number for a NumPy number; other values unchanged."""
     if isinstance(value, tuple):
         return tuple(map(_plain, value))
     return value.item() if isinstance(value, np.generic) else value

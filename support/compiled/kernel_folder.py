@@ -33,18 +33,20 @@ if TYPE_CHECKING:
     from longwave.support.compiled.source_digest import Files
 
 FOLDER_MODE, FILE_MODE, OTHERS_WRITE = 0o700, 0o600, 0o022
-"""Modes of a cache's folder and files, and permissions that others must not have on them."""
+"""Modes of a cache's folder and of its files, and permissions that others must not have on
+these."""
 
 BASE_MODE = 0o755
-"""Mode of the folder with the cache folders: at umask 0, others could otherwise move them."""
+"""Mode of the folder that contains the cache folders: at umask 0, others could otherwise move
+them."""
 
 MAX_VERSIONS = 8
-"""Most versions of a module's cache folder; the least recently used ones are removed first."""
+"""Largest number of versions of a module's cache folder; least recently used ones are removed."""
 
 
 @dataclass(frozen=True)
 class CacheFolder:
-    """Cache of files made from ``sources``, in the folder ``path``; None caches nothing.
+    """Cache, in the folder ``path``, of files made from ``sources``; no cache if ``path`` is None.
 
     They are read and written only by a process whose code is what the sources say.
     """
@@ -55,7 +57,7 @@ class CacheFolder:
     """Reasons why earlier choices of folders were skipped, one line each."""
 
     def get_or_make(self, name: str, make: Callable[[], bytes]) -> bytes:
-        """Return the file's content, made and stored if it is missing."""
+        """Return the content of the file ``name``; if it is missing, call ``make`` and store it."""
         data = self.read(name)
         if data is None:
             data = make()
@@ -79,7 +81,7 @@ class CacheFolder:
         return None
 
     def _title(self, name: str) -> bytes:
-        """Return the first line of a file, which reveals a file that was renamed."""
+        """Return the first line of the file ``name``, by which a renamed file is recognised."""
         return f"{self.path and self.path.name}/{name}".encode()
 
     def write(self, name: str, data: bytes) -> None:
@@ -95,7 +97,7 @@ class CacheFolder:
 
 @lru_cache
 def cache_folder(module: str, *others: str) -> CacheFolder:
-    """Return the cache folder for an imported module and the ``others``, created if needed."""
+    """Return the cache folder, created if needed, of an imported ``module`` and the ``others``."""
     from longwave.support.compiled.source_digest import all_sources, text_digest
 
     sources = all_sources((module, *others))
@@ -129,7 +131,7 @@ class NotPrivateError(OSError):
 
 @contextmanager
 def _opened(path: Path) -> Iterator[int | None]:
-    """Open a folder and yield its descriptor, None if unsupported; raise NotPrivateError."""
+    """Open a folder, yield its descriptor, if any; raise NotPrivateError if others may write."""
     _check_private(path, path.lstat())
     if os.open not in os.supports_dir_fd:
         yield None
@@ -150,7 +152,7 @@ def _check_private(path: Path, state: os.stat_result) -> None:
 
 
 def _fault(state: os.stat_result, others: int) -> str:
-    """Return why ``others`` (permission bits) may have written there, or an empty text."""
+    """Return why others may have written to a file or folder; empty if they cannot have."""
     if not hasattr(os, "geteuid"):
         return ""
     if state.st_uid != os.geteuid():
@@ -160,7 +162,7 @@ def _fault(state: os.stat_result, others: int) -> str:
 
 
 def _digest(sources: str) -> str:
-    """Return the digest of what machine code depends on: sources, numba's settings and user."""
+    """Return the digest of all that machine code depends on: sources, numba's settings and user."""
     settings = numba_settings()
     if hasattr(os, "geteuid"):  # several users may have one NUMBA_CACHE_DIR
         settings.insert(0, f"user {os.geteuid()}")
@@ -198,7 +200,7 @@ def _users_cache() -> Path:
 
 
 def _prune(base: Path, module: str) -> None:
-    """Remove the least recently used versions of the module's folder."""
+    """Remove the least recently used cache folders of the module in ``base``."""
     try:
         versions = sorted(base.glob(f"{module}-*"), key=lambda path: path.stat().st_mtime)
     except OSError:  # another process has just removed one
@@ -209,5 +211,5 @@ def _prune(base: Path, module: str) -> None:
 
 @lru_cache
 def _warn(text: str) -> None:
-    """Warn once, in one line, without the source line."""
+    """Issue the warning ``text`` once, in one line that does not quote the source."""
     warnings.warn_explicit(text, RuntimeWarning, "longwave", 0)

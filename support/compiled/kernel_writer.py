@@ -30,9 +30,9 @@ Task = tuple[str, str, int]
 def write_kernels(folder: Path = FOLDER) -> int:
     """Write the texts of all kernels of the package that have examples; return their number.
 
-    Each is generated in its own process, as in the first run that needs it: some functions of numba
-    take their flags from the first kernel that calls them. Nothing is written if one fails. The
-    folder's earlier content is removed.
+    Each text is generated in its own process, as in the first run that needs it: some functions of
+    numba take their flags from the first kernel that calls them. Nothing is written if one text
+    cannot be generated. The folder's earlier content is removed.
     """
     shutil.rmtree(folder, ignore_errors=True)
     tasks = [*_tasks()]
@@ -64,7 +64,7 @@ def modules_with_kernels() -> list[str]:
 
 
 def _packed(task: Task) -> tuple[str, bytes]:
-    """Return the name and the compressed content of a kernel's file."""
+    """Return the name and the compressed content of the file with a kernel's text."""
     module, name, number = task
     kernel: Any = getattr(import_module(module), name)
     text: str = kernel.text(kernel.examples[number])

@@ -29,7 +29,7 @@ def processor() -> str:
 
 @lru_cache
 def multiplies_and_adds_at_once() -> bool:
-    """Return whether the processor has fused multiply-adds."""
+    """Return whether this processor has fused multiply-adds."""
     architecture = binding.get_process_triple().partition("-")[0]
     fused = bool(binding.get_host_cpu_features().get("fma"))
     return fused or architecture in ("aarch64", "arm64")
@@ -49,7 +49,7 @@ def _machine() -> Any:
 def native_functions(
     module: str, key: str, make_text: Callable[[], str], functions: Mapping[str, Any]
 ) -> list[Callable[..., Any]]:
-    """Return the ``functions`` of an LLVM module, given by name with their ctypes prototypes.
+    """Return functions of an LLVM module; ``functions`` maps their names to ctypes prototypes.
 
     ``make_text`` returns the module's text. It is called only if the machine code is not cached
     under the ``key`` and the sources of the project's ``module``. The functions release the

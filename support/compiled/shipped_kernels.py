@@ -27,7 +27,7 @@ FOLDER = Path(__file__).with_name("kernel_texts")
 
 
 def shipped_text(module: str, key: str) -> str | None:
-    """Return the shipped text of a kernel, or None if there is none for this computer."""
+    """Return the shipped text of a kernel, or None if there is none for this kind of computer."""
     if not FOLDER.is_dir():
         return None
     sources = all_sources((module,))

@@ -19,7 +19,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 PACKAGE = "longwave"
-"""The project's own package; all others are covered by their versions."""
+"""Name of the project's own package; other packages are covered by their versions."""
 
 HOUSE = Path(__file__).resolve().parents[2]
 """Folder that contains the rooms: a checkout, or the installed package."""
@@ -31,14 +31,14 @@ MAKERS = ("sympy", "mpmath", "python-flint", "numpy", "numba", "llvmlite")
 """Packages whose versions affect cached numbers and machine code."""
 
 KERNEL_MAKERS = ("numba", "llvmlite")
-"""Packages that generate a kernel's text; of NumPy, it depends only on the layout of arrays."""
+"""Packages that generate a kernel's text; it depends on NumPy only through the layout of arrays."""
 
 Files = tuple[tuple[str, Path], ...]
 """Sorted modules with their files."""
 
 
 def source_digest(*modules: str) -> str:
-    """Return the digest (hexadecimal) of the sources of these modules, imported or not.
+    """Return the digest (hexadecimal) of these modules' sources, whether imported yet or not.
 
     >>> names = "longwave.solutions.run.linear_phase", "longwave.support.compiled.source_digest"
     >>> source_digest(names[0]) == source_digest(names[1])
@@ -49,7 +49,7 @@ def source_digest(*modules: str) -> str:
 
 @lru_cache
 def all_sources(modules: tuple[str, ...]) -> Files:
-    """Return every project file that these modules import, without importing them.
+    """Return every project file that these modules need, found without importing the modules.
 
     >>> files = dict(all_sources(("longwave.solutions.run.linear_phase",)))
     >>> "longwave.solutions.run.doubledouble" in files
@@ -89,7 +89,7 @@ def _digest(sources: Files, python: str, packages: tuple[str, ...]) -> str:
 
 @lru_cache
 def are_older(sources: Files) -> bool:
-    """Return whether files of imported modules are older than the first import of a room."""
+    """Return whether the files of imported modules were last changed before a room was imported."""
     from longwave.support.lazy_exports import BEGUN
 
     states = (path.stat() for name, path in sources if name in sys.modules)
@@ -98,7 +98,7 @@ def are_older(sources: Files) -> bool:
 
 @lru_cache
 def runs_as_written(sources: Files) -> bool:
-    """Return whether the imported modules among the sources run what their files say now.
+    """Return whether the imported modules among ``sources`` run what their files contain now.
 
     False if Python used old byte code because a file changed without changing time and size. Also
     False if a file is younger than the first import of a room, which may be needlessly strict.
@@ -141,7 +141,7 @@ _COMMENT = re.compile(r"#[^\n]*")
 
 
 def _imports(path: Path) -> Iterator[tuple[str, str]]:
-    """Yield a file's imports as (module, name); Python's own parser would be slow here."""
+    """Yield a file's imports as (module, name), found faster than by Python's own parser."""
     for stem, inside, plain, modules in _IMPORT.findall(path.read_text(encoding="utf-8")):
         names = _COMMENT.sub("", inside or plain or modules).replace("\\", " ").split(",")
         for name in (words[0] for text in names if (words := text.split())):
@@ -166,7 +166,7 @@ def _file(module: str) -> Path | None:
 
 
 def _file_in_memory(module: str) -> Path | None:
-    """Return the file of an imported module from elsewhere, such as a user's."""
+    """Return the file of an imported module from outside the project, such as a user's, or None."""
     name = getattr(sys.modules.get(module), "__file__", None)
     return None if name is None else Path(name).absolute()
 
@@ -180,7 +180,7 @@ def installed_version(package: str) -> str | None:
 
 
 def compiler_settings() -> list[str]:
-    """Return the environment variables that affect how kernels are compiled, with values."""
+    """Return the environment variables that affect how kernels are compiled, and their values."""
     return [
         f"{name}={value}"
         for name, value in sorted(os.environ.items())

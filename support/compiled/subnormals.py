@@ -28,10 +28,10 @@ _WORD, _LONG = ir.IntType(32), ir.IntType(64)
 
 @contextmanager
 def flushed_subnormals(module: Any, builder: Any, triple: str | None = None) -> Iterator[None]:
-    """Generate code that sets the mode before the body's code and restores it after.
+    """Generate code that sets the flushing mode before the block's code and restores it after.
 
-    The body must reach its end: a return or a branch out of it would leave the mode set. ``triple``
-    names the processor, by default this one.
+    The block must reach its end: a return or a branch out of it would leave the mode set.
+    ``triple`` names the processor, by default this one.
     """
     architecture = (triple or binding.get_process_triple()).partition("-")[0]
     if architecture in ("x86_64", "amd64"):
