@@ -82,11 +82,11 @@ def _analytic(force: Force, f: Sequence[arb], nu: arb, reach: arb, strip: Strip)
     for order in (0, 1):
         modes = acb.dft([values[order] for values in samples])
         aliasing = 2 * bounds[order] / (1 - rho**-count)
-        kept = [
+        known = [
             modes[j].real / count + arb(0, upper(aliasing * rho ** (j - count)))
             for j in range(count // 2)
         ]
-        known, rest = trimmed(kept, nu, CUT)
+        known, rest = trimmed(known, nu, CUT)
         rest += 2 * bounds[order] * ratio ** (count // 2) / (1 - ratio)
         series.append((known, upper(rest)))
     third = bounds[2] * (rho + nu) / (rho - nu) / (1 - reach / margin)
