@@ -54,7 +54,7 @@ Rows = list[DifferentialPolynomial]
 
 
 class EnvelopeError(ValueError):
-    """The carrier has no NLS equation; the message gives the reason and possible alternatives."""
+    """Error for a carrier without an NLS equation; the message says why and what to try."""
 
 
 def harmonic(monomial: Monomial) -> int:
@@ -113,8 +113,8 @@ class Carrier(Expansion):
 
         ``turn``: exp(i k) at k = 0 or pi, which is 1 or -1.  ``wave``: number of the factor of the
         dispersion relation, if it has several.  ``leader``: the field with amplitude A, by default
-        the first that moves.  If it is given, or if no constant can be solved for, the dispersion
-        relation is solved for a field's mass.
+        the first that moves.  If ``leader`` is given, or if no constant can be solved for, the
+        dispersion relation is solved for a field's mass.
         """
         lattice = lattice if lattice.is_polynomial else lattice.expanded(LAST)
         self._leader, self.turn = leader, turn
@@ -139,9 +139,9 @@ class Carrier(Expansion):
             self._add(index, 1, weight * self._letter(A))
 
     def _set_out(self, lattice: Lattice, among: Sequence[Symbol], wave: int | None = None) -> bool:
-        """Compute the dispersion relation; return whether it can be solved for a constant.
+        """Compute the dispersion relation; return whether a symbol in ``among`` can be solved for.
 
-        ``wave``: number of its factor, by default the first with such a constant.
+        ``wave``: number of the relation's factor, by default the first that can be solved.
         """
         turn = self.turn
         field = RationalFunctions((z, w, *lattice.constants))
@@ -166,7 +166,7 @@ class Carrier(Expansion):
         return bool(solvable)
 
     def _first_moved(self, wave: RationalFunction) -> int:
-        """Return the first field that moves in a wave: the matrix without it is regular there."""
+        """Return the first field that is not at rest in ``wave``, a factor of the relation."""
         fields = range(len(self.linear))
         minors = (determinant(without(self.linear, i, i)) for i in fields)
         pairs = zip(fields, minors, strict=True)
@@ -315,7 +315,7 @@ class Carrier(Expansion):
         return self.group_velocity * (advected + self.field(-2) * self._slow(self.mean, order - 2))
 
     def _slow(self, series: EpsSeries, order: int) -> DifferentialPolynomial:
-        """Return the T-derivative of a series at this order; ``A_T = flow`` replaces A_T."""
+        """Return the T-derivative of a series at ``eps^order``; A_T is replaced by ``flow``."""
         total = self._nothing
         for power, flow in self.flow.parts.items():
             rates = {LETTER: [flow], CONJUGATE: [self.conjugated(flow)]}
@@ -358,7 +358,7 @@ class Carrier(Expansion):
         return super().shifted(self._series(rotated, series.limit), cell)
 
     def number(self, value: Expr) -> RationalFunction:
-        """Return a constant in `field`; `fixed` is replaced by the dispersion relation."""
+        """Return a constant in `field`; for `fixed`, its value by the dispersion relation."""
         return self.field.from_expr(value.xreplace(self.values), self.images)
 
     def null_vectors(self, j: int) -> tuple[Column, Column]:
@@ -376,7 +376,7 @@ class Carrier(Expansion):
 
     @cached_property
     def second_harmonic(self) -> RationalFunction:
-        """The inverse determinant of harmonic 2, infinite if the second harmonic is a wave."""
+        """Inverse determinant of harmonic 2; infinite if that harmonic is a wave of the lattice."""
         return 1 / determinant(self.matrix(2))
 
     @cached_property
@@ -447,7 +447,7 @@ class Carrier(Expansion):
         return DifferentialPolynomial.collect(self.field, items)
 
     def _reflect(self, terms: Terms) -> RationalFunction:
-        """Return the polynomial in z and w with these terms, at 1/z and -w instead."""
+        """Return the polynomial with these terms, with z replaced by 1/z and w by -w."""
         degree = max((exponents[0] for exponents, _ in terms), default=0)
         reflected = [
             ((degree - i, j, *others), -value if j % 2 else value)

@@ -29,8 +29,8 @@ from longwave.derive.symbols import k, values_of
 from longwave.support.user_files import shown
 
 DIGITS, GUARD_DIGITS = 60, 20
-"""Digits of the numbers at a given wavenumber, before they are rounded to doubles; further working
-digits, which cancellation may cost."""
+"""Digits of the numbers at a given wavenumber, before they are rounded to doubles, and additional
+working digits, some of which may be lost to cancellation."""
 
 ZERO_TOLERANCE = 1e-40
 """Magnitude below which a denominator counts as 0, relative to the sum of its terms' magnitudes."""
@@ -243,7 +243,7 @@ class Envelope(Displayed):
 
     @property
     def in_constants(self) -> dict[str, Expr]:
-        """Formulas of omega and the real coefficients in k and the constants; for one field only.
+        """Formulas in k and the constants of omega and the real coefficients, for one-field chains.
 
         >>> from longwave.derive import LATTICES
         >>> envelope(LATTICES["beta_fput"], k=pi).in_constants["q"]
@@ -318,7 +318,7 @@ class Envelope(Displayed):
         raise EnvelopeError(_degeneracy_message(f"k = {mpmath.nstr(point['k'], 8)}"))
 
     def _is_valid_at(self, point: Mapping[str, mpmath.mpc]) -> bool:
-        """Return whether the formulas belong to the point's wave and the leader moves there."""
+        """Return whether the carrier is the wave at ``point`` and its formulas are finite there."""
         with mpmath.workdps(DIGITS + GUARD_DIGITS):
             is_wave = evaluated(1 / self.carrier.wave, point) is None
             return is_wave and all(evaluated(s, point) is not None for s in self.carrier.singular)
@@ -331,7 +331,7 @@ class Envelope(Displayed):
             return self._evaluated_at(self.point(k, branch, constants))
 
     def _evaluated_at(self, point: Mapping[str, mpmath.mpc]) -> dict[str, mpmath.mpc]:
-        """Return omega and all coefficients at these values; the caller sets the precision.
+        """Return omega and all coefficients at ``point``; the caller sets the precision.
 
         A sum below the rounding of its terms is replaced by 0: for instance the group velocity
         where a band is flat, as at k = 2 pi/3 of a chain with next-nearest springs.
@@ -488,7 +488,7 @@ def _float_or_complex(value: mpmath.mpc) -> Any:
 
 
 def evaluated(element: RationalFunction, point: Mapping[str, mpmath.mpc]) -> mpmath.mpc | None:
-    """Return the value of an element at a point; None if its denominator vanishes there."""
+    """Return the value of a rational function at a point; None if its denominator is 0 there."""
     gens = [str(symbol) for symbol in element.field.symbols]
     power = cache(lambda name, exponent: point[name] ** exponent)  # shared by many terms
     numerator, denominator = (

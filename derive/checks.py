@@ -83,7 +83,7 @@ def checks_of_reduction(reduction: Reduction) -> list[Check]:
 
 
 def checks_of_envelope(envelope: Envelope) -> Iterator[Check]:
-    """Yield a check of the decay by losses, if any, and of identities unless k is fixed at pi.
+    """Yield a check of the decay if there are losses, and checks of identities if k is not fixed.
 
     The identities p = omega''/2, a3 = omega'''/6 and a1 + a2 = -dq/dk hold exactly, as rational
     functions; the last two are checked only without losses.
@@ -155,7 +155,7 @@ class _Point:
         return _number(value, self.values, small)
 
     def slow(self, cell: Sequence[int], time: Any, small: Any) -> list[Any]:
-        """Return the slow variables at a cell and a time."""
+        """Return the slow variables at a cell and a time, for eps = ``small``."""
         slow = [
             small**v.exponent * (self._along(v, cell) - self._number(v.speed) * time)
             for v in self.scaling.space
@@ -195,7 +195,7 @@ class _Point:
         return mean + wave + mpmath.fsum(small**o * self.polynomial(part, at) for o, part in parts)
 
     def manufactured_remainder(self, small: Any) -> Any:
-        """Return the largest remainder of the equations of motion for the manufactured wave.
+        """Return the manufactured wave's largest residual in the equations of motion, eps = small.
 
         The derived orders are subtracted from the row that gives the reduced equation.
         """
@@ -237,7 +237,10 @@ class _Point:
         return mpmath.fsum(e.weight * self.field(names[e.field], c, time, small) for e, c in pairs)
 
     def linear_remainder(self, small: Any) -> Any:
-        """Return the linear lattice's determinant at a plane wave minus the derived terms."""
+        """Return the linear lattice's determinant at a plane wave minus the derived terms.
+
+        The value of eps is ``small``.
+        """
         rates = [mpmath.mpc(0, 1) * mpmath.mpf(rate.p) / rate.q for rate in self.rates[0]]
         growth = rates[-1] * small**self.scaling.time
         pairs = zip(rates, self.scaling.space, strict=False)
@@ -269,7 +272,7 @@ class _Point:
 
 
 def _number(value: Expr, values: Values, small: Any = 0) -> Any:
-    """Evaluate an expression at the values of its symbols and of eps."""
+    """Evaluate an expression at the ``values`` of its symbols and eps = ``small``."""
     number = value.xreplace(dict(values))
     powers = number.as_poly(eps).all_coeffs() if number.has(eps) else [number]
     return mpmath.polyval([mpmath.mpf(power.evalf(DIGITS)) for power in powers], small)
@@ -280,7 +283,8 @@ def _matrix(
 ) -> Any:
     """Return the matrix of the linear lattice about a mean, at a plane wave ``exp(growth t)``.
 
-    A shift by ``steps`` cells along the axes multiplies by ``exp(turn(steps))``.
+    A shift by ``steps`` cells along the axes multiplies the wave by ``exp(turn(steps))``;
+    ``number`` evaluates constants of the lattice.
     """
     pairs = zip(lattice.masses, lattice.site_losses, strict=True)
     inertia = [number(mass) * growth**2 + number(loss) * growth for mass, loss in pairs]
@@ -356,7 +360,7 @@ def _static(reduction: Reduction) -> Check:
 
 
 def _admissible(reduction: Reduction) -> tuple[dict[Symbol, Expr], Coefficients]:
-    """Return constants that meet the conditions, and the coefficients of the equation there."""
+    """Return constants that meet the conditions, and the equation's coefficients for them."""
     constants, definitions = reduction.lattice.basic_constants, dict(reduction.lattice.definitions)
     chosen: dict[Symbol, Expr] = dict(numbers(constants))
     for condition in reduction.conditions:

@@ -38,7 +38,7 @@ SINGULAR = (nan, oo, -oo, zoo)
 _ASSUMPTIONS = ("positive", "negative", "nonnegative", "nonpositive", "nonzero", "integer")
 
 LARGEST_STEP = 10**6
-"""Largest absolute value of a shift or weight."""
+"""Largest absolute value of a shift or weight in a stencil."""
 
 
 @dataclass(frozen=True)
@@ -172,7 +172,10 @@ def spring(force: Expr, start: tuple[Cell, int], end: tuple[Cell, int]) -> Bond:
 
 
 def on_site(force: Expr, field: int = 0, axes: int = 1) -> Bond:
-    """Return the on-site force ``-force(f_n)`` on a field; ``force`` is in the symbol x."""
+    """Return the on-site force ``-force(f_n)`` on a field of a lattice with ``axes`` axes.
+
+    ``force`` is an expression in the symbol x.
+    """
     origin = (0,) * axes
     return Bond((Stencil(origin, 1, field),), force, (Stencil(origin, -1, field),))
 
@@ -321,7 +324,7 @@ class Lattice(notation.Displayed):
                     raise ValueError(f"{symbol} must be {word}, got {shown(value)} ({remedy})")
 
     def vacuum_at(self, symbol: Symbol, value: Expr) -> str:
-        """Return a message if a value removes a spring's linear stiffness, else "".
+        """Return a message if ``symbol = value`` removes a bond's linear stiffness, else "".
 
         >>> from longwave.derive import LATTICES
         >>> LATTICES["granular"].vacuum_at(Symbol("d", positive=True), S.Zero)[:42]
@@ -381,7 +384,10 @@ class Lattice(notation.Displayed):
         return tuple(messages)
 
     def _has_metric(self, pairs: Sequence[tuple[Weights, Weights]]) -> bool:
-        """Return whether each action is its mirror times one positive symmetric stencil."""
+        """Return whether one positive symmetric stencil times the mirror gives the action.
+
+        ``pairs`` lists (action, mirror) of each bond; the stencil must be the same for all.
+        """
         rows = [
             tuple({s: w for s, w in part.items() if s[0] == index} for part in pair)
             for pair in pairs
@@ -607,7 +613,7 @@ def _equations(lattice: Lattice, printed: Printed, dots: tuple[str, str]) -> Ite
 
 
 def _law_term(value: Expr, power: int, printed: Printed) -> tuple[bool, str]:
-    """Return whether a term of a force is negative, and the term without its sign."""
+    """Return whether the term ``value x**power`` of a force is negative, and the unsigned term."""
     is_negative = bool(value.as_coeff_Mul()[0] < 0)
     magnitude = -value if is_negative else value
     return is_negative, _times(magnitude, notation.power_of(x, power, printed), printed).rstrip()

@@ -253,7 +253,7 @@ class _Symbols:
 
 
 def time_formula(label: str, text: object) -> sp.Expr:
-    """Parse a formula in the time t only; t becomes the symbol x. Raises ValueError otherwise."""
+    """Parse a formula in the time t, which becomes the symbol x; ValueError for any other name."""
     if isinstance(text, int | float) and not isinstance(text, bool):
         return sp.nsimplify(text, rational=True) if math.isfinite(text) else sp.nan
     if not isinstance(text, str):

@@ -80,12 +80,12 @@ class LinearWaves:
         return Symbol("omega~") if omega.name in self.lattice.names else omega
 
     def relation(self, printed: Printed = text_of) -> str:
-        """Return the relation in one line."""
+        """Return the dispersion relation in one line, as text or LaTeX."""
         terms = (v * self._omega ** (2 * j) for j, v in enumerate(self.coefficients))
         return f"{printed(sum(terms, S.Zero))} = 0"
 
     def lines(self, printed: Printed = text_of) -> Iterator[str]:
-        """Yield ``omega^2 = ...`` of each branch, lowest first, or the relation if it has none."""
+        """Yield ``omega^2 = ...`` of each branch, lowest first; without branches the relation."""
         if not self.branches:
             yield self.relation(printed)
         yield from (f"{printed(self._omega**2)} = {printed(value)}" for value in self.branches)

@@ -35,7 +35,7 @@ FURTHER_ORDERS = 2
 
 
 class ReductionError(ValueError):
-    """The ansatz does not reduce the lattice; the message names the order and its terms."""
+    """Error for an ansatz that does not reduce the lattice; it names the order and its terms."""
 
 
 class _Solver:
@@ -142,7 +142,7 @@ class _Solver:
     def _eliminate(
         self, order: int, vanishing: RationalFunction, drifts: Sequence[Symbol] = ()
     ) -> None:
-        """Solve ``vanishing = 0`` for a drift, which has no given value, else for a constant."""
+        """Solve ``vanishing = 0`` for one of ``drifts``, else for a constant, and substitute it."""
         solved = solve_linear(vanishing, drifts) if drifts else None
         solved = solved or solve_linear(vanishing, self.constants, self.frame)
         if solved is None:

@@ -27,7 +27,8 @@ class NormalEquation:
     """An equation with known closed solutions.
 
     ``terms``: names of the reduced equation's terms besides Y_T and Y_X, which only makes the
-    solution drift.  ``scales`` takes their coefficients in this order.  ``text``: the equation.
+    solution drift.  ``scales`` returns the scales and signs of the map from the coefficients of
+    these terms, in this order.  ``text``: the equation.
     """
 
     name: str
@@ -214,7 +215,10 @@ class NormalForm:
         return f"{unknown}(X, {arguments[0]}T) = {factor}U({first_argument}{arguments[1]}, b T)"
 
     def lines(self, taken: Collection[str], written: Callable[[str, Expr], str]) -> Iterator[str]:
-        """Yield equation, map and scales as text; a tilde marks names that are ``taken``."""
+        """Yield equation, map and scales as lines of text; a tilde marks names that are ``taken``.
+
+        ``written(name, value)`` formats a scale.
+        """
         text = f"{NORMAL_EQUATIONS[self.equation].text}, {self.map_text}:"
         yield f"normal form {marked(text, ('U', 'drift', *'abehsr'), taken)}"
         for name, value in self.values.items():
@@ -289,7 +293,10 @@ def normal_form_of(
 
 
 def _refusal(remaining: Mapping[str, Expr], vanished: Sequence[str]) -> str:
-    """Return the error message for an equation without a normal form, by its terms."""
+    """Return the error message for an equation without a normal form.
+
+    Terms in ``vanished`` have the coefficient 0; ``remaining`` maps the others to theirs.
+    """
     vanished_terms = [term for term in vanished if term != "Y_X"]
     if vanished_terms:
         linear = "" if any(" " in term for term in remaining) else ", a linear equation"

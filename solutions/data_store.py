@@ -30,7 +30,7 @@ TYPES = {
     "Bytecode": "run.bytecode",
     "MpmathFormula": "functions.multiprecision",
 }
-"""Type that an entry may contain -> its module in `solutions`; its attributes are plain data."""
+"""Type that an entry may contain -> the type's module in `solutions`. Attributes are plain data."""
 
 Data = TypeVar("Data")
 

@@ -19,7 +19,7 @@ LARGEST_EXPONENT = 1000
 """Largest numerator or denominator of an exponent."""
 
 MOST_FACTORS, MOST_TERMS = 200, 6000
-"""Most factors of one product and terms of one sum; SymPy's time grows as the factors' square."""
+"""Most factors of a product, of which SymPy's time is quadratic, and most terms of a sum."""
 
 MOST_EXPANDED = 2000
 """Most terms into which abs, sign, re or im of an argument may be multiplied out."""
@@ -56,7 +56,7 @@ _VALUES: dict[type, Callable[[complex], complex]] = {
 
 
 class TooLarge(ValueError):
-    """An expression would be too large, or is not finite."""
+    """Error for an expression that would be too large or is not finite."""
 
 
 def total(terms: Sequence[sp.Expr]) -> sp.Expr:

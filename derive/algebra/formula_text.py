@@ -36,10 +36,10 @@ MOST_SHIFT = 1000
 """Largest shift in the index of a lattice site, such as 1 in ``q[n+1]``."""
 
 ROWS = " (one site is read; write a row of a second one m as an unknown: v[n] for u[n,m+1])"
-"""End of the message for an index of two sites: how to write a second row with one site."""
+"""End of the error message for a site with two indices: each row needs an unknown of its own."""
 
 WINDOW = 60
-"""Number of characters of the text that the picture of an error shows."""
+"""Number of characters of the text that are shown in the picture of an error."""
 
 CONSTANTS = {"pi": sp.pi, "I": sp.I}
 

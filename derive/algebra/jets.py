@@ -138,7 +138,7 @@ class DifferentialPolynomial:
 
 
 def _lowered(monomial: Monomial, axis: int) -> Monomial | None:
-    """Return the monomial whose derivative has this leading term; None if there is none."""
+    """Return the monomial whose ``axis``-derivative has the leading term ``monomial``, or None."""
     if not monomial or monomial[-1][axis] == 0:
         return None
     jet = raised(monomial[-1], axis, -1)
@@ -196,7 +196,7 @@ class EpsSeries:
         return self.collect(self.field, self.limit, items)
 
     def exponential(self, operator: Operator) -> EpsSeries:
-        """Return ``exp(operator)`` applied: the sum of its powers over their factorials."""
+        """Return ``exp(operator)`` applied to the series, as a sum of powers of the operator."""
         total, power, count = self, self, 0
         while power.parts and operator:
             count += 1

@@ -76,7 +76,10 @@ def carrier_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[str]:
 
 
 def _check_lines(lattice: Lattice, branch: str | int, values: Values) -> Iterator[str]:
-    """Yield lines of checks at variable k; without values, several fields get small primes."""
+    """Yield lines of an envelope's checks, with k a symbol.
+
+    Without ``values``, the constants are small primes if a cell has several fields.
+    """
     values_used = values
     if len(lattice.fields) > 1 and not values:
         values_used = {str(s): value for s, value in simple_numbers(lattice.constants).items()}

@@ -63,7 +63,7 @@ def _evaluator(family: RationalTau, shifts: Mapping[sp.Symbol, sp.Expr]) -> Any:
 
 
 def _parts(family: RationalTau) -> list[fmpq_mpoly]:
-    """Return A, B, A_x and B_x."""
+    """Return the polynomials A and B of ``family`` and their derivatives A_x and B_x."""
     return [family.A, family.B, family.A.derivative("x"), family.B.derivative("x")]
 
 
@@ -72,7 +72,7 @@ def _wave(order: int, A: sp.Expr, B: sp.Expr, A_x: sp.Expr, B_x: sp.Expr) -> sp.
 
 
 def _to_sympy(polynomial: fmpq_mpoly, *generators: sp.Expr) -> sp.Expr:
-    """Convert a FLINT polynomial to an expanded SymPy expression in these generators."""
+    """Convert a FLINT polynomial to an expanded SymPy expression in ``generators``."""
     powers = [[sp.S.One] for _ in generators]
     for row, generator, degree in zip(powers, generators, polynomial.degrees(), strict=True):
         row.extend(generator**n for n in range(1, degree + 1))

@@ -35,7 +35,8 @@ _PRECISE: Any = mpmath.MPContext()
 _PRECISE.prec = 240
 
 _PERIOD_ERROR, _REDUCTION_ERROR = 2.0**-150, 2.0**-104
-"""Two parts of the reduced argument's error bound: relative to the full and to the reduced one."""
+"""Two parts of the error bound of a reduced argument: the first is relative to the argument before
+its reduction, the second to the reduced argument."""
 
 _MAX_QUARTERS = 2.0**100
 """Number of quarter periods beyond which a phase is not reduced: the error bound is infinite."""
@@ -103,7 +104,7 @@ def _quarter_period(m1: Any) -> Any:
 class _Series(NamedTuple):
     """Sums over n of the theta series; ``b_1 = 2 q cos 2v`` or ``2 q cosh 2w``.
 
-    In order: theta_3, theta_4, ``theta_1/(2 q**(1/4) sin v)``, ``theta_2/(2 q**(1/4) cos v)``,
+    Fields: theta_3, theta_4, ``theta_1/(2 q**(1/4) sin v)``, ``theta_2/(2 q**(1/4) cos v)``,
     ``-theta_2'/(2 q**(1/4) sin v)``, ``-theta_3'/(4 q sin 2v)``, ``theta_4'/(4 q sin 2v)``.
     """
 
@@ -117,7 +118,7 @@ class _Series(NamedTuple):
 
 
 def _series(q: Any, b1: Any) -> _Series:
-    """Sum the series in ``b_n = 2 q**n cos 2 n v`` or ``2 q**n cosh 2 n w``, by recurrence."""
+    """Sum the theta series, whose terms ``b_n = 2 q**n cos 2 n v`` (or cosh) obey a recurrence."""
     square = q * q
     b2 = b1 * b1 - 2 * square
     b3 = b1 * (b2 - square)

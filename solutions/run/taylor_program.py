@@ -48,9 +48,9 @@ def taylor_bytecode(
 def jacobi_series(
     code: Code, first: int, phase: Series, m: Any, mean: Any, count: int
 ) -> list[Series]:
-    """Return the series of a phase's sn, cn, dn, zeta, Theta: inputs ``first`` to ``first + 4``.
+    """Return the series, ``count`` terms each, of sn, cn, dn, zeta and Theta of a phase.
 
-    ``m`` is their parameter and ``mean`` is E/K.
+    Their values are the inputs ``first`` to ``first + 4``; ``m`` is their parameter, ``mean`` E/K.
     """
     rate = phase[1] if count > 1 else 0
     sn, cn, dn, zeta, theta = all_series = [[Value(code, first + n)] for n in range(5)]
