@@ -210,7 +210,8 @@ class Carrier(Expansion):
     # orders of the expansion
 
     def _solve_mean(self, order: int) -> None:
-        """Solve the row weighted with the left null vector for the mean at ``eps^(order - 3)``."""
+        """Solve the rows of harmonic 0, combined by the left null vector, for the mean at
+        ``eps^(order - 3)``."""
         rows = self._harmonic(order + (not self.is_displacement), 0)
         row = combined(self.zero_mode[1], rows, self._nothing)
         integrations = 1 if self.is_displacement else 2
@@ -310,7 +311,7 @@ class Carrier(Expansion):
         return self._series(rotated, series.limit)
 
     def _drift(self, order: int) -> DifferentialPolynomial:
-        """Return the second time derivative of a displacement whose X-derivative is the mean."""
+        """Return, at this order, f'' of a displacement f whose X-derivative is the mean."""
         advected = self.group_velocity * self.mean.at(order - 1).derivative(0)
         return self.group_velocity * (advected + self.field(-2) * self._slow(self.mean, order - 2))
 
@@ -338,7 +339,7 @@ class Carrier(Expansion):
         return total
 
     def _sum_over_cells(self, mean: EpsSeries, cells: int) -> EpsSeries:
-        """Return the mean strain S summed over s = ``cells``: ``(exp(eps s D) - 1)/(eps D) S``."""
+        """Return the ``mean`` strain S summed over s cells: ``(exp(eps s D) - 1)/(eps D) S``."""
         total, power, count = self._series({}, mean.limit), mean, 1
         while cells and power.parts:
             power = self.field(cells) / count * power
@@ -431,7 +432,7 @@ class Carrier(Expansion):
     def _add(
         self, index: int, order: int, part: DifferentialPolynomial, *, real: bool = False
     ) -> None:
-        """Add a part to a field, with its conjugate unless it is ``real``."""
+        """Add ``eps^order part`` to field ``index``, and its conjugate unless it is ``real``."""
         full_part = part if real else part + self.conjugated(part)
         self.parts[index] = self.parts[index].plus(order, full_part)
 

@@ -412,7 +412,7 @@ def modulation_map(
 ) -> list[tuple[float, EnvelopeNumbers | None, float]]:
     """Return k, the coefficients and the plane wave's largest growth rate for each wavenumber.
 
-    The coefficients are None at a resonance.
+    The coefficients are None at a resonance. The plane wave has |A| = ``amplitude``.
     """
     derived = envelope(lattice, branch=branch, **constants)
     rows: list[tuple[float, EnvelopeNumbers | None, float]] = []
@@ -447,7 +447,7 @@ def _branch(branch: str | int, lattice: Lattice) -> int:
 
 
 def _frequency(carrier: Carrier, point: Mapping[str, mpmath.mpc], number: int) -> mpmath.mpf:
-    """Return omega of a branch at a wavenumber, from the determinant, a polynomial in omega^2."""
+    """Return omega of branch ``number`` at a point, from the determinant's roots omega^2."""
     powers = carrier.relation.powers_of(w).items()
     parts: dict[int, Any] = {power: evaluated(part, point) for power, part in powers}
     highest = max(parts)

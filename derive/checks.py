@@ -237,10 +237,7 @@ class _Point:
         return mpmath.fsum(e.weight * self.field(names[e.field], c, time, small) for e, c in pairs)
 
     def linear_remainder(self, small: Any) -> Any:
-        """Return the linear lattice's determinant at a plane wave minus the derived terms.
-
-        The value of eps is ``small``.
-        """
+        """Return the plane wave's determinant in the linear lattice minus its derived expansion."""
         rates = [mpmath.mpc(0, 1) * mpmath.mpf(rate.p) / rate.q for rate in self.rates[0]]
         growth = rates[-1] * small**self.scaling.time
         pairs = zip(rates, self.scaling.space, strict=False)
@@ -416,7 +413,7 @@ def _sound(lattice: Lattice, values: Values, strain: Any) -> Any:
 
 
 def _law(bond: Bond, values: Values) -> Wave:
-    """Return the force of a bond as a function of its stretch, at these constants."""
+    """Return the force of a bond as a function of its stretch, at ``values`` of the constants."""
     exact_coefficients = [c.xreplace(dict(values)) for c in bond.coefficients()]
     coefficients = [mpmath.mpf(value.evalf(DIGITS)) for value in exact_coefficients]
     return lambda stretch: mpmath.polyval(coefficients, stretch)

@@ -119,7 +119,10 @@ def dispersion_relation(lattice: Lattice = FPUT_STRAIN) -> Dispersion:
 
 
 def _in_half_sines(weights: Mapping[int, Expr]) -> tuple[Expr, Expr]:
-    """Return minus ``sum weights[shift] exp(i shift k)`` in two parts: at k = 0, and the rest."""
+    """Return ``-sum weights[shift] exp(i shift k)`` as its value at k = 0 and the remainder.
+
+    The remainder is a polynomial in `HALF_SINE`.
+    """
     squared: Expr = Integer(0)
     for shift in sorted(weights):
         if weights[shift] != weights[-shift]:

@@ -134,10 +134,7 @@ class EvolutionEquation(Displayed):
         return self.polynomial.coefficient(jet).as_expr()
 
     def written(self, printed: Printed) -> str:
-        """Return the equation as text or LaTeX, such as ``Y_T + 6 Y Y_X + Y_XXX = 0``.
-
-        Terms from losses come last.
-        """
+        """Return the equation, such as ``Y_T + 6 Y Y_X + Y_XXX = 0``, with loss terms last."""
         losses = self.polynomial.select(lambda m: len(m) == 1 and sum(m[0]) % 2 == 0)
         left_side = self.notation.written(self.polynomial - losses, printed)
         if losses:

@@ -49,7 +49,7 @@ def reduction_seconds(lattice: Lattice, further: int) -> float:
 
 
 def envelope_seconds(lattice: Lattice, at_pi: bool, given: int = 0) -> float:
-    """Return the seconds to derive a carrier's envelope, at wavenumber pi or at any wavenumber.
+    """Return the seconds to derive a carrier's envelope at wavenumber pi (``at_pi``), else at any.
 
     ``given`` is the number of constants with values.
 

@@ -172,10 +172,7 @@ def spring(force: Expr, start: tuple[Cell, int], end: tuple[Cell, int]) -> Bond:
 
 
 def on_site(force: Expr, field: int = 0, axes: int = 1) -> Bond:
-    """Return the on-site force ``-force(f_n)`` on a field of a lattice with ``axes`` axes.
-
-    ``force`` is an expression in the symbol x.
-    """
+    """Return the on-site force ``-force(f_n)`` on a field of a lattice with ``axes`` axes."""
     origin = (0,) * axes
     return Bond((Stencil(origin, 1, field),), force, (Stencil(origin, -1, field),))
 
@@ -407,7 +404,7 @@ class Lattice(notation.Displayed):
         )
 
     def strained(self, strain: Expr) -> Lattice:
-        """Return the one-field lattice about a uniform strain, with the field measured from there.
+        """Return the one-field lattice expanded about a uniform strain: its field is the deviation.
 
         >>> from longwave.derive import LATTICES
         >>> LATTICES["alpha_fput"].strained(S(1) / 2).equations()[1]

@@ -277,7 +277,7 @@ class Reduction:
         return f"{self.label('G', power, latex_of)} = {correction}"
 
     def latex_remainder(self, order: int) -> str:
-        """Return in LaTeX the lattice's residual at ``eps^order`` on a reduced solution."""
+        """Return in LaTeX the lattice's residual at ``eps^order`` for exact solutions of `pde`."""
         return f"{self.label('R', order, latex_of)} = {self.notation.latex(self.remainders[order])}"
 
     def label(self, letter: str, number: int, printed: Printed = text_of) -> str:

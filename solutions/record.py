@@ -112,7 +112,10 @@ def _sign(bound: Bound) -> str:
 def positive(
     symbol: sp.Symbol, limit: str, upper: Bound | None = None, default: sp.Expr | None = None
 ) -> Parameter:
-    """Return a parameter with ``symbol`` > 0; ``limit`` names the limit of the solution at 0."""
+    """Return a parameter above 0 and, if given, below ``upper``.
+
+    ``limit`` names the limit of the solution at 0.
+    """
     return Parameter(symbol, Bound(sp.S.Zero, limit), upper, default)
 
 

@@ -153,10 +153,7 @@ def instance(name: str, value: object, kind: type[Kind], remedy: str) -> Kind:
 
 
 def tuple_of(name: str, value: object, kind: type[Kind], remedy: str) -> tuple[Kind, ...]:
-    """Return ``value``, a nonempty tuple or list of entries of type ``kind``, as a tuple.
-
-    Raises ValueError, with ``remedy``, for any other value.
-    """
+    """Return a nonempty tuple or list of ``kind`` entries as a tuple; ValueError for any other."""
     if not isinstance(value, tuple | list) or not value:
         kinds = "" if kind is object else f" of {kind.__name__}"
         raise ValueError(f"{name} must be a tuple{kinds}, got {shown(value)} ({remedy})")

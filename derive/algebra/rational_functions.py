@@ -144,10 +144,7 @@ class Factor:
         return _factor, (self.polynomial.context().names(), dict(self.terms))
 
     def taken_from(self, numer: fmpz_mpoly, most: int) -> tuple[fmpz_mpoly, int]:
-        """Divide ``numer`` by this factor while it divides, at most ``most`` times.
-
-        Returns the quotient, and how many of the ``most`` divisions were not possible.
-        """
+        """Divide ``numer`` by this factor up to ``most`` times; return it and the times left over."""
         while most:
             try:
                 numer = numer / self.polynomial
@@ -239,7 +236,7 @@ class RationalFunction:
         return self._lowest(numer, content, below, shared)
 
     def _over(self, content: int, below: Factors) -> fmpz_mpoly:
-        """Return the numerator over the denominator ``content below``, a multiple of this one's."""
+        """Return the numerator over ``content`` times ``below``, a multiple of the denominator."""
         numer = self.numer
         if content != self.content:
             numer = numer * (content // self.content)
@@ -407,7 +404,10 @@ class RationalFunction:
         return {power: self.field.from_terms(terms) for power, terms in parts.items()}
 
     def solved_for(self, symbol: Symbol, power: int = 1) -> RationalFunction | None:
-        """Solve ``self = 0`` for ``symbol**power``; None if other powers or no constant term occur."""
+        """Solve ``self = 0`` for ``symbol**power``.
+
+        None if another power of ``symbol`` occurs, or no term without it.
+        """
         parts = self.powers_of(symbol)
         return -parts[0] / parts[power] if parts.keys() == {0, power} else None
 

@@ -281,7 +281,7 @@ class _Ansatz:
 def _space(
     lattice: Lattice, options: derive_options.DeriveOptions, values: Mapping[str, Expr]
 ) -> tuple[tuple[SlowVariable, ...], Mapping[str, Expr]]:
-    """Return the slow variables of the requested direction, and the values it determines."""
+    """Return the slow variables of the requested direction, and values of the symbols in them."""
     if options.direction is None:
         return (), {}
     space, direction_values = slow_variables(lattice, read_direction(options.direction))

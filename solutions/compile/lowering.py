@@ -128,7 +128,7 @@ class Lowering:
         return sp.Add(self._phase(terms), *other_terms)
 
     def _phase(self, terms: Terms) -> sp.Symbol:
-        """Return the symbol of the phase with these coefficients."""
+        """Return the symbol of the phase whose coefficients are the sums of ``terms``."""
         key = tuple(sp.Add(*terms.get(part, ())) for part in (xi, tau, sp.S.One, zeta))
         if key not in self.phases:
             symbol = sp.Symbol(f"phi_{len(self.phases)}", real=True)

@@ -20,7 +20,10 @@ CO_MOVING: sp.Expr = xi - 6 * tau
 
 
 def horner_form(order: int, free: tuple[int, ...] = ()) -> sp.Expr:
-    """Return ``(-1)**j [1 - 2 (A B_x - A_x B)/(A**2 + B**2)]``, each polynomial in Horner form."""
+    """Return ``(-1)**j [1 - 2 (A B_x - A_x B)/(A**2 + B**2)]``, j = ``order``, in Horner form.
+
+    ``free`` lists the indices 5, 7, ... of the shifts tau_5, tau_7, ... that are symbols.
+    """
     family = rational_tau(order, free)
     symbols = family.symbols
     parts = [sp.horner(_to_sympy(part, *symbols), *symbols) for part in _parts(family)]
@@ -29,7 +32,7 @@ def horner_form(order: int, free: tuple[int, ...] = ()) -> sp.Expr:
 
 
 def rational(order: int, free: Iterable[int] = ()) -> ClosedForm:
-    """Return the rational solution of an order; ``free`` lists its parameters tau_5, ....
+    """Return the rational solution of an order; 5, 7, ... in ``free`` give it shifts tau_5, tau_7.
 
     Its peak is ``2 order + 1`` at the origin on the background ``(-1)**order``, if all shifts are
     0. Source: the paper's Ref. ankiewicz2018rogue. Raises ValueError as ``rational_tau`` does.

@@ -65,7 +65,9 @@ class RationalTau:
 
 @lru_cache(maxsize=32, typed=True)
 def rational_tau(order: int, free: tuple[int, ...] = ()) -> RationalTau:
-    """Return ``A`` and ``B`` of an order; ``free`` lists the symbolic shifts tau_5, tau_7, ...
+    """Return the polynomials A and B of the rational solution of an order.
+
+    ``free`` lists the indices 5, 7, ... of the shifts tau_5, tau_7, ... that are symbols.
 
     Raises ValueError if ``order`` is not a positive integer or a shift does not occur at that
     order.

@@ -30,7 +30,7 @@ SCRATCH = 7
 """Number of blocks in the scratch memory."""
 
 _TERMS, _PAIRS = 14, 9
-"""Number of terms of a Taylor series, and of its first terms in double-double."""
+"""Number of terms of a Taylor series; number of its first terms that are in double-double."""
 
 _HALVINGS = 4
 """Number of halvings of the argument before exp's series is summed."""
@@ -117,7 +117,10 @@ def _is_negligible(x: dd.Array, i: int) -> bool:
 
 @njit()
 def _store_exponential(z: dd.Array, i: int, value: dd.Pair, x: dd.Array, is_falling: bool) -> None:
-    """Store ``value`` with its bound: a multiple of exp(x), or a function that varies no faster."""
+    """Store ``value`` with its bound; it is a function of x that varies no faster than exp(x).
+
+    ``is_falling``: it is at most 2 exp(-|x|), hence negligible for large |x|.
+    """
     e, size = x[i + 2 * BLOCK], abs(x[i])
     input_error = 2.0 * e + UNIT * (1.0 + size) if e <= 0.5 else math.inf
     error = TINY if is_falling and _is_negligible(x, i) else value[0] * input_error + TINY

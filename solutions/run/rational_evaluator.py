@@ -302,7 +302,7 @@ def _coefficients(part: fmpq_mpoly, shifts: list[sp.Expr]) -> dict[tuple[int, in
 
 
 def _parity(table: Mapping[tuple[int, int], Any]) -> int:
-    """Return the common parity of ``i + j``, or -1 if there is none."""
+    """Return the parity that ``i + j`` has for all (i, j) in ``table``, or -1 if it varies."""
     parities = {(i + j) % 2 for i, j in table}
     return parities.pop() if len(parities) == 1 else -1
 

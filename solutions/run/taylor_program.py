@@ -143,6 +143,6 @@ def _dot(x: Series, y: Series) -> Any:
 
 
 def _chain(x: Series, outer: Series, n: int) -> Any:
-    """Return the n-th coefficient of a function of x whose derivative has the series ``outer``."""
+    """Return the n-th coefficient of f(x), where ``outer`` is the series of f'(x); n > 0."""
     terms = (x[j] * (LONG.mpf(j) / n) * outer[n - j] for j in range(1, n + 1))
     return sum(terms, LONG.zero)
