@@ -56,8 +56,7 @@ def find_scaling(
 def best_balance(
     lattice: Lattice, mean: Expr, further: int = 0, space: tuple[SlowVariable, ...] = ()
 ) -> Reduction:
-    """Return the reduction that `find_scaling` lists first; the search stops at one that needs no
-    conditions on the constants."""
+    """Return the first result of `find_scaling`; a result without conditions ends the search."""
     candidates: list[Reduction] = []
     for reduction in _balanced(lattice, mean, further, space):
         if not reduction.conditions:

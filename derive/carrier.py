@@ -77,7 +77,7 @@ def at_rest(at: str) -> str:
 def _with_leading_mass(lattice: Lattice, leader: int) -> tuple[Lattice, tuple[Symbol]]:
     """Return the lattice with a symbol for the mass of the field ``leader``, and that symbol.
 
-    Any dispersion relation is linear in a mass.
+    The dispersion relation is linear in a mass, so it can be solved for the symbol.
     """
     symbol = Symbol(f"mass of {lattice.fields[leader]}", positive=True)
     masses = [symbol if i == leader else mass for i, mass in enumerate(lattice.masses)]

@@ -243,7 +243,7 @@ class Envelope(Displayed):
 
     @property
     def in_constants(self) -> dict[str, Expr]:
-        """Formulas in k and the constants of omega and the real coefficients, for one-field chains.
+        """Omega and the real coefficients as formulas in k and the constants, for one field a cell.
 
         >>> from longwave.derive import LATTICES
         >>> envelope(LATTICES["beta_fput"], k=pi).in_constants["q"]

@@ -83,7 +83,7 @@ def checks_of_reduction(reduction: Reduction) -> list[Check]:
 
 
 def checks_of_envelope(envelope: Envelope) -> Iterator[Check]:
-    """Yield a check of the decay if there are losses, and checks of identities if k is not fixed.
+    """Yield a check of the decay, if there are losses, and of identities, unless k is fixed at pi.
 
     The identities p = omega''/2, a3 = omega'''/6 and a1 + a2 = -dq/dk hold exactly, as rational
     functions; the last two are checked only without losses.

@@ -203,7 +203,8 @@ class Expansion:
         """Solve for the parts of the fields that balance ``rows``, those of the j-th harmonic.
 
         Yields (field, part). If ``wave``, the harmonic's null vectors, is given, one field has no
-        part and one row is left out. Raises ZeroDivisionError if the matrix left is singular.
+        part and one row is left out. Raises ZeroDivisionError if the harmonic is another wave of
+        the lattice.
         """
         column, row = (vector.index(1) for vector in wave) if wave else (None, None)
         part = matrices.without(self.matrix(j), row, column)

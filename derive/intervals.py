@@ -97,7 +97,7 @@ class Intervals:
         return Interval(mean, spread, ends, linear, sampled=True, lost=lost)
 
     def _gradient(self, expression: Expr) -> list[float]:
-        """Return the derivatives by the constants, at their values and with their signs assumed."""
+        """Return the expression's derivatives in the constants, whose signs SymPy may assume."""
         signed = {
             symbol: Dummy(positive=True) if value > 0 else Dummy(negative=True) if value else symbol
             for symbol, value in self._at.items()

@@ -229,7 +229,7 @@ class Reduction:
         return {self._term(monomial): values.terms[n] for n, monomial in values.monomials.items()}
 
     def _term(self, monomial: Monomial) -> str:
-        """Return the name that a monomial has in the terms of `NORMAL_EQUATIONS`."""
+        """Return a monomial's name as in the terms of `NORMAL_EQUATIONS`, such as ``Y Y_X``."""
         return Notation(("X", *"ZVW"[: len(self.notation.axes) - 2], "T")).monomial(monomial)
 
     def _checked(self, constants: Mapping[str, Number]) -> dict[Symbol, Expr]:

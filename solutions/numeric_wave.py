@@ -40,7 +40,7 @@ FAR_PHASE = 60.0
 """Distance in phase beyond which a wave does not change: exp(-60) is 1e-26."""
 
 MAX_CACHED_INTEGRALS = 4
-"""Most cached integrals. A run needs three: at the compared cells, on a ring, and at the ends."""
+"""Most cached integrals. A run needs three: at compared cells, on a ring, at the ring's ends."""
 
 MOST_UNCERTAIN = 1000
 """Most points that mpmath evaluates when bounds are too large, at 5 to 100 ms each."""
@@ -242,7 +242,7 @@ class NumericWave:
     def _is_far(
         self, part: Part, variables: Variables, x: Array, t: Array, *transverse: Array
     ) -> bool:
-        """Return whether all points have one time and are over `FAR_PHASE` from zeros of phases."""
+        """Return whether all points have one time and phases larger than `FAR_PHASE` in modulus."""
         if transverse or t.min() != t.max():
             return False
         first, last, time = float(x.min()), float(x.max()), float(t[0])
@@ -444,8 +444,8 @@ def settle_rows(
 ) -> Array:
     """Recompute ``rows`` (rows, 3, ...) in place at points where any row is not ``certain``.
 
-    Returns ``rows``. ``settle`` takes a point and returns its rows (rows, 3). Raises ValueError for
-    more points than ``MOST_UNCERTAIN``.
+    Returns ``rows``. ``settle`` takes a point and returns its rows (rows, 3). Raises ValueError if
+    more than ``MOST_UNCERTAIN`` points are to be recomputed.
     """
     uncertain = np.argwhere(~np.all(certain, axis=0))
     if len(uncertain) > MOST_UNCERTAIN:

@@ -108,7 +108,7 @@ class IntegralFromZero:
         return INTEGRAL @ values, float(np.sum(WEIGHTS @ np.abs(values)))
 
     def _halve_until_confirmed(self, left: Array, step: Array) -> tuple[Array, Array, Array]:
-        """Halve panels until the halves confirm them; return left ends, widths, series of halves."""
+        """Halve panels until the halves confirm them; return left ends, widths and series."""
         accepted: list[tuple[Array, Array, Array]] = []
         series, size = self._panels(left, step)
         in_whole, in_half = _values_at(CONFIRMED_AT), _values_at(2.0 * CONFIRMED_AT[:4] + 1.0)

@@ -112,7 +112,7 @@ def _sign(bound: Bound) -> str:
 def positive(
     symbol: sp.Symbol, limit: str, upper: Bound | None = None, default: sp.Expr | None = None
 ) -> Parameter:
-    """Return a parameter above 0 and, if given, below ``upper``.
+    """Return a parameter ``symbol`` > 0 with the upper bound ``upper``, if that is given.
 
     ``limit`` names the limit of the solution at 0.
     """

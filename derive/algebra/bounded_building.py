@@ -19,7 +19,7 @@ LARGEST_EXPONENT = 1000
 """Largest numerator or denominator of an exponent."""
 
 MOST_FACTORS, MOST_TERMS = 200, 6000
-"""Most factors of a product, of which SymPy's time is quadratic, and most terms of a sum."""
+"""Most factors of a product, and most terms of a sum. SymPy's time is quadratic in the factors."""
 
 MOST_EXPANDED = 2000
 """Most terms into which abs, sign, re or im of an argument may be multiplied out."""

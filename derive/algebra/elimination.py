@@ -79,7 +79,7 @@ def solve_linear(
 
 
 def _solved(condition: RationalFunction, constant: Symbol, power: int) -> Elimination | None:
-    """Solve ``condition = 0`` for ``constant**power``; None if other powers of it occur in it."""
+    """Solve ``condition = 0`` for ``constant**power``; None if ``constant`` has another power."""
     value = condition.solved_for(constant, power)
     if value is None and power == 1 and condition.powers_of(constant).keys() == {1}:
         value = condition.field.zero

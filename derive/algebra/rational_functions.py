@@ -144,7 +144,7 @@ class Factor:
         return _factor, (self.polynomial.context().names(), dict(self.terms))
 
     def taken_from(self, numer: fmpz_mpoly, most: int) -> tuple[fmpz_mpoly, int]:
-        """Divide ``numer`` by this factor up to ``most`` times; return it and the times left over."""
+        """Divide ``numer`` up to ``most`` times; return the quotient and the times left over."""
         while most:
             try:
                 numer = numer / self.polynomial

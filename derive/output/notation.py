@@ -117,7 +117,7 @@ class Notation:
 
 
 class Displayed:
-    """Base of records with text and LaTeX: one line as the repr, a formula in notebooks."""
+    """Base of records with a text in one line, their repr, and LaTeX, shown in notebooks."""
 
     def written(self, printed: Printed) -> str:
         """Return the record as text or LaTeX, with constants formatted by ``printed``."""

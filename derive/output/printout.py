@@ -244,7 +244,7 @@ class _Ansatz:
         return self.amplitude is not None and self.time is not None
 
     def usual(self, *, is_paper: bool) -> Reduction:
-        """Reduce under the paper's ansatz if ``is_paper``, else under the first balanced ansatz.
+        """Reduce under the given ansatz, else the paper's (if ``is_paper``) or the best balance.
 
         If only one of amplitude and time is given, the other has its usual value.
         """

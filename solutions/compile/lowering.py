@@ -71,7 +71,7 @@ Terms = dict[sp.Expr | None, list[sp.Expr]]
 
 
 def _add_terms(parts: Iterable[tuple[sp.Expr, Terms]]) -> Terms:
-    """Return the sum of (factor, terms) pairs, each sum multiplied by its factor."""
+    """Return the sum of ``factor * terms`` over the pairs (factor, terms) in ``parts``."""
     total: Terms = {}
     for factor, terms in parts:
         for variable, coefficients in terms.items():

@@ -32,7 +32,7 @@ def horner_form(order: int, free: tuple[int, ...] = ()) -> sp.Expr:
 
 
 def rational(order: int, free: Iterable[int] = ()) -> ClosedForm:
-    """Return the rational solution of an order; 5, 7, ... in ``free`` give it shifts tau_5, tau_7.
+    """Return the rational solution of an order; ``free`` lists its shifts by index, 5 for tau_5.
 
     Its peak is ``2 order + 1`` at the origin on the background ``(-1)**order``, if all shifts are
     0. Source: the paper's Ref. ankiewicz2018rogue. Raises ValueError as ``rational_tau`` does.

@@ -62,7 +62,7 @@ def _theta_argument(ctx: Any, z: Number, m: Number) -> tuple[Number, Number]:
 
 @lru_cache(maxsize=_CACHE_SIZE)
 def _integral_and_nome(ctx: Any, precision: int, m: Number) -> tuple[Number, Number]:
-    """Return K and the nome at the context's precision; ``precision`` is only a cache key."""
+    """Return K and the nome at the context's precision; ``precision`` only enters the cache key."""
     return ctx.ellipk(m), ctx.qfrom(m=m)
 
 
