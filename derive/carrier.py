@@ -448,7 +448,7 @@ class Carrier(Expansion):
         return DifferentialPolynomial.collect(self.field, items)
 
     def _reflect(self, terms: Terms) -> RationalFunction:
-        """Return the polynomial with these terms, with z replaced by 1/z and w by -w."""
+        """Return the polynomial in z and w given by ``terms``, with 1/z for z and -w for w."""
         degree = max((exponents[0] for exponents, _ in terms), default=0)
         reflected = [
             ((degree - i, j, *others), -value if j % 2 else value)

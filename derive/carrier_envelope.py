@@ -427,7 +427,7 @@ def modulation_map(
 
 
 def wavenumber(k: Number) -> Expr:
-    """Return a wavenumber exactly. Raises ValueError unless it is in 0 <= k <= pi."""
+    """Return the wavenumber ``k`` as an exact number. Raises ValueError unless 0 <= k <= pi."""
     value = exact_value("k", k)
     if value.free_symbols or not 0 <= value <= pi:
         raise ValueError(f"k must satisfy 0 <= k <= pi, got {shown(k)} (radians a cell)")

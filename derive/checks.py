@@ -184,7 +184,7 @@ class _Point:
         )
 
     def field(self, name: str, cell: Sequence[int], time: Any, small: Any) -> Any:
-        """Return the lattice field ``name`` in the manufactured wave, with its slaved parts."""
+        """Return the lattice field ``name`` in the manufactured wave at eps = ``small``."""
         at = self.slow(cell, time, small)
         background = self.scaling.background
         mean = mpmath.fsum(small**power * self._number(v, small) for power, v in background)
@@ -372,7 +372,7 @@ def _admissible(reduction: Reduction) -> tuple[dict[Symbol, Expr], Coefficients]
 
 
 def _sound(lattice: Lattice, values: Values, strain: Any) -> Any:
-    """Return the speed of long waves on a uniform strain, from the equilibrium stress."""
+    """Return the speed of long waves on a uniform ``strain``, from the static stress-strain law."""
     masses = [mpmath.mpf(mass.xreplace(dict(values)).evalf(DIGITS)) for mass in lattice.masses]
     forces = [_law(bond, values) for bond in lattice.bonds]
     if any(sum(entry.weight for entry in bond.stretch) for bond in lattice.bonds):

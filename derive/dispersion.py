@@ -137,7 +137,7 @@ def _in_half_sines(weights: Mapping[int, Expr]) -> tuple[Expr, Expr]:
 
 
 def _weights(lattice: Lattice, slope_of: Callable[[Bond, Expr], Expr]) -> dict[int, Expr]:
-    """Return the linear force, shift -> factor of ``exp(i shift k)``, from the bonds' slopes."""
+    """Return the linear force: shift -> factor of ``exp(i shift k)``, from slopes by ``slope_of``."""
     weights: dict[int, Expr] = defaultdict(lambda: Integer(0))
     definitions = dict(lattice.definitions)
     for bond in lattice.bonds:

@@ -220,7 +220,7 @@ class Lattice(notation.Displayed):
         return {*self.fields, *map(str, (*self.constants, *self.basic_constants))}
 
     def with_defined(self, values: Mapping[Symbol, Expr]) -> dict[Symbol, Expr]:
-        """Return the values, extended by those of symbols that are defined by other constants."""
+        """Return ``values`` and the values of the symbols that are defined by other constants."""
         return {**{symbol: value.xreplace(values) for symbol, value in self.definitions}, **values}
 
     def with_values(self, values: Mapping[str, Number]) -> Lattice:
@@ -434,7 +434,7 @@ class Lattice(notation.Displayed):
         return all(bond.is_polynomial for bond in self.bonds)
 
     def expanded(self, degree: int) -> Lattice:
-        """Return the lattice with each force as a polynomial of that degree about zero stretch.
+        """Return the lattice with each force expanded about zero stretch up to ``x**degree``.
 
         A coefficient that is not a rational function gets a symbol, F2 for that of x^2 (F2a, F2b
         with several bonds), defined in ``definitions``; equal coefficients share it.

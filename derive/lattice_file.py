@@ -361,7 +361,7 @@ def _bond(entry: Mapping[str, Any], fields: list[str], symbols: _Symbols) -> Bon
 
 
 def find_lattice(model: str) -> Lattice:
-    """Return the lattice of this name, or that of a file or of the standard input ("-").
+    """Return the lattice called ``model``, or read it from a file or the standard input ("-").
 
     Raises ValueError for an unknown name and as `read_lattice`.
     """

@@ -85,7 +85,7 @@ class LinearWaves:
         return f"{printed(sum(terms, S.Zero))} = 0"
 
     def lines(self, printed: Printed = text_of) -> Iterator[str]:
-        """Yield ``omega^2 = ...`` of all `branches`, lowest first; the `relation` if there are none."""
+        """Yield ``omega^2 = ...`` of all `branches`, lowest first; without them, the `relation`."""
         if not self.branches:
             yield self.relation(printed)
         yield from (f"{printed(self._omega**2)} = {printed(value)}" for value in self.branches)

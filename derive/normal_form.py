@@ -263,7 +263,7 @@ def equation_name(name: str, s: Expr | int, r: Expr | int = 1) -> str:
 
 
 def equation_of(terms: Iterable[str]) -> NormalEquation | None:
-    """Return the equation with these terms, ignoring Y_X; None if there is none."""
+    """Return the normal equation with these ``terms``, ignoring Y_X; None if there is no such one."""
     term_set = {*terms} - {"Y_X"}
     return next((e for e in NORMAL_EQUATIONS.values() if {*e.terms} == term_set), None)
 

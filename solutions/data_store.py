@@ -60,7 +60,7 @@ class DataStore:
         self._stem = hashlib.sha256(f"{maker} {key}".encode()).hexdigest()[:32]
 
     def read(self, part: str) -> Any:
-        """Return the entry stored under the name ``part``, None if there is none or it is bad."""
+        """Return the entry stored under the name ``part``, None if it is missing or invalid."""
         data = self._folder.read(f"{self._stem}.{part}")
         with suppress(ValueError):
             return None if data is None else plain_value(data, _kind)

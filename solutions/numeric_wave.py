@@ -37,7 +37,7 @@ HIGHEST_JET = 20
 """Highest order of a jet."""
 
 FAR_PHASE = 60.0
-"""Distance in phase beyond which a wave does not change: exp(-60) is 1e-26."""
+"""Distance from a phase's zero, in phase, beyond which a wave is constant: exp(-60) is 1e-26."""
 
 MAX_CACHED_INTEGRALS = 4
 """Most cached integrals. A run needs three: at compared cells, on a ring, at the ring's ends."""
@@ -242,7 +242,7 @@ class NumericWave:
     def _is_far(
         self, part: Part, variables: Variables, x: Array, t: Array, *transverse: Array
     ) -> bool:
-        """Return whether all points have one time and phases larger than `FAR_PHASE` in modulus."""
+        """Return whether all points have one time and no phase vanishes near or between them."""
         if transverse or t.min() != t.max():
             return False
         first, last, time = float(x.min()), float(x.max()), float(t[0])

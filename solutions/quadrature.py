@@ -19,7 +19,7 @@ MAX_HALVINGS, MAX_PANELS, MAX_WIDTHS = 12, 2_000_000, 20_000_000
 """Most halvings of a panel; most panels; longest interval, in units of ``width``."""
 
 MERGE_ABOVE = 4096
-"""Number of panels above which those in constant stretches are merged into wider ones."""
+"""Number of panels above which neighbouring panels are merged where the function is constant."""
 
 NEGLIGIBLE_CHANGE = 1e-20
 """Largest change across a panel that counts as none, in units of the function's largest value."""

@@ -220,7 +220,7 @@ class ClosedForm:
         return f"<ClosedForm {self.name}: {self.title}{domains}>"
 
     def _repr_latex_(self) -> str | None:
-        """Return the LaTeX for notebooks; None if it is too long: they then show the repr."""
+        """Return the LaTeX for notebooks; None if it is too long, so that the repr is shown."""
         formula = latex_of(self.expression)
         return rf"$\displaystyle U = {formula}$" if len(formula) <= LONGEST_FORMULA else None
 

@@ -189,7 +189,7 @@ SIZES: dict[type, Callable[[sp.Expr], sp.Expr]] = {
 
 
 def _bits(expression: sp.Expr) -> int:
-    """Return the number of bits of an expression's rational factor; 0 if it has none."""
+    """Return the number of bits of an expression's rational factor; 0 without such a factor."""
     number = expression.as_coeff_Mul(rational=True)[0]
     return int(number.p).bit_length() + int(number.q).bit_length() - 2 if number.is_Rational else 0
 

@@ -66,7 +66,7 @@ class Elimination:
 def solve_linear(
     condition: RationalFunction, constants: Sequence[Symbol], squared: Symbol | None = None
 ) -> Elimination | None:
-    """Solve ``condition = 0`` for the first of ``constants`` in which it is linear.
+    """Solve ``condition = 0`` for one of the ``constants`` in which it is linear.
 
     Constants whose coefficient is a number are tried first, then ``squared**2``, then the other
     constants. None if the condition cannot be solved for any of them.
@@ -123,7 +123,7 @@ class TimeElimination:
         return series.replaced(self._value)
 
     def _value(self, jet: Jet) -> EpsSeries | None:
-        """Return the series that replaces a jet; None if it has no time derivatives."""
+        """Return the series that replaces a jet; None for a jet without time derivatives."""
         if not jet[self._time]:
             return None
         result = self._time_derivative(jet[self._time])

@@ -118,7 +118,7 @@ class Vocabulary:
     site: sp.Symbol | None = None
 
     def meaning(self, name: str) -> sp.Expr | None:
-        """Return the expression of a name that is no field or function; None if it is unknown.
+        """Return the expression of a name that is no field or function; None for an unknown name.
 
         Raises ValueError, as ``unknown_name`` does, for a name that is likely to be a misspelling.
         """
@@ -181,7 +181,7 @@ class Parser:
         return token
 
     def take_sign(self, *signs: str) -> Token | None:
-        """Consume and return the next token if it is one of the signs, else return None."""
+        """Consume and return the next token if it is one of ``signs``, else return None."""
         return self.take() if self.next.kind == "sign" and self.next.text in signs else None
 
     def expect(self, sign: str, why: str = "") -> Token:

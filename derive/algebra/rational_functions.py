@@ -95,7 +95,7 @@ class RationalFunctions:
         return RationalFunction(self, value, 1, {})
 
     def from_terms(self, terms: Iterable[tuple[Exponents, int]]) -> RationalFunction:
-        """Return the polynomial with these terms; no two may have the same exponents."""
+        """Return the polynomial with the given ``terms``; no two may have the same exponents."""
         return self.polynomial(self.context.from_dict(dict(terms)))
 
     def from_expr(

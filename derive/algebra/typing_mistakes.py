@@ -90,7 +90,7 @@ def balanced(text: str) -> str:
 
 
 def _nested(open_: str, closing: str, depth: int = 6) -> str:
-    """Return a pattern of nested brackets; it is possessive, so that no match takes long."""
+    """Return a pattern of brackets nested up to ``depth``; possessive, so that it matches fast."""
     inside = rf"[^{open_}{closing}]*+"
     pattern = rf"{open_}{inside}{closing}"
     for _ in range(depth):

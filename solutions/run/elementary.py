@@ -69,7 +69,7 @@ def _polynomial(coefficients: dd.Array, z: dd.Array, total: dd.Array) -> None:
 
 @njit()
 def sine_or_cosine(x: dd.Array, is_sine: bool, z: dd.Array, scratch: dd.Array) -> None:
-    """Fill ``z`` with sin(x), to full relative precision, or with cos(x); |x| <= 0.79."""
+    """Fill ``z`` with cos(x) or, if ``is_sine``, sin(x) to full relative precision; |x| <= 0.79."""
     square, series = scratch[0], scratch[1]
     for i in range(BLOCK):
         high, low = dd.multiply(load_pair(x, i), load_pair(x, i))

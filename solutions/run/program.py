@@ -39,7 +39,7 @@ _PERIOD_ERROR, _REDUCTION_ERROR = 2.0**-150, 2.0**-104
 its reduction, the second to the reduced argument."""
 
 _MAX_QUARTERS = 2.0**100
-"""Number of quarter periods beyond which a phase is not reduced: the error bound is infinite."""
+"""Number of quarter periods beyond which the error bound of a reduced phase is infinite."""
 
 
 class JacobiProgram(NamedTuple):
@@ -222,7 +222,7 @@ def _subtract_quarters(u: dd.Three, j: float, quarter: dd.Three) -> dd.Three:
 
 @njit(cache=True, examples=[(doubles(2), THREE, doubles(3))])
 def _reduce(phase: dd.Array, K: dd.Three, out: dd.Array) -> None:
-    """Reduce phases by quarter periods; a second step handles quotients of more than 53 bits."""
+    """Fill ``out`` with phases reduced by quarter periods; two steps allow quotients over 53 bits."""
     quarter = K[0] if K[0] != 0.0 else np.inf
     for i in range(phase.shape[1]):
         u, middle = dd.two_sum(phase[0, i], phase[1, i])

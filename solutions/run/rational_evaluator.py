@@ -131,7 +131,7 @@ def _rows(c: Array, parity: int, t: Array, values: Array, slopes: Array) -> None
 
 @njit()
 def _polynomial(values: Array, slopes: Array, x: Array, weights: Array, out: Array) -> None:
-    """Fill the rows of ``out`` with the polynomial and its derivatives."""
+    """Fill the rows of ``out`` with the polynomial and its derivatives, by Horner's rule in x."""
     degree = values.shape[0] - 1
     out[:] = 0.0
     for i in range(degree, -1, -1):
