@@ -111,8 +111,8 @@ class Carrier(Expansion):
     ) -> None:
         """Set up the expansion about a wave of the lattice.
 
-        ``turn``: exp(i k) at k = 0 or pi, which is 1 or -1.  ``wave``: number of the factor of the
-        dispersion relation, if it has several.  ``leader``: the field with amplitude A, by default
+        ``turn``: exp(i k), 1 or -1, if k is 0 or pi, else None.  ``wave``: number of the factor of
+        the dispersion relation, if it has several.  ``leader``: field with amplitude A, by default
         the first that moves.  If ``leader`` is given, or if no constant can be solved for, the
         dispersion relation is solved for a field's mass.
         """
@@ -239,7 +239,7 @@ class Carrier(Expansion):
         )
 
     def _flow_at(self, order: int) -> DifferentialPolynomial:
-        """Return the term of ``A_T`` (at order 2: ``-v A_X``) that balances harmonic 1."""
+        """Return the term of A_T that balances harmonic 1 at ``eps^order``; -v A_X at order 2."""
         right, left = self.carried
         row = combined(left, self._harmonic(order, 1), self._nothing)
         masses = map(self.number, self.lattice.masses)
@@ -289,7 +289,7 @@ class Carrier(Expansion):
         return residuals
 
     def _acceleration(self, series: EpsSeries, order: int, j: int) -> DifferentialPolynomial:
-        """Return the j-th harmonic of f'' at this order; d/dt is ``-j w - eps v D + eps^2 d_T``."""
+        """Return harmonic j of f'' at ``eps^order``; d/dt is ``-j w - eps v D + eps^2 d_T``."""
         rate, harmonic_part = j * self.rate, self._series({})
         for power in range(1, order + 1):
             selected = series.at(power).select(lambda m: harmonic(m) == j)
@@ -339,7 +339,7 @@ class Carrier(Expansion):
         return total
 
     def _sum_over_cells(self, mean: EpsSeries, cells: int) -> EpsSeries:
-        """Return the ``mean`` strain S summed over s cells: ``(exp(eps s D) - 1)/(eps D) S``."""
+        """Return the mean strain S summed over s cells: ``(exp(eps s D) - 1)/(eps D) S``."""
         total, power, count = self._series({}, mean.limit), mean, 1
         while cells and power.parts:
             power = self.field(cells) / count * power

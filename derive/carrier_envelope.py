@@ -39,7 +39,7 @@ IMAGINARY_TOLERANCE = 1e-12
 """Magnitude below which an imaginary part counts as 0, relative to the complex number's."""
 
 INTEGER_PHASES = {S.Zero: 1, pi: -1}
-"""Wavenumber k -> exp(i k), where that is an integer."""
+"""Wavenumber k -> exp(i k), for those k at which exp(i k) is an integer."""
 
 MOST_TERMS = 2500
 """Most terms of a coefficient that is written as a formula. One of 1900 took 2 s and has 36 000

@@ -28,7 +28,7 @@ EPS_VALUES = ("1e-4", "1e-5")
 """The two values of eps from whose remainders the exponent of the remainder is measured."""
 
 EXPONENT_TOLERANCE = 0.05
-"""Amount by which a measured exponent may fall short, because eps is finite."""
+"""Amount by which a measured exponent may be below the promised one, because eps is finite."""
 
 Values = Mapping[Symbol, Any]
 Wave = Callable[..., Any]

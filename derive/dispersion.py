@@ -137,7 +137,10 @@ def _in_half_sines(weights: Mapping[int, Expr]) -> tuple[Expr, Expr]:
 
 
 def _weights(lattice: Lattice, slope_of: Callable[[Bond, Expr], Expr]) -> dict[int, Expr]:
-    """Return the linear force: shift -> factor of ``exp(i shift k)``, from slopes by ``slope_of``."""
+    """Return the linear force: shift -> factor of ``exp(i shift k)``.
+
+    ``slope_of`` returns the slope of a bond's force at a uniform stretch.
+    """
     weights: dict[int, Expr] = defaultdict(lambda: Integer(0))
     definitions = dict(lattice.definitions)
     for bond in lattice.bonds:

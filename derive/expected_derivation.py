@@ -27,7 +27,7 @@ SYMBOLIC_SECONDS, SYMBOLIC_FACTOR_PER_CONSTANT, MAX_SYMBOLIC_SECONDS = 1.0, 6.0,
 constant; most seconds that are added, because `carrier_envelope` refuses larger formulas."""
 
 FACTOR_PER_CELL = 30.0
-"""For one field and k other than pi: factor for each cell beyond the first that a bond spans."""
+"""Factor of an envelope's seconds for each further cell that a bond spans (one field, k not pi)."""
 
 CHEAPER_ORDER = "take a lower --order, or a FILE.toml with numbers instead of constants"
 CHEAPER_CARRIER = "take --envelope k=pi, or give constants by --set"

@@ -189,7 +189,7 @@ def document_of_lattice(lattice: Lattice) -> dict[str, Any]:
 
 
 def _measured(document: Mapping[str, Any], lattice: Lattice) -> Measured | None:
-    """Return the file's values of constants, with their covariance; None if it has none."""
+    """Return the file's values of constants, with their covariance; None for a file without any."""
     values, rows = (_table(key, document.get(key, {})) for key in ("constants", "covariance"))
     if not values and not rows:
         return None

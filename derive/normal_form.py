@@ -77,7 +77,7 @@ def _modified_kawahara(cubic: Expr, third: Expr, fifth: Expr) -> Scales:
 
 
 def _kdv_burgers(quadratic: Expr, second: Expr, third: Expr) -> Scales:
-    """Return the scales from the coefficients of Y Y_X, Y_XX (negative for losses) and Y_XXX."""
+    """Return the KdV-Burgers map's scales from the coefficients of Y Y_X, Y_XX (< 0) and Y_XXX."""
     a = Abs(second / third)
     b = -second * a**2
     return {"a": a, "b": b, "h": 6 * b / (quadratic * a), "s": -sign(second * third)}
@@ -246,7 +246,7 @@ class NormalForm:
 
 
 def equation_name(name: str, s: Expr | int, r: Expr | int = 1) -> str:
-    """Return the equation's name with its signs, if its waves depend on them.
+    """Return an equation's name, with the signs s and r if its waves depend on them.
 
     >>> equation_name("mKdV", -1), equation_name("KP", -1), equation_name("Kawahara", -1)
     ('defocusing mKdV', 'KP-I', 'Kawahara (s = -1)')
@@ -263,7 +263,7 @@ def equation_name(name: str, s: Expr | int, r: Expr | int = 1) -> str:
 
 
 def equation_of(terms: Iterable[str]) -> NormalEquation | None:
-    """Return the normal equation with these ``terms``, ignoring Y_X; None if there is no such one."""
+    """Return the normal equation with these ``terms``, ignoring Y_X; None if it is unknown."""
     term_set = {*terms} - {"Y_X"}
     return next((e for e in NORMAL_EQUATIONS.values() if {*e.terms} == term_set), None)
 

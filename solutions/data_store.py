@@ -67,7 +67,7 @@ class DataStore:
         return None
 
     def write(self, part: str, value: object) -> None:
-        """Store an entry if it can be stored; remove the oldest files if there are too many."""
+        """Store ``value`` as ``part`` if possible; remove the oldest files beyond a limit."""
         with suppress(TypeError, ValueError):
             self._folder.write(f"{self._stem}.{part}", plain_bytes(value, _kind))
         folder = self._folder.path

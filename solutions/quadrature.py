@@ -39,8 +39,8 @@ INTEGRAL = legendre.legint(SERIES, lbnd=-1)
 class IntegralFromZero:
     """Integrals of ``function`` from 0 to any points from ``low`` to ``high``, real or complex.
 
-    Panels are at most ``width`` wide, which must resolve every feature of the function; wider where
-    it is constant over many panels. A panel is halved until its two halves confirm it. The cost is
+    Panels are at most ``width`` wide, which must resolve every feature of the function; many panels
+    where it is constant are merged. A panel is halved until its two halves confirm it. The cost is
     that of the panels, for any number of points. Raises ValueError for ends too far apart, and if
     halving does not converge.
 

@@ -26,7 +26,7 @@ MOST_EXPANDED = 2000
 
 FIRST_STEPS, MOST_NODES_FIRST, MOST_NODES_LATER = 2, 20_000, 2000
 """The first ``FIRST_STEPS`` derivatives of an expression may have ``MOST_NODES_FIRST`` nodes, later
-ones ``MOST_NODES_LATER``. The second derivative of log tau of a 4-soliton has 3191."""
+ones ``MOST_NODES_LATER``. The second derivative of log tau of a 4-soliton has 3191 nodes."""
 
 HIGHEST_DERIVATIVE = 16
 """Highest order of a derivative."""

@@ -145,7 +145,7 @@ class _Writer:
         return rf"\bigl({text}\bigr)" if r"\frac" in text or "(" in text else f"({text})"
 
     def enclosed(self, formula: FormulaTree, binding: int) -> str:
-        """Return the LaTeX, in brackets if its outermost operation binds less than ``binding``."""
+        """Return a formula's LaTeX, in brackets if its operation binds less than ``binding``."""
         text, level = self.part(formula)
         return text if level >= binding else self.brackets(text)
 

@@ -144,7 +144,7 @@ class Factor:
         return _factor, (self.polynomial.context().names(), dict(self.terms))
 
     def taken_from(self, numer: fmpz_mpoly, most: int) -> tuple[fmpz_mpoly, int]:
-        """Divide ``numer`` up to ``most`` times; return the quotient and the times left over."""
+        """Divide ``numer`` by this factor, ``most`` times at most; return quotient, times left."""
         while most:
             try:
                 numer = numer / self.polynomial

@@ -322,7 +322,7 @@ def _decay_lines(reduction: Reduction) -> Iterator[str]:
 
 
 def _frequency_lines(lattice: Lattice, mean: Expr) -> Iterator[str]:
-    """Yield complex frequencies of a lattice with losses, as formulas for one field only."""
+    """Yield a heading and, for a lattice with one field, formulas of the complex frequencies."""
     yield ""
     yield "linear waves with losses, exp(i (k n - omega t)):"
     if len(lattice.fields) > 1:

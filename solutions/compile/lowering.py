@@ -210,7 +210,7 @@ def complex_parts(expression: sp.Expr) -> Parts:
 
 
 def _product(product: sp.Expr) -> Parts:
-    """Return the parts of a product; real factors stay together, others are multiplied in turn."""
+    """Return real and imaginary part of a product; its real factors are kept as one factor."""
     real = sp.Mul(*(factor for factor in product.args if not factor.has(sp.I)))
     re, im = real, sp.S.Zero
     for factor in product.args:

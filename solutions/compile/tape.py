@@ -83,7 +83,7 @@ class Tape:
         return number * self.record(factor)
 
     def _product(self, factors: Sequence[sp.Expr]) -> sp.Expr:
-        """Record a product two factors at a time, constants first: SymPy's product rule is slow."""
+        """Record a product two factors at a time: SymPy is slow to differentiate long products."""
         ordered = sorted(factors, key=self._is_varying)
         result = self.record(ordered[0])
         for factor in ordered[1:]:

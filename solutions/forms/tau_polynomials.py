@@ -99,7 +99,7 @@ def _check_order(order: int, free: tuple[int, ...]) -> None:
 def _exponents(
     context: fmpq_mpoly_ctx, count: int, free: tuple[int, ...]
 ) -> dict[int, GaussianPolynomial]:
-    """Return the coefficients ``e_k`` of ``z**k``, k odd and below ``count``, in P's exponent."""
+    """Return the coefficients ``e_k`` of ``z**k``, odd k < ``count``, in the exponent of P(z)."""
     generators = context.gens()
     real = {index: generators[2 + position] for position, index in enumerate(free)}
     real |= {1: generators[0], 3: -4 * generators[1]}

@@ -119,7 +119,7 @@ def _is_negligible(x: dd.Array, i: int) -> bool:
 def _store_exponential(z: dd.Array, i: int, value: dd.Pair, x: dd.Array, is_falling: bool) -> None:
     """Store ``value`` with its bound; it is a function of x that varies no faster than exp(x).
 
-    ``is_falling``: it is at most 2 exp(-|x|), hence negligible for large |x|.
+    ``is_falling`` says that it is at most 2 exp(-|x|), hence negligible for large |x|.
     """
     e, size = x[i + 2 * BLOCK], abs(x[i])
     input_error = 2.0 * e + UNIT * (1.0 + size) if e <= 0.5 else math.inf
@@ -129,7 +129,7 @@ def _store_exponential(z: dd.Array, i: int, value: dd.Pair, x: dd.Array, is_fall
 
 @njit()
 def decay_of(x: dd.Array, factor: float, scratch: dd.Array) -> None:
-    """Fill scratch[3] with exp(-factor |x|) and scratch[4] with 1 minus that."""
+    """Fill scratch[3] with exp(-factor |x|) and scratch[4] with 1 - exp(-factor |x|)."""
     for i in range(BLOCK):
         store_pair(scratch[0], i, dd.scale(load_pair(x, i), factor if x[i] >= 0.0 else -factor))
     decay(scratch[0], scratch[1], scratch[2], scratch[3], scratch[4])
@@ -148,7 +148,7 @@ def exponential(x: dd.Array, z: dd.Array, scratch: dd.Array) -> None:
 
 @njit()
 def start_logarithm(x: dd.Array, start: dd.Array) -> None:
-    """Fill ``start`` with -log(x) in double."""
+    """Fill ``start`` with -log(x) in double precision, where `logarithm` starts."""
     for i in range(BLOCK):
         store(start, i, (-math.log(x[i]), 0.0, 0.0))
 

@@ -222,7 +222,7 @@ def _subtract_quarters(u: dd.Three, j: float, quarter: dd.Three) -> dd.Three:
 
 @njit(cache=True, examples=[(doubles(2), THREE, doubles(3))])
 def _reduce(phase: dd.Array, K: dd.Three, out: dd.Array) -> None:
-    """Fill ``out`` with phases reduced by quarter periods; two steps allow quotients over 53 bits."""
+    """Fill ``out`` with phases reduced by quarter periods, in two steps for very large phases."""
     quarter = K[0] if K[0] != 0.0 else np.inf
     for i in range(phase.shape[1]):
         u, middle = dd.two_sum(phase[0, i], phase[1, i])
@@ -285,7 +285,7 @@ class Program:
     fixed: MpmathFormula
 
     def numbers(self, parameters: Sequence[Expr]) -> Numbers:
-        """Compute the numbers at exact parameters with doubled digits until they converge."""
+        """Compute the numbers at exact parameters; digits are doubled until the numbers converge."""
         digits, numbers = CONSTANT_DIGITS, self._fixed_with(CONSTANT_DIGITS, parameters)
         while True:
             digits, previous = 2 * digits, numbers
