@@ -139,7 +139,7 @@ def _in_half_sines(weights: Mapping[int, Expr]) -> tuple[Expr, Expr]:
 def _weights(lattice: Lattice, slope_of: Callable[[Bond, Expr], Expr]) -> dict[int, Expr]:
     """Return the linear force: shift -> factor of ``exp(i shift k)``.
 
-    ``slope_of`` returns the slope of a bond's force at a uniform stretch.
+    ``slope_of(bond, stretch)`` is the factor of a small stretch in a bond's force.
     """
     weights: dict[int, Expr] = defaultdict(lambda: Integer(0))
     definitions = dict(lattice.definitions)

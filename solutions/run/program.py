@@ -285,7 +285,7 @@ class Program:
     fixed: MpmathFormula
 
     def numbers(self, parameters: Sequence[Expr]) -> Numbers:
-        """Compute the numbers at exact parameters; digits are doubled until the numbers converge."""
+        """Compute the numbers at exact parameters, doubling the digits until they converge."""
         digits, numbers = CONSTANT_DIGITS, self._fixed_with(CONSTANT_DIGITS, parameters)
         while True:
             digits, previous = 2 * digits, numbers
