@@ -185,7 +185,7 @@ class Parser:
         return self.take() if self.next.kind == "sign" and self.next.text in signs else None
 
     def expect(self, sign: str, why: str = "") -> Token:
-        """Consume and return the sign. Raises FormulaError, with ``why``, for any other token."""
+        """Consume and return the token ``sign``. Raises FormulaError, with ``why``, for any other."""
         token_ = self.take_sign(sign)
         if token_ is None:
             raise self.error(f"expected '{sign}'{why}, got {self.next}")
@@ -203,7 +203,7 @@ class Parser:
         return self.error_at((token or self.next).start, words)
 
     def error_at(self, position: int, words: str) -> FormulaError:
-        """Return the error at a position in the text."""
+        """Return the error with the message ``words`` at a position in the text."""
         return FormulaError(self.name, words, self.text, position)
 
     def formula(self) -> syntax.FormulaTree:

@@ -186,7 +186,7 @@ class EpsSeries:
         return self.collect(self.field, self.limit, items)
 
     def apply(self, operator: Operator) -> EpsSeries:
-        """Return the first-order operator applied to every order."""
+        """Return the series with the first-order ``operator`` applied to it."""
         items = (
             (order + exponent, factor * part.derivative(axis))
             for order, part in self.parts.items()
@@ -218,7 +218,7 @@ class EpsSeries:
         return self.collect(self.field, self.limit, [*self.parts.items(), (order, part)])
 
     def replaced(self, value: Callable[[Jet], EpsSeries | None]) -> EpsSeries:
-        """Replace each jet by the series ``value(jet)``, or keep it if that is None."""
+        """Replace each jet by the series ``value(jet)``; a jet whose value is None is kept."""
         total = EpsSeries(self.field, self.limit, {})
         for order, part in self.parts.items():
             for monomial, number in part.terms.items():

@@ -75,7 +75,7 @@ class Bytecode:
 
 
 class Code:
-    """Builder of instructions on numbered values; equal ones are shared, inputs come first."""
+    """Builder of instructions on numbered values, inputs first; equal instructions are shared."""
 
     def __init__(self, inputs: int) -> None:
         self._inputs = inputs

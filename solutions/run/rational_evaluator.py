@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 Workspace = tuple[Array, Array, Array, Array, Array, Array, Array, Array, Array]
 
 _VALUE, _X, _XX, _T, _XT = 0, 1, 2, 3, 4
-"""Row numbers in a polynomial's workspace: value and derivatives; _XX is half the second one."""
+"""Row numbers in a polynomial's workspace: value, derivatives; _XX is half the xx derivative."""
 
 _STEPS = np.array([[_XX, _X], [_X, _VALUE], [_VALUE, -1], [_XT, _T], [_T, -1]])
 """Pairs (row, row added to it) of a Horner step, in order; -1 is the coefficient, a series in t."""

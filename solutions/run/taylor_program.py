@@ -66,7 +66,7 @@ def jacobi_series(
 
 
 def _of_product(x: Series, y: Series, n: int) -> Any:
-    """Return the n-th coefficient of a product; a square uses every pair once."""
+    """Return the n-th coefficient of the product of two series; faster if they are the same."""
     if x is not y:  # one series twice is a square
         return sum((x[i] * y[n - i] for i in range(n + 1)), LONG.zero)
     pairs = sum((x[i] * x[n - i] for i in range((n + 1) // 2)), LONG.zero) * 2
@@ -84,7 +84,7 @@ class _Expansion:
         return Value(self._code, self._code.number(coefficient))
 
     def series(self, operation: Operation, x: Series, y: Series, c: Any) -> Series:
-        """Return the series of an instruction's result."""
+        """Return the series of an instruction's result from its operands' series and constant."""
         match operation:
             case Operation.MULTIPLY_CONSTANT | Operation.SCALE:
                 return [term * c for term in x]
