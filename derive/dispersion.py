@@ -84,7 +84,7 @@ class Dispersion:
 def dispersion_relation(lattice: Lattice = FPUT_STRAIN) -> Dispersion:
     """Return the relation of a one-field lattice on a line, about the uniform strain ybar.
 
-    A pinned lattice has no such strain: its relation is that about rest.
+    A pinned lattice has no uniform strain: its relation is about the state at rest.
 
     >>> from longwave.derive import LATTICES
     >>> dispersion_relation(LATTICES["klein_gordon"]).omega_squared

@@ -216,7 +216,7 @@ class Lattice(notation.Displayed):
 
     @property
     def names(self) -> set[str]:
-        """Names of fields and constants, which names in an output must differ from."""
+        """Names of fields and constants, which other names in an output must avoid."""
         return {*self.fields, *map(str, (*self.constants, *self.basic_constants))}
 
     def with_defined(self, values: Mapping[Symbol, Expr]) -> dict[Symbol, Expr]:
@@ -381,9 +381,9 @@ class Lattice(notation.Displayed):
         return tuple(messages)
 
     def _has_metric(self, pairs: Sequence[tuple[Weights, Weights]]) -> bool:
-        """Return whether one positive symmetric stencil times the mirror gives the action.
+        """Return whether each action is its mirrored stretch times a positive symmetric stencil.
 
-        ``pairs`` lists (action, mirror) of each bond; the stencil must be the same for all.
+        ``pairs`` lists (action, mirror) for each bond; the stencil must be the same for all bonds.
         """
         rows = [
             tuple({s: w for s, w in part.items() if s[0] == index} for part in pair)

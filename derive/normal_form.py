@@ -271,7 +271,7 @@ def equation_of(terms: Iterable[str]) -> NormalEquation | None:
 def normal_form_of(
     c: Expr, coefficients: Mapping[str, Expr], digits: int | None = None
 ) -> NormalForm:
-    """Return the normal form of an equation from its coefficients; terms with 0 are ignored.
+    """Return the normal form of an equation from its coefficients; those that are 0 are ignored.
 
     Terms are named as in `NORMAL_EQUATIONS`.  Raises ValueError for any other equation.
 

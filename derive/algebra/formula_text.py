@@ -185,7 +185,7 @@ class Parser:
         return self.take() if self.next.kind == "sign" and self.next.text in signs else None
 
     def expect(self, sign: str, why: str = "") -> Token:
-        """Consume and return the token ``sign``. Raises FormulaError, with ``why``, for any other."""
+        """Consume and return the token ``sign``. Raises FormulaError, with ``why``, for another."""
         token_ = self.take_sign(sign)
         if token_ is None:
             raise self.error(f"expected '{sign}'{why}, got {self.next}")

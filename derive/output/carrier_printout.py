@@ -116,7 +116,7 @@ def _lines(
 def _intervals(
     lattice: Lattice, result: Envelope, values: Values, options: DeriveOptions
 ) -> tuple[dict[str, Interval], str]:
-    """Return the coefficients' intervals by name, and a note on them, or why there are none."""
+    """Return the coefficients' intervals by name, and a note on them or on why there are none."""
     if lattice.measured is None:
         return {}, ""
     if len(lattice.fields) > 1:
