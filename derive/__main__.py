@@ -12,7 +12,7 @@ import click
 from longwave.support.command_line import example, limit_options, named_values, run_words
 
 CONSTANTS = ("K2", "K3", "K4")
-"""Constants of the strain FPUT lattice."""
+"""Names of the constants of the strain FPUT lattice."""
 
 
 def _constant_options(function: Callable[..., Any]) -> Callable[..., Any]:

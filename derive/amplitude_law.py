@@ -54,12 +54,14 @@ class AmplitudeLaw(Displayed):
         return re.sub(r"\ba(?='?\((T|0)\))", name, self.text())
 
     def written(self, printed: Printed) -> str:
-        """Return the text ``a'(T) = ..., a(T) = ...``, with formulas by ``printed``."""
+        """Return the text ``a'(T) = ..., a(T) = ...``, with formulas formatted by ``printed``."""
         return f"a'(T) = {printed(self.rate)}, a(T) = {printed(self.solution)}"
 
 
 def amplitude_law(power: int, ratio: Expr, damping: Expr, diffusion: Expr) -> AmplitudeLaw:
     """Return the decay law of a soliton with ``Y_X^2 = ratio Y^2 (a^power - Y^power)``.
+
+    The loss terms are ``damping Y - diffusion Y_XX`` on the left-hand side of its equation.
 
     >>> gamma = Symbol("gamma", positive=True)
     >>> amplitude_law(1, S.One, gamma / 2, S.Zero).solution

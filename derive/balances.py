@@ -14,10 +14,10 @@ from longwave.derive.scaling import Scaling, SlowVariable
 from longwave.derive.symbols import c, constant_value, eps
 
 AMPLITUDES, TIMES = (0, 1, 2, 3, 4), (3, 5)
-"""Exponents of eps that the search tries: those of the amplitude, those of the slow time."""
+"""Exponents of eps that the search tries for the amplitude and for the slow time."""
 
 LOSSY_TIMES = (*TIMES, 2)
-"""Exponents of time for a lattice with losses: T = eps^2 t is the scale of finite dashpots."""
+"""Exponents of the slow time tried for a lattice with losses; with dashpots of order 1 it is 2."""
 
 
 def find_scaling(
@@ -56,7 +56,7 @@ def find_scaling(
 def best_balance(
     lattice: Lattice, mean: Expr, further: int = 0, space: tuple[SlowVariable, ...] = ()
 ) -> Reduction:
-    """Return the first result of `find_scaling`; stop at a balance without conditions."""
+    """Return the first result of `find_scaling`; a result without conditions ends the search."""
     candidates: list[Reduction] = []
     for reduction in _balanced(lattice, mean, further, space):
         if not reduction.conditions:

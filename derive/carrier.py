@@ -54,7 +54,7 @@ Rows = list[DifferentialPolynomial]
 
 
 class EnvelopeError(ValueError):
-    """The carrier has no NLS equation; the message gives the reason and possible alternatives."""
+    """Error for a carrier without an NLS equation; the message says why and what to try."""
 
 
 def harmonic(monomial: Monomial) -> int:
@@ -77,7 +77,7 @@ def at_rest(at: str) -> str:
 def _with_leading_mass(lattice: Lattice, leader: int) -> tuple[Lattice, tuple[Symbol]]:
     """Return the lattice with a symbol for the mass of the field ``leader``, and that symbol.
 
-    Any dispersion relation is linear in a mass.
+    The dispersion relation is linear in a mass, so it can be solved for the symbol.
     """
     symbol = Symbol(f"mass of {lattice.fields[leader]}", positive=True)
     masses = [symbol if i == leader else mass for i, mass in enumerate(lattice.masses)]
@@ -111,10 +111,10 @@ class Carrier(Expansion):
     ) -> None:
         """Set up the expansion about a wave of the lattice.
 
-        ``turn``: exp(i k) at k = 0 or pi, which is 1 or -1.  ``wave``: number of the factor of the
-        dispersion relation, if it has several.  ``leader``: the field with amplitude A, by default
-        the first that moves.  If it is given, or if no constant can be solved for, the dispersion
-        relation is solved for a field's mass.
+        ``turn``: exp(i k), 1 or -1, if k is 0 or pi, else None.  ``wave``: number of the factor of
+        the dispersion relation, if it has several.  ``leader``: field with amplitude A, by default
+        the first that moves.  If ``leader`` is given, or if no constant can be solved for, the
+        dispersion relation is solved for a field's mass.
         """
         lattice = lattice if lattice.is_polynomial else lattice.expanded(LAST)
         self._leader, self.turn = leader, turn
@@ -139,9 +139,9 @@ class Carrier(Expansion):
             self._add(index, 1, weight * self._letter(A))
 
     def _set_out(self, lattice: Lattice, among: Sequence[Symbol], wave: int | None = None) -> bool:
-        """Compute the dispersion relation; return whether it can be solved for a constant.
+        """Compute the dispersion relation; return whether a symbol in ``among`` can be solved for.
 
-        ``wave``: number of its factor, by default the first with such a constant.
+        ``wave``: number of the relation's factor, by default the first that can be solved.
         """
         turn = self.turn
         field = RationalFunctions((z, w, *lattice.constants))
@@ -166,7 +166,7 @@ class Carrier(Expansion):
         return bool(solvable)
 
     def _first_moved(self, wave: RationalFunction) -> int:
-        """Return the first field that moves in a wave: the matrix without it is regular there."""
+        """Return the first field that is not at rest in ``wave``, a factor of the relation."""
         fields = range(len(self.linear))
         minors = (determinant(without(self.linear, i, i)) for i in fields)
         pairs = zip(fields, minors, strict=True)
@@ -210,7 +210,8 @@ class Carrier(Expansion):
     # orders of the expansion
 
     def _solve_mean(self, order: int) -> None:
-        """Solve the row weighted with the left null vector for the mean at ``eps^(order - 3)``."""
+        """Solve the rows of harmonic 0, combined by the left null vector, for the mean at
+        ``eps^(order - 3)``."""
         rows = self._harmonic(order + (not self.is_displacement), 0)
         row = combined(self.zero_mode[1], rows, self._nothing)
         integrations = 1 if self.is_displacement else 2
@@ -238,7 +239,7 @@ class Carrier(Expansion):
         )
 
     def _flow_at(self, order: int) -> DifferentialPolynomial:
-        """Return the term of ``A_T`` (at order 2: ``-v A_X``) that balances harmonic 1."""
+        """Return the term of A_T that balances harmonic 1 at ``eps^order``; -v A_X at order 2."""
         right, left = self.carried
         row = combined(left, self._harmonic(order, 1), self._nothing)
         masses = map(self.number, self.lattice.masses)
@@ -288,7 +289,7 @@ class Carrier(Expansion):
         return residuals
 
     def _acceleration(self, series: EpsSeries, order: int, j: int) -> DifferentialPolynomial:
-        """Return the j-th harmonic of f'' at this order; d/dt is ``-j w - eps v D + eps^2 d_T``."""
+        """Return harmonic j of f'' at ``eps^order``; d/dt is ``-j w - eps v D + eps^2 d_T``."""
         rate, harmonic_part = j * self.rate, self._series({})
         for power in range(1, order + 1):
             selected = series.at(power).select(lambda m: harmonic(m) == j)
@@ -310,12 +311,12 @@ class Carrier(Expansion):
         return self._series(rotated, series.limit)
 
     def _drift(self, order: int) -> DifferentialPolynomial:
-        """Return the second time derivative of a displacement whose X-derivative is the mean."""
+        """Return, at this order, f'' of a displacement f whose X-derivative is the mean."""
         advected = self.group_velocity * self.mean.at(order - 1).derivative(0)
         return self.group_velocity * (advected + self.field(-2) * self._slow(self.mean, order - 2))
 
     def _slow(self, series: EpsSeries, order: int) -> DifferentialPolynomial:
-        """Return the T-derivative of a series at this order; ``A_T = flow`` replaces A_T."""
+        """Return the T-derivative of a series at ``eps^order``; A_T is replaced by ``flow``."""
         total = self._nothing
         for power, flow in self.flow.parts.items():
             rates = {LETTER: [flow], CONJUGATE: [self.conjugated(flow)]}
@@ -338,7 +339,7 @@ class Carrier(Expansion):
         return total
 
     def _sum_over_cells(self, mean: EpsSeries, cells: int) -> EpsSeries:
-        """Return the mean strain S summed over s = ``cells``: ``(exp(eps s D) - 1)/(eps D) S``."""
+        """Return the mean strain S summed over s cells: ``(exp(eps s D) - 1)/(eps D) S``."""
         total, power, count = self._series({}, mean.limit), mean, 1
         while cells and power.parts:
             power = self.field(cells) / count * power
@@ -358,7 +359,7 @@ class Carrier(Expansion):
         return super().shifted(self._series(rotated, series.limit), cell)
 
     def number(self, value: Expr) -> RationalFunction:
-        """Return a constant in `field`; `fixed` is replaced by the dispersion relation."""
+        """Return a constant in `field`; for `fixed`, its value by the dispersion relation."""
         return self.field.from_expr(value.xreplace(self.values), self.images)
 
     def null_vectors(self, j: int) -> tuple[Column, Column]:
@@ -376,7 +377,7 @@ class Carrier(Expansion):
 
     @cached_property
     def second_harmonic(self) -> RationalFunction:
-        """The inverse determinant of harmonic 2, infinite if the second harmonic is a wave."""
+        """Inverse determinant of harmonic 2; infinite if that harmonic is a wave of the lattice."""
         return 1 / determinant(self.matrix(2))
 
     @cached_property
@@ -431,7 +432,7 @@ class Carrier(Expansion):
     def _add(
         self, index: int, order: int, part: DifferentialPolynomial, *, real: bool = False
     ) -> None:
-        """Add a part to a field, with its conjugate unless it is ``real``."""
+        """Add ``eps^order part`` to field ``index``, and its conjugate unless it is ``real``."""
         full_part = part if real else part + self.conjugated(part)
         self.parts[index] = self.parts[index].plus(order, full_part)
 
@@ -447,7 +448,7 @@ class Carrier(Expansion):
         return DifferentialPolynomial.collect(self.field, items)
 
     def _reflect(self, terms: Terms) -> RationalFunction:
-        """Return the polynomial in z and w with these terms, at 1/z and -w instead."""
+        """Return the polynomial in z and w given by ``terms``, with 1/z for z and -w for w."""
         degree = max((exponents[0] for exponents, _ in terms), default=0)
         reflected = [
             ((degree - i, j, *others), -value if j % 2 else value)

@@ -29,8 +29,8 @@ from longwave.derive.symbols import k, values_of
 from longwave.support.user_files import shown
 
 DIGITS, GUARD_DIGITS = 60, 20
-"""Digits of the numbers at a given wavenumber, before they are rounded to doubles; further working
-digits, which cancellation may cost."""
+"""Digits of the numbers at a given wavenumber, before they are rounded to doubles, and additional
+working digits, some of which may be lost to cancellation."""
 
 ZERO_TOLERANCE = 1e-40
 """Magnitude below which a denominator counts as 0, relative to the sum of its terms' magnitudes."""
@@ -39,7 +39,7 @@ IMAGINARY_TOLERANCE = 1e-12
 """Magnitude below which an imaginary part counts as 0, relative to the complex number's."""
 
 INTEGER_PHASES = {S.Zero: 1, pi: -1}
-"""Wavenumber k -> exp(i k), where that is an integer."""
+"""Wavenumber k -> exp(i k), for those k at which exp(i k) is an integer."""
 
 MOST_TERMS = 2500
 """Most terms of a coefficient that is written as a formula. One of 1900 took 2 s and has 36 000
@@ -243,7 +243,7 @@ class Envelope(Displayed):
 
     @property
     def in_constants(self) -> dict[str, Expr]:
-        """Formulas of omega and the real coefficients in k and the constants; for one field only.
+        """Omega and the real coefficients as formulas in k and the constants, for one field a cell.
 
         >>> from longwave.derive import LATTICES
         >>> envelope(LATTICES["beta_fput"], k=pi).in_constants["q"]
@@ -318,7 +318,7 @@ class Envelope(Displayed):
         raise EnvelopeError(_degeneracy_message(f"k = {mpmath.nstr(point['k'], 8)}"))
 
     def _is_valid_at(self, point: Mapping[str, mpmath.mpc]) -> bool:
-        """Return whether the formulas belong to the point's wave and the leader moves there."""
+        """Return whether the carrier is the wave at ``point`` and its formulas are finite there."""
         with mpmath.workdps(DIGITS + GUARD_DIGITS):
             is_wave = evaluated(1 / self.carrier.wave, point) is None
             return is_wave and all(evaluated(s, point) is not None for s in self.carrier.singular)
@@ -331,7 +331,7 @@ class Envelope(Displayed):
             return self._evaluated_at(self.point(k, branch, constants))
 
     def _evaluated_at(self, point: Mapping[str, mpmath.mpc]) -> dict[str, mpmath.mpc]:
-        """Return omega and all coefficients at these values; the caller sets the precision.
+        """Return omega and all coefficients at ``point``; the caller sets the precision.
 
         A sum below the rounding of its terms is replaced by 0: for instance the group velocity
         where a band is flat, as at k = 2 pi/3 of a chain with next-nearest springs.
@@ -412,7 +412,7 @@ def modulation_map(
 ) -> list[tuple[float, EnvelopeNumbers | None, float]]:
     """Return k, the coefficients and the plane wave's largest growth rate for each wavenumber.
 
-    The coefficients are None at a resonance.
+    The coefficients are None at a resonance. The plane wave has |A| = ``amplitude``.
     """
     derived = envelope(lattice, branch=branch, **constants)
     rows: list[tuple[float, EnvelopeNumbers | None, float]] = []
@@ -427,7 +427,7 @@ def modulation_map(
 
 
 def wavenumber(k: Number) -> Expr:
-    """Return a wavenumber exactly. Raises ValueError unless it is in 0 <= k <= pi."""
+    """Return the wavenumber ``k`` as an exact number. Raises ValueError unless 0 <= k <= pi."""
     value = exact_value("k", k)
     if value.free_symbols or not 0 <= value <= pi:
         raise ValueError(f"k must satisfy 0 <= k <= pi, got {shown(k)} (radians a cell)")
@@ -447,7 +447,7 @@ def _branch(branch: str | int, lattice: Lattice) -> int:
 
 
 def _frequency(carrier: Carrier, point: Mapping[str, mpmath.mpc], number: int) -> mpmath.mpf:
-    """Return omega of a branch at a wavenumber, from the determinant, a polynomial in omega^2."""
+    """Return omega of branch ``number`` at a point, from the determinant's roots omega^2."""
     powers = carrier.relation.powers_of(w).items()
     parts: dict[int, Any] = {power: evaluated(part, point) for power, part in powers}
     highest = max(parts)
@@ -488,7 +488,7 @@ def _float_or_complex(value: mpmath.mpc) -> Any:
 
 
 def evaluated(element: RationalFunction, point: Mapping[str, mpmath.mpc]) -> mpmath.mpc | None:
-    """Return the value of an element at a point; None if its denominator vanishes there."""
+    """Return the value of a rational function at a point; None if its denominator is 0 there."""
     gens = [str(symbol) for symbol in element.field.symbols]
     power = cache(lambda name, exponent: point[name] ** exponent)  # shared by many terms
     numerator, denominator = (

@@ -28,7 +28,7 @@ EPS_VALUES = ("1e-4", "1e-5")
 """The two values of eps from whose remainders the exponent of the remainder is measured."""
 
 EXPONENT_TOLERANCE = 0.05
-"""Amount by which a measured exponent may fall short, because eps is finite."""
+"""Amount by which a measured exponent may be below the promised one, because eps is finite."""
 
 Values = Mapping[Symbol, Any]
 Wave = Callable[..., Any]
@@ -83,7 +83,7 @@ def checks_of_reduction(reduction: Reduction) -> list[Check]:
 
 
 def checks_of_envelope(envelope: Envelope) -> Iterator[Check]:
-    """Yield a check of the decay by losses, if any, and of identities unless k is fixed at pi.
+    """Yield a check of the decay, if there are losses, and of identities, unless k is fixed at pi.
 
     The identities p = omega''/2, a3 = omega'''/6 and a1 + a2 = -dq/dk hold exactly, as rational
     functions; the last two are checked only without losses.
@@ -155,7 +155,7 @@ class _Point:
         return _number(value, self.values, small)
 
     def slow(self, cell: Sequence[int], time: Any, small: Any) -> list[Any]:
-        """Return the slow variables at a cell and a time."""
+        """Return the slow variables at a cell and a time, for eps = ``small``."""
         slow = [
             small**v.exponent * (self._along(v, cell) - self._number(v.speed) * time)
             for v in self.scaling.space
@@ -184,7 +184,7 @@ class _Point:
         )
 
     def field(self, name: str, cell: Sequence[int], time: Any, small: Any) -> Any:
-        """Return the lattice field ``name`` in the manufactured wave, with its slaved parts."""
+        """Return the lattice field ``name`` in the manufactured wave at eps = ``small``."""
         at = self.slow(cell, time, small)
         background = self.scaling.background
         mean = mpmath.fsum(small**power * self._number(v, small) for power, v in background)
@@ -195,7 +195,7 @@ class _Point:
         return mean + wave + mpmath.fsum(small**o * self.polynomial(part, at) for o, part in parts)
 
     def manufactured_remainder(self, small: Any) -> Any:
-        """Return the largest remainder of the equations of motion for the manufactured wave.
+        """Return the manufactured wave's largest residual in the equations of motion, eps = small.
 
         The derived orders are subtracted from the row that gives the reduced equation.
         """
@@ -237,7 +237,7 @@ class _Point:
         return mpmath.fsum(e.weight * self.field(names[e.field], c, time, small) for e, c in pairs)
 
     def linear_remainder(self, small: Any) -> Any:
-        """Return the linear lattice's determinant at a plane wave minus the derived terms."""
+        """Return the plane wave's determinant in the linear lattice minus its derived expansion."""
         rates = [mpmath.mpc(0, 1) * mpmath.mpf(rate.p) / rate.q for rate in self.rates[0]]
         growth = rates[-1] * small**self.scaling.time
         pairs = zip(rates, self.scaling.space, strict=False)
@@ -269,7 +269,7 @@ class _Point:
 
 
 def _number(value: Expr, values: Values, small: Any = 0) -> Any:
-    """Evaluate an expression at the values of its symbols and of eps."""
+    """Evaluate an expression at the ``values`` of its symbols and eps = ``small``."""
     number = value.xreplace(dict(values))
     powers = number.as_poly(eps).all_coeffs() if number.has(eps) else [number]
     return mpmath.polyval([mpmath.mpf(power.evalf(DIGITS)) for power in powers], small)
@@ -280,7 +280,8 @@ def _matrix(
 ) -> Any:
     """Return the matrix of the linear lattice about a mean, at a plane wave ``exp(growth t)``.
 
-    A shift by ``steps`` cells along the axes multiplies by ``exp(turn(steps))``.
+    A shift by ``steps`` cells along the axes multiplies the wave by ``exp(turn(steps))``;
+    ``number`` evaluates constants of the lattice.
     """
     pairs = zip(lattice.masses, lattice.site_losses, strict=True)
     inertia = [number(mass) * growth**2 + number(loss) * growth for mass, loss in pairs]
@@ -356,7 +357,7 @@ def _static(reduction: Reduction) -> Check:
 
 
 def _admissible(reduction: Reduction) -> tuple[dict[Symbol, Expr], Coefficients]:
-    """Return constants that meet the conditions, and the coefficients of the equation there."""
+    """Return constants that meet the conditions, and the equation's coefficients for them."""
     constants, definitions = reduction.lattice.basic_constants, dict(reduction.lattice.definitions)
     chosen: dict[Symbol, Expr] = dict(numbers(constants))
     for condition in reduction.conditions:
@@ -371,7 +372,7 @@ def _admissible(reduction: Reduction) -> tuple[dict[Symbol, Expr], Coefficients]
 
 
 def _sound(lattice: Lattice, values: Values, strain: Any) -> Any:
-    """Return the speed of long waves on a uniform strain, from the equilibrium stress."""
+    """Return the speed of long waves on a uniform ``strain``, from the static stress-strain law."""
     masses = [mpmath.mpf(mass.xreplace(dict(values)).evalf(DIGITS)) for mass in lattice.masses]
     forces = [_law(bond, values) for bond in lattice.bonds]
     if any(sum(entry.weight for entry in bond.stretch) for bond in lattice.bonds):
@@ -412,7 +413,7 @@ def _sound(lattice: Lattice, values: Values, strain: Any) -> Any:
 
 
 def _law(bond: Bond, values: Values) -> Wave:
-    """Return the force of a bond as a function of its stretch, at these constants."""
+    """Return the force of a bond as a function of its stretch, at ``values`` of the constants."""
     exact_coefficients = [c.xreplace(dict(values)) for c in bond.coefficients()]
     coefficients = [mpmath.mpf(value.evalf(DIGITS)) for value in exact_coefficients]
     return lambda stretch: mpmath.polyval(coefficients, stretch)

@@ -84,7 +84,7 @@ class Dispersion:
 def dispersion_relation(lattice: Lattice = FPUT_STRAIN) -> Dispersion:
     """Return the relation of a one-field lattice on a line, about the uniform strain ybar.
 
-    A pinned lattice has no such strain: its relation is that about rest.
+    A pinned lattice has no uniform strain: its relation is about the state at rest.
 
     >>> from longwave.derive import LATTICES
     >>> dispersion_relation(LATTICES["klein_gordon"]).omega_squared
@@ -119,7 +119,10 @@ def dispersion_relation(lattice: Lattice = FPUT_STRAIN) -> Dispersion:
 
 
 def _in_half_sines(weights: Mapping[int, Expr]) -> tuple[Expr, Expr]:
-    """Return minus ``sum weights[shift] exp(i shift k)`` in two parts: at k = 0, and the rest."""
+    """Return ``-sum weights[shift] exp(i shift k)`` as its value at k = 0 and the remainder.
+
+    The remainder is a polynomial in `HALF_SINE`.
+    """
     squared: Expr = Integer(0)
     for shift in sorted(weights):
         if weights[shift] != weights[-shift]:
@@ -134,7 +137,10 @@ def _in_half_sines(weights: Mapping[int, Expr]) -> tuple[Expr, Expr]:
 
 
 def _weights(lattice: Lattice, slope_of: Callable[[Bond, Expr], Expr]) -> dict[int, Expr]:
-    """Return the linear force, shift -> factor of ``exp(i shift k)``, from the bonds' slopes."""
+    """Return the linear force: shift -> factor of ``exp(i shift k)``.
+
+    ``slope_of(bond, stretch)`` is the factor of a small stretch in a bond's force.
+    """
     weights: dict[int, Expr] = defaultdict(lambda: Integer(0))
     definitions = dict(lattice.definitions)
     for bond in lattice.bonds:

@@ -43,7 +43,7 @@ class OrderEquation(Displayed):
         return -self.polynomial if first and first[0].negative else self.polynomial
 
     def written(self, printed: Printed) -> str:
-        """Return the equation, such as ``2 c Y_XT + K4 (Y^3)_XX + ... = 0``."""
+        """Return the equation as text or LaTeX, such as ``2 c Y_XT + K4 (Y^3)_XX + ... = 0``."""
         return f"{self.notation.written(self._printed, printed)} = 0"
 
 
@@ -134,7 +134,7 @@ class EvolutionEquation(Displayed):
         return self.polynomial.coefficient(jet).as_expr()
 
     def written(self, printed: Printed) -> str:
-        """Return the equation, such as ``Y_T + 6 Y Y_X + Y_XXX = 0``, terms from losses last."""
+        """Return the equation, such as ``Y_T + 6 Y Y_X + Y_XXX = 0``, with loss terms last."""
         losses = self.polynomial.select(lambda m: len(m) == 1 and sum(m[0]) % 2 == 0)
         left_side = self.notation.written(self.polynomial - losses, printed)
         if losses:

@@ -200,10 +200,11 @@ class Expansion:
         rows: Sequence[DifferentialPolynomial],
         wave: tuple[matrices.Column, matrices.Column] | None,
     ) -> Iterator[tuple[int, DifferentialPolynomial]]:
-        """Solve for the parts of fields that balance the rows of a harmonic; yield (field, part).
+        """Solve for the parts of the fields that balance ``rows``, those of the j-th harmonic.
 
-        With the null vectors of a ``wave``, one field has no such part, and one row is left out.
-        Raises ZeroDivisionError if the harmonic is another wave of the lattice.
+        Yields (field, part). If ``wave``, the harmonic's null vectors, is given, one field has no
+        part and one row is left out. Raises ZeroDivisionError if the harmonic is another wave of
+        the lattice.
         """
         column, row = (vector.index(1) for vector in wave) if wave else (None, None)
         part = matrices.without(self.matrix(j), row, column)

@@ -27,7 +27,7 @@ SYMBOLIC_SECONDS, SYMBOLIC_FACTOR_PER_CONSTANT, MAX_SYMBOLIC_SECONDS = 1.0, 6.0,
 constant; most seconds that are added, because `carrier_envelope` refuses larger formulas."""
 
 FACTOR_PER_CELL = 30.0
-"""For one field and k other than pi: factor for each cell beyond the first that a bond spans."""
+"""Factor of an envelope's seconds for each further cell that a bond spans (one field, k not pi)."""
 
 CHEAPER_ORDER = "take a lower --order, or a FILE.toml with numbers instead of constants"
 CHEAPER_CARRIER = "take --envelope k=pi, or give constants by --set"
@@ -49,7 +49,7 @@ def reduction_seconds(lattice: Lattice, further: int) -> float:
 
 
 def envelope_seconds(lattice: Lattice, at_pi: bool, given: int = 0) -> float:
-    """Return the seconds to derive a carrier's envelope, at wavenumber pi or at any wavenumber.
+    """Return the seconds to derive a carrier's envelope at wavenumber pi (``at_pi``), else at any.
 
     ``given`` is the number of constants with values.
 

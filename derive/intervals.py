@@ -24,13 +24,15 @@ SAMPLE_COUNT = 20_000
 """Number of samples: the ends of an interval are then accurate to 0.02 standard deviations."""
 
 MAX_LINEAR_ERROR = 0.05
-"""Largest error of ends by derivatives, relative to the width; above it, samples are used."""
+"""Largest error of an interval's ends, relative to its width, for which they are computed from
+derivatives; above it they come from samples."""
 
 OPENING_FUNCTIONS = {"contact": lambda x: max(x, 0.0), "touching": lambda x: float(x > 0.0)}
 """Functions of open contacts, which Python's `math` lacks, by name."""
 
 PLAIN_EXPONENTS = (-6, 3)
-"""Powers of ten of the last digit, smallest and largest, for numbers without an exponent."""
+"""Smallest and largest power of ten of the last digit for which a number is printed without an
+exponent."""
 
 
 @dataclass(frozen=True)
@@ -95,7 +97,7 @@ class Intervals:
         return Interval(mean, spread, ends, linear, sampled=True, lost=lost)
 
     def _gradient(self, expression: Expr) -> list[float]:
-        """Return the derivatives at the constants' values; SymPy is told the constants' signs."""
+        """Return the expression's derivatives in the constants, whose signs SymPy may assume."""
         signed = {
             symbol: Dummy(positive=True) if value > 0 else Dummy(negative=True) if value else symbol
             for symbol, value in self._at.items()

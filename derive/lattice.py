@@ -38,7 +38,7 @@ SINGULAR = (nan, oo, -oo, zoo)
 _ASSUMPTIONS = ("positive", "negative", "nonnegative", "nonpositive", "nonzero", "integer")
 
 LARGEST_STEP = 10**6
-"""Largest absolute value of a shift or weight."""
+"""Largest absolute value of a shift or weight in a stencil."""
 
 
 @dataclass(frozen=True)
@@ -172,7 +172,7 @@ def spring(force: Expr, start: tuple[Cell, int], end: tuple[Cell, int]) -> Bond:
 
 
 def on_site(force: Expr, field: int = 0, axes: int = 1) -> Bond:
-    """Return the on-site force ``-force(f_n)`` on a field; ``force`` is in the symbol x."""
+    """Return the on-site force ``-force(f_n)`` on a field of a lattice with ``axes`` axes."""
     origin = (0,) * axes
     return Bond((Stencil(origin, 1, field),), force, (Stencil(origin, -1, field),))
 
@@ -216,11 +216,11 @@ class Lattice(notation.Displayed):
 
     @property
     def names(self) -> set[str]:
-        """Names of fields and constants, which names in an output must differ from."""
+        """Names of fields and constants, which other names in an output must avoid."""
         return {*self.fields, *map(str, (*self.constants, *self.basic_constants))}
 
     def with_defined(self, values: Mapping[Symbol, Expr]) -> dict[Symbol, Expr]:
-        """Return the values, extended by those of symbols that are defined by other constants."""
+        """Return ``values`` and the values of the symbols that are defined by other constants."""
         return {**{symbol: value.xreplace(values) for symbol, value in self.definitions}, **values}
 
     def with_values(self, values: Mapping[str, Number]) -> Lattice:
@@ -321,7 +321,7 @@ class Lattice(notation.Displayed):
                     raise ValueError(f"{symbol} must be {word}, got {shown(value)} ({remedy})")
 
     def vacuum_at(self, symbol: Symbol, value: Expr) -> str:
-        """Return a message if a value removes a spring's linear stiffness, else "".
+        """Return a message if ``symbol = value`` removes a bond's linear stiffness, else "".
 
         >>> from longwave.derive import LATTICES
         >>> LATTICES["granular"].vacuum_at(Symbol("d", positive=True), S.Zero)[:42]
@@ -381,7 +381,10 @@ class Lattice(notation.Displayed):
         return tuple(messages)
 
     def _has_metric(self, pairs: Sequence[tuple[Weights, Weights]]) -> bool:
-        """Return whether each action is its mirror times one positive symmetric stencil."""
+        """Return whether each action is its mirrored stretch times a positive symmetric stencil.
+
+        ``pairs`` lists (action, mirror) for each bond; the stencil must be the same for all bonds.
+        """
         rows = [
             tuple({s: w for s, w in part.items() if s[0] == index} for part in pair)
             for pair in pairs
@@ -401,7 +404,7 @@ class Lattice(notation.Displayed):
         )
 
     def strained(self, strain: Expr) -> Lattice:
-        """Return the one-field lattice about a uniform strain, with the field measured from there.
+        """Return the one-field lattice expanded about a uniform strain: its field is the deviation.
 
         >>> from longwave.derive import LATTICES
         >>> LATTICES["alpha_fput"].strained(S(1) / 2).equations()[1]
@@ -431,7 +434,7 @@ class Lattice(notation.Displayed):
         return all(bond.is_polynomial for bond in self.bonds)
 
     def expanded(self, degree: int) -> Lattice:
-        """Return the lattice with each force as a polynomial of that degree about zero stretch.
+        """Return the lattice with each force expanded about zero stretch up to ``x**degree``.
 
         A coefficient that is not a rational function gets a symbol, F2 for that of x^2 (F2a, F2b
         with several bonds), defined in ``definitions``; equal coefficients share it.
@@ -607,7 +610,7 @@ def _equations(lattice: Lattice, printed: Printed, dots: tuple[str, str]) -> Ite
 
 
 def _law_term(value: Expr, power: int, printed: Printed) -> tuple[bool, str]:
-    """Return whether a term of a force is negative, and the term without its sign."""
+    """Return whether the term ``value x**power`` of a force is negative, and the unsigned term."""
     is_negative = bool(value.as_coeff_Mul()[0] < 0)
     magnitude = -value if is_negative else value
     return is_negative, _times(magnitude, notation.power_of(x, power, printed), printed).rstrip()

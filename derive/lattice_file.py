@@ -189,7 +189,7 @@ def document_of_lattice(lattice: Lattice) -> dict[str, Any]:
 
 
 def _measured(document: Mapping[str, Any], lattice: Lattice) -> Measured | None:
-    """Return the file's values of constants, with their covariance; None if it has none."""
+    """Return the file's values of constants, with their covariance; None for a file without any."""
     values, rows = (_table(key, document.get(key, {})) for key in ("constants", "covariance"))
     if not values and not rows:
         return None
@@ -253,7 +253,7 @@ class _Symbols:
 
 
 def time_formula(label: str, text: object) -> sp.Expr:
-    """Parse a formula in the time t only; t becomes the symbol x. Raises ValueError otherwise."""
+    """Parse a formula in the time t, which becomes the symbol x; ValueError for any other name."""
     if isinstance(text, int | float) and not isinstance(text, bool):
         return sp.nsimplify(text, rational=True) if math.isfinite(text) else sp.nan
     if not isinstance(text, str):
@@ -361,7 +361,7 @@ def _bond(entry: Mapping[str, Any], fields: list[str], symbols: _Symbols) -> Bon
 
 
 def find_lattice(model: str) -> Lattice:
-    """Return the lattice of this name, or that of a file or of the standard input ("-").
+    """Return the lattice called ``model``, or read it from a file or the standard input ("-").
 
     Raises ValueError for an unknown name and as `read_lattice`.
     """

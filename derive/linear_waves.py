@@ -18,8 +18,8 @@ TABLE_WAVENUMBERS = tuple(pi * Rational(i, 4) for i in range(5))
 """Wavenumbers of `LinearWaves.table`, in radians a cell."""
 
 REST_TOLERANCE = 1e-9
-"""Fraction of the largest omega^2 below which omega^2 counts as 0, so that the wave is at rest, and
-below which the difference of two omega^2 counts as 0, so that their branches meet."""
+"""Fraction of the largest omega^2 below which an omega^2 counts as 0 (the wave is at rest), and the
+difference of two omega^2 counts as 0 (two branches meet)."""
 
 Row = tuple[Expr, list[tuple[float, float | None]]]
 
@@ -80,12 +80,12 @@ class LinearWaves:
         return Symbol("omega~") if omega.name in self.lattice.names else omega
 
     def relation(self, printed: Printed = text_of) -> str:
-        """Return the relation in one line."""
+        """Return the dispersion relation in one line, as text or LaTeX."""
         terms = (v * self._omega ** (2 * j) for j, v in enumerate(self.coefficients))
         return f"{printed(sum(terms, S.Zero))} = 0"
 
     def lines(self, printed: Printed = text_of) -> Iterator[str]:
-        """Yield ``omega^2 = ...`` of each branch, lowest first, or the relation if it has none."""
+        """Yield ``omega^2 = ...`` of all `branches`, lowest first; without them, the `relation`."""
         if not self.branches:
             yield self.relation(printed)
         yield from (f"{printed(self._omega**2)} = {printed(value)}" for value in self.branches)

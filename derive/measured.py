@@ -77,7 +77,7 @@ class Measured:
         return {name: math.sqrt(self.covariance[i][i]) for i, (name, _) in enumerate(self.values)}
 
     def with_exact(self, values: Mapping[str, Expr]) -> Measured:
-        """Return a copy with these values added or replaced; they have no error."""
+        """Return a copy in which the constants in ``values`` have these values, without error."""
         remaining = {name: row for name, row in self.table.items() if name not in values}
         for row in remaining.values():
             for name in values.keys() & row.keys():
@@ -86,7 +86,7 @@ class Measured:
 
     @property
     def table(self) -> dict[str, dict[str, float]]:
-        """Covariances by the name of one constant, then by that of the other."""
+        """Covariances as a nested table: name of one constant -> name of another -> covariance."""
         names = [name for name, _ in self.values]
         rows = zip(names, self.covariance, strict=True)
         return {name: dict(zip(names, row, strict=True)) for name, row in rows}

@@ -35,11 +35,11 @@ FURTHER_ORDERS = 2
 
 
 class ReductionError(ValueError):
-    """The ansatz does not reduce the lattice; the message names the order and its terms."""
+    """Error for an ansatz that does not reduce the lattice; it names the order and its terms."""
 
 
 class _Solver:
-    """Solver of ``residual`` order by order in eps; each solution is put into the later orders."""
+    """Solver of ``residual = 0`` order by order in eps; solutions are put into the later orders."""
 
     def __init__(self, residual: EpsSeries, expansion: Expansion) -> None:
         self.lattice, self.scaling = expansion.lattice, expansion.scaling
@@ -83,7 +83,7 @@ class _Solver:
         )
 
     def sound_polynomial(self) -> RationalFunction:
-        """Return P(c) of the lowest order; solve P(c) = 0 and substitute in all orders."""
+        """Return P(c) of the lowest order; solve P(c) = 0 and substitute the result everywhere."""
         order = next(iter(self.series.parts), self.lowest_order)
         lowest = self.series.at(order)
         if set(lowest.terms) != {(self.second,)}:
@@ -142,7 +142,7 @@ class _Solver:
     def _eliminate(
         self, order: int, vanishing: RationalFunction, drifts: Sequence[Symbol] = ()
     ) -> None:
-        """Solve ``vanishing = 0`` for a drift, which has no given value, else for a constant."""
+        """Solve ``vanishing = 0`` for one of ``drifts``, else for a constant, and substitute it."""
         solved = solve_linear(vanishing, drifts) if drifts else None
         solved = solved or solve_linear(vanishing, self.constants, self.frame)
         if solved is None:
@@ -233,7 +233,7 @@ def reduce(
 
 
 def _on_solutions(solver: _Solver, flows: Mapping[int, DifferentialPolynomial]) -> EpsSeries:
-    """Return the lattice residual on solutions of ``Y_T = sum eps^k F_k``."""
+    """Return the lattice residual on solutions of ``Y_T = sum eps^k F_k``; ``flows``: k -> F_k."""
     flow = EpsSeries(solver.series.field, solver.series.limit, flows)
     residual = TimeElimination(flow, len(solver.notation.axes)).series(solver.series)
     return solver.substitute_conditions(residual)
@@ -242,7 +242,8 @@ def _on_solutions(solver: _Solver, flows: Mapping[int, DifferentialPolynomial]) 
 def _corrections(
     solver: _Solver, flow: DifferentialPolynomial
 ) -> tuple[dict[int, DifferentialPolynomial], tuple[int, DifferentialPolynomial] | None]:
-    """Return F_k, k > 0, of ``Y_T = sum eps^k F_k``, and the first part that is no X-derivative."""
+    """Return k -> F_k of ``Y_T = flow + sum eps^k F_k``; and the first k without F_k, with the part
+    that is no X-derivative."""
     corrections: dict[int, DifferentialPolynomial] = {}
     for power in range(1, solver.series.limit - solver.leading_order + 1):
         series = _on_solutions(solver, {0: flow, **corrections})

@@ -27,7 +27,8 @@ class NormalEquation:
     """An equation with known closed solutions.
 
     ``terms``: names of the reduced equation's terms besides Y_T and Y_X, which only makes the
-    solution drift.  ``scales`` takes their coefficients in this order.  ``text``: the equation.
+    solution drift.  ``scales`` returns the scales and signs of the map from the coefficients of
+    these terms, in this order.  ``text``: the equation.
     """
 
     name: str
@@ -76,7 +77,7 @@ def _modified_kawahara(cubic: Expr, third: Expr, fifth: Expr) -> Scales:
 
 
 def _kdv_burgers(quadratic: Expr, second: Expr, third: Expr) -> Scales:
-    """Return the scales from the coefficients of Y Y_X, Y_XX (negative for losses) and Y_XXX."""
+    """Return the KdV-Burgers map's scales from the coefficients of Y Y_X, Y_XX (< 0) and Y_XXX."""
     a = Abs(second / third)
     b = -second * a**2
     return {"a": a, "b": b, "h": 6 * b / (quadratic * a), "s": -sign(second * third)}
@@ -214,7 +215,10 @@ class NormalForm:
         return f"{unknown}(X, {arguments[0]}T) = {factor}U({first_argument}{arguments[1]}, b T)"
 
     def lines(self, taken: Collection[str], written: Callable[[str, Expr], str]) -> Iterator[str]:
-        """Yield equation, map and scales as text; a tilde marks names that are ``taken``."""
+        """Yield equation, map and scales as lines of text; a tilde marks names that are ``taken``.
+
+        ``written(name, value)`` formats a scale.
+        """
         text = f"{NORMAL_EQUATIONS[self.equation].text}, {self.map_text}:"
         yield f"normal form {marked(text, ('U', 'drift', *'abehsr'), taken)}"
         for name, value in self.values.items():
@@ -242,7 +246,7 @@ class NormalForm:
 
 
 def equation_name(name: str, s: Expr | int, r: Expr | int = 1) -> str:
-    """Return the equation's name with its signs, if its waves depend on them.
+    """Return an equation's name, with the signs s and r if its waves depend on them.
 
     >>> equation_name("mKdV", -1), equation_name("KP", -1), equation_name("Kawahara", -1)
     ('defocusing mKdV', 'KP-I', 'Kawahara (s = -1)')
@@ -259,7 +263,7 @@ def equation_name(name: str, s: Expr | int, r: Expr | int = 1) -> str:
 
 
 def equation_of(terms: Iterable[str]) -> NormalEquation | None:
-    """Return the equation with these terms, ignoring Y_X; None if there is none."""
+    """Return the normal equation with these ``terms``, ignoring Y_X; None if it is unknown."""
     term_set = {*terms} - {"Y_X"}
     return next((e for e in NORMAL_EQUATIONS.values() if {*e.terms} == term_set), None)
 
@@ -267,7 +271,7 @@ def equation_of(terms: Iterable[str]) -> NormalEquation | None:
 def normal_form_of(
     c: Expr, coefficients: Mapping[str, Expr], digits: int | None = None
 ) -> NormalForm:
-    """Return the normal form of an equation from its coefficients; terms with 0 are ignored.
+    """Return the normal form of an equation from its coefficients; those that are 0 are ignored.
 
     Terms are named as in `NORMAL_EQUATIONS`.  Raises ValueError for any other equation.
 
@@ -289,7 +293,10 @@ def normal_form_of(
 
 
 def _refusal(remaining: Mapping[str, Expr], vanished: Sequence[str]) -> str:
-    """Return the error message for an equation without a normal form, by its terms."""
+    """Return the error message for an equation without a normal form.
+
+    Terms in ``vanished`` have the coefficient 0; ``remaining`` maps the others to theirs.
+    """
     vanished_terms = [term for term in vanished if term != "Y_X"]
     if vanished_terms:
         linear = "" if any(" " in term for term in remaining) else ", a linear equation"

@@ -225,11 +225,11 @@ class Reduction:
         return equation_of(map(self._term, monomials)) is not None
 
     def _named(self, values: Coefficients) -> dict[str, Expr]:
-        """Return the coefficients by their terms' names in `NORMAL_EQUATIONS`."""
+        """Return the coefficients ``values`` by the names of their terms in `NORMAL_EQUATIONS`."""
         return {self._term(monomial): values.terms[n] for n, monomial in values.monomials.items()}
 
     def _term(self, monomial: Monomial) -> str:
-        """Return a term's name in `NORMAL_EQUATIONS`."""
+        """Return a monomial's name as in the terms of `NORMAL_EQUATIONS`, such as ``Y Y_X``."""
         return Notation(("X", *"ZVW"[: len(self.notation.axes) - 2], "T")).monomial(monomial)
 
     def _checked(self, constants: Mapping[str, Number]) -> dict[Symbol, Expr]:
@@ -277,7 +277,7 @@ class Reduction:
         return f"{self.label('G', power, latex_of)} = {correction}"
 
     def latex_remainder(self, order: int) -> str:
-        """Return in LaTeX the lattice's residual at ``eps^order`` on a reduced solution."""
+        """Return in LaTeX the lattice's residual at ``eps^order`` for exact solutions of `pde`."""
         return f"{self.label('R', order, latex_of)} = {self.notation.latex(self.remainders[order])}"
 
     def label(self, letter: str, number: int, printed: Printed = text_of) -> str:
@@ -363,9 +363,9 @@ def latex_report(reduction: Reduction, constants: Mapping[str, Number]) -> str:
 
 
 def reduction_data(reduction: Reduction, constants: Mapping[str, Number]) -> Data:
-    """Return the document: ansatz, orders, conditions, reduced equation, corrections, normal form.
+    """Return the JSON document of a reduction: ansatz, orders, conditions, equation, corrections.
 
-    Coefficients and normal form are those at ``constants`` (names to values).
+    It also has the coefficients and the normal form at ``constants`` (names to values).
     """
     notation, obstruction = reduction.notation, reduction.obstruction
     losses: Data = {}

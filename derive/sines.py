@@ -74,7 +74,7 @@ class _Product:
 def _times_phase(
     field: RationalFunctions, terms: list[tuple[tuple[int, ...], int]], middle: int
 ) -> Complex:
-    """Return the polynomial in z and w with these terms, times ``exp(-i k middle/2)``."""
+    """Return the polynomial in z and w given by ``terms``, times ``exp(-i k middle/2)``."""
     real, imaginary = field.zero, field.zero
     for (turn, power, *others), value in terms:
         factor = field.from_terms([((0, 0, power, *others), value)])

@@ -137,7 +137,7 @@ def check_constants(constants: Sequence[Symbol], fields: Sequence[str] = ()) -> 
 
 
 def check_names(label: str, names: Sequence[str]) -> None:
-    """Raise ValueError if a name is reserved; ``label`` says what has the names."""
+    """Raise ValueError if a name is reserved; ``label`` is the message's word for the names."""
     for name in names:
         if name in RESERVED:
             raise ValueError(

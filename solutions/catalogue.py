@@ -103,7 +103,7 @@ class Catalogue(Sequence["ClosedForm"]):
 
     @staticmethod
     def module(name: str) -> str:
-        """Return the full name of the module whose function ``name`` builds that form."""
+        """Return the full name of the module that builds the form called ``name``."""
         return f"longwave.solutions.forms.{_MODULES[name]}"
 
     @staticmethod
@@ -127,8 +127,8 @@ def _build_form(name: str) -> "ClosedForm":
 def closed_form(name: str, parameters: Iterable[str] = ()) -> "ClosedForm":
     """Return the closed form called ``name``. Raises ValueError, listing the names, if unknown.
 
-    ``rational_<j>`` exists for every order j up to ``LARGEST_ORDER``. ``parameters`` names its free
-    shifts (tau_5, tau_7, ...); other names in it are ignored.
+    ``rational_<j>`` exists for every order j up to ``LARGEST_ORDER``; its free shifts are the names
+    tau_5, tau_7, ... in ``parameters``. Other names in ``parameters`` are ignored.
 
     >>> closed_form("kink").title
     'kink'

@@ -30,7 +30,7 @@ TYPES = {
     "Bytecode": "run.bytecode",
     "MpmathFormula": "functions.multiprecision",
 }
-"""Type that an entry may contain -> its module in `solutions`; its attributes are plain data."""
+"""Type that an entry may contain -> the type's module in `solutions`. Attributes are plain data."""
 
 Data = TypeVar("Data")
 
@@ -60,14 +60,14 @@ class DataStore:
         self._stem = hashlib.sha256(f"{maker} {key}".encode()).hexdigest()[:32]
 
     def read(self, part: str) -> Any:
-        """Return the entry stored under the name ``part``, None if there is none or it is bad."""
+        """Return the entry stored under the name ``part``, None if it is missing or invalid."""
         data = self._folder.read(f"{self._stem}.{part}")
         with suppress(ValueError):
             return None if data is None else plain_value(data, _kind)
         return None
 
     def write(self, part: str, value: object) -> None:
-        """Store an entry if it can be stored; remove the oldest files if there are too many."""
+        """Store ``value`` as ``part`` if possible; remove the oldest files beyond a limit."""
         with suppress(TypeError, ValueError):
             self._folder.write(f"{self._stem}.{part}", plain_bytes(value, _kind))
         folder = self._folder.path

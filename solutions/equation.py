@@ -16,10 +16,10 @@ from longwave.support.user_files import shown
 class _LeftSide(NamedTuple):
     """Left-hand side of a normal form.
 
-    ``terms`` are those in U and its xi derivatives d(1), d(2), ...; ``U_tau``, multiplied by i if
-    U ``is_complex``, is added. If ``has_across``, the sum is differentiated in xi, and
+    ``terms`` returns the terms in U and its xi derivatives d(1), d(2), ...; ``U_tau``, times i if
+    U ``is_complex``, is added to them. If ``has_across``, the sum is differentiated in xi, and
     ``3 s U_zetazeta`` is added.
-    ``order`` is that of the highest xi derivative: slow times are ``T = eps**order t``.
+    ``order`` is the order of the highest xi derivative: slow times are ``T = eps**order t``.
     """
 
     terms: Callable[..., sp.Expr]

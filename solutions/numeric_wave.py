@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Side = Literal["left", "right"]
 Part = Literal["wave", "formula", "background", "left", "right", "potential"]
-"""Function that is evaluated: the wave, its background, a far field or its potential; "formula" is
-the wave by its compiled program, even if it has another evaluator."""
+"""What is evaluated: the wave, its background, its left or right far field, or its potential.
+"formula" is the wave by its compiled program, even if the wave has another evaluator."""
 
 ACCEPTED_BOUND = 5e-14
 """Largest error bound, in units of max(1, |value|), accepted from double-double."""
@@ -31,16 +31,16 @@ ACCEPTED_JET_BOUND = 1e-13
 """Largest accepted error bound of a jet, relative to the largest value of its order."""
 
 JET_SCALE_FLOOR = 1e-10
-"""Smallest value to which a jet's error bound is relative, in units of h a**order."""
+"""A jet's error bound is judged relative to this value or larger ones, in units of h a**order."""
 
 HIGHEST_JET = 20
 """Highest order of a jet."""
 
 FAR_PHASE = 60.0
-"""Distance in phase beyond which a wave does not change: exp(-60) is 1e-26."""
+"""Distance from a phase's zero, in phase, beyond which a wave is constant: exp(-60) is 1e-26."""
 
 MAX_CACHED_INTEGRALS = 4
-"""Number of cached integrals; a run needs those of compared cells, of a ring, and of its ends."""
+"""Most cached integrals. A run needs three: at compared cells, on a ring, at the ring's ends."""
 
 MOST_UNCERTAIN = 1000
 """Most points that mpmath evaluates when bounds are too large, at 5 to 100 ms each."""
@@ -189,7 +189,7 @@ class NumericWave:
 
     @property
     def _value_rows(self) -> list[int]:
-        """Rows of an evaluator with the value: real part and, if complex, imaginary part."""
+        """Indices of an evaluator's rows that hold the value: its real and any imaginary part."""
         return [0, 3 + self.numbers.is_planar] if self.numbers.is_complex else [0]
 
     def _values_alone(self, part: Part) -> "PointEvaluator | None":
@@ -226,7 +226,7 @@ class NumericWave:
         return jets
 
     def _jet_rows(self, evaluator: "Evaluator", rates: list[Any], *points: Array) -> Array:
-        """Return the jets at points, the real parts before the imaginary parts."""
+        """Return the jets at points, each row scaled by its rate; imaginary parts come last."""
         rows = evaluate_points(partial(evaluator, evaluator.phases(self._slow)), *points)
         rows = scale_rows(rows, [split(rate) for rate in rates])
         flat = np.abs(rows[:, 0]).reshape(len(rows), -1)
@@ -242,7 +242,7 @@ class NumericWave:
     def _is_far(
         self, part: Part, variables: Variables, x: Array, t: Array, *transverse: Array
     ) -> bool:
-        """Return whether all points have one time and are far from all zeros of phases."""
+        """Return whether all points have one time and no phase vanishes near or between them."""
         if transverse or t.min() != t.max():
             return False
         first, last, time = float(x.min()), float(x.max()), float(t[0])
@@ -342,7 +342,7 @@ class NumericWave:
 
     @cached_property
     def _scales(self) -> tuple[tuple[float, float], ...]:
-        """Factors of an evaluator's rows, as pairs: h times the derivative's rate."""
+        """Factor of each evaluator row as (high, low part): h times the rate of its derivative."""
         rates = self.numbers.rates
         of_values = [LONG.one, rates.a, rates.b]
         of_values += [rates.e] if self.numbers.is_planar else []
@@ -444,8 +444,8 @@ def settle_rows(
 ) -> Array:
     """Recompute ``rows`` (rows, 3, ...) in place at points where any row is not ``certain``.
 
-    Returns ``rows``. ``settle`` takes a point and returns its rows (rows, 3). Raises ValueError for
-    more points than ``MOST_UNCERTAIN``.
+    Returns ``rows``. ``settle`` takes a point and returns its rows (rows, 3). Raises ValueError if
+    more than ``MOST_UNCERTAIN`` points are to be recomputed.
     """
     uncertain = np.argwhere(~np.all(certain, axis=0))
     if len(uncertain) > MOST_UNCERTAIN:

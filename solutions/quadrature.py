@@ -19,7 +19,7 @@ MAX_HALVINGS, MAX_PANELS, MAX_WIDTHS = 12, 2_000_000, 20_000_000
 """Most halvings of a panel; most panels; longest interval, in units of ``width``."""
 
 MERGE_ABOVE = 4096
-"""Number of panels above which those in constant stretches are merged into wider ones."""
+"""Number of panels above which neighbouring panels are merged where the function is constant."""
 
 NEGLIGIBLE_CHANGE = 1e-20
 """Largest change across a panel that counts as none, in units of the function's largest value."""
@@ -39,8 +39,8 @@ INTEGRAL = legendre.legint(SERIES, lbnd=-1)
 class IntegralFromZero:
     """Integrals of ``function`` from 0 to any points from ``low`` to ``high``, real or complex.
 
-    Panels are at most ``width`` wide, which must resolve every feature of the function; wider where
-    it is constant over many panels. A panel is halved until its two halves confirm it. The cost is
+    Panels are at most ``width`` wide, which must resolve every feature of the function; many panels
+    where it is constant are merged. A panel is halved until its two halves confirm it. The cost is
     that of the panels, for any number of points. Raises ValueError for ends too far apart, and if
     halving does not converge.
 
@@ -108,7 +108,7 @@ class IntegralFromZero:
         return INTEGRAL @ values, float(np.sum(WEIGHTS @ np.abs(values)))
 
     def _halve_until_confirmed(self, left: Array, step: Array) -> tuple[Array, Array, Array]:
-        """Halve panels until confirmed; return left ends, widths and series of the last halves."""
+        """Halve panels until the halves confirm them; return left ends, widths and series."""
         accepted: list[tuple[Array, Array, Array]] = []
         series, size = self._panels(left, step)
         in_whole, in_half = _values_at(CONFIRMED_AT), _values_at(2.0 * CONFIRMED_AT[:4] + 1.0)

@@ -112,7 +112,10 @@ def _sign(bound: Bound) -> str:
 def positive(
     symbol: sp.Symbol, limit: str, upper: Bound | None = None, default: sp.Expr | None = None
 ) -> Parameter:
-    """Return a parameter with ``symbol`` > 0; ``limit`` names the limit of the solution at 0."""
+    """Return a parameter ``symbol`` > 0 with the upper bound ``upper``, if that is given.
+
+    ``limit`` names the limit of the solution at 0.
+    """
     return Parameter(symbol, Bound(sp.S.Zero, limit), upper, default)
 
 
@@ -217,7 +220,7 @@ class ClosedForm:
         return f"<ClosedForm {self.name}: {self.title}{domains}>"
 
     def _repr_latex_(self) -> str | None:
-        """Return the LaTeX for notebooks; None if it is too long: they then show the repr."""
+        """Return the LaTeX for notebooks; None if it is too long, so that the repr is shown."""
         formula = latex_of(self.expression)
         return rf"$\displaystyle U = {formula}$" if len(formula) <= LONGEST_FORMULA else None
 

@@ -100,8 +100,8 @@ class Wave(NumericWave):
     def mp(self, X: object, T: object, digits: int = 50, *, Z: object = None) -> tuple[Any, ...]:
         """Return Y, Y_X, Y_T at one point as mpf of ``digits`` digits, by the canonical expression.
 
-        For KP at (X, T, Z), with Y_Z; mpc for NLS. Raises ValueError for points that are not
-        finite real numbers and for bad ``digits``.
+        For KP the point is (X, T, Z), and Y_Z is returned too; for NLS the values are mpc. Raises
+        ValueError for points that are not finite real numbers and for bad ``digits``.
         """
         return self._exact("wave", None, _exact_coordinates("XTZ", X, T, Z), digits)
 

@@ -33,7 +33,7 @@ def kept_wave(maker: str, key: str, make: Callable[[], "Wave"]) -> NumericWave:
 
 
 class _CachedWave(NumericWave):
-    """A wave from the disk cache. Attributes that need the formulas are those of the full wave."""
+    """A wave from the disk cache. `full_wave` provides the attributes that need the formulas."""
 
     def __init__(
         self, numbers: WaveConstants, store: DataStore, make: Callable[[], "Wave"]

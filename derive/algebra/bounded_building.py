@@ -19,14 +19,14 @@ LARGEST_EXPONENT = 1000
 """Largest numerator or denominator of an exponent."""
 
 MOST_FACTORS, MOST_TERMS = 200, 6000
-"""Most factors of one product and terms of one sum; SymPy's time grows as the factors' square."""
+"""Most factors of a product, and most terms of a sum. SymPy's time is quadratic in the factors."""
 
 MOST_EXPANDED = 2000
 """Most terms into which abs, sign, re or im of an argument may be multiplied out."""
 
 FIRST_STEPS, MOST_NODES_FIRST, MOST_NODES_LATER = 2, 20_000, 2000
 """The first ``FIRST_STEPS`` derivatives of an expression may have ``MOST_NODES_FIRST`` nodes, later
-ones ``MOST_NODES_LATER``. The second derivative of log tau of a 4-soliton has 3191."""
+ones ``MOST_NODES_LATER``. The second derivative of log tau of a 4-soliton has 3191 nodes."""
 
 HIGHEST_DERIVATIVE = 16
 """Highest order of a derivative."""
@@ -56,7 +56,7 @@ _VALUES: dict[type, Callable[[complex], complex]] = {
 
 
 class TooLarge(ValueError):
-    """An expression would be too large, or is not finite."""
+    """Error for an expression that would be too large or is not finite."""
 
 
 def total(terms: Sequence[sp.Expr]) -> sp.Expr:
@@ -189,7 +189,7 @@ SIZES: dict[type, Callable[[sp.Expr], sp.Expr]] = {
 
 
 def _bits(expression: sp.Expr) -> int:
-    """Return the number of bits of an expression's rational factor; 0 if it has none."""
+    """Return the number of bits of an expression's rational factor; 0 without such a factor."""
     number = expression.as_coeff_Mul(rational=True)[0]
     return int(number.p).bit_length() + int(number.q).bit_length() - 2 if number.is_Rational else 0
 

@@ -19,7 +19,7 @@ class _OpeningFunction(sp.Function):
 
 
 class contact(_OpeningFunction):  # as texts write it
-    """The greater of x and 0; a derivation about a closed contact uses x.
+    """The greater of x and 0; a derivation about a closed contact replaces it by x.
 
     >>> d = sp.Symbol("d", positive=True)
     >>> contact(d), contact(-d)
@@ -27,7 +27,7 @@ class contact(_OpeningFunction):  # as texts write it
     """
 
     def fdiff(self, argindex: int = 1) -> sp.Expr:
-        """Return the derivative."""
+        """Return the derivative, `touching` of x."""
         return touching(self.args[0])
 
     def _latex(self, printer: sp.printing.latex.LatexPrinter, exp: str | None = None) -> str:
@@ -36,7 +36,7 @@ class contact(_OpeningFunction):  # as texts write it
 
 
 class touching(_OpeningFunction):
-    """1 if x is positive, else 0."""
+    """Derivative of `contact`: 1 if x is positive, else 0."""
 
     def fdiff(self, argindex: int = 1) -> sp.Expr:
         """Return 0, the derivative on either side of the opening."""

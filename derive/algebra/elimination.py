@@ -24,7 +24,10 @@ class Elimination:
     power: int = 1
 
     def __call__(self, element: RationalFunction) -> RationalFunction:
-        """Replace ``constant**power`` in ``element``; a single factor ``constant`` stays above."""
+        """Replace ``constant**power`` in ``element``.
+
+        A single factor ``constant`` that is left in the denominator moves to the numerator.
+        """
         field, index = element.field, element.field.symbols.index(self.constant)
         numer, odd, even = element.numerator(), field.one, {}
         for factor, times in element.below.items():
@@ -63,10 +66,10 @@ class Elimination:
 def solve_linear(
     condition: RationalFunction, constants: Sequence[Symbol], squared: Symbol | None = None
 ) -> Elimination | None:
-    """Solve ``condition = 0`` for the first of ``constants`` in which it is linear.
+    """Solve ``condition = 0`` for one of the ``constants`` in which it is linear.
 
-    Constants whose factor is a pure number are tried first, then ``squared**2``, then all others.
-    None if no constant can be solved for.
+    Constants whose coefficient is a number are tried first, then ``squared**2``, then the other
+    constants. None if the condition cannot be solved for any of them.
     """
     solutions = [_solved(condition, constant, 1) for constant in constants]
     candidates = [elimination for elimination in solutions if elimination]
@@ -76,7 +79,7 @@ def solve_linear(
 
 
 def _solved(condition: RationalFunction, constant: Symbol, power: int) -> Elimination | None:
-    """Solve ``condition = 0`` for ``constant**power``; None if another power of it occurs."""
+    """Solve ``condition = 0`` for ``constant**power``; None if ``constant`` has another power."""
     value = condition.solved_for(constant, power)
     if value is None and power == 1 and condition.powers_of(constant).keys() == {1}:
         value = condition.field.zero
@@ -120,7 +123,7 @@ class TimeElimination:
         return series.replaced(self._value)
 
     def _value(self, jet: Jet) -> EpsSeries | None:
-        """Return the series that replaces a jet; None if it has no time derivatives."""
+        """Return the series that replaces a jet; None for a jet without time derivatives."""
         if not jet[self._time]:
             return None
         result = self._time_derivative(jet[self._time])

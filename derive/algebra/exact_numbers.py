@@ -153,7 +153,7 @@ def instance(name: str, value: object, kind: type[Kind], remedy: str) -> Kind:
 
 
 def tuple_of(name: str, value: object, kind: type[Kind], remedy: str) -> tuple[Kind, ...]:
-    """Return a nonempty tuple or list as a tuple. Raises ValueError for entries of another type."""
+    """Return a nonempty tuple or list of ``kind`` entries as a tuple; ValueError for any other."""
     if not isinstance(value, tuple | list) or not value:
         kinds = "" if kind is object else f" of {kind.__name__}"
         raise ValueError(f"{name} must be a tuple{kinds}, got {shown(value)} ({remedy})")

@@ -75,8 +75,8 @@ SHAPED = ("exp", "sqrt", "abs", "conjugate")
 """Functions written without their name: as a power of e, a root sign, bars or an overline."""
 
 MAX_FRACTION_WIDTH, MAX_EXPONENT_WIDTH, MAX_ROOT_WIDTH = 48.0, 34.0, 34.0
-"""Largest width, in characters, of a side of a fraction, an exponent and a root that TeX cannot
-break, in a breakable formula."""
+"""Largest widths in a breakable formula, in characters, of the parts that TeX cannot break: a
+fraction's numerator or denominator, an exponent, and a root."""
 
 
 def formula_latex(formula: FormulaTree, breakable: bool = False) -> str:
@@ -145,7 +145,7 @@ class _Writer:
         return rf"\bigl({text}\bigr)" if r"\frac" in text or "(" in text else f"({text})"
 
     def enclosed(self, formula: FormulaTree, binding: int) -> str:
-        """Return the LaTeX, in brackets if its outermost operation binds less than ``binding``."""
+        """Return a formula's LaTeX, in brackets if its operation binds less than ``binding``."""
         text, level = self.part(formula)
         return text if level >= binding else self.brackets(text)
 

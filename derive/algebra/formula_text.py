@@ -36,10 +36,10 @@ MOST_SHIFT = 1000
 """Largest shift in the index of a lattice site, such as 1 in ``q[n+1]``."""
 
 ROWS = " (one site is read; write a row of a second one m as an unknown: v[n] for u[n,m+1])"
-"""End of the message for an index of two sites: how to write a second row with one site."""
+"""End of the error message for a site with two indices: each row needs an unknown of its own."""
 
 WINDOW = 60
-"""Number of characters of the text that the picture of an error shows."""
+"""Number of characters of the text that are shown in the picture of an error."""
 
 CONSTANTS = {"pi": sp.pi, "I": sp.I}
 
@@ -118,7 +118,7 @@ class Vocabulary:
     site: sp.Symbol | None = None
 
     def meaning(self, name: str) -> sp.Expr | None:
-        """Return the expression of a name that is no field or function; None if it is unknown.
+        """Return the expression of a name that is no field or function; None for an unknown name.
 
         Raises ValueError, as ``unknown_name`` does, for a name that is likely to be a misspelling.
         """
@@ -181,11 +181,11 @@ class Parser:
         return token
 
     def take_sign(self, *signs: str) -> Token | None:
-        """Consume and return the next token if it is one of the signs, else return None."""
+        """Consume and return the next token if it is one of ``signs``, else return None."""
         return self.take() if self.next.kind == "sign" and self.next.text in signs else None
 
     def expect(self, sign: str, why: str = "") -> Token:
-        """Consume and return the sign. Raises FormulaError, with ``why``, for any other token."""
+        """Consume and return the token ``sign``. Raises FormulaError, with ``why``, for another."""
         token_ = self.take_sign(sign)
         if token_ is None:
             raise self.error(f"expected '{sign}'{why}, got {self.next}")
@@ -203,7 +203,7 @@ class Parser:
         return self.error_at((token or self.next).start, words)
 
     def error_at(self, position: int, words: str) -> FormulaError:
-        """Return the error at a position in the text."""
+        """Return the error with the message ``words`` at a position in the text."""
         return FormulaError(self.name, words, self.text, position)
 
     def formula(self) -> syntax.FormulaTree:

@@ -122,7 +122,7 @@ def rational(formula: FormulaTree) -> Fraction | None:
 
 
 def mapped(formula: FormulaTree, image: Callable[[FormulaTree], FormulaTree | None]) -> FormulaTree:
-    """Replace nodes by ``image``, from the top; a node is kept where ``image`` returns None."""
+    """Replace nodes by ``image(node)``, from the root down; where it is None, map the children."""
     replacement = image(formula)
     if replacement is not None:
         return replacement
@@ -138,12 +138,12 @@ Part = tuple[str, int]
 
 
 def formula_text(formula: FormulaTree) -> str:
-    """Return the formula in the grammar, read back as this tree."""
+    """Return the formula as text that is parsed to the same tree."""
     return _write(formula, True)[0]
 
 
 def plain_text(formula: FormulaTree) -> str:
-    """Return the formula as users type it, with few brackets; an equal formula is read back.
+    """Return the formula as users type it, with few brackets; it is parsed to an equal formula.
 
     >>> plain_text(Product((MINUS_ONE, Name("x"), Power((Name("t"), MINUS_ONE)))))
     '-x/t'
@@ -152,7 +152,7 @@ def plain_text(formula: FormulaTree) -> str:
 
 
 Quotient = tuple[bool, tuple[FormulaTree, ...], tuple[FormulaTree, ...]]
-"""Whether there is a minus sign, factors of the numerator, factors of the denominator."""
+"""Parts of a product: whether it has a minus sign, numerator factors, denominator factors."""
 
 
 def quotient(formula: FormulaTree) -> Quotient:

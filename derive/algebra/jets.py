@@ -138,7 +138,7 @@ class DifferentialPolynomial:
 
 
 def _lowered(monomial: Monomial, axis: int) -> Monomial | None:
-    """Return the monomial whose derivative has this leading term; None if there is none."""
+    """Return the monomial whose ``axis``-derivative has the leading term ``monomial``, or None."""
     if not monomial or monomial[-1][axis] == 0:
         return None
     jet = raised(monomial[-1], axis, -1)
@@ -186,7 +186,7 @@ class EpsSeries:
         return self.collect(self.field, self.limit, items)
 
     def apply(self, operator: Operator) -> EpsSeries:
-        """Return the first-order operator applied to every order."""
+        """Return the series with the first-order ``operator`` applied to it."""
         items = (
             (order + exponent, factor * part.derivative(axis))
             for order, part in self.parts.items()
@@ -196,7 +196,7 @@ class EpsSeries:
         return self.collect(self.field, self.limit, items)
 
     def exponential(self, operator: Operator) -> EpsSeries:
-        """Return ``exp(operator)`` applied: the sum of its powers over their factorials."""
+        """Return ``exp(operator)`` applied to the series, as a sum of powers of the operator."""
         total, power, count = self, self, 0
         while power.parts and operator:
             count += 1
@@ -218,7 +218,7 @@ class EpsSeries:
         return self.collect(self.field, self.limit, [*self.parts.items(), (order, part)])
 
     def replaced(self, value: Callable[[Jet], EpsSeries | None]) -> EpsSeries:
-        """Replace each jet by the series ``value(jet)``, or keep it if that is None."""
+        """Replace each jet by the series ``value(jet)``; a jet whose value is None is kept."""
         total = EpsSeries(self.field, self.limit, {})
         for order, part in self.parts.items():
             for monomial, number in part.terms.items():

@@ -27,7 +27,7 @@ def nesting(text: str) -> int:
 
 
 def _depth(tokens: list[str]) -> int:
-    """Return how deep fractions are nested up to the end of the group; consume its tokens."""
+    """Return how deep fractions are nested up to the end of a LaTeX group; consume its tokens."""
     deepest = 0
     while tokens:
         token = tokens.pop(0)
@@ -44,7 +44,7 @@ def _depth(tokens: list[str]) -> int:
 
 
 def _measure(tokens: list[str]) -> float:
-    """Return the width up to the end of the group, consuming the tokens."""
+    """Return the width of the tokens up to the end of their LaTeX group; consume them."""
     total = 0.0
     while tokens:
         token = tokens.pop(0)

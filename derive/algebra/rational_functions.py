@@ -95,13 +95,13 @@ class RationalFunctions:
         return RationalFunction(self, value, 1, {})
 
     def from_terms(self, terms: Iterable[tuple[Exponents, int]]) -> RationalFunction:
-        """Return the polynomial with these terms; no two may have the same exponents."""
+        """Return the polynomial with the given ``terms``; no two may have the same exponents."""
         return self.polynomial(self.context.from_dict(dict(terms)))
 
     def from_expr(
         self, value: Expr, images: Mapping[Symbol, RationalFunction] | None = None
     ) -> RationalFunction:
-        """Convert a SymPy expression, replacing symbols in ``images``."""
+        """Convert a SymPy expression; symbols that are keys of ``images`` are replaced."""
         known = images or {}
         if value.is_Symbol:
             return known[value] if value in known else self(value)
@@ -144,7 +144,7 @@ class Factor:
         return _factor, (self.polynomial.context().names(), dict(self.terms))
 
     def taken_from(self, numer: fmpz_mpoly, most: int) -> tuple[fmpz_mpoly, int]:
-        """Divide ``numer`` by this factor up to ``most`` times; return it and the unused count."""
+        """Divide ``numer`` by this factor, ``most`` times at most; return quotient, times left."""
         while most:
             try:
                 numer = numer / self.polynomial
@@ -187,7 +187,7 @@ class RationalFunction:
     def _lowest(
         self, numer: fmpz_mpoly, content: int, below: Factors, among: Iterable[Factor]
     ) -> RationalFunction:
-        """Return the quotient in lowest terms; only factors ``among`` are tried for cancelling."""
+        """Return ``numer/(content below)`` reduced by the factors ``among``; no other is tried."""
         if not numer:
             return self.field.zero
         numer, content = _without_content(numer, content)
@@ -236,7 +236,7 @@ class RationalFunction:
         return self._lowest(numer, content, below, shared)
 
     def _over(self, content: int, below: Factors) -> fmpz_mpoly:
-        """Return the numerator for the larger denominator ``content`` times factors ``below``."""
+        """Return the numerator over ``content`` times ``below``, a multiple of the denominator."""
         numer = self.numer
         if content != self.content:
             numer = numer * (content // self.content)
@@ -404,7 +404,10 @@ class RationalFunction:
         return {power: self.field.from_terms(terms) for power, terms in parts.items()}
 
     def solved_for(self, symbol: Symbol, power: int = 1) -> RationalFunction | None:
-        """Return ``symbol**power`` where the quotient is 0; None if it has other powers of it."""
+        """Solve ``self = 0`` for ``symbol**power``.
+
+        None if another power of ``symbol`` occurs, or no term without it.
+        """
         parts = self.powers_of(symbol)
         return -parts[0] / parts[power] if parts.keys() == {0, power} else None
 

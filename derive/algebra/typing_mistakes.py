@@ -21,7 +21,7 @@ FUNCTIONS_BY_NAME = ("gamma", "beta", "zeta", "Gamma", "Delta", "delta", "O")
 """Names that mean functions, not factors, before a bracket, unless they are declared."""
 
 ROUNDS = 40
-"""Most times that the rules of a stage are applied; each time moves one sign further inward."""
+"""Most times that the rules of one stage are applied to a text."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ def balanced(text: str) -> str:
 
 
 def _nested(open_: str, closing: str, depth: int = 6) -> str:
-    """Return a pattern of nested brackets; it is possessive, so that no match takes long."""
+    """Return a pattern of brackets nested up to ``depth``; possessive, so that it matches fast."""
     inside = rf"[^{open_}{closing}]*+"
     pattern = rf"{open_}{inside}{closing}"
     for _ in range(depth):
@@ -170,7 +170,7 @@ _LOOSE_READINGS = (
 
 
 def _free_name(digits: str, spelling: Spelling, base: str) -> str:
-    """Return an unused name for a variable with an index: ``a1`` for the variable in ``x1``."""
+    """Return an undeclared name to replace a variable with an index, such as ``a1`` for ``x1``."""
     letters = (letter for letter in "abcdfghpqrs" if letter != base)
     names = (f"{letter}{digits}" for letter in letters)
     return next(name for name in names if name not in spelling.declared)

@@ -76,7 +76,10 @@ def carrier_lines(lattice: Lattice, options: DeriveOptions) -> Iterator[str]:
 
 
 def _check_lines(lattice: Lattice, branch: str | int, values: Values) -> Iterator[str]:
-    """Yield lines of checks at variable k; without values, several fields get small primes."""
+    """Yield lines of an envelope's checks, with k a symbol.
+
+    Without ``values``, the constants are small primes if a cell has several fields.
+    """
     values_used = values
     if len(lattice.fields) > 1 and not values:
         values_used = {str(s): value for s, value in simple_numbers(lattice.constants).items()}
@@ -113,7 +116,7 @@ def _lines(
 def _intervals(
     lattice: Lattice, result: Envelope, values: Values, options: DeriveOptions
 ) -> tuple[dict[str, Interval], str]:
-    """Return the coefficients' intervals by name, and a note on them, or why there are none."""
+    """Return the coefficients' intervals by name, and a note on them or on why there are none."""
     if lattice.measured is None:
         return {}, ""
     if len(lattice.fields) > 1:

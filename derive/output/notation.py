@@ -54,7 +54,7 @@ def _rank(monomial: Monomial) -> tuple[int, int, Monomial]:
 
 
 def _merge_terms(part: DifferentialPolynomial) -> list[Term]:
-    """Return one term under outer derivatives if possible, else the monomials themselves."""
+    """Return the terms of ``part``: one under outer derivatives if possible, else each monomial."""
     inner, outer = part, 0
     while (
         len(next(iter(part.terms))) > 1 and (antiderivative := inner.antiderivative()) is not None
@@ -105,7 +105,7 @@ class Notation:
         return derived(product, outer, printed) if outer else product
 
     def monomial(self, monomial: Monomial, printed: Printed = text_of) -> str:
-        """Return a product of jets, such as ``Y^2 Y_X``."""
+        """Return a product of jets as text or LaTeX, such as ``Y^2 Y_X``."""
         opening, closing = ("", "") if printed is text_of else ("{", "}")
         factors = []
         for jet, repeated in groupby(monomial):
@@ -117,7 +117,7 @@ class Notation:
 
 
 class Displayed:
-    """Base of records with text and LaTeX: one line as the repr, a formula in notebooks."""
+    """Base of records with a text in one line, their repr, and LaTeX, shown in notebooks."""
 
     def written(self, printed: Printed) -> str:
         """Return the record as text or LaTeX, with constants formatted by ``printed``."""
@@ -176,7 +176,7 @@ def idle_loss(kind: str, value: Expr) -> str:
 
 
 def bracketed(expression: Expr, printed: Printed) -> str:
-    """Return a constant as text or LaTeX of a factor: a sum gets brackets."""
+    """Format a constant as a factor of a product, as text or LaTeX: a sum gets brackets."""
     text = printed(expression)
     return f"({text})" if expression.is_Add else text
 

@@ -173,10 +173,10 @@ def _reduction_lines(lattice: Lattice, options: derive_options.DeriveOptions) ->
 def _long_wave(
     lattice: Lattice, options: derive_options.DeriveOptions
 ) -> tuple[Reduction, Mapping[str, Expr], str]:
-    """Return the reduction, values of its symbols, and the error of the usual ansatz, else "".
+    """Return the reduction, values of its symbols, and why the usual ansatz failed, or "".
 
     Under the usual ansatz constants are symbols, except small ones.  If the values contradict it,
-    all are substituted first, as in a scene, and a balanced ansatz is searched.
+    they are all substituted first, as in a scene, and a balanced ansatz is searched.
     """
     given = derive_options.given_constants(lattice, options)
     space, direction_values = _space(lattice, options, given)
@@ -212,7 +212,7 @@ def _admitted(reduction: Reduction, values: Mapping[str, Expr]) -> Reduction:
 
 @dataclass(frozen=True)
 class _Ansatz:
-    """A lattice about a mean, and the given parts of its ansatz; those that are None are sought."""
+    """A lattice about a mean, and its ansatz; parts of the ansatz that are None are sought."""
 
     lattice: Lattice
     mean: Expr
@@ -244,7 +244,7 @@ class _Ansatz:
         return self.amplitude is not None and self.time is not None
 
     def usual(self, *, is_paper: bool) -> Reduction:
-        """Reduce under the paper's ansatz on its lattice, else under the first balanced one.
+        """Reduce under the given ansatz, else the paper's (if ``is_paper``) or the best balance.
 
         If only one of amplitude and time is given, the other has its usual value.
         """
@@ -281,7 +281,7 @@ class _Ansatz:
 def _space(
     lattice: Lattice, options: derive_options.DeriveOptions, values: Mapping[str, Expr]
 ) -> tuple[tuple[SlowVariable, ...], Mapping[str, Expr]]:
-    """Return the slow variables of the requested direction, and the values it determines."""
+    """Return the slow variables of the requested direction, and values of the symbols in them."""
     if options.direction is None:
         return (), {}
     space, direction_values = slow_variables(lattice, read_direction(options.direction))
@@ -309,7 +309,7 @@ def _linear_lines(reduction: Reduction) -> Iterator[str]:
 
 
 def _decay_lines(reduction: Reduction) -> Iterator[str]:
-    """Yield lines: frequencies of a chain with losses, and whether the reduced equation agrees."""
+    """Yield lines of a chain with losses: complex frequencies, and whether the reduction agrees."""
     if not reduction.lattice.has_losses or reduction.lattice.dimension > 1:
         return
     yield from _frequency_lines(reduction.lattice, reduction.scaling.mean)
@@ -322,7 +322,7 @@ def _decay_lines(reduction: Reduction) -> Iterator[str]:
 
 
 def _frequency_lines(lattice: Lattice, mean: Expr) -> Iterator[str]:
-    """Yield complex frequencies of a lattice with losses, as formulas for one field only."""
+    """Yield a heading and, for a lattice with one field, formulas of the complex frequencies."""
     yield ""
     yield "linear waves with losses, exp(i (k n - omega t)):"
     if len(lattice.fields) > 1:

@@ -18,7 +18,7 @@ _FUNCTIONS = {
 
 
 class Assembler(Code):
-    """Builder of instructions from SymPy expressions; the inputs are the first numbered values.
+    """Builder of instructions from SymPy expressions; its values are numbered, inputs first.
 
     >>> x, c = sp.symbols("x c")
     >>> assembler = Assembler([x])

@@ -71,7 +71,7 @@ Terms = dict[sp.Expr | None, list[sp.Expr]]
 
 
 def _add_terms(parts: Iterable[tuple[sp.Expr, Terms]]) -> Terms:
-    """Return the sum of (factor, terms) pairs, each sum multiplied by its factor."""
+    """Return the sum of ``factor * terms`` over the pairs (factor, terms) in ``parts``."""
     total: Terms = {}
     for factor, terms in parts:
         for variable, coefficients in terms.items():
@@ -128,7 +128,7 @@ class Lowering:
         return sp.Add(self._phase(terms), *other_terms)
 
     def _phase(self, terms: Terms) -> sp.Symbol:
-        """Return the symbol of the phase with these coefficients."""
+        """Return the symbol of the phase whose coefficients are the sums of ``terms``."""
         key = tuple(sp.Add(*terms.get(part, ())) for part in (xi, tau, sp.S.One, zeta))
         if key not in self.phases:
             symbol = sp.Symbol(f"phi_{len(self.phases)}", real=True)
@@ -210,7 +210,7 @@ def complex_parts(expression: sp.Expr) -> Parts:
 
 
 def _product(product: sp.Expr) -> Parts:
-    """Return the parts of a product; real factors stay together, others are multiplied in turn."""
+    """Return real and imaginary part of a product; its real factors are kept as one factor."""
     real = sp.Mul(*(factor for factor in product.args if not factor.has(sp.I)))
     re, im = real, sp.S.Zero
     for factor in product.args:

@@ -20,7 +20,7 @@ _CARRIER_DIRECTION = sp.Dummy("along")
 
 
 class UnknownDerivativeError(ValueError):
-    """A function on the tape has no derivative known to SymPy."""
+    """Error for a function on the tape whose derivative SymPy does not know."""
 
 
 class Tape:
@@ -49,7 +49,10 @@ class Tape:
         self._depth = 0
 
     def seed(self, symbol: sp.Symbol, direction: sp.Symbol, rate: sp.Expr) -> None:
-        """Set an input's derivative to ``rate``, whose own lines get no derivatives yet."""
+        """Set the derivative of the input ``symbol`` in ``direction`` to ``rate``.
+
+        The lines that compute ``rate`` get no derivatives yet.
+        """
         self._depth += 1
         self._derivative[symbol, direction] = self.record(rate)
         self._depth -= 1
@@ -80,7 +83,7 @@ class Tape:
         return number * self.record(factor)
 
     def _product(self, factors: Sequence[sp.Expr]) -> sp.Expr:
-        """Record a product two factors at a time, constants first: SymPy's product rule is slow."""
+        """Record a product two factors at a time: SymPy is slow to differentiate long products."""
         ordered = sorted(factors, key=self._is_varying)
         result = self.record(ordered[0])
         for factor in ordered[1:]:

@@ -97,7 +97,7 @@ def _tangent(f: sp.Expr, g: sp.Expr, r: sp.Expr) -> sp.Expr:
 
 
 def _fraction() -> tuple[sp.Poly, sp.Poly]:
-    """Return numerator and denominator of the wave, polynomials in r f and r g (called f and g)."""
+    """Return the wave's numerator and denominator; their symbols f and g stand for r f and r g."""
     tangent = _tangent(_f, _g, _r)
     slope = _A_1 * _f * sp.diff(tangent, _f) + _A_2 * _g * sp.diff(tangent, _g)
     wave = sp.cancel((2 * slope / (1 + tangent**2)).subs({_f: _f / _r, _g: _g / _r}))
@@ -112,10 +112,10 @@ def _divide(polynomial: sp.Poly, tanhs: list[sp.Symbol], sechs: list[sp.Symbol])
 
 
 def without_cancellation(t: Sequence[sp.Symbol], s: Sequence[sp.Symbol]) -> sp.Expr:
-    """Return ``gap = 1 - t_1 t_2``, computed from ``1 - (t_1 t_2)**2``, a sum of squares, if small.
+    """Return ``gap = 1 - t_1 t_2`` without cancellation, from tanh ``t`` and sech ``s`` of phases.
 
-    The step ``gap = (gap**2 + 1 - (t_1 t_2)**2)/2`` squares an error of the gap; two steps leave
-    none.
+    The step ``gap = (gap**2 + 1 - (t_1 t_2)**2)/2``, where ``1 - (t_1 t_2)**2`` is a sum of
+    squares, squares the error of the gap; two steps leave none.
     """
     gap = 1 - t[0] * t[1]
     for _ in range(2):

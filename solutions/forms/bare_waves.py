@@ -33,7 +33,7 @@ def shifted_area(u: sp.Expr) -> sp.Expr:
 
 
 def modulus(at_zero: str, at_one: str) -> Parameter:
-    """Return the parameter ``0 < k < 1``; the arguments name the wave's limits at both ends."""
+    """Return the parameter ``0 < k < 1``; the arguments name the wave's limits at k = 0 and 1."""
     return positive(k, at_zero, Bound(sp.S.One, at_one))
 
 

@@ -16,7 +16,10 @@ _SOURCE = Reference("J. W. Miles, Tellus 31 (1979) 456")
 
 
 def _soliton(name: str, title: str, parameter: Parameter, sign: int) -> ClosedForm:
-    """Return ``sign kappa**2 / (sign + root cosh)``; s = -1 if kappa has an upper bound, else 1."""
+    """Return ``sign kappa**2 / (sign + sqrt(1 + s kappa**2) cosh(phase))``.
+
+    The equation has s = -1 if kappa has an upper bound, else s = 1.
+    """
     is_bounded = parameter.upper is not None
     root = sp.sqrt((1 - kappa) * (1 + kappa) if is_bounded else 1 + kappa**2)
     divisor = sign + root * sp.cosh(_PHASE)

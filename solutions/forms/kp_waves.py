@@ -10,7 +10,7 @@ _q = sp.Symbol("q", real=True)
 
 
 def kp_line_soliton() -> ClosedForm:
-    """Return the line soliton, constant where ``xi + q zeta`` is constant; for either sign."""
+    """Return the line soliton, constant along ``xi + q zeta = const``; s may be 1 or -1."""
     phase = kappa * (xi + _q * zeta - (4 * kappa**2 + 3 * s * _q**2) * tau)
     return ClosedForm(
         name="kp_line_soliton",

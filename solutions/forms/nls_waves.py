@@ -20,7 +20,7 @@ def plane_wave(frequency: sp.Expr, wavenumber: sp.Expr = sp.S.Zero) -> sp.Expr:
 
 
 def nls_plane() -> ClosedForm:
-    """Return the plane wave of amplitude A and wavenumber q, for either sign."""
+    """Return the plane wave of amplitude A and wavenumber q; s may be 1 or -1."""
     wave = A * plane_wave(2 * s * A**2 - _wavenumber**2, _wavenumber)
     parameters = (AMPLITUDE, real(_wavenumber))
     return ClosedForm(

@@ -20,7 +20,10 @@ CO_MOVING: sp.Expr = xi - 6 * tau
 
 
 def horner_form(order: int, free: tuple[int, ...] = ()) -> sp.Expr:
-    """Return ``(-1)**j [1 - 2 (A B_x - A_x B)/(A**2 + B**2)]``, each polynomial in Horner form."""
+    """Return ``(-1)**j [1 - 2 (A B_x - A_x B)/(A**2 + B**2)]``, j = ``order``, in Horner form.
+
+    ``free`` lists the indices 5, 7, ... of the shifts tau_5, tau_7, ... that are symbols.
+    """
     family = rational_tau(order, free)
     symbols = family.symbols
     parts = [sp.horner(_to_sympy(part, *symbols), *symbols) for part in _parts(family)]
@@ -29,7 +32,7 @@ def horner_form(order: int, free: tuple[int, ...] = ()) -> sp.Expr:
 
 
 def rational(order: int, free: Iterable[int] = ()) -> ClosedForm:
-    """Return the rational solution of an order; ``free`` lists its parameters tau_5, ....
+    """Return the rational solution of an order; ``free`` lists its shifts by index, 5 for tau_5.
 
     Its peak is ``2 order + 1`` at the origin on the background ``(-1)**order``, if all shifts are
     0. Source: the paper's Ref. ankiewicz2018rogue. Raises ValueError as ``rational_tau`` does.
@@ -63,7 +66,7 @@ def _evaluator(family: RationalTau, shifts: Mapping[sp.Symbol, sp.Expr]) -> Any:
 
 
 def _parts(family: RationalTau) -> list[fmpq_mpoly]:
-    """Return A, B, A_x and B_x."""
+    """Return the polynomials A and B of ``family`` and their derivatives A_x and B_x."""
     return [family.A, family.B, family.A.derivative("x"), family.B.derivative("x")]
 
 
@@ -72,7 +75,7 @@ def _wave(order: int, A: sp.Expr, B: sp.Expr, A_x: sp.Expr, B_x: sp.Expr) -> sp.
 
 
 def _to_sympy(polynomial: fmpq_mpoly, *generators: sp.Expr) -> sp.Expr:
-    """Convert a FLINT polynomial to an expanded SymPy expression in these generators."""
+    """Convert a FLINT polynomial to an expanded SymPy expression in ``generators``."""
     powers = [[sp.S.One] for _ in generators]
     for row, generator, degree in zip(powers, generators, polynomial.degrees(), strict=True):
         row.extend(generator**n for n in range(1, degree + 1))

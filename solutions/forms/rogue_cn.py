@@ -111,7 +111,10 @@ def _squared(z: Parts) -> sp.Expr:
 
 
 def _in_xi_tau(fraction: sp.Expr, theta: Parts, weights: dict[sp.Expr, sp.Expr]) -> sp.Expr:
-    """Return ``y + fraction`` in xi, tau and k, with ``theta`` substituted in ``weights``."""
+    """Return ``y + fraction`` in xi, tau and k, with the value ``theta`` of theta substituted.
+
+    ``weights`` maps symbols of the fraction to their formulas in theta.
+    """
     angles = {_theta_re: theta[0], _theta_im: theta[1]}
     inner = {symbol: value.xreplace(angles) for symbol, value in weights.items()}
     return (_y + fraction).xreplace(inner | angles | _background_values())
@@ -128,9 +131,9 @@ def _stable() -> sp.Expr:
     """Return the wave over a sum of squares, all divided by powers of ``1 + |theta|**2``.
 
     ``w_i`` are 1, theta and theta**2 after that division. ``n_i`` are theta's coordinates on the
-    unit sphere, in which the imaginary parts in G_1 and G_2 are polynomials. As k goes to 1 their
-    terms cancel in 20 digits. By ``y'**2 = (k**2 - y**2) (y**2 + k'**2)`` they are sums of products
-    of ``small_factor``, which vanishes with them, and ``large_factor``, which never vanishes.
+    unit sphere, in which the imaginary parts in G_1 and G_2 are polynomials. As k goes to 1 the
+    polynomials' terms cancel in 20 digits. ``y'**2 = (k**2 - y**2) (y**2 + k'**2)`` turns them into
+    sums of products of ``small_factor``, which can vanish, and ``large_factor``, which cannot.
     """
     one, re, im, square_re, square_im = w = sp.symbols("w_:5", real=True)
     n = sp.symbols("n_:3", real=True)

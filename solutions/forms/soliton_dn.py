@@ -50,7 +50,7 @@ def _stable_integral(u: sp.Expr) -> sp.Expr:
 
 
 def theta(integral: Callable[[sp.Expr], sp.Expr] = integral) -> sp.Expr:
-    """Return theta_dn in xi, tau and k: the paper's eq. (25)."""
+    """Return theta_dn in xi, tau and k, the paper's eq. (25), with its integral by ``integral``."""
     weight = bare_waves.DN_WAVE**2 + complementary_modulus
     return -4 * _lambda * weight * (integral(bare_waves.DN_PHASE) - tau)
 

@@ -65,7 +65,9 @@ class RationalTau:
 
 @lru_cache(maxsize=32, typed=True)
 def rational_tau(order: int, free: tuple[int, ...] = ()) -> RationalTau:
-    """Return ``A`` and ``B`` of an order; ``free`` lists the symbolic shifts tau_5, tau_7, ...
+    """Return the polynomials A and B of the rational solution of an order.
+
+    ``free`` lists the indices 5, 7, ... of the shifts tau_5, tau_7, ... that are symbols.
 
     Raises ValueError if ``order`` is not a positive integer or a shift does not occur at that
     order.
@@ -97,7 +99,7 @@ def _check_order(order: int, free: tuple[int, ...]) -> None:
 def _exponents(
     context: fmpq_mpoly_ctx, count: int, free: tuple[int, ...]
 ) -> dict[int, GaussianPolynomial]:
-    """Return the coefficients ``e_k`` of ``z**k``, k odd and below ``count``, in P's exponent."""
+    """Return the coefficients ``e_k`` of ``z**k``, odd k < ``count``, in the exponent of P(z)."""
     generators = context.gens()
     real = {index: generators[2 + position] for position, index in enumerate(free)}
     real |= {1: generators[0], 3: -4 * generators[1]}

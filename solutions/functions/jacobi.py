@@ -20,7 +20,7 @@ _CONTEXT = MPContext()
 
 
 class ParameterDerivativeError(ArgumentIndexError):
-    """A derivative of a Jacobi function in its parameter m, which is not defined here."""
+    """Error for a derivative of a Jacobi function in its parameter m, which is not implemented."""
 
     def __str__(self) -> str:
         function, argindex = self.args
@@ -109,7 +109,7 @@ class JacobiFunction(Function):
 
 
 class _RealOnTheLine(JacobiFunction):
-    """Functions that are real for every real z and every real m."""
+    """Base of the functions that are real for every real z and every real m."""
 
     def _eval_is_extended_real(self) -> bool | None:
         z, m = self.args
@@ -167,7 +167,7 @@ class jacobi_epsilon(_RealOnTheLine):
 
 
 class _RealBelowOne(JacobiFunction):
-    """Functions that are real for real z and 0 <= m < 1."""
+    """Base of the functions that are real for real z and 0 <= m < 1."""
 
     def _eval_is_extended_real(self) -> bool | None:
         z, m = self.args

@@ -22,7 +22,7 @@ class JetFunction(Function):
 
     @classmethod
     def eval(cls, z: Expr, *nome: Expr) -> Expr | None:
-        """Extract a minus sign from a theta function's z."""
+        """Move a minus sign out of a theta function's z; None if there is none."""
         if not nome or not z.could_extract_minus_sign():
             return None
         return THETA[cls.label] * (-1) ** cls.order * cls(-z, *nome)

@@ -62,7 +62,7 @@ def _theta_argument(ctx: Any, z: Number, m: Number) -> tuple[Number, Number]:
 
 @lru_cache(maxsize=_CACHE_SIZE)
 def _integral_and_nome(ctx: Any, precision: int, m: Number) -> tuple[Number, Number]:
-    """Return K and the nome at the context's precision; ``precision`` only identifies the entry."""
+    """Return K and the nome at the context's precision; ``precision`` only enters the cache key."""
     return ctx.ellipk(m), ctx.qfrom(m=m)
 
 
@@ -77,7 +77,7 @@ def _theta(ctx: Any, precision: int, n: int, v: Number, q: Number, derivative: i
 
 
 def _ellipfun(ctx: Any, kind: str, z: Number, m: Number) -> Number:
-    """Return sn, cn or dn as theta_a(0)/theta_b(0) theta_c(v)/theta_4(v), DLMF 22.2."""
+    """Return sn, cn or dn (``kind``) as theta_a(0)/theta_b(0) theta_c(v)/theta_4(v), DLMF 22.2."""
     if m in (0, 1):
         return ctx.ellipfun(kind, z, m=m)
     a, b, c = {"sn": (3, 2, 1), "cn": (4, 2, 2), "dn": (4, 3, 3)}[kind]

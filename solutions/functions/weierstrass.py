@@ -18,7 +18,7 @@ class WeierstrassFunction(Function):
 
     @classmethod
     def eval(cls, z: Expr, g2: Expr, g3: Expr) -> Expr | None:
-        """Extract a minus sign from z."""
+        """Move a minus sign out of z; None if z has none."""
         return cls.parity * cls(-z, g2, g3) if z.could_extract_minus_sign() else None
 
     def fdiff(self, argindex: int = 1) -> Expr:

@@ -20,8 +20,8 @@ BLOCK = 128
 """Numbers in a block, which is an array of all high parts, then all low parts, then all bounds."""
 
 UNIT = 2.0**-99
-"""Bound of an operation's rounding error, relative to its result or, for a sum, to the operands;
-also of a constant's rounding."""
+"""Bound of the rounding error of an operation relative to its result (of a sum: to its operands),
+and of a constant relative to its value."""
 
 TINY = 2.0**-960
 """Bound of the error by underflow of a low part or of an exponential."""
@@ -53,7 +53,7 @@ def store_pair(block: Array, i: int, value: Pair) -> None:
 
 @njit()
 def rounded(value: Pair, error: float) -> Bounded:
-    """Attach to ``value`` its bound: `error`, which is due to the operands, plus its rounding."""
+    """Return ``value`` with its bound: ``error``, due to the operands, plus its rounding error."""
     return value[0], value[1], error + (UNIT * abs(value[0]) + TINY)
 
 

@@ -54,7 +54,7 @@ class Bytecode:
     pool: tuple[Any, ...]
 
     def only(self, outputs: Sequence[int]) -> tuple[Bytecode, frozenset[int]]:
-        """Return the code that computes these registers only, and the inputs that it reads.
+        """Return the code that computes only the registers ``outputs``, and the inputs it reads.
 
         >>> code = Code(inputs=2)
         >>> x, y = Value(code, 0), Value(code, 1)
@@ -75,7 +75,7 @@ class Bytecode:
 
 
 class Code:
-    """Builder of instructions on numbered values; equal ones are shared, inputs come first."""
+    """Builder of instructions on numbered values, inputs first; equal instructions are shared."""
 
     def __init__(self, inputs: int) -> None:
         self._inputs = inputs
@@ -101,7 +101,7 @@ class Code:
         return value.number if is_value else self.with_constant(Operation.CONSTANT, value)
 
     def assemble(self, outputs: Sequence[int]) -> Bytecode:
-        """Return the code for these values, without instructions that none of them needs."""
+        """Return the code that computes the values ``outputs``, without unneeded instructions."""
         operands = [_operands(*instruction) for instruction in self._instructions]
         live, registers_of, registers = allocate(self._inputs, operands, outputs)
         rows = []

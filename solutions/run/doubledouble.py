@@ -120,7 +120,7 @@ def two_sum(a: float, b: float) -> Pair:
 
 @njit()
 def normalized(high: float, middle: float, low: float) -> Three:
-    """Return three floats of the same sum, each below the rounding of the one before."""
+    """Return three floats with the same sum, each below the rounding of the one before."""
     high, middle = two_sum(high, middle)
     middle, low = two_sum(middle, low)
     high, middle = two_sum(high, middle)

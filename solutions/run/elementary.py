@@ -30,7 +30,7 @@ SCRATCH = 7
 """Number of blocks in the scratch memory."""
 
 _TERMS, _PAIRS = 14, 9
-"""Number of terms of a Taylor series, and of its first terms in double-double."""
+"""Number of terms of a Taylor series; number of its first terms that are in double-double."""
 
 _HALVINGS = 4
 """Number of halvings of the argument before exp's series is summed."""
@@ -69,7 +69,7 @@ def _polynomial(coefficients: dd.Array, z: dd.Array, total: dd.Array) -> None:
 
 @njit()
 def sine_or_cosine(x: dd.Array, is_sine: bool, z: dd.Array, scratch: dd.Array) -> None:
-    """Fill ``z`` with sin(x), to full relative precision, or with cos(x); |x| <= 0.79."""
+    """Fill ``z`` with cos(x) or, if ``is_sine``, sin(x) to full relative precision; |x| <= 0.79."""
     square, series = scratch[0], scratch[1]
     for i in range(BLOCK):
         high, low = dd.multiply(load_pair(x, i), load_pair(x, i))
@@ -117,7 +117,10 @@ def _is_negligible(x: dd.Array, i: int) -> bool:
 
 @njit()
 def _store_exponential(z: dd.Array, i: int, value: dd.Pair, x: dd.Array, is_falling: bool) -> None:
-    """Store ``value`` with its bound: a multiple of exp(x), or a function that varies no faster."""
+    """Store ``value`` with its bound; it is a function of x that varies no faster than exp(x).
+
+    ``is_falling`` says that it is at most 2 exp(-|x|), hence negligible for large |x|.
+    """
     e, size = x[i + 2 * BLOCK], abs(x[i])
     input_error = 2.0 * e + UNIT * (1.0 + size) if e <= 0.5 else math.inf
     error = TINY if is_falling and _is_negligible(x, i) else value[0] * input_error + TINY
@@ -126,7 +129,7 @@ def _store_exponential(z: dd.Array, i: int, value: dd.Pair, x: dd.Array, is_fall
 
 @njit()
 def decay_of(x: dd.Array, factor: float, scratch: dd.Array) -> None:
-    """Fill scratch[3] with exp(-factor |x|) and scratch[4] with 1 minus that."""
+    """Fill scratch[3] with exp(-factor |x|) and scratch[4] with 1 - exp(-factor |x|)."""
     for i in range(BLOCK):
         store_pair(scratch[0], i, dd.scale(load_pair(x, i), factor if x[i] >= 0.0 else -factor))
     decay(scratch[0], scratch[1], scratch[2], scratch[3], scratch[4])
@@ -145,7 +148,7 @@ def exponential(x: dd.Array, z: dd.Array, scratch: dd.Array) -> None:
 
 @njit()
 def start_logarithm(x: dd.Array, start: dd.Array) -> None:
-    """Fill ``start`` with -log(x) in double."""
+    """Fill ``start`` with -log(x) in double precision, where `logarithm` starts."""
     for i in range(BLOCK):
         store(start, i, (-math.log(x[i]), 0.0, 0.0))
 

@@ -100,7 +100,7 @@ class LinearPhase:
         return self._coefficients[0][0]
 
     def zero(self, t: float, z: float = 0.0) -> float | None:
-        """Return the x at which the phase vanishes at time t, None if it does not depend on x.
+        """Return the x at which the phase vanishes at time t; None for a phase constant in x.
 
         >>> LinearPhase(2, -6, 3).zero(1.0)
         1.5

@@ -116,7 +116,7 @@ def _run(
     scratch: Array,
     out: Array,
 ) -> None:
-    """Run the code on one block of points after another; the last point pads the last block."""
+    """Fill ``out`` by running the code on blocks of points; the last point pads the last block."""
     points = inputs.shape[2]
     for start in range(0, points, BLOCK):
         count = min(BLOCK, points - start)

@@ -35,10 +35,11 @@ _PRECISE: Any = mpmath.MPContext()
 _PRECISE.prec = 240
 
 _PERIOD_ERROR, _REDUCTION_ERROR = 2.0**-150, 2.0**-104
-"""Two parts of the reduced argument's error bound: relative to the full and to the reduced one."""
+"""Two parts of the error bound of a reduced argument: the first is relative to the argument before
+its reduction, the second to the reduced argument."""
 
 _MAX_QUARTERS = 2.0**100
-"""Number of quarter periods beyond which a phase is not reduced: the error bound is infinite."""
+"""Number of quarter periods beyond which the error bound of a reduced phase is infinite."""
 
 
 class JacobiProgram(NamedTuple):
@@ -103,7 +104,7 @@ def _quarter_period(m1: Any) -> Any:
 class _Series(NamedTuple):
     """Sums over n of the theta series; ``b_1 = 2 q cos 2v`` or ``2 q cosh 2w``.
 
-    In order: theta_3, theta_4, ``theta_1/(2 q**(1/4) sin v)``, ``theta_2/(2 q**(1/4) cos v)``,
+    Fields: theta_3, theta_4, ``theta_1/(2 q**(1/4) sin v)``, ``theta_2/(2 q**(1/4) cos v)``,
     ``-theta_2'/(2 q**(1/4) sin v)``, ``-theta_3'/(4 q sin 2v)``, ``theta_4'/(4 q sin 2v)``.
     """
 
@@ -117,7 +118,7 @@ class _Series(NamedTuple):
 
 
 def _series(q: Any, b1: Any) -> _Series:
-    """Sum the series in ``b_n = 2 q**n cos 2 n v`` or ``2 q**n cosh 2 n w``, by recurrence."""
+    """Sum the theta series, whose terms ``b_n = 2 q**n cos 2 n v`` (or cosh) obey a recurrence."""
     square = q * q
     b2 = b1 * b1 - 2 * square
     b3 = b1 * (b2 - square)
@@ -221,7 +222,7 @@ def _subtract_quarters(u: dd.Three, j: float, quarter: dd.Three) -> dd.Three:
 
 @njit(cache=True, examples=[(doubles(2), THREE, doubles(3))])
 def _reduce(phase: dd.Array, K: dd.Three, out: dd.Array) -> None:
-    """Reduce phases by quarter periods; a second step handles quotients of more than 53 bits."""
+    """Fill ``out`` with phases reduced by quarter periods, in two steps for very large phases."""
     quarter = K[0] if K[0] != 0.0 else np.inf
     for i in range(phase.shape[1]):
         u, middle = dd.two_sum(phase[0, i], phase[1, i])
@@ -284,7 +285,7 @@ class Program:
     fixed: MpmathFormula
 
     def numbers(self, parameters: Sequence[Expr]) -> Numbers:
-        """Compute the numbers at exact parameters with doubled digits until they converge."""
+        """Compute the numbers at exact parameters, doubling the digits until they converge."""
         digits, numbers = CONSTANT_DIGITS, self._fixed_with(CONSTANT_DIGITS, parameters)
         while True:
             digits, previous = 2 * digits, numbers

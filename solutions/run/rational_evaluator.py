@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 Workspace = tuple[Array, Array, Array, Array, Array, Array, Array, Array, Array]
 
 _VALUE, _X, _XX, _T, _XT = 0, 1, 2, 3, 4
-"""Row numbers in a polynomial's workspace: value and derivatives; _XX is half the second one."""
+"""Row numbers in a polynomial's workspace: value, derivatives; _XX is half the xx derivative."""
 
 _STEPS = np.array([[_XX, _X], [_X, _VALUE], [_VALUE, -1], [_XT, _T], [_T, -1]])
 """Pairs (row, row added to it) of a Horner step, in order; -1 is the coefficient, a series in t."""
@@ -64,7 +64,7 @@ def _prepare(x: Array, t: Array, scales: Array, weights: Array) -> None:
     """Divide x by S, with ``|x| <= S`` and ``|t| <= S**3``; fill ``weights[n] = S**-n``.
 
     ``scales`` holds 1/S. The magnitudes stored with x and t are raised if needed, so that the
-    errors of x and t are at most UNIT/4 of them.
+    errors of x and t are at most UNIT/4 of these magnitudes.
     """
     degree = weights.shape[0] - 1
     for i in range(BLOCK):
@@ -80,7 +80,7 @@ def _prepare(x: Array, t: Array, scales: Array, weights: Array) -> None:
 
 @njit()
 def _row(c: Array, first: int, step: int, t: Pair, square: Pair) -> tuple[Pair, Pair]:
-    """Return the row ``sum c[j] t**j`` and its derivative, over j = first, first + step, ..."""
+    """Return ``sum c[j] t**j`` over j = first, first + step, ..., and its derivative in t."""
     variable = square if step == 2 else t
     value = slope = (0.0, 0.0)
     top = c.shape[0] - 1
@@ -107,7 +107,9 @@ def _row_sizes(c: Array, t: float) -> tuple[float, float]:
 
 @njit()
 def _rows(c: Array, parity: int, t: Array, values: Array, slopes: Array) -> None:
-    """Fill each row for all points of a block; ``c[i, j]`` belongs to x^i t^j.
+    """Fill ``values`` and ``slopes`` with a block's polynomials in t, one row for each power of x.
+
+    ``c[i, j]`` is the coefficient of x^i t^j; ``slopes`` are the derivatives in t.
 
     ``parity`` is the common parity of ``i + j``, or -1 if there is none.
     """
@@ -129,7 +131,7 @@ def _rows(c: Array, parity: int, t: Array, values: Array, slopes: Array) -> None
 
 @njit()
 def _polynomial(values: Array, slopes: Array, x: Array, weights: Array, out: Array) -> None:
-    """Fill the rows of ``out`` with the polynomial and its derivatives."""
+    """Fill the rows of ``out`` with the polynomial and its derivatives, by Horner's rule in x."""
     degree = values.shape[0] - 1
     out[:] = 0.0
     for i in range(degree, -1, -1):
@@ -155,7 +157,10 @@ def _dot(A: Bounded, a: Bounded, B: Bounded, b: Bounded) -> Bounded:
 
 @njit()
 def _lane(rows: Array, row: int, i: int, rounding: float) -> Bounded:
-    """Return the bounded number of point ``i`` in a row of a flat workspace."""
+    """Return the bounded number of point ``i`` in a row of a flat workspace.
+
+    Its bound is ``rounding`` times the sum of magnitudes that the row stores.
+    """
     high, low, size = bounded.load(rows[3 * BLOCK * row : 3 * BLOCK * (row + 1)], i)
     return high, low, rounding * size
 
@@ -297,7 +302,7 @@ def _coefficients(part: fmpq_mpoly, shifts: list[sp.Expr]) -> dict[tuple[int, in
 
 
 def _parity(table: Mapping[tuple[int, int], Any]) -> int:
-    """Return the common parity of ``i + j``, or -1 if there is none."""
+    """Return the parity that ``i + j`` has for all (i, j) in ``table``, or -1 if it varies."""
     parities = {(i + j) % 2 for i, j in table}
     return parities.pop() if len(parities) == 1 else -1
 

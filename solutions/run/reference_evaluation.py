@@ -25,7 +25,7 @@ LARGEST_COORDINATE = sp.Integer(10) ** 1000
 
 @lru_cache(maxsize=64)
 def _formula(expression: sp.Expr, parameters: tuple[sp.Symbol, ...]) -> tuple[Any, MpmathFormula]:
-    """Return a private context, and ``expression`` as a formula in (xi, tau, zeta, *parameters)."""
+    """Return a new context, and ``expression`` as a formula in (xi, tau, zeta, *parameters)."""
     return mpmath.MPContext(), MpmathFormula.of([xi, tau, zeta, *parameters], [expression])
 
 

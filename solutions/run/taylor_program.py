@@ -48,9 +48,9 @@ def taylor_bytecode(
 def jacobi_series(
     code: Code, first: int, phase: Series, m: Any, mean: Any, count: int
 ) -> list[Series]:
-    """Return the series of a phase's sn, cn, dn, zeta, Theta: inputs ``first`` to ``first + 4``.
+    """Return the series, ``count`` terms each, of sn, cn, dn, zeta and Theta of a phase.
 
-    ``m`` is their parameter and ``mean`` is E/K.
+    Their values are the inputs ``first`` to ``first + 4``; ``m`` is their parameter, ``mean`` E/K.
     """
     rate = phase[1] if count > 1 else 0
     sn, cn, dn, zeta, theta = all_series = [[Value(code, first + n)] for n in range(5)]
@@ -66,7 +66,7 @@ def jacobi_series(
 
 
 def _of_product(x: Series, y: Series, n: int) -> Any:
-    """Return the n-th coefficient of a product; a square uses every pair once."""
+    """Return the n-th coefficient of the product of two series; faster if they are the same."""
     if x is not y:  # one series twice is a square
         return sum((x[i] * y[n - i] for i in range(n + 1)), LONG.zero)
     pairs = sum((x[i] * x[n - i] for i in range((n + 1) // 2)), LONG.zero) * 2
@@ -84,7 +84,7 @@ class _Expansion:
         return Value(self._code, self._code.number(coefficient))
 
     def series(self, operation: Operation, x: Series, y: Series, c: Any) -> Series:
-        """Return the series of an instruction's result."""
+        """Return the series of an instruction's result from its operands' series and constant."""
         match operation:
             case Operation.MULTIPLY_CONSTANT | Operation.SCALE:
                 return [term * c for term in x]
@@ -143,6 +143,6 @@ def _dot(x: Series, y: Series) -> Any:
 
 
 def _chain(x: Series, outer: Series, n: int) -> Any:
-    """Return the n-th coefficient of a function of x whose derivative has the series ``outer``."""
+    """Return the n-th coefficient of f(x), where ``outer`` is the series of f'(x); n > 0."""
     terms = (x[j] * (LONG.mpf(j) / n) * outer[n - j] for j in range(1, n + 1))
     return sum(terms, LONG.zero)
