@@ -89,7 +89,7 @@ class PeriodicClaim:
 
     @cached_property
     def speed_squared(self) -> arb:
-        """v^2 with its error."""
+        """Squared speed v^2 of the proved wave, as a ball."""
         return self.centre.speed_squared + arb(0, self.radius / self.centre.weight)
 
     @property
@@ -259,7 +259,7 @@ def _check_tie(record: Record) -> str:
 
 
 class TieClaim:
-    """The statement and the pieces of a certificate for all small eps."""
+    """The statement of a certificate for all small eps, and its pieces of the range of eps^2."""
 
     def __init__(self, record: Record) -> None:
         springs = _springs(record.record("lattice"))
@@ -275,7 +275,7 @@ class TieClaim:
         self.pieces = record.items("pieces", MAX_PIECES)
 
     def proved(self) -> dict[str, Ends]:
-        """Return the constants of the tie. Raises CertificateError if a piece is not proved."""
+        """Return the proved constants for all eps. Raises CertificateError if a piece fails."""
         low, high, speed, reached = [], [], [], fmpq(0)
         for item in self.pieces:
             piece, bound, last = _tie_piece(Record(item, "piece"), self.wave, self.weight, reached)
@@ -321,7 +321,7 @@ def _greatest(values: Sequence[arb]) -> arb:
 def _tie_piece(
     item: Record, wave: NearWave, weight: arb, reached: fmpq
 ) -> tuple[TiePiece, arb, fmpq]:
-    """Return a piece of eps^2 that begins at ``reached``, its bound c, and its end."""
+    """Read the piece of the range of eps^2 from ``reached`` on; return it, its bound c, its end."""
     last, bound = item.number("square"), arb(item.number("bound"))
     correction = [arb(decimal(c)) for c in item.items("correction", MAX_MODES)]
     item.close()
@@ -371,7 +371,7 @@ def _near(record: Record, springs: tuple[Spring, ...]) -> NearWave:
 
 
 def _distance(near: NearWave, modes: Series, radius: arb) -> Ends:
-    """Return the ends of sup |f - eps Y|/eps."""
+    """Return bounds of sup |f - eps Y|/eps, for the wave f within ``radius`` of ``modes``."""
     top = len(modes) - 1
     low, high = supremum([a - b for a, b in zip(modes, near.modes(top), strict=True)])
     error, eps = radius + near.rest(top), arb(near.eps)
