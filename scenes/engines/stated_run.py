@@ -102,7 +102,7 @@ def refinements(scene: Scene) -> list[str]:
 
 
 def refined_scene(scene: Scene, measure: str) -> Scene:
-    """Return the scene with half the step for ``time_step_error``, else with twice the sites."""
+    """Return the scene refined to ``measure`` an error: half the step or twice the sites."""
     stated = scene.discretisation
     if measure == "time_step_error":
         finer = replace(stated, step=stated.step / 2.0)
@@ -174,7 +174,7 @@ def run_from(
 def _reached(
     scene: Scene, recorders: Sequence[Recorder], recording: Recording
 ) -> tuple[float, ...]:
-    """Return the snapshots that a run recorded, or reached if it records none at snapshots."""
+    """Return the snapshots that were recorded; those reached if no observable needs snapshots."""
     if recording.stopped:
         for recorder in recorders:
             if recorder.dimension == "time":
