@@ -313,7 +313,7 @@ class _Problem:
         return least_squares.unit_covariance(jacobian, self._model.free, "records", remedy)
 
     def _evaluate(self, values: Array) -> Array:
-        """Return residuals and their derivatives, (readings, 1 + free); caches the latest result."""
+        """Return residuals and their derivatives, (readings, 1 + free); caches the latest."""
         at = tuple(values.tolist())
         if self._cached is None or self._cached[0] != at:
             readings = self._model.readings(values, self._times, self._sensors, self.step)

@@ -167,7 +167,7 @@ class FirstCorrection:
         return np.asarray(total)
 
     def _update_truncated(self, T: float, modes: Complex) -> None:
-        """Raise ``_truncated`` to the ratio of Y1_T's largest truncated mode to its largest mode."""
+        """Raise ``_truncated`` to the largest truncated mode of Y1_T over its largest mode."""
         sizes = np.abs(np.fft.rfft(self._varying(T, modes)))
         largest = max(float(np.max(sizes)), TINY_DENOMINATOR)
         self._truncated = max(self._truncated, float(np.max(sizes[self._space.k.size :]) / largest))
