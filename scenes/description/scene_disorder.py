@@ -1,9 +1,11 @@
 """Disorder of a scene: deviations of masses or of a constant of the springs from cell to cell.
 
-[disorder] of = "mass" # all masses, or a constant of the springs, such as "K2" spread = 0.1 # the
-largest deviation: m (1 + d) with |d| <= 0.1 seed = 1 # of the realisation, the same on every ring
-distribution = "uniform" # or "binary": d is -spread or spread sites = [0, 999] # the first and the
-last cell that deviate; by default all
+[disorder]
+of = "mass"                 # all masses, or a constant of the springs, such as "K2"
+spread = 0.1                # the largest deviation: m (1 + d) with |d| <= 0.1
+seed = 1                    # of the realisation, the same on every ring
+distribution = "uniform"    # or "binary": d is -spread or spread
+sites = [0, 999]            # the first and the last cell that deviate; default: all
 """
 
 from __future__ import annotations

@@ -159,12 +159,12 @@ def _signal_speeds(lattice: NumericLattice, slopes: list[float]) -> list[float]:
 
 
 class DomainCost:
-    """Size of the domain of one wave, and expected cost of searching its step for ``times``.
+    """Size of the domain of one wave, and expected cost of the search for its time step.
 
-    The run starts at the first of the times. ``extent`` is the wave's extent (low, high), in cells
-    from the frame's origin, if the wave can be run in a window to ``tolerance``; otherwise None.
-    ``room`` is the number of cells at either end of a ring that are blended to close it; 0 if the
-    domains are not ``closed``.
+    The run goes from the first to the last of ``times``. ``extent`` is the wave's extent (low,
+    high), in cells from the frame's origin, if the wave can be run in a window to ``tolerance``;
+    otherwise None. ``room`` is the number of cells at either end of a ring that are blended to
+    close it; 0 if the domains are not ``closed``.
     """
 
     def __init__(

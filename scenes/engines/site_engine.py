@@ -229,7 +229,7 @@ class SiteEngine(StepSearch):
     def control(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
         """Return the choices of a control run, which reveals these ``kinds`` of error.
 
-        These are a shorter step on a ring of the other size, or a wider window.
+        The kind "step" takes a shorter step, on a ring of the other size; "domain" a wider window.
         """
         if "step" in kinds:
             step = shorter_step(self._stops, choices.step, self.order, STEP_RATIO)

@@ -16,7 +16,7 @@ SAMPLED_TIMES = 17
 """Number of equidistant times at which the wave is sampled, in addition to some snapshots."""
 
 DISTANCES = np.concatenate([np.linspace(0.0, 1.0, 21)[:-1], np.geomspace(1.0, 1e5, 360)])
-"""Distances of sample points from a phase's zero, in units of xi; beyond 1 each step is 3.2 %."""
+"""Distances of sample points from a phase's zero, in units of xi; beyond 1 in steps of 3.2 %."""
 
 LEVEL_FRACTION = 0.01
 """Least deviation from the far field counted as part of the wave, in units of the tolerance."""

@@ -102,7 +102,7 @@ class PeriodicClaim:
         return Stiffness(law.stiffness, rest, self.speed_squared.sqrt(), self.period)
 
     def proved(self) -> dict[str, Ends]:
-        """Return the proved numbers by the names that claims have."""
+        """Return the proved bounds of each number, by its name in the claims."""
         modes, error = self.centre.modes, arb(0, self.radius)
         numbers = {
             "speed": ends_of(self.speed_squared.sqrt()),
@@ -117,7 +117,7 @@ class PeriodicClaim:
 
     @property
     def statement(self) -> str:
-        """The theorem in words."""
+        """Text of the theorem that the certificate proves."""
         springs = " and ".join(
             f"V'(r) = {s.force.text}" + (f" (neighbour {s.neighbour})" if s.neighbour > 1 else "")
             for s in self.springs
@@ -167,7 +167,7 @@ class SolitaryClaim:
             )
 
     def proved(self) -> dict[str, Ends]:
-        """Return the proved numbers by the names that claims have."""
+        """Return the proved bounds of each number, by its name in the claims."""
         centre = self.centre
         strain = centre.strain
         error = centre.embedding * self.radius + centre.periodic_error * centre.edge
@@ -176,7 +176,7 @@ class SolitaryClaim:
 
     @property
     def statement(self) -> str:
-        """The theorem in words."""
+        """Text of the theorem that the certificate proves."""
         return (
             f"The chain of unit masses with V'(r) = {self.springs[0].force.text} has a smooth even "
             f"solitary strain f(n - v t), f in L^2 and not 0, with the speed v = {self.speed}."
@@ -235,7 +235,7 @@ class ExponentClaim:
 
     @property
     def statement(self) -> str:
-        """The theorem in words."""
+        """Text of the theorem that the certificate proves."""
         growth = self.proved()["growth"][0]
         verdict = "It is UNSTABLE: perturbations grow as exp(growth t)." if growth > 0 else ""
         return "\n".join(
@@ -301,7 +301,7 @@ class TieClaim:
 
     @property
     def statement(self) -> str:
-        """The theorem in words."""
+        """Text of the theorem that the certificate proves."""
         return (
             f"For every 0 < eps <= {self.eps} the chain of unit masses with V'(r) = "
             f"{self.force.text} has a smooth even periodic strain f(n - v t) with period, mean and "

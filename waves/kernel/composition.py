@@ -62,7 +62,7 @@ def composed(force: Force, f: Sequence[arb], nu: arb, reach: arb, strip: Strip |
 
 
 def trimmed(f: Series, nu: arb, cut: float) -> tuple[Series, arb]:
-    """Drop the highest coefficients, of norm below ``cut``; return the others and that norm."""
+    """Drop the highest coefficients, of norm below ``cut``; return the others and a norm bound."""
     rest, top = arb(0), len(f)
     while top > 1:
         more = rest + 2 * abs(f[top - 1]) * nu ** (top - 1)

@@ -34,7 +34,7 @@ def polynomial_of(coefficients: Sequence[arb], f: Sequence[arb]) -> Series:
 
 
 def norm(f: Sequence[arb], nu: arb) -> arb:
-    """Return an upper bound of the norm."""
+    """Return an upper bound of the norm of f with weight ``nu``."""
     total, weight = arb(0), arb(2)
     for coefficient in reversed(f[1:]):
         total = total * nu + abs(coefficient)

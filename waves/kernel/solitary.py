@@ -229,7 +229,10 @@ def _matrix(
 
 
 def _linear_block(centre: SolitaryCentre, slope: Series) -> tuple[arb_mat, arb]:
-    """Return the block's inverse B and the norm of I - A (I - W K_per); W is ``slope``."""
+    """Return the inverse of the block of known modes, and the norm of I - A (I - W K_per).
+
+    W has the modes ``slope``.
+    """
     top, width = centre.top, len(slope) - 1
     require_size((top + 1) * (top + 1 + width))
     inside, outside = range(top + 1), range(top + 1, top + width + 1)
@@ -262,7 +265,7 @@ def _spectral_norm(matrix: arb_mat) -> arb:
 
 
 def _periodic_defect(centre: SolitaryCentre, inverse: arb_mat) -> arb:
-    """Return the norm of A applied to the modes of g - N(f_p)."""
+    """Return the norm of A (g - N(f_p)), where A is ``inverse`` on the known modes."""
     values = polynomial_of(centre.nonlinear, centre.strain)
     first, other = (2 * centre.half_length).sqrt(), 2 * centre.half_length.sqrt()
     scaled = [
