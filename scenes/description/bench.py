@@ -68,7 +68,7 @@ def _truth(name: str, given: object) -> bool:
 
 
 def _numbers(name: str, given: object, of: str, least: int = 0, few: int = 0) -> tuple[int, ...]:
-    """Check a list of at least ``few`` whole numbers >= ``least``; messages call them ``of``."""
+    """Check and return at least ``few`` whole numbers >= ``least``; messages call them ``of``."""
     if not isinstance(given, list | tuple) or len(given) < few:
         raise ValueError(f"{name} must be a list of {of}, got {shown(given)} (such as [1, 2])")
     return tuple(check.whole(name, number, least) for number in given)

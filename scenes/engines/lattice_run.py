@@ -361,7 +361,7 @@ def record_by_cells(scene: Scene, progress: Progress, announce: Announce) -> run
 def _checked_record(
     record: run_record.RunRecord | None, result: Refined, scene: Scene, end: float, begun: float
 ) -> run_record.RunRecord:
-    """Return the record with the error estimate of its search; ValueError if no step suffices."""
+    """Return the record with its search's error estimate; ValueError if no step is short enough."""
     if record is None or (math.isinf(result.error) and not record.attrs["blow_up"]):
         raise ValueError(
             f"times must end before {scene.lattice} blows up, got {end:g} (steps "

@@ -102,7 +102,8 @@ def refinements(scene: Scene) -> list[str]:
 
 
 def refined_scene(scene: Scene, measure: str) -> Scene:
-    """Return the scene refined to ``measure`` an error: half the step or twice the sites."""
+    """Return a scene of half the step to ``measure`` "time_step_error", else of twice the sites.
+    """
     stated = scene.discretisation
     if measure == "time_step_error":
         finer = replace(stated, step=stated.step / 2.0)

@@ -105,7 +105,7 @@ WAVE_SAMPLES = 8 * MOST_MODES
 
 @dataclass(frozen=True)
 class Trust:
-    """Fastest perturbation's growth rate per lattice time, and the predictability time."""
+    """Growth rate per lattice time of the fastest perturbation, and the predictability time."""
 
     rate: float
     predictability_time: float
