@@ -102,8 +102,7 @@ def refinements(scene: Scene) -> list[str]:
 
 
 def refined_scene(scene: Scene, measure: str) -> Scene:
-    """Return a scene of half the step to ``measure`` "time_step_error", else of twice the sites.
-    """
+    """Return the scene with half the step for ``measure`` time_step_error, else twice the sites."""
     stated = scene.discretisation
     if measure == "time_step_error":
         finer = replace(stated, step=stated.step / 2.0)
