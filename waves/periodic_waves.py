@@ -31,7 +31,7 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class PeriodicProblem:
-    """Springs, period, mean and first mode of a wave to find, maybe those of a wave ``near``."""
+    """Springs, period, mean and first mode of a wave to find, perhaps those of an elliptic wave."""
 
     springs: tuple[Spring, ...]
     period: arb

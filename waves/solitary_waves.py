@@ -137,7 +137,7 @@ def _approximate(spring: Spring, speed: float, count: int) -> _Approximation:
 
 
 def _moved(wave: _Approximation, speed: float, sound: float) -> _Approximation:
-    """Return the wave rescaled to another speed, as an initial guess there."""
+    """Return the wave rescaled to another ``speed``, as an initial guess at that speed."""
     half_length = HALF_LENGTH / decay(speed, sound**2)
     gaps = [s**2 - sound**2 for s in (wave.speed, speed)]
     factor = gaps[1] / gaps[0] * (half_length / wave.half_length) ** 0

@@ -124,7 +124,7 @@ def as_table(name: str, given: object) -> Mapping[str, Any]:
 def refuse_unknown(
     given: Iterable[str], known: Iterable[str], where: str = "", what: str = "keys"
 ) -> None:
-    """Raise ValueError for an unknown key; it calls the keys ``what`` and the table ``where``."""
+    """Raise ValueError for an unknown key; its message calls keys ``what``, the table ``where``."""
     for key in given:
         if key not in known:
             remedy = known_names.one_of(key, known)

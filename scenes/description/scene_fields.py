@@ -51,7 +51,7 @@ CLOSED_FORM = StartRules()
 
 @dataclass(frozen=True, repr=False)
 class SceneFields:
-    """Fields of a `Scene`, explained in its docstring, and properties computed from them."""
+    """Fields of a `Scene`, which explains them, and properties computed from the fields."""
 
     name: str
     wave: str | ClosedForm

@@ -198,7 +198,7 @@ class SidebandGrowth:
 def record_scene(
     scene: Scene, progress: Progress | None, announce: Announce | None, restart: State | None
 ) -> RunRecord:
-    """Run a growth scene and return the record of `measure_growth`; it cannot be resumed."""
+    """Run a growth scene and return the record of `measure_growth`; ``restart`` must be None."""
     assert restart is None
     return measure_growth(scene, progress, announce).record
 

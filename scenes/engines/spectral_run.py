@@ -53,7 +53,7 @@ steepness s = a |y|, with the factor a of xi = a X; 250 to 520 for solitons of s
 0.6."""
 
 FIRST_RING_RUNS = 2.0
-"""Cost of all runs on the first ring, one for each step tried, in units of the last of them."""
+"""Cost of all runs on the first ring, one for each step tried, in units of the last run."""
 
 MOST_RELATIVE_COST = 300.0
 """Cost at which the spectral engine gives up, in units of the stencil's first run (`MIN_BUDGET`).

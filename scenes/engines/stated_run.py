@@ -53,7 +53,7 @@ def record(
     restart: State | None = None,
     stops: Collection[float] = (),
 ) -> Recording:
-    """Run the scene to its end, a blow-up or Ctrl-C; each observer measures it at its times.
+    """Run the scene to its end, a blow-up or Ctrl-C; each observer measures at its own times.
 
     A run from the state ``restart`` is measured only after the time of that state. ``stops`` are
     further times that the steps hit exactly.
@@ -174,7 +174,7 @@ def run_from(
 def _reached(
     scene: Scene, recorders: Sequence[Recorder], recording: Recording
 ) -> tuple[float, ...]:
-    """Return the snapshots that were recorded; those reached if no observable needs snapshots."""
+    """Return the recorded snapshots, or the snapshots reached if no observable needs any."""
     if recording.stopped:
         for recorder in recorders:
             if recorder.dimension == "time":

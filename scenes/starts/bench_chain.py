@@ -35,7 +35,7 @@ Reader = Callable[[Moment], ArrayLike]
 
 @dataclass(frozen=True)
 class BenchVariable:
-    """Variable of a run: dimensions besides time, and a function that reads it from a `Moment`."""
+    """Variable of a run: dimensions besides time, and a function of a `Moment` that returns it."""
 
     name: str
     dimensions: tuple[str, ...]

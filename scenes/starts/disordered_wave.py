@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 class WaveDisorder:
-    """Disorder of a wave's ``lattice``; initial data and theory remain those of the ordered one.
+    """Disorder of a wave's ``lattice``; initial data and theory are those of the ordered lattice.
 
     ``symbolic`` is the lattice's declaration and ``values`` are its constants. ``far`` is the
     constant background of a long wave; None for an envelope or an infinite wave. ``uniform`` is the
