@@ -35,7 +35,9 @@ Reader = Callable[[Moment], ArrayLike]
 
 @dataclass(frozen=True)
 class BenchVariable:
-    """Variable of a run: dimensions besides time, and a function of a `Moment` that returns it."""
+    """Variable of a run: dimensions besides time, and a function that returns its value at a
+    `Moment`.
+    """
 
     name: str
     dimensions: tuple[str, ...]

@@ -145,9 +145,7 @@ def equation_of_form(form: ClosedForm) -> str:
 
 
 def _fits(form: ClosedForm, derived: LatticeDerivation) -> bool:
-    """Return whether the form solves the equation and, under losses, can follow its amplitude
-    law.
-    """
+    """Return whether the form solves the equation and can follow its amplitude law, if any."""
     equation, normal = form.equation, derived.normal_form
     if normal is None or (derived.law is not None and form.name not in DAMPED_WAVES):
         return False
