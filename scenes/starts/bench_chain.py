@@ -35,9 +35,7 @@ Reader = Callable[[Moment], ArrayLike]
 
 @dataclass(frozen=True)
 class BenchVariable:
-    """Variable of a run: dimensions besides time, and a function that returns its value at a
-    `Moment`.
-    """
+    """Variable of a run: dimensions besides time, and the function of a `Moment` that reads it."""
 
     name: str
     dimensions: tuple[str, ...]
