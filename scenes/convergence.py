@@ -31,7 +31,7 @@ MAX_EPS_VALUES = 20
 """Maximum number of values of eps."""
 
 DISCRETISATION_FRACTION = 0.05
-"""Largest discretisation error of a run, as a fraction of the error that it measures."""
+"""Largest discretisation error accepted in a run, as a fraction of the error that it measures."""
 
 DEFAULT_FACTORS = (2.0, 1.4, 1.0, 0.7)
 """Default values of eps, in units of the scene's eps."""
@@ -78,7 +78,7 @@ class ConvergencePoint:
 class SceneConvergence:
     """Errors of a scene at several eps, and the power of eps fitted to them.
 
-    The compared quantity itself is of size eps^``power``; errors are absolute. ``theory`` is the
+    Errors are absolute; the compared quantity itself is of size eps^``power``. ``theory`` is the
     power predicted by the expansion, or None if it predicts none.
     """
 
@@ -267,7 +267,7 @@ ZERO_COEFFICIENT = 1e-12
 
 
 def long_wave_rate(reduction: Reduction, lattice: Lattice, order: str) -> int | None:
-    """Return the theoretical power of eps of the strain's error; ``order`` is that of the data.
+    """Return the theoretical power of eps of the strain's error for initial data of this ``order``.
 
     Returns None for leading data of several fields, which excite free waves that the expansion
     does not describe, and if no correction of the equation is found.
@@ -294,7 +294,7 @@ def long_wave_rate(reduction: Reduction, lattice: Lattice, order: str) -> int | 
 
 
 def envelope_rate(envelope: Envelope, numbers: Mapping[str, Number], order: str) -> int:
-    """Return the theoretical power of eps of an envelope's error; ``order`` is that of the data.
+    """Return the theoretical power of eps of an envelope's error for data of this ``order``.
 
     >>> from longwave.derive import LATTICES, envelope
     >>> found = envelope(LATTICES["fput_strain"], 1)
@@ -316,8 +316,8 @@ def _has(terms: CarrierTerms, power: int) -> bool:
 def scene_rate(scene: Scene) -> int | None:
     """Return the theoretical power of eps of a scene's error; None if theory predicts none.
 
-    None also with disorder, whose scattered waves are not part of the theory, and for a soliton
-    with losses, which do not become small with eps.
+    Also returns None for a scene with disorder, whose scattered waves are not part of the theory,
+    and for a soliton with losses, which do not become small with eps.
     """
     if scene.disorder:
         return None

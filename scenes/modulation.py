@@ -139,7 +139,7 @@ def _values(
 
 
 def _sum(terms: Any, names: list[str], point: Mapping[str, Any]) -> tuple[Any, Any]:
-    """Return the value of a polynomial at ``point``, and the sum of its terms' moduli."""
+    """Return the sum of a polynomial's ``terms`` at ``point``, and the sum of their moduli."""
     total, magnitude = np.clongdouble(0), np.longdouble(0)
     for exponents, value in terms:
         term: Any = np.longdouble(value)

@@ -14,7 +14,7 @@ LEAST_RADIUS = 1e-38
 
 
 def contracting_radius(bounds: Contraction) -> str:
-    """Return a radius, rounded up, at which the map contracts.
+    """Return a radius, rounded up, of a ball that the map with these ``bounds`` contracts.
 
     Raises CertificateError with the inequality that fails for every radius.
     """
@@ -37,7 +37,7 @@ def decimal_text(value: arb) -> str:
 
 
 def interval(ends: tuple[arb, arb]) -> list[str]:
-    """Return decimals of a lower and an upper end, rounded outwards."""
+    """Return the lower and the upper end of an interval as decimals, rounded outwards."""
     return [_rounded(ends[0], -1), _rounded(ends[1], 1)]
 
 

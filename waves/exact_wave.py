@@ -28,7 +28,7 @@ from longwave.waves.springs import Refused, chain_springs
 
 
 class Existence(StrEnum):
-    """Verdict on a wave: EXISTS is proved; REFUSED is outside the theorems."""
+    """Verdict on a wave: EXISTS if proved, REFUSED if no theorem applies, else NOT_PROVED."""
 
     EXISTS = "EXISTS"
     NOT_PROVED = "NOT PROVED"
@@ -44,12 +44,12 @@ class Interval:
 
     @property
     def value(self) -> float:
-        """The middle."""
+        """Midpoint of the interval."""
         return float((Fraction(self.lower) + Fraction(self.upper)) / 2)
 
     @property
     def error(self) -> float:
-        """Half of the width, rounded up."""
+        """Half of the interval's width, rounded up."""
         width = float((Fraction(self.upper) - Fraction(self.lower)) / 2)
         return float(np.nextafter(width, np.inf))
 
@@ -73,10 +73,10 @@ class Exponent:
 
 @dataclass(frozen=True)
 class ExactWave:
-    """A wave with its verdict.
+    """Wave of a lattice, with the verdict on its existence and its proved numbers.
 
     ``radius`` bounds the distance of the certificate's series from the wave; ``reason`` says what
-    failed if nothing is proved. ``statement`` is the theorem in words.
+    failed if the wave is not proved. ``statement`` is the theorem in words.
     """
 
     verdict: Existence
@@ -86,7 +86,7 @@ class ExactWave:
 
     @property
     def radius(self) -> float:
-        """Bound of the error of the certificate's series."""
+        """Bound of the distance between the wave's strain and the certificate's series."""
         return float(self.certificate["radius"])
 
     @property
@@ -106,23 +106,24 @@ class ExactWave:
 
     @property
     def crest(self) -> Interval:
-        """Strain at x = 0."""
+        """Strain f(0) at the wave's crest or trough."""
         return self.numbers["crest"]
 
     @property
     def energy(self) -> Interval | None:
-        """Energy of a period at zero mean momentum; None where it is not proved."""
+        """Energy of one period of the wave at zero mean momentum; None if it is not proved."""
         return self.numbers.get("energy")
 
     @property
     def distance(self) -> Interval | None:
-        """Largest distance from eps Y over eps; None unless the wave was found near Y."""
+        """Bounds of sup |f - eps Y|/eps; None unless the wave f was found near an elliptic Y."""
         return self.numbers.get("distance")
 
     def exponent(self, bloch: Number) -> Exponent:
-        """Return the Floquet exponent with the largest growth at kappa P/(2 pi) = ``bloch``.
+        """Return the Floquet exponent with the largest growth at wavenumber 2 pi ``bloch``/period.
 
-        Raises ValueError unless this is a periodic wave that exists, or if nothing is proved.
+        Raises ValueError unless this is a periodic wave that is proved to exist, and
+        CertificateError if no exponent is proved.
         """
         from longwave.waves.exponents import most_unstable
 
@@ -135,7 +136,7 @@ class ExactWave:
     def at(self, x: ArrayLike) -> NDArray[np.float64]:
         """Return the strain f(x) in double precision; the wave's proved error is `radius`.
 
-        A solitary wave's strain is that of its periodic sum, and 0 beyond the certificate's length.
+        For a solitary wave it is the periodic series on the certificate's interval, and 0 outside.
         """
         from longwave.waves.profiles import strain
 
@@ -178,8 +179,8 @@ def exact_wave(
     and first mode of that wave of the modified KdV equation. A solitary wave is given by its
     ``speed``. ``error`` is the largest error of the strain that is accepted.
 
-    Raises ValueError for arguments that state no wave. A wave that is not proved or outside the
-    theorems is a verdict.
+    Raises ValueError for arguments that state no wave. If the proof fails or no theorem applies,
+    the verdict says so.
 
     >>> from longwave.derive import LATTICES
     >>> chain = LATTICES["fput_strain"].with_values({"K2": 1, "K3": 1, "K4": 0})
@@ -203,9 +204,10 @@ def exact_wave(
 def waves_of_all_eps(lattice: Lattice, *, near: str, k: Number, eps: Number) -> ExactWave:
     """Prove that a chain K2 r + K4 r^3 has a wave next to eps' Y for every 0 < eps' <= ``eps``.
 
-    Y is the "dn", "cn" or "sn" wave of the modified KdV equation with modulus ``k``; the wave has
-    its period, mean and first mode. The numbers are ``distance_over_eps3``, in which all
-    sup |f - eps' Y|/eps'^3 lie, and ``speed_over_eps4``, for |v^2 - K2 - sigma_0 eps'^2|/eps'^4.
+    Y is the "dn", "cn" or "sn" wave of the modified KdV equation with modulus ``k``; the chain's
+    wave, of strain f and speed v, has the period, mean and first mode of eps' Y. For all eps' the
+    interval ``distance_over_eps3`` contains sup |f - eps' Y|/eps'^3, and ``speed_over_eps4``
+    contains |v^2 - K2 - sigma_0 eps'^2|/eps'^4, where sigma_0 is the speed of Y.
 
     >>> from longwave.derive import LATTICES
     >>> chain = LATTICES["fput_strain"].with_values({"K2": 1, "K3": 0, "K4": 1})
@@ -224,7 +226,7 @@ def waves_of_all_eps(lattice: Lattice, *, near: str, k: Number, eps: Number) -> 
 
 
 def _verdict(find: Callable[[], dict[str, Any]]) -> ExactWave:
-    """Return the verdict on the certificate that ``find`` returns, checked again."""
+    """Check the certificate that ``find`` returns, and return the wave with the verdict."""
     try:
         certificate = find()
         statement = check_certificate(certificate)
@@ -277,7 +279,7 @@ def _nearest_neighbours(lattice: Lattice, near: str) -> tuple[Spring, ...]:
 
 
 def _check_near(springs: tuple[Spring, ...], near: str, k: fmpq, eps: fmpq) -> None:
-    """Raise ValueError for values that state no wave."""
+    """Raise ValueError for a form, modulus or eps that states no elliptic wave of the chain."""
     try:
         NearWave(near, k, eps, springs[0].force)
     except CertificateError as reason:

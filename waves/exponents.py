@@ -24,9 +24,10 @@ COMPONENTS_PER_CELL, LEAST_COMPONENTS = 1.2, 12
 def approximate_exponents(
     certificate: Mapping[str, Any], bloch: fmpq, top: int
 ) -> tuple[Components, NDArray[np.complex128]]:
-    """Return the exponents of a wave at kappa P/(2 pi) = ``bloch``, and their vectors as columns.
+    """Return the Floquet exponents at wavenumber 2 pi ``bloch``/period, and vectors as columns.
 
-    Components -top ... top are kept; exponents far from the real axis are those of the cut.
+    The vectors are cut to the components -``top`` ... ``top``; exponents with a large imaginary
+    part are therefore wrong.
     """
     wave = _wave(certificate)
     modes = np.array([float(c) for c in wave.stiffness.modes])
@@ -43,7 +44,10 @@ def approximate_exponents(
 def exponent_certificate(
     certificate: Mapping[str, Any], bloch: fmpq, exponent: complex, vector: Components
 ) -> dict[str, Any]:
-    """Return the certificate of the exponent near an approximation. Raises CertificateError."""
+    """Return the certificate of an exponent, from its approximation and that of its ``vector``.
+
+    Raises CertificateError if the proof fails.
+    """
     before, ctx.prec = ctx.prec, int(certificate["bits"])
     try:
         return _prove(certificate, bloch, exponent, vector)
@@ -52,7 +56,9 @@ def exponent_certificate(
 
 
 def most_unstable(certificate: Mapping[str, Any], bloch: fmpq) -> dict[str, Any]:
-    """Return the certificate of the exponent with the largest growth. Raises CertificateError.
+    """Return the certificate of the exponent with the largest growth.
+
+    Raises CertificateError if the proof fails.
 
     A wave number kappa and kappa + 2 pi are the same on the lattice; the vector's largest component
     is in the first Brillouin zone.

@@ -31,7 +31,7 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class PeriodicProblem:
-    """Springs, period, mean and first mode; ``near`` states the last three."""
+    """Springs, period, mean and first mode of a wave to find, perhaps those of an elliptic wave."""
 
     springs: tuple[Spring, ...]
     period: arb
@@ -60,7 +60,7 @@ class PeriodicProblem:
 
 @dataclass(frozen=True)
 class _Galerkin:
-    """The first N equations in floating point, by collocation at 4 N points."""
+    """The wave's first N equations in floating point, by collocation at 4 N points."""
 
     problem: PeriodicProblem
     top: int
@@ -88,7 +88,7 @@ class _Galerkin:
         raise CertificateError("Newton's method did not converge")
 
     def _forces(self, modes: Vector) -> tuple[Vector, Vector]:
-        """Return mu_j sum S_mj [V_m'(S_m f)]_j and its derivatives, rows and columns 1 ... N."""
+        """Return mu_j sum_m S_mj [V_m'(S_m f)]_j and its derivatives by f_k, j and k = 1 ... N."""
         count, order = 4 * self.top, np.arange(self.top + 1)
         half = np.pi * order / float(self.problem.period)
         mobility = np.sinc(half / np.pi) ** 2
@@ -141,7 +141,7 @@ def _certificate(problem: PeriodicProblem, error: float) -> dict[str, Any]:
 
 
 def _start(problem: PeriodicProblem, top: int) -> tuple[Vector, float]:
-    """Return an approximation: next to the elliptic wave, or continued from a small wave."""
+    """Return N = ``top`` modes and v^2, from the elliptic wave or continued from a small wave."""
     if problem.near:
         modes = np.array([float(problem.near.mode(j)) for j in range(top + 1)])
         return _Galerkin(problem, top).solve(modes, float(_sound(problem)))

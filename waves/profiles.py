@@ -16,7 +16,7 @@ Vector = NDArray[np.float64]
 
 
 def strain(certificate: Mapping[str, Any], x: Vector) -> Vector:
-    """Return the strain f(x) of a certificate's wave, f at its crest or trough at x = 0."""
+    """Return the strain f(x) of a certificate's wave; its crest or trough is at x = 0."""
     modes, length, inside = _series(certificate)
     angle = 2 * np.pi * x / length
     order = np.arange(len(modes))

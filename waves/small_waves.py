@@ -17,12 +17,12 @@ from longwave.waves.kernel.tie import TiePiece, tie_contraction
 
 BITS = 96
 WEIGHTS = tuple(fmpq(1, n) for n in (300, 150, 75, 40, 20, 10, 5, 2, 1))
-"""Weights of sigma in the norm; the one with the least bound is taken."""
+"""Weights of the speed sigma in the norm that are tried; the least bound decides."""
 
 FIRST_PIECES, MOST_PIECES = 48, 4096
 LEAST_TOP, MOST_TOP = 8, 96
 MODE_CUT = 1e-11
-"""Modes of Y below this are bounded in the tail."""
+"""Size of the modes of Y from which on they are bounded as a tail."""
 
 
 def tie_certificate(spring: Spring, form: str, k: fmpq, eps: fmpq) -> dict[str, Any]:
@@ -59,7 +59,7 @@ def _certificate(spring: Spring, form: str, k: fmpq, eps: fmpq) -> dict[str, Any
 
 
 def _best_weight(wave: NearWave, top: int, square: fmpq) -> fmpq:
-    """Return the weight with the least bound at the largest eps. Raises CertificateError."""
+    """Return the weight with the least bound on the last piece. Raises CertificateError."""
     bounds: dict[float, fmpq] = {}
     failure = CertificateError("no weight is left")
     for weight in WEIGHTS:
@@ -75,7 +75,7 @@ def _best_weight(wave: NearWave, top: int, square: fmpq) -> fmpq:
 
 
 def _pieces(wave: NearWave, weight: arb, top: int, square: fmpq) -> list[dict[str, Any]]:
-    """Return pieces that cover 0 ... ``square``; a piece that fails is halved."""
+    """Return pieces that cover eps^2 = 0 ... ``square``; a piece whose proof fails is halved."""
     remaining = [
         (square * i / FIRST_PIECES, square * (i + 1) / FIRST_PIECES)
         for i in reversed(range(FIRST_PIECES))
@@ -103,7 +103,7 @@ def _piece(wave: NearWave, weight: arb, top: int, first: fmpq, last: fmpq) -> di
 
 
 def _correction(wave: NearWave, weight: arb, top: int, square: fmpq) -> list[float]:
-    """Return sigma_1 and the modes 2 ... N of y_1 = -J^-1 R at one eps, in floating point."""
+    """Return sigma_1 and the modes 2 ... N of y_1 = -J^-1 R at eps^2 = ``square``, as floats."""
     piece = TiePiece(wave, arb(square), [arb(0)] * top, weight, arb("0.01"))
     known = np.array([float(c) for c in piece.stiffness[0]])
     known = np.pad(known, (0, max(0, 2 * top + 1 - len(known))))

@@ -21,10 +21,10 @@ from longwave.waves.kernel.solitary import SolitaryCentre, solitary_contraction
 
 BITS = 160
 HALF_LENGTH = 34.0
-"""Half of the computed interval, in lengths 1/kappa of the tail's decay."""
+"""Half-length of the computed interval, in decay lengths of the wave's tail."""
 
 KERNEL_DECAY = 0.85
-"""Decay of the kernel's bound over that of the wave."""
+"""Ratio of the decay rate kappa in the kernel's bound to the decay rate of the wave."""
 
 LEAST_MODES, MOST_MODES, GROWTH = 48, 700, 1.4
 TAYLOR_DEGREES = (12, 20, 32)
@@ -34,7 +34,7 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class _Approximation:
-    """Modes of g on (-d, d) at a speed, for a force with nearest neighbours."""
+    """Approximate cosine modes of g = N(f) on (-d, d) for a wave of this speed."""
 
     spring: Spring
     speed: float
@@ -43,7 +43,7 @@ class _Approximation:
 
     @property
     def strain(self) -> Vector:
-        """Modes of f."""
+        """Cosine modes of the strain f."""
         return self.modes * _multiplier(self.spring, self.speed, self.half_length, len(self.modes))
 
 
@@ -58,7 +58,7 @@ def _multiplier(spring: Spring, speed: float, half_length: float, count: int) ->
 
 
 def decay(speed: float, sound_squared: float) -> float:
-    """Return the rate at which a solitary wave falls: c^2 (sinh(k/2)/(k/2))^2 = v^2."""
+    """Return the decay rate k of a solitary wave's tail: c^2 (sinh(k/2)/(k/2))^2 = v^2."""
     ratio = speed / math.sqrt(sound_squared)
     return float(brentq(lambda k: math.sinh(k / 2) / (k / 2) - ratio, 1e-9, 60.0, xtol=1e-14))
 
@@ -95,7 +95,7 @@ def _newton(start: _Approximation) -> _Approximation:
 
 
 def _small_wave(spring: Spring, speed: float, count: int) -> _Approximation:
-    """Return the soliton of the reduced equation at a speed just above that of sound."""
+    """Return the reduced equation's soliton as approximation, at a speed just above sound."""
     _, sound, quadratic, cubic = _jet(spring, 0.0, 4)
     gap, kappa = speed**2 - sound, decay(speed, sound)
     half_length = HALF_LENGTH / kappa
@@ -137,7 +137,7 @@ def _approximate(spring: Spring, speed: float, count: int) -> _Approximation:
 
 
 def _moved(wave: _Approximation, speed: float, sound: float) -> _Approximation:
-    """Return the wave stretched to the decay at another speed, as an initial guess."""
+    """Return the wave rescaled to another ``speed``, as an initial guess at that speed."""
     half_length = HALF_LENGTH / decay(speed, sound**2)
     gaps = [s**2 - sound**2 for s in (wave.speed, speed)]
     factor = gaps[1] / gaps[0] * (half_length / wave.half_length) ** 0

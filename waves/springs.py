@@ -15,7 +15,7 @@ from longwave.waves.kernel.periodic import Spring
 
 
 class Refused(ValueError):
-    """A wave or lattice outside the theorems."""
+    """Error raised for a wave or lattice to which no theorem applies."""
 
 
 def chain_springs(lattice: Lattice) -> tuple[Spring, ...]:
@@ -55,7 +55,7 @@ def _force(force: Expr) -> Force:
 
 
 def _neighbour(bond: Bond) -> int:
-    """Return m for a spring between m-th neighbours, stated for displacements or for strains."""
+    """Return m for a bond between m-th neighbours, stated for displacements or for strains."""
     stretch, action = (
         {entry.shift: entry.weight for entry in entries} for entries in (bond.stretch, bond.action)
     )

@@ -39,7 +39,7 @@ SENSOR_QUANTITIES = ("displacement", "velocity", "strain", "force")
 """Quantities that sensors read, of a cell or of the bond from it to the next cell."""
 
 MEAN_SUFFIXES = ("_error", "_spread")
-"""Suffixes of the variables with a mean's half confidence interval and its spread over runs."""
+"""Suffixes of two variables for each mean: half its confidence interval, and the spread of runs."""
 
 END_DRIVES = ("displacement", "velocity", "force")
 """Quantities that may drive an end, as functions of time."""
@@ -68,7 +68,7 @@ def _truth(name: str, given: object) -> bool:
 
 
 def _numbers(name: str, given: object, of: str, least: int = 0, few: int = 0) -> tuple[int, ...]:
-    """Return at least ``few`` whole numbers, each at least ``least``; errors call them ``of``."""
+    """Check and return at least ``few`` whole numbers >= ``least``; messages call them ``of``."""
     if not isinstance(given, list | tuple) or len(given) < few:
         raise ValueError(f"{name} must be a list of {of}, got {shown(given)} (such as [1, 2])")
     return tuple(check.whole(name, number, least) for number in given)
@@ -179,7 +179,7 @@ def _as_list(given: object) -> Sequence[Any]:
 
 
 def _start(given: object) -> Iterator[Impact | Mode | Cells]:
-    """Yield the parts whose sum is the initial state."""
+    """Yield the parts of the table [start], whose sum is the initial state."""
     for entry in _as_list(given) or [None]:
         if not entry and not isinstance(entry, str):
             raise ValueError(
@@ -395,8 +395,8 @@ def check_bath(bench: Bench, losses: Losses | None) -> None:
 def bench_of(given: Mapping[str, Any]) -> Bench | None:
     """Return the bench among a scene's keywords, or None; ValueError for an invalid one.
 
-    The keyword ``bench`` is a `Bench` or the JSON of its tables. A keyword named after one of these
-    tables, such as ``chain``, replaces it.
+    The keyword ``bench`` is a `Bench` or the JSON of its tables. A keyword with the name of a
+    table, such as ``chain``, replaces that table of the bench.
     """
     bench = given.get("bench")
     stated = dict(bench.stated.tables if isinstance(bench, Bench) else json.loads(bench or "{}"))

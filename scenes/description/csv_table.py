@@ -55,7 +55,7 @@ def column_names(header: str) -> list[str]:
 
 
 def table_columns(text: str) -> dict[str, list[float]]:
-    r"""Return the columns by name; ValueError, with the line, for text in another format.
+    r"""Return the columns of a CSV text by name; ValueError, with the line, for an invalid text.
 
     >>> table_columns("t;value\n0;1\n1;3")
     {'t': [0.0, 1.0], 'value': [1.0, 3.0]}
@@ -89,7 +89,7 @@ def _numbers(line: str, separator: str, names: Sequence[str], row: int) -> list[
 
 
 def number_list(label: str, given: ArrayLike) -> Numbers:
-    """Return a list of finite numbers as an array; ValueError for anything else."""
+    """Return a list of finite numbers as an array; ValueError, naming ``label``, for others."""
     numbers = real_array(f"every {label}", given, allows_nan=True)
     if numbers.ndim != 1:
         raise ValueError(

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from longwave.lattice.numeric_lattice import NumericLattice
 
 EPS_POWERS = {"site": 3, "bond": 1}
-"""Keys of [losses], each with the power of eps by which its numbers scale under a long wave."""
+"""Power of eps by which the numbers under each key of [losses] scale under a long wave."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,8 @@ class Losses:
     def as_eps_formulas(self, eps: float) -> Losses:
         """Return the losses as formulas in eps that have the stated values at ``eps``.
 
-        A numeric ``site`` rate becomes a multiple of eps**3, a numeric ``bond`` rate one of eps.
+        A numeric ``site`` rate becomes a multiple of eps**3, a numeric ``bond`` rate a multiple of
+        eps.
 
         >>> Losses(bond=0.5).as_eps_formulas(0.1)
         Losses(site=None, bond='eps**1*(0.5/0.1**1)')
@@ -100,7 +101,7 @@ def _check_rate(key: str, given: object) -> Value:
 
 
 def lossy(lattice: Lattice, losses: Losses | None) -> Lattice:
-    """Return the lattice with the losses; ValueError if they do not fit it."""
+    """Return the lattice with the losses; ValueError if they do not match its springs or fields."""
     if losses is None:
         return lattice
     table = losses.table

@@ -49,7 +49,7 @@ def names_a_file(name: str, folder: Path = Path()) -> bool:
 
 
 def _load(text: str | Path, defaults: Mapping[str, Any]) -> Scene:
-    """Return a scene from a file or by name; ``defaults`` are added to files without [scheme]."""
+    """Return a scene from a file or by name; files without [scheme] also get ``defaults``."""
     name = str(text)
     if names_a_file(name):
         document = read_document(name)
@@ -105,13 +105,13 @@ ORDERS = (2, 3, 4, 5)
 EPS = (0.1, 0.05, 0.025, 0.0125, 0.00625)
 
 SLOW_START = -1.25
-"""Slow time T = eps^3 t of the start: t = -10000 at eps = 0.05, as in the paper's scene."""
+"""Slow time T = eps^3 t at which rational scenes start, as in the paper (-10000 at eps = 0.05)."""
 
 SLOW_SNAPSHOTS = (-0.625, 0.0, 0.625)
-"""Slow times T of the snapshots, as in the paper's scene."""
+"""Slow times T of the snapshots of rational scenes, as in the paper's scene."""
 
 HALF_WIDTH = 75.0
-"""Half-width of the compared region in X: 1500 sites at eps = 0.05."""
+"""Half-width in X of the compared region of rational scenes: 1500 sites at eps = 0.05."""
 
 
 def rational_family_scenes(

@@ -1,4 +1,4 @@
-"""Checks of a scene's fields, and a reader of tables whose keys are each declared by an `TableKey`.
+"""Checks of a scene's fields, and a reader of tables whose keys are each declared by a `TableKey`.
 
 A check raises ValueError with a one-line message: argument, condition, value, remedy.
 """
@@ -24,7 +24,7 @@ CHAIN = "fput_strain"
 CHAIN_CONSTANTS = ("K2", "K3", "K4")
 
 NOT_GIVEN = -math.inf
-"""Value of ``t0`` in a scene that states slow times."""
+"""Placeholder for ``t0`` in a scene that states slow times instead."""
 
 ORDERS = ("leading", "slaved", "corrected")
 """Orders of initial data: the wave alone, with slaved fields, or with the first correction."""
@@ -54,7 +54,7 @@ EXAMPLES: Mapping[str, str] = {
 """Valid example of each field, shown in the message about a wrong value."""
 
 LEAST_TOLERANCE = 1e-11
-"""Least sup error of y/eps distinguishable from rounding errors (Y2 over t = 15000)."""
+"""Least sup error of y/eps distinguishable from rounding errors, measured for Y2 over t = 15000."""
 
 SMALLEST_NUMBER = 1e-50
 """Smallest nonzero magnitude; below it or above its reciprocal, computations may overflow."""
@@ -124,7 +124,7 @@ def as_table(name: str, given: object) -> Mapping[str, Any]:
 def refuse_unknown(
     given: Iterable[str], known: Iterable[str], where: str = "", what: str = "keys"
 ) -> None:
-    """Raise ValueError for an unknown key; ``what`` and ``where`` name keys and table in it."""
+    """Raise ValueError for an unknown key; its message calls keys ``what``, the table ``where``."""
     for key in given:
         if key not in known:
             remedy = known_names.one_of(key, known)
@@ -255,7 +255,7 @@ def names(name: str, values: object, known: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def value(name: str, given: object) -> Value:
-    """Return a finite number, as an int if it is whole, or a short text."""
+    """Return a finite number (an int if whole) or a short formula; ValueError for others."""
     if isinstance(given, str):
         if len(given) > LONGEST_FORMULA:
             raise ValueError(

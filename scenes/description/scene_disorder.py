@@ -5,7 +5,7 @@ of = "mass"                 # all masses, or a constant of the springs, such as 
 spread = 0.1                # the largest deviation: m (1 + d) with |d| <= 0.1
 seed = 1                    # of the realisation, the same on every ring
 distribution = "uniform"    # or "binary": d is -spread or spread
-sites = [0, 999]            # the first and the last cell that deviate; all without it
+sites = [0, 999]            # the first and the last cell that deviate; default: all
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ MASS = "mass"
 """Value of `Disorder.of` if masses deviate."""
 
 FARTHEST_CELL = 2**53
-"""Largest number of a cell that is an exact double."""
+"""Largest cell number up to which all whole numbers are exact doubles."""
 
 LARGEST_SEED = 2**63 - 1
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from longwave.solutions import ClosedForm
 
 HALF_WIDTH_ROUNDING = 1e-12
-"""Relative excess over a whole number of cells that is ignored in a half-width as rounding."""
+"""Relative excess of a half-width over a whole number of cells that is ignored as rounding."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,7 +51,7 @@ CLOSED_FORM = StartRules()
 
 @dataclass(frozen=True, repr=False)
 class SceneFields:
-    """Fields of a `Scene`, explained in its docstring, and properties computed from them."""
+    """Fields of a `Scene`, which explains them, and properties computed from the fields."""
 
     name: str
     wave: str | ClosedForm
@@ -82,12 +82,12 @@ class SceneFields:
 
     @property
     def is_envelope(self) -> bool:
-        """Whether the wave is the envelope of a carrier."""
+        """Whether the scene's wave is the envelope of a carrier."""
         return self.carrier != ""
 
     @property
     def named_start(self) -> StartRules | None:
-        """Rules registered for a wave that is not a closed form; None for a closed form."""
+        """Rules registered for a scene whose wave is not a closed form; None for a closed form."""
         return entries.table(StartRules).get(self.wave) if isinstance(self.wave, str) else None
 
     @property
@@ -120,7 +120,7 @@ class SceneFields:
 
     @property
     def tolerance(self) -> float | None:
-        """Tolerance; None if the discretisation is stated."""
+        """Tolerance as a number; None if the discretisation is stated instead."""
         return self.numerics.tolerance if isinstance(self.numerics, Tolerance) else None
 
     @property
@@ -185,7 +185,7 @@ class SceneFields:
 
     @property
     def end(self) -> float:
-        """Last time of the run."""
+        """Last time of the run, in lattice time."""
         return self.snapshots[-1]
 
     def lattice_times(self, slow: int) -> tuple[float, ...]:

@@ -47,7 +47,7 @@ TABLE_FIELDS = {
     "scheme": {"name": "scheme", "step": "step"},
     "domain": {"kind": "domain", "sites": "sites", "compared": "compared"},
 }
-"""Field of a scene for each key of each table."""
+"""Field of `Scene` for each key of the tables of a scene file, by table."""
 
 LATTICE_KEYS = ("fields", "masses", "positive", "spring", "site", "bond")
 """Keys of a table that declares a lattice, which has at least one of them."""
@@ -199,7 +199,7 @@ def _declaration(document: Mapping[str, Any], name: str) -> dict[str, Any]:
 
 
 def document_of(given: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the tables from which `scene_fields` reads these keywords of a scene.
+    """Return a document from which `scene_fields` reads these keywords: its inverse.
 
     >>> document_of({"wave": "kink", "constants": [["K2", 1]], "step": None, "sites": 8})
     {'lattice': 'fput_strain', 'wave': 'kink', 'constants': {'K2': 1}, 'domain': {'sites': 8}}
@@ -270,5 +270,5 @@ def _value(value: object) -> str:
 
 
 def _text(value: str) -> str:
-    """Return a text in quotes: as in JSON, but TOML also requires DEL to be escaped."""
+    """Return a text quoted for TOML: as in JSON, but with DEL escaped as well."""
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -27,7 +27,7 @@ class StatedTables:
 
     @cached_property
     def tables(self) -> dict[str, Any]:
-        """Tables as a dict; do not modify it."""
+        """Nested tables as a cached dict, which must not be modified."""
         tables: dict[str, Any] = json.loads(self.json)
         return tables
 

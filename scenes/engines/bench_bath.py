@@ -39,7 +39,7 @@ LONGEST_STEP = 0.5
 """Longest step, in units of the inverse highest frequency or damping rate, whichever is shorter."""
 
 MAX_STEP_EXCESS = 2.0
-"""Factor by which a step may exceed `LONGEST_STEP` at the strains met before it is shortened."""
+"""Factor by which a step may exceed `LONGEST_STEP`, at the strains met, without being shortened."""
 
 HOT_BOND_ENERGY = 4.0
 """Bond energy, in units of the temperature, up to which the first step resolves the bond."""
@@ -98,7 +98,7 @@ class Bath:
         return ranges
 
     def pair_if_resolved(self, number: int) -> tuple[Array, Array] | None:
-        """Return `pair` of run ``number``; None if a shortened step makes all runs restart."""
+        """Return `pair` of run ``number``; None if the step was shortened and all runs restart."""
         try:
             values = self.pair(number)
         except BrokenRunError as error:
@@ -107,7 +107,7 @@ class Bath:
         return None if self.shorten_step(None) else values
 
     def shorten_step(self, broken: BrokenRunError | None) -> bool:
-        """Shorten the step if a run is ``broken`` or the step is too long; return whether it was.
+        """Shorten the step if a run is ``broken`` or it is too long; return whether it changed.
 
         Raises ValueError if repeated shortening fails.
         """
@@ -129,7 +129,7 @@ class Bath:
         return True
 
     def _widen_ranges(self, f: Array, v: Array, t: float) -> None:
-        """Widen the strain ranges by a state's ranges; BrokenRunError if not finite."""
+        """Widen the strain ranges to contain a state's strains; BrokenRunError if not finite."""
         met = self.engine.dynamics.ranges(State(t, f, v))
         if not np.isfinite(met).all():
             raise BrokenRunError(t)
@@ -174,10 +174,10 @@ class Bath:
         t: float,
         h: float,
     ) -> None:
-        """Advance by one or two steps between the four noise kicks of one coarse step.
+        """Advance the state ``ring`` over one coarse step, with its four noise ``kicks``.
 
-        ``parts`` groups the indices of the kicks; one step of size ``h`` is taken between
-        successive groups.
+        ``parts`` groups the indices of the kicks; between successive groups the chain takes one
+        step ``h``. Before each kick the velocities are multiplied by ``decay``.
         """
         f, v = ring
         moving = v[:, : self.cells]
@@ -208,12 +208,12 @@ class Means:
 
     @property
     def mean(self) -> Array:
-        """Mean over the finer runs."""
+        """Mean of each reading over the runs with the finer step."""
         return np.asarray(self._mean[0])
 
     @property
     def spread(self) -> Array:
-        """Standard deviation of a single run."""
+        """Standard deviation of each reading over the runs with the finer step."""
         return np.asarray(np.sqrt(self._squares[0] / (self.runs - 1)))
 
     @property
@@ -228,7 +228,7 @@ class Means:
         return np.asarray(np.abs(self._mean[1]) / 3.0)
 
     def asks_for_shorter_steps(self, allowed: float) -> bool:
-        """Return whether the step-size error is significant and exceeds half of ``allowed``."""
+        """Return whether the step-size error is significant and above half of ``allowed``."""
         chance = np.sqrt(self._squares[1] / (self.runs - 1) / self.runs)
         significant = np.abs(self._mean[1]) > SIGNIFICANT_ERRORS * chance
         return bool((significant & (self.by_steps > 0.5 * allowed)).any())
@@ -282,7 +282,7 @@ def record_means(
 
 
 def _means_record(bath: Bath, means: Means, tolerance: float, seconds: float) -> RunRecord:
-    """Return the record of the means, with their intervals and the spread of single runs."""
+    """Return the record of the means, with confidence intervals and the spread over single runs."""
     error, spread = MEAN_SUFFIXES
     half = means.by_chance + means.by_steps
     prefix = f"half of the {CONFIDENCE:.0%} interval of the "

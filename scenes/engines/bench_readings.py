@@ -37,7 +37,7 @@ def bench_and_chain(scene: Scene, lossless: bool = False) -> tuple[Bench, Driven
 
 
 def reading_times(scene: Scene, bench: Bench) -> Array:
-    """Return the snapshots and, every ``bench.every``, times between; ValueError for too many."""
+    """Return the snapshots, and times ``bench.every`` apart between; ValueError if too many."""
     begin, end, every = scene.t0, scene.end, bench.every
     if not (end - begin) / every <= MOST_READINGS:
         raise ValueError(
@@ -50,7 +50,7 @@ def reading_times(scene: Scene, bench: Bench) -> Array:
 
 
 class BenchReadings:
-    """Readings of a bench scene: the engine that compares runs by them, and records of runs."""
+    """Readings of a bench scene, with the engine whose runs are compared by them."""
 
     def __init__(self, scene: Scene, bench: Bench, chain: DrivenChain) -> None:
         self.bench, self.chain, self.scene = bench, chain, scene
@@ -80,7 +80,10 @@ class BenchReadings:
         return np.concatenate([part.ravel() for part in self._parts(state, balance)])
 
     def variables(self, readings: Array, ending: str = "", meaning: str = "") -> Variables:
-        """Return variables of readings (times, values); ``ending`` and ``meaning`` extend names."""
+        """Return readings (times, values) as variables; ``ending`` is appended to each name.
+
+        ``meaning`` is appended to each long name.
+        """
         variables: Variables = {}
         splits = np.cumsum([math.prod(size) for size in self.sizes])[:-1]
         parts = np.split(readings, splits, axis=1)

@@ -36,14 +36,14 @@ MAX_CARRIER_TURN = 3.3
 follows the scheme's order to within a tenth; at 4.7 the amplitude error changes its sign."""
 
 EXTRA_CELLS = 64
-"""Additional cells along each axis on the ring of a control run."""
+"""Number of cells by which a control run's ring is longer along each axis."""
 
 STRAIN_GROWTH = 0.05
 """Fraction by which strains on the lattice are assumed to exceed those of the wave. Larger strains
 occur on few cells and for a short time, so their faster signals do not travel far."""
 
 OUTER_CELLS = 32
-"""Cells beyond the compared ones that are inspected for growth of rounding errors."""
+"""Number of cells beyond the compared ones that are inspected for growth of rounding errors."""
 
 FRONT_CELLS = 64
 """Cells that a window reserves for a signal's dispersive front, beyond the distance of sound."""
@@ -80,7 +80,7 @@ def fed_cells(moved: int, ratio: float) -> int:
 
 
 def least_window(reach: int, ratio: float = 1.0) -> int:
-    """Return the fewest cells of a window whose ends do not affect those within ``reach``.
+    """Return the fewest cells of a window whose ends do not affect the cells within ``reach``.
 
     ``ratio`` is the speed of the fastest signal divided by the speed of the window.
     """
@@ -159,12 +159,12 @@ def _signal_speeds(lattice: NumericLattice, slopes: list[float]) -> list[float]:
 
 
 class DomainCost:
-    """Size of the domain of one wave, and expected cost of searching its step for ``times``.
+    """Size of the domain of one wave, and expected cost of the search for its time step.
 
-    The run starts at the first of the times. ``extent`` is the wave's extent (low, high), in cells
-    from the frame's origin, if the wave can be run in a window to ``tolerance``; otherwise None.
-    ``room`` is the number of cells at either end of a ring that are blended to close it; 0 if the
-    domains are not ``closed``.
+    The run goes from the first to the last of ``times``. ``extent`` is the wave's extent (low,
+    high), in cells from the frame's origin, if the wave can be run in a window to ``tolerance``;
+    otherwise None. ``room`` is the number of cells at either end of a ring that are blended to
+    close it; 0 if the domains are not ``closed``.
     """
 
     def __init__(
@@ -242,7 +242,7 @@ SEAM_TOLERANCE, SEAM_CELLS = 1e-6, 4
 of the seam in which it is measured."""
 
 REPEAT_DISTANCE = 100.0
-"""Distance in X on either side of the frame beyond which an infinite wave adds nothing new."""
+"""Distance in X from the frame's origin beyond which an infinite wave adds nothing new."""
 
 
 def representative_cells(
@@ -342,7 +342,7 @@ class DomainPlan(DomainCost):
             yield self.wave.ring(np.arange(first, last, dtype=np.float64), self.times[0])
 
     def check_wider(self, window: int | None) -> None:
-        """Raise ValueError if a run in such a window (None: on a ring) would cost too much."""
+        """Raise ValueError if a run in this ``window`` (None: on a ring) would cost too much."""
         cells, expected = self.cost(self.fastest, self.signals, window)
         scene = f"scene of {cells:.3g} cells, since no smaller window can be fed with its wave,"
         check_request(scene, expected, REMEDY)
@@ -380,7 +380,7 @@ class DomainPlan(DomainCost):
         return np.asarray(np.abs(sides[0] - sides[1]).max(axis=(0, 2)) / largest)
 
     def with_seam_distance(self, blow_up: BlowUp, ends: Sequence[Ends]) -> BlowUp:
-        """Return the blow-up, with its distance from the ring's seam if that can have caused it."""
+        """Return the blow-up, with its distance from the seam if the seam may have caused it."""
         if len(ends) > 1 or not self._is_open(ends):
             return blow_up
         [(low, high)] = ends
@@ -404,12 +404,12 @@ class DomainPlan(DomainCost):
         return self.wave.closed_ring(self.wave.ring(_grid(ends), self.times[0]), self.room)
 
     def limit(self, ring: InitialCells) -> float:
-        """Return the largest compared value, over the wave's scale, accepted in a run."""
+        """Return the largest compared value, in units of the wave's scale, that a run may reach."""
         largest = max(float(np.max(sizes[0])) for sizes in (self.sizes, self._sizes(ring)))
         return GROWTH * largest / self.wave.scale
 
     def _sizes(self, ring: InitialCells) -> Array:
-        """Return the largest values and cell-to-cell differences, shape (2, 2, quantities).
+        """Return largest values and largest cell-to-cell differences on a ring, (2, 2, quantities).
 
         The second axis has the compared quantities and their rates.
         """
@@ -432,7 +432,7 @@ def _largest(values: Array) -> Array:
 
 
 def longest_step(fastest: float, carrier: float, scheme: Scheme = SCHEME) -> float:
-    """Return the longest step tried, from the highest frequency and that of the carrier.
+    """Return the longest step tried, from the highest frequency and the carrier's frequency.
 
     >>> longest_step(2.0, 0.5) == LIMIT_FRACTION * stability_limit(SCHEME) / 2.0
     True

@@ -26,7 +26,7 @@ class CellDomain(DomainRules):
 
 
 class WaveRuns(NamedTuple):
-    """Two functions: ``record`` runs a scene to its tolerance, ``cost`` predicts the cost."""
+    """Functions: ``record`` runs a scene to its tolerance, ``cost`` predicts the run's cost."""
 
     record: Callable[[Scene, Progress, Announce], RunRecord]
     cost: Callable[[Scene], ExpectedCost]

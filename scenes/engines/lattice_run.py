@@ -135,10 +135,10 @@ def _observation_cost(timed: Scene, compared: ComparedCells) -> ExpectedCost:
 
 
 VIEW_SECONDS, CELL_SECONDS = 4e-4, 1e-6
-"""Seconds to evaluate wave and lattice once, and seconds per cell to add (5e-7 to 1.6e-6)."""
+"""Seconds to evaluate wave and lattice once, and additional seconds per cell (5e-7 to 1.6e-6)."""
 
 VALUE_BYTES = 20.0
-"""Bytes for each stored number: its copies in the recorder's rows, in an array and in the file."""
+"""Bytes per stored number, for its copies in the recorder's rows, in an array and in the file."""
 
 
 def _spectral_runs(scene: Scene) -> SpectralRuns:
@@ -286,7 +286,7 @@ def record_by_rings(scene: Scene, progress: Progress, announce: Announce) -> run
 
 
 def choose_engine(scene: Scene) -> str:
-    """Return the engine that is named, that the observables need, or else the cheaper one.
+    """Return the name of the engine: the stated one, one the observables need, or the cheaper one.
 
     Raises ValueError if the observables exclude the named engine.
     """
@@ -361,7 +361,7 @@ def record_by_cells(scene: Scene, progress: Progress, announce: Announce) -> run
 def _checked_record(
     record: run_record.RunRecord | None, result: Refined, scene: Scene, end: float, begun: float
 ) -> run_record.RunRecord:
-    """Return the record with its error estimate; ValueError if no step resolves the lattice."""
+    """Return the record with its search's error estimate; ValueError if no step is short enough."""
     if record is None or (math.isinf(result.error) and not record.attrs["blow_up"]):
         raise ValueError(
             f"times must end before {scene.lattice} blows up, got {end:g} (steps "

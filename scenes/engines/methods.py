@@ -73,7 +73,7 @@ def expected_cost(scene: Scene) -> ExpectedCost:
 
 
 def wave_size(scene: Scene, t: float, far_field: bool = False) -> float:
-    """Return the wave's largest deviation from its background, or with ``far_field`` from that.
+    """Return the wave's largest deviation from background, or if ``far_field`` from far field.
 
     The maximum is over the compared cells and quantities at time t. NaN if the far field is None.
     """

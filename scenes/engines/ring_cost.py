@@ -58,7 +58,7 @@ BYTES_PER_CELL = 160.0
 """Bytes per field of a cell in a run: state, initial data and compared values."""
 
 LARGE_CELLS = 100_000
-"""Number of compared cells above which the step is searched for on a part of them."""
+"""Number of compared cells above which the step is searched for on a part of the cells."""
 
 MIN_PART_RATIO = 8
 """Minimum ratio of all compared cells to the part on which the step is searched for."""

@@ -95,7 +95,7 @@ class SpectralRuns:
     def _ends(self, wider: bool) -> list[Ends]:
         """Return the ends, along each axis, of a causal ring of FFT-friendly size.
 
-        A wave of finite extent is contained; ``wider`` selects the ring of control runs.
+        The ring contains any wave of finite extent; ``wider`` selects the ring of control runs.
         """
         ends = self.domains.ends()
         low, high = self.domains.wave.support(self.times[0])
@@ -124,7 +124,7 @@ class SpectralRuns:
         return cells.view(State(state.t, whole.f, whole.v))
 
     def _observed(self, state: FieldRing) -> Memory:
-        """Return the observables due at a state, by time dimension; energy at start and end."""
+        """Return observables due at a state, by time dimension; energy too at start and end."""
         view = self._view(state)
         rows = {
             recorder.dimension: recorder.measure(view)

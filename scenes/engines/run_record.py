@@ -110,7 +110,7 @@ class RunRecord:
 def stencil_cost(
     scheme: Scheme, steps: int, sites: int, seconds: float, blow_up: object, **more: float
 ) -> dict[str, Any]:
-    """Return the attributes engine, scheme, cost and ``blow_up`` of a run cell by cell."""
+    """Return the attributes of a run cell by cell: its engine, scheme, cost and ``blow_up``."""
     return {
         "engine": "stencil",
         "scheme": scheme.name,

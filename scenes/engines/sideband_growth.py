@@ -127,7 +127,7 @@ class SidebandGrowth:
 
     @property
     def grows(self) -> bool:
-        """Whether the measured rate is significantly above 0."""
+        """Whether the measured growth rate is significantly above 0."""
         return self.measured > SIGNIFICANT_ERRORS * self.error
 
     @cached_property
@@ -198,7 +198,7 @@ class SidebandGrowth:
 def record_scene(
     scene: Scene, progress: Progress | None, announce: Announce | None, restart: State | None
 ) -> RunRecord:
-    """Run a growth scene and return the record of `measure_growth`; it cannot be resumed."""
+    """Run a growth scene and return the record of `measure_growth`; ``restart`` must be None."""
     assert restart is None
     return measure_growth(scene, progress, announce).record
 
@@ -298,7 +298,7 @@ def _coefficients(
 
 
 MAX_WAVELENGTH_CELLS = 1e9
-"""Maximum number of cells in one wavelength of a perturbation; more than any machine can store."""
+"""Maximum number of cells in one wavelength of a perturbation; no machine can store more."""
 
 
 PLAN_SECONDS = 0.025
@@ -307,7 +307,7 @@ cubed: 0.02 s on a chain and 0.21 s on a dimer."""
 
 
 def expected_growth_cost(plan: GrowthPlan, fastest: float | None = None) -> ExpectedCost:
-    """Return the expected cost; ``fastest`` is the highest frequency, by default at rest."""
+    """Return a plan's expected cost; ``fastest`` is the highest frequency, by default at rest."""
     lattice = plan.data.lattice
     fastest = fastest or lattice.highest_frequency(lattice.rest_slopes())
     steps = float(plan.moments[-1]) * fastest / (LIMIT_FRACTION * stability_limit(SCHEME))

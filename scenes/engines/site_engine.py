@@ -54,7 +54,7 @@ SIMILARITY_FRACTION = 1e-3
 representative."""
 
 CLEARANCE_CELLS = 128
-"""Cells beyond the wave's extent that the coarse engine compares."""
+"""Number of cells beyond the wave's extent that the coarse engine compares."""
 
 FEED_FRACTION = 0.3
 """Largest fraction of the tolerance allowed for the error of a window's feed."""
@@ -109,10 +109,10 @@ class SiteEngine(StepSearch):
     def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
         """Run the wave in a window of the chosen size, or on a causal or slightly wider ring.
 
-        On a ring the observables are always recorded, except for nudged data, because any run may
-        become the final one. If a window's feed does not match the lattice, this and all later
-        windows are made wider, or replaced by rings. Raises ValueError for a run that would take
-        too long.
+        Observables are recorded if ``shown`` and on every ring, as any run there may become the
+        final one, but not for nudged data. If a window's feed does not match the lattice, this and
+        all later windows are made wider, or replaced by rings. Raises ValueError for a run that
+        would take too long.
         """
         while True:
             trial = self._run(choices, shown, progress)
@@ -165,7 +165,7 @@ class SiteEngine(StepSearch):
         return trial
 
     def coarse_engine(self) -> SiteEngine:
-        """Return a cheaper engine with smaller windows and fewer times, or this one if none."""
+        """Return an engine with smaller windows and fewer times, or this one if none is cheaper."""
         domains = self.domains
         if domains.window is None or domains.extent is None:
             return self
@@ -220,14 +220,17 @@ class SiteEngine(StepSearch):
         return replace(choices, size=float(round_up(cells)))
 
     def metered_before(self, step: float) -> Array:
-        """Return the meter's readings in the run with the next longer step; NaN without one."""
+        """Return the meter's readings in the run with the next longer step; NaN if none."""
         longer = [other for other in self.metered if other > step]
         previous = self.metered[min(longer)] if longer else np.empty(0)
         current = self.metered[step]
         return previous if previous.shape == current.shape else np.full_like(current, np.nan)
 
     def control(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
-        """Return a control run's choices: shorter step, wider window or ring of the other size."""
+        """Return the choices of a control run, which reveals these ``kinds`` of error.
+
+        The kind "step" takes a shorter step, on a ring of the other size; "domain" a wider window.
+        """
         if "step" in kinds:
             step = shorter_step(self._stops, choices.step, self.order, STEP_RATIO)
             choices = replace(choices, step=step)
@@ -239,7 +242,7 @@ class SiteEngine(StepSearch):
         return choices
 
     def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
-        """Return choices that reduce a kind of error by ``excess``: shorter step, wider window."""
+        """Return choices that divide this ``kind`` of error by the factor ``excess``."""
         if kind == "step":
             shorter = super().improved(choices, kind, excess)
             return replace(shorter, size=self._ring) if choices.causal else shorter

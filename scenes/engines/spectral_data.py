@@ -27,10 +27,10 @@ MIN_BLEND_WIDTH = 6.0
 """Least width of the blended part, in units of the wave's variable xi."""
 
 SPEED_SAMPLES = 4096
-"""Number of points at which the speed of sound is evaluated to find its maximum."""
+"""Number of strains at which the speed of sound is evaluated to find its maximum."""
 
 ABSORBED_WAVENUMBER = 2.0
-"""Wavenumber below which left-going waves are absorbed."""
+"""Wavenumber, in radians per site, below which left-going waves are absorbed."""
 
 ABSORBED_LAG = 0.125
 """Distance behind c t, in circumferences, beyond which right-going waves are absorbed."""
@@ -173,7 +173,10 @@ class SpectralStart:
         return self.moving.wave.constant_background is None and not self.periodic
 
     def _closed(self, circumference: float, lead: float) -> float:
-        """Return the length near ``circumference`` on which a periodic background closes."""
+        """Return the length near ``circumference`` on which a periodic background closes.
+
+        The ring's middle is ``lead`` sites ahead of c t.
+        """
         if not self.periodic:
             return circumference
         count = round(circumference / self.unit)
@@ -196,7 +199,7 @@ def spectral_start(moving: MovingWave, tolerance: float) -> SpectralStart:
 
 
 POINTS_PER_RADIAN = 2.0
-"""Points of a search's first run, per unit of the wave's own variable xi."""
+"""Number of points of a search's first run, per unit of the wave's own variable xi."""
 
 
 def first_density(moving: MovingWave) -> float:

@@ -33,8 +33,8 @@ SECONDS_PER_WORK = 2.2e-9
 """Seconds per unit of points times log2(points) times evaluations, with planning (measured)."""
 
 EVALUATION_FACTOR = 11.0
-"""Force evaluations per unit of 1 + b eps^3 t peak^3, the peak in y/eps, at tolerance 1
-(measured)."""
+"""Force evaluations at tolerance 1, per unit of 1 + b eps^3 t peak^3, with the peak in y/eps and
+the factor b of the normal form's time tau = b T (measured)."""
 
 POINT_FACTOR = 1.7
 """Points per site, in units of `first_density` times the peak in y/eps (measured)."""
@@ -44,15 +44,16 @@ TAIL_CHANGE = 20.0
 constant background, is doubled to circumference L (measured)."""
 
 PERIODIC_CHANGE = 0.1
-"""Constant C of the change C b eps^3 t peak^3 / (eps L/2)^2 of the result when a ring on a periodic
-background is doubled to circumference L (measured)."""
+"""Constant C of the change C b eps^3 t peak^3 / (eps L/2)^2 (see `EVALUATION_FACTOR`) of the result
+when a ring on a periodic background is doubled to circumference L (measured)."""
 
 LATTICE_SPREAD = 400.0
 """Variation of a wave's energy with its position between two sites, in units of exp(-pi^2/s) for
-steepness s = a |y|; 250 to 520 for solitons of s from 0.35 to 0.6."""
+steepness s = a |y|, with the factor a of xi = a X; 250 to 520 for solitons of s from 0.35 to
+0.6."""
 
 FIRST_RING_RUNS = 2.0
-"""Cost of all runs on the first ring, one for each step tried, in units of the last of them."""
+"""Cost of all runs on the first ring, one for each step tried, in units of the last run."""
 
 MOST_RELATIVE_COST = 300.0
 """Cost at which the spectral engine gives up, in units of the stencil's first run (`MIN_BUDGET`).
@@ -95,7 +96,9 @@ def spectral_cost(scene: Scene) -> ExpectedCost:
 def _circumferences(
     data: spectral_data.SpectralStart, tolerance: float, peak: float, turns: float
 ) -> list[float]:
-    """Return the circumferences that a search is expected to try, each twice the one before.
+    """Return the circumferences a search is expected to try for a wave of this ``peak`` in y/eps.
+
+    Each is twice the one before; ``turns`` is b eps^3 t peak^3, as in `EVALUATION_FACTOR`.
 
     The search ends when the predicted change is within the tolerance or the ring is causal. On a
     constant background the change comes from the wave's tails, cut off at the seam; on a periodic
@@ -118,10 +121,10 @@ def run_spectral(
 ) -> tuple[RunRecord, Refined]:
     """Run a scene to its tolerance on spectral rings; return its record and the search's result.
 
-    ``site_by_site`` is the time in seconds of a first run with the stencil. Looks are taken at
-    equidistant times, and only the compared sites are evaluated. The record ends where their
-    strains show a blow-up. Raises ValueError for a tolerance that cannot be met and for a lattice
-    that blows up, UnfinishedRun on Ctrl-C.
+    ``site_by_site`` is the expected time, in seconds, of a first run with the stencil. Looks are
+    taken at equidistant times, and only the compared sites are evaluated. The record ends where
+    their strains show a blow-up. Raises ValueError for a tolerance that cannot be met and for a
+    lattice that blows up, UnfinishedRun on Ctrl-C.
     """
     tolerance = scene.target.tolerance
     looks = scene.look_points or scene.curve_points

@@ -50,21 +50,21 @@ MAX_SIZE_FACTOR = 3.0
 """Largest factor by which the ring grows from one choice to the next."""
 
 POINTS_GROWTH = 1.5
-"""Factor on the points when a run restarts because the tail of its spectrum rose."""
+"""Factor on the number of points when a run restarts because the tail of its spectrum rose."""
 
 START_LENGTH = 15.0
 """Length of the start phase, in units of the time in which sound travels 1/k, k being the typical
 wavenumber of the data."""
 
 START_STEP = 0.1
-"""Step of the start phase, in units of the time in which sound travels 1/k."""
+"""Time step of the start phase, in the unit of `START_LENGTH`."""
 
 LARGEST_STEEPNESS = 0.65
-"""Largest a |y| accepted. A steeper wave is as short as the distance between sites (a soliton's
-width in sites is 1/(a |y|)), and no long step is possible."""
+"""Largest steepness a |y| accepted, for xi = a X. A steeper wave is as short as the distance
+between sites (a soliton's width in sites is 1/(a |y|)), and no long step is possible."""
 
 SMALL_STEEPNESS = 0.2
-"""Largest a |y| at which the energies of the ring's interleaved lattices agree to rounding."""
+"""Largest a |y| at which the energies of a ring's interleaved lattices agree to rounding."""
 
 ENERGY_SPREAD_FACTOR = 2.2
 """Largest ratio of the energy spread met to `crest_energy_spread`, for solitons with a |y| from
@@ -140,7 +140,10 @@ class SpectralIntegration:
         return SpectralCost(sum(steps), points, sum(evaluations), length, (min(least), max(most)))
 
     def run(self, progress: Progress, loop: Loop) -> None:
-        """Integrate to the last stop from the start or a checkpoint; may raise a ring's error."""
+        """Integrate to the last stop, from the start or from the checkpoint that ``loop`` holds.
+
+        Raises the errors of `evolution.SpectralRing`.
+        """
         if loop.memory is not None:
             self._recall(loop.memory)
         moving, state = self._moving, self._state
@@ -195,8 +198,8 @@ class SpectralEngine(SpectralSearch):
 
     kinds: tuple[Kind, ...] = ("step", "sampling", "domain")
     safety = 4.0
-    """Safety factor on differences between runs. The error from waves that circle the ring was
-    measured to fall as slowly as L^-1/2, that of long steps as step^1/2."""
+    """Safety factor on the difference between two runs. The error from waves that circle the ring
+    was measured to fall as slowly as L^-1/2, that of long steps as step^1/2."""
     step_ratio = 0.6
     least_factor = 0.3
     amplifies_rounding = False
@@ -239,14 +242,14 @@ class SpectralEngine(SpectralSearch):
         return replace(choices, step=step, absorber=absorber, start=start)
 
     def _check_work(self, step: float) -> None:
-        """Raise ValueError if steps are so short that a run site by site is much cheaper."""
+        """Raise ValueError if this ``step`` is so short that a run site by site is much cheaper."""
         limit = self._data.causal
         widest = replace(Choices(step, limit.circumference), density=STEEP_DENSITY)
         if self.work(widest) > MAX_STEEP_WORK:
             raise self._too_short(f"steps below {step:.2g} for so long")
 
     def _too_short(self, needed: str) -> ValueError:
-        """Return the error for a tolerance or wave that needs too short steps."""
+        """Return the error that refuses a tolerance or wave; ``needed`` says what it would take."""
         return ValueError(
             f"engine must be 'stencil' for tolerance {self._tolerance:g}, got 'spectral': it needs "
             f"{needed} (the wave is hardly longer than the distance between sites)"
@@ -274,7 +277,7 @@ class SpectralEngine(SpectralSearch):
         return True
 
     def _handle_loss(self, error: evolution.RunawayError, step: float) -> None:
-        """Raise ``error`` again if it recurs with all steps: then the lattice itself fails."""
+        """Raise ``error`` if it recurs with every ``step``: then the lattice itself fails."""
         self._soft = error if isinstance(error, evolution.NotHyperbolicError) else None
         if self._soft and self._lost_again(error, step):
             raise error
@@ -293,7 +296,7 @@ class SpectralEngine(SpectralSearch):
         return choices
 
     def improved(self, choices: Choices, kind: Kind, excess: float) -> Choices:
-        """Return choices that reduce one kind of error by ``excess``, from its scaling law."""
+        """Return choices that divide this ``kind`` of error by ``excess``, from its scaling law."""
         if kind == "step":
             shorter = self._shorter(choices, excess)
             if shorter.step * self._moving.speed < SHORTEST_STEP < self._duration:
@@ -316,7 +319,7 @@ class SpectralEngine(SpectralSearch):
         return choices.finer * max(choices.density, self._density, least)
 
     def _fast_points(self, points: float) -> int:
-        """Return the next number of points that suits the FFT; ValueError beyond `MOST_POINTS`."""
+        """Round up to a number of points that suits the FFT; ValueError beyond `MOST_POINTS`."""
         if points > MOST_POINTS:
             raise ValueError(
                 f"tolerance must be larger than {self._tolerance:g}: it needs a ring of more than "
@@ -368,7 +371,7 @@ class SpectralEngine(SpectralSearch):
         return trial
 
     def _maker(self, choices: Choices, state: FieldRing) -> Callable[..., evolution.SpectralRing]:
-        """Return the function that builds the rings of a run from this initial state."""
+        """Return a function that builds the spectral ring of a run from this ``state``."""
         tail = TAIL_SHARE * self._tolerance * self._moving.eps
         make = partial(evolution.SpectralRing, self._moving.constants, tail=tail)
         if not choices.absorber:

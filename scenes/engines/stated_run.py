@@ -53,7 +53,7 @@ def record(
     restart: State | None = None,
     stops: Collection[float] = (),
 ) -> Recording:
-    """Run the scene to its end, a blow-up or Ctrl-C; each observer measures it at its times.
+    """Run the scene to its end, a blow-up or Ctrl-C; each observer measures at its own times.
 
     A run from the state ``restart`` is measured only after the time of that state. ``stops`` are
     further times that the steps hit exactly.
@@ -102,7 +102,7 @@ def refinements(scene: Scene) -> list[str]:
 
 
 def refined_scene(scene: Scene, measure: str) -> Scene:
-    """Return the scene with half the step for ``time_step_error``, else with twice the sites."""
+    """Return the scene with half the step for ``measure`` time_step_error, else twice the sites."""
     stated = scene.discretisation
     if measure == "time_step_error":
         finer = replace(stated, step=stated.step / 2.0)
@@ -174,7 +174,7 @@ def run_from(
 def _reached(
     scene: Scene, recorders: Sequence[Recorder], recording: Recording
 ) -> tuple[float, ...]:
-    """Return the snapshots that a run recorded, or reached if it records none at snapshots."""
+    """Return the recorded snapshots, or the snapshots reached if no observable needs any."""
     if recording.stopped:
         for recorder in recorders:
             if recorder.dimension == "time":

@@ -85,7 +85,7 @@ class SteppedCells:
         return stepper, limit
 
     def _begin(self, restart: State | None) -> tuple[State, Domain]:
-        """Return the first state, or the state to resume from, with its domain."""
+        """Return the state from which to start or resume the run, and its domain."""
         if restart is not None:
             self.ends = _ends_of(restart, self.domains.plain_ends(0))
         ring = self.ring
@@ -99,7 +99,7 @@ class SteppedCells:
         return state, RingDomain(state, self.ends, domains, fading)
 
     def view(self, state: State) -> CellView:
-        """Return the view of a state on the compared cells."""
+        """Return the view of wave and ``state`` on the compared cells."""
         domains, ring = self.domains, self.ring
         ends, arrays = self.ends_at(state), self.arrays_at(state)
         return CellView(
@@ -164,7 +164,7 @@ class RingDomain(FixedDomain):
             self.fading.at(state)
 
     def recall(self, memory: Memory, t: float) -> None:
-        """Restore the damping, which a resumed run has applied until time ``t``."""
+        """Restore the damping that a run resumed at time ``t`` had applied so far."""
         if self.fading is not None:
             self.fading.faded_until = t
 

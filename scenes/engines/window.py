@@ -98,7 +98,7 @@ COMPARED_MOVES = 16
 
 
 def widened(sites: float, excess: float, decay: float) -> float:
-    """Return the window size that reduces an error ~ size^-decay by the factor ``excess``."""
+    """Return the window size that divides an error of law size^-``decay`` by ``excess``."""
     return sites * min(MAX_SIZE_GROWTH, max(1.2, 1.05 * excess ** (1.0 / decay)))
 
 
@@ -133,7 +133,10 @@ def _chebyshev_sums(coefficients: Array, u: Array) -> Array:
     cache=True, examples=[(doubles(2), doubles(1), doubles(2), doubles(1))], fastmath={"contract"}
 )
 def _clenshaw(coefficients: Array, u: Array, found: Array, work: Array) -> None:
-    """Write Clenshaw's sums to ``found``, looping over points innermost so that SIMD applies."""
+    """Write the sums of `_chebyshev_sums` to ``found``; ``work`` is scratch memory.
+
+    The innermost loop of Clenshaw's rule is over the points, so that SIMD applies.
+    """
     rows, terms = coefficients.shape
     for row in range(rows):
         found[row] = work[:] = 0.0
@@ -172,7 +175,7 @@ class Tail:
         return f + self.wave.uniform(sites, t), v
 
     def _rows(self, offsets: Array) -> Array:
-        """Return fields and velocities at the offsets, stacked along the first axis."""
+        """Return fields and velocities at ``offsets`` in the moving frame, stacked in rows."""
         return np.concatenate(self.wave.rigid_data(self.speed, offsets))
 
     def _exact(self, u: Array) -> Array:

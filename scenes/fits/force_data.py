@@ -39,19 +39,20 @@ MAX_POINTS = 100_000
 """Maximum number of measured points."""
 
 SMALLEST_SIZE = 1e-20
-"""Least magnitude of the largest stretch, of the largest force and of each deviation; its inverse
-is the greatest one. The squares of their sixth powers are then within the range of doubles."""
+"""Least magnitude of the largest stretch, of the largest force and of each deviation; the greatest
+magnitude accepted is its inverse. The squares of their sixth powers are then within the range of
+doubles."""
 
 TURN_FRACTION = 0.1
-"""Least reversal of the stretch that counts as a turn, as a fraction of the range of stretches."""
+"""Smallest reversal of the stretch counted as a turn, as a fraction of the range of stretches."""
 
 MIN_BRANCH_POINTS = 4
 """Minimum mean number of points between two turns; with fewer, points are unordered."""
 
 LOOP_FRACTION, LOOP_DEVIATIONS = 0.005, 4.0
 """Mean width above which loading and unloading form a loop, as a fraction of the range of forces
-(which allows for interpolation between points) and in standard deviations of the mean width. It
-must exceed both, and the noise of a point."""
+(which allows for interpolation between points) and in standard deviations of the mean width. A loop
+must be wider than both and than the noise of a point."""
 
 
 @dataclass(frozen=True)
@@ -153,7 +154,7 @@ def _check_order(rows: Points) -> None:
 
 
 def _turns(stretch: Points) -> list[int]:
-    """Return the rows at which the stretch reverses by more than `TURN_FRACTION` of its range."""
+    """Return the rows where the stretch turns back by more than `TURN_FRACTION` of its range."""
     least = TURN_FRACTION * float(np.ptp(stretch))
     turns: list[int] = []
     lowest = highest = 0

@@ -71,8 +71,8 @@ MAX_STARTS, BEST_STARTS = 1000, 3
 """Maximum number of starting points evaluated, and the number of best ones from which to fit."""
 
 MAX_EVALUATIONS, CONVERGED_DEVIATIONS = 300, 0.01
-"""Maximum number of evaluations of a search, and the standard deviations by which a further step
-may still move the law if the search counts as converged."""
+"""Maximum number of evaluations of a search, and the largest change of the law in a further step,
+in standard deviations, at which the search counts as converged."""
 
 ROUNDING_FRACTION = 1e-13
 """Least noise, as a fraction of the largest force; smaller residuals are rounding errors."""
@@ -157,7 +157,7 @@ class ForceFit(LeastSquares):
         return doubts + self._doubts_of_choice() + self.undetermined_constants(is_linear)
 
     def _doubts_of_choice(self) -> list[str]:
-        """Return sentences on why intervals may be too narrow if AICc chose the law."""
+        """Return warnings that intervals may be too narrow because AICc chose the law."""
         points = self.data.stretch.size
         if not self.evidence or self.is_exact:
             return []
@@ -177,7 +177,7 @@ class ForceFit(LeastSquares):
 
     @property
     def measured(self) -> Measured:
-        """Fitted constants with their covariance, and the fixed ones without."""
+        """Constants of the law: the fitted ones with their covariance, the fixed ones without."""
         names = self.names
         rows = [dict(zip(names, row, strict=True)) for row in self.covariance.tolist()]
         fixed = {str(symbol): value for symbol, value in self.law.fixed.items()}
@@ -280,7 +280,7 @@ def _polynomial(powers: range) -> ForceLaw:
 
 
 def _polynomials(data: ForceData) -> Iterator[ForceLaw]:
-    """Yield polynomials with few enough constants; odd ones too if both signs were measured."""
+    """Yield polynomials of few enough constants; also odd ones for stretches of both signs."""
     has_both_signs = data.stretch[0] < 0 < data.stretch[-1]
     for highest in range(1, HIGHEST_POWER + 1):
         for step in (1, 2) if has_both_signs and highest % 2 and highest > 1 else (1,):
@@ -372,7 +372,7 @@ class _Problem:
     def completed(self, nonlinear: Points) -> Points:
         """Return all constants: the given nonlinear ones with the best linear ones.
 
-        All are NaN if the law or its derivatives are undefined there.
+        All constants are NaN if the law or its derivatives are undefined at ``nonlinear``.
         """
         constants = np.zeros(self._linear.size)
         constants[~self._linear] = nonlinear
@@ -400,7 +400,7 @@ class _Problem:
             return min((self._descent(start) for _, start in starts), key=itemgetter(1))[0]
 
     def _descent(self, start: Points) -> tuple[Points, float]:
-        """Return the constants that a search from ``start`` converges to, and their chi^2."""
+        """Return the constants to which a search from ``start`` converges, and their chi^2."""
         if start.size:
             start = optimize.least_squares(
                 lambda nonlinear: self.residuals(self.completed(nonlinear)),

@@ -90,7 +90,7 @@ class LeastSquares:
         return float(stats.chi2.sf(self.chi_squared, self.degrees))
 
     def undetermined_constants(self, is_linear: Sequence[bool] | None = None) -> list[str]:
-        """Return a sentence for each nonlinear constant with a deviation above its value."""
+        """Return a sentence for each nonlinear constant whose deviation exceeds its value."""
         flags = is_linear or [False] * len(self.names)
         rows = zip(self.names, flags, self.values, self.deviations, strict=True)
         return [
@@ -153,7 +153,7 @@ def estimate_noise(inverse: Points, residuals: Points, least: float) -> tuple[Po
 
 
 def probability(p_value: float, digits: int = 2) -> str:
-    """Return a p-value as text, which is never 0.
+    """Return a p-value as text with ``digits`` digits, or as "p < ..." if it is tiny.
 
     >>> probability(0.123), probability(4e-44, 1), probability(0.0)
     ('p = 0.12', 'p = 4e-44', 'p < 1e-300')
@@ -162,6 +162,6 @@ def probability(p_value: float, digits: int = 2) -> str:
 
 
 def norms(columns: Points) -> Points:
-    """Return the Euclidean norms of columns; 1 for a column of zeros."""
+    """Return the Euclidean norm of each column, or 1 for a column of zeros."""
     lengths = linalg.norm(columns, axis=0)
     return np.where(lengths > 0, lengths, 1.0)

@@ -1,8 +1,9 @@
 """Tests of a fit's residuals for signs of a wrong law: missing terms, trends, correlation.
 
-Together they raise false alarms at the rate `ALARM_RATE`; each test has a share of it.  Most of it
-goes to the next odd term, such as x**5 after K2*x + K4*x**3: a test for this term alone is the most
-powerful one and detects a term of 3 standard deviations in 85 of 100 cases.
+Together they raise false alarms at the rate `ALARM_RATE`; each test has a share of this rate. The
+largest share goes to the test for the next odd term, such as x**5 after K2*x + K4*x**3: a test for
+this term alone is the most powerful one and detects a term of 3 standard deviations in 85 of 100
+cases.
 """
 
 import math
@@ -37,7 +38,7 @@ TREND_DEGREE = 5
 
 
 def level(kind: str, known: bool) -> float:
-    """Return the significance level of a kind of test; ``known``: whether deviations are known."""
+    """Return a test's significance level by its ``kind`` and whether deviations are ``known``."""
     total = sum(share for name, share in ALARM_SHARES.items() if known or name != SIZE)
     return OVERLAP_FACTOR * ALARM_RATE * ALARM_SHARES[kind] / total
 
@@ -136,7 +137,7 @@ class ResidualTests:
         return float(stats.f.sf(explained / count * degrees / unexplained, count, degrees))
 
     def _serial(self, order: NDArray[Any]) -> float:
-        """Return the p-value of the correlation between neighbouring residuals.
+        """Return the p-value of the correlation between residuals that are neighbours in ``order``.
 
         Mean and variance of the correlation are exact for normal noise and the fitted law; its
         distribution is approximated by a beta distribution (Durbin and Watson 1951).

@@ -35,10 +35,10 @@ from longwave.support.real_arrays import Array
 from longwave.support.user_files import shown
 
 FITTED_TABLES = ("chain", "start", *FORCE_TABLES, "observables")
-"""Tables of a bench that are allowed in a fit; derivatives of readings exist for these."""
+"""Tables of a bench that are allowed in a fit: those for which derivatives of readings exist."""
 
 LOSS_NAMES = {"siteloss": "losses.site", "bondloss": "losses.bond"}
-"""Name of each numeric loss in a fit, by the name of the symbol that stands for it."""
+"""Name of each fitted loss, by the name of the symbol that replaces it in the equations."""
 
 MAX_RUNS, CONVERGED_CHANGE = 200, 1e-10
 """Maximum number of runs, and relative change of constants or chi^2 that ends a fit."""
@@ -106,7 +106,7 @@ class SceneModel:
         return chain_on_bench(self._bench, lattice, span, losses)
 
     def step(self, values: ArrayLike, times: Array) -> float:
-        """Return the step with which displacements and velocities meet the scene's tolerance."""
+        """Return the time step with which fields and velocities meet the scene's tolerance."""
         chain, tolerance = self.chain(values), self.scene.target.tolerance
         start = start_on_bench(self._bench, chain, self.scene.t0)
         return integrate(chain, start, times, tolerance, judged=lambda f, v, _: [f, v]).step
@@ -248,10 +248,10 @@ def fit_scene(
 
 
 def _check_records(model: SceneModel, records: Sequence[SensorRecord]) -> bool:
-    """Return whether the records contain deviations.
+    """Check the records, and return whether they contain standard deviations.
 
-    Raises ValueError if only some do, if several quantities are recorded without deviations, and
-    for too few readings.
+    Raises ValueError if only some records contain them, if several quantities are recorded without
+    them, and for too few readings.
     """
     known = {record.deviations is not None for record in records}
     quantities = {sensor.quantity for record in records for sensor in record.sensors}
@@ -313,7 +313,7 @@ class _Problem:
         return least_squares.unit_covariance(jacobian, self._model.free, "records", remedy)
 
     def _evaluate(self, values: Array) -> Array:
-        """Return residuals and their derivatives, (readings, 1 + free); the latest is cached."""
+        """Return residuals and their derivatives, (readings, 1 + free); caches the latest."""
         at = tuple(values.tolist())
         if self._cached is None or self._cached[0] != at:
             readings = self._model.readings(values, self._times, self._sensors, self.step)

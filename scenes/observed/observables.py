@@ -132,7 +132,7 @@ def observable_named(name: str) -> Observable:
 
 
 SITE_UNIT, RATIO_UNIT = "sites", "1"
-"""Unit of lengths, and unit of dimensionless variables."""
+"""Texts for the unit of lengths and for the unit of dimensionless variables."""
 
 TIME_ATTRIBUTES = {"units": "lattice time", "long_name": "time on the lattice"}
 """Dataset attributes of every time axis."""
@@ -209,7 +209,7 @@ def strain(view: View) -> Mapping[str, Any]:
     Variable("error_curve_far_field", (), RATIO_UNIT, RELATIVE_FAR, optional=True),
 )
 def error_curve(view: View) -> Mapping[str, Any]:
-    """Return the sup errors relative to background and to far field, without strains."""
+    """Return the sup errors relative to background and to far field, but not the strains."""
     return _errors(view, "error_curve")
 
 
@@ -346,7 +346,7 @@ def space_time(view: View) -> Mapping[str, Array]:
     Variable("background_difference", ("site",), STRAIN_UNIT, "strain less the bare background"),
 )
 def background_difference(view: View) -> Mapping[str, Any]:
-    """Return the strain of the run minus the bare background of the same phase."""
+    """Return the run's strain minus that of the bare background wave of the same phase."""
     return {"background_difference": view.numeric - view.background}
 
 
@@ -376,9 +376,10 @@ def error_split(view: View) -> Mapping[str, float]:
 
 
 def fit(view: View) -> tuple[float, float]:
-    """Fit shift (sites) and scale of the wave to the run by least squares; return both.
+    """Return the shift (in sites) and the scale factor of the wave that fit the run best.
 
-    Fits start from zero shift and from the distance between the crests; the better one is returned.
+    Least-squares fits start from zero shift and from the distance between the crests of run and
+    wave; the better one is returned.
     """
     from scipy.optimize import least_squares  # import takes 0.2 s, for this observable only
 
@@ -420,7 +421,7 @@ def state(view: View) -> Mapping[str, Any]:
 
 
 def _refinement(name: str, change: str) -> None:
-    """Register an observable that compares the run with a second one; ``change`` describes it."""
+    """Register an observable that compares the run with one refined by ``change``, a text."""
     summary = f"largest difference of y/eps to the run with {change}"
     variable = Variable(name, (), "strain / eps", "sup difference to the refined run")
     OBSERVABLES[name] = Observable(name, summary, "refinement", (variable,), lambda _: {})
@@ -430,11 +431,11 @@ _refinement("time_step_error", "half the step")
 _refinement("domain_error", "twice the sites")
 
 MEASURED = ("time_step_error", "domain_error")
-"""Variables with the differences to refined runs at the snapshots, in y/eps."""
+"""Variables that hold differences to refined runs at the snapshots, in y/eps."""
 
 
 def measured_error(run: Labelled) -> NDArray[np.float64] | None:
-    """Return the error bound of y/eps at each snapshot, from step and domain; None if unmeasured.
+    """Return a bound of the step and domain errors of y/eps at each snapshot; None if unmeasured.
 
     The difference to a refined run may be only half the error, if the error is proportional to the
     step or to 1/size; hence the factor ``SAFETY``.

@@ -13,9 +13,9 @@ from longwave.support.user_files import shown
 def relative_sup_error(numeric: Array, analytic: Array, background: Array) -> float:
     """Return max |analytic - numeric| / max |analytic - background| over the compared sites.
 
-    All three are strains at the same integer sites. With the bare wave of the same phase as
-    ``background`` this is the paper's eq. (16). With the wave's true far field it is the second
-    error reported for waves on periodic backgrounds. A sup over sites depends on where between two
+    All three are strains at the same integer sites. If ``background`` is the bare periodic wave of
+    the same phase, this is the paper's eq. (16). If it is the wave's true far field, this is the
+    second error reported on periodic backgrounds. A sup over sites depends on where between two
     sites the crest is; in the paper's scenes it is on site 0.
 
     Raises ValueError if shapes differ, no site is compared, a value is not finite, or the wave

@@ -23,8 +23,8 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 BLOCH_POINTS = 25
-"""Number of Bloch wavenumbers on the first grid. The fastest growing one is then refined to 1e-3 of
-the zone's edge."""
+"""Number of Bloch wavenumbers on the first grid. The wavenumber of fastest growth is then refined
+to 1e-3 of the zone's edge."""
 
 RATE_DIGITS = 8
 """Significant digits kept of a rate. LAPACK's results vary from the twelfth digit on with the
@@ -43,8 +43,9 @@ NEGLECTED_MODE = 1e-7
 def fastest_rate(U: Array, wavelength: float, speed: float, s: int) -> float:
     """Return the largest growth rate per tau over all perturbations, to `RATE_DIGITS` digits.
 
-    ``U`` are samples of the wave over one wavelength, several for each significant mode. NaN if
-    more than `MOST_MODES` modes are needed, as for a train of very distant crests.
+    ``U`` are samples of the wave over one wavelength, several for each significant mode; ``s`` is
+    the sign in the normal form. NaN if more than `MOST_MODES` modes are needed, as for a train of
+    very distant crests.
     """
     modes = resolving_modes(U)
     if modes > MOST_MODES:
@@ -71,7 +72,10 @@ def resolving_modes(U: Array) -> int:
 
 
 def mkdv_rate(U: Array, wavelength: float, speed: float, s: int, kappa: float, modes: int) -> float:
-    """Return the largest rate per tau at Bloch wavenumber ``kappa``, with 2 ``modes`` + 1 modes."""
+    """Return the largest growth rate per tau at Bloch wavenumber ``kappa``; see `fastest_rate`.
+
+    Uses 2 ``modes`` + 1 Fourier modes.
+    """
     j = np.arange(-modes, modes + 1)
     q = kappa + 2.0 * np.pi * j / wavelength
     potential = 6.0 * s * multiplication(U * U, j)
@@ -80,7 +84,7 @@ def mkdv_rate(U: Array, wavelength: float, speed: float, s: int, kappa: float, m
 
 
 def multiplication(samples: Array, j: NDArray[np.int64]) -> Complex:
-    """Return the matrix, on Fourier modes ``j``, that multiplies by a sampled periodic function."""
+    """Return the matrix, on the Fourier modes ``j``, of multiplication by a sampled function."""
     modes = np.fft.fft(samples) / samples.size
     matrix: Complex = modes[np.subtract.outer(j, j) % samples.size]
     return matrix
@@ -96,12 +100,12 @@ STABLE_RATE = 1e-6
 """Growth rate per tau, such as rounding causes, up to which a background counts as stable."""
 
 WAVE_SAMPLES = 8 * MOST_MODES
-"""Number of samples of a periodic background over one wavelength."""
+"""Number of points per wavelength at which a periodic background is sampled."""
 
 
 @dataclass(frozen=True)
 class Trust:
-    """Growth rate (per lattice time) of the fastest perturbation; implied predictability time."""
+    """Growth rate per lattice time of the fastest perturbation, and the predictability time."""
 
     rate: float
     predictability_time: float
@@ -163,7 +167,7 @@ def predictability_time(rate: float, tolerance: float, rounding: float) -> float
 def _fastest_rate(wave: NumericWave) -> float:
     """Return the largest growth rate per tau of a wave's periodic background.
 
-    The background's speed is computed from Y_T / Y_X where it is steepest.
+    The background's speed is -Y_T / Y_X where the background is steepest.
     """
     period = float(wave.wavelength or 0.0)
     a, b, s = wave.numbers.a, wave.numbers.b, wave.numbers.s

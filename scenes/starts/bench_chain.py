@@ -35,7 +35,7 @@ Reader = Callable[[Moment], ArrayLike]
 
 @dataclass(frozen=True)
 class BenchVariable:
-    """Variable of a run: dimensions besides time, and a function that reads it from a `Moment`."""
+    """Variable of a run: dimensions besides time, and the function of a `Moment` that reads it."""
 
     name: str
     dimensions: tuple[str, ...]
@@ -56,7 +56,7 @@ READINGS = {
         BenchVariable("force", ("bond",), _UNIT, _FORCE, lambda at: at.chain.forces(at.f)),
     )
 }
-"""Quantities that sensors read, by name; each is read in all cells, along the last axis."""
+"""Variable for each quantity that sensors read, by name, with all cells along its last axis."""
 
 
 def chain_on_bench(
@@ -144,12 +144,12 @@ def _mode(bench: Bench, number: int) -> Array:
 
 
 def energy_cuts(bench: Bench, chain: DrivenChain) -> Sequence[int] | None:
-    """Return the cells left of the cuts whose energy flow is integrated; None without any."""
+    """Return the cell left of each cut whose energy flow is integrated; None without cuts."""
     return bench.flux if bench.flux or has_balance(bench, chain) else None
 
 
 def has_balance(bench: Bench, chain: DrivenChain) -> bool:
-    """Return whether work and heat are recorded with the energy, which a heat bath excludes."""
+    """Return whether work and heat are recorded with the energy; in a heat bath they are not."""
     return bench.energy and bench.noise is None and chain.exchanges_energy
 
 

@@ -45,7 +45,7 @@ def equation_of(scene: Scene) -> tuple[str, bool]:
 
 
 def _is_cached(scene: Scene) -> bool:
-    """Return whether results are cached: only for named long waves without losses or disorder."""
+    """Return whether results are cached: for named long waves without losses or disorder."""
     needs_more = scene.is_envelope or scene.losses or scene.disorder or scene.named_start
     return isinstance(scene.wave, str) and not needs_more
 

@@ -1,8 +1,9 @@
 """Numerical soliton of a reduced equation that has none in closed form.
 
-A wave ``Y = V(X - v T)`` of ``Y_T = F_X``, F = linear terms and one power of Y, has
-``(v + l(k)) V = P(V)`` in Fourier modes.  Petviashvili's iteration multiplies ``P(V)/(v + l)`` by
-the power of ``<V, (v + l) V> / <V, P(V)>`` that keeps the size of V bounded.
+A wave ``Y = V(X - v T)`` of ``Y_T = F_X``, F = linear terms and one power of Y, has ``(v + l(k)) V
+= P(V)`` in Fourier modes, where l comes from the linear terms and P from the power. Petviashvili's
+iteration multiplies ``P(V)/(v + l)`` by the power of ``<V, (v + l) V> / <V, P(V)>`` that keeps the
+size of V bounded.
 """
 
 import numpy as np
@@ -18,7 +19,7 @@ DECAY_EXPONENT = 36.0
 """Exponent of decay: the interval ends where the wave has fallen by exp(-DECAY_EXPONENT)."""
 
 LEAST_DECAY = 1e-6
-"""Smallest decay rate of a localised wave's flanks, in units of the fastest rate."""
+"""Least decay rate of the flanks of a localised wave, in units of the fastest rate."""
 
 POINTS = 1024
 """Number of points of the Fourier series on the interval of X."""

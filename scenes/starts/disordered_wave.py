@@ -26,12 +26,12 @@ if TYPE_CHECKING:
 
 
 class WaveDisorder:
-    """Disorder of a wave's ``lattice``; initial data and theory remain those of the ordered one.
+    """Disorder of a wave's ``lattice``; initial data and theory are those of the ordered lattice.
 
     ``symbolic`` is the lattice's declaration and ``values`` are its constants. ``far`` is the
     constant background of a long wave; None for an envelope or an infinite wave. ``uniform`` is the
     uniform strain of each field. Only a wave that tends to 0 has a crest, which is where the force
-    is largest. Raises ValueError for a lattice without such a disorder, and for unequal
+    is largest. Raises ValueError for a lattice that does not admit the disorder, and for unequal
     springs that a background stretches.
     """
 
@@ -89,7 +89,7 @@ class WaveDisorder:
 def variation_of(
     disorder: Disorder, symbolic: Lattice, values: Mapping[str, Expr], lattice: NumericLattice
 ) -> Variation:
-    """Return which masses or parts of forces vary; ValueError for an inadmissible disorder."""
+    """Return the variation of masses or forces by cell; ValueError for an invalid disorder."""
     name = disorder.of
     if lattice.dimension != 1:
         raise ValueError(

@@ -58,7 +58,7 @@ class PlaneBackground:
     def jets(self, X: Array, T: float, highest: int) -> Complex:
         """Return A and its X-derivatives up to order ``highest``, (highest + 1, *points).
 
-        Each derivative is the one before it times the same factor, i times the wavenumber.
+        Each derivative is the previous one times i times the wavenumber of the plane wave.
         """
         A, far = self._wave.background(X, T), np.linspace(-FARTHEST_X, FARTHEST_X, END_SAMPLES)
         if np.array_equal(self._wave.background(far, T).Y, self._wave.jets(far, T, 0)[0]):
@@ -248,7 +248,7 @@ class EnvelopeData(LatticeWave):
         return tuple(term for term in terms if term.power <= HIGHEST_POWERS[self.order])
 
     def _field(self, terms: CarrierTerms, jets: _Jets, theta: Array) -> tuple[Array, Array]:
-        """Return a field without its mean over the carrier, and the time derivative of this."""
+        """Return a field less its mean over the carrier, and the time derivative of this part."""
         f, v = np.zeros_like(theta), np.zeros_like(theta)
         used = self._terms(terms)
         for j in sorted({term.harmonic for term in used}):
@@ -283,8 +283,8 @@ def _pieces(n: Array) -> list[slice]:
 def _integral(values: Array, slopes: Array, n: Array) -> Array:
     """Integrate over consecutive cells, by the trapezoidal rule with its end correction.
 
-    The error is values'''/720, however many cells there are. Raises ValueError unless the cells are
-    consecutive.
+    The error is about 1/720 of the third derivative of ``values``, however many cells there are.
+    Raises ValueError unless the cells are consecutive.
     """
     if n.ndim != 1 or not np.allclose(np.diff(n), 1.0):
         raise ValueError(
@@ -296,7 +296,7 @@ def _integral(values: Array, slopes: Array, n: Array) -> Array:
 
 
 def _ends(wave: EnvelopeWave, T: float, wider: float = 1.0) -> tuple[float, float]:
-    """Return the wave's ends in X, moved apart by the factor ``wider``; infinite if it has none."""
+    """Return the wave's ends in X at T, widened by the factor ``wider``; infinite without ends."""
     X = np.linspace(-FARTHEST_X, FARTHEST_X, END_SAMPLES)
     modulus = np.abs(wave.jets(X, T, 0)[0])
     inside = X[modulus > END_LEVEL * np.max(modulus)]

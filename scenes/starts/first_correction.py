@@ -38,8 +38,8 @@ FIRST_POINTS, MAX_POINTS = 384, 24576
 are too large."""
 
 MAX_TRUNCATED = 3e-7
-"""Largest accepted truncated mode, in units of the largest mode. Step errors to
-CORRECTION_TOLERANCE contribute less to truncated modes (1.3e-7 in scene 1:108 of
+"""Largest accepted truncated mode, in units of the largest mode. Step errors within
+`CORRECTION_TOLERANCE` contribute less to truncated modes (1.3e-7 in scene 1:108 of
 `searches/soak.py`)."""
 
 
@@ -128,7 +128,7 @@ class FirstCorrection:
         return self._solved[T]
 
     def _advanced(self, modes: Complex, begin: float, end: float) -> Complex:
-        """Integrate the modes from ``begin`` to ``end``, or until truncated modes are too large."""
+        """Integrate the modes of Y1 to T = ``end``, or until truncated modes are too large."""
         from scipy.integrate import DOP853
 
         def growth(T: float) -> Complex:
@@ -157,7 +157,7 @@ class FirstCorrection:
         return np.asarray(self._wave.jets(self._space.X, T, highest))
 
     def _varying(self, T: float, modes: Complex) -> Array:
-        """Return Y1_T at the points, without the terms that have constant coefficients."""
+        """Return Y1_T at the points, without the terms with constant coefficients."""
         jets = self._jets(T)
         total = self._further(jets)
         for count, slope in enumerate(self._flow.variation(jets)):
@@ -167,14 +167,14 @@ class FirstCorrection:
         return np.asarray(total)
 
     def _update_truncated(self, T: float, modes: Complex) -> None:
-        """Raise ``_truncated`` to the largest truncated mode of Y1_T, relative to the largest."""
+        """Raise ``_truncated`` to the largest truncated mode of Y1_T over its largest mode."""
         sizes = np.abs(np.fft.rfft(self._varying(T, modes)))
         largest = max(float(np.max(sizes)), TINY_DENOMINATOR)
         self._truncated = max(self._truncated, float(np.max(sizes[self._space.k.size :]) / largest))
 
 
 TINY_DENOMINATOR = 1e-300
-"""Lower bound of a divisor; avoids division by 0."""
+"""Lower bound of the divisor of relative truncated modes; avoids division by 0."""
 
 
 HALF_LENGTHS = {True: 8.0, False: 2.0}

@@ -48,6 +48,6 @@ class InitialCells:
         return replace(self, f=f, v=v)
 
     def nudged(self, times: float = 1.0) -> InitialCells:
-        """Return the ring with the last digits of its state changed by `trial.nudged`."""
+        """Return the ring with its state perturbed by ``times`` the rounding `trial.NUDGE`."""
         f, v = nudged(self.f, self.v, times=times)
         return replace(self, f=f, v=v)

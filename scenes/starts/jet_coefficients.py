@@ -44,7 +44,7 @@ def with_numbers(
 
 
 def _sum(element: RationalFunction, below: bool, numbers: Mapping[Symbol, Any]) -> Any:
-    """Return the value of a rational function's numerator, or with ``below`` of its denominator."""
+    """Return the value of a rational function's numerator, or of its denominator if ``below``."""
     total = _EXACT.mpf(0)
     for exponents, coefficient in element.terms(below=below):
         product = _EXACT.mpf(coefficient)

@@ -43,9 +43,10 @@ FURTHER_ORDERS = 2
 class LatticeDerivation:
     """Derived equation of a scene's lattice: its reduction or envelope, with the normal form.
 
-    For a reduction the constants' values, which may contain eps, are already in ``lattice``. An
-    envelope has symbols, whose values are ``numbers``. ``normal_form`` is None for a computed
-    soliton; with an amplitude ``law`` it is the lossless form, whose soliton follows the law.
+    For a reduction the constants' values, which may contain eps, are already in ``lattice``. For an
+    envelope ``lattice`` keeps the symbols, whose values are ``numbers``. ``normal_form`` is None
+    for a computed soliton; with an amplitude ``law`` it is the lossless form, whose soliton follows
+    the law.
     """
 
     lattice: Lattice
@@ -144,7 +145,7 @@ def equation_of_form(form: ClosedForm) -> str:
 
 
 def _fits(form: ClosedForm, derived: LatticeDerivation) -> bool:
-    """Return whether the form solves the derived equation and, if that has a law, can follow it."""
+    """Return whether the form solves the equation and can follow its amplitude law, if any."""
     equation, normal = form.equation, derived.normal_form
     if normal is None or (derived.law is not None and form.name not in DAMPED_WAVES):
         return False
@@ -216,8 +217,8 @@ def _envelope(
 def scene_envelope(scene: Scene) -> tuple[Envelope, Mapping[str, Expr]]:
     """Return the envelope equation of a scene's lattice and branch, and the constants' values.
 
-    It is derived once for all wavenumbers, and separately at k = pi, where it is shorter. Raises
-    ValueError for missing or wrong constants and for a lattice without such an equation.
+    The equation is derived once for all wavenumbers, and separately at k = pi, where it is shorter.
+    Raises ValueError for missing or wrong constants and for a lattice without such an equation.
     """
     unused = {"eps": 0.1, "tolerance": 1.0, "name": "", "title": ""}
     at_pi = exact_value("k", scene.carrier) == pi
@@ -237,7 +238,7 @@ def _scene_envelope(scene: Scene) -> tuple[Envelope, Mapping[str, Expr]]:
 def _values(
     pairs: Iterable[tuple[str, Value]], names: Mapping[str, Expr] | None = None
 ) -> dict[str, Expr]:
-    """Return exact values by name; formulas may contain ``names``."""
+    """Return exact values by name from pairs; a formula may contain ``names`` as symbols."""
     return {name: exact_value(name, value, names) for name, value in pairs}
 
 

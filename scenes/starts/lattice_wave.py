@@ -31,10 +31,10 @@ class LatticeWave(ABC):
 
     ``lattice`` has no mean strain. ``order`` is one of `ORDERS`. The compared quantities have the
     size ``eps**power``; the slow time is ``T = eps**slow t``. ``speed`` is that of the frame along
-    the first axis, in cells per unit of time. ``disorder`` and ``losses`` are those of the rings
-    and of ``lattice``; with them ``lattice`` is only used for frequencies and speeds, not for runs.
-    ``watches_strains``: whether a run ends when linear waves about some strain become unstable, and
-    records its smallest and largest strain.
+    the first axis, in cells per unit of time. With ``disorder`` or ``losses`` runs take place on
+    rings that have these, and ``lattice`` only gives frequencies and speeds. ``watches_strains``:
+    whether a run ends when linear waves about some strain become unstable, and records its smallest
+    and largest strain.
     """
 
     lattice: NumericLattice
@@ -204,7 +204,7 @@ class LatticeWave(ABC):
 
     @property
     def has_energy(self) -> bool:
-        """Whether its rings have a known energy."""
+        """Whether the energy of the wave's rings is known."""
         return self.lattice.conserves_energy
 
     def energy(self, lattice: NumericLattice, f: Array, v: Array) -> float:
@@ -265,7 +265,7 @@ class LatticeWave(ABC):
 
 
 FARTHEST_CELL = 2.0**53
-"""Largest number of a cell that is an exact double."""
+"""Largest cell number up to which all whole numbers are exact doubles."""
 
 
 def nearest_cell(speed: float, t: float) -> int:

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 END_LEVEL = 1e-9
-"""Change of the profile, relative to the largest, below which a wave counts as ended."""
+"""Deviation of the profile, relative to its largest, below which a wave counts as ended."""
 
 FARTHEST_X = 400.0
 """Distance in X at which a wave that has not ended counts as infinite."""
@@ -167,7 +167,7 @@ class LongWaveData(LatticeWave):
     def _evaluate(
         self, groups: Sequence[Sequence[JetPolynomial]], position: Array, t: float
     ) -> list[Array]:
-        """Return each group's polynomials at X = ``position`` and time t, (polynomials, *sites).
+        """Return each group's values at X = ``position`` and time t, (polynomials, *sites).
 
         Derivatives are computed for `PIECE` cells at a time, because they need many arrays.
         """
@@ -301,7 +301,7 @@ class LongWaveData(LatticeWave):
 
     @cached_property
     def _far_slopes(self) -> list[float]:
-        """Slopes of the bonds' forces on the constant background; empty if one is not finite."""
+        """Slope of each bond's force on the constant background; empty if a slope is not finite."""
         (f, _), middle = self._far_fields(), self.lattice.reach
         with np.errstate(all="ignore"):
             stretches = self.lattice.stretches(f)
@@ -377,7 +377,7 @@ class LongWaveData(LatticeWave):
         return [axis for axis, step in enumerate(self._direction) if step]
 
     def _unknown(self, X: Array, T: float, highest: int, W: Array | None) -> Array:
-        """Return the unknown (W if given, else Y) and its X-derivatives up to order ``highest``."""
+        """Return ``W`` or, if it is None, Y, with the X-derivatives up to order ``highest``."""
         if W is None:
             return self._corrected(self.wave.jets(X, T, highest), X, T, highest)
         jets = np.empty((highest + 1, *X.shape))

@@ -147,7 +147,7 @@ class MovingWave(LatticeWave):
 
     @property
     def duration(self) -> float:
-        """Time from the first to the last of the times."""
+        """Duration of the run, from the first to the last of the ``times``."""
         return self.end - self.t0
 
     @property
@@ -338,7 +338,7 @@ def find_bounds(moving: MovingWave, tolerance: float) -> WaveBounds:
 
 
 CACHED_TIMES = 256
-"""Number of profiles, each of a wave at one time, that are cached; enough for a few waves."""
+"""Number of cached profiles, each of a wave at one time; enough for a few waves."""
 
 
 @lru_cache(maxsize=4)
@@ -350,7 +350,7 @@ def _deviations(
 
 
 def _deviation(constants: "Model", wave: NumericWave, eps: float, t: float) -> tuple[Array, Array]:
-    """Return sorted positions relative to c t, and how far Y is there from the nearer far field."""
+    """Return sorted positions relative to c t, and the distance of Y from the nearer far field."""
     x, value = _values(constants, wave, eps, t)
     cells = constants.sound_speed() * t + x
     left, right = (wave.value_at(cells, t, eps, side) for side in FAR_FIELDS)

@@ -2,8 +2,8 @@
 
 The equation is ``i A_T + p A_XX + q |A|^2 A = 0``, its plane wave ``a exp(i q a^2 T)``. The
 perturbation ``b exp(i kappa X + lambda T) + conj(c) exp(-i kappa X + conj(lambda) T)`` of it has
-``lambda^2 = p kappa^2 (2 q a^2 - p kappa^2)``. It grows if that is positive (Benjamin and Feir, J.
-Fluid Mech. 27 (1967) 417) and moves otherwise. On a lattice b and c are the carrier's sidebands.
+``lambda^2 = p kappa^2 (2 q a^2 - p kappa^2)``. It grows if lambda^2 is positive (Benjamin and Feir,
+J. Fluid Mech. 27 (1967) 417) and moves otherwise. On a lattice b and c are the carrier's sidebands.
 """
 
 import cmath
@@ -104,8 +104,8 @@ class PlaneDomain:
 
 
 NEAR_K, NEAR_KAPPA = 1e-3, 1e-2
-"""Largest change of the carrier's wavenumber (absolute) and of the perturbation's (relative) by
-which both fit on a ring."""
+"""Largest changes accepted to fit both waves on a ring: that of the carrier's wavenumber (absolute)
+and that of the perturbation's wavenumber (relative)."""
 
 CLOSED_MISMATCH = 1e-9
 """Largest mismatch, in wavelengths, of a carrier that closes on its ring."""

@@ -65,7 +65,7 @@ class PulseMeter:
         return Pulse(peak, position, float(np.sum(energies[near])), float(np.sum(energies)))
 
     def _momentum_at_rest(self, v: Array) -> float:
-        """Return the momentum of a ring of strains in the frame of its first mass."""
+        """Return the momentum of a ring of strains in the frame in which its first mass rests."""
         return float(np.sum(self._masses[0] * (np.cumsum(v[0]) - v[0])))
 
     def _energies(self, f: Array, v: Array) -> Array:
@@ -126,7 +126,7 @@ PULSE_VARIABLES = {
 
 
 def crest(cells: Array, values: Array) -> tuple[float, float]:
-    """Return height and position of the largest modulus of the values, interpolated between cells.
+    """Return height and position of the crest of |values|, interpolated between cells.
 
     The height is taken from the parabola through the largest modulus and its neighbours; the
     position is the centroid of the peak above half its height.

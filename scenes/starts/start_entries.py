@@ -60,8 +60,8 @@ def _solve_soliton(
 
 
 PERTURBATION_PARAMETERS = ("amplitude", "kappa", "share")
-"""Parameters of a perturbed plane wave: |A|; the perturbation's wavenumber in X; or instead the
-ratio of that wavenumber to the fastest growing one, 1 by default."""
+"""Parameters of a perturbed plane wave: ``amplitude`` |A|, and either the perturbation's wavenumber
+``kappa`` in X or its ``share`` of the fastest growing wavenumber, by default 1."""
 
 
 def _check_growth(scene: SceneFields) -> None:

@@ -16,7 +16,7 @@ SAMPLED_TIMES = 17
 """Number of equidistant times at which the wave is sampled, in addition to some snapshots."""
 
 DISTANCES = np.concatenate([np.linspace(0.0, 1.0, 21)[:-1], np.geomspace(1.0, 1e5, 360)])
-"""Distances of sample points from a phase's zero, in units of xi; beyond 1 each is 3.2 % larger."""
+"""Distances of sample points from a phase's zero, in units of xi; beyond 1 in steps of 3.2 %."""
 
 LEVEL_FRACTION = 0.01
 """Least deviation from the far field counted as part of the wave, in units of the tolerance."""
@@ -26,8 +26,8 @@ CREST_FRACTION = 0.05
 deviation."""
 
 POWER_RATIO = 0.05
-"""Ratio of the deviations at twice a distance and at that distance; a larger one means algebraic
-decay."""
+"""Threshold of the ratio of the deviations at twice a distance and at the distance itself; a larger
+ratio means algebraic decay."""
 
 DRIFT_FRACTION = 0.1
 """Margin added to a wave's ends, as a fraction of their drift over the run, because the wave on the
@@ -43,7 +43,7 @@ def sampled_times(times: Sequence[float]) -> list[float]:
 
 
 def sample_points(zeros: Sequence[float], unit: float) -> Array:
-    """Return sorted sample points, dense about the zeros of the phases and sparse far away."""
+    """Return sorted points at `DISTANCES`, in this ``unit``, on both sides of the ``zeros``."""
     offsets = unit * np.concatenate([-DISTANCES[:0:-1], DISTANCES])
     return np.unique(np.concatenate([zero + offsets for zero in zeros]))
 
@@ -81,7 +81,7 @@ def support_of(x: Array, deviation: Array, tolerance: float) -> tuple[float, flo
 
 
 def _decays_like_a_power(x: Array, deviation: Array, index: int) -> bool:
-    """Return whether the deviation beyond the wave's end at ``index`` decays like a power."""
+    """Return whether the deviation falls like a power beyond the wave's end, at ``x[index]``."""
     crest = float(x[int(np.argmax(deviation))])
     if index in (0, x.size - 1):
         return True

@@ -11,7 +11,11 @@ from .reading import without_doubles
 
 
 def main(arguments: list[str]) -> int:
-    """Print what every certificate of a file proves, and "accepted"; 1 at the first that fails."""
+    """Print what each certificate of a file proves, up to the first that fails.
+
+    Returns the exit status: 0 if all are accepted, 1 if one fails, 2 for a wrong call or an
+    unreadable file.
+    """
     if len(arguments) != 1:
         print("usage: python -m longwave.waves.kernel FILE", file=sys.stderr)
         return 2

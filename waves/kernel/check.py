@@ -89,7 +89,7 @@ class PeriodicClaim:
 
     @cached_property
     def speed_squared(self) -> arb:
-        """v^2 with its error."""
+        """Squared speed v^2 of the proved wave, as a ball."""
         return self.centre.speed_squared + arb(0, self.radius / self.centre.weight)
 
     @property
@@ -102,7 +102,7 @@ class PeriodicClaim:
         return Stiffness(law.stiffness, rest, self.speed_squared.sqrt(), self.period)
 
     def proved(self) -> dict[str, Ends]:
-        """Return the proved numbers by the names that claims have."""
+        """Return the proved bounds of each number, by its name in the claims."""
         modes, error = self.centre.modes, arb(0, self.radius)
         numbers = {
             "speed": ends_of(self.speed_squared.sqrt()),
@@ -117,7 +117,7 @@ class PeriodicClaim:
 
     @property
     def statement(self) -> str:
-        """The theorem in words."""
+        """Text of the theorem that the certificate proves."""
         springs = " and ".join(
             f"V'(r) = {s.force.text}" + (f" (neighbour {s.neighbour})" if s.neighbour > 1 else "")
             for s in self.springs
@@ -167,7 +167,7 @@ class SolitaryClaim:
             )
 
     def proved(self) -> dict[str, Ends]:
-        """Return the proved numbers by the names that claims have."""
+        """Return the proved bounds of each number, by its name in the claims."""
         centre = self.centre
         strain = centre.strain
         error = centre.embedding * self.radius + centre.periodic_error * centre.edge
@@ -176,7 +176,7 @@ class SolitaryClaim:
 
     @property
     def statement(self) -> str:
-        """The theorem in words."""
+        """Text of the theorem that the certificate proves."""
         return (
             f"The chain of unit masses with V'(r) = {self.springs[0].force.text} has a smooth even "
             f"solitary strain f(n - v t), f in L^2 and not 0, with the speed v = {self.speed}."
@@ -235,7 +235,7 @@ class ExponentClaim:
 
     @property
     def statement(self) -> str:
-        """The theorem in words."""
+        """Text of the theorem that the certificate proves."""
         growth = self.proved()["growth"][0]
         verdict = "It is UNSTABLE: perturbations grow as exp(growth t)." if growth > 0 else ""
         return "\n".join(
@@ -259,7 +259,7 @@ def _check_tie(record: Record) -> str:
 
 
 class TieClaim:
-    """The statement and the pieces of a certificate for all small eps."""
+    """The statement of a certificate for all small eps, and its pieces of the range of eps^2."""
 
     def __init__(self, record: Record) -> None:
         springs = _springs(record.record("lattice"))
@@ -275,7 +275,7 @@ class TieClaim:
         self.pieces = record.items("pieces", MAX_PIECES)
 
     def proved(self) -> dict[str, Ends]:
-        """Return the constants of the tie. Raises CertificateError if a piece is not proved."""
+        """Return the proved constants for all eps. Raises CertificateError if a piece fails."""
         low, high, speed, reached = [], [], [], fmpq(0)
         for item in self.pieces:
             piece, bound, last = _tie_piece(Record(item, "piece"), self.wave, self.weight, reached)
@@ -301,7 +301,7 @@ class TieClaim:
 
     @property
     def statement(self) -> str:
-        """The theorem in words."""
+        """Text of the theorem that the certificate proves."""
         return (
             f"For every 0 < eps <= {self.eps} the chain of unit masses with V'(r) = "
             f"{self.force.text} has a smooth even periodic strain f(n - v t) with period, mean and "
@@ -321,7 +321,7 @@ def _greatest(values: Sequence[arb]) -> arb:
 def _tie_piece(
     item: Record, wave: NearWave, weight: arb, reached: fmpq
 ) -> tuple[TiePiece, arb, fmpq]:
-    """Return a piece of eps^2 that begins at ``reached``, its bound c, and its end."""
+    """Read the piece of the range of eps^2 from ``reached`` on; return it, its bound c, its end."""
     last, bound = item.number("square"), arb(item.number("bound"))
     correction = [arb(decimal(c)) for c in item.items("correction", MAX_MODES)]
     item.close()
@@ -371,7 +371,7 @@ def _near(record: Record, springs: tuple[Spring, ...]) -> NearWave:
 
 
 def _distance(near: NearWave, modes: Series, radius: arb) -> Ends:
-    """Return the ends of sup |f - eps Y|/eps."""
+    """Return bounds of sup |f - eps Y|/eps, for the wave f within ``radius`` of ``modes``."""
     top = len(modes) - 1
     low, high = supremum([a - b for a, b in zip(modes, near.modes(top), strict=True)])
     error, eps = radius + near.rest(top), arb(near.eps)

@@ -12,11 +12,11 @@ from .force_text import Force
 from .limits import CertificateError, require_size
 
 ARCS = 192
-"""Arcs that cover the circle |z| = rho."""
+"""Number of arcs that cover the circle |z| = rho."""
 
 
 CUT = 1e-33
-"""Norm of coefficients of V'(f) and V''(f) that are added to the remainders instead."""
+"""Norm below which the highest coefficients of V'(f) and V''(f) are moved to the remainders."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,9 @@ class Composed:
 
 
 def composed(force: Force, f: Sequence[arb], nu: arb, reach: arb, strip: Strip | None) -> Composed:
-    """Compose a force with a strain; ``third`` holds for all h of norm at most ``reach``.
+    """Compose a force with a strain f, in norms with weight ``nu``.
+
+    The bound of V'''(f + h) holds for all h of norm at most ``reach``.
 
     Raises CertificateError if the force is not analytic on the strip.
     """
@@ -60,7 +62,7 @@ def composed(force: Force, f: Sequence[arb], nu: arb, reach: arb, strip: Strip |
 
 
 def trimmed(f: Series, nu: arb, cut: float) -> tuple[Series, arb]:
-    """Split off the highest coefficients: the others, and a bound of the norm of what is left."""
+    """Drop the highest coefficients, of norm below ``cut``; return the others and a norm bound."""
     rest, top = arb(0), len(f)
     while top > 1:
         more = rest + 2 * abs(f[top - 1]) * nu ** (top - 1)
@@ -126,7 +128,7 @@ def _widened(value: acb, margin: arb) -> acb:
 
 
 PIECES = 8
-"""Pieces of each side of the rectangle that contains a strain's values on the strip."""
+"""Number of pieces of each side of the rectangle around a strain's values on the strip."""
 
 
 def _require_analytic(force: Force, values: Sequence[acb], margin: arb) -> None:

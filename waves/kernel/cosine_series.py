@@ -34,7 +34,7 @@ def polynomial_of(coefficients: Sequence[arb], f: Sequence[arb]) -> Series:
 
 
 def norm(f: Sequence[arb], nu: arb) -> arb:
-    """Return an upper bound of the norm."""
+    """Return an upper bound of the norm of f with weight ``nu``."""
     total, weight = arb(0), arb(2)
     for coefficient in reversed(f[1:]):
         total = total * nu + abs(coefficient)
@@ -57,7 +57,7 @@ def largest(values: Iterable[arb]) -> arb:
 
 
 STEPS = 4096
-"""Points of a period at which the supremum of a function is sought."""
+"""Number of points of a period at which the supremum of a function is sought."""
 
 
 def supremum(f: Sequence[arb]) -> tuple[arb, arb]:
@@ -76,7 +76,7 @@ def supremum(f: Sequence[arb]) -> tuple[arb, arb]:
 
 
 def values_at_steps(f: Sequence[arb], count: int) -> list[arb]:
-    """Return f at ``count`` equal steps of a period, at least twice the number of modes."""
+    """Return f at ``count`` equal steps of a period; ``count`` is at least twice len(f)."""
     padded = [*f, *[arb(0)] * (count - 2 * len(f) + 1), *reversed(f[1:])]
     return [value.real for value in acb.dft([acb(c) for c in padded])]
 
@@ -87,5 +87,5 @@ def shifted_sum(g: Sequence[arb], j: int, k: int) -> arb:
 
 
 def entry(g: Sequence[arb], j: int) -> arb:
-    """Return the coefficient of an index of either sign; 0 beyond the list."""
+    """Return g_|j|, the coefficient for an index of either sign; 0 beyond the list."""
     return g[abs(j)] if abs(j) < len(g) else arb(0)

@@ -43,24 +43,24 @@ class NearWave:
 
     @cached_property
     def quarter_period(self) -> arb:
-        """K(k)."""
+        """Quarter period K(k)."""
         return acb(arb(self.k * self.k)).elliptic_k().real
 
     @cached_property
     def nome(self) -> arb:
-        """exp(-pi K(k')/K(k))."""
+        """Nome q = exp(-pi K(k')/K(k))."""
         complementary = acb(arb(1 - self.k * self.k)).elliptic_k().real
         return (-arb.pi() * complementary / self.quarter_period).exp()
 
     @property
     def period(self) -> arb:
-        """P."""
+        """Period P in cells."""
         jet = self.force.at_rest
         scale = (6 * abs(jet[3]) / jet[1]).sqrt() * arb(self.eps)
         return (2 if self.form == "dn" else 4) * self.quarter_period / scale
 
     def mode(self, j: int) -> arb:
-        """Return f_j."""
+        """Return the cosine mode f_j of eps Y."""
         unit, q = arb.pi() * arb(self.eps) / self.quarter_period, self.nome
         if self.form == "dn":
             return unit * q**j / (1 + q ** (2 * j)) if j else unit / 2
@@ -72,7 +72,7 @@ class NearWave:
         return (-1) ** ((j - 1) // 2) * unit * root / (1 - q**j)
 
     def modes(self, top: int) -> Series:
-        """Return f_0 ... f_top."""
+        """Return the cosine modes f_0 ... f_top of eps Y."""
         return [self.mode(j) for j in range(top + 1)]
 
     def rest(self, top: int) -> arb:

@@ -44,11 +44,11 @@ class ExponentCentre:
 
     @property
     def top(self) -> int:
-        """N."""
+        """N, the largest index of a component W_j."""
         return len(self.vector) // 2
 
     def wavenumber(self, j: int) -> arb:
-        """Return q_j; ``bloch`` is kappa P/(2 pi)."""
+        """Return q_j = kappa + 2 pi j/P, where kappa = 2 pi ``bloch``/P."""
         return 2 * arb.pi() * (arb(self.bloch) + j) / self.stiffness.period
 
     def rate(self, j: int) -> acb:
@@ -57,17 +57,17 @@ class ExponentCentre:
 
     @cached_property
     def couplings(self) -> dict[int, arb]:
-        """4 sin^2(q_j/2) for every row in which the known equation does not vanish."""
+        """4 sin^2(q_j/2) by j, for all G_j in which known modes and components meet."""
         reach = self.top + len(self.stiffness.modes) - 1
         halves = {j: (self.wavenumber(j) / 2).sin() for j in range(-reach, reach + 1)}
         return {j: 4 * half * half for j, half in halves.items()}
 
     def known(self, j: int) -> acb:
-        """Return W_j of the centre."""
+        """Return the component W_j of the approximate vector; 0 beyond N."""
         return self.vector[j + self.top] if abs(j) <= self.top else acb(0)
 
     def residual(self, j: int) -> acb:
-        """Return G_j at the centre, without the wave's error."""
+        """Return G_j at the approximate exponent and vector, without the error of the wave."""
         width = len(self.stiffness.modes) - 1
         total = acb(0)
         for k in range(max(-self.top, j - width), min(self.top, j + width) + 1):
@@ -151,7 +151,7 @@ def _least_rate(centre: ExponentCentre) -> arb:
 
 
 def _tail(centre: ExponentCentre, inverse: acb_mat, outside: Sequence[int], stiffness: arb) -> arb:
-    """Return the norm of I - A DG outside the block."""
+    """Return the norm of I - A DG outside the block |j|, |k| <= N, where A is ``inverse``."""
     top, modes = centre.top, centre.stiffness.modes
     rows = range(-top, top + 1)
     weights = {j: 1 / abs(centre.rate(j)) ** 2 for j in outside}

@@ -36,7 +36,7 @@ FUNCTIONS: dict[str, Callable[[acb_series], acb_series]] = {
 
 MAX_TOKENS, MAX_POWER, MAX_NESTING = 2000, 64, 60
 MAX_HEIGHT = 50_000
-"""Bits of a coefficient of a polynomial force."""
+"""Maximum number of bits of a coefficient of a polynomial force."""
 
 Node = tuple[Any, ...]
 
@@ -51,7 +51,7 @@ class Force:
 
     @property
     def size(self) -> int:
-        """Number of symbols."""
+        """Number of symbols in the formula."""
         return len(_TOKEN.findall(self.text))
 
     def taylor(self, z: acb, terms: int) -> list[acb]:
@@ -73,7 +73,7 @@ class Force:
         return [c.real for c in self.taylor(acb(0), 4)]
 
     def derivative(self, order: int) -> tuple[arb, ...]:
-        """Return the coefficients of a polynomial force's derivative."""
+        """Return the coefficients of the derivative of this ``order`` of a polynomial force."""
         polynomial = fmpq_poly(list(self.polynomial or ()))
         for _ in range(order):
             polynomial = polynomial.derivative()
@@ -81,7 +81,7 @@ class Force:
 
 
 def read_force(text: str) -> Force:
-    """Parse a force. Raises CertificateError."""
+    """Parse the formula of a force. Raises CertificateError for a text outside the grammar."""
     tokens = _TOKEN.findall(text)
     if "".join(tokens) != "".join(text.split()) or len(tokens) > MAX_TOKENS:
         raise CertificateError(f"force must be a formula in r, got {text[:80]!r}")
@@ -146,7 +146,7 @@ class _Parser:
 
 
 def _polynomial(node: Node) -> fmpq_poly | None:
-    """Return a formula as a polynomial in r, or None if it is none."""
+    """Return a formula as a polynomial in r, or None if it is not a polynomial."""
     kind, *parts = node
     if kind == "r":
         return fmpq_poly([0, 1])
@@ -164,7 +164,7 @@ def _polynomial(node: Node) -> fmpq_poly | None:
 
 
 def _height(polynomial: fmpq_poly) -> int:
-    """Return the bits of the largest numerator or denominator."""
+    """Return the number of bits of the largest numerator or denominator of a coefficient."""
     parts = [int(part) for c in polynomial.coeffs() for part in (c.p, c.q)]
     return max((part.bit_length() for part in parts), default=0)
 

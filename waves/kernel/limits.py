@@ -9,12 +9,12 @@ from flint import fmpq
 MAX_MODES, MAX_BITS, MIN_BITS = 2000, 1024, 53
 FILE_BYTES = 20_000_000
 MAX_ENTRIES = 1_500_000
-"""Entries of the matrices of a linear problem, or symbols to evaluate of an analytic force."""
+"""Maximum number of matrix entries of a linear problem, or of symbols evaluated for a force."""
 MAX_DIGITS = 400
 
 
 class CertificateError(ValueError):
-    """A certificate that states or proves something else than it claims."""
+    """Error raised for a certificate that is malformed or does not prove what it claims."""
 
 
 def shown(value: object) -> str:

@@ -23,7 +23,7 @@ from .force_text import Force
 from .limits import CertificateError, require_size
 
 STIFFNESS_CUT = 1e-6
-"""Norm of coefficients of V''(f) that are bounded instead of known in the linear problem."""
+"""Norm below which the highest coefficients of V''(f) are only bounded, not known."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Spring:
 
 @dataclass(frozen=True)
 class PeriodicCentre:
-    """A wave's approximation f_0 ... f_N with v^2, the norm, and the largest radius considered."""
+    """Approximation f_0 ... f_N of a wave with v^2, weights of the norm, and largest radius."""
 
     springs: tuple[Spring, ...]
     period: arb
@@ -53,21 +53,21 @@ class PeriodicCentre:
         return len(self.modes) - 1
 
     def phase(self, j: int) -> arb:
-        """Return q_j/2."""
+        """Return q_j/2 = pi j/P."""
         return arb.pi() * j / self.period
 
     def mobility(self, j: int) -> arb:
-        """Return mu_j."""
+        """Return mu_j = (sin(q_j/2)/(q_j/2))^2."""
         ratio = self.phase(j).sin() / self.phase(j)
         return ratio * ratio
 
     def stretch(self, m: int, j: int) -> arb:
-        """Return S_mj, by the sum of cosines that has no small denominator."""
+        """Return S_mj = sin(m q_j/2)/sin(q_j/2), as a sum of cosines without a denominator."""
         return sum(((2 * self.phase(j) * arb(2 * i + 1 - m) / 2).cos() for i in range(m)), arb(0))
 
     @cached_property
     def laws(self) -> list[tuple[int, Composed]]:
-        """The forces of each spring at its stretch."""
+        """For each spring, its neighbour m and its force composed with the stretch S_m f."""
         result = []
         for spring in self.springs:
             m = spring.neighbour
@@ -92,7 +92,7 @@ class PeriodicCentre:
         return max([*lengths, *(len(known) for _, known, _ in self.coarse_stiffness)]) - 1
 
     def residual(self, j: int) -> arb:
-        """Return F_j at the centre."""
+        """Return F_j at the approximate wave."""
         total = sum((self._factor(m, j) * entry(law.force, j) for m, law in self.laws), arb(0))
         return self.speed_squared * entry(self.modes, j) - self._mobility[j] * total
 
@@ -197,7 +197,7 @@ def _jacobian(centre: PeriodicCentre) -> arb_mat:
 
 
 def approximate_inverse(matrix: arb_mat) -> arb_mat:
-    """Return an inverse of the midpoints, as exact numbers. Raises CertificateError."""
+    """Return the approximate inverse of a matrix's midpoint. Raises CertificateError."""
     try:
         return matrix.mid().inv().mid()
     except ZeroDivisionError:
@@ -210,7 +210,7 @@ def identity(size: int) -> arb_mat:
 
 
 def column_norms(matrix: arb_mat, rows: Sequence[arb], columns: Sequence[arb]) -> list[arb]:
-    """Return the norm of each column, with weights of the rows over the column's weight."""
+    """Return each column's norm: sum of |entry| times row weight, over the column's weight."""
     norms = []
     for k, weight in enumerate(columns):
         total = sum((w * abs(matrix[i, k]) for i, w in enumerate(rows)), arb(0))
@@ -219,7 +219,7 @@ def column_norms(matrix: arb_mat, rows: Sequence[arb], columns: Sequence[arb]) -
 
 
 def _defect(centre: PeriodicCentre, inverse: arb_mat, rows: Sequence[arb]) -> arb:
-    """Return the norm of A F at the centre, all rows in which F has known coefficients."""
+    """Return the norm of A F at the centre, over all j up to its bandwidth; A is ``inverse``."""
     top = centre.top
     residual = arb_mat(top, 1, [centre.residual(j) for j in range(1, top + 1)])
     total = column_norms(inverse * residual, rows, [arb(1)])[0]

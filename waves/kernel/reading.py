@@ -11,7 +11,7 @@ from .limits import CertificateError, decimal, shown
 
 
 def without_doubles(pairs: Sequence[tuple[str, Any]]) -> dict[str, Any]:
-    """Return a JSON object. Raises CertificateError if a key is there twice."""
+    """Build a JSON object from its pairs. Raises CertificateError for a repeated key."""
     data = dict(pairs)
     if len(data) < len(pairs):
         raise CertificateError("an object has a key twice")
@@ -31,24 +31,24 @@ class Record:
         return key in self._data
 
     def take(self, key: str) -> Any:
-        """Return a value and remove it."""
+        """Return the value of ``key`` and remove it, so that it counts as read."""
         if key not in self._data:
             raise CertificateError(f"{self._name} must have {key!r}")
         return self._data.pop(key)
 
     def text(self, key: str) -> str:
-        """Return a text."""
+        """Read the text under ``key``."""
         value = self.take(key)
         if not isinstance(value, str):
             raise CertificateError(f"{self._name}.{key} must be a text, got {type(value).__name__}")
         return value
 
     def number(self, key: str) -> fmpq:
-        """Return an exact number."""
+        """Read the exact number under ``key``."""
         return decimal(self.take(key))
 
     def integer(self, key: str, least: int, most: int) -> int:
-        """Return an integer in a range."""
+        """Read the integer under ``key``, which must be from ``least`` to ``most``."""
         value = self.take(key)
         if type(value) is not int or not least <= value <= most:
             raise CertificateError(
@@ -57,14 +57,14 @@ class Record:
         return value
 
     def items(self, key: str, most: int) -> Sequence[Any]:
-        """Return a list of at most ``most`` entries."""
+        """Read the list under ``key``, which must have at most ``most`` entries."""
         value = self.take(key)
         if not isinstance(value, list) or len(value) > most:
             raise CertificateError(f"{self._name}.{key} must be a list of at most {most} entries")
         return value
 
     def record(self, key: str) -> Record:
-        """Return an object within this one."""
+        """Read the inner object under ``key`` as a record."""
         return Record(self.take(key), key)
 
     def close(self) -> None:
@@ -80,7 +80,7 @@ Ends = tuple[arb, arb]
 
 
 def ends_of(value: arb) -> Ends:
-    """Return the ends of a ball."""
+    """Return the lower and the upper end of a ball, as exact balls."""
     return value.lower(), value.upper()
 
 

@@ -24,7 +24,7 @@ from .limits import CertificateError, require_size
 from .periodic import Contraction
 
 TAYLOR_PIECES = 32
-"""Pieces of the range of strains on which the rest of a Taylor polynomial is bounded."""
+"""Number of pieces of the range of strains on which a Taylor remainder is bounded."""
 
 
 @dataclass(frozen=True)
@@ -58,12 +58,12 @@ class SolitaryCentre:
 
     @property
     def sound_squared(self) -> arb:
-        """c^2."""
+        """Squared speed of sound c^2."""
         return self.taylor[1]
 
     @cached_property
     def nonlinear(self) -> Series:
-        """Coefficients of N."""
+        """Taylor coefficients of the nonlinear part N of the force."""
         return [arb(0), arb(0), *self.taylor[2:]]
 
     @cached_property
@@ -80,12 +80,12 @@ class SolitaryCentre:
 
     @cached_property
     def gap(self) -> arb:
-        """D = v^2 - c^2."""
+        """Gap D = v^2 - c^2."""
         return self.speed_squared - self.sound_squared
 
     @cached_property
     def decay_constant(self) -> arb:
-        """C. Raises CertificateError if kappa is too large."""
+        """Constant C in K(x) <= C exp(-kappa |x|). Raises CertificateError for a large kappa."""
         half = self.kappa / 2
         ratio = half.sinh() / half
         below = self.speed_squared - self.sound_squared * ratio * ratio
@@ -96,7 +96,7 @@ class SolitaryCentre:
 
     @cached_property
     def embedding(self) -> arb:
-        """L."""
+        """Constant L in |K*h| <= L ||h||."""
         root = (arb(3).sqrt() / (2 * self.speed_squared.sqrt())).sqrt()
         return upper((1 / self.gap).min(root / self.gap.sqrt() / self.gap.sqrt().sqrt()))
 
@@ -108,7 +108,7 @@ class SolitaryCentre:
 
     @cached_property
     def strain(self) -> Series:
-        """Modes of f_p, the periodic kernel applied to the centre."""
+        """Modes of the periodic strain f_p, the sum of the translates of K*g by 2 d."""
         return [self.multiplier(n) * a for n, a in enumerate(self.modes)]
 
     @property
@@ -119,19 +119,19 @@ class SolitaryCentre:
 
     @cached_property
     def weighted_size(self) -> arb:
-        """G = (2 d times the integral of g^2 exp(2 kappa |x|))^(1/2)."""
+        """Weighted norm G = (2 d times the integral of g^2 exp(2 kappa |x|))^(1/2)."""
         square = product(self.modes, self.modes)
         total = _exponential_integral(square, 2 * self.kappa, self.half_length)
         return upper((2 * self.half_length * total).abs_upper().sqrt())
 
     @cached_property
     def edge(self) -> arb:
-        """exp(-kappa d)."""
+        """Decay exp(-kappa d) from the middle to the edge of the interval."""
         return upper((-self.kappa * self.half_length).exp())
 
     @cached_property
     def images(self) -> arb:
-        """Q = 1/(1 - exp(-2 kappa d))."""
+        """Sum Q = 1/(1 - exp(-2 kappa d)) of the decay over all periodic images."""
         return upper(1 / (1 - self.edge * self.edge))
 
     @cached_property
@@ -163,7 +163,7 @@ def _derivative(coefficients: Sequence[arb], order: int) -> Series:
 
 
 def _bound(coefficients: Sequence[arb], size: arb) -> arb:
-    """Return a bound of a polynomial for arguments up to ``size``."""
+    """Return a bound of |polynomial| with these coefficients, for arguments up to ``size``."""
     total = arb(0)
     for coefficient in reversed(coefficients):
         total = total * size + abs(coefficient)
@@ -215,7 +215,7 @@ def solitary_contraction(centre: SolitaryCentre) -> Contraction:
 def _matrix(
     centre: SolitaryCentre, slope: Series, rows: Sequence[int], columns: Sequence[int]
 ) -> arb_mat:
-    """Return the entries of W K_per in the orthonormal cosine basis."""
+    """Return entries of W K_per in the orthonormal cosine basis; W has the modes ``slope``."""
     root, entries = arb(2).sqrt(), []
     multipliers = [centre.multiplier(j) for j in columns]
     for i in rows:
@@ -229,7 +229,10 @@ def _matrix(
 
 
 def _linear_block(centre: SolitaryCentre, slope: Series) -> tuple[arb_mat, arb]:
-    """Return the inverse B and the norm of I - A (I - W K_per) on (-d, d)."""
+    """Return the inverse of the block of known modes, and the norm of I - A (I - W K_per).
+
+    W has the modes ``slope``.
+    """
     top, width = centre.top, len(slope) - 1
     require_size((top + 1) * (top + 1 + width))
     inside, outside = range(top + 1), range(top + 1, top + width + 1)
@@ -254,7 +257,7 @@ def _linear_block(centre: SolitaryCentre, slope: Series) -> tuple[arb_mat, arb]:
 
 
 def _spectral_norm(matrix: arb_mat) -> arb:
-    """Return an upper bound of the norm: root of the largest row and column sums."""
+    """Bound the spectral norm: root of the product of largest row sum and largest column sum."""
     sizes = [[abs(value) for value in row] for row in matrix.tolist()]
     rows = largest(sum(row, arb(0)).upper() for row in sizes)
     columns = largest(sum(column, arb(0)).upper() for column in zip(*sizes, strict=True))
@@ -262,7 +265,7 @@ def _spectral_norm(matrix: arb_mat) -> arb:
 
 
 def _periodic_defect(centre: SolitaryCentre, inverse: arb_mat) -> arb:
-    """Return the norm of A applied to the modes of g - N(f_p)."""
+    """Return the norm of A (g - N(f_p)), where A is ``inverse`` on the known modes."""
     values = polynomial_of(centre.nonlinear, centre.strain)
     first, other = (2 * centre.half_length).sqrt(), 2 * centre.half_length.sqrt()
     scaled = [
@@ -277,7 +280,7 @@ def _periodic_defect(centre: SolitaryCentre, inverse: arb_mat) -> arb:
 
 
 def _edge_slope(centre: SolitaryCentre, slope: Series) -> arb:
-    """Return the root of I_W, the integral of W^2 exp(-2 kappa (d - |x|)) over (-d, d)."""
+    """Return the root of the integral of W^2 exp(-2 kappa (d - |x|)); W is ``slope``."""
     square = product(slope, slope)
     total = _exponential_integral(square, 2 * centre.kappa, centre.half_length)
     return upper((total * (-2 * centre.kappa * centre.half_length).exp()).abs_upper().sqrt())

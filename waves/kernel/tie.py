@@ -31,10 +31,10 @@ SPEEDS: dict[str, Callable[[fmpq], fmpq]] = {
     "cn": lambda square: 2 * square - 1,
     "sn": lambda square: -(1 + square),
 }
-"""sigma_0 over |K4|/2, by the squared modulus."""
+"""Function of the squared modulus that gives 2 sigma_0/|K4|, for each form of Y."""
 
 TERMS = 30
-"""Terms of h near 0."""
+"""Number of terms of the power series of h used near 0."""
 
 CUT = 1e-20
 
@@ -55,23 +55,23 @@ class TiePiece:
 
     @property
     def top(self) -> int:
-        """N."""
+        """N, the index of the highest mode of the correction y_1."""
         return len(self.correction)
 
     @cached_property
     def constants(self) -> tuple[arb, arb]:
-        """K2 and K4."""
+        """Constants K2 and K4 of the force."""
         jet = self.wave.force.at_rest
         return jet[1], jet[3]
 
     @cached_property
     def sigma(self) -> arb:
-        """sigma_0."""
+        """Speed sigma_0 of the wave of the modified KdV equation."""
         return abs(self.constants[1]) / 2 * arb(SPEEDS[self.wave.form](self.wave.k * self.wave.k))
 
     @cached_property
     def modes(self) -> Series:
-        """Y_0 ... Y_N, and more until the others are below the cut."""
+        """Modes Y_0 ... Y_N of Y, and more until the sum of the others is below `CUT`."""
         top = self.top
         while not self.wave.rest(top) < CUT:
             if top > MAX_MODES:
@@ -81,20 +81,20 @@ class TiePiece:
 
     @cached_property
     def shift(self) -> Series:
-        """Modes of y_1, from 0."""
+        """Modes 0 ... N of the correction y_1; the first two are 0."""
         return [arb(0), arb(0), *self.correction[1:]]
 
     def wavenumber(self, j: int) -> arb:
-        """Return xi_j."""
+        """Return xi_j = 2 pi j/P_X."""
         return 2 * arb.pi() * j / self.wave.period
 
     def dispersion(self, j: int) -> arb:
-        """Return m_j for every eps of the piece."""
+        """Return m_j = (1 - mu_j)/eps^2, as a ball for every eps of the piece."""
         xi = self.wavenumber(j)
         return xi * xi * _lipschitz(_h, self.square * xi * xi, 360)
 
     def mobility(self, j: int) -> arb:
-        """Return mu_j."""
+        """Return mu_j = 1 - eps^2 m_j."""
         return 1 - self.square * self.dispersion(j)
 
     def linear(self, j: int) -> arb:
@@ -102,7 +102,7 @@ class TiePiece:
         return self.sigma + self.constants[0] * self.dispersion(j)
 
     def defect(self, j: int) -> arb:
-        """Return R_j."""
+        """Return R_j, the defect of the modified KdV equation's wave over eps^2."""
         xi2, m = self.wavenumber(j) ** 2, self.dispersion(j)
         second = _lipschitz(_h2, self.square * xi2, 20160)
         return self.modes[j] * (
@@ -111,7 +111,7 @@ class TiePiece:
 
     @cached_property
     def stiffness(self) -> tuple[Series, arb]:
-        """Modes of 3 K4 Y^2, and the norm of the others."""
+        """Largest modes of 3 K4 Y^2, and a bound of the norm of the others."""
         rest = self.wave.rest(len(self.modes) - 1)
         known, cut = trimmed(product(self.modes, self.modes), arb(1), CUT)
         factor = 3 * self.constants[1]
@@ -131,7 +131,7 @@ class TiePiece:
 
 
 def _lipschitz(function: Callable[[arb], arb], u: arb, inverse_slope: int) -> arb:
-    """Return a function's values on a ball; its slope is at most 1/``inverse_slope``."""
+    """Return a function on the ball ``u``; its slope is at most 1/``inverse_slope``."""
     return function(u.mid()) + arb(0, upper(u.rad() / inverse_slope))
 
 
@@ -194,7 +194,7 @@ def _jacobian(piece: TiePiece) -> arb_mat:
 
 
 def _defect(piece: TiePiece, inverse: arb_mat, rows: Sequence[arb], tail: arb) -> arb:
-    """Return the norm of A (R + J y_1), all rows, without what 3 K4 Y^2 leaves out."""
+    """Return the norm of A (R + J y_1), without the modes that ``stiffness`` only bounds."""
     top, known = piece.top, piece.stiffness[0]
     sigma1 = piece.correction[0]
     force = product(known, piece.shift)
@@ -232,7 +232,7 @@ def _defect_rest(piece: TiePiece, last: int) -> arb:
 
 
 def _tail_norm(piece: TiePiece, inverse: arb_mat, rows: Sequence[arb], tail: arb) -> arb:
-    """Return the norm of I - A J outside the block."""
+    """Return the norm of I - A J outside the block of the first N rows and columns."""
     top, (known, _) = piece.top, piece.stiffness
     width = len(known) - 1
     missing = sum((2 * abs(c) for c in piece.modes[top + 1 :]), arb(0))
@@ -255,6 +255,6 @@ def _tail_norm(piece: TiePiece, inverse: arb_mat, rows: Sequence[arb], tail: arb
 
 
 def distance_over_cube(piece: TiePiece, bound: arb) -> tuple[arb, arb]:
-    """Return bounds from below and above of sup |f - eps Y|/eps^3; ``bound`` is c."""
+    """Return lower and upper bounds of sup |f - eps Y|/eps^3; ``bound`` is c."""
     low, high = supremum(piece.shift)
     return (low - bound).lower(), upper(high + bound)
