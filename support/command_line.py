@@ -111,7 +111,7 @@ def _estimated_time(given: str | None) -> AbstractContextManager[request_limits.
 
 @contextmanager
 def _enforced_memory(given: str | None) -> Iterator[None]:
-    """In the block, refuse requests that need too much memory, and enforce a limit if given."""
+    """Refuse requests of the block that need too much memory, and enforce a limit if given."""
     with ExitStack() as stack:
         limits = stack.enter_context(request_limits.request_limits(given))
         if given and interruption.owns_process():
@@ -125,7 +125,7 @@ def _enforced_memory(given: str | None) -> Iterator[None]:
 
 @contextmanager
 def _enforced_time(given: str | None) -> Iterator[None]:
-    """In the block, refuse requests that take too long, and end the command after a given limit."""
+    """Refuse requests of the block that take too long; end the command after a given limit."""
     with _estimated_time(given) as limits:
         allowed = limits.seconds if given else math.inf
         time = request_limits.duration(allowed)

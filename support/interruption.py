@@ -278,7 +278,7 @@ def note_saved(saved: str) -> None:
 
 @contextmanager
 def keeping() -> Iterator[None]:
-    """In the block, allow additional time after Ctrl-C for writing finished results."""
+    """Allow the block additional time after Ctrl-C for writing finished results."""
     if _watch is None:
         yield
         return

@@ -335,7 +335,7 @@ class LocalWorkers:
 
 @contextmanager
 def _safe_path() -> Iterator[None]:
-    """In the block, start processes that import nothing from the current folder."""
+    """Start the processes of the block so that they import nothing from the current folder."""
     before = os.environ.get(SAFE_PATH)
     os.environ[SAFE_PATH] = "1"
     try:
@@ -349,7 +349,7 @@ def _safe_path() -> Iterator[None]:
 
 @contextmanager
 def _without_script() -> Iterator[None]:
-    """In the block, start processes that do not run the user's script, as a spawn would."""
+    """Start the block's processes without running the user's script, which a spawn would run."""
     main = sys.modules["__main__"]
     if main.__spec__ is None:
         sys.modules["__main__"] = ModuleType("__main__")
@@ -361,7 +361,7 @@ def _without_script() -> Iterator[None]:
 
 @contextmanager
 def _interrupts_blocked() -> Iterator[None]:
-    """In the block, start processes with Ctrl-C blocked: they would print a traceback."""
+    """Start the processes of the block with Ctrl-C blocked: they would print a traceback."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
