@@ -9,8 +9,9 @@ import numpy as np
 from flint import ctx
 from numpy.typing import NDArray
 
-from longwave.waves.kernel.check import PeriodicClaim, SolitaryClaim
+from longwave.waves.kernel.periodic_claim import PeriodicClaim
 from longwave.waves.kernel.reading import Record
+from longwave.waves.kernel.solitary_claim import SolitaryClaim
 
 Vector = NDArray[np.float64]
 

@@ -8,12 +8,12 @@ import numpy as np
 from flint import arb, ctx, fmpq
 
 from longwave.waves.certificates import contracting_radius, decimal_text, interval
-from longwave.waves.kernel.check import TieClaim
 from longwave.waves.kernel.elliptic_pins import NearWave
 from longwave.waves.kernel.limits import CertificateError
 from longwave.waves.kernel.periodic import Spring
 from longwave.waves.kernel.reading import Record
 from longwave.waves.kernel.tie import TiePiece, tie_contraction
+from longwave.waves.kernel.tie_claim import TieClaim
 
 BITS = 96
 WEIGHTS = tuple(fmpq(1, n) for n in (300, 150, 75, 40, 20, 10, 5, 2, 1))
@@ -53,7 +53,7 @@ def _certificate(spring: Spring, form: str, k: fmpq, eps: fmpq) -> dict[str, Any
         "weight": str(weight),
     }
     data["pieces"] = _pieces(wave, arb(weight), top, eps * eps)
-    proved = TieClaim(Record(data, "certificate")).proved()
+    proved = TieClaim(Record(data, "certificate")).prove()
     data["claims"] = {name: interval(value) for name, value in proved.items()}
     return data
 

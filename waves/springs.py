@@ -8,7 +8,7 @@ from longwave.derive.algebra.contact import contact
 from longwave.derive.algebra.formula_printing import formula_as_text
 from longwave.derive.lattice import Bond, Lattice
 from longwave.derive.symbols import x
-from longwave.waves.kernel.check import MAX_NEIGHBOUR
+from longwave.waves.kernel.chain_reading import MAX_NEIGHBOUR
 from longwave.waves.kernel.force_text import Force, read_force
 from longwave.waves.kernel.limits import CertificateError
 from longwave.waves.kernel.periodic import Spring

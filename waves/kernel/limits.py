@@ -6,6 +6,9 @@ import re
 
 from flint import fmpq
 
+VERSION = 1
+"""Version of the certificates' format."""
+
 MAX_MODES, MAX_BITS, MIN_BITS = 2000, 1024, 53
 FILE_BYTES = 20_000_000
 MAX_ENTRIES = 1_500_000

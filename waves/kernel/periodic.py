@@ -125,8 +125,13 @@ class Contraction:
     z1: arb
     z2: arb
 
-    def require(self, radius: arb) -> None:
-        """Raise CertificateError unless the map contracts the ball of this radius into itself."""
+    def require(self, radius: arb, radius_bound: arb | None = None) -> None:
+        """Raise CertificateError unless the map contracts the ball of this radius into itself.
+
+        The bounds hold up to ``radius_bound``, if it is given.
+        """
+        if not radius > 0 or not (radius_bound is None or radius <= radius_bound):
+            raise CertificateError("0 < radius <= radius_bound must hold")
         linear = self.z0 + self.z1
         image = self.y0 + linear * radius + self.z2 * radius * radius / 2
         if not image < radius:

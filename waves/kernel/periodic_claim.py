@@ -1,0 +1,125 @@
+"""Statement of a periodic wave: what its certificate claims, and what is proved."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+from flint import arb
+
+from .chain_reading import springs_of
+from .composition import Strip
+from .cosine_series import Series, supremum, upper
+from .elliptic_pins import NearWave
+from .exponent import Stiffness
+from .limits import MAX_MODES, CertificateError, decimal
+from .periodic import PeriodicCentre, Spring, contraction, energy
+from .reading import Ends, Record, ends_of
+
+
+class PeriodicClaim:
+    """The statement and the numbers of a periodic wave's certificate."""
+
+    def __init__(self, record: Record) -> None:
+        self.springs = springs_of(record.record("lattice"))
+        self.near = _near(record.record("near"), self.springs) if "near" in record else None
+        if self.near:
+            self.period, pins = self.near.period, self.near.modes(1)
+            self.pins = (
+                f"period, mean and first mode of {self.near.eps} Y, Y the {self.near.form} wave of "
+                f"the modified KdV equation with k = {self.near.k}"
+            )
+        else:
+            given = [record.number(name) for name in ("period", "mean", "first_mode")]
+            self.period, pins = arb(given[0]), [arb(given[1]), arb(given[2])]
+            self.pins = "period {}, mean {}, first mode {}".format(*given)
+        modes = [arb(decimal(m)) for m in record.items("modes", MAX_MODES)]
+        self.radius = arb(record.number("radius"))
+        self.centre = PeriodicCentre(
+            springs=self.springs,
+            period=self.period,
+            modes=[*pins, *modes],
+            speed_squared=arb(record.number("speed_squared")),
+            nu=arb(record.number("nu")),
+            weight=arb(record.number("weight")),
+            radius_bound=arb(record.number("radius_bound")),
+            strip=_strip(record.record("strip")) if "strip" in record else None,
+        )
+
+    def prove(self) -> dict[str, Ends]:
+        """Return the bounds of each number. Raises CertificateError if no wave is proved."""
+        self.require()
+        return self.numbers()
+
+    def require(self) -> None:
+        """Raise CertificateError unless a wave is proved: not constant, of positive speed."""
+        contraction(self.centre).require(self.radius, self.centre.radius_bound)
+        if not self.speed_squared > 0:
+            raise CertificateError("the speed squared is not proved positive")
+        if not abs(self.centre.modes[1]) > 0:
+            raise CertificateError("the first mode must not be 0: P would not be the least period")
+
+    @cached_property
+    def speed_squared(self) -> arb:
+        """Squared speed v^2 of the proved wave, as a ball."""
+        return self.centre.speed_squared + arb(0, self.radius / self.centre.weight)
+
+    @property
+    def stiffness(self) -> Stiffness:
+        """V''(f) of the proved wave, for nearest neighbours."""
+        if [spring.neighbour for spring in self.springs] != [1]:
+            raise CertificateError("exponents are proved for nearest neighbours only")
+        _, law = self.centre.laws[0]
+        rest = upper(law.stiffness_rest + law.third * self.radius)
+        return Stiffness(law.stiffness, rest, self.speed_squared.sqrt(), self.period)
+
+    def numbers(self) -> dict[str, Ends]:
+        """Return the bounds of each number of a proved wave, by its name in the claims."""
+        modes, error = self.centre.modes, arb(0, self.radius)
+        numbers = {
+            "speed": ends_of(self.speed_squared.sqrt()),
+            "crest": ends_of(modes[0] + 2 * sum(modes[1:], arb(0)) + error),
+        }
+        nearest = [spring.neighbour for spring in self.springs] == [1]
+        if nearest and self.springs[0].force.polynomial is not None:
+            numbers["energy"] = ends_of(energy(self.centre, self.radius))
+        if self.near:
+            numbers["distance"] = _distance(self.near, modes, self.radius)
+        return numbers
+
+    @property
+    def statement(self) -> str:
+        """Text of the theorem that the certificate proves."""
+        springs = " and ".join(
+            f"V'(r) = {s.force.text}" + (f" (neighbour {s.neighbour})" if s.neighbour > 1 else "")
+            for s in self.springs
+        )
+        return (
+            f"The chain of unit masses with {springs} has a smooth even periodic strain f(n - v t) "
+            f"with {self.pins}."
+        )
+
+
+def _strip(record: Record) -> Strip:
+    strip = Strip(
+        arb(record.number("rho")),
+        arb(record.number("margin")),
+        record.integer("samples", 4, 32 * MAX_MODES),
+    )
+    record.close()
+    return strip
+
+
+def _near(record: Record, springs: tuple[Spring, ...]) -> NearWave:
+    if [spring.neighbour for spring in springs] != [1]:
+        raise CertificateError("near needs a chain with nearest neighbours only")
+    form, k, eps = record.text("form"), record.number("k"), record.number("eps")
+    record.close()
+    return NearWave(form, k, eps, springs[0].force)
+
+
+def _distance(near: NearWave, modes: Series, radius: arb) -> Ends:
+    """Return bounds of sup |f - eps Y|/eps, for the wave f within ``radius`` of ``modes``."""
+    top = len(modes) - 1
+    low, high = supremum([a - b for a, b in zip(modes, near.modes(top), strict=True)])
+    error, eps = radius + near.rest(top), arb(near.eps)
+    return ((low - error) / eps).max(arb(0)).lower(), upper((high + error) / eps)

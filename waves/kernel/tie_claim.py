@@ -1,0 +1,89 @@
+"""Statement of a tie for all small eps: what its certificate claims, and what is proved."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from flint import arb, fmpq
+
+from .chain_reading import springs_of
+from .cosine_series import largest, upper
+from .elliptic_pins import NearWave
+from .limits import MAX_MODES, CertificateError, decimal
+from .reading import Ends, Record
+from .tie import TiePiece, distance_over_cube, tie_contraction
+
+MAX_PIECES = 5000
+
+
+class TieClaim:
+    """The statement of a certificate for all small eps, and its pieces of the range of eps^2."""
+
+    def __init__(self, record: Record) -> None:
+        springs = springs_of(record.record("lattice"))
+        near = record.record("near")
+        form, k = near.text("form"), near.number("k")
+        near.close()
+        self.eps, self.force = record.number("eps"), springs[0].force
+        cubic = len(self.force.polynomial or ()) == 4
+        if not (self.eps > 0 and cubic and [s.neighbour for s in springs] == [1]):
+            raise CertificateError("the tie is proved for eps > 0 and a force K2 r + K4 r^3")
+        self.wave = NearWave(form, k, fmpq(1), self.force)
+        self.weight = arb(record.number("weight"))
+        self.pieces = record.items("pieces", MAX_PIECES)
+
+    def prove(self) -> dict[str, Ends]:
+        """Return the proved constants for all eps. Raises CertificateError if a piece fails."""
+        low, high, speed, reached = [], [], [], fmpq(0)
+        for item in self.pieces:
+            piece, bound, last = _tie_piece(Record(item, "piece"), self.wave, self.weight, reached)
+            if not reached < last:
+                raise CertificateError("the pieces of eps^2 must rise from 0")
+            tie_contraction(piece).require(bound)
+            change = abs(piece.correction[0]) + bound / self.weight
+            square = upper(piece.square)
+            if not piece.constants[0] - square * (abs(piece.sigma) + square * change) > 0:
+                raise CertificateError("v^2 > 0 is not proved")
+            ends = distance_over_cube(piece, bound)
+            low.append(-ends[0])
+            high.append(ends[1])
+            speed.append(upper(change))
+            reached = last
+        if reached != self.eps * self.eps:
+            raise CertificateError("the pieces of eps^2 must end at the square of eps")
+        least = -_greatest(low)
+        return {
+            "distance_over_eps3": (least.max(arb(0)).lower(), largest(high)),
+            "speed_over_eps4": (arb(0), largest(speed)),
+        }
+
+    @property
+    def statement(self) -> str:
+        """Text of the theorem that the certificate proves."""
+        return (
+            f"For every 0 < eps <= {self.eps} the chain of unit masses with V'(r) = "
+            f"{self.force.text} has a smooth even periodic strain f(n - v t) with period, mean and "
+            f"first mode of eps Y, Y the {self.wave.form} wave of the modified KdV equation with "
+            f"k = {self.wave.k}. Here distance_over_eps3 is sup |f - eps Y|/eps^3, and "
+            "speed_over_eps4 is |v^2 - K2 - sigma_0 eps^2|/eps^4."
+        )
+
+
+def _greatest(values: Sequence[arb]) -> arb:
+    result = values[0]
+    for value in values[1:]:
+        result = result.max(value)
+    return result.upper()
+
+
+def _tie_piece(
+    item: Record, wave: NearWave, weight: arb, reached: fmpq
+) -> tuple[TiePiece, arb, fmpq]:
+    """Read the piece of the range of eps^2 from ``reached`` on; return it, its bound c, its end."""
+    last, bound = item.number("square"), arb(item.number("bound"))
+    correction = [arb(decimal(c)) for c in item.items("correction", MAX_MODES)]
+    item.close()
+    if not bound > 0 or not weight > 0 or len(correction) < 2:
+        raise CertificateError("bound > 0, weight > 0 and at least two modes must hold")
+    square = arb(reached).union(arb(last))
+    return TiePiece(wave, square, correction, weight, upper(bound * arb(last))), bound, last
