@@ -9,6 +9,7 @@ from flint import ctx
 
 from .exponent_claim import ExponentClaim
 from .limits import MAX_BITS, MIN_BITS, VERSION, CertificateError
+from .orbit_claim import BreatherClaim, OrbitClaim
 from .periodic_claim import PeriodicClaim
 from .reading import Ends, Record, check_claims
 from .solitary_claim import SolitaryClaim
@@ -31,6 +32,8 @@ CLAIMS: Mapping[str, Callable[[Record], Claim]] = {
     "solitary": SolitaryClaim,
     "exponent": ExponentClaim,
     "tie": TieClaim,
+    "orbit": OrbitClaim,
+    "breather": BreatherClaim,
 }
 """Statements that can be proved, by the kind of their certificate."""
 

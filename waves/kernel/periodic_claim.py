@@ -6,8 +6,7 @@ from functools import cached_property
 
 from flint import arb
 
-from .chain_reading import springs_of
-from .composition import Strip
+from .chain_reading import springs_of, springs_text, strip_of
 from .cosine_series import Series, supremum, upper
 from .elliptic_pins import NearWave
 from .exponent import Stiffness
@@ -42,7 +41,7 @@ class PeriodicClaim:
             nu=arb(record.number("nu")),
             weight=arb(record.number("weight")),
             radius_bound=arb(record.number("radius_bound")),
-            strip=_strip(record.record("strip")) if "strip" in record else None,
+            strip=strip_of(record),
         )
 
     def prove(self) -> dict[str, Ends]:
@@ -89,24 +88,10 @@ class PeriodicClaim:
     @property
     def statement(self) -> str:
         """Text of the theorem that the certificate proves."""
-        springs = " and ".join(
-            f"V'(r) = {s.force.text}" + (f" (neighbour {s.neighbour})" if s.neighbour > 1 else "")
-            for s in self.springs
-        )
         return (
-            f"The chain of unit masses with {springs} has a smooth even periodic strain f(n - v t) "
+            f"The chain of unit masses with {springs_text(self.springs)} has a smooth even periodic strain f(n - v t) "
             f"with {self.pins}."
         )
-
-
-def _strip(record: Record) -> Strip:
-    strip = Strip(
-        arb(record.number("rho")),
-        arb(record.number("margin")),
-        record.integer("samples", 4, 32 * MAX_MODES),
-    )
-    record.close()
-    return strip
 
 
 def _near(record: Record, springs: tuple[Spring, ...]) -> NearWave:

@@ -1,0 +1,437 @@
+"""Time-periodic orbits of a chain: approximations by Newton's method, then certificates."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from flint import acb, arb, arb_mat, ctx, fmpq
+from numpy.typing import NDArray
+
+from longwave.waves.certificates import contracting_radius, decimal_text, interval
+from longwave.waves.kernel.force_text import Force
+from longwave.waves.kernel.limits import CertificateError
+from longwave.waves.kernel.orbit import energy_at_start
+from longwave.waves.kernel.orbit_claim import BreatherClaim, OrbitClaim
+from longwave.waves.kernel.periodic import Spring
+from longwave.waves.kernel.reading import Record
+
+BITS = 128
+NU = ("7/5", "6/5", "21/20")
+"""Weights nu to try: the equation of the energy needs nu > 1, slow decay of the modes a small nu."""
+
+SMALLEST_IN_BLOCK = (1e-3, 1e-5, 1e-7)
+"""Sizes, relative to the largest mode, down to which a breather's block is tried."""
+
+SMALLEST = 1e-25
+"""Size, relative to the largest mode, below which modes are left out."""
+
+NEWTON_STEPS = 30
+STEPS, ORDER = 32, 44
+"""Taylor steps over half a period, and their order, for the multipliers."""
+
+Vector = NDArray[np.float64]
+
+
+def _is_odd(springs: Sequence[Spring]) -> bool:
+    return all(s.force.polynomial is not None and not any(s.force.polynomial[::2]) for s in springs)
+
+
+@dataclass(frozen=True)
+class _Galerkin:
+    """The equations of the harmonics up to ``top`` in floating point, by collocation.
+
+    The modes are an array (sites, harmonics); q_n = a_n0 + 2 (a_n1 cos + ...). ``coupling``
+    multiplies the forces between sites.
+    """
+
+    springs: tuple[Spring, ...]
+    sites: int
+    top: int
+    coupling: float = 1.0
+
+    @cached_property
+    def harmonics(self) -> NDArray[np.int64]:
+        """Harmonics that occur; only odd ones if all forces are odd."""
+        return np.arange(1, self.top + 1, 2) if _is_odd(self.springs) else np.arange(self.top + 1)
+
+    @cached_property
+    def bonds(self) -> tuple[list[tuple[Force, float]], Vector]:
+        """Force and factor of each bond, and the matrix of stretches; q = 0 beyond the ends."""
+        forces, rows = [], []
+        for spring in self.springs:
+            m = spring.neighbour
+            for n in range(-m, self.sites):
+                row = np.zeros(self.sites)
+                for site, sign in ((n + m, 1), (n, -1 if m else 0)):
+                    if 0 <= site < self.sites:
+                        row[site] += sign
+                forces.append((spring.force, self.coupling if m else 1.0))
+                rows.append(row)
+        return forces, np.array(rows)
+
+    @cached_property
+    def cosines(self) -> Vector:
+        """Cosines at the collocation points of half a period, by point and harmonic."""
+        points = 2 * self.top + 8
+        return np.cos(np.pi * np.outer(np.arange(points) + 0.5, self.harmonics) / points)
+
+    @cached_property
+    def factors(self) -> Vector:
+        """Factor of each harmonic's cosine: 1 for the mean, else 2."""
+        return np.where(self.harmonics, 2.0, 1.0)
+
+    def rest_frequencies(self) -> tuple[Vector, Vector]:
+        """Return the squared frequencies of small oscillations, ascending, and their shapes."""
+        forces, stretches = self.bonds
+        slopes = np.array([factor * float(f.at_rest[1]) for f, factor in forces])
+        squares, shapes = np.linalg.eigh(stretches.T @ (slopes[:, None] * stretches))
+        return squares, shapes.T
+
+    def energy(self, modes: Vector) -> tuple[float, Vector]:
+        """Return the energy at t = 0 and the slope of each site."""
+        forces, stretches = self.bonds
+        starts = stretches @ (modes @ self.factors)
+        nodes, weights = np.polynomial.legendre.leggauss(24)
+        total, pulls = 0.0, np.zeros(len(starts))
+        for i, ((force, factor), start) in enumerate(zip(forces, starts, strict=True)):
+            values, _ = _values(force, start * (nodes + 1) / 2)
+            total += factor * float(weights @ values) * start / 2
+            pulls[i] = factor * _values(force, np.array([start]))[0][0]
+        return total, stretches.T @ pulls
+
+    def solve(
+        self, modes: Vector, square: float, energy: float | None = None
+    ) -> tuple[Vector, float]:
+        """Return modes and squared frequency after Newton's method. Raises CertificateError.
+
+        Without ``energy`` the frequency is fixed.
+        """
+        modes, last = modes.copy(), math.inf
+        for _ in range(NEWTON_STEPS):
+            residual, jacobian = self._equations(modes, square)
+            if energy is not None:
+                value, jacobian = self._with_energy(modes, jacobian)
+                residual = np.array([value - energy, *residual])
+            try:
+                change = np.linalg.solve(jacobian, -residual)
+            except np.linalg.LinAlgError:
+                break
+            if energy is not None:
+                square += change[0]
+            modes += change[-modes.size :].reshape(modes.shape)
+            step = float(np.abs(change).max())
+            if not math.isfinite(step) or step > 1e3 or not square > 0:
+                break
+            if step < 1e-15 or (step < 1e-10 and step >= last):
+                return modes, square
+            last = step
+        raise CertificateError("Newton's method did not converge")
+
+    def inverse(self, modes: Vector, square: float, pinned: bool) -> Vector:
+        """Return the inverse of the equations' matrix, with the energy's if it is ``pinned``."""
+        _, jacobian = self._equations(modes, square)
+        return np.linalg.inv(self._with_energy(modes, jacobian)[1] if pinned else jacobian)
+
+    def _with_energy(self, modes: Vector, jacobian: Vector) -> tuple[float, Vector]:
+        """Return the energy, and the matrix with its equation and the unknown Omega^2 in front."""
+        value, slopes = self.energy(modes)
+        speeds = (self.harmonics**2 * modes).ravel()
+        row = np.outer(slopes, self.factors).ravel()
+        return value, np.block([[np.zeros((1, 1)), row[None]], [speeds[:, None], jacobian]])
+
+    def _equations(self, modes: Vector, square: float) -> tuple[Vector, Vector]:
+        """Return k^2 Omega^2 a_nk - [G_n]_k and its derivatives by the modes, flattened."""
+        forces, stretches = self.bonds
+        synthesis, analysis = self.cosines * self.factors, self.cosines.T / len(self.cosines)
+        points = stretches @ modes @ synthesis.T
+        count, width = modes.shape
+        pulls = np.zeros_like(modes)
+        slopes = np.zeros((count, width, count, width))
+        for (force, factor), row, values in zip(forces, stretches, points, strict=True):
+            force_values, force_slopes = _values(force, values)
+            ends = np.nonzero(row)[0]
+            pulls[ends] += np.outer(row[ends], factor * (analysis @ force_values))
+            matrix = factor * (analysis @ (force_slopes[:, None] * synthesis))
+            for n in ends:
+                for m in ends:
+                    slopes[n, :, m, :] += row[n] * row[m] * matrix
+        squares = square * self.harmonics.astype(float) ** 2
+        jacobian = np.diag(np.tile(squares, count)) - slopes.reshape(modes.size, modes.size)
+        return (squares * modes - pulls).ravel(), jacobian
+
+
+def _values(force: Force, points: Vector) -> tuple[Vector, Vector]:
+    """Return a force and its slope at points."""
+    if force.polynomial is not None:
+        polynomial = np.polynomial.Polynomial([float(arb(c)) for c in force.polynomial] or [0.0])
+        return polynomial(points), polynomial.deriv()(points)
+    jets = [force.taylor(acb(float(point)), 2) for point in points]
+    values, slopes = (np.array([float(jet[i].real) for jet in jets]) for i in (0, 1))
+    return values, slopes
+
+
+def orbit_certificate(
+    springs: tuple[Spring, ...], sites: int, mode: int, energy: fmpq, error: float
+) -> dict[str, Any]:
+    """Return the certificate of the orbit of a finite chain that continues a linear mode.
+
+    Its modes have an error of at most ``error``. The multipliers are left out where they are not
+    proved. Raises CertificateError with the inequality that failed.
+    """
+    before, ctx.prec = ctx.prec, BITS
+    try:
+        system = _Galerkin(springs, sites, FIRST_TOP)
+        modes, square = _continued_in_energy(system, mode, float(energy))
+        return _certificate(_Target("orbit", energy), system, modes, square, error)
+    finally:
+        ctx.prec = before
+
+
+def breather_certificate(
+    springs: tuple[Spring, ...], frequency: fmpq, error: float
+) -> dict[str, Any]:
+    """Return the certificate of a breather of an infinite chain, about one site.
+
+    Its modes have an error of at most ``error``. Raises CertificateError with the inequality that
+    failed.
+    """
+    before, ctx.prec = ctx.prec, BITS
+    try:
+        square = float(frequency) ** 2
+        system = _Galerkin(springs, 2 * FIRST_SITES + 1, FIRST_TOP)
+        modes = _continued_in_coupling(system, square)
+        return _certificate(_Target("breather", frequency), system, modes, square, error)
+    finally:
+        ctx.prec = before
+
+
+FIRST_TOP, FIRST_SITES = 17, 5
+MOST_UNKNOWNS = 900
+FIRST_ENERGY = 1 / 64
+"""Fraction of the energy at which the continuation of a linear mode begins."""
+
+
+def _continued_in_energy(system: _Galerkin, mode: int, energy: float) -> tuple[Vector, float]:
+    """Return modes and squared frequency at an energy, continued from a linear mode."""
+    squares, shapes = system.rest_frequencies()
+    square, shape = float(squares[mode - 1]), shapes[mode - 1]
+    if not square > 1e-12:
+        raise CertificateError("the linear mode does not oscillate")
+    modes = np.zeros((system.sites, len(system.harmonics)))
+    place = int(np.nonzero(system.harmonics == 1)[0][0])
+    reached, step = 0.0, math.sqrt(FIRST_ENERGY)
+    modes[:, place] = shape * step * math.sqrt(2 * energy / square) / 2
+    while reached < 1:
+        aim = min(reached + step, 1.0)
+        guess = modes * (aim / reached) if reached else modes * (aim / math.sqrt(FIRST_ENERGY))
+        try:
+            modes, square = system.solve(guess, square, aim * aim * energy)
+        except CertificateError:
+            step /= 2
+            if step < 1 / 512:
+                raise
+        else:
+            reached, step = aim, 1.5 * step
+    return modes, square
+
+
+def _continued_in_coupling(system: _Galerkin, square: float) -> Vector:
+    """Return the modes of a breather, continued from the oscillation of a site alone."""
+    middle = system.sites // 2
+    modes = np.zeros((system.sites, len(system.harmonics)))
+    modes[middle] = _oscillation(system, square)[0]
+    reached, step = 0.0, 0.25
+    while reached < 1:
+        aim = min(reached + step, 1.0)
+        try:
+            modes, _ = replace(system, coupling=aim).solve(modes, square)
+        except CertificateError:
+            step /= 2
+            if step < 1 / 512:
+                raise
+        else:
+            reached, step = aim, 1.5 * step
+    return modes
+
+
+def _oscillation(system: _Galerkin, square: float) -> Vector:
+    """Return the modes of one site alone that oscillates at a squared frequency."""
+    own = tuple(spring for spring in system.springs if spring.neighbour == 0)
+    if not own:
+        raise CertificateError("a breather needs a force on each site")
+    site = _Galerkin(own, 1, system.top)
+    energy, (modes, reached) = 1e-3, _continued_in_energy(site, 1, 1e-3)
+    sign = reached - square
+    while (reached - square) * sign > 0:
+        energy *= 1.4
+        if energy > 1e6:
+            raise CertificateError("no oscillation of one site has this frequency")
+        modes, reached = site.solve(1.15 * modes, reached, energy)
+    return site.solve(modes, square)[0]
+
+
+@dataclass(frozen=True)
+class _Target:
+    """Kind of the certificate, and the energy of the orbit or the frequency of the breather."""
+
+    kind: str
+    value: fmpq
+
+    @property
+    def statement(self) -> dict[str, str]:
+        """Keys of the certificate that state the target."""
+        return {("energy" if self.kind == "orbit" else "frequency"): str(self.value)}
+
+    def claim(self, data: Mapping[str, Any]) -> OrbitClaim | BreatherClaim:
+        """Return the statement of a certificate."""
+        kind = OrbitClaim if self.kind == "orbit" else BreatherClaim
+        return kind(Record(dict(data), "certificate"))
+
+
+def _certificate(
+    target: _Target, system: _Galerkin, modes: Vector, square: float, error: float
+) -> dict[str, Any]:
+    failure = CertificateError("the error is not reached")
+    smallest = SMALLEST
+    while True:
+        top, margin = _sizes(target, system, modes, smallest)
+        larger = replace(system, top=top, sites=system.sites + 2 * margin)
+        if larger.sites * len(larger.harmonics) > MOST_UNKNOWNS:
+            raise failure
+        modes = _padded(system, larger, modes)
+        system = larger
+        energy = float(target.value) if target.kind == "orbit" else None
+        modes, square = system.solve(modes, square, energy)
+        try:
+            data = _prove(target, system, modes, square)
+        except CertificateError as reason:
+            failure = reason
+        else:
+            if float(data["radius"]) <= error:
+                return data
+            failure = CertificateError(f"the radius {data['radius']} is above {error:g}")
+        smallest *= 1e-6
+
+
+def _sizes(
+    target: _Target, system: _Galerkin, modes: Vector, smallest: float
+) -> tuple[int, int]:
+    """Return the harmonics needed for modes down to ``smallest``, and sites to add at each end."""
+    sizes, moving = np.abs(modes), system.harmonics[system.harmonics > 0]
+    stride = int(moving[1] - moving[0])
+    top = 1 + stride * (_reach(sizes[:, -len(moving) :].max(axis=0), smallest) - 1)
+    if target.kind == "orbit":
+        return max(top, system.top), 0
+    middle = system.sites // 2
+    margin = _reach(sizes[middle:].max(axis=1), smallest) - 1 - middle
+    return max(top, system.top), max(margin, 0)
+
+
+def _reach(sizes: Vector, smallest: float) -> int:
+    """Return how many of a sequence of decaying sizes exceed ``smallest`` times the largest.
+
+    The sequence is continued beyond its end, to three times its length at most.
+    """
+    relative = sizes / sizes.max()
+    last = max(int(np.nonzero(relative > 1e-13)[0][-1]), 1)
+    decay = math.log(max(relative[last], 1e-16)) / last
+    if decay >= 0:
+        return 3 * len(sizes)
+    return min(math.ceil(math.log(smallest) / decay) + 1, 3 * len(sizes))
+
+
+def _padded(system: _Galerkin, larger: _Galerkin, modes: Vector) -> Vector:
+    """Return the modes as an array of a ``larger`` system, with the same middle site."""
+    margin = (larger.sites - system.sites) // 2
+    more = len(larger.harmonics) - len(system.harmonics)
+    return np.pad(modes, ((margin, margin), (0, more)))
+
+
+def _prove(target: _Target, system: _Galerkin, modes: Vector, square: float) -> dict[str, Any]:
+    """Refine an approximation, find a radius that contracts, and return the certificate."""
+    springs = [{"neighbour": s.neighbour, "force": s.force.text} for s in system.springs]
+    data: dict[str, Any] = {
+        "kind": target.kind,
+        "version": 1,
+        "bits": BITS,
+        "lattice": {"springs": springs},
+        **target.statement,
+        "nu": "1",
+        "weight": "1",
+        "radius_bound": "1e-6",
+        "radius": "1e-6",
+        "modes": [[repr(float(c)) for c in site] for site in modes],
+    }
+    if target.kind == "orbit":
+        data["frequency_squared"] = repr(float(square))
+    data = _refined(target, system, modes, square, data)
+    data, claim = _contracted(target, data, _choices(target, system, modes))
+    numbers = claim.prove()
+    if isinstance(claim, OrbitClaim):
+        more = {**data, "multipliers": {"steps": STEPS, "order": ORDER}}
+        claim.monodromy = OrbitClaim(Record(more, "certificate")).monodromy
+        try:
+            numbers = claim.prove()
+        except CertificateError:
+            pass
+        else:
+            data = more
+    return {**data, "claims": {name: interval(value) for name, value in numbers.items()}}
+
+
+def _contracted(
+    target: _Target, data: dict[str, Any], choices: Iterable[dict[str, Any]]
+) -> tuple[dict[str, Any], OrbitClaim | BreatherClaim]:
+    """Return a certificate with the first of ``choices`` that gives a radius, and its claim."""
+    failure = CertificateError("no proof was tried")
+    for choice in choices:
+        claim = target.claim({**data, **choice})
+        try:
+            radius = contracting_radius(claim.contraction)
+        except CertificateError as reason:
+            failure = reason
+            continue
+        claim.radius = arb(radius)
+        return {**data, **choice, "radius": radius}, claim
+    raise failure
+
+
+def _choices(target: _Target, system: _Galerkin, modes: Vector) -> Iterator[dict[str, Any]]:
+    """Yield weights nu to try for an orbit, or blocks for a breather, small ones first."""
+    if target.kind == "orbit":
+        yield from ({"nu": nu} for nu in NU)
+        return
+    sizes = np.abs(modes) / np.abs(modes).max()
+    for smallest in SMALLEST_IN_BLOCK:
+        sites, harmonics = (np.nonzero(sizes.max(axis=i) > smallest)[0] for i in (1, 0))
+        margin, top = int(sites[0]), int(system.harmonics[harmonics[-1]])
+        yield {"block": {"margin": margin, "top": top}}
+
+
+def _refined(
+    target: _Target, system: _Galerkin, modes: Vector, square: float, data: dict[str, Any]
+) -> dict[str, Any]:
+    """Return the certificate's numbers after chord iterations in ball arithmetic."""
+    pinned = target.kind == "orbit"
+    inverse = arb_mat(system.inverse(modes, square, pinned).tolist())
+    shape = modes.shape
+    for _ in range(4):
+        centre = target.claim(data).centre
+        rows = [centre.residual(n, k).mid() for n, k in centre.index]
+        if pinned:
+            rows.insert(0, (energy_at_start(centre) - centre.energy).mid())
+        step = [c for (c,) in (inverse * arb_mat(len(rows), 1, rows)).tolist()]
+        if pinned:
+            moved = centre.frequency_squared - step.pop(0)
+            data = {**data, "frequency_squared": decimal_text(moved)}
+        known = [centre.modes[n][k] - c for (n, k), c in zip(centre.index, step, strict=True)]
+        texts = np.array([decimal_text(c) for c in known], dtype=object).reshape(shape)
+        data = {**data, "modes": texts.tolist()}
+        if max(abs(float(c)) for c in step) < 1e-32:
+            break
+    return data
