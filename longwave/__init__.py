@@ -28,6 +28,7 @@ _PUBLIC_NAMES = {
     "longwave.scenes.description.numerics": "Discretisation Tolerance",
     "longwave.scenes.description.scene": "Scene",
     "longwave.scenes.observed.view": "relative_sup_error",
+    "longwave.waves.exact_orbit": "exact_orbit",
     "longwave.waves.exact_wave": "exact_wave waves_of_all_eps",
 }
 

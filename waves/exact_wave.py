@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from enum import StrEnum
 from fractions import Fraction
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,46 +12,17 @@ from flint import fmpq
 from numpy.typing import ArrayLike, NDArray
 
 from longwave.derive.algebra.exact_numbers import Number
-from longwave.derive.algebra.formula_expression import exact_value
 from longwave.derive.lattice import Lattice
-from longwave.waves.kernel.check import check_certificate
 from longwave.waves.kernel.elliptic_pins import FORMS, NearWave
 from longwave.waves.kernel.limits import CertificateError
 from longwave.waves.kernel.periodic import Spring
 from longwave.waves.periodic_waves import PeriodicProblem, periodic_certificate
+from longwave.waves.proved import Existence, Interval, Proved, proved, rational
 from longwave.waves.small_waves import tie_certificate
 from longwave.waves.solitary_waves import solitary_certificate
 from longwave.waves.springs import Refused, chain_springs
 
-
-class Existence(StrEnum):
-    """Verdict on a wave: EXISTS if proved, REFUSED if no theorem applies, else NOT_PROVED."""
-
-    EXISTS = "EXISTS"
-    NOT_PROVED = "NOT PROVED"
-    REFUSED = "REFUSED"
-
-
-@dataclass(frozen=True)
-class Interval:
-    """A proved interval; its ends are decimals, rounded outwards."""
-
-    lower: str
-    upper: str
-
-    @property
-    def value(self) -> float:
-        """Midpoint of the interval."""
-        return float((Fraction(self.lower) + Fraction(self.upper)) / 2)
-
-    @property
-    def error(self) -> float:
-        """Half of the interval's width, rounded up."""
-        width = float((Fraction(self.upper) - Fraction(self.lower)) / 2)
-        return float(np.nextafter(width, np.inf))
-
-    def __str__(self) -> str:
-        return f"{self.lower} ... {self.upper}"
+__all__ = ["ExactWave", "Existence", "Exponent", "Interval", "exact_wave", "waves_of_all_eps"]
 
 
 @dataclass(frozen=True)
@@ -72,31 +40,16 @@ class Exponent:
 
 
 @dataclass(frozen=True)
-class ExactWave:
-    """Wave of a lattice, with the verdict on its existence and its proved numbers.
-
-    ``radius`` bounds the distance of the certificate's series from the wave; ``reason`` says what
-    failed if the wave is not proved. ``statement`` is the theorem in words.
-    """
-
-    verdict: Existence
-    reason: str = ""
-    statement: str = ""
-    certificate: Mapping[str, Any] = field(default_factory=dict, repr=False)
-
-    @property
-    def radius(self) -> float:
-        """Bound of the distance between the wave's strain and the certificate's series."""
-        return float(self.certificate["radius"])
+class ExactWave(Proved):
+    """Wave of a lattice, with the verdict on its existence and its proved numbers."""
 
     @property
     def numbers(self) -> dict[str, Interval]:
         """Proved numbers by name: speed, crest, energy, distance."""
-        claims = self.certificate.get("claims", {})
-        numbers = {name: Interval(*ends) for name, ends in claims.items()}
+        numbers = super().numbers
         if "speed" in self.certificate:
             speed = Fraction(self.certificate["speed"])
-            numbers = {"speed": Interval(*_decimal_ends(speed)), **numbers}
+            numbers = {"speed": Interval.around(speed), **numbers}
         return numbers
 
     @property
@@ -129,7 +82,7 @@ class ExactWave:
 
         if self.certificate.get("kind") != "periodic":
             raise ValueError("exponents need a periodic wave that exists, got another")
-        certificate = most_unstable(self.certificate, _rational("bloch", bloch))
+        certificate = most_unstable(self.certificate, rational("bloch", bloch))
         claims = certificate["claims"]
         return Exponent(Interval(*claims["growth"]), Interval(*claims["frequency"]), certificate)
 
@@ -141,23 +94,6 @@ class ExactWave:
         from longwave.waves.profiles import strain
 
         return strain(self.certificate, np.asarray(x, dtype=float))
-
-    def save(self, path: str | Path) -> None:
-        """Write the certificate, for ``longwave check`` and for scenes."""
-        Path(path).write_text(json.dumps(self.certificate, indent=1) + "\n", encoding="utf-8")
-
-    def to_json(self) -> dict[str, Any]:
-        """Return verdict, reason, radius, and the lower and upper end of each number."""
-        numbers = {n: {"lower": i.lower, "upper": i.upper} for n, i in self.numbers.items()}
-        radius = {"radius": self.certificate["radius"]} if self.certificate else {}
-        return {"verdict": str(self.verdict), "reason": self.reason, **radius, **numbers}
-
-
-def _decimal_ends(value: Fraction) -> tuple[str, str]:
-    scaled = value * 10**40
-    low = scaled.numerator // scaled.denominator
-    high = -(-scaled.numerator // scaled.denominator)
-    return f"{low}e-40", f"{high}e-40"
 
 
 def exact_wave(
@@ -197,7 +133,7 @@ def exact_wave(
         )
     exact = {"k": k, "eps": eps, "mean": mean, "first_mode": first_mode}
     exact |= {"period": period, "speed": speed}
-    numbers = {name: _rational(name, value) for name, value in exact.items()}
+    numbers = {name: rational(name, value) for name, value in exact.items()}
     return _verdict(lambda: _certificate(lattice, near, numbers, error))
 
 
@@ -215,7 +151,7 @@ def waves_of_all_eps(lattice: Lattice, *, near: str, k: Number, eps: Number) -> 
     >>> print(wave.verdict, wave.numbers["distance_over_eps3"].lower[:7])
     EXISTS 0.01615
     """
-    exact = {"k": _rational("k", k), "eps": _rational("eps", eps)}
+    exact = {"k": rational("k", k), "eps": rational("eps", eps)}
 
     def certificate() -> dict[str, Any]:
         springs = _nearest_neighbours(lattice, near)
@@ -227,22 +163,7 @@ def waves_of_all_eps(lattice: Lattice, *, near: str, k: Number, eps: Number) -> 
 
 def _verdict(find: Callable[[], dict[str, Any]]) -> ExactWave:
     """Check the certificate that ``find`` returns, and return the wave with the verdict."""
-    try:
-        certificate = find()
-        statement = check_certificate(certificate)
-    except Refused as refusal:
-        return ExactWave(Existence.REFUSED, str(refusal))
-    except (CertificateError, ArithmeticError) as failure:
-        return ExactWave(Existence.NOT_PROVED, str(failure))
-    return ExactWave(Existence.EXISTS, statement=statement, certificate=certificate)
-
-
-def _rational(name: str, value: Number) -> fmpq:
-    """Return an exact rational number. Raises ValueError for any other value."""
-    number = exact_value(name, value)
-    if not number.is_Rational:
-        raise ValueError(f"{name} must be a rational number, got {value} (such as 3/5)")
-    return fmpq(int(number.p), int(number.q))
+    return proved(find, ExactWave)
 
 
 def _certificate(

@@ -19,16 +19,17 @@ from longwave.waves.kernel.orbit import energy_at_start
 from longwave.waves.kernel.orbit_claim import BreatherClaim, OrbitClaim
 from longwave.waves.kernel.periodic import Spring
 from longwave.waves.kernel.reading import Record
+from longwave.waves.periodic_waves import strips
 
 BITS = 128
 NU = ("7/5", "6/5", "21/20")
-"""Weights nu to try: the equation of the energy needs nu > 1, slow decay of the modes a small nu."""
+"""Weights nu to try: the energy's equation needs nu > 1, slow decay of the modes a small nu."""
 
 SMALLEST_IN_BLOCK = (1e-3, 1e-5, 1e-7)
 """Sizes, relative to the largest mode, down to which a breather's block is tried."""
 
-SMALLEST = 1e-25
-"""Size, relative to the largest mode, below which modes are left out."""
+SMALLEST = (1e-25, 1e-20, 1e-15, 1e-12, 1e-32)
+"""Sizes, relative to the largest mode, to try as that below which modes are left out."""
 
 NEWTON_STEPS = 30
 STEPS, ORDER = 32, 44
@@ -135,7 +136,9 @@ class _Galerkin:
     def inverse(self, modes: Vector, square: float, pinned: bool) -> Vector:
         """Return the inverse of the equations' matrix, with the energy's if it is ``pinned``."""
         _, jacobian = self._equations(modes, square)
-        return np.linalg.inv(self._with_energy(modes, jacobian)[1] if pinned else jacobian)
+        matrix = self._with_energy(modes, jacobian)[1] if pinned else jacobian
+        inverse: Vector = np.linalg.inv(matrix)
+        return inverse
 
     def _with_energy(self, modes: Vector, jacobian: Vector) -> tuple[float, Vector]:
         """Return the energy, and the matrix with its equation and the unknown Omega^2 in front."""
@@ -211,7 +214,7 @@ def breather_certificate(
 
 
 FIRST_TOP, FIRST_SITES = 17, 5
-MOST_UNKNOWNS = 900
+MOST_UNKNOWNS = 1400
 FIRST_ENERGY = 1 / 64
 """Fraction of the energy at which the continuation of a linear mode begins."""
 
@@ -262,8 +265,6 @@ def _continued_in_coupling(system: _Galerkin, square: float) -> Vector:
 def _oscillation(system: _Galerkin, square: float) -> Vector:
     """Return the modes of one site alone that oscillates at a squared frequency."""
     own = tuple(spring for spring in system.springs if spring.neighbour == 0)
-    if not own:
-        raise CertificateError("a breather needs a force on each site")
     site = _Galerkin(own, 1, system.top)
     energy, (modes, reached) = 1e-3, _continued_in_energy(site, 1, 1e-3)
     sign = reached - square
@@ -296,31 +297,27 @@ class _Target:
 def _certificate(
     target: _Target, system: _Galerkin, modes: Vector, square: float, error: float
 ) -> dict[str, Any]:
-    failure = CertificateError("the error is not reached")
-    smallest = SMALLEST
-    while True:
+    failure = CertificateError(f"more than {MOST_UNKNOWNS} modes are needed")
+    for smallest in SMALLEST:
         top, margin = _sizes(target, system, modes, smallest)
         larger = replace(system, top=top, sites=system.sites + 2 * margin)
         if larger.sites * len(larger.harmonics) > MOST_UNKNOWNS:
-            raise failure
-        modes = _padded(system, larger, modes)
-        system = larger
+            continue
         energy = float(target.value) if target.kind == "orbit" else None
-        modes, square = system.solve(modes, square, energy)
+        modes, square = larger.solve(_padded(system, larger, modes), square, energy)
+        system = larger
         try:
             data = _prove(target, system, modes, square)
         except CertificateError as reason:
             failure = reason
-        else:
-            if float(data["radius"]) <= error:
-                return data
-            failure = CertificateError(f"the radius {data['radius']} is above {error:g}")
-        smallest *= 1e-6
+            continue
+        if float(data["radius"]) <= error:
+            return data
+        failure = CertificateError(f"the radius {data['radius']} is above {error:g}")
+    raise failure
 
 
-def _sizes(
-    target: _Target, system: _Galerkin, modes: Vector, smallest: float
-) -> tuple[int, int]:
+def _sizes(target: _Target, system: _Galerkin, modes: Vector, smallest: float) -> tuple[int, int]:
     """Return the harmonics needed for modes down to ``smallest``, and sites to add at each end."""
     sizes, moving = np.abs(modes), system.harmonics[system.harmonics > 0]
     stride = int(moving[1] - moving[0])
@@ -369,8 +366,18 @@ def _prove(target: _Target, system: _Galerkin, modes: Vector, square: float) -> 
     }
     if target.kind == "orbit":
         data["frequency_squared"] = repr(float(square))
-    data = _refined(target, system, modes, square, data)
-    data, claim = _contracted(target, data, _choices(target, system, modes))
+    failure = CertificateError("no strip was tried")
+    for strip in _strips(system, modes):
+        try:
+            trial = _refined(target, system, modes, square, {**data, **strip})
+            return _with_claims(*_contracted(target, trial, _choices(target, system, modes)))
+        except CertificateError as reason:
+            failure = reason
+    raise failure
+
+
+def _with_claims(data: dict[str, Any], claim: OrbitClaim | BreatherClaim) -> dict[str, Any]:
+    """Return the certificate with what it proves, with the multipliers if they are proved."""
     numbers = claim.prove()
     if isinstance(claim, OrbitClaim):
         more = {**data, "multipliers": {"steps": STEPS, "order": ORDER}}
@@ -401,16 +408,25 @@ def _contracted(
     raise failure
 
 
-def _choices(target: _Target, system: _Galerkin, modes: Vector) -> Iterator[dict[str, Any]]:
-    """Yield weights nu to try for an orbit, or blocks for a breather, small ones first."""
+def _choices(target: _Target, system: _Galerkin, modes: Vector) -> list[dict[str, Any]]:
+    """Return what to try: weights nu for an orbit, or blocks for a breather."""
     if target.kind == "orbit":
-        yield from ({"nu": nu} for nu in NU)
-        return
+        return [{"nu": nu} for nu in NU]
+    choices = []
     sizes = np.abs(modes) / np.abs(modes).max()
     for smallest in SMALLEST_IN_BLOCK:
         sites, harmonics = (np.nonzero(sizes.max(axis=i) > smallest)[0] for i in (1, 0))
-        margin, top = int(sites[0]), int(system.harmonics[harmonics[-1]])
-        yield {"block": {"margin": margin, "top": top}}
+        block = {"margin": int(sites[0]), "top": int(system.harmonics[harmonics[-1]])}
+        choices.append({"block": block})
+    return choices
+
+
+def _strips(system: _Galerkin, modes: Vector) -> Iterator[dict[str, Any]]:
+    """Yield strips to try for analytic forces; nothing else for polynomials."""
+    bound = np.zeros(system.top + 1)
+    bound[system.harmonics] = 2 * np.abs(modes).max(axis=0)
+    for strip in strips(system.springs, bound):
+        yield {"strip": dict(strip)} if strip else {}
 
 
 def _refined(
@@ -424,7 +440,7 @@ def _refined(
         centre = target.claim(data).centre
         rows = [centre.residual(n, k).mid() for n, k in centre.index]
         if pinned:
-            rows.insert(0, (energy_at_start(centre) - centre.energy).mid())
+            rows.insert(0, (energy_at_start(centre) - arb(target.value)).mid())
         step = [c for (c,) in (inverse * arb_mat(len(rows), 1, rows)).tolist()]
         if pinned:
             moved = centre.frequency_squared - step.pop(0)

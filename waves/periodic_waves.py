@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -126,7 +126,7 @@ def _certificate(problem: PeriodicProblem, error: float) -> dict[str, Any]:
     while top <= MOST_MODES:
         padded = np.pad(modes, (0, top + 1 - len(modes)))
         modes, speed_squared = _Galerkin(problem, top).solve(padded, speed_squared)
-        for strip in _strips(problem, modes):
+        for strip in strips(problem.springs, modes):
             try:
                 proof = _prove(problem, modes, speed_squared, strip)
             except CertificateError as reason:
@@ -175,9 +175,9 @@ def _sound(problem: PeriodicProblem) -> arb:
     return total
 
 
-def _strips(problem: PeriodicProblem, modes: Vector) -> Iterator[Mapping[str, Any] | None]:
+def strips(springs: Iterable[Spring], modes: Vector) -> Iterator[Mapping[str, Any] | None]:
     """Yield strips to try for analytic forces, wide ones first; None for polynomials."""
-    if all(spring.force.polynomial is not None for spring in problem.springs):
+    if all(spring.force.polynomial is not None for spring in springs):
         yield None
         return
     sizes = np.abs(modes)

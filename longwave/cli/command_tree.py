@@ -180,6 +180,33 @@ def wave(model: str, sets: tuple[str, ...], **options: Any) -> int:
     return wave_and_print(model, named_values("--set", sets), **options)
 
 
+@longwave.command(
+    epilog=example("longwave orbit alpha_fput --set K2=1,K3=1/5 --sites 5 --energy 1/2")
+    + "\n  longwave orbit klein_gordon --set K2=2/25,g1=1,g2=0,g3=1 --frequency 8/5"
+)
+@click.argument("model", metavar="MODEL|FILE.toml")
+@click.option("--set", "sets", multiple=True, metavar="NAME=VALUE,...", help="Values of constants.")
+@click.option("--sites", type=int, metavar="N", help="A finite chain of N sites, its ends fixed.")
+@click.option("--mode", type=int, default=1, metavar="N", help="Its linear mode (1, the lowest).")
+@click.option("--energy", metavar="X", help="Energy of the orbit, for unit masses.")
+@click.option("--frequency", metavar="X", help="A breather of the infinite chain: its frequency.")
+@path_option("--certificate", "FILE.json", "Write the proof, for longwave check.")
+@click.option("--digits", type=click.IntRange(2, 38), default=16, metavar="N", help="Digits (16).")
+@force_option
+@json_option
+@limit_options
+def orbit(model: str, sets: tuple[str, ...], **options: Any) -> int:
+    """Find an exact time-periodic orbit of a lattice and prove it.
+
+    MODEL is a chain of equal masses (`longwave list lattices`), or a file of one, in displacements.
+    The orbit of a finite chain continues a linear mode, and its Floquet multipliers are proved
+    too. The verdicts are those of `longwave wave`.
+    """
+    from longwave.cli.orbit_command import orbit_and_print
+
+    return orbit_and_print(model, named_values("--set", sets), **options)
+
+
 @longwave.command(epilog=example("longwave run rational_2_eps_0.05 --tolerance 1e-3"))
 @click.argument("scene", shell_complete=complete_scenes)
 @click.option(

@@ -124,23 +124,23 @@ def _lines(wave: ExactWave, exponents: list[tuple[str, Exponent]], digits: int) 
     """Return the lines to print: the verdict, the theorem, and each number with its error."""
     if wave.verdict is not Existence.EXISTS:
         return [f"{wave.verdict}: {wave.reason}"]
-    rows = [(name, _number(value, digits)) for name, value in wave.numbers.items()]
+    rows = [(name, number_text(value, digits)) for name, value in wave.numbers.items()]
     lines = [f"{wave.verdict}: {wave.statement.splitlines()[0]}"]
     for bloch, exponent in exponents:
         at = f"kappa P/(2 pi) = {bloch}"
         state = "UNSTABLE, proved" if exponent.is_unstable else "no growth proved"
         rows += [
-            (f"growth at {at}", f"{_number(exponent.growth, digits)}  ({state})"),
-            (f"frequency at {at}", _number(exponent.frequency, digits)),
+            (f"growth at {at}", f"{number_text(exponent.growth, digits)}  ({state})"),
+            (f"frequency at {at}", number_text(exponent.frequency, digits)),
         ]
     width = max(len(name) for name, _ in rows)
     return [*lines, *(f"  {name:<{width}}  {text}" for name, text in rows)]
 
 
-def _number(interval: Interval, digits: int) -> str:
+def number_text(interval: Interval, digits: int) -> str:
     """Return a number with its error, rounded up, or both ends of a wide interval.
 
-    >>> _number(Interval("0.1234560", "0.1234565"), 5), _number(Interval("0.25", "0.5"), 4)
+    >>> number_text(Interval("0.1234560", "0.1234565"), 5), number_text(Interval("0.25", "0.5"), 4)
     ('0.12346 +- 4.0e-6', '0.25 to 0.5')
     """
     low, high = Decimal(interval.lower), Decimal(interval.upper)

@@ -42,7 +42,7 @@ def test_every_option_that_writes_a_file_has_force_beside_it() -> None:
         assert writing <= WRITING, words
         assert not writing or "force" in options or (words, *writing) in UNASKED, words
         found |= {words} if writing else set()
-    written = {"run", "sweep", "plot", "animate", "report", "converge", "fit", "wave"}
+    written = {"run", "sweep", "plot", "animate", "report", "converge", "fit", "wave", "orbit"}
     assert found == {"prove", "library", "check", "verify"} | written
 
 

@@ -257,7 +257,9 @@ def _require_fit(centre: OrbitCentre) -> None:
     last, pinned = centre.last, centre.energy is not None
     if not (centre.nu >= 1 and centre.weight > 0 and centre.frequency_squared > 0 and last >= 1):
         raise CertificateError("nu >= 1, weight > 0, frequency > 0, one harmonic must hold")
-    if not (centre.inside and (last, centre.margin) == (centre.top, 0) if pinned else centre.inside):
+    if not (
+        centre.inside and (last, centre.margin) == (centre.top, 0) if pinned else centre.inside
+    ):
         raise CertificateError("the block must have a site, and in a finite chain all")
     if not pinned:
         if not all(spring.force.at_rest[0].is_zero() for spring in centre.springs):

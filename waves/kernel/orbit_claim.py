@@ -26,14 +26,18 @@ class _Claim:
         modes = [_numbers(site) for site in record.items("modes", MAX_SITES)]
         if not modes or len({len(site) for site in modes}) != 1 or not modes[0]:
             raise CertificateError("modes must have a list of the same length for each site")
+        margin, block_top = _block(record)
         centre = OrbitCentre(
-            springs,
-            modes,
-            arb(frequency_squared),
-            None if energy is None else arb(energy),
-            *(arb(record.number(name)) for name in ("nu", "weight", "radius_bound")),
-            strip_of(record),
-            *_block(record),
+            springs=springs,
+            modes=modes,
+            frequency_squared=arb(frequency_squared),
+            energy=None if energy is None else arb(energy),
+            nu=arb(record.number("nu")),
+            weight=arb(record.number("weight")),
+            radius_bound=arb(record.number("radius_bound")),
+            strip=strip_of(record),
+            margin=margin,
+            block_top=block_top,
         )
         if centre.is_odd:
             modes = [[c for mode in site for c in (arb(0), mode)] for site in modes]
@@ -119,9 +123,9 @@ class OrbitClaim(_Claim):
         """Text of the theorem that the certificate proves."""
         count = len(self.centre.sites)
         text = (
-            f"The chain of {count} unit masses with {springs_text(self.centre.springs)} and q = 0 beyond "
-            f"its ends has a time-periodic orbit q_n(t), even in t and not constant, with the "
-            f"energy {self.energy}. The period is its least period."
+            f"The chain of {count} unit masses with {springs_text(self.centre.springs)} and q = 0 "
+            "beyond its ends has a time-periodic orbit q_n(t), even in t and not constant, with "
+            f"the energy {self.energy}. The period is its least period."
         )
         if not self.monodromy:
             return text
@@ -155,7 +159,7 @@ class BreatherClaim(_Claim):
     def statement(self) -> str:
         """Text of the theorem that the certificate proves."""
         return (
-            f"The infinite chain of unit masses with {springs_text(self.centre.springs)} has a breather: "
-            f"a time-periodic orbit q_n(t), even in t and not 0, with the frequency "
-            f"{self.frequency} and a finite sum over n of sup |q_n|. The period is its least period."
+            f"The infinite chain of unit masses with {springs_text(self.centre.springs)} has a "
+            "breather: a time-periodic orbit q_n(t), even in t and not 0, with the frequency "
+            f"{self.frequency} and a finite sum of sup |q_n|. The period is its least period."
         )

@@ -89,8 +89,8 @@ class PeriodicClaim:
     def statement(self) -> str:
         """Text of the theorem that the certificate proves."""
         return (
-            f"The chain of unit masses with {springs_text(self.springs)} has a smooth even periodic strain f(n - v t) "
-            f"with {self.pins}."
+            f"The chain of unit masses with {springs_text(self.springs)} has a smooth even "
+            f"periodic strain f(n - v t) with {self.pins}."
         )
 
 

@@ -69,6 +69,7 @@ TOO_LONG = {
     "fit": f"fit points.csv --law {LARGE}",
     "run": "run scene.toml",
     "wave": "wave lennard_jones --set E=1,r=1 --speed 9",
+    "orbit": "orbit toda --set a=1,b=1 --sites 60 --energy 9",
     "sweep": "sweep sweep.toml",
     "plot": "plot scene.toml",
     "animate": "animate scene.toml",
@@ -93,6 +94,10 @@ TOO_LARGE = {
     "wave": (
         "wave alpha_fput --set K2=1,K3=1 --speed 21/20",
         "longwave.cli.wave_command:exact_wave",
+    ),
+    "orbit": (
+        "orbit alpha_fput --set K2=1,K3=1 --sites 2 --energy 1/50",
+        "longwave.cli.orbit_command:exact_orbit",
     ),
     "sweep": ("sweep small.toml --processes 1", "longwave.runs.sweep_cells:run_cell"),
     "plot": ("plot toda_soliton", "longwave.reports.pictures.plotting:plot"),
