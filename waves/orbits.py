@@ -20,6 +20,7 @@ from longwave.waves.kernel.orbit_claim import BreatherClaim, OrbitClaim
 from longwave.waves.kernel.periodic import Spring
 from longwave.waves.kernel.reading import Record
 from longwave.waves.periodic_waves import strips
+from longwave.waves.springs import Refused
 
 BITS = 128
 NU = ("7/5", "6/5", "21/20")
@@ -137,8 +138,7 @@ class _Galerkin:
         """Return the inverse of the equations' matrix, with the energy's if it is ``pinned``."""
         _, jacobian = self._equations(modes, square)
         matrix = self._with_energy(modes, jacobian)[1] if pinned else jacobian
-        inverse: Vector = np.linalg.inv(matrix)
-        return inverse
+        return np.asarray(np.linalg.inv(matrix), dtype=np.float64)
 
     def _with_energy(self, modes: Vector, jacobian: Vector) -> tuple[float, Vector]:
         """Return the energy, and the matrix with its equation and the unknown Omega^2 in front."""
@@ -200,9 +200,10 @@ def breather_certificate(
 ) -> dict[str, Any]:
     """Return the certificate of a breather of an infinite chain, about one site.
 
-    Its modes have an error of at most ``error``. Raises CertificateError with the inequality that
-    failed.
+    Its modes have an error of at most ``error``. Raises Refused for a resonant frequency, and
+    CertificateError with the inequality that failed.
     """
+    _refuse_resonance(springs, float(frequency))
     before, ctx.prec = ctx.prec, BITS
     try:
         square = float(frequency) ** 2
@@ -213,8 +214,26 @@ def breather_certificate(
         ctx.prec = before
 
 
+def _refuse_resonance(springs: tuple[Spring, ...], frequency: float) -> None:
+    """Raise Refused if a harmonic that occurs is a frequency of the chain's linear waves."""
+    slopes = [(s.neighbour, float(s.force.at_rest[1])) for s in springs]
+    middle = sum(slope * (2 if m else 1) for m, slope in slopes)
+    half_width = sum(2 * abs(slope) for m, slope in slopes if m)
+    top = math.ceil(math.sqrt(max(middle + half_width, 0.0)) / frequency)
+    for k in range(top + 1):
+        if abs(k * k * frequency**2 - middle) <= half_width and (k % 2 or not _is_odd(springs)):
+            low, high = middle - half_width, middle + half_width
+            raise Refused(
+                f"harmonic {k} of the frequency {frequency:g} is resonant with the chain's linear "
+                f"waves, {low:.6g} <= omega^2 <= {high:.6g}; no breather is proved"
+            )
+
+
 FIRST_TOP, FIRST_SITES = 17, 5
 MOST_UNKNOWNS = 1400
+LARGEST_CHANGE = 0.2
+"""Largest relative change of the first harmonic in a step of the continuation in energy."""
+
 FIRST_ENERGY = 1 / 64
 """Fraction of the energy at which the continuation of a linear mode begins."""
 
@@ -233,13 +252,25 @@ def _continued_in_energy(system: _Galerkin, mode: int, energy: float) -> tuple[V
         aim = min(reached + step, 1.0)
         guess = modes * (aim / reached) if reached else modes * (aim / math.sqrt(FIRST_ENERGY))
         try:
-            modes, square = system.solve(guess, square, aim * aim * energy)
+            modes, square = _near_guess(system, guess, square, aim * aim * energy)
         except CertificateError:
             step /= 2
             if step < 1 / 512:
                 raise
         else:
             reached, step = aim, 1.5 * step
+    return modes, square
+
+
+def _near_guess(
+    system: _Galerkin, guess: Vector, square: float, energy: float
+) -> tuple[Vector, float]:
+    """Return modes and squared frequency. Raises CertificateError if they leave the branch."""
+    modes, square = system.solve(guess, square, energy)
+    first = int(np.nonzero(system.harmonics == 1)[0][0])
+    change = np.linalg.norm(modes[:, first] - guess[:, first])
+    if change > LARGEST_CHANGE * np.linalg.norm(guess[:, first]):
+        raise CertificateError("the orbit is not continued to this energy (take a smaller one)")
     return modes, square
 
 

@@ -77,5 +77,7 @@ def _lines(orbit: ExactOrbit, digits: int) -> list[str]:
         *(f"  {name:<{width}}  {text}" for name, text in rows),
     ]
     if orbit.certificate["kind"] == "orbit" and not orbit.multipliers:
-        lines.append("  The multipliers are not proved: some are equal or too close.")
+        lines.append(
+            "  The multipliers are not proved (some are too close, or the chain is too long)."
+        )
     return lines

@@ -89,8 +89,11 @@ class OrbitCentre:
 
     @cached_property
     def bonds(self) -> list[Bond]:
-        """Bonds with an end at one of the sites `around`."""
-        sites = self._widened(0 if self.energy is not None else 2)
+        """Bonds of the sites, in an infinite chain up to a site with all its bonds at rest.
+
+        What is bounded at this site is bounded at all sites beyond.
+        """
+        sites = self._widened(0 if self.energy is not None else 3)
         bonds = []
         for spring in self.springs:
             m = spring.neighbour
@@ -255,6 +258,8 @@ def orbit_contraction(centre: OrbitCentre) -> Contraction:
 
 def _require_fit(centre: OrbitCentre) -> None:
     last, pinned = centre.last, centre.energy is not None
+    length = max(len(spring.force.polynomial or spring.force.text) for spring in centre.springs)
+    require_size(len(centre.bonds) * (centre.top + 1) * length)
     if not (centre.nu >= 1 and centre.weight > 0 and centre.frequency_squared > 0 and last >= 1):
         raise CertificateError("nu >= 1, weight > 0, frequency > 0, one harmonic must hold")
     if not (
@@ -375,9 +380,7 @@ def energy_at_start(centre: OrbitCentre, radius: arb | None = None) -> arb:
     total = sum((_potential(b.force, centre.at_start(b, arb(0))) for b in centre.bonds), arb(0))
     if radius is None:
         return total
-    pulls = [abs(pull) for pull in centre.pulls(radius).values()]
-    at_rest = [abs(s.force.taylor(acb(arb(0, radius)), 1)[0]) for s in centre.springs]
-    return total + arb(0, upper(radius * largest([*pulls, 2 * sum(at_rest, arb(0))])))
+    return total + arb(0, upper(radius * largest(map(abs, centre.pulls(radius).values()))))
 
 
 def _potential(force: Force, x: arb) -> arb:
