@@ -27,7 +27,10 @@ NU = ("7/5", "6/5", "21/20")
 """Weights nu to try: the energy's equation needs nu > 1, slow decay of the modes a small nu."""
 
 SMALLEST_IN_BLOCK = (1e-3, 1e-5, 1e-7)
-"""Sizes, relative to the largest mode, down to which a breather's block is tried."""
+"""Sizes, relative to the largest mode, down to which modes are in the block."""
+
+FASTEST = 1.6
+"""Least frequency of an orbit's block, relative to the largest of the linear modes."""
 
 SMALLEST = (1e-25, 1e-20, 1e-15, 1e-12, 1e-32)
 """Sizes, relative to the largest mode, to try as that below which modes are left out."""
@@ -86,6 +89,11 @@ class _Galerkin:
     def factors(self) -> Vector:
         """Factor of each harmonic's cosine: 1 for the mean, else 2."""
         return np.where(self.harmonics, 2.0, 1.0)
+
+    @property
+    def fastest(self) -> float:
+        """Largest frequency of small oscillations."""
+        return math.sqrt(max(float(self.rest_frequencies()[0][-1]), 0.0))
 
     def rest_frequencies(self) -> tuple[Vector, Vector]:
         """Return the squared frequencies of small oscillations, ascending, and their shapes."""
@@ -401,7 +409,9 @@ def _prove(target: _Target, system: _Galerkin, modes: Vector, square: float) -> 
     for strip in _strips(system, modes):
         try:
             trial = _refined(target, system, modes, square, {**data, **strip})
-            return _with_claims(*_contracted(target, trial, _choices(target, system, modes)))
+            return _with_claims(
+                *_contracted(target, trial, _choices(target, system, modes, square))
+            )
         except CertificateError as reason:
             failure = reason
     raise failure
@@ -439,16 +449,20 @@ def _contracted(
     raise failure
 
 
-def _choices(target: _Target, system: _Galerkin, modes: Vector) -> list[dict[str, Any]]:
-    """Return what to try: weights nu for an orbit, or blocks for a breather."""
-    if target.kind == "orbit":
-        return [{"nu": nu} for nu in NU]
+def _choices(
+    target: _Target, system: _Galerkin, modes: Vector, square: float
+) -> list[dict[str, Any]]:
+    """Return blocks to try, small ones first, and weights nu for an orbit."""
     choices = []
     sizes = np.abs(modes) / np.abs(modes).max()
     for smallest in SMALLEST_IN_BLOCK:
         sites, harmonics = (np.nonzero(sizes.max(axis=i) > smallest)[0] for i in (1, 0))
-        block = {"margin": int(sites[0]), "top": int(system.harmonics[harmonics[-1]])}
-        choices.append({"block": block})
+        top = int(system.harmonics[harmonics[-1]])
+        if target.kind == "orbit":
+            top = max(top, math.ceil(FASTEST * system.fastest / math.sqrt(square)))
+            choices += [{"block": {"margin": 0, "top": top}, "nu": nu} for nu in NU]
+        else:
+            choices.append({"block": {"margin": int(sites[0]), "top": top}})
     return choices
 
 

@@ -53,8 +53,9 @@ class OrbitCentre:
     """Approximate modes of each site, weights of the norm, and the largest radius.
 
     Springs between 0-th neighbours are forces on each site. ``energy`` is None for an infinite
-    chain, in which the sites beyond those with modes are at rest at the centre. Its block may be
-    smaller than the centre: ``margin`` sites less at each end, ``block_top`` as largest harmonic.
+    chain, in which the sites beyond those with modes are at rest at the centre. The block may be
+    smaller than the centre: ``margin`` sites less at each end of an infinite chain, and
+    ``block_top`` as its largest harmonic.
     """
 
     springs: tuple[Spring, ...]
@@ -262,10 +263,8 @@ def _require_fit(centre: OrbitCentre) -> None:
     require_size(len(centre.bonds) * (centre.top + 1) * length)
     if not (centre.nu >= 1 and centre.weight > 0 and centre.frequency_squared > 0 and last >= 1):
         raise CertificateError("nu >= 1, weight > 0, frequency > 0, one harmonic must hold")
-    if not (
-        centre.inside and (last, centre.margin) == (centre.top, 0) if pinned else centre.inside
-    ):
-        raise CertificateError("the block must have a site, and in a finite chain all")
+    if not centre.inside or (pinned and centre.margin):
+        raise CertificateError("the block must have a site, and in a finite chain all sites")
     if not pinned:
         if not all(spring.force.at_rest[0].is_zero() for spring in centre.springs):
             raise CertificateError("the forces of an infinite chain must be 0 at rest")
@@ -341,7 +340,9 @@ class _Block:
         centre = self.centre
         beyond = {m: self._beyond(m) for m in centre.around}
         norms = [*beyond.values(), *(self._below(m, k) for m, k in centre.index)]
-        if centre.energy is None:
+        if centre.energy is not None:
+            norms.append(self._below_square())
+        else:
             at_rest = [abs(s.force.at_rest[1]) for s in centre.springs if s.neighbour]
             norms.append(2 * self.outer * sum(at_rest, arb(0)))
         entries = [2 * self.pulls[m] for m, _ in self.outside] if self.pulls else []
@@ -352,6 +353,15 @@ class _Block:
         for (m, _), size in zip(self.outside, columns, strict=True):
             norms.append(size + beyond[m])
         return largest(norms)
+
+    def _below_square(self) -> arb:
+        """Return the norm of the rows outside the block, of the column of Omega^2."""
+        centre, total = self.centre, arb(0)
+        for n in centre.sites:
+            for k in centre.outside(n, centre.top):
+                size = abs(k * k * centre.modes[n][k] / centre.diagonal(k))
+                total += centre.weight_of(k) * size
+        return upper(total / centre.weight)
 
     def _below(self, m: int, k: int) -> arb:
         """Return the norm of the rows outside the block, of its column m, k."""
