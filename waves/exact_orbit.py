@@ -138,7 +138,7 @@ def exact_orbit(
     >>> chain = LATTICES["alpha_fput"].with_values({"K2": 1, "K3": "1/5"})
     >>> orbit = exact_orbit(chain, sites=3, energy="1/10")
     >>> print(orbit.verdict, f"{orbit.period.value:.12f}", len(orbit.multipliers))
-    EXISTS 8.203083052205 2
+    EXISTS 8.201623167483 2
     """
     if bool(sites) == bool(frequency):
         got = "both" if sites else "none"

@@ -215,31 +215,32 @@ def test_the_continuation_stays_on_its_branch() -> None:
     assert exact_orbit(BETA, sites=3, energy=20).verdict is Existence.EXISTS
 
 
-def test_the_bounds_hold_on_a_larger_space() -> None:
-    """Catches rows or columns outside the block that the bound of I - A DF leaves out."""
+@pytest.mark.parametrize("cut", [1e-6, 0.05])
+def test_the_bounds_hold_on_a_larger_space(cut: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Catches rows, columns or modes of the stiffness that the bound of I - A DF leaves out."""
     before, ctx.prec = ctx.prec, 128
     try:
-        for lattice, options in (
-            (ALPHA, {"sites": 3, "energy": "1/5"}),
-            (HARD, {"frequency": "8/5"}),
-        ):
-            orbit = exact_orbit(lattice, **options)
-            kind = OrbitClaim if "sites" in options else BreatherClaim
-            centre = kind(Record(dict(orbit.certificate), "certificate")).centre
-            _compare(centre)
+        finite = exact_orbit(ALPHA, sites=3, energy="1/5").certificate
+        centre = OrbitClaim(Record(dict(finite), "certificate")).centre
+        for weight in ("1", "1e-6"):
+            _compare(replace(centre, weight=arb(weight)), cut, monkeypatch)
+        infinite = exact_orbit(HARD, frequency="8/5").certificate
+        _compare(BreatherClaim(Record(dict(infinite), "certificate")).centre, cut, monkeypatch)
     finally:
         ctx.prec = before
 
 
-def _compare(centre: kernel.OrbitCentre) -> None:
+def _compare(centre: kernel.OrbitCentre, cut: float, monkeypatch: pytest.MonkeyPatch) -> None:
     infinite = centre.energy is None
     if infinite:
         sites = [modes[:14] for modes in centre.modes[15:-15]]
         centre = replace(centre, modes=sites, margin=1, block_top=3)
     else:
         centre = replace(centre, modes=[modes[:9] for modes in centre.modes], block_top=6)
+    monkeypatch.setattr(kernel, "STIFFNESS_CUT", cut)
     bounds = kernel.orbit_contraction(centre)
     block = kernel._Block(centre)
+    monkeypatch.undo()
     margin = 3 if infinite else 0
     rest = [arb(0)] * len(centre.modes[0])
     padded = [*[rest] * margin, *centre.modes, *[rest] * margin]
@@ -262,7 +263,26 @@ def _compare(centre: kernel.OrbitCentre) -> None:
     defect = np.abs(np.eye(len(rows)) - inverse @ jacobian)
     norm = float(((rows[:, None] * defect).sum(axis=0) / rows).max())
     assert norm <= float(bounds.z0 + bounds.z1) * (1 + 1e-12)
-    assert norm > 0.2 * float(bounds.z1)
+    assert norm > 0.2 * float(bounds.z1) or cut > 0.01
+
+
+@pytest.mark.parametrize("weight", [1, 10_000])
+def test_the_bound_of_the_second_derivative(weight: int) -> None:
+    """Catches a factor: each site feels 4 times the slope 2/5 of V", and the energy both V"."""
+    before, ctx.prec = ctx.prec, 128
+    try:
+        certificate = dict(exact_orbit(ALPHA, sites=3, energy="1/5").certificate)
+        centre = OrbitClaim(Record(certificate, "certificate")).centre
+        centre = replace(centre, weight=arb(weight), radius_bound=arb("0.01"))
+        bounds, block = kernel.orbit_contraction(centre), kernel._Block(centre)
+        q = [float(modes[0] + 2 * sum(modes[1:], arb(0))) for modes in centre.modes]
+        slopes = 1 + 0.4 * (np.diff([0.0, *q, 0.0]) + 0.01)
+        energy = float(block.size_of_energy) * (slopes[1:] + slopes[:-1]).max()
+        rest = max(1.6 * float(block.size), float(block.size_of_squares) / weight)
+        assert float(bounds.z2) == pytest.approx(rest + energy, rel=1e-9)
+        assert (rest > 1.6 * float(block.size)) == (weight == 1)
+    finally:
+        ctx.prec = before
 
 
 def changed(certificate: Any, **changes: Any) -> dict[str, Any]:
