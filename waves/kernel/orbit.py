@@ -81,20 +81,22 @@ class OrbitCentre:
 
     @cached_property
     def around(self) -> range:
-        """Sites with modes, and the sites of an infinite chain that bonds join to them."""
-        return self._widened(0 if self.energy is not None else 1)
+        """All sites of a finite chain; of an infinite one, up to a site with all bonds at rest.
+
+        What is bounded at this site is bounded at all sites beyond.
+        """
+        return self._widened(2)
 
     def _widened(self, times: int) -> range:
-        reach = times * max(spring.neighbour for spring in self.springs)
+        """Return the sites with modes; in an infinite chain also those ``times`` bonds away."""
+        infinite = self.energy is None
+        reach = infinite * times * max(spring.neighbour for spring in self.springs)
         return range(-reach, len(self.modes) + reach)
 
     @cached_property
     def bonds(self) -> list[Bond]:
-        """Bonds of the sites, in an infinite chain up to a site with all its bonds at rest.
-
-        What is bounded at this site is bounded at all sites beyond.
-        """
-        sites = self._widened(0 if self.energy is not None else 3)
+        """Bonds of the sites `around`."""
+        sites = self._widened(3)
         bonds = []
         for spring in self.springs:
             m = spring.neighbour
@@ -339,12 +341,9 @@ class _Block:
         """Return the norm of I - A DF outside the block."""
         centre = self.centre
         beyond = {m: self._beyond(m) for m in centre.around}
-        norms = [*beyond.values(), *(self._below(m, k) for m, k in centre.index)]
+        norms = [*beyond.values()]
         if centre.energy is not None:
             norms.append(self._below_square())
-        else:
-            at_rest = [abs(s.force.at_rest[1]) for s in centre.springs if s.neighbour]
-            norms.append(2 * self.outer * sum(at_rest, arb(0)))
         entries = [2 * self.pulls[m] for m, _ in self.outside] if self.pulls else []
         for row in centre.index:
             entries += [-centre.coupling(row, column) for column in self.outside]
@@ -363,18 +362,8 @@ class _Block:
                 total += centre.weight_of(k) * size
         return upper(total / centre.weight)
 
-    def _below(self, m: int, k: int) -> arb:
-        """Return the norm of the rows outside the block, of its column m, k."""
-        centre, total = self.centre, arb(0)
-        for n in centre.around:
-            if (n, m) in centre.stiffness:
-                for j in centre.outside(n, k + centre.width):
-                    size = abs(centre.coupling((n, j), (m, k)) / centre.diagonal(j))
-                    total += centre.weight_of(j) * size
-        return upper(total / centre.weight_of(k))
-
     def _beyond(self, m: int) -> arb:
-        """Return a bound of the norm of the rows outside the block, of its columns at site m."""
+        """Return a bound of the norm of the rows outside the block, of all columns at site m."""
         centre, total = self.centre, arb(0)
         for (n, column), series in centre.stiffness.items():
             if column == m:
