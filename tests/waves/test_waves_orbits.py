@@ -23,7 +23,7 @@ from longwave.waves.kernel import orbit as kernel
 from longwave.waves.kernel.check import check_certificate
 from longwave.waves.kernel.force_text import read_force
 from longwave.waves.kernel.limits import CertificateError
-from longwave.waves.kernel.monodromy import multipliers
+from longwave.waves.kernel.monodromy import Monodromy, multipliers
 from longwave.waves.kernel.orbit_claim import BreatherClaim, OrbitClaim
 from longwave.waves.kernel.periodic import Spring
 from longwave.waves.kernel.reading import Record
@@ -225,7 +225,9 @@ def test_the_bounds_hold_on_a_larger_space(cut: float, monkeypatch: pytest.Monke
         for weight in ("1", "1e-6"):
             _compare(replace(centre, weight=arb(weight)), cut, monkeypatch)
         infinite = exact_orbit(HARD, frequency="8/5").certificate
-        _compare(BreatherClaim(Record(dict(infinite), "certificate")).centre, cut, monkeypatch)
+        centre = BreatherClaim(Record(dict(infinite), "certificate")).centre
+        for top in (3, 9):
+            _compare(replace(centre, block_top=top), cut, monkeypatch)
     finally:
         ctx.prec = before
 
@@ -234,7 +236,7 @@ def _compare(centre: kernel.OrbitCentre, cut: float, monkeypatch: pytest.MonkeyP
     infinite = centre.energy is None
     if infinite:
         sites = [modes[:14] for modes in centre.modes[15:-15]]
-        centre = replace(centre, modes=sites, margin=1, block_top=3)
+        centre = replace(centre, modes=sites, margin=1)
     else:
         centre = replace(centre, modes=[modes[:9] for modes in centre.modes], block_top=6)
     monkeypatch.setattr(kernel, "STIFFNESS_CUT", cut)
@@ -258,12 +260,79 @@ def _compare(centre: kernel.OrbitCentre, cut: float, monkeypatch: pytest.MonkeyP
         inverse[i + first, i + first] = 1 / float(large.diagonal(k))
     places += [large.index.index(key) + first for key in small]
     inverse[np.ix_(places, places)] = np.array(block.inverse.tolist(), dtype=float)
+    same = replace(large, margin=margin + centre.margin, block_top=centre.block_top)
+    assert float(kernel._Block(same).defect()) == pytest.approx(float(block.defect()), rel=1e-9)
     jacobian = np.array([[float(c) for c in row] for row in big.jacobian.tolist()])
     rows = np.array([float(w) for w in big.rows])
     defect = np.abs(np.eye(len(rows)) - inverse @ jacobian)
     norm = float(((rows[:, None] * defect).sum(axis=0) / rows).max())
     assert norm <= float(bounds.z0 + bounds.z1) * (1 + 1e-12)
     assert norm > 0.2 * float(bounds.z1) or cut > 0.01
+
+
+def test_the_matrix_is_the_derivative_of_the_equations() -> None:
+    """Catches a wrong factor of a mean or a harmonic."""
+    certificate = dict(exact_orbit(ALPHA, sites=2, energy="1/5").certificate)
+    claim = OrbitClaim(Record(certificate, "certificate"))
+    centre = replace(claim.centre, modes=[modes[:5] for modes in claim.centre.modes])
+
+    def equations(shift: float, place: int) -> Vector:
+        moved = [list(modes) for modes in centre.modes]
+        square = centre.frequency_squared
+        if place:
+            n, k = centre.index[place - 1]
+            moved[n][k] += shift
+        else:
+            square = square + shift
+        other = replace(centre, modes=moved, frequency_squared=square)
+        rows = [kernel.energy_at_start(other), *(other.residual(n, k) for n, k in other.index)]
+        return np.array([float(row) for row in rows])
+
+    jacobian = kernel._Block(centre).jacobian.tolist()
+    for place in range(len(centre.index) + 1):
+        slope = (equations(1e-5, place) - equations(-1e-5, place)) / 2e-5
+        column = [float(row[place]) for row in jacobian]
+        np.testing.assert_allclose(column, slope, atol=1e-8)
+
+
+def test_the_errors_of_the_numbers_have_the_radius(
+    q_breather: ExactOrbit, breather: ExactOrbit
+) -> None:
+    """Catches an error of the orbit that does not enter its numbers."""
+    claim = OrbitClaim(Record({**q_breather.certificate, "radius": "1e-9"}, "certificate"))
+    claim.monodromy = None
+    numbers = claim.prove()
+    square = float(claim.centre.frequency_squared)
+    half_widths = {name: float(high - low) / 2 for name, (low, high) in numbers.items()}
+    assert half_widths["amplitude"] == pytest.approx(1e-9, rel=1e-3)
+    assert half_widths["period"] == pytest.approx(np.pi * square**-1.5 * 1e-9, rel=1e-3)
+    centre = BreatherClaim(Record(dict(breather.certificate), "certificate")).centre
+    middle = len(centre.modes) // 2
+    moved = [list(modes) for modes in centre.modes]
+    moved[middle][1] += 5e-4
+    other = replace(centre, modes=moved)
+    assert kernel.energy_at_start(centre, arb("1e-3")).contains(kernel.energy_at_start(other))
+
+
+@pytest.mark.parametrize(("top", "steps", "order"), [(31, 20, 16), (17, 32, 44)])
+def test_the_errors_of_the_multipliers(
+    q_breather: ExactOrbit, top: int, steps: int, order: int
+) -> None:
+    """Catches errors of the Taylor series, or of a coarse orbit, that are left out."""
+    before, ctx.prec = ctx.prec, 128
+    try:
+        fine = OrbitClaim(Record(dict(q_breather.certificate), "certificate")).centre
+        missing = sum((2 * abs(c) * fine.nu**k for modes in fine.modes
+                       for k, c in enumerate(modes) if k >= top), arb(0))  # fmt: skip
+        coarse = replace(fine, modes=[modes[:top] for modes in fine.modes])
+        pairs = multipliers(Monodromy(coarse, missing + arb("1e-22"), steps, order).half())
+        for pair, z in zip(pairs, q_breather.multipliers, strict=True):
+            low, high = arb(z.real.lower), arb(z.real.upper)
+            assert pair.value.real.contains(low)
+            assert pair.value.real.contains(high)
+            assert high - low < pair.value.real.rad() < 1e-3
+    finally:
+        ctx.prec = before
 
 
 @pytest.mark.parametrize("weight", [1, 10_000])
@@ -293,6 +362,7 @@ def test_a_changed_orbit_is_refused(q_breather: ExactOrbit) -> None:
     certificate: dict[str, Any] = dict(q_breather.certificate)
     modes = certificate["modes"]
     zero = [["0"] * len(site) for site in modes]
+    stiff = {"lattice": {"springs": [{"neighbour": 1, "force": "r + r**2 + r**9"}]}}
     changes: list[tuple[str, dict[str, Any]]] = [
         ("fails", {"energy": "0.5001"}),
         ("fails", {"frequency_squared": "0.27"}),
@@ -317,6 +387,7 @@ def test_a_changed_orbit_is_refused(q_breather: ExactOrbit) -> None:
         ("unknown", {"frequency": "1"}),
         ("steps", {"multipliers": {"steps": 0, "order": 44}}),
         ("not", {"multipliers": {"steps": 2, "order": 4}, "claims": {}}),
+        ("entries", {"modes": [["0"] * 1900] * 150, "block": {"margin": 0, "top": 1}, **stiff}),
         ("entries", {"modes": [[*site, *["0"] * 1900] for site in modes * 30]}),
     ]  # fmt: skip
     for message, change in changes:
@@ -374,11 +445,11 @@ def propagator(products: list[list[float]]) -> arb_mat:
 
 
 def test_multipliers_on_and_off_the_circle() -> None:
-    """mu = 1/2, -2, 3 and 2 +- i beside 1 have multipliers in closed form."""
-    products = np.diag([0.0, -0.5, -3.0, 2.0, 1.0, 1.0])
+    """mu = 1/2, -2, 3 and -2 +- i beside 1 have multipliers in closed form."""
+    products = np.diag([0.0, -0.5, -3.0, 2.0, -3.0, -3.0])
     products[4, 5], products[5, 4] = 1.0, -1.0
     result = {complex(z.value): z.is_on_circle for z in multipliers(propagator(products.tolist()))}
-    square = (2 + 1j) + ((2 + 1j) ** 2 - 1) ** 0.5
+    square = (-2 + 1j) - ((-2 + 1j) ** 2 - 1) ** 0.5
     expected = {
         0.5 + 0.75**0.5 * 1j: True,
         -2 - 3**0.5: False,
