@@ -215,14 +215,14 @@ def test_the_continuation_stays_on_its_branch() -> None:
     assert exact_orbit(BETA, sites=3, energy=20).verdict is Existence.EXISTS
 
 
-@pytest.mark.parametrize("cut", [1e-6, 0.05])
+@pytest.mark.parametrize("cut", [1e-6, 5.0])
 def test_the_bounds_hold_on_a_larger_space(cut: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """Catches rows, columns or modes of the stiffness that the bound of I - A DF leaves out."""
     before, ctx.prec = ctx.prec, 128
     try:
         finite = exact_orbit(ALPHA, sites=3, energy="1/5").certificate
         centre = OrbitClaim(Record(dict(finite), "certificate")).centre
-        for weight in ("1", "1e-6"):
+        for weight in ("1", "1e-9"):
             _compare(replace(centre, weight=arb(weight)), cut, monkeypatch)
         infinite = exact_orbit(HARD, frequency="8/5").certificate
         centre = BreatherClaim(Record(dict(infinite), "certificate")).centre
@@ -266,7 +266,7 @@ def _compare(centre: kernel.OrbitCentre, cut: float, monkeypatch: pytest.MonkeyP
     rows = np.array([float(w) for w in big.rows])
     defect = np.abs(np.eye(len(rows)) - inverse @ jacobian)
     norm = float(((rows[:, None] * defect).sum(axis=0) / rows).max())
-    assert norm <= float(bounds.z0 + bounds.z1) * (1 + 1e-12)
+    assert norm <= float(bounds.z0 + bounds.z1) * (1 + 1e-7)
     assert norm > 0.2 * float(bounds.z1) or cut > 0.01
 
 
@@ -362,7 +362,7 @@ def test_a_changed_orbit_is_refused(q_breather: ExactOrbit) -> None:
     certificate: dict[str, Any] = dict(q_breather.certificate)
     modes = certificate["modes"]
     zero = [["0"] * len(site) for site in modes]
-    stiff = {"lattice": {"springs": [{"neighbour": 1, "force": "r + r**2 + r**9"}]}}
+    stiff = {"lattice": {"springs": [{"neighbour": 1, "force": "r + r**2 + r**30"}]}}
     changes: list[tuple[str, dict[str, Any]]] = [
         ("fails", {"energy": "0.5001"}),
         ("fails", {"frequency_squared": "0.27"}),
@@ -387,8 +387,8 @@ def test_a_changed_orbit_is_refused(q_breather: ExactOrbit) -> None:
         ("unknown", {"frequency": "1"}),
         ("steps", {"multipliers": {"steps": 0, "order": 44}}),
         ("not", {"multipliers": {"steps": 2, "order": 4}, "claims": {}}),
-        ("entries", {"modes": [["0"] * 1900] * 150, "block": {"margin": 0, "top": 1}, **stiff}),
-        ("entries", {"modes": [[*site, *["0"] * 1900] for site in modes * 30]}),
+        ("entries", {"modes": [["0"] * 1900] * 40, "block": {"margin": 0, "top": 1}, **stiff}),
+        ("entries", {"modes": [["0"] * 1900] * 20, "block": {"margin": 0, "top": 2000}}),
     ]  # fmt: skip
     for message, change in changes:
         with pytest.raises(CertificateError, match=message):
