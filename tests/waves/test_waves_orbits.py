@@ -226,6 +226,7 @@ def test_the_bounds_hold_on_a_larger_space(cut: float, monkeypatch: pytest.Monke
             _compare(replace(centre, weight=arb(weight)), cut, monkeypatch)
         infinite = exact_orbit(HARD, frequency="8/5").certificate
         centre = BreatherClaim(Record(dict(infinite), "certificate")).centre
+        centre = replace(centre, modes=[m[:14] for m in centre.modes[15:-15]], margin=1)
         for top in (3, 9):
             _compare(replace(centre, block_top=top), cut, monkeypatch)
     finally:
@@ -234,10 +235,7 @@ def test_the_bounds_hold_on_a_larger_space(cut: float, monkeypatch: pytest.Monke
 
 def _compare(centre: kernel.OrbitCentre, cut: float, monkeypatch: pytest.MonkeyPatch) -> None:
     infinite = centre.energy is None
-    if infinite:
-        sites = [modes[:14] for modes in centre.modes[15:-15]]
-        centre = replace(centre, modes=sites, margin=1)
-    else:
+    if not infinite:
         centre = replace(centre, modes=[modes[:9] for modes in centre.modes], block_top=6)
     monkeypatch.setattr(kernel, "STIFFNESS_CUT", cut)
     bounds = kernel.orbit_contraction(centre)
@@ -261,7 +259,7 @@ def _compare(centre: kernel.OrbitCentre, cut: float, monkeypatch: pytest.MonkeyP
     places += [large.index.index(key) + first for key in small]
     inverse[np.ix_(places, places)] = np.array(block.inverse.tolist(), dtype=float)
     same = replace(large, margin=margin + centre.margin, block_top=centre.block_top)
-    assert float(kernel._Block(same).defect()) == pytest.approx(float(block.defect()), rel=1e-9)
+    assert float(kernel._Block(same).defect()) == pytest.approx(float(block.defect()), rel=1e-7)
     jacobian = np.array([[float(c) for c in row] for row in big.jacobian.tolist()])
     rows = np.array([float(w) for w in big.rows])
     defect = np.abs(np.eye(len(rows)) - inverse @ jacobian)
@@ -324,7 +322,8 @@ def test_the_errors_of_the_multipliers(
         fine = OrbitClaim(Record(dict(q_breather.certificate), "certificate")).centre
         missing = sum((2 * abs(c) * fine.nu**k for modes in fine.modes
                        for k, c in enumerate(modes) if k >= top), arb(0))  # fmt: skip
-        coarse = replace(fine, modes=[modes[:top] for modes in fine.modes])
+        cut = [modes[:top] for modes in fine.modes]
+        coarse = replace(fine, modes=cut, weight=arb(10) ** 30)
         pairs = multipliers(Monodromy(coarse, missing + arb("1e-22"), steps, order).half())
         for pair, z in zip(pairs, q_breather.multipliers, strict=True):
             low, high = arb(z.real.lower), arb(z.real.upper)
