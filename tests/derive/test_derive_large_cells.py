@@ -2,6 +2,7 @@
 
 from typing import Any
 
+import pytest
 from sympy import Rational, Symbol, simplify, sqrt
 
 from longwave.derive import LATTICES, checks_of_envelope, envelope
@@ -45,6 +46,7 @@ def test_equal_beads_in_turn_are_the_granular_chain() -> None:
         assert abs(getattr(cells, name) * 2**power - getattr(chain, name)) < 1e-12, name
 
 
+@pytest.mark.slow
 def test_the_envelope_of_four_masses_holds_in_numbers_and_in_symbols() -> None:
     """Catches: a cofactor with the wrong sign, a constant that is lost on the way."""
     numbers = four_numbers()
@@ -53,6 +55,7 @@ def test_the_envelope_of_four_masses_holds_in_numbers_and_in_symbols() -> None:
     assert numbers.coefficients(**values) == four_constants().coefficients(**values)
 
 
+@pytest.mark.slow
 def test_long_waves_of_four_masses_and_springs_are_those_of_their_static_law() -> None:
     """c^2 = 1/(S M) and c'(0) = Q/(S^3 M c) by hand: S = sum 1/K, M = sum m, Q = sum K3/K^3."""
     found = long_waves()

@@ -104,6 +104,7 @@ def speed_expansion(case: Case, speed: Expr, order: int) -> Expr:
     return sum(expand(root - speed).coeff(eps, i) * eps**i for i in range(order + 1))
 
 
+@pytest.mark.slow
 @settings(max_examples=6)
 @given(cases())
 def test_coefficients_are_those_of_stress_law_and_plane_wave(case: Case) -> None:

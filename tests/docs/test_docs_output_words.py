@@ -121,6 +121,7 @@ def named(section: str) -> Any:
     return pytest.param(section, id=title, marks=marks)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("section", [named(section) for section in SECTIONS])
 def test_the_words_are_those_that_are_printed(
     section: str,

@@ -378,6 +378,7 @@ def test_ctrl_c_as_early_as_can_be_is_one_line_and_status_130(press_ctrl_c: Any)
     assert ": interrupted" in done.errors
 
 
+@pytest.mark.slow
 def test_a_slow_command_is_announced_in_a_real_process() -> None:
     """Catches: a notice that is missing if the arguments come from ``sys.argv``."""
     script = (

@@ -241,6 +241,7 @@ def test_every_public_class_has_an_instance_here() -> None:
     assert classes - WITHOUT_INSTANCES - MADE.keys() == set()
 
 
+@pytest.mark.slow
 def test_instances_are_the_same_in_another_process() -> None:
     """The records are equal, and their methods return the same bits."""
     result = {name: make() for name, (make, _) in MADE.items()}

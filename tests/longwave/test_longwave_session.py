@@ -63,6 +63,7 @@ def test_an_argument_that_is_no_scene_names_the_right_function(kind: str) -> Non
     assert "\n" not in str(output.value)
 
 
+@pytest.mark.slow
 def test_a_sweep_of_a_scene_is_one_data_set(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, result: Any
 ) -> None:

@@ -117,6 +117,7 @@ def test_the_source_has_every_form_and_is_balanced(report: str) -> None:
     assert plain.count("{") == plain.count("}")
 
 
+@pytest.mark.slow
 def test_a_parameter_called_like_a_part_is_told_from_it() -> None:
     """Catches a part P where the formula has a parameter P."""
     x, taken = sp.symbols("x P", real=True)

@@ -103,6 +103,7 @@ def test_ctrl_c_at_any_moment_is_one_line(command: str, tmp_path: Path, interrup
     assert len(output) == 1
 
 
+@pytest.mark.slow
 def test_a_derivation_of_hours_is_refused_before_it_starts(
     capsys: pytest.CaptureFixture[str],
 ) -> None:

@@ -41,6 +41,7 @@ def run(folder: Path, output: str = "run.nc", **changes: Any) -> int:
     return run_and_print(str(scene), "longwave run", output=str(folder / output))
 
 
+@pytest.mark.slow
 def test_a_run_is_resumed_next_to_its_output(
     tmp_path: Path, saved: dict[str, Any], capsys: pytest.CaptureFixture[str]
 ) -> None:

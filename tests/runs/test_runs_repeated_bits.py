@@ -44,6 +44,7 @@ print(interval.jets(modes, random.random(2048), 7)[:, ::97].tolist())
 """
 
 
+@pytest.mark.slow
 def test_bits_do_not_depend_on_the_number_of_threads() -> None:
     found = [python("-c", RATE, OPENBLAS_NUM_THREADS=str(count)) for count in (1, 2)]
     assert found[0].stdout == found[1].stdout

@@ -176,6 +176,7 @@ except OSError as error:
 """
 
 
+@pytest.mark.slow
 def test_a_full_disk_names_the_file_and_leaves_the_older_one(tmp_path: Path) -> None:
     path = tmp_path / "run.nc"
     path.write_bytes(b"older")
@@ -262,6 +263,7 @@ def test_a_damaged_root_group_leaves_no_open_object(tmp_path: Path) -> None:
     gc.collect()  # what is left behind tells of itself as a warning
 
 
+@pytest.mark.slow
 def test_file_content_keeps_no_view_of_the_image() -> None:
     """With one, Python 3.13 prints a warning when the garbage collector closes the image."""
     script = (

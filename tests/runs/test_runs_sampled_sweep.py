@@ -78,6 +78,7 @@ def test_constants_stated_by_the_scene_are_exact() -> None:
     assert sampled_sweep("wave.toml", MIN_SAMPLES).dimensions[0].fields == ("constants.K2",)
 
 
+@pytest.mark.slow
 def test_intervals_are_those_of_a_mode_in_closed_form(capsys: pytest.CaptureFixture[str]) -> None:
     words = ["sweep", "mode.toml", "--samples", "39", "--seed", "3", "--processes", "1"]
     assert main(words) == 0

@@ -91,6 +91,7 @@ def files(folder: Path) -> list[Path]:
     return sorted(path for path in (folder / PACKS).rglob("*.h5"))
 
 
+@pytest.mark.slow
 def test_packs_lie_in_folders_and_are_found(tmp_path: Path) -> None:
     fill(tmp_path, 3)
     check(tmp_path, 9)
@@ -103,6 +104,7 @@ def test_packs_lie_in_folders_and_are_found(tmp_path: Path) -> None:
     assert (tmp_path / PACKS / INDEX).exists()
 
 
+@pytest.mark.slow
 def test_with_an_index_only_new_packs_are_opened(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -200,6 +202,7 @@ def _texts_for_numbers(file: Any) -> None:
     file["numbers"]["error"] = np.full(len(file["row"]), b"x")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "attack",
     [
@@ -256,6 +259,7 @@ def test_an_outdated_listing_ends_the_search(
     assert len(pack_index(tmp_path)) == 6
 
 
+@pytest.mark.slow
 def test_merged_packs_have_the_same_runs(tmp_path: Path) -> None:
     fill(tmp_path, MERGED_COUNT + 5)
     merge_packs(tmp_path)
@@ -267,6 +271,7 @@ def test_merged_packs_have_the_same_runs(tmp_path: Path) -> None:
     assert [path.name for path in (tmp_path / PACKS).iterdir() if path.is_file()] == []
 
 
+@pytest.mark.slow
 def test_few_packs_and_large_packs_are_not_merged(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -283,6 +288,7 @@ def test_few_packs_and_large_packs_are_not_merged(
     assert len(files(tmp_path)) < MERGED_COUNT
 
 
+@pytest.mark.slow
 def test_a_damaged_pack_is_not_merged_and_not_removed(tmp_path: Path) -> None:
     fill(tmp_path, MERGED_COUNT + 2)
     bad = files(tmp_path)[7]
@@ -293,6 +299,7 @@ def test_a_damaged_pack_is_not_merged_and_not_removed(tmp_path: Path) -> None:
     assert len(pack_index(tmp_path)) == 3 * (MERGED_COUNT + 1)
 
 
+@pytest.mark.slow
 def test_a_location_from_before_a_merge_still_loads_the_run(tmp_path: Path) -> None:
     fill(tmp_path, MERGED_COUNT + 2)
     stored_values = pack_index(tmp_path).get(f"{8:040x}")

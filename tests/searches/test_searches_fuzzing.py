@@ -155,6 +155,7 @@ FAULTS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", FAULTS, ids=lambda command: command.__name__)
 def test_every_fault_is_seen(
     command: Callable[[list[str]], int], monkeypatch: pytest.MonkeyPatch

@@ -2,11 +2,14 @@
 
 from pathlib import Path
 
+import pytest
+
 from searches.mutants import HOUSE, Copy, Mutant
 
 FILE = Path("support/known_names.py")
 
 
+@pytest.mark.slow
 def test_what_is_tested_is_the_changed_file_of_the_copy(tmp_path: Path) -> None:
     """Catches: a copy without the links in `longwave/`, whose tests import the original."""
     tree = Copy(tmp_path, ["test_one.py"], 100.0)

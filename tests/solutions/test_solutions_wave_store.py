@@ -199,6 +199,7 @@ sys.exit(status)
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("words", "engine"),
     [
@@ -219,6 +220,7 @@ def test_a_warm_run_imports_nothing_heavy_and_prints_the_same(
     assert runs[1].stderr.split() == ["imported:"]
 
 
+@pytest.mark.slow
 def test_a_picture_of_a_warm_run_imports_matplotlib_and_nothing_else_heavy(tmp_path: Path) -> None:
     """Catches: a data set made for a picture, which reads names and values alone."""
     words = ["plot", "rogue_cn_k_0.5", "--force", "--output", str(tmp_path / "rogue.png")]

@@ -39,6 +39,7 @@ SHORT = replace(
 )
 
 
+@pytest.mark.slow
 def test_results_come_back_under_their_keys_with_rising_progress() -> None:
     """Catches: results mixed up by the order of the work, the longest job first."""
     longer = replace(SHORT, snapshots=(-10000.0, -9995.0))
@@ -131,6 +132,7 @@ def test_queued_jobs_of_a_lost_process_go_to_another() -> None:
     assert (type(calls[0].error), calls[1].value) == (LostProcess, 2.0)
 
 
+@pytest.mark.slow
 def test_past_its_seconds_a_job_is_killed_with_what_it_started(tmp_path: Path) -> None:
     call = run_apart(Job(sleeping, (tmp_path / "number", 100.0), seconds=4.0))
     assert isinstance(call.error, OutOfTime)

@@ -57,6 +57,7 @@ def test_a_signal_is_passed_on(number: int, status: int) -> None:
     assert (running.returncode, out, errors) == (status, "", "command: interrupted\n")
 
 
+@pytest.mark.slow
 def test_a_command_ends_with_its_watcher() -> None:
     running, worker = started("time.sleep(600)")
     running.kill()

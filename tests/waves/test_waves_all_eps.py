@@ -23,6 +23,7 @@ BOUNDS = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("form", "k4", "k", "eps", "expected"), BOUNDS)
 def test_the_distance_is_of_third_order(
     form: str, k4: int, k: str, eps: str, expected: tuple[float, float]
@@ -34,6 +35,7 @@ def test_the_distance_is_of_third_order(
     assert f"For every 0 < eps <= {eps}" in wave.statement
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("eps", ["1/50", "1/25", "2/25"])
 def test_a_wave_of_one_eps_is_within_the_bounds_of_all(eps: str) -> None:
     """Catches a bound that does not hold: single waves are proved by other inequalities."""
@@ -55,6 +57,7 @@ def certificate() -> dict[str, Any]:
     return dict(tie("dn", 1, "3/5", "1/10").certificate)
 
 
+@pytest.mark.slow
 def test_a_changed_certificate_is_refused(certificate: dict[str, Any]) -> None:
     pieces = certificate["pieces"]
     half = [{**pieces[0], "bound": str(float(pieces[0]["bound"]) / 2)}, *pieces[1:]]

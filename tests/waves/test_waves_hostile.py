@@ -86,6 +86,7 @@ def test_a_problem_is_not_too_large(periodic: dict[str, Any]) -> None:
         check_certificate({**periodic, "modes": [*periodic["modes"], *["0"] * 1900]})
 
 
+@pytest.mark.slow
 def test_a_modulus_next_to_1_ends() -> None:
     """Catches an endless search for the modes of Y: at 53 bits the modulus is 1."""
     lattice = LATTICES["fput_strain"].with_values({"K2": 1, "K3": 0, "K4": 1})

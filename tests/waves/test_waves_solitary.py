@@ -24,6 +24,7 @@ CRESTS = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "values", "speed", "crest"), CRESTS)
 def test_crests(name: str, values: dict[str, object], speed: str, crest: str) -> None:
     wave = wave_of(name, speed, **values)
@@ -32,6 +33,7 @@ def test_crests(name: str, values: dict[str, object], speed: str, crest: str) ->
     assert wave.crest.error < 1e-15
 
 
+@pytest.mark.slow
 def test_a_toda_soliton_is_the_exact_one() -> None:
     """Catches terms of a series that the library drops: crest 2 ln cosh k, v = sinh k/k."""
     with mpmath.workdps(40):

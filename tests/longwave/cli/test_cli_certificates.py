@@ -52,6 +52,7 @@ def test_a_single_certificate_is_accepted_too(written: str, tmp_path: Path) -> N
     assert longwave(["check", str(path)]) == 0
 
 
+@pytest.mark.slow
 def test_one_digit_changed_is_rejected(written: str, tmp_path: Path, capsys: Output) -> None:
     draw = random.Random(1)
     for match in draw.sample(list(re.finditer(r"[0-9]", written)), 10):

@@ -197,6 +197,7 @@ def test_a_long_file_is_not_read(tmp_path: Path, capsys: Output) -> None:
     assert "at most 8000000 bytes" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_endless_work_is_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
     def endless() -> str:
         while True:

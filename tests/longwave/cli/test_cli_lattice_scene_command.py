@@ -35,6 +35,7 @@ def scene(tmp_path: Path) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_a_run_is_printed_written_and_drawn(scene: Path, capsys: Output) -> None:
     run, picture = scene.with_suffix(".nc"), scene.with_suffix(".png")
     assert main(["run", str(scene), "--output", str(run)]) == 0

@@ -269,6 +269,7 @@ def slow(_: Any, tell: Any) -> Any:
         time.sleep(0.01)
 
 
+@pytest.mark.slow
 def test_a_statement_past_its_limit_is_undecided_with_its_last_stage(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -289,6 +290,7 @@ def test_the_stages_are_functions_of_the_prover() -> None:
         assert hasattr(prover, name), name
 
 
+@pytest.mark.slow
 def test_an_unresponsive_process_is_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
     def deaf(_: Any, tell: Any) -> Any:
         tell("equation 2 of 2")

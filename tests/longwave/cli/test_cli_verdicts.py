@@ -139,6 +139,7 @@ def test_an_unwritable_file_is_reported_before_any_proof(
     assert "must lie in an existing folder" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_the_table_needs_no_lattice_engine() -> None:
     """Only `run` needs numba and xarray, which take seconds to import."""
     script = (

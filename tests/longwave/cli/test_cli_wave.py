@@ -49,6 +49,7 @@ def test_json_has_the_ends_of_every_number(capsys: pytest.CaptureFixture[str]) -
     assert float(exponent["growth"]["lower"]) > 3.317e-4
 
 
+@pytest.mark.slow
 def test_all_small_eps(capsys: pytest.CaptureFixture[str]) -> None:
     assert main([*CHAIN, "--near", "dn", "--k", "3/5", "--every-eps-to", "1/10"]) == 0
     assert "For every 0 < eps <= 1/10" in capsys.readouterr().out

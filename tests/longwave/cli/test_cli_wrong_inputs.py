@@ -215,6 +215,7 @@ def test_a_wrong_file_is_a_one_line_error(
     assert message in output.err
 
 
+@pytest.mark.slow
 def test_an_impossible_strain_is_reported(saved: Path, folder: Path, capsys: Output) -> None:
     run = load_run(saved)
     for fault, told in (
@@ -261,6 +262,7 @@ def full(*_: object, **__: object) -> None:
     raise OSError(errno.ENOSPC, "No space left on device", "there")
 
 
+@pytest.mark.slow
 def test_a_full_disk_has_status_1_at_every_write(
     folder: Path, saved: Path, monkeypatch: pytest.MonkeyPatch, capsys: Output
 ) -> None:

@@ -54,6 +54,7 @@ def ratio(text: str) -> float:
     return float(top) / float(below or 1)
 
 
+@pytest.mark.slow
 def test_every_wave_of_the_catalogue_and_every_lattice_scene_can_be_chosen() -> None:
     waves = [*HOMELESS, *(name for all_ in waves_by_equation().values() for name in all_.values())]
     assert sorted(waves) == sorted(CATALOGUE.names)

@@ -52,6 +52,7 @@ def test_a_missing_extra_names_its_remedy(monkeypatch: pytest.MonkeyPatch, capsy
     assert capsys.readouterr() == ("", line)
 
 
+@pytest.mark.slow
 def test_a_taken_port_is_a_one_line_error(capsys: Output) -> None:
     with closing(socket.create_server(("127.0.0.1", 0))) as taken:
         port = taken.getsockname()[1]

@@ -289,6 +289,7 @@ def test_in_tex_what_has_no_letter_is_mathematics(tmp_path: Path) -> None:
     assert mixed.get_text() == r"x$\_$1 $\alpha_1$ y"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("columns", [1, 2])
 def test_a_picture_is_as_wide_as_columns(finished_run: xr.Dataset, columns: int) -> None:
     figure = plot(finished_run, columns=columns)

@@ -177,6 +177,7 @@ def test_mode_energies_are_those_of_a_linear_chain() -> None:
     np.testing.assert_allclose(found.energy, energies[2], rtol=1e-7)
 
 
+@pytest.mark.slow
 def test_a_struck_hertz_chain_has_a_wave_of_its_speed() -> None:
     """The wave's speed scales as the fifth root of the impact velocity."""
     speeds = []
@@ -203,6 +204,7 @@ def test_shipped_benches_are_read(name: str) -> None:
     assert expected_cost(scene).seconds < 60.0
 
 
+@pytest.mark.slow
 def test_runs_are_stored_printed_and_repeated(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -235,6 +237,7 @@ def written(path: Path, **columns: Any) -> Path:
 TIMES = np.linspace(-0.5, 6.5, 71)
 
 
+@pytest.mark.slow
 def test_files_stand_for_their_numbers(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

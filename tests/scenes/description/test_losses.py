@@ -199,6 +199,7 @@ def test_the_shock_of_dashpots_runs_on_the_lattice_with_the_rate_of_theory() -> 
     assert scene_rate(scene()) is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("lattice", ["fput", "fput_strain"])
 def test_the_seam_of_a_shock_is_not_felt_however_dashpots_smear_it(lattice: str) -> None:
     """A ring twice as wide agrees to rounding; without the margin the error is 1e-8."""

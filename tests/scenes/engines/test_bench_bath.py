@@ -26,6 +26,7 @@ def covariance(cells: int, loss: float, temperature: float, t: float) -> np.ndar
     return np.asarray(final - moved @ final @ moved.T)
 
 
+@pytest.mark.slow
 def test_means_and_spreads_are_those_of_a_linear_chain() -> None:
     found = run(
         WARM.changed(

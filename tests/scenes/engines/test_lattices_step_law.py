@@ -113,6 +113,7 @@ def test_what_rounding_grows_to_is_told_where_few_cells_show_it_by_chance() -> N
         judged(scene)
 
 
+@pytest.mark.slow
 def test_a_carrier_that_begins_where_all_its_cells_pass_through_rest_is_run() -> None:
     """Catches: a state of large rates taken for one that grows from nothing."""
     scene = plane_wave(0.636, 0.3).changed(order="leading")

@@ -40,6 +40,7 @@ def on_a_ring(scene: Scene) -> xr.Dataset:
     return run(scene.changed(observables=(*scene.observables, "momentum")))
 
 
+@pytest.mark.slow
 def test_a_window_shows_what_a_ring_does(scene: Scene) -> None:
     moved, whole = run(scene), on_a_ring(scene)
     assert 'kind = "window"' in moved.plan
@@ -59,6 +60,7 @@ def test_a_plan_in_a_window_has_the_bits_of_its_search(scene: Scene) -> None:
         np.testing.assert_array_equal(rest[name], again[name][2:])
 
 
+@pytest.mark.slow
 def test_what_is_fed_wrongly_is_run_on_a_ring(monkeypatch: pytest.MonkeyPatch) -> None:
     """Catches: a far field at a wrong speed, which the lattice does not follow."""
     scene = SCENES["two masses on a background"]
@@ -137,6 +139,7 @@ def test_a_soliton_that_overtakes_all_signals_among_the_compared_cells_arrives()
     assert difference <= moved.error_estimate + whole.error_estimate
 
 
+@pytest.mark.slow
 def test_a_window_that_misses_the_lattice_is_widened_first() -> None:
     scene = SCENES["two masses on a background"]
     usual, fine = run(scene), run(scene.changed(tolerance=1e-6))
@@ -147,6 +150,7 @@ def test_a_window_that_misses_the_lattice_is_widened_first() -> None:
     assert difference <= usual.error_estimate + fine.error_estimate
 
 
+@pytest.mark.slow
 def test_a_ring_in_the_place_of_a_window_may_be_too_much(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(site_engine, "LARGEST_MISFIT", -1.0)
     scene = load_scene("dimer_rogue")

@@ -80,6 +80,7 @@ def fitted() -> SceneFit:
     return fit_scene(Scene.of(**SCENE), [record(0), record(1)], FREE)
 
 
+@pytest.mark.slow
 def test_hidden_constants_and_losses_are_found(fitted: SceneFit) -> None:
     errors = fitted.values - HIDDEN
     distance = float(errors @ np.linalg.solve(fitted.covariance, errors))
@@ -90,6 +91,7 @@ def test_hidden_constants_and_losses_are_found(fitted: SceneFit) -> None:
     assert fitted.doubts == []
 
 
+@pytest.mark.slow
 def test_without_noise_they_are_found_to_the_tolerance() -> None:
     values = hidden_readings()
     exact = SensorRecord(TIMES, SENSORS, values, np.full(values.shape, 1e-3))
@@ -103,6 +105,7 @@ def test_twice_the_records_have_half_the_variance(fitted: SceneFit) -> None:
     np.testing.assert_allclose(once.covariance, 2 * fitted.covariance, rtol=0.1)
 
 
+@pytest.mark.slow
 def test_noise_that_is_not_known_is_taken_from_the_residuals() -> None:
     found = fit_scene(Scene.of(**SCENE), [record(3, known=False)], FREE)
     assert found.noise == pytest.approx(NOISE, rel=0.5)
@@ -111,6 +114,7 @@ def test_noise_that_is_not_known_is_taken_from_the_residuals() -> None:
     assert not any("differs from" in doubt for doubt in found.doubts)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("free", "K3"), [(("K2", "K4"), 0.0), (FREE, 0.2)])
 def test_a_wrong_model_is_doubted(free: tuple[str, ...], K3: float) -> None:
     found = fit_scene(Scene.of(**SCENE), [record(4, K3)], free)
@@ -149,6 +153,7 @@ def test_what_cannot_be_told_apart_is_named(tmp_path: Path) -> None:
         fit_scene(still, [record(0)], FREE)
 
 
+@pytest.mark.slow
 def test_a_loss_that_is_a_constant_is_fitted_as_one() -> None:
     named = SCENE | {"losses": {"site": "g"}, "constants": {"K2": 1, "K4": 2, "g": 0.05}}
     found = fit_scene(Scene.of(**named), [record(0)], ["K2", "K4", "g"])
@@ -158,6 +163,7 @@ def test_a_loss_that_is_a_constant_is_fitted_as_one() -> None:
     assert list(found.document()["constants"]) == ["K2", "K4"]
 
 
+@pytest.mark.slow
 def test_one_that_says_little_is_told() -> None:
     weak = Scene.of(**SCENE | {"start": {"impact": {"site": 1, "velocity": 0.02}}})
     model = SceneModel(weak, ["K2", "K4"])
@@ -270,6 +276,7 @@ def test_columns_are_read_in_any_order_with_fields_and_bonds(tmp_path: Path) -> 
     assert found.deviations is None
 
 
+@pytest.mark.slow
 def test_the_command_fits_writes_and_warns(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

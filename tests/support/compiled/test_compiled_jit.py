@@ -154,6 +154,7 @@ def test_results_of_old_byte_code_are_not_cached(house: Path) -> None:
     assert call(house) == ["54.0", "found"]
 
 
+@pytest.mark.slow
 def test_read_only_installation_uses_the_users_cache(house: Path, tmp_path: Path) -> None:
     (house / SOLUTIONS / "__pycache__").write_text("no folder can be made here")
     for state in ("made", "found"):
@@ -161,6 +162,7 @@ def test_read_only_installation_uses_the_users_cache(house: Path, tmp_path: Path
     assert list((tmp_path / "cache").rglob("*.object"))
 
 
+@pytest.mark.slow
 def test_without_any_cache_it_runs_and_says_so_once(house: Path, tmp_path: Path) -> None:
     (house / SOLUTIONS / "__pycache__").write_text("")
     (tmp_path / "file").write_text("")

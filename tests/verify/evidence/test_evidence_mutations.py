@@ -71,6 +71,7 @@ QUICK_FORMS = [
 ]
 
 
+@pytest.mark.slow
 def test_a_misprint_of_each_form_and_of_each_kind_is_refuted() -> None:
     counts: Counter[str] = Counter()
     for form in QUICK_FORMS:

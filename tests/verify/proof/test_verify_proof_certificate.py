@@ -262,6 +262,7 @@ def is_true(data: Data) -> bool:
     return True
 
 
+@pytest.mark.slow
 def test_forged_certificates_are_rejected() -> None:
     accepted, total = reject_forgeries(6)
     assert accepted < total / 2

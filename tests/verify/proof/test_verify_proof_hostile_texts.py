@@ -71,6 +71,7 @@ def test_there_are_as_many_as_are_promised() -> None:
     assert len({*written(), *generated(300)}) >= 600
 
 
+@pytest.mark.slow
 def test_a_sample_costs_one_line_each() -> None:
     step = len([*written(), *generated(300)]) // SAMPLE
     found = answered(7, step)
@@ -108,6 +109,7 @@ def test_the_command_answers_a_third_of_them(capsys: pytest.CaptureFixture[str])
             assert record["seconds"] < SECONDS
 
 
+@pytest.mark.slow
 def test_a_hostile_file_costs_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """One file has keys with 50 000 dots, for which tomllib needs minutes and gigabytes."""
     path = tmp_path / "hostile.toml"
