@@ -111,9 +111,9 @@ def exact_wave(
     """Find a wave of a chain and prove that it exists.
 
     A periodic wave is given by its ``period`` in cells, ``mean`` and ``first_mode`` f_1 of
-    f_0 + 2 (f_1 cos + ...); or by ``near`` ("dn", "cn", "sn"), ``k`` and ``eps``, with period, mean
-    and first mode of that wave of the modified KdV equation. A solitary wave is given by its
-    ``speed``. ``error`` is the largest error of the strain that is accepted.
+    f_0 + 2 (f_1 cos + ...); or by ``near``, ``k`` and ``eps``, with period, mean and first mode of
+    that wave: "dn", "cn" or "sn" of the modified KdV equation, "cnoidal" of KdV. A solitary wave is
+    given by its ``speed``. ``error`` is the largest error of the strain that is accepted.
 
     Raises ValueError for arguments that state no wave. If the proof fails or no theorem applies,
     the verdict says so.
@@ -138,12 +138,15 @@ def exact_wave(
 
 
 def waves_of_all_eps(lattice: Lattice, *, near: str, k: Number, eps: Number) -> ExactWave:
-    """Prove that a chain K2 r + K4 r^3 has a wave next to eps' Y for every 0 < eps' <= ``eps``.
+    """Prove that a chain has a wave next to that of its reduced equation for all 0 < e <= ``eps``.
 
-    Y is the "dn", "cn" or "sn" wave of the modified KdV equation with modulus ``k``; the chain's
-    wave, of strain f and speed v, has the period, mean and first mode of eps' Y. For all eps' the
-    interval ``distance_over_eps3`` contains sup |f - eps' Y|/eps'^3, and ``speed_over_eps4``
-    contains |v^2 - K2 - sigma_0 eps'^2|/eps'^4, where sigma_0 is the speed of Y.
+    Y is the "dn", "cn" or "sn" wave of the modified KdV equation with modulus ``k``, for an odd
+    polynomial force; the chain's wave, of strain f and speed v, has the period, mean and first mode
+    of e Y. For all e the interval ``distance_over_eps3`` contains sup |f - e Y|/e^3, and
+    ``speed_over_eps4`` contains |v^2 - K2 - sigma_0 e^2|/e^4, where sigma_0 is the speed of Y.
+
+    For a polynomial force with r^2, Y is the "cnoidal" wave of KdV, f is next to e^2 Y, and
+    ``distance_over_eps4`` contains sup |f - e^2 Y|/e^4.
 
     >>> from longwave.derive import LATTICES
     >>> chain = LATTICES["fput_strain"].with_values({"K2": 1, "K3": 0, "K4": 1})
@@ -195,7 +198,7 @@ def _nearest_neighbours(lattice: Lattice, near: str) -> tuple[Spring, ...]:
         raise ValueError(f"near must be one of {', '.join(FORMS)}, got {near!r}")
     springs = chain_springs(lattice)
     if [spring.neighbour for spring in springs] != [1]:
-        raise Refused("a wave near one of mKdV is proved for nearest neighbours only")
+        raise Refused("a wave near an elliptic one is proved for nearest neighbours only")
     return springs
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from flint import arb, ctx, fmpq
 
 from longwave.waves.certificates import contracting_radius, decimal_text, interval
+from longwave.waves.kernel.cosine_series import entry
 from longwave.waves.kernel.elliptic_pins import NearWave
 from longwave.waves.kernel.limits import CertificateError
 from longwave.waves.kernel.periodic import Spring
@@ -38,6 +39,8 @@ def tie_certificate(spring: Spring, form: str, k: fmpq, eps: fmpq) -> dict[str, 
 
 
 def _certificate(spring: Spring, form: str, k: fmpq, eps: fmpq) -> dict[str, Any]:
+    if spring.force.polynomial is None:
+        raise CertificateError("the tie is proved for a polynomial force")
     wave = NearWave(form, k, fmpq(1), spring.force)
     top = LEAST_TOP
     while float(abs(wave.mode(top + 1)) + abs(wave.mode(top + 2))) > MODE_CUT and top < MOST_TOP:
@@ -114,6 +117,9 @@ def _correction(wave: NearWave, weight: arb, top: int, square: fmpq) -> list[flo
         known[np.abs(order[:, None] - order)] + known[order[:, None] + order]
     )
     matrix[:, 0] = [float(piece.modes[j]) for j in order]
-    defect = [float(piece.defect(int(j))) for j in order]
+    higher, _ = piece.higher
+    defect = [
+        float(piece.defect(j) - piece.mobility(j) * entry(higher, j)) for j in range(1, top + 1)
+    ]
     solution: list[float] = np.linalg.solve(matrix, -np.array(defect)).tolist()
     return solution

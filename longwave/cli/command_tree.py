@@ -154,7 +154,9 @@ def fit(
 )
 @click.argument("model", metavar="MODEL|FILE.toml")
 @click.option("--set", "sets", multiple=True, metavar="NAME=VALUE,...", help="Values of constants.")
-@click.option("--near", metavar="dn|cn|sn", help="A wave with the pins of this mKdV wave.")
+@click.option(
+    "--near", metavar="dn|cn|sn|cnoidal", help="The wave next to this one of mKdV or KdV."
+)
 @click.option("--k", metavar="X", help="Modulus of --near, 0 < k < 1.")
 @click.option("--eps", metavar="X", help="Small parameter of --near.")
 @click.option("--every-eps-to", metavar="X", help="All eps up to this one, for --near and --k.")

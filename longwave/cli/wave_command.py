@@ -30,8 +30,8 @@ from longwave.waves.exact_wave import (
     waves_of_all_eps,
 )
 
-CATALOGUE_PREFIX = "wave_"
-"""Prefix of the waves' names in the catalogue of closed forms: wave_dn is dn."""
+CATALOGUE_NAMES = {"wave_dn": "dn", "wave_cn": "cn", "wave_sn": "sn", "kdv_cnoidal": "cnoidal"}
+"""Forms of exact waves, by their names in the catalogue of closed forms."""
 
 LARGEST_ERROR = 1e-10
 
@@ -59,7 +59,7 @@ def wave_and_print(
             {name: constant_value(name, text) for name, text in constants.items()}
         )
         given = {name: text for name, text in numbers.items() if text is not None}
-        form = (near or "").removeprefix(CATALOGUE_PREFIX)
+        form = CATALOGUE_NAMES.get(near or "", near or "")
         if every_eps_to is None:
             wave = exact_wave(lattice, near=form, error=LARGEST_ERROR, **given)
         else:

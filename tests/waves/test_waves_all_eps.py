@@ -1,14 +1,20 @@
 """The tie to the modified KdV equation for all small eps, and certificates that must be refused."""
 
 import copy
+from fractions import Fraction
 from typing import Any
 
 import pytest
+from flint import fmpq
 
 from longwave.derive import LATTICES
 from longwave.waves.exact_wave import ExactWave, Existence, exact_wave, waves_of_all_eps
 from longwave.waves.kernel.check import check_certificate
+from longwave.waves.kernel.force_text import read_force
 from longwave.waves.kernel.limits import CertificateError
+from longwave.waves.kernel.periodic import Spring
+from longwave.waves.periodic_waves import PeriodicProblem, periodic_certificate
+from longwave.waves.small_waves import tie_certificate
 
 
 def tie(form: str, k4: int, k: str, eps: str) -> ExactWave:
@@ -77,6 +83,8 @@ def test_a_changed_certificate_is_refused(certificate: dict[str, Any]) -> None:
         {"near": {"form": "dn", "k": "3/5", "eps": "1/10"}},
         {"lattice": {"springs": [{"neighbour": 1, "force": "r + 2*r**3 + r**5"}]}},
         {"lattice": {"springs": [{"neighbour": 1, "force": "r + r**2 + r**3"}]}},
+        {"lattice": {"springs": [{"neighbour": 1, "force": "r + r**3 + r**4"}]}},
+        {"lattice": {"springs": [{"neighbour": 1, "force": "r + r**3 + exp(r)"}]}},
         {"claims": {"distance_over_eps3": ["0.0162", "0.02"]}},
         {"claims": {"distance_over_eps3": ["0.01", "0.016"]}},
     ]
@@ -87,3 +95,39 @@ def test_a_changed_certificate_is_refused(certificate: dict[str, Any]) -> None:
 
 def test_a_large_eps_is_not_proved() -> None:
     assert tie("cn", 1, "4/5", "3/2").verdict is Existence.NOT_PROVED
+
+
+KDV = [("1", "0", "3/5"), ("1", "1", "9/10"), ("-1", "0", "99/100")]
+
+
+@pytest.mark.parametrize(("k3", "k4", "k"), KDV)
+def test_kdv_cnoidal_waves_are_within_the_bounds_of_all_eps(k3: str, k4: str, k: str) -> None:
+    """Catches a wrong bound of G_1 or of a tail: single waves are proved by other inequalities."""
+    lattice = LATTICES["fput_strain"].with_values({"K2": 1, "K3": k3, "K4": k4})
+    bounds = waves_of_all_eps(lattice, near="cnoidal", k=k, eps="1/10").numbers
+    distance = bounds["distance_over_eps4"]
+    assert float(distance.upper) < 1.04 * float(distance.lower)
+    sigma = (2 * float(Fraction(k)) ** 2 - 1) / 3
+    for eps in ("1/50", "1/20", "1/10"):
+        wave, value = exact_wave(lattice, near="cnoidal", k=k, eps=eps), float(Fraction(eps))
+        assert wave.distance is not None
+        assert float(distance.lower) < wave.distance.value / value**2 < float(distance.upper)
+        change = abs(wave.speed.value**2 - 1 - sigma * value**2) / value**4
+        assert change < float(bounds["speed_over_eps4"].upper)
+
+
+def test_a_fifth_power_changes_the_distance_as_single_waves_do() -> None:
+    springs = [{"neighbour": 1, "force": "r + r**3 + 2*r**5"}]
+    spring = Spring(1, read_force(springs[0]["force"]))
+    claims = tie_certificate(spring, "dn", fmpq(3, 5), fmpq(1, 10))["claims"]
+    problem = PeriodicProblem.near_elliptic((spring,), "dn", fmpq(3, 5), fmpq(1, 20))
+    low, high = map(float, periodic_certificate(problem, 1e-10)["claims"]["distance"])
+    least, most = map(float, claims["distance_over_eps3"])
+    assert least < low * 400 <= high * 400 < most
+    assert most < 0.016  # without the fifth power it is at least 0.01615
+
+
+def test_a_force_with_even_powers_has_no_mkdv_tie() -> None:
+    spring = Spring(1, read_force("r + r**3 + r**4"))
+    with pytest.raises(CertificateError, match="odd powers"):
+        tie_certificate(spring, "dn", fmpq(3, 5), fmpq(1, 10))

@@ -174,7 +174,7 @@ def test_another_period_needs_its_own_proof() -> None:
         ({"period": 12, "speed": 2}, "one of near, period and speed"),
         ({"period": 12}, "first_mode must not be 0"),
         ({"period": 1, "first_mode": "1/10"}, "period must be more than 2"),
-        ({"near": "cd", "k": "1/2", "eps": "1/10"}, "near must be one of dn, cn, sn"),
+        ({"near": "cd", "k": "1/2", "eps": "1/10"}, "near must be one of dn, cn, sn, cnoidal"),
         ({"near": "sn", "k": "1/2", "eps": "1/10"}, "K4 < 0"),
         ({"near": "dn", "k": "2", "eps": "1/10"}, "0 < k < 1"),
     ],

@@ -16,7 +16,7 @@ from .solitary_claim import SolitaryClaim
 from .tie_claim import TieClaim
 
 
-class Claim(Protocol):
+class WaveClaim(Protocol):
     """A statement read from a certificate."""
 
     @property
@@ -27,7 +27,7 @@ class Claim(Protocol):
         """Return the bounds of each number. Raises CertificateError if the proof fails."""
 
 
-CLAIMS: Mapping[str, Callable[[Record], Claim]] = {
+CLAIMS: Mapping[str, Callable[[Record], WaveClaim]] = {
     "periodic": PeriodicClaim,
     "solitary": SolitaryClaim,
     "exponent": ExponentClaim,

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from flint import acb, arb
 
-from .cosine_series import Series, norm, polynomial_of, upper, values_at_steps
+from .cosine_series import Series, norm, polynomial_bound, polynomial_of, upper, values_at_steps
 from .force_text import Force
 from .limits import CertificateError, require_size
 
@@ -51,11 +51,9 @@ def composed(force: Force, f: Sequence[arb], nu: arb, reach: arb, strip: Strip |
     Raises CertificateError if the force is not analytic on the strip.
     """
     if force.polynomial is not None:
-        third, size = arb(0), norm(f, nu) + reach
-        for coefficient in reversed(force.derivative(2)):
-            third = third * size + abs(coefficient)
+        third = polynomial_bound(force.derivative(2), norm(f, nu) + reach)
         values, slopes = (polynomial_of(force.derivative(order), f) for order in (0, 1))
-        return Composed(*trimmed(values, nu, CUT), *trimmed(slopes, nu, CUT), upper(third))
+        return Composed(*trimmed(values, nu, CUT), *trimmed(slopes, nu, CUT), third)
     if strip is None:
         raise CertificateError("an analytic force needs a strip")
     return _analytic(force, f, nu, reach, strip)

@@ -33,6 +33,22 @@ def polynomial_of(coefficients: Sequence[arb], f: Sequence[arb]) -> Series:
     return result
 
 
+def derivative(coefficients: Sequence[arb], order: int) -> Series:
+    """Return the coefficients of a polynomial's derivative of this ``order``."""
+    result = list(coefficients)
+    for _ in range(order):
+        result = [i * c for i, c in enumerate(result)][1:] or [arb(0)]
+    return result
+
+
+def polynomial_bound(coefficients: Sequence[arb], size: arb) -> arb:
+    """Return a bound of |polynomial| with these coefficients, for arguments up to ``size``."""
+    total = arb(0)
+    for coefficient in reversed(coefficients):
+        total = total * size + abs(coefficient)
+    return upper(total)
+
+
 def norm(f: Sequence[arb], nu: arb) -> arb:
     """Return an upper bound of the norm of f with weight ``nu``."""
     total, weight = arb(0), arb(2)

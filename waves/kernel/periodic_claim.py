@@ -24,8 +24,8 @@ class PeriodicClaim:
         if self.near:
             self.period, pins = self.near.period, self.near.modes(1)
             self.pins = (
-                f"period, mean and first mode of {self.near.eps} Y, Y the {self.near.form} wave of "
-                f"the modified KdV equation with k = {self.near.k}"
+                f"period, mean and first mode of {self.near.eps**self.near.form.order} Y, Y the "
+                f"{self.near.name} wave of the {self.near.equation} with k = {self.near.k}"
             )
         else:
             given = [record.number(name) for name in ("period", "mean", "first_mode")]
@@ -97,14 +97,14 @@ class PeriodicClaim:
 def _near(record: Record, springs: tuple[Spring, ...]) -> NearWave:
     if [spring.neighbour for spring in springs] != [1]:
         raise CertificateError("near needs a chain with nearest neighbours only")
-    form, k, eps = record.text("form"), record.number("k"), record.number("eps")
+    name, k, eps = record.text("form"), record.number("k"), record.number("eps")
     record.close()
-    return NearWave(form, k, eps, springs[0].force)
+    return NearWave(name, k, eps, springs[0].force)
 
 
 def _distance(near: NearWave, modes: Series, radius: arb) -> Ends:
-    """Return bounds of sup |f - eps Y|/eps, for the wave f within ``radius`` of ``modes``."""
+    """Return bounds of sup |f - eps^p Y|/eps^p, for the wave f within ``radius`` of ``modes``."""
     top = len(modes) - 1
     low, high = supremum([a - b for a, b in zip(modes, near.modes(top), strict=True)])
-    error, eps = radius + near.rest(top), arb(near.eps)
-    return ((low - error) / eps).max(arb(0)).lower(), upper((high + error) / eps)
+    error, size = radius + near.rest(top), near.size
+    return ((low - error) / size).max(arb(0)).lower(), upper((high + error) / size)

@@ -18,7 +18,17 @@ from functools import cached_property
 from flint import acb, arb, arb_mat, ctx
 
 from .composition import trimmed
-from .cosine_series import Series, entry, largest, norm, polynomial_of, product, upper
+from .cosine_series import (
+    Series,
+    derivative,
+    entry,
+    largest,
+    norm,
+    polynomial_bound,
+    polynomial_of,
+    product,
+    upper,
+)
 from .force_text import Force
 from .limits import CertificateError, require_size
 from .periodic import Contraction
@@ -155,21 +165,6 @@ def _exponential_integral(f: Series, rate: arb, half_length: arb) -> arb:
     return total
 
 
-def _derivative(coefficients: Sequence[arb], order: int) -> Series:
-    result = list(coefficients)
-    for _ in range(order):
-        result = [i * c for i, c in enumerate(result)][1:] or [arb(0)]
-    return result
-
-
-def _bound(coefficients: Sequence[arb], size: arb) -> arb:
-    """Return a bound of |polynomial| with these coefficients, for arguments up to ``size``."""
-    total = arb(0)
-    for coefficient in reversed(coefficients):
-        total = total * size + abs(coefficient)
-    return upper(total)
-
-
 def solitary_contraction(centre: SolitaryCentre) -> Contraction:
     """Return the bounds of the map g - A F(g) about a centre. Raises CertificateError."""
     if not (centre.gap > 0 and centre.sound_squared > 0):
@@ -177,7 +172,7 @@ def solitary_contraction(centre: SolitaryCentre) -> Contraction:
     if not (centre.kappa > 0 and centre.half_length > 0):
         raise CertificateError("kappa > 0 and half_length > 0 must hold")
     slope, rest = trimmed(
-        polynomial_of(_derivative(centre.nonlinear, 1), centre.strain), arb(1), 1e-9
+        polynomial_of(derivative(centre.nonlinear, 1), centre.strain), arb(1), 1e-9
     )
     inverse, block = _linear_block(centre, slope)
     size = largest([arb(1), _spectral_norm(inverse)])
@@ -189,9 +184,9 @@ def solitary_contraction(centre: SolitaryCentre) -> Contraction:
         least = widest.str(6, radius=False)
         raise CertificateError(f"range_bound must be at least {least}, got {centre.range_bound}")
     p, e = centre.degree + 1, centre.taylor_rest
-    curvature = _bound(_derivative(centre.nonlinear, 2), inner)
+    curvature = polynomial_bound(derivative(centre.nonlinear, 2), inner)
     edge_slope = _edge_slope(centre, slope) + rest / kappa.sqrt()
-    outer = _bound(centre.nonlinear[2:], centre.outer_strain)
+    outer = polynomial_bound(centre.nonlinear[2:], centre.outer_strain)
     defect = (
         delta * edge_slope
         + curvature * delta * delta / (2 * (2 * kappa).sqrt())
@@ -200,10 +195,12 @@ def solitary_contraction(centre: SolitaryCentre) -> Contraction:
     )
     coupling = (2 * centre.images + 1) * centre.decay_constant * edge_slope / kappa.sqrt()
     variation = largest(
-        [delta * curvature, _bound(_derivative(centre.nonlinear, 1), centre.outer_strain)]
+        [delta * curvature, polynomial_bound(derivative(centre.nonlinear, 1), centre.outer_strain)]
     )
     linear = coupling + (variation + rest + e * p * reach ** (p - 1)) / gap
-    second = _bound(_derivative(centre.nonlinear, 2), widest) + e * p * (p - 1) * widest ** (p - 2)
+    second = polynomial_bound(derivative(centre.nonlinear, 2), widest) + e * p * (
+        p - 1
+    ) * widest ** (p - 2)
     return Contraction(
         upper(_periodic_defect(centre, inverse) + size * defect),
         block,

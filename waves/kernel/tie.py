@@ -1,12 +1,13 @@
-r"""The tie of a chain's elliptic waves to the modified KdV equation, for all small eps (Theorem 2).
+r"""The tie of a chain's elliptic waves to KdV or modified KdV, for all small eps (Theorem 2).
 
-For V'(r) = K2 r + K4 r^3, f = eps Y, v^2 = K2 + eps^2 sigma and the period P_X/eps,
+For V'(r) = K2 r + sum c_n r^n, f = eps^p Y, v^2 = K2 + eps^2 sigma and the period P_X/eps,
 
-    (sigma + K2 m_j) Y_j - mu_j K4 (Y^3)_j = 0,   1 - mu_j = eps^2 m_j,   xi_j = 2 pi j/P_X,
+    (sigma + K2 m_j) Y_j - mu_j G(Y)_j = 0,   1 - mu_j = eps^2 m_j,   xi_j = 2 pi j/P_X,
+    G(Y) = sum c_n eps^(p n - p - 2) Y^n = G_0(Y) + eps^2 G_1(Y),  G_0 = K3 Y^2 or K4 Y^3,
     m_j = xi_j^2 h(u),  h(u) = 2 sum (-u)^n/(2 n + 4)!,  u = (eps xi_j)^2,
 
-where the wave of the modified KdV equation has the defect eps^2 R_j,
-R_j = Y_j (sigma_0 m_j + K2 (xi_j^4 h_2 + m_j xi_j^2/12)), h_2 = (h - 1/12)/u.
+where the wave of the reduced equation has the defect eps^2 R_j, h_2 = (h - 1/12)/u,
+R_j = Y_j (sigma_0 m_j + K2 (xi_j^4 h_2 + m_j xi_j^2/12)) - mu_j G_1(Y)_j.
 For all u >= 0: 0 <= h <= 1/12, |h'| <= 1/360, -1/360 <= h_2 <= 0, |h_2'| <= 1/20160.
 On each piece of eps^2 the centre is (sigma_0, Y) + eps^2 (sigma_1, y_1), the radius c eps^2.
 """
@@ -18,20 +19,25 @@ from dataclasses import dataclass
 from functools import cached_property
 from math import factorial
 
-from flint import arb, arb_mat, fmpq
+from flint import arb, arb_mat
 
 from .composition import trimmed
-from .cosine_series import Series, entry, largest, norm, product, shifted_sum, supremum, upper
+from .cosine_series import (
+    Series,
+    derivative,
+    entry,
+    largest,
+    norm,
+    polynomial_bound,
+    polynomial_of,
+    product,
+    shifted_sum,
+    supremum,
+    upper,
+)
 from .elliptic_pins import NearWave
 from .limits import MAX_MODES, CertificateError, require_size
 from .periodic import Contraction, approximate_inverse, column_norms, identity
-
-SPEEDS: dict[str, Callable[[fmpq], fmpq]] = {
-    "dn": lambda square: 2 - square,
-    "cn": lambda square: 2 * square - 1,
-    "sn": lambda square: -(1 + square),
-}
-"""Function of the squared modulus that gives 2 sigma_0/|K4|, for each form of Y."""
 
 TERMS = 30
 """Number of terms of the power series of h used near 0."""
@@ -59,15 +65,46 @@ class TiePiece:
         return len(self.correction)
 
     @cached_property
-    def constants(self) -> tuple[arb, arb]:
-        """Constants K2 and K4 of the force."""
-        jet = self.wave.force.at_rest
-        return jet[1], jet[3]
+    def k2(self) -> arb:
+        """Linear constant K2 of the force."""
+        return self.wave.force.at_rest[1]
 
     @cached_property
     def sigma(self) -> arb:
-        """Speed sigma_0 of the wave of the modified KdV equation."""
-        return abs(self.constants[1]) / 2 * arb(SPEEDS[self.wave.form](self.wave.k * self.wave.k))
+        """Speed sigma_0 of the wave of the reduced equation."""
+        return self.wave.sigma
+
+    @cached_property
+    def nonlinear(self) -> tuple[Series, Series]:
+        """Coefficients of the polynomials G and G_1. Raises CertificateError for odd eps powers."""
+        order, power = self.wave.form.order, self.wave.form.power
+        full, higher = [arb(0)] * power, [arb(0)] * power
+        for n, coefficient in enumerate((self.wave.force.polynomial or ())[power:]):
+            if coefficient == 0:
+                full.append(arb(0))
+                higher.append(arb(0))
+                continue
+            if order * n % 2:
+                raise CertificateError("the force must have odd powers of r only")
+            full.append(arb(coefficient) * self.square ** (order * n // 2))
+            higher.append(arb(coefficient) * self.square ** (order * n // 2 - 1) if n else arb(0))
+        return full, higher
+
+    @cached_property
+    def higher(self) -> tuple[Series, arb]:
+        """Largest modes of G_1(Y), and a bound of the norm of the others."""
+        return self._composed(self.nonlinear[1])
+
+    @cached_property
+    def stiffness(self) -> tuple[Series, arb]:
+        """Largest modes of G'(Y), and a bound of the norm of the others."""
+        return self._composed(derivative(self.nonlinear[0], 1))
+
+    def _composed(self, polynomial: Series) -> tuple[Series, arb]:
+        rest = self.wave.rest(len(self.modes) - 1)
+        known, cut = trimmed(polynomial_of(polynomial, self.modes), arb(1), CUT)
+        slope = polynomial_bound(derivative(polynomial, 1), norm(self.modes, arb(1)) + rest)
+        return known, upper(slope * rest + cut)
 
     @cached_property
     def modes(self) -> Series:
@@ -99,24 +136,13 @@ class TiePiece:
 
     def linear(self, j: int) -> arb:
         """Return sigma_0 + K2 m_j."""
-        return self.sigma + self.constants[0] * self.dispersion(j)
+        return self.sigma + self.k2 * self.dispersion(j)
 
     def defect(self, j: int) -> arb:
-        """Return R_j, the defect of the modified KdV equation's wave over eps^2."""
+        """Return R_j without G_1: the defect of the reduced equation's wave over eps^2."""
         xi2, m = self.wavenumber(j) ** 2, self.dispersion(j)
         second = _lipschitz(_h2, self.square * xi2, 20160)
-        return self.modes[j] * (
-            self.sigma * m + self.constants[0] * (xi2 * xi2 * second + m * xi2 / 12)
-        )
-
-    @cached_property
-    def stiffness(self) -> tuple[Series, arb]:
-        """Largest modes of 3 K4 Y^2, and a bound of the norm of the others."""
-        rest = self.wave.rest(len(self.modes) - 1)
-        known, cut = trimmed(product(self.modes, self.modes), arb(1), CUT)
-        factor = 3 * self.constants[1]
-        missing = 2 * norm(self.modes, arb(1)) * rest + rest * rest + cut
-        return [factor * c for c in known], upper(abs(factor) * missing)
+        return self.modes[j] * (self.sigma * m + self.k2 * (xi2 * xi2 * second + m * xi2 / 12))
 
     @cached_property
     def least_tail(self) -> arb:
@@ -124,7 +150,7 @@ class TiePiece:
         xi2 = self.wavenumber(self.top + 1) ** 2
         square = upper(self.square)
         below = xi2 / 12 - square * xi2 * xi2 / 360 if square * xi2 <= 15 else arb(5) / 8 / square
-        least = (self.sigma + self.constants[0] * below).lower()
+        least = (self.sigma + self.k2 * below).lower()
         if not least > 0:
             raise CertificateError("sigma_0 + K2 m > 0 fails in the tail (take more modes)")
         return least
@@ -158,7 +184,7 @@ def _series(u: arb, first: int) -> arb:
 
 def tie_contraction(piece: TiePiece) -> Contraction:
     """Return bounds in units of eps^2: y, Z0, Z1, and Z2 eps^2. Raises CertificateError."""
-    top, (_, k4) = piece.top, piece.constants
+    top = piece.top
     require_size(top * (top + len(piece.stiffness[0])))
     jacobian = _jacobian(piece)
     inverse = approximate_inverse(jacobian)
@@ -169,10 +195,11 @@ def tie_contraction(piece: TiePiece) -> Contraction:
     square = upper(piece.square)
     length = upper(piece.weight * abs(piece.correction[0]) + norm(piece.shift, arb(1)))
     everything = norm(piece.modes, arb(1)) + piece.wave.rest(len(piece.modes) - 1)
-    third = 6 * abs(k4) * (everything + square * length + piece.radius_bound)
+    reach = everything + square * length + piece.radius_bound
+    third = polynomial_bound(derivative(piece.nonlinear[0], 2), reach)
     second = upper(size * upper(1 / piece.weight).max(upper(third)) * square)
     stiff_rest = size * piece.stiffness[1]
-    defect = _defect(piece, inverse, rows, tail) + stiff_rest * length
+    defect = _defect(piece, inverse, rows, tail) + stiff_rest * length + size * piece.higher[1]
     return Contraction(
         upper(defect + second * length * length / 2),
         largest(column_norms(identity(top) - inverse * jacobian, rows, rows)),
@@ -194,18 +221,19 @@ def _jacobian(piece: TiePiece) -> arb_mat:
 
 
 def _defect(piece: TiePiece, inverse: arb_mat, rows: Sequence[arb], tail: arb) -> arb:
-    """Return the norm of A (R + J y_1), without the modes that ``stiffness`` only bounds."""
-    top, known = piece.top, piece.stiffness[0]
+    """Return the norm of A (R + J y_1), without the modes of G' and G_1 that are only bounded."""
+    top, known, higher = piece.top, piece.stiffness[0], piece.higher[0]
     sigma1 = piece.correction[0]
     force = product(known, piece.shift)
     block = []
     for j in range(1, top + 1):
-        value = piece.defect(j) + sigma1 * piece.modes[j] - piece.mobility(j) * entry(force, j)
+        value = piece.defect(j) + sigma1 * piece.modes[j]
+        value -= piece.mobility(j) * (entry(force, j) + entry(higher, j))
         block.append(value + piece.linear(j) * entry(piece.shift, j))
     total = column_norms(inverse * arb_mat(top, 1, block), rows, [arb(1)])[0]
     beyond = arb(0)
-    for j in range(top + 1, len(force)):
-        beyond += 2 * abs(force[j])
+    for j in range(top + 1, max(len(force), len(higher))):
+        beyond += 2 * (abs(entry(force, j)) + abs(entry(higher, j)))
     for j in range(top + 1, len(piece.modes)):
         beyond += 2 * abs(piece.defect(j)) + 2 * abs(sigma1 * piece.modes[j])
     last = len(piece.modes) - 1
@@ -215,20 +243,9 @@ def _defect(piece: TiePiece, inverse: arb_mat, rows: Sequence[arb], tail: arb) -
 
 def _defect_rest(piece: TiePiece, last: int) -> arb:
     """Return a bound of the sum of 2 |R_j| over j > last: |R_j| <= |Y_j| (a xi^4 + b xi^2)."""
-    wave, k2 = piece.wave, piece.constants[0]
-    stride = 1 if wave.form == "dn" else 2
-    first = last + 1
-    while stride == 2 and first % 2 == 0:
-        first += 1
-    nome = wave.nome
-    theta = nome * (1 + arb(stride) / first) ** 4
-    if not theta < 1:
-        raise CertificateError("the tail of the wave is not bounded (take more modes)")
-    xi2 = piece.wavenumber(first) ** 2
-    size = 2 * abs(wave.mode(first)) * (1 + nome**first) / (1 - theta)
-    return upper(
-        size * (k2 * xi2 * xi2 * (arb(1) / 360 + arb(1) / 144) + abs(piece.sigma) * xi2 / 12)
-    )
+    xi2 = piece.wavenumber(piece.wave.first_after(last)) ** 2
+    fourth = piece.k2 * xi2 * xi2 * (arb(1) / 360 + arb(1) / 144)
+    return upper(piece.wave.rest(last, 4) * (fourth + abs(piece.sigma) * xi2 / 12))
 
 
 def _tail_norm(piece: TiePiece, inverse: arb_mat, rows: Sequence[arb], tail: arb) -> arb:
@@ -254,7 +271,7 @@ def _tail_norm(piece: TiePiece, inverse: arb_mat, rows: Sequence[arb], tail: arb
     return upper(worst)
 
 
-def distance_over_cube(piece: TiePiece, bound: arb) -> tuple[arb, arb]:
-    """Return lower and upper bounds of sup |f - eps Y|/eps^3; ``bound`` is c."""
+def scaled_distance(piece: TiePiece, bound: arb) -> tuple[arb, arb]:
+    """Return lower and upper bounds of sup |f - eps^p Y|/eps^(p + 2); ``bound`` is c."""
     low, high = supremum(piece.shift)
     return (low - bound).lower(), upper(high + bound)

@@ -11,7 +11,7 @@ from .cosine_series import largest, upper
 from .elliptic_pins import NearWave
 from .limits import MAX_MODES, CertificateError, decimal
 from .reading import Ends, Record
-from .tie import TiePiece, distance_over_cube, tie_contraction
+from .tie import TiePiece, scaled_distance, tie_contraction
 
 MAX_PIECES = 5000
 
@@ -22,13 +22,13 @@ class TieClaim:
     def __init__(self, record: Record) -> None:
         springs = springs_of(record.record("lattice"))
         near = record.record("near")
-        form, k = near.text("form"), near.number("k")
+        name, k = near.text("form"), near.number("k")
         near.close()
         self.eps, self.force = record.number("eps"), springs[0].force
-        cubic = len(self.force.polynomial or ()) == 4
-        if not (self.eps > 0 and cubic and [s.neighbour for s in springs] == [1]):
-            raise CertificateError("the tie is proved for eps > 0 and a force K2 r + K4 r^3")
-        self.wave = NearWave(form, k, fmpq(1), self.force)
+        polynomial = self.force.polynomial is not None
+        if not (self.eps > 0 and polynomial and [s.neighbour for s in springs] == [1]):
+            raise CertificateError("the tie is proved for eps > 0 and a polynomial force")
+        self.wave = NearWave(name, k, fmpq(1), self.force)
         self.weight = arb(record.number("weight"))
         self.pieces = record.items("pieces", MAX_PIECES)
 
@@ -42,9 +42,9 @@ class TieClaim:
             tie_contraction(piece).require(bound)
             change = abs(piece.correction[0]) + bound / self.weight
             square = upper(piece.square)
-            if not piece.constants[0] - square * (abs(piece.sigma) + square * change) > 0:
+            if not piece.k2 - square * (abs(piece.sigma) + square * change) > 0:
                 raise CertificateError("v^2 > 0 is not proved")
-            ends = distance_over_cube(piece, bound)
+            ends = scaled_distance(piece, bound)
             low.append(-ends[0])
             high.append(ends[1])
             speed.append(upper(change))
@@ -53,9 +53,14 @@ class TieClaim:
             raise CertificateError("the pieces of eps^2 must end at the square of eps")
         least = -_greatest(low)
         return {
-            "distance_over_eps3": (least.max(arb(0)).lower(), largest(high)),
+            self.distance: (least.max(arb(0)).lower(), largest(high)),
             "speed_over_eps4": (arb(0), largest(speed)),
         }
+
+    @property
+    def distance(self) -> str:
+        """Name of the scaled distance sup |f - eps^p Y|/eps^(p + 2)."""
+        return f"distance_over_eps{self.wave.form.order + 2}"
 
     @property
     def statement(self) -> str:
@@ -63,8 +68,9 @@ class TieClaim:
         return (
             f"For every 0 < eps <= {self.eps} the chain of unit masses with V'(r) = "
             f"{self.force.text} has a smooth even periodic strain f(n - v t) with period, mean and "
-            f"first mode of eps Y, Y the {self.wave.form} wave of the modified KdV equation with "
-            f"k = {self.wave.k}. Here distance_over_eps3 is sup |f - eps Y|/eps^3, and "
+            f"first mode of {self.wave.scaled}, Y the {self.wave.name} wave of the "
+            f"{self.wave.equation} with k = {self.wave.k}. Here {self.distance} is sup |f - "
+            f"{self.wave.scaled}|/eps^{self.wave.form.order + 2}, and "
             "speed_over_eps4 is |v^2 - K2 - sigma_0 eps^2|/eps^4."
         )
 
